@@ -1,0 +1,7 @@
+# Debian 12's packages; the list to install stands in ./run. Nothing is downloaded.
+find_package(VulkanHeaders REQUIRED)   # libvulkan-dev
+find_package(nlohmann_json REQUIRED)   # nlohmann-json3-dev
+find_package(meshoptimizer REQUIRED)   # libmeshoptimizer-dev
+find_package(draco REQUIRED)           # libdraco-dev
+find_path(STB_INCLUDE_DIR stb/stb_image.h REQUIRED)  # libstb-dev
+find_path(VOLK_INCLUDE_DIR volk.h REQUIRED)          # libvulkan-volk-dev

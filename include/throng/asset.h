@@ -1,0 +1,115 @@
+// A glTF file as read: nodes, skins, clips and meshes with every index checked, nothing compiled yet.
+// An engine with its own importer fills an Asset itself and hands it to compile_character().
+#pragma once
+
+#include <throng/result.h>
+#include <throng/transform.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace throng {
+
+inline constexpr uint32_t kNone = 0xFFFFFFFFu;  // "no index", wherever an index is optional
+
+struct AssetNode {
+    std::string name;
+    uint32_t parent = kNone;
+    Trs<double> parent_from_node;  // a node given by a matrix is decomposed; rotation is unit
+};
+
+struct AssetSkin {
+    std::string name;
+    std::vector<uint32_t> joints;        // node of each joint, in the file's order
+    std::vector<Affine> inverse_binds;   // joint_from_model at bind time, one per joint (identities where the file has none)
+};
+
+enum class Interpolation : uint8_t { kStep, kLinear, kCubicSpline };
+enum class TrackTarget : uint8_t { kTranslation, kRotation, kScale };
+
+// Keys of one property of one node.
+struct AssetTrack {
+    uint32_t node = 0;
+    TrackTarget target = TrackTarget::kTranslation;
+    Interpolation interpolation = Interpolation::kLinear;
+    std::vector<float> times_s;  // strictly increasing, finite, at least one
+    // 3 components a value (4, xyzw, for rotations; not necessarily unit). kCubicSpline has three values a key:
+    // in-tangent, value, out-tangent (glTF 2.0, appendix C).
+    std::vector<float> values;
+};
+
+struct AssetClip {
+    std::string name;                    // may be empty
+    double duration_s = 0;               // largest key time of any track; a clip starts at 0
+    std::vector<AssetTrack> tracks;      // at most one per node and target
+    uint32_t morph_track_count = 0;      // channels that animate morph weights: counted, not kept
+};
+
+enum class AlphaMode : uint8_t { kOpaque, kMask, kBlend };
+
+struct AssetMaterial {
+    std::string name;
+    std::array<float, 4> base_color{1, 1, 1, 1};  // linear
+    uint32_t image = kNone;                       // base colour texture, sRGB
+    AlphaMode alpha_mode = AlphaMode::kOpaque;
+    float alpha_cutoff = 0.5f;
+    bool double_sided = false;
+};
+
+// PNG or JPEG bytes, still encoded.
+struct AssetImage {
+    std::string name;
+    std::vector<std::byte> encoded;  // empty where the file could not be found; a warning says so
+};
+
+// A triangle list. Arrays are indexed by the file's vertex index; optional ones are empty or complete.
+struct AssetPrimitive {
+    uint32_t material = kNone;
+    std::vector<Vec3<float>> positions;
+    std::vector<Vec3<float>> normals;              // optional
+    std::vector<std::array<float, 2>> texcoords;   // optional; the set that the material's texture uses
+    std::vector<std::array<float, 4>> colors;      // optional, linear
+    uint32_t influence_count = 0;                  // per vertex: 4 per JOINTS_n set; 0 where the primitive is not skinned
+    std::vector<uint16_t> influence_joints;        // [vertex][influence_count], index into AssetSkin::joints
+    std::vector<float> influence_weights;          // [vertex][influence_count], as stored: not rescaled to sum 1
+    std::vector<uint32_t> indices;                 // three per triangle
+    uint32_t morph_target_count = 0;
+};
+
+struct AssetMesh {
+    std::string name;
+    // One per primitive of the file, in its order; one that draws no triangles (points, lines) has no indices.
+    std::vector<AssetPrimitive> primitives;
+};
+
+// A mesh that a node of the scene draws.
+struct AssetMeshInstance {
+    uint32_t node = 0;
+    uint32_t mesh = 0;
+    uint32_t skin = kNone;  // where kNone, the mesh follows its node rigidly
+};
+
+struct Asset {
+    std::string name;  // file name, for messages
+    std::vector<AssetNode> nodes;
+    std::vector<AssetSkin> skins;
+    std::vector<AssetClip> clips;
+    std::vector<AssetMesh> meshes;
+    std::vector<AssetMeshInstance> mesh_instances;  // ordered by node
+    std::vector<AssetMaterial> materials;
+    std::vector<AssetImage> images;
+    std::vector<std::string> warnings;  // what was ignored or mended, a line each, with its place
+};
+
+// Reads a .glb or .gltf file (glTF 2.0), its buffers and its images.
+// Extensions: KHR_mesh_quantization, EXT_meshopt_compression, KHR_draco_mesh_compression, KHR_texture_transform is ignored
+// with a warning; another extension in `extensionsRequired` is refused by name.
+// Side files must lie in the file's own folder or below it.
+// Errors: kFile, kInvalidFile, kUnsupported, kLimit; each names the file and the place in it. Thread-safe.
+Result<Asset> load_asset(const std::filesystem::path& path);
+
+}  // namespace throng

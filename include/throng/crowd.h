@@ -1,0 +1,125 @@
+// A crowd: instances of compiled characters, each animated on its own, on the GPU, every frame.
+#pragma once
+
+#include <throng/character.h>
+#include <throng/device.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace throng {
+
+// The methods of the Hierarchy-Scan stage, by name; docs/scan.md describes them.
+struct ScanMethodInfo {
+    std::string name;
+    std::string summary;
+    std::string source;
+};
+std::vector<ScanMethodInfo> scan_methods();
+
+// One clip as a character plays it.
+struct ClipPlayback {
+    uint32_t clip = kNone;  // index of Character::clips; kNone is the rest pose
+    double time_s = 0;
+    float speed = 1;        // seconds of clip per second; may be negative
+    bool loop = true;       // else the time stays within [0, duration]
+};
+
+// What one instance plays: `first` with `weight`, `second` with 1 - weight. With weight 1 the second clip costs nothing.
+struct Playback {
+    ClipPlayback first, second;
+    float weight = 1;
+};
+
+// Instances of one character. Instances of a crowd are numbered group after group.
+struct CrowdGroup {
+    const Character* character = nullptr;  // read by Crowd::create() and not kept
+    uint32_t instance_count = 0;
+};
+
+struct CrowdSettings {
+    std::vector<CrowdGroup> groups;
+    std::string scan = "auto";         // a name of scan_methods(), or "auto"
+    bool keep_model_matrices = false;  // else they live only within a frame, and read_model_matrices() is an error
+    bool timestamps = true;            // measure the stages; costs two queries a stage
+};
+
+// Skin matrices of consecutive instances of one group, in one buffer: Affine[instance_count][palette_count], three float4
+// rows each, model space: skinned position = matrix * bind position. `model_buffer` likewise holds model_from_joint,
+// Affine[instance_count][joint_count], where CrowdSettings::keep_model_matrices is set. `placement_buffer` holds
+// world_from_model, Affine[instance_count]. A block's buffers fit the device's storage-buffer range; offsets are 0.
+// Valid once the recorded commands have run, until the next record() runs; written by compute shaders, and made visible by
+// record() to later compute, vertex and transfer reads on the same queue.
+struct OutputBlock {
+    uint32_t group = 0;
+    uint32_t first_instance = 0;  // of the crowd
+    uint32_t instance_count = 0;
+    uint32_t palette_count = 0;
+    uint32_t joint_count = 0;
+    VkBuffer skin_buffer = VK_NULL_HANDLE;
+    VkBuffer model_buffer = VK_NULL_HANDLE;
+    VkBuffer placement_buffer = VK_NULL_HANDLE;
+};
+
+// GPU time of each stage in the last finished update, summed over its dispatches, milliseconds.
+struct StageTimes {
+    double control = 0, sample = 0, blend = 0, scan = 0, bind = 0;
+    double total() const { return control + sample + blend + scan + bind; }
+};
+
+struct CrowdState;  // internal
+
+// Not thread-safe: one thread at a time per crowd. Different crowds are independent but for their device's queue.
+class Crowd {
+public:
+    // Errors: kInvalidArgument (unknown scan, no instances), kLimit (names what exceeds which limit of the device), kOutOfMemory.
+    static Result<Crowd> create(const Device& device, const CrowdSettings& settings);
+    Crowd(Crowd&&) noexcept;
+    Crowd& operator=(Crowd&&) noexcept;
+    ~Crowd();
+
+    uint32_t instance_count() const;
+    // The method in use, also where "auto" chose it, for each group.
+    std::string_view scan_method(uint32_t group) const;
+
+    // Change what instances play, or where they stand (world_from_model); taken up by the next record(). New instances play the
+    // rest pose and stand at the origin. Only changed instances are uploaded: 48 bytes each for either.
+    // Errors: kInvalidArgument (instance or clip out of range, value not finite, weight outside 0..1).
+    Result<void> set_playback(uint32_t first_instance, std::span<const Playback> playback);
+    Result<void> set_placement(uint32_t first_instance, std::span<const Affine> world_from_model);
+
+    // Records one update into the caller's command buffer (recording, outside a render pass, of the adopted queue's family):
+    // advances every instance by `time_step_s` times its speed, then control, sample, blend, scan, bind. A playback set since
+    // the last record() starts at its time plus this step. The recorded commands must have finished before the crowd
+    // is destroyed, and may be submitted once.
+    Result<void> record(VkCommandBuffer commands, float time_step_s);
+    // record(), submit to the device's queue, and wait.
+    Result<void> update(float time_step_s);
+
+    std::span<const OutputBlock> outputs() const;
+    // Of the last update that has finished. Errors: kInvalidArgument where timestamps are off or nothing has run yet.
+    Result<StageTimes> stage_times() const;
+
+    // Copies of one instance's results; they submit and wait. Shapes: [palette_count], [joint_count], [vertex_count].
+    Result<std::vector<Affine>> read_skin_matrices(uint32_t instance);
+    Result<std::vector<Affine>> read_model_matrices(uint32_t instance);
+    // Skinned on the GPU, model space, in the order of Character::vertices.
+    Result<std::vector<Vec3<float>>> read_positions(uint32_t instance);
+
+    // Device memory that the crowd holds.
+    uint64_t size_bytes() const;
+
+    // Internal.
+    explicit Crowd(std::unique_ptr<CrowdState> state);
+    CrowdState& state() const { return *state_; }
+
+private:
+    std::unique_ptr<CrowdState> state_;
+};
+
+}  // namespace throng

@@ -1,0 +1,73 @@
+// The Vulkan device that throng works on: one of its own, or the application's.
+#pragma once
+
+#include <throng/result.h>
+
+#include <vulkan/vulkan_core.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace throng {
+
+struct DeviceInfo {
+    uint32_t index = 0;       // as DeviceSettings::select takes it
+    std::string name;
+    std::string type;         // "discrete", "integrated", "virtual", "cpu" or "other"
+    std::string driver;       // name and version
+    uint32_t api_version = 0; // VK_MAKE_API_VERSION
+    uint32_t subgroup_size = 0;
+    uint32_t shared_memory_bytes = 0;       // per workgroup
+    uint64_t storage_buffer_range_bytes = 0;
+    bool usable = false;                    // false: too old for throng
+};
+
+// What the Khronos validation layer looks at. Needs the layer; a device with more than kOff is for tests.
+enum class Validation { kOff, kStandard, kSynchronization, kGpuAssisted };
+
+struct DeviceSettings {
+    // Empty: a discrete GPU if there is one, else an integrated one, else a virtual one, else the software device.
+    // Else an index of list_devices(), "cpu", or a part of a device's name in any case.
+    std::string select;
+    Validation validation = Validation::kOff;
+};
+
+// An instance, device and queue that the application made and keeps. Vulkan 1.3, loaded from the system's libvulkan.so.1;
+// the device has the features synchronization2 and maintenance4 enabled, and dynamicRendering to draw with throng. The queue
+// supports compute, and graphics to draw with throng.
+struct AdoptedDevice {
+    VkInstance instance = VK_NULL_HANDLE;
+    VkPhysicalDevice physical_device = VK_NULL_HANDLE;
+    VkDevice device = VK_NULL_HANDLE;
+    VkQueue queue = VK_NULL_HANDLE;
+    uint32_t queue_family = 0;
+};
+
+class Gpu;  // internal
+
+// A handle; copies share one device, which lives as long as the last copy and the last crowd made with it.
+// Several devices may live side by side. Creation is thread-safe; crowds of one device share its queue, so calls that submit
+// (Crowd::update, read_*, Renderer::render) need the caller's lock when made from several threads.
+class Device {
+public:
+    // All physical devices of this machine. Errors: kNoDevice where no Vulkan loader or no driver is installed.
+    static Result<std::vector<DeviceInfo>> list();
+    static Result<Device> create(const DeviceSettings& settings = {});
+    // throng submits to the adopted queue only in the calls that say so; the application guards the queue there.
+    static Result<Device> adopt(const AdoptedDevice& adopted);
+
+    const DeviceInfo& info() const;
+    // Messages of the validation layer so far (errors and warnings); 0 where validation is off.
+    uint32_t validation_message_count() const;
+
+    // Internal.
+    explicit Device(std::shared_ptr<Gpu> gpu);
+    const std::shared_ptr<Gpu>& gpu() const { return gpu_; }
+
+private:
+    std::shared_ptr<Gpu> gpu_;
+};
+
+}  // namespace throng

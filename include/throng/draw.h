@@ -1,0 +1,67 @@
+// Drawing a crowd to a picture: skinned, instanced, lit by one directional light, on a ground.
+#pragma once
+
+#include <throng/crowd.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+namespace throng {
+
+// 8-bit RGBA, sRGB, rows from the top.
+struct Picture {
+    uint32_t width = 0, height = 0;
+    std::vector<uint8_t> rgba;  // [height][width][4]
+};
+
+// Writes a PNG to a temporary name beside `path`, then renames it. Errors: kFile.
+Result<void> write_png(const std::filesystem::path& path, const Picture& picture);
+
+struct Camera {
+    Vec3<float> eye{0, 2, 5};     // world space
+    Vec3<float> target{0, 1, 0};
+    float vertical_field_of_view_rad = 0.7f;
+};
+
+struct Bounds {
+    Vec3<float> min, max;
+};
+
+// World bounds of the instances' rest poses, by their placements.
+Bounds world_bounds(const Crowd& crowd);
+// A camera that looks down on the bounds from the front right and holds them in view.
+Camera fit_camera(const Bounds& bounds, float aspect_ratio);
+
+struct RendererSettings {
+    uint32_t width = 1920, height = 1080;  // at most the device's limit
+    uint32_t samples = 4;                  // lowered to what the device has
+};
+
+struct RenderResult {
+    Picture picture;
+    double draw_ms = 0;  // GPU time of skinning and drawing; 0 where the queue has no timestamps
+};
+
+struct RendererState;  // internal
+
+// Needs a device with a graphics queue and dynamicRendering. Not thread-safe.
+class Renderer {
+public:
+    static Result<Renderer> create(const Device& device, const RendererSettings& settings = {});
+    Renderer(Renderer&&) noexcept;
+    Renderer& operator=(Renderer&&) noexcept;
+    ~Renderer();
+
+    // Draws the crowd as its last update left it; submits and waits. The crowd's device is the renderer's.
+    Result<RenderResult> render(const Crowd& crowd, const Camera& camera);
+
+    // Internal.
+    explicit Renderer(std::unique_ptr<RendererState> state);
+
+private:
+    std::unique_ptr<RendererState> state_;
+};
+
+}  // namespace throng

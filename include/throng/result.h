@@ -1,0 +1,73 @@
+// Errors as values. No exception crosses throng's API.
+#pragma once
+
+#include <cassert>
+#include <string>
+#include <utility>
+#include <variant>
+
+namespace throng {
+
+enum class ErrorCode {
+    kInvalidArgument,  // the caller's value is out of its documented range
+    kFile,             // a file cannot be opened, read or written
+    kInvalidFile,      // a file's content breaks its format
+    kUnsupported,      // valid, but not something throng or the device can do
+    kLimit,            // a stated limit of throng or of the device is exceeded
+    kNoDevice,         // no Vulkan device fits the request
+    kOutOfMemory,
+    kVulkan,           // a Vulkan call failed; the message names the call and its result
+};
+
+// What went wrong and where: `place` is a path into the input ("fox.glb: animations[2].channels[5]"), or empty.
+struct Error {
+    ErrorCode code = ErrorCode::kInvalidArgument;
+    std::string place;
+    std::string message;
+
+    // "place: message", one line.
+    std::string text() const { return place.empty() ? message : place + ": " + message; }
+};
+
+// A T, or the Error that prevented it. Looking at the one that is not there is a programmer's mistake and asserts.
+template <class T>
+class [[nodiscard]] Result {
+public:
+    Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}
+    Result(Error error) : state_(std::in_place_index<1>, std::move(error)) {}
+
+    bool ok() const { return state_.index() == 0; }
+    explicit operator bool() const { return ok(); }
+
+    T& operator*() & { return value(); }
+    const T& operator*() const& { return value(); }
+    T&& operator*() && { return std::move(value()); }
+    T* operator->() { return &value(); }
+    const T* operator->() const { return &value(); }
+
+    T& value() & { assert(ok()); return std::get<0>(state_); }
+    const T& value() const& { assert(ok()); return std::get<0>(state_); }
+    T&& value() && { assert(ok()); return std::get<0>(std::move(state_)); }
+    const Error& error() const { assert(!ok()); return std::get<1>(state_); }
+
+private:
+    std::variant<T, Error> state_;
+};
+
+// Success, or the Error that prevented it.
+template <>
+class [[nodiscard]] Result<void> {
+public:
+    Result() = default;
+    Result(Error error) : error_(std::move(error)), failed_(true) {}
+
+    bool ok() const { return !failed_; }
+    explicit operator bool() const { return ok(); }
+    const Error& error() const { assert(failed_); return error_; }
+
+private:
+    Error error_;
+    bool failed_ = false;
+};
+
+}  // namespace throng

@@ -1,0 +1,8 @@
+// Everything of throng's public API.
+#pragma once
+
+#include <throng/character.h>
+#include <throng/crowd.h>
+#include <throng/device.h>
+#include <throng/draw.h>
+#include <throng/reference.h>

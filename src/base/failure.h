@@ -1,0 +1,44 @@
+// Inside throng a failure is thrown; at the API it becomes a Result. as_result() is the only place where the two meet.
+#pragma once
+
+#include <throng/result.h>
+
+#include <exception>
+#include <new>
+#include <type_traits>
+
+namespace throng {
+
+struct Failure : std::exception {
+    explicit Failure(Error e) : error(std::move(e)), text(error.text()) {}
+    Failure(ErrorCode code, std::string place, std::string message)
+        : Failure(Error{code, std::move(place), std::move(message)}) {}
+    const char* what() const noexcept override { return text.c_str(); }
+
+    Error error;
+    std::string text;
+};
+
+// Runs `body` and returns its value, or the Error that it threw. `place` is given to errors that name none.
+template <class Body>
+auto as_result(Body&& body, std::string place = {}) -> Result<std::invoke_result_t<Body>> {
+    using T = std::invoke_result_t<Body>;
+    try {
+        if constexpr (std::is_void_v<T>) {
+            body();
+            return {};
+        } else {
+            return body();
+        }
+    } catch (const Failure& failure) {
+        Error error = failure.error;
+        if (error.place.empty()) error.place = std::move(place);
+        return error;
+    } catch (const std::bad_alloc&) {
+        return Error{ErrorCode::kOutOfMemory, std::move(place), "out of memory"};
+    } catch (const std::exception& other) {
+        return Error{ErrorCode::kInvalidArgument, std::move(place), other.what()};
+    }
+}
+
+}  // namespace throng

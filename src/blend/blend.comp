@@ -1,0 +1,24 @@
+#version 460
+// blend: two poses per joint, weighted per instance, to parent_from_joint. Reads only the poses that have weight.
+// One workgroup per instance, joints in strides. Reads 48 or 96 bytes a joint, writes 48.
+#include "blend/blend.glsl"
+
+layout(local_size_x = kBlendWorkgroupSize) in;
+layout(set = 0, binding = 0, std430) readonly buffer Cursors { InstanceCursor cursors[]; };
+layout(set = 0, binding = 1, std430) readonly buffer FirstPoses { JointPose first_poses[]; };
+layout(set = 0, binding = 2, std430) readonly buffer SecondPoses { JointPose second_poses[]; };
+layout(set = 0, binding = 3, std430) writeonly buffer Local { Affine local[]; };
+layout(push_constant) uniform Push { BlendPush push; };
+
+void main() {
+    const uint instance = gl_WorkGroupID.x;
+    const float weight = cursors[instance].weight;
+    for (uint joint = gl_LocalInvocationID.x; joint < push.joint_count; joint += kBlendWorkgroupSize) {
+        const uint i = instance * push.joint_count + joint;
+        JointPose pose;
+        if (weight >= 1) pose = first_poses[i];
+        else if (weight <= 0) pose = second_poses[i];
+        else pose = blend_joint(first_poses[i], second_poses[i], weight);
+        local[i] = parent_from_joint(pose);
+    }
+}

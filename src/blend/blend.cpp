@@ -1,0 +1,14 @@
+#include "blend/blend.h"
+
+namespace throng {
+namespace {
+
+constexpr uint32_t kSpirv[] = {
+#include "blend/blend.comp.inc"
+};
+
+}  // namespace
+
+Kernel blend_kernel(const std::shared_ptr<Gpu>& gpu) { return Kernel(gpu, {.name = "blend", .spirv = kSpirv}); }
+
+}  // namespace throng

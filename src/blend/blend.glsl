@@ -1,0 +1,15 @@
+// Two poses of a joint -> one; and the pose's matrix.
+#include "blend/blend_io.h"
+#include "gpu/affine.glsl"
+
+// weight * a + (1 - weight) * b: translation and scale linearly, rotation normalised on the shortest path.
+JointPose blend_joint(JointPose a, JointPose b, float weight) {
+    const float side = dot(a.rotation, b.rotation) < 0 ? -1 : 1;
+    const vec4 rotation = mix(b.rotation * side, a.rotation, weight);
+    return JointPose(rotation * inversesqrt(dot(rotation, rotation)), mix(b.translation, a.translation, weight),
+                     mix(b.scale, a.scale, weight));
+}
+
+Affine parent_from_joint(JointPose pose) {
+    return affine_from_trs(pose.rotation, pose.translation.xyz, pose.scale.xyz);
+}

@@ -1,0 +1,68 @@
+#include <throng/character.h>
+
+#include "base/failure.h"
+#include "bind/bind_reference.h"
+#include "compile/clip.h"
+#include "compile/mesh.h"
+#include "compile/rig.h"
+#include "scan/scan_reference.h"
+#include "skin/skin_reference.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace throng {
+namespace {
+
+// Bounds of the mesh in the rest pose; of the joints, where there is no mesh.
+void measure(Character& character) {
+    std::vector<AffineT<double>> local;
+    for (const Trs<float>& joint : character.rig.rest) local.push_back(to_affine(joint.as<double>()));
+    const std::vector<AffineT<double>> model = scan_reference(character.rig.parents, local);
+    std::vector<Vec3<double>> points = skin_reference(character, bind_reference(character.palette, model));
+    if (points.empty())
+        for (const AffineT<double>& m : model) points.push_back({m.row[0][3], m.row[1][3], m.row[2][3]});
+
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    Vec3<double> low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
+    for (const Vec3<double>& p : points) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    character.bounds_min = low.as<float>();
+    character.bounds_max = high.as<float>();
+    character.size = static_cast<float>(length(high - low));
+    if (!std::isfinite(character.size)) throw Failure(ErrorCode::kInvalidFile, character.name, "the rest pose is not finite");
+}
+
+}  // namespace
+
+uint32_t Character::find_clip(std::string_view clip_name) const {
+    const auto found = std::find_if(clips.begin(), clips.end(), [&](const Clip& clip) { return clip.name == clip_name; });
+    return found == clips.end() ? kNone : static_cast<uint32_t>(found - clips.begin());
+}
+
+Result<Character> compile_character(const Asset& asset) {
+    return as_result([&] {
+        Character character;
+        character.name = asset.name;
+        character.warnings = asset.warnings;
+        const RigMap map = build_rig(asset);
+        character.rig = map.rig;
+        compile_mesh(asset, map, character);
+        measure(character);
+        compile_clips(asset, map, character);
+        for (const AssetMesh& mesh : asset.meshes)
+            for (const AssetPrimitive& primitive : mesh.primitives)
+                character.morph_target_count = std::max(character.morph_target_count, primitive.morph_target_count);
+        return character;
+    }, asset.name);
+}
+
+Result<Character> load_character(const std::filesystem::path& path) {
+    Result<Asset> asset = load_asset(path);
+    if (!asset) return asset.error();
+    return compile_character(*asset);
+}
+
+}  // namespace throng

@@ -1,0 +1,39 @@
+// Which nodes become joints, in which order, and how a node's own transform becomes its joint's.
+#pragma once
+
+#include <throng/character.h>
+
+#include <vector>
+
+namespace throng {
+
+// Rotation, uniform scale and translation: what a folded static node leaves to its children. Unlike a general matrix it maps every
+// interpolation of a child's TRS (lerp, slerp, cubic) onto the same interpolation of the mapped keys, so folding is exact.
+struct Similarity {
+    Quaternion<double> rotation;
+    Vec3<double> translation;
+    double scale = 1;
+
+    Vec3<double> vector(const Vec3<double>& v) const;
+    Vec3<double> point(const Vec3<double>& p) const { return vector(p) + translation; }
+    Trs<double> operator*(const Trs<double>& t) const { return {rotation * t.rotation, point(t.translation), t.scale * scale}; }
+};
+
+struct RigMap {
+    Rig rig;
+    std::vector<uint32_t> joint_of_node;           // [node_count], kNone where the node is no joint
+    std::vector<Similarity> parent_from_prefix;    // [joint_count], the folded nodes between a joint and its parent
+    uint32_t folded_node_count = 0;
+};
+
+// Throws kUnsupported where the asset has neither skin nor mesh, kLimit beyond 65,535 joints.
+RigMap build_rig(const Asset& asset);
+
+// A rigid mesh's place: the joint it hangs on and joint_from_mesh.
+struct RigidAnchor {
+    uint32_t joint = 0;
+    AffineT<double> joint_from_mesh;
+};
+RigidAnchor rigid_anchor(const Asset& asset, const RigMap& map, uint32_t node);
+
+}  // namespace throng

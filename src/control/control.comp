@@ -1,0 +1,34 @@
+#version 460
+// control: advances each instance's clips by the time step and finds the rows of keys that the sample stage interpolates.
+// One invocation per instance; cost: a binary search per clip.
+#include "control/control_io.h"
+
+layout(local_size_x = kControlWorkgroupSize) in;
+layout(set = 0, binding = 0, std430) buffer Playbacks { InstancePlayback playbacks[]; };
+layout(set = 0, binding = 1, std430) readonly buffer Axes { ClipAxis axes[]; };
+layout(set = 0, binding = 2, std430) readonly buffer Times { float times[]; };
+layout(set = 0, binding = 3, std430) writeonly buffer Cursors { InstanceCursor cursors[]; };
+layout(push_constant) uniform Push { ControlPush push; };
+
+#include "control/control.glsl"
+
+SlotCursor advance(inout SlotPlayback slot) {
+    const ClipAxis axis = axes[slot.clip];
+    slot.time_s = local_time(slot.time_s + push.time_step_s * slot.speed, axis.duration_s, slot.loop != 0);
+    SlotCursor cursor = find_rows(axis, slot.time_s);
+    cursor.first_track = slot.clip * push.joint_count;
+    return cursor;
+}
+
+void main() {
+    const uint instance = gl_GlobalInvocationID.x;
+    if (instance >= push.instance_count) return;
+    InstancePlayback playback = playbacks[instance];
+    InstanceCursor cursor;
+    cursor.first = advance(playback.first);
+    cursor.second = advance(playback.second);
+    cursor.weight = playback.weight;
+    playbacks[instance].first.time_s = playback.first.time_s;
+    playbacks[instance].second.time_s = playback.second.time_s;
+    cursors[instance] = cursor;
+}

@@ -1,0 +1,25 @@
+// Playback state -> time -> rows of keys. The includer declares `float times[]`.
+#include "control/control_io.h"
+
+// Looping: t - floor(t / D) * D, so that t = D wraps to 0. Division is not exact on GPUs, hence the two mends.
+float local_time(float time_s, float duration_s, bool loop) {
+    if (duration_s <= 0) return 0;
+    if (!loop) return clamp(time_s, 0, duration_s);
+    float wrapped = time_s - floor(time_s / duration_s) * duration_s;
+    if (wrapped < 0) wrapped += duration_s;
+    return wrapped >= duration_s ? 0 : wrapped;
+}
+
+// The rows around time_s: the last one at or before it and the next; before the first and after the last, that row alone.
+SlotCursor find_rows(ClipAxis axis, float time_s) {
+    uint low = 0, high = axis.row_count;  // times[low] <= time_s < times[high], but for the ends
+    while (high - low > 1) {
+        const uint middle = (low + high) / 2;
+        if (times[axis.first_time + middle] <= time_s) low = middle;
+        else high = middle;
+    }
+    const uint later = min(low + 1, axis.row_count - 1);
+    const float from_s = times[axis.first_time + low], to_s = times[axis.first_time + later];
+    const float fraction = later > low ? clamp((time_s - from_s) / (to_s - from_s), 0, 1) : 0;
+    return SlotCursor(0, low * axis.column_count, later * axis.column_count, fraction);
+}

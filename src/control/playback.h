@@ -1,0 +1,11 @@
+// What a Playback must satisfy, for the GPU and for the reference alike.
+#pragma once
+
+#include <throng/crowd.h>
+
+namespace throng {
+
+// Throws kInvalidArgument with `place` where a clip is out of range, a number not finite, or the weight outside 0..1.
+void check_playback(const Playback& playback, uint32_t clip_count, const std::string& place);
+
+}  // namespace throng

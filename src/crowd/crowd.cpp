@@ -1,0 +1,69 @@
+#include <throng/crowd.h>
+
+#include "base/failure.h"
+#include "crowd/crowd_state.h"
+
+namespace throng {
+
+std::vector<ScanMethodInfo> scan_methods() {
+    std::vector<ScanMethodInfo> methods;
+    for (const ScanMethod& method : scan_table()) methods.push_back({std::string(method.name), std::string(method.summary), std::string(method.source)});
+    return methods;
+}
+
+Result<Crowd> Crowd::create(const Device& device, const CrowdSettings& settings) {
+    return as_result([&] { return Crowd(std::make_unique<CrowdState>(device.gpu(), settings)); }, "crowd");
+}
+
+Crowd::Crowd(std::unique_ptr<CrowdState> state) : state_(std::move(state)) {}
+Crowd::Crowd(Crowd&&) noexcept = default;
+Crowd& Crowd::operator=(Crowd&&) noexcept = default;
+Crowd::~Crowd() = default;
+
+uint32_t Crowd::instance_count() const { return state_->instance_count; }
+
+std::string_view Crowd::scan_method(uint32_t group) const {
+    assert(group < state_->groups.size());
+    return state_->groups[group].scan.method().name;
+}
+
+Result<void> Crowd::set_playback(uint32_t first_instance, std::span<const Playback> playback) {
+    return as_result([&] { state_->set_playback(first_instance, playback); });
+}
+
+Result<void> Crowd::set_placement(uint32_t first_instance, std::span<const Affine> world_from_model) {
+    return as_result([&] { state_->set_placement(first_instance, world_from_model); });
+}
+
+Result<void> Crowd::record(VkCommandBuffer commands, float time_step_s) {
+    return as_result([&] { state_->record(commands, time_step_s); }, "crowd");
+}
+
+Result<void> Crowd::update(float time_step_s) {
+    return as_result([&] { state_->gpu->submit_and_wait([&](VkCommandBuffer commands) { state_->record(commands, time_step_s); }); }, "crowd");
+}
+
+std::span<const OutputBlock> Crowd::outputs() const { return state_->outputs; }
+
+Result<StageTimes> Crowd::stage_times() const {
+    return as_result([&] {
+        if (!state_->timer) throw Failure(ErrorCode::kInvalidArgument, "stage times", "timestamps are off, or the queue has none");
+        return state_->timer->read();
+    });
+}
+
+Result<std::vector<Affine>> Crowd::read_skin_matrices(uint32_t instance) {
+    return as_result([&] { return state_->read_matrices(instance, false); });
+}
+
+Result<std::vector<Affine>> Crowd::read_model_matrices(uint32_t instance) {
+    return as_result([&] { return state_->read_matrices(instance, true); });
+}
+
+Result<std::vector<Vec3<float>>> Crowd::read_positions(uint32_t instance) {
+    return as_result([&] { return state_->read_positions(instance); });
+}
+
+uint64_t Crowd::size_bytes() const { return state_->size_bytes(); }
+
+}  // namespace throng

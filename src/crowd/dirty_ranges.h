@@ -1,0 +1,40 @@
+// Which instances changed since the last update; costs nothing for those that did not.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace throng {
+
+class DirtyRanges {
+public:
+    struct Range {
+        uint32_t first = 0, count = 0;
+    };
+
+    void add(uint32_t first, uint32_t count) {
+        if (count > 0) ranges_.push_back({first, count});
+    }
+
+    // The changed instances in ascending order, each once; empty afterwards.
+    std::vector<Range> take() {
+        std::sort(ranges_.begin(), ranges_.end(), [](const Range& a, const Range& b) { return a.first < b.first; });
+        std::vector<Range> merged;
+        for (const Range& range : ranges_) {
+            if (merged.empty() || range.first > merged.back().first + merged.back().count) {
+                merged.push_back(range);
+                continue;
+            }
+            Range& last = merged.back();
+            last.count = std::max(last.first + last.count, range.first + range.count) - last.first;
+        }
+        ranges_.clear();
+        return merged;
+    }
+
+private:
+    std::vector<Range> ranges_;
+};
+
+}  // namespace throng

@@ -1,0 +1,60 @@
+#include "crowd/group.h"
+
+#include "control/control_io.h"
+#include "sample/sample_io.h"
+#include "skin/skin_io.h"
+
+namespace throng {
+namespace {
+
+static_assert(io::kTrackAnimatedBit == kTrackAnimated && io::kTrackStepBit == kTrackStep && io::kTrackPositionMask == kTrackPosition);
+static_assert(io::kScanNoJoint == kNone);
+static_assert(sizeof(io::VertexRows) == sizeof(Vertex));
+
+// One axis per clip, and the rest pose's: a single row at time 0.
+std::vector<io::ClipAxis> clip_axes(const Character& character) {
+    std::vector<io::ClipAxis> axes;
+    for (const Clip& clip : character.clips) axes.push_back({clip.first_time, clip.row_count, clip.column_count, clip.duration_s});
+    axes.push_back({.first_time = 0, .row_count = 1, .column_count = 0, .duration_s = 0});
+    return axes;
+}
+
+}  // namespace
+
+Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const ScanMethod& method)
+    : name(character.name),
+      joint_count(character.rig.joint_count()),
+      palette_count(static_cast<uint32_t>(character.palette.size())),
+      vertex_count(static_cast<uint32_t>(character.vertices.size())),
+      sections(character.sections),
+      materials(character.materials),
+      images(character.images),
+      bounds_min(character.bounds_min),
+      bounds_max(character.bounds_max),
+      scan(gpu, method, character.rig.parents) {
+    std::vector<uint32_t> joints;
+    std::vector<Affine> binds;
+    for (const PaletteEntry& entry : character.palette) {
+        joints.push_back(entry.joint);
+        binds.push_back(entry.joint_from_bind);
+    }
+    for (const Clip& clip : character.clips) clip_durations_s.push_back(clip.duration_s);
+    axes = upload(gpu, name + ": clip axes", clip_axes(character));
+    times = upload(gpu, name + ": key times", character.times_s);
+    tracks = upload(gpu, name + ": tracks", character.tracks);
+    keys = upload(gpu, name + ": keys", character.keys);
+    palette_joints = upload(gpu, name + ": palette joints", joints);
+    joint_from_bind = upload(gpu, name + ": inverse binds", binds);
+    vertices = upload(gpu, name + ": vertices", character.vertices);
+    influences = upload(gpu, name + ": influences", character.influences);
+    indices = upload(gpu, name + ": indices", character.indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
+}
+
+uint64_t Group::size_bytes() const {
+    uint64_t sum = scan.links().size_bytes();
+    for (const Buffer* buffer : {&axes, &times, &tracks, &keys, &palette_joints, &joint_from_bind, &vertices, &influences, &indices})
+        sum += buffer->size_bytes();
+    return sum;
+}
+
+}  // namespace throng

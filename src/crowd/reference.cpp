@@ -1,0 +1,43 @@
+// The pipeline sentence in double precision: sample, blend, scan, bind, skin.
+#include <throng/reference.h>
+
+#include "base/failure.h"
+#include "bind/bind_reference.h"
+#include "blend/blend_reference.h"
+#include "control/playback.h"
+#include "sample/sample_reference.h"
+#include "scan/scan_reference.h"
+#include "skin/skin_reference.h"
+
+namespace throng {
+namespace {
+
+std::vector<Trs<double>> sample(const Character& character, const ClipPlayback& slot) {
+    const auto clip_count = static_cast<uint32_t>(character.clips.size());
+    if (slot.clip == kNone) return sample_reference(character, clip_count, 0);
+    return sample_reference(character, slot.clip, local_time_reference(slot.time_s, character.clips[slot.clip].duration_s, slot.loop));
+}
+
+}  // namespace
+
+Result<ReferencePose> reference_pose(const Character& character, const Playback& playback) {
+    return as_result([&] {
+        check_playback(playback, static_cast<uint32_t>(character.clips.size()), character.name);
+        std::vector<Trs<double>> pose = sample(character, playback.weight > 0 ? playback.first : playback.second);
+        if (playback.weight > 0 && playback.weight < 1) {
+            const std::vector<Trs<double>> second = sample(character, playback.second);
+            for (size_t joint = 0; joint < pose.size(); ++joint) pose[joint] = blend_reference(pose[joint], second[joint], playback.weight);
+        }
+        ReferencePose result;
+        for (const Trs<double>& joint : pose) result.parent_from_joint.push_back(to_affine(joint));
+        result.model_from_joint = scan_reference(character.rig.parents, result.parent_from_joint);
+        result.model_from_bind = bind_reference(character.palette, result.model_from_joint);
+        return result;
+    });
+}
+
+std::vector<Vec3<double>> reference_positions(const Character& character, const ReferencePose& pose) {
+    return skin_reference(character, pose.model_from_bind);
+}
+
+}  // namespace throng

@@ -1,0 +1,35 @@
+// Memory barriers between the kinds of access that throng makes.
+#pragma once
+
+#include "gpu/gpu.h"
+
+namespace throng {
+
+struct Access {
+    VkPipelineStageFlags2 stage;
+    VkAccessFlags2 access;
+
+    constexpr Access operator|(const Access& other) const { return {stage | other.stage, access | other.access}; }
+};
+
+inline constexpr Access kShaderRead{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_READ_BIT};
+inline constexpr Access kShaderWrite{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT};
+inline constexpr Access kVertexRead{VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_READ_BIT};
+inline constexpr Access kTransferRead{VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT};
+inline constexpr Access kTransferWrite{VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT};
+inline constexpr Access kHostRead{VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT};
+
+// All memory: what `before` wrote is visible to `after`, and `after` waits for `before` even where that only read.
+inline void memory_barrier(const Gpu& gpu, VkCommandBuffer commands, Access before, Access after) {
+    VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+    barrier.srcStageMask = before.stage;
+    barrier.srcAccessMask = before.access;
+    barrier.dstStageMask = after.stage;
+    barrier.dstAccessMask = after.access;
+    VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    dependency.memoryBarrierCount = 1;
+    dependency.pMemoryBarriers = &barrier;
+    gpu.vk.vkCmdPipelineBarrier2(commands, &dependency);
+}
+
+}  // namespace throng

@@ -1,0 +1,79 @@
+// A buffer with memory of its own.
+#pragma once
+
+#include "gpu/gpu.h"
+
+#include <cstddef>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace throng {
+
+enum class MemoryKind {
+    kDevice,    // the GPU's own
+    kUpload,    // written by the CPU, mapped
+    kReadback,  // read by the CPU, mapped and cached
+};
+
+// Movable, not copyable. Every buffer may be the source and target of copies.
+class Buffer {
+public:
+    Buffer() = default;
+    // `what` names the content in messages. Throws kLimit where a storage buffer exceeds the device's range or allocation size.
+    Buffer(std::shared_ptr<Gpu> gpu, std::string_view what, VkDeviceSize size_bytes, VkBufferUsageFlags usage,
+           MemoryKind kind = MemoryKind::kDevice);
+    ~Buffer();
+    Buffer(Buffer&& other) noexcept { swap(other); }
+    Buffer& operator=(Buffer&& other) noexcept {
+        swap(other);
+        return *this;
+    }
+
+    VkBuffer handle() const { return buffer_; }
+    VkDeviceSize size_bytes() const { return size_bytes_; }
+    std::byte* mapped() const { return mapped_; }
+
+private:
+    void swap(Buffer& other) noexcept;
+    void destroy() noexcept;
+
+    std::shared_ptr<Gpu> gpu_;
+    VkBuffer buffer_ = VK_NULL_HANDLE;
+    VkDeviceMemory memory_ = VK_NULL_HANDLE;
+    VkDeviceSize size_bytes_ = 0;
+    std::byte* mapped_ = nullptr;
+};
+
+// Part of a buffer, as a descriptor takes it.
+struct BufferRange {
+    VkBuffer buffer = VK_NULL_HANDLE;
+    VkDeviceSize offset_bytes = 0;
+    VkDeviceSize size_bytes = 0;
+
+    BufferRange() = default;
+    BufferRange(const Buffer& whole) : buffer(whole.handle()), size_bytes(whole.size_bytes()) {}
+    BufferRange(VkBuffer handle, VkDeviceSize offset, VkDeviceSize size) : buffer(handle), offset_bytes(offset), size_bytes(size) {}
+};
+
+// A device buffer that holds `data`; empty data gives a buffer of 16 zero bytes, since Vulkan has no empty ones. Submits and waits.
+Buffer upload_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data, VkBufferUsageFlags usage);
+
+template <class T>
+Buffer upload(const std::shared_ptr<Gpu>& gpu, std::string_view what, const std::vector<T>& data,
+              VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT) {
+    return upload_bytes(gpu, what, std::as_bytes(std::span(data)), usage);
+}
+
+// Copies a range back. Submits and waits; sees all work submitted to the queue before.
+void download_bytes(const std::shared_ptr<Gpu>& gpu, const BufferRange& range, std::span<std::byte> out);
+
+template <class T>
+std::vector<T> download(const std::shared_ptr<Gpu>& gpu, const BufferRange& range) {
+    std::vector<T> out(range.size_bytes / sizeof(T));
+    download_bytes(gpu, range, std::as_writable_bytes(std::span(out)));
+    return out;
+}
+
+}  // namespace throng

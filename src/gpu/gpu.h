@@ -1,0 +1,59 @@
+// The device as throng's own code sees it: handles, limits, its function table, and one-shot submission.
+#pragma once
+
+#include "gpu/vulkan.h"
+
+#include <throng/device.h>
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+
+namespace throng {
+
+class Gpu {
+public:
+    static std::vector<DeviceInfo> list();
+    static std::shared_ptr<Gpu> create(const DeviceSettings& settings);
+    static std::shared_ptr<Gpu> adopt(const AdoptedDevice& adopted);
+    ~Gpu();
+    Gpu(const Gpu&) = delete;
+    Gpu& operator=(const Gpu&) = delete;
+
+    // Records `body` into a fresh command buffer, submits it to the queue and waits for it.
+    void submit_and_wait(const std::function<void(VkCommandBuffer)>& body) const;
+
+    // Index of a memory type among `type_bits` with all `required` properties and, where there is one, the `preferred` too.
+    uint32_t memory_type(uint32_t type_bits, VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) const;
+
+    bool is_cpu() const { return properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
+    bool has_graphics() const { return (queue_flags & VK_QUEUE_GRAPHICS_BIT) != 0; }
+    bool has_timestamps() const { return timestamp_valid_bits != 0 && properties.limits.timestampPeriod > 0; }
+
+    VkPhysicalDevice physical_device = VK_NULL_HANDLE;
+    VkDevice device = VK_NULL_HANDLE;
+    VkQueue queue = VK_NULL_HANDLE;
+    uint32_t queue_family = 0;
+    VkQueueFlags queue_flags = 0;
+    uint32_t timestamp_valid_bits = 0;
+    VolkDeviceTable vk{};
+    DeviceInfo info;
+    VkPhysicalDeviceProperties properties{};
+    VkPhysicalDeviceMemoryProperties memory_properties{};
+    uint64_t max_allocation_bytes = 0;
+    uint32_t validation_message_count() const { return validation_messages_; }
+
+private:
+    Gpu() = default;
+    void create_instance(Validation validation);
+    void create_device(const DeviceSettings& settings);
+    void read_properties(VkPhysicalDevice physical);
+
+    VkInstance instance_ = VK_NULL_HANDLE;              // null where adopted
+    VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+    bool owns_device_ = false;
+    std::atomic<uint32_t> validation_messages_{0};
+};
+
+}  // namespace throng

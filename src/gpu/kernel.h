@@ -1,0 +1,88 @@
+// A compute shader, ready to dispatch.
+#pragma once
+
+#include "gpu/buffer.h"
+#include "gpu/spirv_info.h"
+
+#include <array>
+#include <bit>
+#include <span>
+#include <vector>
+
+namespace throng {
+
+// Buffers bound to a kernel: those of `ranges`, by binding number, that the shader uses. Movable; outlives its recorded commands.
+class Bindings {
+public:
+    Bindings() = default;
+    Bindings(std::shared_ptr<Gpu> gpu, VkDescriptorSetLayout layout, std::span<const uint32_t> bindings, std::span<const BufferRange> ranges);
+    ~Bindings();
+    Bindings(Bindings&& other) noexcept { swap(other); }
+    Bindings& operator=(Bindings&& other) noexcept {
+        swap(other);
+        return *this;
+    }
+    VkDescriptorSet set() const { return set_; }
+
+private:
+    void swap(Bindings& other) noexcept;
+
+    std::shared_ptr<Gpu> gpu_;
+    VkDescriptorPool pool_ = VK_NULL_HANDLE;
+    VkDescriptorSet set_ = VK_NULL_HANDLE;
+};
+
+struct KernelSettings {
+    std::string_view name;                 // for messages
+    std::span<const uint32_t> spirv;
+    uint32_t workgroup_size = 0;           // constant_id 0; 0 where the shader fixes its own
+    std::vector<uint32_t> constants = {};  // constant_id 1, 2, …
+};
+
+class Kernel {
+public:
+    Kernel() = default;
+    Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings);
+    ~Kernel();
+    Kernel(Kernel&& other) noexcept { swap(other); }
+    Kernel& operator=(Kernel&& other) noexcept {
+        swap(other);
+        return *this;
+    }
+
+    uint32_t workgroup_size() const { return workgroup_size_; }
+
+    // `buffers` is a struct of BufferRanges, one for each binding number from 0; a shader may leave some unused.
+    template <class Buffers>
+    Bindings bind(const Buffers& buffers) const {
+        return bind_ranges(std::bit_cast<std::array<BufferRange, sizeof(Buffers) / sizeof(BufferRange)>>(buffers));
+    }
+
+    // One workgroup for each of `count` items, or one invocation for each. `push` is the shader's whole push-constant block.
+    // Throws kLimit where the device cannot dispatch that many, and kInvalidArgument where the block's size is another.
+    template <class Push>
+    void dispatch_workgroups(VkCommandBuffer commands, const Bindings& bindings, const Push& push, uint32_t count) const {
+        dispatch(commands, bindings, &push, sizeof push, count);
+    }
+    template <class Push>
+    void dispatch_invocations(VkCommandBuffer commands, const Bindings& bindings, const Push& push, uint32_t count) const {
+        dispatch(commands, bindings, &push, sizeof push, (count + workgroup_size_ - 1) / workgroup_size_);
+    }
+
+private:
+    Bindings bind_ranges(std::span<const BufferRange> ranges) const;
+    void create(const KernelSettings& settings);
+    void destroy() noexcept;
+    void dispatch(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes, uint32_t workgroup_count) const;
+    void swap(Kernel& other) noexcept;
+
+    std::shared_ptr<Gpu> gpu_;
+    std::string name_;
+    SpirvInfo info_;
+    uint32_t workgroup_size_ = 0;
+    VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
+    VkPipelineLayout layout_ = VK_NULL_HANDLE;
+    VkPipeline pipeline_ = VK_NULL_HANDLE;
+};
+
+}  // namespace throng

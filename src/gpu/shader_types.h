@@ -1,0 +1,22 @@
+// Types that C++ and GLSL both know, so that a <stage>_io.h reads the same on either side. Layouts are std430.
+#ifndef THRONG_GPU_SHADER_TYPES_H
+#define THRONG_GPU_SHADER_TYPES_H
+
+#ifdef __cplusplus
+#include <cstdint>
+namespace throng::io {
+using uint = uint32_t;
+struct alignas(16) vec4 {
+    float x, y, z, w;
+};
+}  // namespace throng::io
+#define THRONG_IO_BEGIN namespace throng::io {
+#define THRONG_IO_END }
+#define THRONG_IO_CONSTANT inline constexpr uint
+#else
+#define THRONG_IO_BEGIN
+#define THRONG_IO_END
+#define THRONG_IO_CONSTANT const uint
+#endif
+
+#endif

@@ -1,0 +1,76 @@
+#include "gpu/spirv_info.h"
+
+#include "base/failure.h"
+
+#include <algorithm>
+#include <map>
+
+namespace throng {
+namespace {
+
+// Numbers from the SPIR-V specification, version 1.6, section 3.
+enum Op : uint32_t {
+    kOpExecutionMode = 16, kOpTypeInt = 21, kOpTypeFloat = 22, kOpTypeVector = 23, kOpTypeStruct = 30, kOpTypePointer = 32,
+    kOpConstant = 43, kOpVariable = 59, kOpDecorate = 71, kOpMemberDecorate = 72, kOpExecutionModeId = 331
+};
+constexpr uint32_t kMagic = 0x07230203, kHeaderWords = 5;
+constexpr uint32_t kModeLocalSize = 17, kModeLocalSizeId = 38;
+constexpr uint32_t kDecorationSpecId = 1, kDecorationBinding = 33, kDecorationOffset = 35;
+constexpr uint32_t kStoragePushConstant = 9, kStorageBuffer = 12;
+
+struct Id {
+    uint32_t binding = 0, spec_id = UINT32_MAX, constant = 0, pointee = 0, size_bytes = 0, last_offset = UINT32_MAX;
+};
+
+}  // namespace
+
+SpirvInfo read_spirv(std::span<const uint32_t> words) {
+    const auto refuse = [](const char* why) { return Failure(ErrorCode::kInvalidArgument, "SPIR-V", why); };
+    if (words.size() < kHeaderWords || words[0] != kMagic) throw refuse("not a SPIR-V module");
+    SpirvInfo info;
+    std::map<uint32_t, Id> ids;
+    uint32_t local_size_id = 0;
+    for (size_t at = kHeaderWords; at < words.size();) {
+        const uint32_t op = words[at] & 0xFFFF, count = words[at] >> 16;
+        if (count == 0 || at + count > words.size()) throw refuse("an instruction runs past the end");
+        const auto arg = words.subspan(at + 1, count - 1);
+        at += count;
+        switch (op) {
+            case kOpExecutionMode:
+                if (arg[1] == kModeLocalSize) info.local_size_x = arg[2];
+                break;
+            case kOpExecutionModeId:
+                if (arg[1] == kModeLocalSizeId) local_size_id = arg[2];
+                break;
+            case kOpDecorate:
+                if (arg[1] == kDecorationSpecId) ids[arg[0]].spec_id = arg[2];
+                if (arg[1] == kDecorationBinding) ids[arg[0]].binding = arg[2];
+                break;
+            case kOpMemberDecorate:
+                if (arg[2] == kDecorationOffset) ids[arg[0]].last_offset = arg[3];  // members come in order
+                break;
+            case kOpTypeInt:
+            case kOpTypeFloat: ids[arg[0]].size_bytes = arg[1] / 8; break;
+            case kOpTypeVector: ids[arg[0]].size_bytes = ids[arg[1]].size_bytes * arg[2]; break;
+            case kOpTypeStruct:
+                if (arg.size() > 1 && ids[arg[0]].last_offset != UINT32_MAX) ids[arg[0]].size_bytes = ids[arg[0]].last_offset + ids[arg.back()].size_bytes;
+                break;
+            case kOpTypePointer: ids[arg[0]].pointee = arg[2]; break;
+            case kOpConstant: ids[arg[1]].constant = arg[2]; break;
+            case kOpVariable:
+                if (arg[2] == kStorageBuffer) info.storage_bindings.push_back(ids[arg[1]].binding);
+                if (arg[2] == kStoragePushConstant) info.push_constant_bytes = ids[ids[arg[0]].pointee].size_bytes;
+                break;
+            default: break;
+        }
+    }
+    if (local_size_id != 0) {
+        const Id& size = ids[local_size_id];
+        info.local_size_is_specialized = size.spec_id == 0;
+        if (size.spec_id == UINT32_MAX) info.local_size_x = size.constant;
+    }
+    std::sort(info.storage_bindings.begin(), info.storage_bindings.end());
+    return info;
+}
+
+}  // namespace throng

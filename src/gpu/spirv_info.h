@@ -1,0 +1,20 @@
+// What a compute shader's SPIR-V says of itself: its bindings, push constants and local size.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace throng {
+
+struct SpirvInfo {
+    std::vector<uint32_t> storage_bindings;  // of set 0, ascending
+    uint32_t push_constant_bytes = 0;
+    uint32_t local_size_x = 1;               // where it is not a specialization constant
+    bool local_size_is_specialized = false;  // by constant_id 0
+};
+
+// Throws kInvalidArgument where the module is none or uses what throng's kernels do not.
+SpirvInfo read_spirv(std::span<const uint32_t> words);
+
+}  // namespace throng

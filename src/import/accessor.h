@@ -1,0 +1,70 @@
+// Accessors: typed, strided, bounds-checked views of the file's data.
+#pragma once
+
+#include "import/container.h"
+
+#include <cstring>
+#include <memory>
+
+namespace throng::gltf {
+
+enum class ComponentType : uint16_t { kInt8 = 5120, kUint8, kInt16, kUint16, kUint32 = 5125, kFloat = 5126 };
+uint32_t size_of(ComponentType type);
+const char* name_of(ComponentType type);
+
+// What an accessor says of itself, its data aside.
+struct AccessorFormat {
+    uint32_t index = 0;  // into the file's accessors
+    std::string type;    // "SCALAR", "VEC2", …
+    uint32_t component_count = 0;
+    ComponentType component_type = ComponentType::kFloat;
+    bool normalized = false;
+    uint32_t count = 0;
+
+    uint32_t element_bytes() const { return component_count * size_of(component_type); }
+    bool is_float() const { return component_type == ComponentType::kFloat; }
+    bool is_unsigned() const;
+};
+
+// An accessor with its data; element and component are not checked again.
+struct AccessorView {
+    AccessorFormat format;
+    const std::byte* data = nullptr;
+    uint64_t stride_bytes = 0;
+    std::shared_ptr<const std::vector<std::byte>> owner;  // where the data are not the buffer's own
+
+    uint32_t count() const { return format.count; }
+    // Normalised integers are mapped to [0, 1] or [-1, 1], others are converted.
+    float number(uint32_t element, uint32_t component) const;
+    // Of unsigned component types.
+    uint32_t integer(uint32_t element, uint32_t component) const;
+
+private:
+    template <class T>
+    T load(uint32_t element, uint32_t component) const {
+        T value;
+        std::memcpy(&value, data + element * stride_bytes + component * sizeof(T), sizeof(T));
+        return value;
+    }
+};
+
+class Accessors {
+public:
+    Accessors(JsonView root, Buffers& buffers, Budget& budget)
+        : accessors_(root.optional_array("accessors")), buffers_(buffers), budget_(budget) {}
+
+    // The accessor whose index is `user`'s member `key`. Fails at `user.key` for an index out of range, and at the
+    // accessor, or its buffer view, for what is wrong there.
+    AccessorFormat format(const JsonView& user, const char* key) const;
+    AccessorView open(const JsonView& user, const char* key);
+    AccessorView open(const AccessorFormat& format);
+
+private:
+    std::shared_ptr<std::vector<std::byte>> with_sparse(const JsonView& json, const JsonView& sparse, const AccessorView& base);
+
+    JsonView accessors_;
+    Buffers& buffers_;
+    Budget& budget_;
+};
+
+}  // namespace throng::gltf

@@ -1,0 +1,151 @@
+#include "import/container.h"
+
+#include "import/meshopt.h"
+#include "import/uri.h"
+
+#include <bit>
+#include <cstring>
+
+namespace throng::gltf {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "glTF is little-endian, and its data are used as they are");
+
+constexpr uint32_t kGlbMagic = 0x46546C67;   // "glTF"
+constexpr uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
+constexpr uint32_t kBinChunk = 0x004E4942;   // "BIN\0"
+constexpr size_t kGlbHeaderBytes = 12, kChunkHeaderBytes = 8;
+
+uint32_t word_at(std::span<const std::byte> bytes, size_t offset) {
+    uint32_t word = 0;
+    std::memcpy(&word, bytes.data() + offset, sizeof(word));
+    return word;
+}
+
+std::string_view as_text(std::span<const std::byte> bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+[[noreturn]] void fail(std::string message, ErrorCode code = ErrorCode::kInvalidFile) {
+    throw Failure(code, "", std::move(message));
+}
+
+Container open_glb(std::span<const std::byte> file, Warnings& warnings) {
+    if (file.size() < kGlbHeaderBytes) fail("GLB header: the file ends in it");
+    const uint32_t version = word_at(file, 4), length = word_at(file, 8);
+    if (version == 1) fail("glTF 1.0 is not supported, only 2.0", ErrorCode::kUnsupported);
+    if (version != 2) fail("GLB version " + std::to_string(version) + " is not supported, only 2", ErrorCode::kUnsupported);
+    if (length > file.size())
+        fail("GLB header: the length is " + std::to_string(length) + " bytes, but the file has " + std::to_string(file.size()));
+    if (length < file.size()) warnings.add("", "GLB header: bytes after the stated length are ignored");
+    file = file.first(length);
+
+    Container out;
+    size_t offset = kGlbHeaderBytes;
+    for (uint32_t chunk = 0; offset < file.size(); ++chunk) {
+        const std::string name = "GLB chunk " + std::to_string(chunk);
+        if (file.size() - offset < kChunkHeaderBytes) fail(name + ": the file ends in its header");
+        const uint32_t size_bytes = word_at(file, offset), type = word_at(file, offset + 4);
+        offset += kChunkHeaderBytes;
+        if (size_bytes > file.size() - offset)
+            fail(name + ": has " + std::to_string(size_bytes) + " bytes by its header, but " +
+                 std::to_string(file.size() - offset) + " are left");
+        const auto content = file.subspan(offset, size_bytes);
+        if ((chunk == 0) != (type == kJsonChunk)) fail(name + (chunk == 0 ? ": must be JSON" : ": is JSON a second time"));
+        if (chunk == 0) {
+            out.json = as_text(content);
+        } else if (type == kBinChunk) {
+            if (out.has_bin) fail(name + ": is BIN a second time");
+            out.bin = content;
+            out.has_bin = true;
+        }
+        offset += size_bytes;
+    }
+    if (out.json.empty()) fail("GLB: there is no JSON in it");
+    return out;
+}
+
+}  // namespace
+
+Container open_container(std::span<const std::byte> file, Warnings& warnings) {
+    if (file.empty()) fail("the file is empty");
+    if (file.size() >= 4 && word_at(file, 0) == kGlbMagic) return open_glb(file, warnings);
+    const std::string_view text = as_text(file);
+    const size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");  // byte order mark: forbidden, but met
+    if (first == text.npos || text[first] != '{') fail("neither a GLB file nor the JSON of a glTF file");
+    return Container{text, false, {}};
+}
+
+Buffers::Buffers(JsonView root, const Container& container, std::filesystem::path folder, Budget& budget)
+    : buffers_(root.optional_array("buffers")),
+      views_(root.optional_array("bufferViews")),
+      bin_(container.bin),
+      has_bin_(container.has_bin),
+      folder_(std::move(folder)),
+      budget_(budget),
+      loaded_buffers_(buffers_.size()) {}
+
+Buffers::View Buffers::view(uint32_t index) {
+    const JsonView json = views_[index];
+    const auto compressed = json.extension("EXT_meshopt_compression");
+    View out;
+    out.stride_bytes = json.optional_uint("byteStride", 0);
+    if (!compressed) {
+        out.bytes = range(json);
+        return out;
+    }
+    auto known = decompressed_views_.find(index);
+    if (known == decompressed_views_.end()) {
+        compressed->required_index("buffer", buffer_count(), "buffers");
+        known = decompressed_views_.emplace(index, decode_meshopt(*compressed, range(*compressed), budget_)).first;
+    }
+    const uint64_t size_bytes = json.required_uint("byteLength");
+    if (size_bytes > known->second.size())
+        json.fail("byteLength is " + std::to_string(size_bytes) + ", but " + std::to_string(known->second.size()) +
+                  " bytes are compressed in it");
+    out.bytes = std::span(known->second).first(size_bytes);
+    return out;
+}
+
+std::span<const std::byte> Buffers::range(const JsonView& json) {
+    const auto bytes = buffer(json.required_index("buffer", buffer_count(), "buffers"));
+    const uint64_t offset = json.optional_uint("byteOffset", 0), size_bytes = json.required_uint("byteLength");
+    // Both are below 2^53.
+    if (offset + size_bytes > bytes.size())
+        json.fail("ends at byte " + std::to_string(offset + size_bytes) + ", but its buffer has " + std::to_string(bytes.size()));
+    return bytes.subspan(offset, size_bytes);
+}
+
+std::span<const std::byte> Buffers::buffer(uint32_t index) {
+    Loaded& loaded = loaded_buffers_[index];
+    if (loaded.done) return loaded.bytes;
+    const JsonView json = buffers_[index];
+    const std::string place = json.place_of("uri");
+    const uint64_t size_bytes = json.required_uint("byteLength");
+    if (const std::string* uri = json.optional_string("uri")) {
+        loaded.owner = is_data_uri(*uri)
+                           ? std::make_shared<const std::vector<std::byte>>(decode_data_uri(*uri, budget_, place))
+                           : side_file(*uri, place);
+        loaded.bytes = *loaded.owner;
+    } else {
+        if (index != 0 || !has_bin_) json.fail("has no uri, and the file has no BIN chunk for it");
+        loaded.bytes = bin_;
+    }
+    if (size_bytes > loaded.bytes.size())
+        json.fail("byteLength is " + std::to_string(size_bytes) + ", but there are " + std::to_string(loaded.bytes.size()) + " bytes");
+    loaded.bytes = loaded.bytes.first(size_bytes);
+    loaded.done = true;
+    return loaded.bytes;
+}
+
+std::shared_ptr<const std::vector<std::byte>> Buffers::side_file(std::string_view uri, const std::string& place) {
+    const std::filesystem::path path = resolve_side_file(uri, folder_, place);
+    auto& content = side_files_[path];
+    if (!content) {
+        content = std::make_shared<const std::vector<std::byte>>(read_file(path, side_files_left_bytes_, place));
+        side_files_left_bytes_ -= content->size();
+    }
+    return content;
+}
+
+}  // namespace throng::gltf

@@ -1,0 +1,67 @@
+// The outside of a glTF file: GLB chunks, and the buffers that the JSON names.
+#pragma once
+
+#include "import/json_view.h"
+#include "import/warnings.h"
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace throng::gltf {
+
+// Views into the file's bytes.
+struct Container {
+    std::string_view json;
+    bool has_bin = false;
+    std::span<const std::byte> bin;
+};
+
+// A GLB by its magic, and otherwise JSON as a whole. Fails with kInvalidFile, and kUnsupported for GLB 1 (glTF 1.0).
+Container open_container(std::span<const std::byte> file, Warnings& warnings);
+
+// Buffers and buffer views, read at first use: a buffer that nothing needs (the fallback of EXT_meshopt_compression,
+// which may be without data) is not looked at.
+class Buffers {
+public:
+    Buffers(JsonView root, const Container& container, std::filesystem::path folder, Budget& budget);
+
+    size_t view_count() const { return views_.size(); }
+    size_t buffer_count() const { return buffers_.size(); }
+
+    struct View {
+        std::span<const std::byte> bytes;
+        uint64_t stride_bytes = 0;  // 0: tightly packed
+    };
+    // The content of bufferViews[index], decompressed.
+    View view(uint32_t index);
+
+    // The content of a side file, for buffers and images. Charged to the limit of all side files.
+    std::shared_ptr<const std::vector<std::byte>> side_file(std::string_view uri, const std::string& place);
+
+private:
+    std::span<const std::byte> buffer(uint32_t index);
+    // The range of a buffer that `json` (a buffer view, or its EXT_meshopt_compression) names.
+    std::span<const std::byte> range(const JsonView& json);
+
+    struct Loaded {
+        std::shared_ptr<const std::vector<std::byte>> owner;
+        std::span<const std::byte> bytes;
+        bool done = false;
+    };
+
+    JsonView buffers_;
+    JsonView views_;
+    std::span<const std::byte> bin_;
+    bool has_bin_;
+    std::filesystem::path folder_;
+    Budget& budget_;
+    uint64_t side_files_left_bytes_ = kFileLimitBytes;
+    std::vector<Loaded> loaded_buffers_;
+    std::map<uint32_t, std::vector<std::byte>> decompressed_views_;
+    std::map<std::filesystem::path, std::shared_ptr<const std::vector<std::byte>>> side_files_;
+};
+
+}  // namespace throng::gltf

@@ -1,0 +1,149 @@
+#include "import/draco.h"
+
+#include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
+#include <draco/compression/mesh/mesh_sequential_decoder.h>
+#include <draco/core/varint_decoding.h>
+#include <draco/mesh/mesh.h>
+
+namespace throng::gltf {
+namespace {
+
+// libdraco allocates what the stream claims. These decoders look at the claims at the two places where all of them are
+// known, and charge them before libdraco goes on. Failures are kept, not thrown through libdraco.
+template <class Base>
+class Guarded final : public Base {
+public:
+    Guarded(Budget& budget, std::string place) : budget_(budget), place_(std::move(place)) {}
+
+    std::optional<Failure> failure;
+
+protected:
+    bool DecodeConnectivity() override {
+        draco::DecoderBuffer ahead = *this->buffer();
+        uint32_t face_count = 0, vertex_count = 0;
+        uint8_t seam_count = 0;  // attributes with a corner table of their own
+        bool read = false;
+        if constexpr (std::is_base_of_v<draco::MeshEdgebreakerDecoder, Base>)
+            read = draco::DecodeVarint(&vertex_count, &ahead) && draco::DecodeVarint(&face_count, &ahead) && ahead.Decode(&seam_count);
+        else
+            read = draco::DecodeVarint(&face_count, &ahead) && draco::DecodeVarint(&vertex_count, &ahead);
+        // A corner table has two 32-bit numbers for each of a face's three corners; as much again for the way there.
+        return read && charge(face_count, 48 * (1 + uint64_t(seam_count))) && charge(vertex_count, 32) && Base::DecodeConnectivity();
+    }
+
+    bool DecodeAllAttributes() override {
+        const draco::PointCloud& points = *this->point_cloud();
+        for (int i = 0; i < points.num_attributes(); ++i) {
+            const draco::PointAttribute& attribute = *points.attribute(i);
+            const uint64_t component_bytes = uint64_t(draco::DataTypeLength(attribute.data_type()));
+            // As stored, as 32-bit integers on the way, and the map from points to values.
+            if (!charge(points.num_points(), uint64_t(attribute.num_components()) * (component_bytes + 8) + 4)) return false;
+        }
+        return Base::DecodeAllAttributes();
+    }
+
+private:
+    bool charge(uint64_t count, uint64_t element_bytes) {
+        try {
+            budget_.charge(count, element_bytes, place_);
+            return true;
+        } catch (const Failure& f) {
+            failure = f;
+            return false;
+        }
+    }
+
+    Budget& budget_;
+    std::string place_;
+};
+
+template <class Base>
+void decode(const JsonView& json, draco::DecoderBuffer& buffer, Budget& budget, draco::Mesh& mesh) {
+    Guarded<Base> decoder(budget, json.place());
+    const draco::DecoderOptions options;
+    const draco::Status status = decoder.Decode(options, &buffer, &mesh);
+    if (decoder.failure) throw *decoder.failure;
+    if (!status.ok()) json.fail("the compressed data are broken (libdraco: " + printable(status.error_msg_string(), 100) + ")");
+}
+
+template <class T>
+bool convert(const draco::PointAttribute& attribute, uint32_t vertex_count, uint32_t component_count, std::vector<std::byte>& out) {
+    T value[16] = {};
+    for (uint32_t v = 0; v < vertex_count; ++v) {
+        if (!attribute.ConvertValue<T>(attribute.mapped_index(draco::PointIndex(v)), int8_t(component_count), value)) return false;
+        std::memcpy(out.data() + size_t(v) * component_count * sizeof(T), value, component_count * sizeof(T));
+    }
+    return true;
+}
+
+}  // namespace
+
+DracoMesh::DracoMesh(const JsonView& json, Buffers& buffers, Budget& budget)
+    : json_(json), budget_(budget), mesh_(std::make_unique<draco::Mesh>()) {
+    const auto bytes = buffers.view(json.required_index("bufferView", buffers.view_count(), "bufferViews")).bytes;
+    draco::DecoderBuffer buffer;
+    buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    draco::DracoHeader header;
+    draco::DecoderBuffer ahead = buffer;
+    if (!draco::PointCloudDecoder::DecodeHeader(&ahead, &header).ok() || header.encoder_type != draco::TRIANGULAR_MESH)
+        json.fail("the compressed data are not a Draco mesh");
+    if (header.version_major != 2 || header.version_minor != 2)
+        json.fail("Draco bitstream " + std::to_string(header.version_major) + "." + std::to_string(header.version_minor) +
+                      " is not supported, only 2.2",
+                  ErrorCode::kUnsupported);
+    try {
+        if (header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING)
+            decode<draco::MeshEdgebreakerDecoder>(json, buffer, budget, *mesh_);
+        else if (header.encoder_method == draco::MESH_SEQUENTIAL_ENCODING)
+            decode<draco::MeshSequentialDecoder>(json, buffer, budget, *mesh_);
+        else
+            json.fail("the method of compression is unknown");
+    } catch (const Failure&) {
+        throw;
+    } catch (const std::exception& error) {
+        // Broken data lead libdraco to sizes that the standard library refuses.
+        json.fail("the compressed data are broken (libdraco: " + printable(error.what(), 100) + ")");
+    }
+}
+
+DracoMesh::~DracoMesh() = default;
+
+std::optional<AccessorView> DracoMesh::attribute(const char* name, const AccessorFormat& format) const {
+    const JsonView ids = json_.required_object("attributes");
+    const auto id = ids.find(name);
+    if (!id) return {};
+    const draco::PointAttribute* attribute = mesh_->GetAttributeByUniqueId(uint32_t(std::min<uint64_t>(id->as_uint(), kNone)));
+    if (!attribute) id->fail("the compressed data have no attribute of this id");
+    if (attribute->num_components() != format.component_count)
+        id->fail("has " + std::to_string(attribute->num_components()) + " components, but its accessor is " + format.type);
+    if (mesh_->num_points() != format.count)
+        id->fail("has " + std::to_string(mesh_->num_points()) + " vertices, but accessors[" + std::to_string(format.index) +
+                 "] has " + std::to_string(format.count));
+    if (attribute->size() == 0 && format.count > 0) id->fail("has no values");
+
+    budget_.charge(format.count, format.element_bytes(), id->place());
+    auto values = std::make_shared<std::vector<std::byte>>(size_t(format.count) * format.element_bytes());
+    const auto converted = [&] {
+        switch (format.component_type) {
+            case ComponentType::kInt8: return convert<int8_t>(*attribute, format.count, format.component_count, *values);
+            case ComponentType::kUint8: return convert<uint8_t>(*attribute, format.count, format.component_count, *values);
+            case ComponentType::kInt16: return convert<int16_t>(*attribute, format.count, format.component_count, *values);
+            case ComponentType::kUint16: return convert<uint16_t>(*attribute, format.count, format.component_count, *values);
+            case ComponentType::kUint32: return convert<uint32_t>(*attribute, format.count, format.component_count, *values);
+            default: return convert<float>(*attribute, format.count, format.component_count, *values);
+        }
+    };
+    if (!converted()) id->fail(std::string("its values are not ") + name_of(format.component_type));
+    return AccessorView{format, values->data(), format.element_bytes(), values};
+}
+
+std::vector<uint32_t> DracoMesh::indices() const {
+    budget_.charge(mesh_->num_faces(), 3 * sizeof(uint32_t), json_.place());
+    std::vector<uint32_t> out;
+    out.reserve(size_t(mesh_->num_faces()) * 3);
+    for (draco::FaceIndex f(0); f < mesh_->num_faces(); ++f)
+        for (const draco::PointIndex& corner : mesh_->face(f)) out.push_back(corner.value());
+    return out;
+}
+
+}  // namespace throng::gltf

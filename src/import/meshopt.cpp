@@ -1,0 +1,39 @@
+#include "import/meshopt.h"
+
+#include <meshoptimizer.h>
+
+namespace throng::gltf {
+
+std::vector<std::byte> decode_meshopt(const JsonView& json, std::span<const std::byte> compressed, Budget& budget) {
+    const std::string& mode = json.required_string("mode");
+    const std::string* named_filter = json.optional_string("filter");
+    const std::string filter = named_filter ? *named_filter : "NONE";
+    const uint64_t count = json.required_uint("count"), stride_bytes = json.required_uint("byteStride");
+
+    // meshoptimizer asserts what it expects, so everything is looked at before.
+    const bool attributes = mode == "ATTRIBUTES", triangles = mode == "TRIANGLES";
+    if (!attributes && !triangles && mode != "INDICES") json.fail("mode '" + printable(mode) + "' is unknown");
+    if (attributes ? stride_bytes == 0 || stride_bytes % 4 != 0 || stride_bytes > 256 : stride_bytes != 2 && stride_bytes != 4)
+        json.fail("byteStride " + std::to_string(stride_bytes) + " is not allowed in mode " + mode);
+    if (triangles && count % 3 != 0) json.fail("count " + std::to_string(count) + " is not a multiple of 3");
+    const bool octahedral = filter == "OCTAHEDRAL", quaternion = filter == "QUATERNION", exponential = filter == "EXPONENTIAL";
+    if (!octahedral && !quaternion && !exponential && filter != "NONE") json.fail("filter '" + printable(filter) + "' is unknown");
+    if (!attributes && filter != "NONE") json.fail("filter " + filter + " is not allowed in mode " + mode);
+    if ((octahedral && stride_bytes != 4 && stride_bytes != 8) || (quaternion && stride_bytes != 8))
+        json.fail("byteStride " + std::to_string(stride_bytes) + " is not allowed with filter " + filter);
+
+    budget.charge(count, stride_bytes, json.place());
+    std::vector<std::byte> out(count * stride_bytes);
+    if (count == 0) return out;
+    const auto* data = reinterpret_cast<const unsigned char*>(compressed.data());
+    const int failed = attributes  ? meshopt_decodeVertexBuffer(out.data(), count, stride_bytes, data, compressed.size())
+                       : triangles ? meshopt_decodeIndexBuffer(out.data(), count, stride_bytes, data, compressed.size())
+                                   : meshopt_decodeIndexSequence(out.data(), count, stride_bytes, data, compressed.size());
+    if (failed) json.fail("the compressed data are broken (meshoptimizer error " + std::to_string(failed) + ")");
+    if (octahedral) meshopt_decodeFilterOct(out.data(), count, stride_bytes);
+    if (quaternion) meshopt_decodeFilterQuat(out.data(), count, stride_bytes);
+    if (exponential) meshopt_decodeFilterExp(out.data(), count, stride_bytes);
+    return out;
+}
+
+}  // namespace throng::gltf

@@ -1,0 +1,164 @@
+#include "import/readers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace throng::gltf {
+namespace {
+
+// A sampler as decoded: keys that stand at the time of the next one are left out.
+struct Keys {
+    std::vector<float> times_s;
+    std::vector<uint32_t> kept;  // which keys of the file these are
+    uint32_t file_count = 0;
+};
+
+Interpolation read_interpolation(const JsonView& sampler) {
+    const std::string* name = sampler.optional_string("interpolation");
+    if (!name || *name == "LINEAR") return Interpolation::kLinear;
+    if (*name == "STEP") return Interpolation::kStep;
+    if (*name == "CUBICSPLINE") return Interpolation::kCubicSpline;
+    throw Failure(ErrorCode::kInvalidFile, sampler.place_of("interpolation"), "'" + printable(*name) + "' is unknown");
+}
+
+Keys read_times(Reading& reading, const JsonView& sampler) {
+    const AccessorView input = reading.accessors.open(sampler, "input");
+    const std::string place = sampler.place_of("input");
+    if (input.format.type != "SCALAR" || !input.format.is_float())
+        throw Failure(ErrorCode::kInvalidFile, place,
+                      "must be SCALAR of floats, but is " + input.format.type + " of " + name_of(input.format.component_type));
+    reading.budget.charge(input.count(), sizeof(float) + sizeof(uint32_t), place);
+    Keys out;
+    out.file_count = input.count();
+    out.times_s.reserve(input.count());
+    out.kept.reserve(input.count());
+    for (uint32_t key = 0; key < input.count(); ++key) {
+        const float time_s = input.number(key, 0);
+        const auto fail = [&](const char* what) {
+            throw Failure(ErrorCode::kInvalidFile, place, "the time of key " + std::to_string(key) + " " + what);
+        };
+        if (!std::isfinite(time_s)) fail("is not finite");
+        if (time_s < 0) fail("is negative");
+        if (!out.times_s.empty() && time_s < out.times_s.back()) fail("is before that of the key before it");
+        if (!out.times_s.empty() && time_s == out.times_s.back()) {
+            reading.warnings.add(place, "has several keys at one time: the last of them is kept");
+            out.kept.back() = key;
+            continue;
+        }
+        out.times_s.push_back(time_s);
+        out.kept.push_back(key);
+    }
+    return out;
+}
+
+std::vector<float> read_values(Reading& reading, const JsonView& sampler, const Keys& keys, TrackTarget target, Interpolation interpolation) {
+    const AccessorView output = reading.accessors.open(sampler, "output");
+    const std::string place = sampler.place_of("output");
+    const auto fail = [&](const std::string& what) { throw Failure(ErrorCode::kInvalidFile, place, what); };
+    const bool rotation = target == TrackTarget::kRotation;
+    const std::string type = rotation ? "VEC4" : "VEC3";
+    if (output.format.type != type) fail("must be " + type + ", but is " + output.format.type);
+    const bool number = output.format.is_float() || (output.format.normalized && output.format.component_type != ComponentType::kUint32);
+    if (!number) fail(std::string("must be floats or normalised integers, but is ") + name_of(output.format.component_type));
+    const uint32_t values_per_key = interpolation == Interpolation::kCubicSpline ? 3 : 1;
+    if (output.count() != uint64_t(keys.file_count) * values_per_key)
+        fail("has " + std::to_string(output.count()) + " values, but must have " +
+             std::to_string(uint64_t(keys.file_count) * values_per_key) + ", for " + std::to_string(keys.file_count) + " key times");
+
+    const uint32_t component_count = output.format.component_count;
+    reading.budget.charge(uint64_t(output.count()) * component_count, sizeof(float), place);
+    std::vector<float> out;
+    out.reserve(keys.kept.size() * values_per_key * component_count);
+    for (const uint32_t key : keys.kept)
+        for (uint32_t part = 0; part < values_per_key; ++part) {
+            float length_squared = 0;
+            for (uint32_t c = 0; c < component_count; ++c) {
+                const float value = output.number(key * values_per_key + part, c);
+                if (!std::isfinite(value)) fail("the value of key " + std::to_string(key) + " is not finite");
+                length_squared += value * value;
+                out.push_back(value);
+            }
+            const bool is_tangent = values_per_key == 3 && part != 1;
+            if (rotation && !is_tangent && length_squared == 0)
+                reading.warnings.add(place, "has a quaternion of length zero: it is taken as the identity");
+        }
+    return out;
+}
+
+class ClipReader {
+public:
+    ClipReader(Reading& reading, const JsonView& json, size_t node_count)
+        : reading_(reading), samplers_(json.optional_array("samplers")), node_count_(node_count) {
+        clip_.name = read_name(reading, json);
+        const JsonView channels = json.optional_array("channels");
+        if (channels.size() == 0) reading.warnings.add(json.place(), "has no channels");
+        for (size_t i = 0; i < channels.size(); ++i) read_channel(channels[i]);
+    }
+
+    AssetClip take() { return std::move(clip_); }
+
+private:
+    void read_channel(const JsonView& channel) {
+        const JsonView target = channel.required_object("target");
+        if (target.extension("KHR_animation_pointer")) return ignore(channel, "KHR_animation_pointer is not supported: the channel is ignored");
+        const std::string& path = target.required_string("path");
+        const uint32_t node = target.optional_index("node", node_count_, "nodes");
+        if (node == kNone) return ignore(channel, "has no target node: the channel is ignored");
+        const JsonView sampler = samplers_[channel.required_index("sampler", samplers_.size(), "samplers")].as_object();
+        if (path == "weights") {
+            ++clip_.morph_track_count;
+            const Keys keys = read_times(reading_, sampler);
+            if (!keys.times_s.empty()) clip_.duration_s = std::max(clip_.duration_s, double(keys.times_s.back()));
+        } else if (path == "translation") {
+            read_track(channel, sampler, node, TrackTarget::kTranslation);
+        } else if (path == "rotation") {
+            read_track(channel, sampler, node, TrackTarget::kRotation);
+        } else if (path == "scale") {
+            read_track(channel, sampler, node, TrackTarget::kScale);
+        } else {
+            ignore(channel, "target path '" + printable(path) + "' is unknown: the channel is ignored");
+        }
+    }
+
+    void read_track(const JsonView& channel, const JsonView& sampler, uint32_t node, TrackTarget target) {
+        AssetTrack track;
+        track.node = node;
+        track.target = target;
+        track.interpolation = read_interpolation(sampler);
+        Keys keys = read_times(reading_, sampler);
+        track.values = read_values(reading_, sampler, keys, target, track.interpolation);
+        track.times_s = std::move(keys.times_s);
+        if (track.times_s.empty()) return ignore(channel, "has no keys: the channel is ignored");
+        clip_.duration_s = std::max(clip_.duration_s, double(track.times_s.back()));
+
+        reading_.budget.charge(sizeof(AssetTrack), channel.place());
+        const auto [known, is_new] = track_of_.emplace(std::pair(node, target), clip_.tracks.size());
+        if (is_new) {
+            clip_.tracks.push_back(std::move(track));
+        } else {
+            reading_.warnings.add(channel.place(), "animates what another channel of the clip animates: the last one is used");
+            clip_.tracks[known->second] = std::move(track);
+        }
+    }
+
+    void ignore(const JsonView& channel, const std::string& why) { reading_.warnings.add(channel.place(), why); }
+
+    Reading& reading_;
+    JsonView samplers_;
+    size_t node_count_;
+    AssetClip clip_;
+    std::map<std::pair<uint32_t, TrackTarget>, size_t> track_of_;
+};
+
+}  // namespace
+
+void read_clips(Reading& reading, Asset& asset) {
+    const JsonView animations = reading.root.optional_array("animations");
+    reading.budget.charge(animations.size(), sizeof(AssetClip), animations.place());
+    asset.clips.reserve(animations.size());
+    for (size_t i = 0; i < animations.size(); ++i)
+        asset.clips.push_back(ClipReader(reading, animations[i], asset.nodes.size()).take());
+}
+
+}  // namespace throng::gltf

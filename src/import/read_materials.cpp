@@ -1,0 +1,110 @@
+#include "import/readers.h"
+#include "import/uri.h"
+
+#include <map>
+
+namespace throng::gltf {
+namespace {
+
+// Reads each image once, at its first use: normal maps and the like are never read.
+class Images {
+public:
+    Images(Reading& reading, Asset& asset)
+        : reading_(reading), asset_(asset), textures_(reading.root.optional_array("textures")), images_(reading.root.optional_array("images")) {}
+
+    // The image of a texture, as an index into the Asset's images, or kNone.
+    uint32_t of_texture(const JsonView& texture_info) {
+        const JsonView texture = textures_[texture_info.required_index("index", textures_.size(), "textures")].as_object();
+        const uint32_t source = texture.optional_index("source", images_.size(), "images");
+        if (source == kNone) {
+            reading_.warnings.add(texture.place(), "has no PNG or JPEG image: the texture is left out");
+            return kNone;
+        }
+        const auto [known, is_new] = image_of_.emplace(source, uint32_t(asset_.images.size()));
+        if (is_new) asset_.images.push_back(read(images_[source]));
+        return known->second;
+    }
+
+private:
+    AssetImage read(const JsonView& json) {
+        AssetImage image;
+        image.name = read_name(reading_, json);
+        if (json.has("bufferView")) {
+            const auto bytes =
+                reading_.buffers.view(json.required_index("bufferView", reading_.buffers.view_count(), "bufferViews")).bytes;
+            reading_.budget.charge(bytes.size(), json.place());
+            image.encoded.assign(bytes.begin(), bytes.end());
+            return image;
+        }
+        const std::string* uri = json.optional_string("uri");
+        if (!uri) {
+            reading_.warnings.add(json.place(), "has neither uri nor bufferView: the texture is left out");
+            return image;
+        }
+        const std::string place = json.place_of("uri");
+        try {
+            if (is_data_uri(*uri)) {
+                image.encoded = decode_data_uri(*uri, reading_.budget, place);
+            } else {
+                const auto content = reading_.buffers.side_file(*uri, place);
+                reading_.budget.charge(content->size(), place);
+                image.encoded = *content;
+            }
+        } catch (const Failure& failure) {
+            // A character without its texture is still a character.
+            if (failure.error.code != ErrorCode::kFile && failure.error.code != ErrorCode::kInvalidFile) throw;
+            reading_.warnings.add(failure.error.place, failure.error.message + ": the texture is left out");
+        }
+        return image;
+    }
+
+    Reading& reading_;
+    Asset& asset_;
+    JsonView textures_;
+    JsonView images_;
+    std::map<uint32_t, uint32_t> image_of_;
+};
+
+AlphaMode read_alpha_mode(Reading& reading, const JsonView& json) {
+    const std::string* mode = json.optional_string("alphaMode");
+    if (!mode || *mode == "OPAQUE") return AlphaMode::kOpaque;
+    if (*mode == "MASK") return AlphaMode::kMask;
+    if (*mode == "BLEND") return AlphaMode::kBlend;
+    reading.warnings.add(json.place_of("alphaMode"), "'" + printable(*mode) + "' is unknown: OPAQUE is used");
+    return AlphaMode::kOpaque;
+}
+
+}  // namespace
+
+std::vector<uint32_t> read_materials(Reading& reading, Asset& asset) {
+    const JsonView materials = reading.root.optional_array("materials");
+    reading.budget.charge(materials.size(), sizeof(AssetMaterial) + sizeof(AssetImage), materials.place());
+    asset.materials.resize(materials.size());
+    std::vector<uint32_t> texcoord_sets(materials.size(), 0);
+    Images images(reading, asset);
+    for (size_t i = 0; i < materials.size(); ++i) {
+        const JsonView json = materials[i].as_object();
+        AssetMaterial& material = asset.materials[i];
+        material.name = read_name(reading, json);
+        material.alpha_mode = read_alpha_mode(reading, json);
+        material.alpha_cutoff = float(json.optional_number("alphaCutoff", 0.5));
+        material.double_sided = json.optional_bool("doubleSided", false);
+        const auto pbr = json.optional_object("pbrMetallicRoughness");
+        if (!pbr) continue;
+        std::array<double, 4> color{};
+        if (pbr->optional_numbers("baseColorFactor", color))
+            for (size_t c = 0; c < 4; ++c) material.base_color[c] = float(color[c]);
+        const auto texture_info = pbr->optional_object("baseColorTexture");
+        if (!texture_info) continue;
+        material.image = images.of_texture(*texture_info);
+        uint64_t set = texture_info->optional_uint("texCoord", 0);
+        if (const auto transform = texture_info->extension("KHR_texture_transform")) {
+            set = transform->optional_uint("texCoord", set);
+            reading.warnings.add(texture_info->place(), "KHR_texture_transform is ignored");
+        }
+        texcoord_sets[i] = uint32_t(std::min<uint64_t>(set, kNone));
+    }
+    return texcoord_sets;
+}
+
+}  // namespace throng::gltf

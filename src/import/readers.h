@@ -1,0 +1,32 @@
+// The parts of a glTF file, one reader each; every reader has a file of its own. They run in the order of this header,
+// and a later one may look at what the earlier ones have put into the Asset.
+#pragma once
+
+#include "import/accessor.h"
+
+#include <throng/asset.h>
+
+namespace throng::gltf {
+
+// What all readers share.
+struct Reading {
+    JsonView root;
+    Buffers& buffers;
+    Accessors& accessors;
+    Budget& budget;
+    Warnings& warnings;
+    bool quantized;  // KHR_mesh_quantization is used
+};
+
+void read_nodes(Reading& reading, Asset& asset);
+void read_skins(Reading& reading, Asset& asset);
+void read_clips(Reading& reading, Asset& asset);
+// Returns, for each material, the TEXCOORD set that its base colour texture uses.
+std::vector<uint32_t> read_materials(Reading& reading, Asset& asset);
+void read_meshes(Reading& reading, const std::vector<uint32_t>& texcoord_sets, Asset& asset);
+void read_mesh_instances(Reading& reading, Asset& asset);
+
+// The member `name`, or an empty name and a warning where it is not a string.
+std::string read_name(Reading& reading, const JsonView& json);
+
+}  // namespace throng::gltf

@@ -1,0 +1,142 @@
+#include "import/uri.h"
+
+#include "import/json_view.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+
+namespace throng::gltf {
+namespace {
+
+namespace fs = std::filesystem;
+
+int hex_digit(char c) {
+    if (c >= '0' && c <= '9') return c - '0';
+    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+    return -1;
+}
+
+std::string percent_decoded(std::string_view text, const std::string& place) {
+    std::string out;
+    out.reserve(text.size());
+    for (size_t i = 0; i < text.size(); ++i) {
+        if (text[i] != '%') {
+            out.push_back(text[i]);
+            continue;
+        }
+        const int high = i + 2 < text.size() ? hex_digit(text[i + 1]) : -1;
+        const int low = i + 2 < text.size() ? hex_digit(text[i + 2]) : -1;
+        if (high < 0 || low < 0)
+            throw Failure(ErrorCode::kInvalidFile, place, "bad percent escape in '" + printable(text) + "'");
+        out.push_back(char(high * 16 + low));
+        i += 2;
+    }
+    return out;
+}
+
+constexpr std::array<int8_t, 256> kBase64Digits = [] {
+    std::array<int8_t, 256> digits{};
+    digits.fill(-1);
+    constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (size_t i = 0; i < kAlphabet.size(); ++i) digits[uint8_t(kAlphabet[i])] = int8_t(i);
+    digits[uint8_t('-')] = 62;  // the URL-safe alphabet
+    digits[uint8_t('_')] = 63;
+    return digits;
+}();
+
+std::vector<std::byte> base64_decoded(std::string_view text, const std::string& place) {
+    std::vector<std::byte> out;
+    out.reserve(text.size() / 4 * 3 + 3);
+    uint32_t bits = 0, bit_count = 0;
+    bool ended = false;
+    for (const char c : text) {
+        if (c == ' ' || c == '\n' || c == '\r' || c == '\t') continue;
+        if (c == '=') {
+            ended = true;
+            continue;
+        }
+        const int digit = kBase64Digits[uint8_t(c)];
+        if (digit < 0 || ended)
+            throw Failure(ErrorCode::kInvalidFile, place, "the data: URI is not base64: '" + printable({&c, 1}) + "' in it");
+        bits = (bits << 6 | uint32_t(digit)) & 0xFFFFFF;
+        bit_count += 6;
+        if (bit_count >= 8) {
+            bit_count -= 8;
+            out.push_back(std::byte(bits >> bit_count & 0xFF));
+        }
+    }
+    if (bit_count >= 6) throw Failure(ErrorCode::kInvalidFile, place, "the base64 of the data: URI is cut short");
+    return out;
+}
+
+bool has_scheme(std::string_view uri) {
+    const size_t end = uri.find_first_of(":/?#");
+    return end != uri.npos && uri[end] == ':';
+}
+
+}  // namespace
+
+bool is_data_uri(std::string_view uri) {
+    constexpr std::string_view kData = "data:";
+    return uri.size() >= kData.size() &&
+           std::equal(kData.begin(), kData.end(), uri.begin(), [](char a, char b) { return a == (b | 0x20) || a == b; });
+}
+
+std::vector<std::byte> decode_data_uri(std::string_view uri, Budget& budget, const std::string& place) {
+    const size_t comma = uri.find(',');
+    if (comma == uri.npos) throw Failure(ErrorCode::kInvalidFile, place, "the data: URI has no comma");
+    const std::string_view header = uri.substr(0, comma), payload = uri.substr(comma + 1);
+    const bool escaped = payload.find('%') != payload.npos;
+    budget.charge(payload.size() * (escaped ? 2 : 1), place);
+    const std::string unescaped = escaped ? percent_decoded(payload, place) : std::string();
+    const std::string_view text = escaped ? std::string_view(unescaped) : payload;
+    if (header.ends_with(";base64")) return base64_decoded(text, place);
+    const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
+    return {bytes, bytes + text.size()};
+}
+
+fs::path resolve_side_file(std::string_view uri, const fs::path& folder, const std::string& place) {
+    const auto refuse = [&](ErrorCode code, const char* why) {
+        throw Failure(code, place, "'" + printable(uri) + "' " + why);
+    };
+    if (has_scheme(uri)) refuse(ErrorCode::kInvalidFile, "is not a relative path: only data: URIs and files beside the glTF file are read");
+    const std::string decoded = percent_decoded(uri, place);
+    if (decoded.empty() || decoded.find('\0') != decoded.npos) refuse(ErrorCode::kInvalidFile, "is not a file name");
+    const fs::path relative(decoded);
+    if (relative.is_absolute()) refuse(ErrorCode::kInvalidFile, "is an absolute path: side files must lie in the file's folder");
+    for (const fs::path& part : relative)
+        if (part == "..") refuse(ErrorCode::kInvalidFile, "has '..' in it: side files must lie in the file's folder");
+
+    std::error_code error;
+    const fs::path root = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, error);
+    if (error) refuse(ErrorCode::kFile, "cannot be found");
+    const fs::path file = fs::weakly_canonical(root / relative, error);
+    if (error || !fs::exists(file, error)) refuse(ErrorCode::kFile, "cannot be found");
+    // A symbolic link may lead out of the folder.
+    const auto [root_end, file_end] = std::mismatch(root.begin(), root.end(), file.begin(), file.end());
+    if (root_end != root.end()) refuse(ErrorCode::kInvalidFile, "leads out of the file's folder");
+    if (!fs::is_regular_file(file, error)) refuse(ErrorCode::kFile, "is not a regular file");
+    return file;
+}
+
+std::vector<std::byte> read_file(const fs::path& path, uint64_t limit_bytes, const std::string& place) {
+    std::error_code error;
+    const fs::file_status status = fs::status(path, error);
+    if (status.type() == fs::file_type::not_found) throw Failure(ErrorCode::kFile, place, "no such file");
+    // A pipe or a device could be read for ever.
+    if (status.type() != fs::file_type::regular) throw Failure(ErrorCode::kFile, place, "not a regular file");
+    const uint64_t size_bytes = fs::file_size(path, error);
+    if (error) throw Failure(ErrorCode::kFile, place, "the file cannot be read");
+    if (size_bytes > limit_bytes)
+        throw Failure(ErrorCode::kLimit, place, "the file, or it and its side files together, are larger than the limit of 2 GiB");
+    std::ifstream stream(path, std::ios::binary);
+    if (!stream) throw Failure(ErrorCode::kFile, place, "the file cannot be opened");
+    std::vector<std::byte> bytes(size_bytes);
+    stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size_bytes));
+    if (uint64_t(stream.gcount()) != size_bytes) throw Failure(ErrorCode::kFile, place, "the file cannot be read to its end");
+    return bytes;
+}
+
+}  // namespace throng::gltf

@@ -1,0 +1,18 @@
+#version 460
+// gateau2012_walk: every joint walks up to the root on its own.
+// Source: Samuel Gateau, Massive Crowds on GPU, GTC 2012; Algorithm 1 of the paper. Difference: the printed loop never leaves the
+//   joint's parent; here it climbs. Reads local, writes model, so that nothing races.
+// Input: local[instance][joint], parent_from_joint, affine 3x4.   Output: model[instance][joint], model_from_joint.
+// Needs: nothing; any joint count.   Cost: sum of (depth - 1) multiplications, longest thread levels - 1, no barrier, no shared memory.
+// Wins: few levels.   Loses: many levels, quadratically in a chain.   Measured: docs/scan.md#gateau2012_walk
+#include "scan/scan.glsl"
+
+void main() {
+    const uint first = gl_WorkGroupID.x * push.joint_count;
+    for (uint joint = gl_LocalInvocationID.x; joint < push.joint_count; joint += gl_WorkGroupSize.x) {
+        Affine product = local[first + joint];
+        for (uint ancestor = links[joint]; ancestor != kScanNoJoint; ancestor = links[ancestor])
+            product = affine_multiply(local[first + ancestor], product);
+        model[first + joint] = product;
+    }
+}

@@ -1,0 +1,15 @@
+// What every scan method reads and writes. Shared by C++ and GLSL.
+#ifndef THRONG_SCAN_IO_H
+#define THRONG_SCAN_IO_H
+#include "gpu/shader_types.h"
+THRONG_IO_BEGIN
+
+THRONG_IO_CONSTANT kScanNoJoint = 0xFFFFFFFFu;
+
+struct ScanPush {
+    uint joint_count;
+    uint instance_count;
+};
+
+THRONG_IO_END
+#endif

@@ -1,0 +1,22 @@
+#version 460
+// skin: positions of one instance's vertices in model space, for those who read them back; the draw skins in its vertex shader.
+// One invocation per vertex.
+#include "skin/skin_io.h"
+#include "gpu/affine.glsl"
+
+layout(local_size_x = kSkinWorkgroupSize) in;
+layout(set = 0, binding = 0, std430) readonly buffer Vertices { VertexRows vertices[]; };
+layout(set = 0, binding = 1, std430) readonly buffer InfluenceWords { uvec2 influences[]; };
+layout(set = 0, binding = 2, std430) readonly buffer SkinMatrices { Affine skin_matrices[]; };
+layout(set = 0, binding = 3, std430) writeonly buffer Positions { vec4 positions[]; };
+layout(push_constant) uniform Push { SkinPush push; };
+
+#include "skin/skin.glsl"
+
+void main() {
+    const uint vertex = gl_GlobalInvocationID.x;
+    if (vertex >= push.vertex_count) return;
+    const Affine model_from_bind = blended_skin_matrix(push.first_influences, push.influence_sets, vertex, push.first_palette_entry);
+    const vec3 position = vertices[push.first_vertex + vertex].position_normal.xyz;
+    positions[push.first_vertex + vertex] = vec4(affine_point(model_from_bind, position), 1);
+}

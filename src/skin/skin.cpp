@@ -1,0 +1,14 @@
+#include "skin/skin.h"
+
+namespace throng {
+namespace {
+
+constexpr uint32_t kSpirv[] = {
+#include "skin/skin.comp.inc"
+};
+
+}  // namespace
+
+Kernel skin_kernel(const std::shared_ptr<Gpu>& gpu) { return Kernel(gpu, {.name = "skin", .spirv = kSpirv}); }
+
+}  // namespace throng

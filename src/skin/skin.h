@@ -1,0 +1,19 @@
+// The skin stage: skin matrices -> positions of one section of one instance.
+#pragma once
+
+#include "skin/skin_io.h"
+#include "gpu/kernel.h"
+
+namespace throng {
+
+// In the order of the bindings; dispatched with io::SkinPush, an invocation per vertex.
+struct SkinBuffers {
+    BufferRange vertices;  // Vertex[]
+    BufferRange influences;  // Influences[]
+    BufferRange skin_matrices;  // Affine[instance_count][palette_count]
+    BufferRange positions;  // float4[], model space, written in the order of vertices
+};
+
+Kernel skin_kernel(const std::shared_ptr<Gpu>& gpu);
+
+}  // namespace throng

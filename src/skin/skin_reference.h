@@ -1,0 +1,13 @@
+// The definition of the skin stage.
+#pragma once
+
+#include <throng/character.h>
+
+#include <span>
+
+namespace throng {
+
+// Linear blend skinning: sum of weight * skin matrix * position, in the order of Character::vertices, model space.
+std::vector<Vec3<double>> skin_reference(const Character& character, std::span<const AffineT<double>> model_from_bind);
+
+}  // namespace throng

@@ -1,0 +1,22 @@
+// The device of the tests: validated, and shared by all tests of the process.
+#pragma once
+
+#include <throng/device.h>
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+namespace throng {
+
+// THRONG_DEVICE selects it (as --device does); THRONG_VALIDATION is off, standard, synchronization (the default) or gpu-assisted.
+// A message of the validation layer fails the test during which it came.
+Device& test_device();
+
+// A folder of the shared material (characters, goldens, invalid); a test skips where it is missing.
+std::filesystem::path shared_folder(const std::string& name);
+
+}  // namespace throng
+
+#define THRONG_SKIP_WITHOUT(folder) \
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << (folder).string() << " is not there"

@@ -1,0 +1,158 @@
+#include "tools/command.h"
+#include "tools/creature.h"
+#include "tools/scatter.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+
+namespace throng::tools {
+namespace {
+
+struct BenchOptions {
+    std::vector<std::string> files;
+    CreatureSettings creature;
+    std::string scan = "all", device;
+    uint32_t count = 10'000, samples = 15;
+    uint64_t seed = 1;
+    bool json = false;
+};
+
+struct Spread {
+    double median = 0, p5 = 0, p95 = 0;
+};
+
+Spread spread_of(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    const auto at = [&](double quantile) { return values[static_cast<size_t>(std::lround(quantile * static_cast<double>(values.size() - 1)))]; };
+    return {at(0.5), at(0.05), at(0.95)};
+}
+
+constexpr std::array<std::pair<const char*, double StageTimes::*>, 5> kStages{{{"control", &StageTimes::control},
+                                                                               {"sample", &StageTimes::sample},
+                                                                               {"blend", &StageTimes::blend},
+                                                                               {"scan", &StageTimes::scan},
+                                                                               {"bind", &StageTimes::bind}}};
+
+// Largest distance between the GPU's skin matrices and the reference's, of some instances of each group, as a fraction of the
+// character's size: rotation columns count as displacements of a point one size away.
+double largest_error(Crowd& crowd, const Scatter& field) {
+    double worst = 0;
+    uint32_t first = 0;
+    for (const CrowdGroup& group : field.groups) {
+        constexpr uint32_t kChecked = 16;
+        const double size = std::max(double{group.character->size}, 1e-30);
+        for (uint32_t i = 0; i < std::min(kChecked, group.instance_count); ++i) {
+            const auto instance = static_cast<uint32_t>(first + uint64_t{group.instance_count} * i / std::min(kChecked, group.instance_count));
+            const std::vector<Affine> skin = unwrap(crowd.read_skin_matrices(instance));
+            const ReferencePose pose = unwrap(reference_pose(*group.character, field.playback[instance]));
+            for (size_t entry = 0; entry < skin.size(); ++entry)
+                for (size_t row = 0; row < 3; ++row)
+                    for (size_t column = 0; column < 4; ++column) {
+                        const double difference = std::abs(skin[entry].row[row][column] - pose.model_from_bind[entry].row[row][column]);
+                        if (!(difference >= 0)) return std::numeric_limits<double>::infinity();  // not a number
+                        worst = std::max(worst, column == 3 ? difference / size : difference);
+                    }
+        }
+        first += group.instance_count;
+    }
+    return worst;
+}
+
+std::string today() {
+    const std::time_t now = std::time(nullptr);
+    char text[16];
+    std::strftime(text, sizeof text, "%Y-%m-%d", std::gmtime(&now));
+    return text;
+}
+
+nlohmann::json run_case(const Device& device, const std::vector<Character>& characters, const Scatter& field, const std::string& scan, const BenchOptions& options) {
+    constexpr double kBound = 1e-4;  // far above float rounding at 120 levels, far below any mistake
+    print_progress(scan + ": checking");
+    Crowd crowd = unwrap(Crowd::create(device, {.groups = field.groups, .scan = scan}));
+    unwrap(crowd.set_playback(0, field.playback));
+    unwrap(crowd.update(0));
+    const double error = largest_error(crowd, field);
+    if (!(error <= kBound)) throw CommandError(scan + ": wrong result (error " + std::to_string(error) + " of the size); not timed");
+
+    std::array<std::vector<double>, kStages.size()> stage_ms;
+    std::vector<double> total_ms;
+    for (uint32_t sample = 0; sample < options.samples; ++sample) {
+        print_progress(scan + ": sample " + std::to_string(sample + 1) + " of " + std::to_string(options.samples));
+        unwrap(crowd.update(1.0f / 60));
+        const StageTimes times = unwrap(crowd.stage_times());
+        for (size_t s = 0; s < kStages.size(); ++s) stage_ms[s].push_back(times.*kStages[s].second);
+        total_ms.push_back(times.total());
+    }
+    uint64_t joints = 0;
+    for (const CrowdGroup& group : field.groups) joints += uint64_t{group.instance_count} * group.character->rig.joint_count();
+    nlohmann::json stages;
+    for (size_t s = 0; s < kStages.size(); ++s) {
+        const Spread spread = spread_of(stage_ms[s]);
+        stages[kStages[s].first] = {{"median_ms", spread.median}, {"p5_ms", spread.p5}, {"p95_ms", spread.p95}};
+    }
+    nlohmann::json files = nlohmann::json::array();
+    for (const Character& c : characters)
+        files.push_back({{"name", c.name}, {"joints", c.rig.joint_count()}, {"levels", c.rig.level_count}, {"mean_depth", c.rig.mean_depth}, {"leaves", c.rig.leaf_count}, {"palette_entries", c.palette.size()}});
+    const Spread total = spread_of(total_ms);
+    const char* commit = std::getenv("THRONG_COMMIT");
+    return {{"bench", "update"}, {"scan", scan}, {"characters", options.count}, {"joints", joints}, {"files", files}, {"clips_blended", 2}, {"samples", options.samples},
+            {"stages", stages}, {"total", {{"median_ms", total.median}, {"p5_ms", total.p5}, {"p95_ms", total.p95}}},
+            {"ns_per_joint", total.median * 1e6 / static_cast<double>(joints)}, {"max_error", error}, {"memory_bytes", crowd.size_bytes()},
+            {"device", device.info().name}, {"driver", device.info().driver}, {"subgroup_size", device.info().subgroup_size}, {"commit", commit ? commit : ""}, {"date", today()}};
+}
+
+void print_row(const nlohmann::json& record) {
+    std::printf("%-18s", record["scan"].get<std::string>().c_str());
+    for (const auto& [name, member] : kStages) std::printf(" %9.3f", record["stages"][name]["median_ms"].get<double>());
+    std::printf(" %9.3f %9.2f  %.1e\n", record["total"]["median_ms"].get<double>(), record["ns_per_joint"].get<double>(), record["max_error"].get<double>());
+}
+
+void run_bench(const BenchOptions& options) {
+    std::vector<Character> characters = load_characters(options.files);
+    if (characters.empty()) characters.push_back(unwrap(compile_character(unwrap(make_creature(options.creature)))));
+    const Device device = open_device(options.device);
+    const Scatter field = scatter(characters, options.count, options.seed);
+    std::vector<std::string> scans{options.scan};
+    if (options.scan == "all") {
+        scans.clear();
+        for (const ScanMethodInfo& method : scan_methods()) scans.push_back(method.name);
+    }
+    if (!options.json) {
+        std::printf("%u characters on %s, two clips blended; medians of %u updates, ms\n%-18s", options.count, device.info().name.c_str(), options.samples, "scan method");
+        for (const auto& [name, member] : kStages) std::printf(" %9s", name);
+        std::printf(" %9s %9s  %s\n", "total", "ns/joint", "error");
+    }
+    for (const std::string& scan : scans) {
+        const nlohmann::json record = run_case(device, characters, field, scan, options);
+        print_progress("");
+        if (options.json) print_json(record);
+        else print_row(record);
+        std::fflush(stdout);
+    }
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app) {
+    CLI::App& command = *app.add_subcommand("bench", "milliseconds per stage, checked against the reference first");
+    auto options = std::make_shared<BenchOptions>();
+    std::vector<std::string> names{"all", "auto"};
+    for (const ScanMethodInfo& method : scan_methods()) names.push_back(method.name);
+    command.add_option("files", options->files, "glTF 2.0 files (default: a generated creature)");
+    command.add_option("--joints", options->creature.joint_count, "of the generated creature")->capture_default_str();
+    command.add_option("--levels", options->creature.level_count, "of the generated creature")->capture_default_str();
+    command.add_option("--seed", options->seed, "of clips, times and blends")->capture_default_str();
+    command.add_option("--count", options->count, "characters in all")->check(CLI::Range(1u, 10'000'000u))->capture_default_str();
+    command.add_option("--samples", options->samples, "updates timed")->check(CLI::Range(1u, 100'000u))->capture_default_str();
+    command.add_option("--scan", options->scan, "method of the Hierarchy-Scan, or all of them")->check(CLI::IsMember(names))->capture_default_str();
+    add_device_option(command, options->device);
+    command.add_flag("--json", options->json, "a JSON record a line; its commit is taken from THRONG_COMMIT");
+    command.footer("Examples:\n  throng bench\n  throng bench --joints 300 --levels 120 --count 1000 --scan serial\n  throng bench fox.glb --count 5000 --json");
+    command.callback([options] { run_bench(*options); });
+}
+
+}  // namespace throng::tools

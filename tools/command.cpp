@@ -1,0 +1,75 @@
+#include "tools/command.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <unistd.h>
+
+namespace throng::tools {
+
+void add_device_option(CLI::App& app, std::string& select) {
+    app.add_option("--device", select, "a device's number, 'cpu', or a part of its name (default: a hardware GPU if there is one)");
+}
+
+Device open_device(const std::string& select) { return unwrap(Device::create({.select = select})); }
+
+void add_scan_option(CLI::App& app, std::string& scan) {
+    std::vector<std::string> names{"auto"};
+    for (const ScanMethodInfo& method : scan_methods()) names.push_back(method.name);
+    app.add_option("--scan", scan, "method of the Hierarchy-Scan")->check(CLI::IsMember(names))->capture_default_str();
+}
+
+std::vector<Character> load_characters(const std::vector<std::string>& files) {
+    std::vector<Character> characters;
+    for (const std::string& file : files) {
+        print_progress("reading " + file);
+        characters.push_back(unwrap(load_character(file)));
+        print_warnings(characters.back());
+    }
+    print_progress("");
+    return characters;
+}
+
+uint32_t find_clip(const Character& character, const std::string& name_or_index) {
+    const uint32_t named = character.find_clip(name_or_index);
+    if (named != kNone) return named;
+    uint32_t index = 0;
+    const auto [end, error] = std::from_chars(name_or_index.data(), name_or_index.data() + name_or_index.size(), index);
+    if (error == std::errc{} && end == name_or_index.data() + name_or_index.size() && index < character.clips.size()) return index;
+
+    constexpr size_t kShown = 20;
+    std::string names;
+    for (size_t i = 0; i < std::min(character.clips.size(), kShown); ++i) names += (i ? ", " : "") + std::to_string(i) + " '" + character.clips[i].name + "'";
+    if (character.clips.size() > kShown) names += ", …";
+    throw CommandError(character.name + ": no clip '" + name_or_index + "'; " + (names.empty() ? "the file has none" : "there are: " + names));
+}
+
+void print_warnings(const Character& character) {
+    print_progress("");
+    for (const std::string& warning : character.warnings) std::cerr << "throng: warning: " << warning << "\n";
+}
+
+void print_progress(const std::string& text) {
+    if (isatty(STDERR_FILENO)) std::cerr << "\r\033[K" << text << std::flush;
+}
+
+void print_json(const nlohmann::json& json) {
+    std::cout << json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+}
+
+void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+    const std::filesystem::path temporary = path.string() + ".part" + std::to_string(getpid());
+    std::ofstream out(temporary, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    out.close();
+    std::error_code error;
+    if (out) std::filesystem::rename(temporary, path, error);
+    if (out && !error) return;
+    std::error_code ignored;
+    std::filesystem::remove(temporary, ignored);
+    throw CommandError(path.string() + ": cannot be written; is its folder there, and has the disk room?");
+}
+
+}  // namespace throng::tools

@@ -1,0 +1,59 @@
+// What the subcommands share: errors, common options, output.
+#pragma once
+
+#include <throng/throng.h>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace throng::tools {
+
+// One line for stderr; main() prints it and exits with 1.
+struct CommandError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+template <class T>
+T unwrap(Result<T> result) {
+    if (!result) throw CommandError(result.error().text());
+    if constexpr (!std::is_void_v<T>) return std::move(*result);
+}
+
+// --device, for every command that uses one.
+void add_device_option(CLI::App& app, std::string& select);
+Device open_device(const std::string& select);
+
+// --scan; names as scan_methods() has them, and "auto".
+void add_scan_option(CLI::App& app, std::string& scan);
+
+std::vector<Character> load_characters(const std::vector<std::string>& files);
+
+// The clip with this name, or else with this number. Throws where there is none, naming those there are.
+uint32_t find_clip(const Character& character, const std::string& name_or_index);
+
+// Prints warnings of the file to stderr, a line each.
+void print_warnings(const Character& character);
+
+// One line that is rewritten, where stderr is a terminal; nothing otherwise.
+void print_progress(const std::string& text);
+
+void print_json(const nlohmann::json& json);
+
+// Writes to a temporary name beside `path`, then renames.
+void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
+
+// Each adds one subcommand, which runs when it is parsed.
+void add_info(CLI::App& app);
+void add_pose(CLI::App& app);
+void add_render(CLI::App& app);
+void add_generate(CLI::App& app);
+void add_bench(CLI::App& app);
+void add_devices(CLI::App& app);
+
+}  // namespace throng::tools

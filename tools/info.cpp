@@ -1,0 +1,92 @@
+#include "tools/command.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace throng::tools {
+namespace {
+
+// Device memory that one more instance costs: its state, placement, cursors and skin matrices (the arena is shared).
+uint64_t instance_bytes(const Character& character) { return 36 + 36 + sizeof(Affine) + character.palette.size() * sizeof(Affine); }
+
+uint64_t face_count(const Character& character) { return character.indices.size() / 3; }
+
+uint32_t largest_influence_count(const Character& character) {
+    uint32_t sets = 0;
+    for (const MeshSection& section : character.sections)
+        if (section.skin != kNone) sets = std::max(sets, section.influence_sets);
+    return sets * 4;
+}
+
+nlohmann::json to_json(const Character& character) {
+    nlohmann::json clips = nlohmann::json::array(), skins = nlohmann::json::array();
+    for (const Clip& clip : character.clips)
+        clips.push_back({{"name", clip.name}, {"duration_s", clip.duration_s}, {"channels", clip.channel_count}, {"rows", clip.row_count},
+                         {"animated_tracks", clip.column_count}, {"source_keys", clip.source_key_count}, {"refined_rows", clip.refined_row_count},
+                         {"dropped_rows", clip.dropped_row_count}, {"bytes", clip.size_bytes}});
+    for (const Skin& skin : character.skins) skins.push_back({{"name", skin.name}, {"joints", skin.joint_count}});
+    const Rig& rig = character.rig;
+    return {{"file", character.name},
+            {"joints", rig.joint_count()},
+            {"levels", rig.level_count},
+            {"mean_depth", rig.mean_depth},
+            {"leaves", rig.leaf_count},
+            {"skins", skins},
+            {"palette_entries", character.palette.size()},
+            {"clips", clips},
+            {"vertices", character.vertices.size()},
+            {"faces", face_count(character)},
+            {"sections", character.sections.size()},
+            {"materials", character.materials.size()},
+            {"influences", largest_influence_count(character)},
+            {"morph_targets", character.morph_target_count},
+            {"size", character.size},
+            {"bytes_per_character", character.keys.size() * 16 + character.times_s.size() * 4 + character.tracks.size() * sizeof(JointTracks)},
+            {"bytes_per_instance", instance_bytes(character)},
+            {"warnings", character.warnings}};
+}
+
+void print_text(const Character& character) {
+    const Rig& rig = character.rig;
+    std::printf("%s\n", character.name.c_str());
+    std::printf("  rig        %u joints, %u levels, mean depth %.1f, %u leaves\n", rig.joint_count(), rig.level_count, rig.mean_depth, rig.leaf_count);
+    for (size_t i = 0; i < character.skins.size(); ++i)
+        std::printf("  skin %-5zu %u joints  %s\n", i, character.skins[i].joint_count, character.skins[i].name.c_str());
+    std::printf("  mesh       %zu vertices, %llu faces, %zu sections, %zu materials, up to %u influences a vertex\n", character.vertices.size(),
+                static_cast<unsigned long long>(face_count(character)), character.sections.size(), character.materials.size(), largest_influence_count(character));
+    if (character.morph_target_count > 0) std::printf("  morphs     %u targets, not animated\n", character.morph_target_count);
+    std::printf("  memory     %zu skin matrices: %llu bytes an instance\n", character.palette.size(), static_cast<unsigned long long>(instance_bytes(character)));
+    for (size_t i = 0; i < character.clips.size(); ++i) {
+        const Clip& clip = character.clips[i];
+        std::printf("  clip %-5zu %7.3f s  %4u channels  %5u rows x %4u tracks  %8.1f KiB  %s", i, static_cast<double>(clip.duration_s), clip.channel_count, clip.row_count,
+                    clip.column_count, static_cast<double>(clip.size_bytes) / 1024, clip.name.c_str());
+        if (clip.refined_row_count > 0) std::printf("  (%u rows added for cubic tracks)", clip.refined_row_count);
+        if (clip.dropped_row_count > 0) std::printf("  (resampled: %u rows of the union left out)", clip.dropped_row_count);
+        std::printf("\n");
+    }
+    for (const std::string& warning : character.warnings) std::printf("  warning    %s\n", warning.c_str());
+}
+
+struct InfoOptions {
+    std::string file;
+    bool json = false;
+};
+
+void run_info(const InfoOptions& options) {
+    const Character character = unwrap(load_character(options.file));
+    if (options.json) print_json(to_json(character));
+    else print_text(character);
+}
+
+}  // namespace
+
+void add_info(CLI::App& app) {
+    CLI::App& command = *app.add_subcommand("info", "what is in a .glb or .gltf file, and what it costs; needs no GPU");
+    auto options = std::make_shared<InfoOptions>();
+    command.add_option("file", options->file, "a glTF 2.0 file")->required();
+    command.add_flag("--json", options->json, "as JSON");
+    command.footer("Examples:\n  throng info fox.glb\n  throng info fox.glb --json | jq .clips");
+    command.callback([options] { run_info(*options); });
+}
+
+}  // namespace throng::tools
