@@ -42,7 +42,8 @@ size_t GlbBuilder::add_accessor(size_t view, size_t component_count, const char*
 
 std::string GlbBuilder::glb() const {
     Json copy = json;
-    if (!copy["buffers"].empty() && !copy["buffers"][0].contains("byteLength")) copy["buffers"][0]["byteLength"] = bin.size();
+    if (!copy["buffers"].empty() && !copy["buffers"][0].contains("byteLength"))
+        copy["buffers"][0]["byteLength"] = bin.size();
     std::string text = copy.dump();
     text.resize((text.size() + 3) / 4 * 4, ' ');
     std::string content(reinterpret_cast<const char*>(bin.data()), bin.size());
@@ -106,7 +107,8 @@ std::string base64(std::span<const std::byte> bytes) {
 
 TemporaryFolder::TemporaryFolder() {
     std::random_device random;
-    path_ = std::filesystem::temp_directory_path() / ("throng_test_" + std::to_string(random()) + std::to_string(random()));
+    path_ =
+        std::filesystem::temp_directory_path() / ("throng_test_" + std::to_string(random()) + std::to_string(random()));
     std::filesystem::create_directories(path_);
 }
 

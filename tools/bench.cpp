@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <limits>
 
 namespace throng::tools {
 namespace {
@@ -21,21 +22,11 @@ struct BenchOptions {
     bool json = false;
 };
 
-struct Spread {
-    double median = 0, p5 = 0, p95 = 0;
-};
-
-Spread spread_of(std::vector<double> values) {
+nlohmann::json spread_of(std::vector<double> values) {
     std::sort(values.begin(), values.end());
     const auto at = [&](double quantile) { return values[static_cast<size_t>(std::lround(quantile * static_cast<double>(values.size() - 1)))]; };
-    return {at(0.5), at(0.05), at(0.95)};
+    return {{"median_ms", at(0.5)}, {"p5_ms", at(0.05)}, {"p95_ms", at(0.95)}};
 }
-
-constexpr std::array<std::pair<const char*, double StageTimes::*>, 5> kStages{{{"control", &StageTimes::control},
-                                                                               {"sample", &StageTimes::sample},
-                                                                               {"blend", &StageTimes::blend},
-                                                                               {"scan", &StageTimes::scan},
-                                                                               {"bind", &StageTimes::bind}}};
 
 // Largest distance between the GPU's skin matrices and the reference's, of some instances of each group, as a fraction of the
 // character's size: rotation columns count as displacements of a point one size away.
@@ -90,19 +81,30 @@ nlohmann::json run_case(const Device& device, const std::vector<Character>& char
     uint64_t joints = 0;
     for (const CrowdGroup& group : field.groups) joints += uint64_t{group.instance_count} * group.character->rig.joint_count();
     nlohmann::json stages;
-    for (size_t s = 0; s < kStages.size(); ++s) {
-        const Spread spread = spread_of(stage_ms[s]);
-        stages[kStages[s].first] = {{"median_ms", spread.median}, {"p5_ms", spread.p5}, {"p95_ms", spread.p95}};
-    }
+    for (size_t s = 0; s < kStages.size(); ++s) stages[kStages[s].first] = spread_of(stage_ms[s]);
     nlohmann::json files = nlohmann::json::array();
     for (const Character& c : characters)
-        files.push_back({{"name", c.name}, {"joints", c.rig.joint_count()}, {"levels", c.rig.level_count}, {"mean_depth", c.rig.mean_depth}, {"leaves", c.rig.leaf_count}, {"palette_entries", c.palette.size()}});
-    const Spread total = spread_of(total_ms);
+        files.push_back({{"name", c.name}, {"joints", c.rig.joint_count()}, {"levels", c.rig.level_count}, {"mean_depth", c.rig.mean_depth},
+                         {"leaves", c.rig.leaf_count}, {"palette_entries", c.palette.size()}});
+    const nlohmann::json total = spread_of(total_ms);
     const char* commit = std::getenv("THRONG_COMMIT");
-    return {{"bench", "update"}, {"scan", scan}, {"characters", options.count}, {"joints", joints}, {"files", files}, {"clips_blended", 2}, {"samples", options.samples},
-            {"stages", stages}, {"total", {{"median_ms", total.median}, {"p5_ms", total.p5}, {"p95_ms", total.p95}}},
-            {"ns_per_joint", total.median * 1e6 / static_cast<double>(joints)}, {"max_error", error}, {"memory_bytes", crowd.size_bytes()},
-            {"device", device.info().name}, {"driver", device.info().driver}, {"subgroup_size", device.info().subgroup_size}, {"commit", commit ? commit : ""}, {"date", today()}};
+    return {{"bench", "update"},
+            {"scan", scan},
+            {"characters", options.count},
+            {"joints", joints},
+            {"files", files},
+            {"clips_blended", 2},
+            {"samples", options.samples},
+            {"stages", stages},
+            {"total", total},
+            {"ns_per_joint", total["median_ms"].get<double>() * 1e6 / static_cast<double>(joints)},
+            {"max_error", error},
+            {"memory_bytes", crowd.size_bytes()},
+            {"device", device.info().name},
+            {"driver", device.info().driver},
+            {"subgroup_size", device.info().subgroup_size},
+            {"commit", commit ? commit : ""},
+            {"date", today()}};
 }
 
 void print_row(const nlohmann::json& record) {

@@ -2,12 +2,23 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
+#include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <unistd.h>
 
 namespace throng::tools {
+
+std::optional<uint32_t> parse_number(std::string_view text) {
+    uint32_t number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    return error == std::errc{} && end == text.data() + text.size() ? std::optional(number) : std::nullopt;
+}
+
+CLI::Validator finite() {
+    return {[](std::string& text) { return std::isfinite(std::strtof(text.c_str(), nullptr)) ? "" : text + " is not a finite number"; }, ""};
+}
 
 void add_device_option(CLI::App& app, std::string& select) {
     app.add_option("--device", select, "a device's number, 'cpu', or a part of its name (default: a hardware GPU if there is one)");
@@ -35,9 +46,7 @@ std::vector<Character> load_characters(const std::vector<std::string>& files) {
 uint32_t find_clip(const Character& character, const std::string& name_or_index) {
     const uint32_t named = character.find_clip(name_or_index);
     if (named != kNone) return named;
-    uint32_t index = 0;
-    const auto [end, error] = std::from_chars(name_or_index.data(), name_or_index.data() + name_or_index.size(), index);
-    if (error == std::errc{} && end == name_or_index.data() + name_or_index.size() && index < character.clips.size()) return index;
+    if (const auto index = parse_number(name_or_index); index && *index < character.clips.size()) return *index;
 
     constexpr size_t kShown = 20;
     std::string names;
@@ -59,6 +68,18 @@ void print_json(const nlohmann::json& json) {
     std::cout << json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
 }
 
+void add_out_option(CLI::App& app, std::string& out, const std::string& description) {
+    const auto check = [](std::string& text) -> std::string {
+        const std::filesystem::path path = text, folder = path.has_parent_path() ? path.parent_path() : ".";
+        std::error_code error;
+        const auto type = std::filesystem::status(path, error).type();
+        if (access(folder.c_str(), W_OK) != 0) return text + " cannot be written: is its folder there?";
+        if (type == std::filesystem::file_type::not_found || type == std::filesystem::file_type::regular) return {};
+        return text + " is there, and not a plain file";
+    };
+    app.add_option("--out", out, description)->required()->check(CLI::Validator(check, ""));
+}
+
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
     const std::filesystem::path temporary = path.string() + ".part" + std::to_string(getpid());
     std::ofstream out(temporary, std::ios::binary);
@@ -69,7 +90,7 @@ void write_file(const std::filesystem::path& path, std::span<const std::byte> by
     if (out && !error) return;
     std::error_code ignored;
     std::filesystem::remove(temporary, ignored);
-    throw CommandError(path.string() + ": cannot be written; is its folder there, and has the disk room?");
+    throw CommandError(path.string() + ": cannot be written; has the disk room?");
 }
 
 }  // namespace throng::tools

@@ -6,10 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace throng::tools {
@@ -24,6 +27,19 @@ T unwrap(Result<T> result) {
     if (!result) throw CommandError(result.error().text());
     if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
+
+// The stages in their order, for everything that is printed about them.
+inline constexpr std::array<std::pair<const char*, double StageTimes::*>, 5> kStages{{{"control", &StageTimes::control},
+                                                                                      {"sample", &StageTimes::sample},
+                                                                                      {"blend", &StageTimes::blend},
+                                                                                      {"scan", &StageTimes::scan},
+                                                                                      {"bind", &StageTimes::bind}}};
+
+// The whole text as a number.
+std::optional<uint32_t> parse_number(std::string_view text);
+
+// For options in seconds: "nan" and "inf" would be taken for numbers otherwise.
+CLI::Validator finite();
 
 // --device, for every command that uses one.
 void add_device_option(CLI::App& app, std::string& select);
@@ -44,6 +60,9 @@ void print_warnings(const Character& character);
 void print_progress(const std::string& text);
 
 void print_json(const nlohmann::json& json);
+
+// --out. Said before the work is done: its folder must be there and writable, and what stands there already a plain file.
+void add_out_option(CLI::App& app, std::string& out, const std::string& description);
 
 // Writes to a temporary name beside `path`, then renames.
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);

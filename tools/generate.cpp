@@ -29,7 +29,7 @@ void add_generate(CLI::App& app) {
     command.add_option("--levels", options->creature.level_count, "joints on the longest path from the root, exactly")->capture_default_str();
     command.add_option("--faces", options->creature.face_count, "triangles, about")->capture_default_str();
     command.add_option("--seed", options->creature.seed, "proportions, colours and phases")->capture_default_str();
-    command.add_option("--out", options->out, "the .glb file to write")->required();
+    add_out_option(command, options->out, "the .glb file to write");
     command.footer("Examples:\n  throng generate --out dragon.glb\n  throng generate --joints 300 --levels 120 --faces 3000 --seed 7 --out deep.glb");
     command.callback([options] { run_generate(*options); });
 }

@@ -1,5 +1,6 @@
 #include "tools/command.h"
 
+#include <cstdio>
 #include <iostream>
 
 int main(int argc, char** argv) {
@@ -17,7 +18,8 @@ int main(int argc, char** argv) {
     add_devices(app);
     try {
         app.parse(argc, argv);
-        return std::cout.flush() ? 0 : throw CommandError("standard output: cannot be written");
+        std::cout.flush();
+        return std::fflush(stdout) == 0 && !std::ferror(stdout) ? 0 : throw CommandError("standard output: cannot be written");
     } catch (const CLI::Success& success) {  // --help, --version
         return app.exit(success);
     } catch (const CLI::ParseError& error) {

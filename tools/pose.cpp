@@ -1,6 +1,5 @@
 #include "tools/command.h"
 
-#include <charconv>
 #include <cstdio>
 #include <optional>
 
@@ -101,10 +100,8 @@ void print_text(const Character& character, const Pose& pose) {
 // "all" is no limit.
 std::optional<uint32_t> parse_vertices(const std::string& text) {
     if (text == "all") return std::nullopt;
-    uint32_t limit = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), limit);
-    if (error != std::errc{} || end != text.data() + text.size()) throw CommandError("--vertices " + text + ": give a number or 'all'");
-    return limit;
+    if (const auto limit = parse_number(text)) return limit;
+    throw CommandError("--vertices " + text + ": give a number or 'all'");
 }
 
 void run_pose(const PoseOptions& options) {
@@ -126,10 +123,10 @@ void add_pose(CLI::App& app) {
     auto options = std::make_shared<PoseOptions>();
     command.add_option("file", options->file, "a glTF 2.0 file")->required();
     command.add_option("--clip", options->clip, "name or number of a clip (default: the rest pose)");
-    command.add_option("--time", options->time_s, "seconds into the clip")->capture_default_str();
+    command.add_option("--time", options->time_s, "seconds into the clip")->check(finite())->capture_default_str();
     command.add_flag("--loop", options->loop, "wrap times beyond the clip's end, for both clips (else clamp)");
     command.add_option("--blend", options->blend, "name or number of a second clip to blend with");
-    command.add_option("--blend-time", options->blend_time_s, "seconds into the second clip")->capture_default_str();
+    command.add_option("--blend-time", options->blend_time_s, "seconds into the second clip")->check(finite())->capture_default_str();
     command.add_option("--weight", options->weight, "weight of --clip; the second clip has the rest")->check(CLI::Range(0.0, 1.0))->capture_default_str();
     add_scan_option(command, options->scan);
     command.add_flag("--reference", options->reference, "compute on the CPU in double precision; needs no GPU");

@@ -1,6 +1,7 @@
 #include "tools/command.h"
 #include "tools/scatter.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace throng::tools {
@@ -16,22 +17,24 @@ struct RenderOptions {
 };
 
 RendererSettings parse_size(const std::string& text) {
-    RendererSettings settings;
-    char rest = 0;
-    if (std::sscanf(text.c_str(), "%ux%u%c", &settings.width, &settings.height, &rest) != 2 || text.find('-') != std::string::npos ||
-        settings.width == 0 || settings.height == 0)
-        throw CommandError("--size " + text + ": give it as WIDTHxHEIGHT, for example 1920x1080");
-    return settings;
+    const size_t x = std::min(text.find('x'), text.size());
+    const auto width = parse_number(text.substr(0, x)), height = parse_number(text.substr(std::min(x + 1, text.size())));
+    if (!width || !height || *width == 0 || *height == 0) throw CommandError("--size " + text + ": give it as WIDTHxHEIGHT, for example 1920x1080");
+    return {.width = *width, .height = *height};
 }
 
 void print_times(const RenderOptions& options, const Device& device, const Crowd& crowd, const StageTimes& times, double draw_ms) {
     const std::string_view scan = crowd.scan_method(0);
-    if (options.json)
-        return print_json({{"out", options.out}, {"device", device.info().name}, {"driver", device.info().driver}, {"count", crowd.instance_count()}, {"scan", scan},
-                           {"stages_ms", {{"control", times.control}, {"sample", times.sample}, {"blend", times.blend}, {"scan", times.scan}, {"bind", times.bind}, {"skin+draw", draw_ms}}}});
-    std::printf("%s: %u characters on %s\n", options.out.c_str(), crowd.instance_count(), device.info().name.c_str());
-    std::printf("  control %.2f ms, sample %.2f ms, blend %.2f ms, scan %.2f ms (%.*s), bind %.2f ms, skin+draw %.2f ms\n", times.control, times.sample, times.blend, times.scan,
-                static_cast<int>(scan.size()), scan.data(), times.bind, draw_ms);
+    if (options.json) {
+        nlohmann::json stages{{"skin+draw", draw_ms}};
+        for (const auto& [name, member] : kStages) stages[name] = times.*member;
+        return print_json({{"out", options.out}, {"device", device.info().name}, {"driver", device.info().driver}, {"count", crowd.instance_count()},
+                           {"scan", scan}, {"stages_ms", stages}});
+    }
+    std::printf("%s: %u characters on %s, scan by %.*s\n ", options.out.c_str(), crowd.instance_count(), device.info().name.c_str(),
+                static_cast<int>(scan.size()), scan.data());
+    for (const auto& [name, member] : kStages) std::printf(" %s %.2f ms,", name, times.*member);
+    std::printf(" skin+draw %.2f ms\n", draw_ms);
 }
 
 void run_render(const RenderOptions& options) {
@@ -64,9 +67,9 @@ void add_render(CLI::App& app) {
     command.add_option("files", options->files, "glTF 2.0 files; several are mixed, scaled to one size")->required();
     command.add_option("--count", options->count, "characters in all")->check(CLI::Range(1u, 10'000'000u))->capture_default_str();
     command.add_option("--size", options->size, "of the picture")->capture_default_str();
-    command.add_option("--time", options->time_s, "seconds after the start; every character starts at a time of its own")->capture_default_str();
+    command.add_option("--time", options->time_s, "seconds after the start; every character starts at a time of its own")->check(finite())->capture_default_str();
     command.add_option("--seed", options->seed, "of clips, times, blends and places")->capture_default_str();
-    command.add_option("--out", options->out, "the .png file to write")->required();
+    add_out_option(command, options->out, "the .png file to write");
     add_scan_option(command, options->scan);
     add_device_option(command, options->device);
     command.add_flag("--json", options->json, "print the stage times as JSON");

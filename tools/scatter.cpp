@@ -47,7 +47,7 @@ Scatter scatter(std::span<const Character> characters, uint32_t count, uint64_t 
     if (characters.size() > 1)
         for (uint32_t i = count; i > 1; --i) std::swap(cells[i - 1], cells[below(random, i)]);
 
-    const auto side = static_cast<uint32_t>(std::ceil(std::sqrt(double{count})));
+    const auto side = static_cast<uint32_t>(std::ceil(std::sqrt(double(count))));
     const double jitter = count > 1 ? 0.15 : 0, turn = count > 1 ? 0.6 : 0;
     for (uint32_t kind = 0; kind < characters.size(); ++kind) {
         const auto first = static_cast<uint32_t>(uint64_t{count} * kind / characters.size()), end = static_cast<uint32_t>(uint64_t{count} * (kind + 1) / characters.size());

@@ -1,13 +1,14 @@
 // Playback state -> time -> rows of keys. The includer declares `float times[]`.
 #include "control/control_io.h"
 
-// Looping: t - floor(t / D) * D, so that t = D wraps to 0. Division is not exact on GPUs, hence the two mends.
+// Looping: t - floor(t / D) * D, so that t = D wraps to 0. Division is not exact on GPUs, hence the two mends; what an
+// overflow made infinite or NaN wraps to 0 as well, or it would stay for good.
 float local_time(float time_s, float duration_s, bool loop) {
     if (duration_s <= 0) return 0;
     if (!loop) return clamp(time_s, 0, duration_s);
     float wrapped = time_s - floor(time_s / duration_s) * duration_s;
     if (wrapped < 0) wrapped += duration_s;
-    return wrapped >= duration_s ? 0 : wrapped;
+    return wrapped >= 0 && wrapped < duration_s ? wrapped : 0;
 }
 
 // The rows around time_s: the last one at or before it and the next; before the first and after the last, that row alone.

@@ -10,7 +10,8 @@ struct TypeName {
     const char* name;
     uint32_t component_count;
 };
-constexpr TypeName kTypes[] = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}};
+constexpr TypeName kTypes[] = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},
+                               {"MAT2", 4},   {"MAT3", 9}, {"MAT4", 16}};
 
 constexpr std::array<std::byte, 64> kZeros{};  // as large as the largest element
 
@@ -27,19 +28,21 @@ ComponentType component_type_of(const JsonView& json) {
 }
 
 // `count` elements of `element_bytes` at `offset` in a buffer view, with its stride.
-AccessorView strided(const JsonView& json, const Buffers::View& view, uint64_t offset, uint64_t count, uint64_t element_bytes) {
+AccessorView strided(const JsonView& json, const Buffers::View& view, uint64_t offset, uint64_t count,
+                     uint64_t element_bytes) {
     AccessorView out;
     out.stride_bytes = view.stride_bytes > 0 ? view.stride_bytes : element_bytes;
     if (out.stride_bytes < element_bytes || out.stride_bytes > 0xFFFF)
-        json.fail("an element has " + std::to_string(element_bytes) + " bytes, but the byteStride of its buffer view is " +
-                  std::to_string(out.stride_bytes));
+        json.fail("an element has " + std::to_string(element_bytes) +
+                  " bytes, but the byteStride of its buffer view is " + std::to_string(out.stride_bytes));
     // offset < 2^53, count < 2^53, stride < 2^16: compared by division, so that nothing overflows.
     const uint64_t size_bytes = view.bytes.size();
     const bool fits = count == 0 || (offset <= size_bytes && element_bytes <= size_bytes - offset &&
                                      count - 1 <= (size_bytes - offset - element_bytes) / out.stride_bytes);
     if (!fits)
         json.fail(std::to_string(count) + " elements of " + std::to_string(element_bytes) + " bytes from byte " +
-                  std::to_string(offset) + " do not fit into its buffer view of " + std::to_string(size_bytes) + " bytes");
+                  std::to_string(offset) + " do not fit into its buffer view of " + std::to_string(size_bytes) +
+                  " bytes");
     out.data = count == 0 ? kZeros.data() : view.bytes.data() + offset;
     return out;
 }
@@ -110,13 +113,15 @@ AccessorFormat Accessors::format(const JsonView& user, const char* key) const {
     out.index = user.required_index(key, accessors_.size(), "accessors");
     const JsonView json = accessors_[out.index];
     out.type = json.required_string("type");
-    const auto* type = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const TypeName& t) { return t.name == out.type; });
+    const auto* type =
+        std::find_if(std::begin(kTypes), std::end(kTypes), [&](const TypeName& t) { return t.name == out.type; });
     if (type == std::end(kTypes)) json.fail("type '" + printable(out.type) + "' is unknown");
     out.component_count = type->component_count;
     out.component_type = component_type_of(json);
     out.normalized = json.optional_bool("normalized", false);
     const uint64_t count = json.required_uint("count");
-    if (count >= kNone) json.fail("count " + std::to_string(count) + " is above the limit of 4294967294", ErrorCode::kLimit);
+    if (count >= kNone)
+        json.fail("count " + std::to_string(count) + " is above the limit of 4294967294", ErrorCode::kLimit);
     out.count = uint32_t(count);
     return out;
 }
@@ -132,7 +137,8 @@ AccessorView Accessors::open(const AccessorFormat& format) {
         out.data = kZeros.data();
         out.stride_bytes = 0;
     } else {
-        out = strided(json, buffers_.view(view_index), json.optional_uint("byteOffset", 0), format.count, format.element_bytes());
+        out = strided(json, buffers_.view(view_index), json.optional_uint("byteOffset", 0), format.count,
+                      format.element_bytes());
     }
     out.format = format;
     if (const auto sparse = json.optional_object("sparse")) {
@@ -143,11 +149,13 @@ AccessorView Accessors::open(const AccessorFormat& format) {
     return out;
 }
 
-std::shared_ptr<std::vector<std::byte>> Accessors::with_sparse(const JsonView& json, const JsonView& sparse, const AccessorView& base) {
+std::shared_ptr<std::vector<std::byte>> Accessors::with_sparse(const JsonView& json, const JsonView& sparse,
+                                                               const AccessorView& base) {
     const uint64_t element_bytes = base.format.element_bytes(), count = base.count();
     const uint64_t sparse_count = sparse.required_uint("count");
     if (sparse_count > count)
-        sparse.fail("count is " + std::to_string(sparse_count) + ", but the accessor has " + std::to_string(count) + " elements");
+        sparse.fail("count is " + std::to_string(sparse_count) + ", but the accessor has " + std::to_string(count) +
+                    " elements");
 
     const auto part = [&](const char* key) {
         const JsonView at = sparse.required_object(key);
@@ -158,8 +166,8 @@ std::shared_ptr<std::vector<std::byte>> Accessors::with_sparse(const JsonView& j
     indices_format.component_count = 1;
     indices_format.component_type = component_type_of(indices_json);
     if (!indices_format.is_unsigned()) indices_json.fail("must be unsigned integers");
-    AccessorView indices = strided(indices_json, indices_view, indices_json.optional_uint("byteOffset", 0), sparse_count,
-                                   indices_format.element_bytes());
+    AccessorView indices = strided(indices_json, indices_view, indices_json.optional_uint("byteOffset", 0),
+                                   sparse_count, indices_format.element_bytes());
     indices.format = indices_format;
     const auto [values_json, values_view] = part("values");
     const AccessorView values =
@@ -173,7 +181,8 @@ std::shared_ptr<std::vector<std::byte>> Accessors::with_sparse(const JsonView& j
     for (uint32_t i = 0; i < sparse_count; ++i) {
         const uint32_t element = indices.integer(i, 0);
         if (element >= count)
-            indices_json.fail("index " + std::to_string(element) + ", but the accessor has " + std::to_string(count) + " elements");
+            indices_json.fail("index " + std::to_string(element) + ", but the accessor has " + std::to_string(count) +
+                              " elements");
         std::memcpy(out->data() + element * element_bytes, values.data + i * values.stride_bytes, element_bytes);
     }
     return out;

@@ -60,7 +60,8 @@ public:
     AccessorView open(const AccessorFormat& format);
 
 private:
-    std::shared_ptr<std::vector<std::byte>> with_sparse(const JsonView& json, const JsonView& sparse, const AccessorView& base);
+    std::shared_ptr<std::vector<std::byte>> with_sparse(const JsonView& json, const JsonView& sparse,
+                                                        const AccessorView& base);
 
     JsonView accessors_;
     Buffers& buffers_;

@@ -34,9 +34,11 @@ Container open_glb(std::span<const std::byte> file, Warnings& warnings) {
     if (file.size() < kGlbHeaderBytes) fail("GLB header: the file ends in it");
     const uint32_t version = word_at(file, 4), length = word_at(file, 8);
     if (version == 1) fail("glTF 1.0 is not supported, only 2.0", ErrorCode::kUnsupported);
-    if (version != 2) fail("GLB version " + std::to_string(version) + " is not supported, only 2", ErrorCode::kUnsupported);
+    if (version != 2)
+        fail("GLB version " + std::to_string(version) + " is not supported, only 2", ErrorCode::kUnsupported);
     if (length > file.size())
-        fail("GLB header: the length is " + std::to_string(length) + " bytes, but the file has " + std::to_string(file.size()));
+        fail("GLB header: the length is " + std::to_string(length) + " bytes, but the file has " +
+             std::to_string(file.size()));
     if (length < file.size()) warnings.add("", "GLB header: bytes after the stated length are ignored");
     file = file.first(length);
 
@@ -51,7 +53,8 @@ Container open_glb(std::span<const std::byte> file, Warnings& warnings) {
             fail(name + ": has " + std::to_string(size_bytes) + " bytes by its header, but " +
                  std::to_string(file.size() - offset) + " are left");
         const auto content = file.subspan(offset, size_bytes);
-        if ((chunk == 0) != (type == kJsonChunk)) fail(name + (chunk == 0 ? ": must be JSON" : ": is JSON a second time"));
+        if ((chunk == 0) != (type == kJsonChunk))
+            fail(name + (chunk == 0 ? ": must be JSON" : ": is JSON a second time"));
         if (chunk == 0) {
             out.json = as_text(content);
         } else if (type == kBinChunk) {
@@ -112,7 +115,8 @@ std::span<const std::byte> Buffers::range(const JsonView& json) {
     const uint64_t offset = json.optional_uint("byteOffset", 0), size_bytes = json.required_uint("byteLength");
     // Both are below 2^53.
     if (offset + size_bytes > bytes.size())
-        json.fail("ends at byte " + std::to_string(offset + size_bytes) + ", but its buffer has " + std::to_string(bytes.size()));
+        json.fail("ends at byte " + std::to_string(offset + size_bytes) + ", but its buffer has " +
+                  std::to_string(bytes.size()));
     return bytes.subspan(offset, size_bytes);
 }
 
@@ -132,7 +136,8 @@ std::span<const std::byte> Buffers::buffer(uint32_t index) {
         loaded.bytes = bin_;
     }
     if (size_bytes > loaded.bytes.size())
-        json.fail("byteLength is " + std::to_string(size_bytes) + ", but there are " + std::to_string(loaded.bytes.size()) + " bytes");
+        json.fail("byteLength is " + std::to_string(size_bytes) + ", but there are " +
+                  std::to_string(loaded.bytes.size()) + " bytes");
     loaded.bytes = loaded.bytes.first(size_bytes);
     loaded.done = true;
     return loaded.bytes;

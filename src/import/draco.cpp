@@ -24,11 +24,13 @@ protected:
         uint8_t seam_count = 0;  // attributes with a corner table of their own
         bool read = false;
         if constexpr (std::is_base_of_v<draco::MeshEdgebreakerDecoder, Base>)
-            read = draco::DecodeVarint(&vertex_count, &ahead) && draco::DecodeVarint(&face_count, &ahead) && ahead.Decode(&seam_count);
+            read = draco::DecodeVarint(&vertex_count, &ahead) && draco::DecodeVarint(&face_count, &ahead) &&
+                   ahead.Decode(&seam_count);
         else
             read = draco::DecodeVarint(&face_count, &ahead) && draco::DecodeVarint(&vertex_count, &ahead);
         // A corner table has two 32-bit numbers for each of a face's three corners; as much again for the way there.
-        return read && charge(face_count, 48 * (1 + uint64_t(seam_count))) && charge(vertex_count, 32) && Base::DecodeConnectivity();
+        return read && charge(face_count, 48 * (1 + uint64_t(seam_count))) && charge(vertex_count, 32) &&
+               Base::DecodeConnectivity();
     }
 
     bool DecodeAllAttributes() override {
@@ -37,7 +39,8 @@ protected:
             const draco::PointAttribute& attribute = *points.attribute(i);
             const uint64_t component_bytes = uint64_t(draco::DataTypeLength(attribute.data_type()));
             // As stored, as 32-bit integers on the way, and the map from points to values.
-            if (!charge(points.num_points(), uint64_t(attribute.num_components()) * (component_bytes + 8) + 4)) return false;
+            if (!charge(points.num_points(), uint64_t(attribute.num_components()) * (component_bytes + 8) + 4))
+                return false;
         }
         return Base::DecodeAllAttributes();
     }
@@ -63,14 +66,17 @@ void decode(const JsonView& json, draco::DecoderBuffer& buffer, Budget& budget, 
     const draco::DecoderOptions options;
     const draco::Status status = decoder.Decode(options, &buffer, &mesh);
     if (decoder.failure) throw *decoder.failure;
-    if (!status.ok()) json.fail("the compressed data are broken (libdraco: " + printable(status.error_msg_string(), 100) + ")");
+    if (!status.ok())
+        json.fail("the compressed data are broken (libdraco: " + printable(status.error_msg_string(), 100) + ")");
 }
 
 template <class T>
-bool convert(const draco::PointAttribute& attribute, uint32_t vertex_count, uint32_t component_count, std::vector<std::byte>& out) {
+bool convert(const draco::PointAttribute& attribute, uint32_t vertex_count, uint32_t component_count,
+             std::vector<std::byte>& out) {
     T value[16] = {};
     for (uint32_t v = 0; v < vertex_count; ++v) {
-        if (!attribute.ConvertValue<T>(attribute.mapped_index(draco::PointIndex(v)), int8_t(component_count), value)) return false;
+        if (!attribute.ConvertValue<T>(attribute.mapped_index(draco::PointIndex(v)), int8_t(component_count), value))
+            return false;
         std::memcpy(out.data() + size_t(v) * component_count * sizeof(T), value, component_count * sizeof(T));
     }
     return true;
@@ -88,8 +94,8 @@ DracoMesh::DracoMesh(const JsonView& json, Buffers& buffers, Budget& budget)
     if (!draco::PointCloudDecoder::DecodeHeader(&ahead, &header).ok() || header.encoder_type != draco::TRIANGULAR_MESH)
         json.fail("the compressed data are not a Draco mesh");
     if (header.version_major != 2 || header.version_minor != 2)
-        json.fail("Draco bitstream " + std::to_string(header.version_major) + "." + std::to_string(header.version_minor) +
-                      " is not supported, only 2.2",
+        json.fail("Draco bitstream " + std::to_string(header.version_major) + "." +
+                      std::to_string(header.version_minor) + " is not supported, only 2.2",
                   ErrorCode::kUnsupported);
     try {
         if (header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING)
@@ -112,24 +118,31 @@ std::optional<AccessorView> DracoMesh::attribute(const char* name, const Accesso
     const JsonView ids = json_.required_object("attributes");
     const auto id = ids.find(name);
     if (!id) return {};
-    const draco::PointAttribute* attribute = mesh_->GetAttributeByUniqueId(uint32_t(std::min<uint64_t>(id->as_uint(), kNone)));
+    const draco::PointAttribute* attribute =
+        mesh_->GetAttributeByUniqueId(uint32_t(std::min<uint64_t>(id->as_uint(), kNone)));
     if (!attribute) id->fail("the compressed data have no attribute of this id");
     if (attribute->num_components() != format.component_count)
-        id->fail("has " + std::to_string(attribute->num_components()) + " components, but its accessor is " + format.type);
+        id->fail("has " + std::to_string(attribute->num_components()) + " components, but its accessor is " +
+                 format.type);
     if (mesh_->num_points() != format.count)
-        id->fail("has " + std::to_string(mesh_->num_points()) + " vertices, but accessors[" + std::to_string(format.index) +
-                 "] has " + std::to_string(format.count));
+        id->fail("has " + std::to_string(mesh_->num_points()) + " vertices, but accessors[" +
+                 std::to_string(format.index) + "] has " + std::to_string(format.count));
     if (attribute->size() == 0 && format.count > 0) id->fail("has no values");
 
     budget_.charge(format.count, format.element_bytes(), id->place());
     auto values = std::make_shared<std::vector<std::byte>>(size_t(format.count) * format.element_bytes());
     const auto converted = [&] {
         switch (format.component_type) {
-            case ComponentType::kInt8: return convert<int8_t>(*attribute, format.count, format.component_count, *values);
-            case ComponentType::kUint8: return convert<uint8_t>(*attribute, format.count, format.component_count, *values);
-            case ComponentType::kInt16: return convert<int16_t>(*attribute, format.count, format.component_count, *values);
-            case ComponentType::kUint16: return convert<uint16_t>(*attribute, format.count, format.component_count, *values);
-            case ComponentType::kUint32: return convert<uint32_t>(*attribute, format.count, format.component_count, *values);
+            case ComponentType::kInt8:
+                return convert<int8_t>(*attribute, format.count, format.component_count, *values);
+            case ComponentType::kUint8:
+                return convert<uint8_t>(*attribute, format.count, format.component_count, *values);
+            case ComponentType::kInt16:
+                return convert<int16_t>(*attribute, format.count, format.component_count, *values);
+            case ComponentType::kUint16:
+                return convert<uint16_t>(*attribute, format.count, format.component_count, *values);
+            case ComponentType::kUint32:
+                return convert<uint32_t>(*attribute, format.count, format.component_count, *values);
             default: return convert<float>(*attribute, format.count, format.component_count, *values);
         }
     };

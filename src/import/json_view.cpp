@@ -12,7 +12,10 @@ namespace {
 const Json kEmptyArray = Json::array();
 
 std::string entries(size_t count, const char* of) {
-    return std::string(of) + " has " + (count == 0 ? "no entries" : count == 1 ? "1 entry" : std::to_string(count) + " entries");
+    return std::string(of) + " has " +
+           (count == 0   ? "no entries"
+            : count == 1 ? "1 entry"
+                         : std::to_string(count) + " entries");
 }
 
 std::string kind_of(const Json& json) {
@@ -45,9 +48,15 @@ JsonCost cost_of(std::string_view text) {
             continue;
         }
         switch (c) {
-            case '"': in_string = true; cost.size_bytes += 32; break;
+            case '"':
+                in_string = true;
+                cost.size_bytes += 32;
+                break;
             case '{': cost.size_bytes += 80; [[fallthrough]];
-            case '[': cost.size_bytes += 64; cost.depth = std::max(cost.depth, ++depth); break;
+            case '[':
+                cost.size_bytes += 64;
+                cost.depth = std::max(cost.depth, ++depth);
+                break;
             case '}':
             case ']': depth -= depth > 0; break;
             case ':': cost.size_bytes += 80; break;
@@ -72,8 +81,9 @@ std::string printable(std::string_view text, size_t limit) {
     for (size_t i = 0; i < text.size(); ++i) {
         const auto byte = [&](size_t k) { return i + k < text.size() ? uint8_t(text[i + k]) : uint8_t(0); };
         const bool c0 = byte(0) < 0x20 || byte(0) == 0x7F;
-        const bool c1 = byte(0) == 0xC2 && byte(1) >= 0x80 && byte(1) < 0xA0;                            // U+0080 to U+009F
-        const bool separator = byte(0) == 0xE2 && byte(1) == 0x80 && (byte(2) == 0xA8 || byte(2) == 0xA9);  // U+2028, U+2029
+        const bool c1 = byte(0) == 0xC2 && byte(1) >= 0x80 && byte(1) < 0xA0;  // U+0080 to U+009F
+        const bool separator =
+            byte(0) == 0xE2 && byte(1) == 0x80 && (byte(2) == 0xA8 || byte(2) == 0xA9);  // U+2028, U+2029
         out.push_back(c0 || c1 || separator ? '?' : text[i]);
         i += c1 ? 1 : separator ? 2 : 0;
     }
@@ -81,12 +91,14 @@ std::string printable(std::string_view text, size_t limit) {
 }
 
 Json parse_json(std::string_view text, Budget& budget) {
-    if (text.size() > kJsonLimitBytes) throw Failure(ErrorCode::kLimit, "", "the JSON is larger than the limit of 256 MiB");
+    if (text.size() > kJsonLimitBytes)
+        throw Failure(ErrorCode::kLimit, "", "the JSON is larger than the limit of 256 MiB");
     // Some exporters pad the JSON chunk of a GLB with zeros in place of spaces.
     while (!text.empty() && text.back() == '\0') text.remove_suffix(1);
     const JsonCost cost = cost_of(text);
     if (cost.depth > kJsonDepthLimit)
-        throw Failure(ErrorCode::kLimit, "", "the JSON is nested deeper than the limit of " + std::to_string(kJsonDepthLimit));
+        throw Failure(ErrorCode::kLimit, "",
+                      "the JSON is nested deeper than the limit of " + std::to_string(kJsonDepthLimit));
     budget.charge(cost.size_bytes, "");
     try {
         return Json::parse(text);
@@ -94,7 +106,8 @@ Json parse_json(std::string_view text, Budget& budget) {
         std::string what = error.what();
         if (const size_t bracket = what.find("] "); bracket != what.npos) what.erase(0, bracket + 2);
         // The message has bytes of the file in it, which may not be UTF-8.
-        std::replace_if(what.begin(), what.end(), [](char c) { return uint8_t(c) >= 0x80; }, '?');
+        std::replace_if(
+            what.begin(), what.end(), [](char c) { return uint8_t(c) >= 0x80; }, '?');
         throw Failure(ErrorCode::kInvalidFile, "", "the JSON cannot be read: " + printable(what, 200));
     }
 }

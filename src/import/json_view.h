@@ -24,7 +24,8 @@ std::string printable(std::string_view text, size_t limit = 60);
 Json parse_json(std::string_view text, Budget& budget);
 
 // A value of the file and its place, such as `animations[2].channels[5]`. The Json must outlive the view.
-// The getters fail with kInvalidFile at the value's place; an `optional_` getter only where the value is there but wrong.
+// The getters fail with kInvalidFile at the value's place; an `optional_` getter only where the value is there but
+// wrong.
 class JsonView {
 public:
     JsonView(const Json& json, std::string place) : json_(&json), place_(std::move(place)) {}
@@ -40,13 +41,13 @@ public:
     JsonView required_object(const char* key) const;
     JsonView optional_array(const char* key) const;  // empty where absent
     JsonView required_array(const char* key) const;
-    uint64_t required_uint(const char* key) const;   // below 2^53
+    uint64_t required_uint(const char* key) const;  // below 2^53
     uint64_t optional_uint(const char* key, uint64_t otherwise) const;
     // An index into the file's array `of`, which has `count` entries.
     uint32_t required_index(const char* key, size_t count, const char* of) const;
     uint32_t optional_index(const char* key, size_t count, const char* of) const;  // kNone where absent
     double optional_number(const char* key, double otherwise) const;               // fits a float
-    bool optional_numbers(const char* key, std::span<double> out) const;           // false where absent; each fits a float
+    bool optional_numbers(const char* key, std::span<double> out) const;  // false where absent; each fits a float
     bool optional_bool(const char* key, bool otherwise) const;
     const std::string& required_string(const char* key) const;
     const std::string* optional_string(const char* key) const;

@@ -16,9 +16,11 @@ void check_version(const JsonView& root) {
         const JsonView at = *asset.find(key);
         const size_t dot = version.find('.');
         const auto is_number = [](std::string_view text) {
-            return !text.empty() && text.size() < 6 && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+            return !text.empty() && text.size() < 6 &&
+                   std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
         };
-        if (dot == version.npos || !is_number(std::string_view(version).substr(0, dot)) || !is_number(std::string_view(version).substr(dot + 1)))
+        if (dot == version.npos || !is_number(std::string_view(version).substr(0, dot)) ||
+            !is_number(std::string_view(version).substr(dot + 1)))
             at.fail("'" + printable(version) + "' is not a version");
         const bool is_minimum = std::string_view(key) == "minVersion";
         if (std::stoi(version) != 2 || (is_minimum && version != "2.0"))
@@ -30,9 +32,11 @@ void check_version(const JsonView& root) {
 
 bool is_known(const std::string& extension) {
     constexpr std::string_view kKnown[] = {
-        "KHR_mesh_quantization",  "EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_texture_transform",
-        "KHR_lights_punctual",    "KHR_texture_basisu",      "EXT_texture_webp"};
-    return extension.starts_with("KHR_materials_") || std::find(std::begin(kKnown), std::end(kKnown), extension) != std::end(kKnown);
+        "KHR_mesh_quantization", "EXT_meshopt_compression", "KHR_draco_mesh_compression",
+        "KHR_texture_transform", "KHR_lights_punctual",     "KHR_texture_basisu",
+        "EXT_texture_webp"};
+    return extension.starts_with("KHR_materials_") ||
+           std::find(std::begin(kKnown), std::end(kKnown), extension) != std::end(kKnown);
 }
 
 // Returns whether KHR_mesh_quantization is used.

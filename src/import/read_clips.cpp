@@ -26,13 +26,15 @@ Keys read_times(Reading& reading, const JsonView& sampler) {
     const AccessorView input = reading.accessors.open(sampler, "input");
     const std::string place = sampler.place_of("input");
     if (input.format.type != "SCALAR" || !input.format.is_float())
-        throw Failure(ErrorCode::kInvalidFile, place,
-                      "must be SCALAR of floats, but is " + input.format.type + " of " + name_of(input.format.component_type));
+        throw Failure(
+            ErrorCode::kInvalidFile, place,
+            "must be SCALAR of floats, but is " + input.format.type + " of " + name_of(input.format.component_type));
     reading.budget.charge(input.count(), sizeof(float) + sizeof(uint32_t), place);
     Keys out;
     out.file_count = input.count();
     out.times_s.reserve(input.count());
     out.kept.reserve(input.count());
+    bool has_equal = false;
     for (uint32_t key = 0; key < input.count(); ++key) {
         const float time_s = input.number(key, 0);
         const auto fail = [&](const char* what) {
@@ -42,34 +44,40 @@ Keys read_times(Reading& reading, const JsonView& sampler) {
         if (time_s < 0) fail("is negative");
         if (!out.times_s.empty() && time_s < out.times_s.back()) fail("is before that of the key before it");
         if (!out.times_s.empty() && time_s == out.times_s.back()) {
-            reading.warnings.add(place, "has several keys at one time: the last of them is kept");
+            has_equal = true;
             out.kept.back() = key;
             continue;
         }
         out.times_s.push_back(time_s);
         out.kept.push_back(key);
     }
+    if (has_equal) reading.warnings.add(place, "has several keys at one time: the last of them is kept");
     return out;
 }
 
-std::vector<float> read_values(Reading& reading, const JsonView& sampler, const Keys& keys, TrackTarget target, Interpolation interpolation) {
+std::vector<float> read_values(Reading& reading, const JsonView& sampler, const Keys& keys, TrackTarget target,
+                               Interpolation interpolation) {
     const AccessorView output = reading.accessors.open(sampler, "output");
     const std::string place = sampler.place_of("output");
     const auto fail = [&](const std::string& what) { throw Failure(ErrorCode::kInvalidFile, place, what); };
     const bool rotation = target == TrackTarget::kRotation;
     const std::string type = rotation ? "VEC4" : "VEC3";
     if (output.format.type != type) fail("must be " + type + ", but is " + output.format.type);
-    const bool number = output.format.is_float() || (output.format.normalized && output.format.component_type != ComponentType::kUint32);
-    if (!number) fail(std::string("must be floats or normalised integers, but is ") + name_of(output.format.component_type));
+    const bool number = output.format.is_float() ||
+                        (output.format.normalized && output.format.component_type != ComponentType::kUint32);
+    if (!number)
+        fail(std::string("must be floats or normalised integers, but is ") + name_of(output.format.component_type));
     const uint32_t values_per_key = interpolation == Interpolation::kCubicSpline ? 3 : 1;
     if (output.count() != uint64_t(keys.file_count) * values_per_key)
         fail("has " + std::to_string(output.count()) + " values, but must have " +
-             std::to_string(uint64_t(keys.file_count) * values_per_key) + ", for " + std::to_string(keys.file_count) + " key times");
+             std::to_string(uint64_t(keys.file_count) * values_per_key) + ", for " + std::to_string(keys.file_count) +
+             " key times");
 
     const uint32_t component_count = output.format.component_count;
     reading.budget.charge(uint64_t(output.count()) * component_count, sizeof(float), place);
     std::vector<float> out;
     out.reserve(keys.kept.size() * values_per_key * component_count);
+    bool has_zero = false;
     for (const uint32_t key : keys.kept)
         for (uint32_t part = 0; part < values_per_key; ++part) {
             float length_squared = 0;
@@ -80,9 +88,9 @@ std::vector<float> read_values(Reading& reading, const JsonView& sampler, const 
                 out.push_back(value);
             }
             const bool is_tangent = values_per_key == 3 && part != 1;
-            if (rotation && !is_tangent && length_squared == 0)
-                reading.warnings.add(place, "has a quaternion of length zero: it is taken as the identity");
+            has_zero = has_zero || (rotation && !is_tangent && length_squared == 0);
         }
+    if (has_zero) reading.warnings.add(place, "has a quaternion of length zero: it is taken as the identity");
     return out;
 }
 
@@ -101,7 +109,8 @@ public:
 private:
     void read_channel(const JsonView& channel) {
         const JsonView target = channel.required_object("target");
-        if (target.extension("KHR_animation_pointer")) return ignore(channel, "KHR_animation_pointer is not supported: the channel is ignored");
+        if (target.extension("KHR_animation_pointer"))
+            return ignore(channel, "KHR_animation_pointer is not supported: the channel is ignored");
         const std::string& path = target.required_string("path");
         const uint32_t node = target.optional_index("node", node_count_, "nodes");
         if (node == kNone) return ignore(channel, "has no target node: the channel is ignored");
@@ -137,7 +146,8 @@ private:
         if (is_new) {
             clip_.tracks.push_back(std::move(track));
         } else {
-            reading_.warnings.add(channel.place(), "animates what another channel of the clip animates: the last one is used");
+            reading_.warnings.add(channel.place(),
+                                  "animates what another channel of the clip animates: the last one is used");
             clip_.tracks[known->second] = std::move(track);
         }
     }

@@ -10,11 +10,15 @@ namespace {
 class Images {
 public:
     Images(Reading& reading, Asset& asset)
-        : reading_(reading), asset_(asset), textures_(reading.root.optional_array("textures")), images_(reading.root.optional_array("images")) {}
+        : reading_(reading),
+          asset_(asset),
+          textures_(reading.root.optional_array("textures")),
+          images_(reading.root.optional_array("images")) {}
 
     // The image of a texture, as an index into the Asset's images, or kNone.
     uint32_t of_texture(const JsonView& texture_info) {
-        const JsonView texture = textures_[texture_info.required_index("index", textures_.size(), "textures")].as_object();
+        const JsonView texture =
+            textures_[texture_info.required_index("index", textures_.size(), "textures")].as_object();
         const uint32_t source = texture.optional_index("source", images_.size(), "images");
         if (source == kNone) {
             reading_.warnings.add(texture.place(), "has no PNG or JPEG image: the texture is left out");
@@ -31,7 +35,8 @@ private:
         image.name = read_name(reading_, json);
         if (json.has("bufferView")) {
             const auto bytes =
-                reading_.buffers.view(json.required_index("bufferView", reading_.buffers.view_count(), "bufferViews")).bytes;
+                reading_.buffers.view(json.required_index("bufferView", reading_.buffers.view_count(), "bufferViews"))
+                    .bytes;
             reading_.budget.charge(bytes.size(), json.place());
             image.encoded.assign(bytes.begin(), bytes.end());
             return image;

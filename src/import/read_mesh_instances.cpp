@@ -38,13 +38,15 @@ void check_influences(const JsonView& meshes, const Asset& asset, const AssetMes
     const auto& primitives = asset.meshes[instance.mesh].primitives;
     for (size_t p = 0; p < primitives.size(); ++p) {
         const auto& joints = primitives[p].influence_joints;
-        const auto bad = std::find_if(joints.begin(), joints.end(), [&](uint16_t joint) { return joint >= joint_count; });
+        const auto bad =
+            std::find_if(joints.begin(), joints.end(), [&](uint16_t joint) { return joint >= joint_count; });
         if (bad == joints.end()) continue;
         const size_t influence = size_t(bad - joints.begin());
         const size_t vertex = influence / primitives[p].influence_count;
         const size_t set = influence % primitives[p].influence_count / 4;
         throw Failure(ErrorCode::kInvalidFile,
-                      meshes[instance.mesh].place() + ".primitives[" + std::to_string(p) + "].attributes.JOINTS_" + std::to_string(set),
+                      meshes[instance.mesh].place() + ".primitives[" + std::to_string(p) + "].attributes.JOINTS_" +
+                          std::to_string(set),
                       "vertex " + std::to_string(vertex) + " follows joint " + std::to_string(*bad) + ", but skins[" +
                           std::to_string(instance.skin) + "] has " + std::to_string(joint_count));
     }
@@ -63,7 +65,8 @@ void read_mesh_instances(Reading& reading, Asset& asset) {
                                          .mesh = json.optional_index("mesh", asset.meshes.size(), "meshes"),
                                          .skin = json.optional_index("skin", asset.skins.size(), "skins")};
         if (instance.mesh == kNone || in_scene[i] != kInside) continue;
-        if (instance.skin != kNone && checked.emplace(instance.mesh, instance.skin).second) check_influences(meshes, asset, instance);
+        if (instance.skin != kNone && checked.emplace(instance.mesh, instance.skin).second)
+            check_influences(meshes, asset, instance);
         asset.mesh_instances.push_back(instance);
     }
 }

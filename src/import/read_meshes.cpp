@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace throng::gltf {
 namespace {
@@ -12,12 +13,14 @@ enum Mode : uint64_t { kPoints, kLines, kLineLoop, kLineStrip, kTriangles, kTria
 // Reads the attributes and indices of one primitive.
 class PrimitiveReader {
 public:
-    PrimitiveReader(Reading& reading, const JsonView& json, const Asset& asset, const std::vector<uint32_t>& texcoord_sets)
+    PrimitiveReader(Reading& reading, const JsonView& json, const Asset& asset,
+                    const std::vector<uint32_t>& texcoord_sets)
         : reading_(reading), json_(json), place_(json.place_of("attributes")) {
         out_.material = json.optional_index("material", asset.materials.size(), "materials");
         out_.morph_target_count = uint32_t(json.optional_array("targets").size());
         const uint64_t mode = json.optional_uint("mode", kTriangles);
-        if (mode >= kModeCount) throw Failure(ErrorCode::kInvalidFile, json.place_of("mode"), std::to_string(mode) + " is unknown");
+        if (mode >= kModeCount)
+            throw Failure(ErrorCode::kInvalidFile, json.place_of("mode"), std::to_string(mode) + " is unknown");
         attributes_ = json.optional_object("attributes");
         if (mode < kTriangles)
             warn("points and lines are not drawn");
@@ -31,7 +34,8 @@ public:
 
 private:
     void read_triangles(Mode mode, const Asset& asset, const std::vector<uint32_t>& texcoord_sets) {
-        if (const auto compressed = json_.extension("KHR_draco_mesh_compression")) draco_.emplace(*compressed, reading_.buffers, reading_.budget);
+        if (const auto compressed = json_.extension("KHR_draco_mesh_compression"))
+            draco_.emplace(*compressed, reading_.buffers, reading_.budget);
         read_positions();
         if (attributes_->has("NORMAL")) read_normals();
         if (out_.material == kNone)
@@ -55,7 +59,8 @@ private:
     AccessorView open(const std::string& name, uint64_t element_bytes) {
         const AccessorFormat format = reading_.accessors.format(*attributes_, name.c_str());
         if (name != "POSITION" && format.count != out_.positions.size())
-            fail(name, "has " + std::to_string(format.count) + " elements, but POSITION has " + std::to_string(out_.positions.size()));
+            fail(name, "has " + std::to_string(format.count) + " elements, but POSITION has " +
+                           std::to_string(out_.positions.size()));
         reading_.budget.charge(format.count, element_bytes, place_of(name));
         if (draco_)
             if (auto view = draco_->attribute(name.c_str(), format)) return *view;
@@ -63,17 +68,22 @@ private:
     }
 
     // `integers`: whether the component type may be other than float, by the rules of the attribute.
-    void require(const std::string& name, const AccessorFormat& format, std::initializer_list<const char*> types, bool integers) {
+    void require(const std::string& name, const AccessorFormat& format, std::initializer_list<const char*> types,
+                 bool integers) {
         const std::string type = *types.begin();
-        if (std::find(types.begin(), types.end(), format.type) == types.end()) fail(name, "must be " + type + ", but is " + format.type);
+        if (std::find(types.begin(), types.end(), format.type) == types.end())
+            fail(name, "must be " + type + ", but is " + format.type);
         if (!format.is_float() && !integers)
-            fail(name, std::string("must not be ") + (format.normalized ? "normalised " : "") + name_of(format.component_type) +
+            fail(name, std::string("must not be ") + (format.normalized ? "normalised " : "") +
+                           name_of(format.component_type) +
                            (reading_.quantized ? "" : " without KHR_mesh_quantization"));
     }
 
     static bool is_short(const AccessorFormat& format) { return size_of(format.component_type) <= 2; }
     // Unsigned and normalised: what texture coordinates, colours and weights may be without an extension.
-    static bool is_fraction(const AccessorFormat& format) { return is_short(format) && format.is_unsigned() && format.normalized; }
+    static bool is_fraction(const AccessorFormat& format) {
+        return is_short(format) && format.is_unsigned() && format.normalized;
+    }
 
     void read_positions() {
         const AccessorView view = open("POSITION", sizeof(Vec3<float>));
@@ -88,20 +98,25 @@ private:
     }
 
     // Only what looks wrong depends on these: not worth refusing the file.
-    float finite_or_zero(const AccessorView& view, const std::string& name, uint32_t vertex, uint32_t component) {
+    float finite_or_zero(const AccessorView& view, uint32_t vertex, uint32_t component) {
         const float value = view.number(vertex, component);
-        if (std::isfinite(value)) return value;
-        reading_.warnings.add(place_of(name), "has values that are not finite: they are set to 0");
-        return 0;
+        mended_ = mended_ || !std::isfinite(value);
+        return std::isfinite(value) ? value : 0;
+    }
+    void warn_if_mended(const std::string& name) {
+        if (std::exchange(mended_, false))
+            reading_.warnings.add(place_of(name), "has values that are not finite: they are set to 0");
     }
 
     void read_normals() {
         const std::string name = "NORMAL";
         const AccessorView view = open(name, sizeof(Vec3<float>));
-        require(name, view.format, {"VEC3"}, reading_.quantized && is_short(view.format) && !view.format.is_unsigned() && view.format.normalized);
+        require(name, view.format, {"VEC3"},
+                reading_.quantized && is_short(view.format) && !view.format.is_unsigned() && view.format.normalized);
         out_.normals.resize(view.count());
         for (uint32_t v = 0; v < view.count(); ++v)
-            out_.normals[v] = {finite_or_zero(view, name, v, 0), finite_or_zero(view, name, v, 1), finite_or_zero(view, name, v, 2)};
+            out_.normals[v] = {finite_or_zero(view, v, 0), finite_or_zero(view, v, 1), finite_or_zero(view, v, 2)};
+        warn_if_mended(name);
     }
 
     void read_texcoords(const AssetMaterial& material, uint32_t set) {
@@ -116,7 +131,8 @@ private:
         require(name, view.format, {"VEC2"}, is_fraction(view.format) || (reading_.quantized && is_short(view.format)));
         out_.texcoords.resize(view.count());
         for (uint32_t v = 0; v < view.count(); ++v)
-            out_.texcoords[v] = {finite_or_zero(view, name, v, 0), finite_or_zero(view, name, v, 1)};
+            out_.texcoords[v] = {finite_or_zero(view, v, 0), finite_or_zero(view, v, 1)};
+        warn_if_mended(name);
         return true;
     }
 
@@ -127,8 +143,9 @@ private:
         out_.colors.resize(view.count());
         for (uint32_t v = 0; v < view.count(); ++v) {
             auto& color = out_.colors[v] = {1, 1, 1, 1};
-            for (uint32_t c = 0; c < view.format.component_count; ++c) color[c] = finite_or_zero(view, name, v, c);
+            for (uint32_t c = 0; c < view.format.component_count; ++c) color[c] = finite_or_zero(view, v, c);
         }
+        warn_if_mended(name);
     }
 
     // How many of <prefix>0, <prefix>1, … there are without a gap.
@@ -136,8 +153,11 @@ private:
         uint32_t count = 0;
         while (attributes_->has((prefix + std::to_string(count)).c_str())) ++count;
         const auto names = attributes_->keys();
-        const auto all = std::count_if(names.begin(), names.end(), [&](const std::string& name) { return name.starts_with(prefix); });
-        if (uint64_t(all) != count) reading_.warnings.add(place_of(prefix + std::to_string(count)), "is missing: the sets after it are ignored");
+        const auto all = std::count_if(names.begin(), names.end(),
+                                       [&](const std::string& name) { return name.starts_with(prefix); });
+        if (uint64_t(all) != count)
+            reading_.warnings.add(place_of(prefix + std::to_string(count)),
+                                  "is missing: the sets after it are ignored");
         return count;
     }
 
@@ -145,33 +165,36 @@ private:
         const uint32_t joint_sets = set_count("JOINTS_"), weight_sets = set_count("WEIGHTS_");
         if (joint_sets != weight_sets)
             throw Failure(ErrorCode::kInvalidFile, place_,
-                          "there are " + std::to_string(joint_sets) + " sets of JOINTS, but " + std::to_string(weight_sets) + " of WEIGHTS");
+                          "there are " + std::to_string(joint_sets) + " sets of JOINTS, but " +
+                              std::to_string(weight_sets) + " of WEIGHTS");
         const size_t influence_count = size_t(joint_sets) * 4;
         out_.influence_count = uint32_t(influence_count);
         for (uint32_t set = 0; set < joint_sets; ++set) {
-            const std::string joints_name = "JOINTS_" + std::to_string(set), weights_name = "WEIGHTS_" + std::to_string(set);
+            const std::string joints_name = "JOINTS_" + std::to_string(set),
+                              weights_name = "WEIGHTS_" + std::to_string(set);
             const AccessorView joints = open(joints_name, 4 * sizeof(uint16_t));
             const AccessorView weights = open(weights_name, 4 * sizeof(float));
             if (joints.format.type != "VEC4" || !joints.format.is_unsigned() || !is_short(joints.format))
-                fail(joints_name, "must be VEC4 of unsigned 8- or 16-bit integers, but is " + joints.format.type + " of " +
-                                      name_of(joints.format.component_type));
+                fail(joints_name, "must be VEC4 of unsigned 8- or 16-bit integers, but is " + joints.format.type +
+                                      " of " + name_of(joints.format.component_type));
             require(weights_name, weights.format, {"VEC4"}, is_fraction(weights.format));
             // Here and not before: the counts are known to be true by now.
             out_.influence_joints.resize(out_.positions.size() * influence_count);
             out_.influence_weights.resize(out_.positions.size() * influence_count);
+            bool negative = false;
             for (uint32_t v = 0; v < joints.count(); ++v)
                 for (uint32_t k = 0; k < 4; ++k) {
-                    float weight = weights.number(v, k);
-                    if (!std::isfinite(weight)) fail(weights_name, "vertex " + std::to_string(v) + " has a weight that is not finite");
-                    if (weight < 0) {
-                        reading_.warnings.add(place_of(weights_name), "has negative weights: they are set to 0");
-                        weight = 0;
-                    }
+                    const float stored = weights.number(v, k);
+                    if (!std::isfinite(stored))
+                        fail(weights_name, "vertex " + std::to_string(v) + " has a weight that is not finite");
+                    negative = negative || stored < 0;
+                    const float weight = std::max(stored, 0.0f);
                     // Where the weight is 0 the joint means nothing, and files have anything there.
                     const size_t influence = v * influence_count + set * 4 + k;
                     out_.influence_joints[influence] = weight == 0 ? uint16_t(0) : uint16_t(joints.integer(v, k));
                     out_.influence_weights[influence] = weight;
                 }
+            if (negative) reading_.warnings.add(place_of(weights_name), "has negative weights: they are set to 0");
         }
     }
 
@@ -180,8 +203,9 @@ private:
         const std::string place = json_.place_of("indices");
         for (const uint32_t index : indices)
             if (index >= out_.positions.size())
-                throw Failure(ErrorCode::kInvalidFile, place, "index " + std::to_string(index) + ", but there are " +
-                                                                  std::to_string(out_.positions.size()) + " vertices");
+                throw Failure(ErrorCode::kInvalidFile, place,
+                              "index " + std::to_string(index) + ", but there are " +
+                                  std::to_string(out_.positions.size()) + " vertices");
         if (!draco_ && mode != kTriangles) indices = triangle_list(indices, mode);
         if (indices.size() % 3 != 0) {
             reading_.warnings.add(json_.place(), "its last triangle is incomplete: it is dropped");
@@ -202,14 +226,17 @@ private:
         const std::string place = json_.place_of("indices");
         if (view.format.type != "SCALAR" || !view.format.is_unsigned())
             throw Failure(ErrorCode::kInvalidFile, place,
-                          "must be SCALAR of unsigned integers, but is " + view.format.type + " of " + name_of(view.format.component_type));
+                          "must be SCALAR of unsigned integers, but is " + view.format.type + " of " +
+                              name_of(view.format.component_type));
         reading_.budget.charge(view.count(), sizeof(uint32_t), place);
         const uint32_t restart = uint32_t((uint64_t(1) << 8 * size_of(view.format.component_type)) - 1);
         out.resize(view.count());
         for (uint32_t i = 0; i < out.size(); ++i) {
             out[i] = view.integer(i, 0);
             if (out[i] == restart)
-                throw Failure(ErrorCode::kInvalidFile, place, "index " + std::to_string(restart) + " is the primitive restart value, which glTF forbids");
+                throw Failure(
+                    ErrorCode::kInvalidFile, place,
+                    "index " + std::to_string(restart) + " is the primitive restart value, which glTF forbids");
         }
         return out;
     }
@@ -221,8 +248,10 @@ private:
         reading_.budget.charge(in.size() * 3, sizeof(uint32_t), json_.place());
         out.reserve((in.size() - 2) * 3);
         for (size_t i = 0; i + 2 < in.size(); ++i) {
-            if (mode == kTriangleFan) out.insert(out.end(), {in[i + 1], in[i + 2], in[0]});
-            else out.insert(out.end(), {in[i], in[i + 1 + i % 2], in[i + 2 - i % 2]});
+            if (mode == kTriangleFan)
+                out.insert(out.end(), {in[i + 1], in[i + 2], in[0]});
+            else
+                out.insert(out.end(), {in[i], in[i + 1 + i % 2], in[i + 2 - i % 2]});
         }
         return out;
     }
@@ -233,6 +262,7 @@ private:
     std::optional<JsonView> attributes_;
     std::optional<DracoMesh> draco_;
     AssetPrimitive out_;
+    bool mended_ = false;
 };
 
 }  // namespace

@@ -6,8 +6,8 @@
 namespace throng::gltf {
 namespace {
 
-constexpr double kShearLimit = 1e-3;     // cosine between two axes of a matrix; exporters' rounding stays below 1e-5
-constexpr double kNotUnitLimit = 1e-3;   // of a quaternion's length
+constexpr double kShearLimit = 1e-3;    // cosine between two axes of a matrix; exporters' rounding stays below 1e-5
+constexpr double kNotUnitLimit = 1e-3;  // of a quaternion's length
 
 // From a rotation matrix given by its columns.
 // Source: S. W. Shepperd, "Quaternion from Rotation Matrix", Journal of Guidance and Control 1(3), 1978.
@@ -26,12 +26,14 @@ Quaternion<double> quaternion_from_axes(const Vec3<double>& x, const Vec3<double
     return normalized(q);
 }
 
-// Axes of zero length are replaced so that the three stay orthogonal: their scale is zero, but the rotation is not lost.
+// Axes of zero length are replaced so that the three stay orthogonal: their scale is zero, but the rotation is not
+// lost.
 void complete_axes(std::array<Vec3<double>, 3>& axes, const std::array<double, 3>& lengths) {
     const auto missing = std::count(lengths.begin(), lengths.end(), 0.0);
     if (missing == 3) axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     if (missing == 2) {
-        const size_t kept = size_t(std::find_if(lengths.begin(), lengths.end(), [](double l) { return l != 0; }) - lengths.begin());
+        const size_t kept =
+            size_t(std::find_if(lengths.begin(), lengths.end(), [](double l) { return l != 0; }) - lengths.begin());
         const Vec3<double>& axis = axes[kept];
         const Vec3<double> other = std::abs(axis.x) < 0.5 ? Vec3<double>{1, 0, 0} : Vec3<double>{0, 1, 0};
         axes[(kept + 1) % 3] = normalized(cross(axis, other));
@@ -58,18 +60,21 @@ Trs<double> decomposed(const std::array<double, 16>& m, bool& has_shear) {
         axes[0] = axes[0] * -1.0;
         lengths[0] = -lengths[0];
     }
-    return {quaternion_from_axes(axes[0], axes[1], axes[2]), {m[12], m[13], m[14]}, {lengths[0], lengths[1], lengths[2]}};
+    return {
+        quaternion_from_axes(axes[0], axes[1], axes[2]), {m[12], m[13], m[14]}, {lengths[0], lengths[1], lengths[2]}};
 }
 
 Trs<double> read_transform(Reading& reading, const JsonView& json) {
     std::array<double, 16> matrix{};
     if (json.optional_numbers("matrix", matrix)) {
         if (json.has("translation") || json.has("rotation") || json.has("scale"))
-            reading.warnings.add(json.place(), "has both a matrix and translation, rotation or scale: the matrix is used");
+            reading.warnings.add(json.place(),
+                                 "has both a matrix and translation, rotation or scale: the matrix is used");
         bool has_shear = false;
         const Trs<double> out = decomposed(matrix, has_shear);
         if (has_shear)
-            reading.warnings.add(json.place_of("matrix"), "has shear, which translation, rotation and scale cannot give: it is dropped");
+            reading.warnings.add(json.place_of("matrix"),
+                                 "has shear, which translation, rotation and scale cannot give: it is dropped");
         return out;
     }
     std::array<double, 3> translation{0, 0, 0}, scale{1, 1, 1};

@@ -12,11 +12,13 @@ std::vector<Affine> read_inverse_binds(Reading& reading, const JsonView& json, s
     const std::string place = json.place_of("inverseBindMatrices");
     const AccessorView matrices = reading.accessors.open(json, "inverseBindMatrices");
     if (matrices.format.type != "MAT4" || !matrices.format.is_float())
-        throw Failure(ErrorCode::kInvalidFile, place, "must be MAT4 of floats, but is " + matrices.format.type + " of " +
-                                                          name_of(matrices.format.component_type));
+        throw Failure(ErrorCode::kInvalidFile, place,
+                      "must be MAT4 of floats, but is " + matrices.format.type + " of " +
+                          name_of(matrices.format.component_type));
     if (matrices.count() < joint_count)
-        throw Failure(ErrorCode::kInvalidFile, place, "has " + std::to_string(matrices.count()) + " matrices for " +
-                                                          std::to_string(joint_count) + " joints");
+        throw Failure(
+            ErrorCode::kInvalidFile, place,
+            "has " + std::to_string(matrices.count()) + " matrices for " + std::to_string(joint_count) + " joints");
     for (uint32_t joint = 0; joint < joint_count; ++joint)
         for (uint32_t row = 0; row < 3; ++row)
             for (uint32_t column = 0; column < 4; ++column) {
@@ -45,7 +47,8 @@ void read_skins(Reading& reading, Asset& asset) {
         for (size_t j = 0; j < joints.size(); ++j) {
             const uint32_t node = joints[j].as_index(asset.nodes.size(), "nodes");
             if (!seen.insert(node).second)
-                reading.warnings.add(joints[j].place(), "nodes[" + std::to_string(node) + "] is a joint of this skin twice");
+                reading.warnings.add(joints[j].place(),
+                                     "nodes[" + std::to_string(node) + "] is a joint of this skin twice");
             skin.joints.push_back(node);
         }
         json.optional_index("skeleton", asset.nodes.size(), "nodes");  // not used, but must not lie

@@ -59,7 +59,8 @@ std::vector<std::byte> base64_decoded(std::string_view text, const std::string& 
         }
         const int digit = kBase64Digits[uint8_t(c)];
         if (digit < 0 || ended)
-            throw Failure(ErrorCode::kInvalidFile, place, "the data: URI is not base64: '" + printable({&c, 1}) + "' in it");
+            throw Failure(ErrorCode::kInvalidFile, place,
+                          "the data: URI is not base64: '" + printable({&c, 1}) + "' in it");
         bits = (bits << 6 | uint32_t(digit)) & 0xFFFFFF;
         bit_count += 6;
         if (bit_count >= 8) {
@@ -80,8 +81,8 @@ bool has_scheme(std::string_view uri) {
 
 bool is_data_uri(std::string_view uri) {
     constexpr std::string_view kData = "data:";
-    return uri.size() >= kData.size() &&
-           std::equal(kData.begin(), kData.end(), uri.begin(), [](char a, char b) { return a == (b | 0x20) || a == b; });
+    return uri.size() >= kData.size() && std::equal(kData.begin(), kData.end(), uri.begin(),
+                                                    [](char a, char b) { return a == (b | 0x20) || a == b; });
 }
 
 std::vector<std::byte> decode_data_uri(std::string_view uri, Budget& budget, const std::string& place) {
@@ -101,11 +102,14 @@ fs::path resolve_side_file(std::string_view uri, const fs::path& folder, const s
     const auto refuse = [&](ErrorCode code, const char* why) {
         throw Failure(code, place, "'" + printable(uri) + "' " + why);
     };
-    if (has_scheme(uri)) refuse(ErrorCode::kInvalidFile, "is not a relative path: only data: URIs and files beside the glTF file are read");
+    if (has_scheme(uri))
+        refuse(ErrorCode::kInvalidFile,
+               "is not a relative path: only data: URIs and files beside the glTF file are read");
     const std::string decoded = percent_decoded(uri, place);
     if (decoded.empty() || decoded.find('\0') != decoded.npos) refuse(ErrorCode::kInvalidFile, "is not a file name");
     const fs::path relative(decoded);
-    if (relative.is_absolute()) refuse(ErrorCode::kInvalidFile, "is an absolute path: side files must lie in the file's folder");
+    if (relative.is_absolute())
+        refuse(ErrorCode::kInvalidFile, "is an absolute path: side files must lie in the file's folder");
     for (const fs::path& part : relative)
         if (part == "..") refuse(ErrorCode::kInvalidFile, "has '..' in it: side files must lie in the file's folder");
 
@@ -130,12 +134,14 @@ std::vector<std::byte> read_file(const fs::path& path, uint64_t limit_bytes, con
     const uint64_t size_bytes = fs::file_size(path, error);
     if (error) throw Failure(ErrorCode::kFile, place, "the file cannot be read");
     if (size_bytes > limit_bytes)
-        throw Failure(ErrorCode::kLimit, place, "the file, or it and its side files together, are larger than the limit of 2 GiB");
+        throw Failure(ErrorCode::kLimit, place,
+                      "the file, or it and its side files together, are larger than the limit of 2 GiB");
     std::ifstream stream(path, std::ios::binary);
     if (!stream) throw Failure(ErrorCode::kFile, place, "the file cannot be opened");
     std::vector<std::byte> bytes(size_bytes);
     stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size_bytes));
-    if (uint64_t(stream.gcount()) != size_bytes) throw Failure(ErrorCode::kFile, place, "the file cannot be read to its end");
+    if (uint64_t(stream.gcount()) != size_bytes)
+        throw Failure(ErrorCode::kFile, place, "the file cannot be read to its end");
     return bytes;
 }
 

@@ -13,12 +13,14 @@ namespace throng::gltf {
 
 bool is_data_uri(std::string_view uri);
 
-// The bytes of a data: URI, base64 or percent-encoded; missing padding is tolerated. Fails with kInvalidFile at `place`.
+// The bytes of a data: URI, base64 or percent-encoded; missing padding is tolerated. Fails with kInvalidFile at
+// `place`.
 std::vector<std::byte> decode_data_uri(std::string_view uri, Budget& budget, const std::string& place);
 
-// The regular file that a relative URI names, in `folder` or below it, links resolved. Fails at `place` with kFile where
-// there is none, and with kInvalidFile where the URI is malformed, has a scheme, or leads out of the folder.
-std::filesystem::path resolve_side_file(std::string_view uri, const std::filesystem::path& folder, const std::string& place);
+// The regular file that a relative URI names, in `folder` or below it, links resolved. Fails at `place` with kFile
+// where there is none, and with kInvalidFile where the URI is malformed, has a scheme, or leads out of the folder.
+std::filesystem::path resolve_side_file(std::string_view uri, const std::filesystem::path& folder,
+                                        const std::string& place);
 
 // The whole of a regular file. Fails with kFile, or kLimit above `limit_bytes`.
 std::vector<std::byte> read_file(const std::filesystem::path& path, uint64_t limit_bytes, const std::string& place);

@@ -1,0 +1,137 @@
+#include "draw/camera.h"
+
+#include "base/failure.h"
+#include "crowd/crowd_state.h"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+
+namespace throng {
+namespace {
+
+struct Axes {
+    Vec3<float> right, up, forward;
+};
+
+Axes look_along(const Vec3<float>& direction) {
+    const Vec3<float> forward = normalized(direction);
+    const bool vertical = std::abs(forward.y) > 0.9999f;
+    const Vec3<float> right = normalized(cross(forward, vertical ? Vec3<float>{0, 0, -1} : Vec3<float>{0, 1, 0}));
+    return {right, cross(right, forward), forward};
+}
+
+}  // namespace
+
+View make_view(const Camera& camera, float aspect_ratio) {
+    const Vec3<float> direction = camera.target - camera.eye;
+    const float distance = length(direction);
+    if (!(distance > 0) || !std::isfinite(distance) || !std::isfinite(length(camera.eye)))
+        throw Failure(ErrorCode::kInvalidArgument, "camera", "eye and target must be finite and apart");
+    if (!(camera.vertical_field_of_view_rad > 0 && camera.vertical_field_of_view_rad < std::numbers::pi_v<float>))
+        throw Failure(ErrorCode::kInvalidArgument, "camera", "the field of view must lie between 0 and pi");
+    const Axes axes = look_along(direction);
+    View view{axes.right, axes.up, axes.forward};
+    view.half_height = std::tan(camera.vertical_field_of_view_rad / 2);
+    view.half_width = view.half_height * aspect_ratio;
+    const float near = distance * 0.002f;
+    const auto row = [&](const Vec3<float>& axis) { return std::array<float, 4>{axis.x, axis.y, axis.z, -dot(axis, camera.eye)}; };
+    view.clip_from_world = {row(axes.right * (1 / view.half_width)), row(axes.up * (-1 / view.half_height)), {0, 0, 0, near}, row(axes.forward)};
+    return view;
+}
+
+Bounds world_bounds(const Crowd& crowd) {
+    const CrowdState& state = crowd.state();
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    Bounds bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+    for (const Batch& batch : state.batches) {
+        const Group& group = state.groups[batch.group];
+        const Vec3<float> centre = (group.bounds_min + group.bounds_max) * 0.5f, half = (group.bounds_max - group.bounds_min) * 0.5f;
+        for (uint32_t i = 0; i < batch.instance_count; ++i) {
+            const Affine& placement = state.placements[batch.first_instance + i];
+            // The box around the placed box, without its eight corners.
+            const auto reach_along = [&](int r) {
+                const auto& row = placement.row[static_cast<size_t>(r)];
+                return std::abs(row[0]) * half.x + std::abs(row[1]) * half.y + std::abs(row[2]) * half.z;
+            };
+            const Vec3<float> middle = transform_point(placement, centre), reach{reach_along(0), reach_along(1), reach_along(2)};
+            const Vec3<float> low = middle - reach, high = middle + reach;
+            bounds.min = {std::min(bounds.min.x, low.x), std::min(bounds.min.y, low.y), std::min(bounds.min.z, low.z)};
+            bounds.max = {std::max(bounds.max.x, high.x), std::max(bounds.max.y, high.y), std::max(bounds.max.z, high.z)};
+        }
+    }
+    return bounds;
+}
+
+// Both fits below look at corners in the camera's axes, relative to the centre of the bounds: `side` along one axis of the picture, and
+// `forward`. An eye `back` behind the centre and moved by `shift` along that axis sees the corner at
+// (side - shift) / (forward + back), and within the picture where that is at most half_extent, either way.
+namespace {
+
+struct Corner {
+    float side, forward;
+};
+using Corners = std::array<Corner, 8>;
+
+// The least `back` for which some shift has all corners in the picture: the two extreme half-planes, met with equality.
+float fit_back(const Corners& corners, float half_extent) {
+    float low = -std::numeric_limits<float>::infinity(), high = low;
+    for (const Corner& c : corners) {
+        high = std::max(high, c.side - half_extent * c.forward);
+        low = std::max(low, -c.side - half_extent * c.forward);
+    }
+    return (low + high) / (2 * half_extent);
+}
+
+// The shift that leaves the same margin on both sides of the picture, by bisection: both margins are monotonic in it.
+float centre_shift(const Corners& corners, float back) {
+    float low = std::numeric_limits<float>::infinity(), high = -low;
+    for (const Corner& c : corners) {
+        low = std::min(low, c.side);
+        high = std::max(high, c.side);
+    }
+    for (int step = 0; step < 40; ++step) {
+        const float shift = (low + high) / 2;
+        float least = std::numeric_limits<float>::infinity(), most = -least;
+        for (const Corner& c : corners) {
+            least = std::min(least, (c.side - shift) / (c.forward + back));
+            most = std::max(most, (c.side - shift) / (c.forward + back));
+        }
+        (least + most > 0 ? low : high) = shift;
+    }
+    return (low + high) / 2;
+}
+
+}  // namespace
+
+Camera fit_camera(const Bounds& bounds, float aspect_ratio) {
+    const Vec3<float> extent = bounds.max - bounds.min, centre = (bounds.min + bounds.max) * 0.5f;
+    const float width = std::max(extent.x, extent.z), flatness = width / std::max({extent.y, width * 1e-3f, 1e-30f});
+    const float crowd = std::clamp((flatness - 2) / 6, 0.0f, 1.0f);    // 0 for one character, 1 for a crowd much wider than high
+    const float vast = std::clamp((flatness - 25) / 50, 0.0f, 1.0f);   // 1 where a whole crowd would be a carpet far away
+    const float elevation_rad = 0.17f + crowd * 0.25f, yaw_rad = 0.5f - crowd * 0.25f;
+    // A vast crowd runs out of the picture at its corners.
+    const float kept = 1 - 0.4f * vast;
+    constexpr float kMargin = 1.06f;
+
+    Camera camera;
+    const Vec3<float> to_eye{std::cos(elevation_rad) * std::sin(yaw_rad), std::sin(elevation_rad), std::cos(elevation_rad) * std::cos(yaw_rad)};
+    const Axes axes = look_along(to_eye * -1.0f);
+    const float half_height = std::tan(camera.vertical_field_of_view_rad / 2) / kMargin, half_width = half_height * aspect_ratio;
+    Corners across{}, upward{};
+    float nearest = 0;
+    for (size_t i = 0; i < across.size(); ++i) {
+        const Vec3<float> p{(i & 1 ? 0.5f : -0.5f) * extent.x * kept, (i & 2 ? 0.5f : -0.5f) * extent.y, (i & 4 ? 0.5f : -0.5f) * extent.z * kept};
+        const float forward = dot(p, axes.forward);
+        across[i] = {dot(p, axes.right), forward};
+        upward[i] = {dot(p, axes.up), forward};
+        nearest = std::min(nearest, forward);
+    }
+    const float least = std::max(length(extent), 1.0f) * 1e-3f;  // where the bounds have no extent to fit
+    const float back = std::max({fit_back(across, half_width), fit_back(upward, half_height), least - nearest});
+    camera.eye = centre + axes.right * centre_shift(across, back) + axes.up * centre_shift(upward, back) - axes.forward * back;
+    camera.target = camera.eye + axes.forward * back;
+    return camera;
+}
+
+}  // namespace throng

@@ -1,0 +1,21 @@
+// A camera as the shaders take it.
+#pragma once
+
+#include <throng/draw.h>
+
+#include <array>
+
+namespace throng {
+
+// What a camera sees through a picture of some aspect ratio. Depth is reversed and without end: 1 at the near plane, 0 infinitely far,
+// so that one setting serves a hand and a landscape.
+struct View {
+    Vec3<float> right, up, forward;  // unit, world space
+    float half_width = 1, half_height = 1;  // of the picture, at distance 1
+    std::array<std::array<float, 4>, 4> clip_from_world{};
+};
+
+// Throws kInvalidArgument where the camera is not one.
+View make_view(const Camera& camera, float aspect_ratio);
+
+}  // namespace throng

@@ -1,0 +1,58 @@
+#version 460
+// character: skins and places one vertex of one instance. gl_VertexIndex counts within the section, gl_InstanceIndex within the batch.
+#include "draw/draw_io.h"
+#include "gpu/affine.glsl"
+#include "skin/skin_io.h"
+
+layout(constant_id = 0) const bool kShadow = false;  // thrown onto the ground, along the light
+
+layout(set = 0, binding = 0, std140) uniform Scene { DrawScene scene; };
+layout(set = 1, binding = 0, std430) readonly buffer Vertices { VertexRows vertices[]; };
+layout(set = 1, binding = 1, std430) readonly buffer InfluenceWords { uvec2 influences[]; };
+layout(set = 1, binding = 2, std430) readonly buffer SkinMatrices { Affine skin_matrices[]; };
+layout(set = 1, binding = 3, std430) readonly buffer Placements { Affine world_from_model[]; };
+layout(push_constant) uniform Push { DrawPush push; };
+
+layout(location = 0) out vec3 out_world;
+layout(location = 1) out vec3 out_normal;
+layout(location = 2) out vec2 out_texcoord;
+layout(location = 3) out vec4 out_color;
+layout(location = 4) flat out uint out_mirrored;
+
+#include "skin/skin.glsl"
+
+// The inverse of pack_normal() in compile/mesh.cpp.
+vec3 unpack_normal(uint packed) {
+    const vec2 octahedral = unpackSnorm2x16(packed);
+    const float z = 1 - abs(octahedral.x) - abs(octahedral.y);
+    const vec2 folded = (1 - abs(octahedral.yx)) * mix(vec2(-1), vec2(1), greaterThanEqual(octahedral, vec2(0)));
+    return vec3(z < 0 ? folded : octahedral, z);
+}
+
+// The inverse transpose of m's linear part but for a positive factor: right for non-uniform scale, and for mirrors.
+vec3 transform_normal(Affine m, vec3 normal) {
+    const vec3 c0 = cross(m.row1.xyz, m.row2.xyz), c1 = cross(m.row2.xyz, m.row0.xyz), c2 = cross(m.row0.xyz, m.row1.xyz);
+    const vec3 cofactor = vec3(dot(c0, normal), dot(c1, normal), dot(c2, normal));
+    return dot(m.row0.xyz, c0) < 0 ? -cofactor : cofactor;
+}
+
+void main() {
+    const VertexRows vertex = vertices[push.first_vertex + gl_VertexIndex];
+    const Affine placement = world_from_model[gl_InstanceIndex];
+    const Affine model_from_bind = blended_skin_matrix(push.first_influences, push.influence_sets, gl_VertexIndex, gl_InstanceIndex * push.palette_count);
+    const Affine world_from_bind = affine_multiply(placement, model_from_bind);
+    vec3 world = affine_point(world_from_bind, vertex.position_normal.xyz);
+    if (kShadow) {
+        world -= scene.to_light.xyz * (max(world.y - scene.ground.y, 0) / scene.to_light.y);
+    } else {
+        const vec3 normal = transform_normal(world_from_bind, unpack_normal(floatBitsToUint(vertex.position_normal.w)));
+        out_normal = normal * inversesqrt(max(dot(normal, normal), 1e-30));
+        out_texcoord = vertex.texcoord_color.xy;
+        out_color = unpackUnorm4x8(floatBitsToUint(vertex.texcoord_color.z));
+        out_mirrored = dot(placement.row0.xyz, cross(placement.row1.xyz, placement.row2.xyz)) < 0 ? 1 : 0;
+    }
+    out_world = world;
+    const vec4 point = vec4(world, 1);
+    gl_Position = vec4(dot(scene.clip_from_world[0], point), dot(scene.clip_from_world[1], point), dot(scene.clip_from_world[2], point),
+                       dot(scene.clip_from_world[3], point));
+}

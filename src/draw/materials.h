@@ -1,0 +1,32 @@
+// The materials of one group of a crowd, ready to bind.
+#pragma once
+
+#include "crowd/group.h"
+#include "draw/textures.h"
+
+#include <vector>
+
+namespace throng {
+
+struct DrawMaterial {
+    std::array<float, 4> base_color{1, 1, 1, 1};
+    // Below it a fragment is left out. A blended material is drawn as one with a mask at 0.5: characters are not sorted.
+    float alpha_cutoff = 0;
+    bool masked = false, double_sided = false;
+    VkDescriptorSet set = VK_NULL_HANDLE;
+};
+
+class GroupMaterials {
+public:
+    // Only images that a section's material uses are decoded. Submits and waits.
+    GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout, VkSampler sampler, VkImageView white);
+
+    const DrawMaterial& of(const MeshSection& section) const { return section.material < materials_.size() - 1 ? materials_[section.material] : materials_.back(); }
+
+private:
+    std::vector<Image> textures_;          // [image_count], empty where unused
+    OwnedPool pool_;
+    std::vector<DrawMaterial> materials_;  // the group's, then the one of sections without
+};
+
+}  // namespace throng

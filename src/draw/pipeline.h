@@ -1,0 +1,29 @@
+// The graphics pipelines of the draw, and the layouts that they share.
+#pragma once
+
+#include "draw/owned.h"
+
+#include <array>
+
+namespace throng {
+
+inline constexpr VkFormat kColorFormat = VK_FORMAT_R8G8B8A8_SRGB;
+inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
+
+// Descriptor sets: 0 the scene (one uniform buffer), 1 a batch (four storage buffers), 2 a material (one texture).
+// Cull mode, viewport and scissor are dynamic.
+struct DrawPipelines {
+    DrawPipelines() = default;
+    DrawPipelines(const std::shared_ptr<Gpu>& gpu, VkSampleCountFlagBits samples);
+
+    OwnedSetLayout scene_set, batch_set, material_set;
+    OwnedPipelineLayout layout;
+    OwnedPipeline ground;              // over the whole picture, without depth
+    OwnedPipeline shadow;              // characters laid flat on the ground, without depth
+    OwnedPipeline character;           // of opaque materials
+    OwnedPipeline character_discards;  // of materials with a mask, and of batches with mirrored instances
+};
+
+inline constexpr std::array<uint32_t, 4> kBatchBindings{0, 1, 2, 3};  // vertices, influences, skin matrices, placements
+
+}  // namespace throng

@@ -1,0 +1,61 @@
+#include <throng/draw.h>
+
+#include "base/failure.h"
+
+#include <fstream>
+#include <limits>
+
+// Static, so that an application may have an stb of its own.
+#define STB_IMAGE_WRITE_STATIC
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STBI_WRITE_NO_STDIO
+#include <stb/stb_image_write.h>
+
+namespace throng {
+namespace {
+
+std::vector<char> encode_png(const std::string& place, const Picture& picture) {
+    if (picture.width == 0 || picture.height == 0 || picture.rgba.size() != uint64_t{picture.width} * picture.height * 4)
+        throw Failure(ErrorCode::kInvalidArgument, place, "the picture's size and its bytes do not fit");
+    constexpr uint64_t kStbLimit_bytes = std::numeric_limits<int>::max();  // it computes sizes as int
+    if (picture.height * (picture.width * uint64_t{4} + 1) > kStbLimit_bytes)
+        throw Failure(ErrorCode::kLimit, place, "a PNG holds at most 2 GiB of pixels here");
+
+    std::vector<char> encoded;
+    const auto append = [](void* to, void* data, int size_bytes) {
+        const char* bytes = static_cast<const char*>(data);
+        static_cast<std::vector<char>*>(to)->assign(bytes, bytes + size_bytes);  // the whole file at once
+    };
+    const int width = static_cast<int>(picture.width), height = static_cast<int>(picture.height);
+    if (!stbi_write_png_to_func(append, &encoded, width, height, 4, picture.rgba.data(), width * 4)) throw std::bad_alloc();
+    return encoded;
+}
+
+}  // namespace
+
+Result<void> write_png(const std::filesystem::path& path, const Picture& picture) {
+    return as_result([&] {
+        const std::vector<char> encoded = encode_png(path.string(), picture);
+        std::filesystem::path unfinished = path;
+        unfinished += ".part";
+        std::error_code error;
+        {
+            std::ofstream file(unfinished, std::ios::binary | std::ios::trunc);
+            if (!file) throw Failure(ErrorCode::kFile, unfinished.string(), "cannot be written");
+            file.write(encoded.data(), static_cast<std::streamsize>(encoded.size()));
+            file.close();
+            if (!file) {
+                std::filesystem::remove(unfinished, error);
+                throw Failure(ErrorCode::kFile, unfinished.string(), "writing failed; is the disk full?");
+            }
+        }
+        std::filesystem::rename(unfinished, path, error);
+        if (error) {
+            const std::string reason = error.message();
+            std::filesystem::remove(unfinished, error);
+            throw Failure(ErrorCode::kFile, path.string(), "cannot be replaced: " + reason);
+        }
+    });
+}
+
+}  // namespace throng

@@ -1,0 +1,24 @@
+// Base colour textures: decoded from a character's images, uploaded with mipmaps.
+#pragma once
+
+#include "draw/image.h"
+
+#include <throng/character.h>
+#include <throng/draw.h>
+
+namespace throng {
+
+inline constexpr uint32_t kTextureDimensionLimit = 16'384;
+inline constexpr uint64_t kTexturePixelLimit = uint64_t{1} << 26;  // 256 MiB decoded
+
+// PNG or JPEG. Throws kInvalidFile, and kLimit above the limits.
+Picture decode_image(const AssetImage& image);
+
+// A texture in SHADER_READ_ONLY_OPTIMAL. Submits and waits.
+Image upload_texture(const std::shared_ptr<Gpu>& gpu, std::string_view what, const Picture& picture);
+
+// The texture of an image, white where it cannot be decoded. Submits and waits.
+Image make_texture(const std::shared_ptr<Gpu>& gpu, const AssetImage& image);
+Image make_white_texture(const std::shared_ptr<Gpu>& gpu);
+
+}  // namespace throng

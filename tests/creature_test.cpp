@@ -1,0 +1,395 @@
+// The creature generator keeps its promises: exact tree, face budget, sound mesh, seamless clips, valid .glb.
+#include "../tools/creature.h"
+#include "../tools/glb_writer.h"
+
+#include <gtest/gtest.h>
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <set>
+#include <stdexcept>
+
+namespace throng {
+namespace {
+
+constexpr uint32_t kJointCounts[] = {1, 2, 3, 5, 17, 64, 100, 300, 1000, 4000};
+constexpr uint32_t kLevelCounts[] = {1, 2, 3, 4, 5, 7, 8, 15, 16, 17, 30, 60, 64, 99, 120, 200, 300, 999, 2500, 4000};
+
+// Every allowed pair of the two lists, and the pure chain of each joint count.
+std::vector<CreatureSettings> grid() {
+    std::vector<CreatureSettings> out;
+    for (const uint32_t joints : kJointCounts) {
+        std::set<uint32_t> levels{joints};
+        for (const uint32_t count : kLevelCounts)
+            if (count <= joints && (count > 1 || joints == 1)) levels.insert(count);
+        for (const uint32_t count : levels) out.push_back({joints, count, 1500, joints + count});
+    }
+    return out;
+}
+
+std::string text_of(const CreatureSettings& s) {
+    return std::to_string(s.joint_count) + " joints, " + std::to_string(s.level_count) + " levels, " +
+           std::to_string(s.face_count) + " faces, seed " + std::to_string(s.seed);
+}
+
+Asset creature(const CreatureSettings& settings) {
+    Result<Asset> made = make_creature(settings);
+    if (!made) throw std::runtime_error(made.error().text());
+    return *std::move(made);
+}
+
+using Matrices = std::vector<AffineT<double>>;  // [joint] model_from_joint
+
+// The pose at one key of a clip; at rest without one.
+Matrices pose(const Asset& asset, const AssetClip* clip = nullptr, size_t key = 0) {
+    std::vector<Trs<double>> local;
+    for (const AssetNode& node : asset.nodes) local.push_back(node.parent_from_node);
+    for (size_t i = 0; clip && i < clip->tracks.size(); ++i) {
+        const AssetTrack& track = clip->tracks[i];
+        const float* v = &track.values[key * (track.target == TrackTarget::kRotation ? 4 : 3)];
+        if (track.target == TrackTarget::kRotation)
+            local[track.node].rotation = Quaternion<float>{v[0], v[1], v[2], v[3]}.as<double>();
+        else
+            local[track.node].translation = Vec3<float>{v[0], v[1], v[2]}.as<double>();
+    }
+    Matrices out;
+    for (size_t i = 0; i < local.size(); ++i) {
+        const uint32_t parent = asset.nodes[i].parent;
+        out.push_back(parent == kNone ? to_affine(local[i]) : out[parent] * to_affine(local[i]));
+    }
+    return out;
+}
+
+struct Box {
+    Vec3<double> least{1e30, 1e30, 1e30}, most{-1e30, -1e30, -1e30};
+    void add(const Vec3<double>& p) {
+        least = {std::min(least.x, p.x), std::min(least.y, p.y), std::min(least.z, p.z)};
+        most = {std::max(most.x, p.x), std::max(most.y, p.y), std::max(most.z, p.z)};
+    }
+    Vec3<double> size() const { return most - least; }
+};
+
+Box box_of_joints(const Asset& asset, const Matrices& model_from_joint) {
+    Box box;
+    for (const uint32_t joint : asset.skins[0].joints) box.add(transform_point(model_from_joint[joint], {0, 0, 0}));
+    return box;
+}
+Box box_of_skin(const Asset& asset, const Matrices& model_from_joint) {
+    Box box;
+    const AssetPrimitive& p = asset.meshes[0].primitives[0];
+    for (size_t v = 0; v < p.positions.size(); ++v) {
+        Vec3<double> position;
+        for (size_t i = 4 * v; i < 4 * v + 4; ++i) {
+            const uint32_t joint = p.influence_joints[i];
+            const auto skin =
+                model_from_joint[asset.skins[0].joints[joint]] * asset.skins[0].inverse_binds[joint].as<double>();
+            position = position + transform_point(skin, p.positions[v].as<double>()) * double(p.influence_weights[i]);
+        }
+        box.add(position);
+    }
+    return box;
+}
+
+void expect_tree(const Asset& asset, const CreatureSettings& settings) {
+    ASSERT_EQ(asset.skins.size(), 1u);
+    ASSERT_EQ(asset.skins[0].joints.size(), settings.joint_count);
+    ASSERT_EQ(asset.skins[0].inverse_binds.size(), settings.joint_count);
+    ASSERT_EQ(asset.nodes.size(), settings.joint_count + 1);
+    std::vector<uint32_t> level(settings.joint_count, 1);
+    for (uint32_t i = 0; i < settings.joint_count; ++i) {
+        ASSERT_EQ(asset.skins[0].joints[i], i);
+        const uint32_t parent = asset.nodes[i].parent;
+        if (i == 0) {
+            ASSERT_EQ(parent, kNone);
+        } else {
+            ASSERT_LT(parent, i);
+            level[i] = level[parent] + 1;
+        }
+    }
+    EXPECT_EQ(*std::max_element(level.begin(), level.end()), settings.level_count);
+    ASSERT_EQ(asset.mesh_instances.size(), 1u);
+    EXPECT_EQ(asset.mesh_instances[0].node, settings.joint_count);
+    EXPECT_EQ(asset.nodes[settings.joint_count].parent, kNone);
+}
+
+void expect_inverse_binds_undo_rest(const Asset& asset) {
+    const Matrices rest = pose(asset);
+    for (uint32_t joint = 0; joint < asset.skins[0].joints.size(); ++joint) {
+        const auto identity = rest[joint] * asset.skins[0].inverse_binds[joint].as<double>();
+        for (int r = 0; r < 3; ++r)
+            for (int c = 0; c < 4; ++c) ASSERT_NEAR(identity.row[r][c], r == c ? 1 : 0, 1e-6) << "joint " << joint;
+    }
+}
+
+void expect_sound_mesh(const Asset& asset) {
+    ASSERT_EQ(asset.meshes.size(), 1u);
+    const AssetPrimitive& p = asset.meshes[0].primitives.at(0);
+    const size_t vertices = p.positions.size();
+    ASSERT_EQ(p.normals.size(), vertices);
+    ASSERT_EQ(p.colors.size(), vertices);
+    ASSERT_EQ(p.influence_joints.size(), 4 * vertices);
+    ASSERT_EQ(p.influence_weights.size(), 4 * vertices);
+    for (const uint32_t index : p.indices) ASSERT_LT(index, vertices);
+    for (size_t v = 0; v < vertices; ++v) {
+        const auto& q = p.positions[v];
+        ASSERT_TRUE(std::isfinite(q.x) && std::isfinite(q.y) && std::isfinite(q.z));
+        ASSERT_NEAR(length(p.normals[v].as<double>()), 1, 1e-6) << "vertex " << v;
+        double sum = 0;
+        for (size_t i = 4 * v; i < 4 * v + 4; ++i) {
+            ASSERT_GE(p.influence_weights[i], 0);
+            ASSERT_LT(p.influence_joints[i], asset.skins[0].joints.size());
+            sum += double(p.influence_weights[i]);
+        }
+        ASSERT_NEAR(sum, 1, 1e-6) << "vertex " << v;
+        for (const float channel : p.colors[v]) ASSERT_TRUE(channel >= 0 && channel <= 1);
+    }
+}
+
+void expect_seamless_clips_that_turn_every_joint(const Asset& asset) {
+    ASSERT_EQ(asset.clips.size(), 3u);
+    for (const AssetClip& clip : asset.clips) {
+        SCOPED_TRACE(clip.name);
+        std::set<uint32_t> turned;
+        size_t translations = 0;
+        for (const AssetTrack& track : clip.tracks) {
+            const size_t components = track.target == TrackTarget::kRotation ? 4 : 3;
+            const size_t keys = track.times_s.size();
+            ASSERT_EQ(track.values.size(), keys * components);
+            ASSERT_EQ(track.times_s.front(), 0);
+            ASSERT_EQ(track.times_s.back(), float(clip.duration_s));
+            ASSERT_TRUE(std::adjacent_find(track.times_s.begin(), track.times_s.end(), std::greater_equal<>()) ==
+                        track.times_s.end());
+            ASSERT_TRUE(std::equal(track.values.begin(), track.values.begin() + long(components),
+                                   track.values.end() - long(components)));
+            bool moves = false;
+            for (size_t k = 0; k < keys; ++k) {
+                const float* v = &track.values[k * components];
+                moves = moves || !std::equal(v, v + components, track.values.begin());
+                if (components != 4) continue;
+                const auto q = Quaternion<float>{v[0], v[1], v[2], v[3]}.as<double>();
+                ASSERT_NEAR(dot(q, q), 1, 1e-6);
+            }
+            ASSERT_TRUE(moves) << "node " << track.node;
+            if (components == 4)
+                turned.insert(track.node);
+            else
+                ++translations;
+        }
+        EXPECT_EQ(turned.size(), asset.skins[0].joints.size());
+        EXPECT_EQ(translations, 1u);
+    }
+}
+
+// Long chains must not coil up: measured on every third key, at most twice the size at rest, and never crumpled to half
+// of it.
+void expect_shape_kept_in_every_clip(const Asset& asset) {
+    const double rest_joints = length(box_of_joints(asset, pose(asset)).size());
+    const double rest_skin = length(box_of_skin(asset, pose(asset)).size());
+    for (const AssetClip& clip : asset.clips)
+        for (size_t key = 0; key < clip.tracks[0].times_s.size(); key += 3) {
+            const Matrices posed = pose(asset, &clip, key);
+            ASSERT_NEAR(length(box_of_joints(asset, posed).size()), rest_joints, 0.5 * rest_joints) << clip.name << key;
+            ASSERT_NEAR(length(box_of_skin(asset, posed).size()), rest_skin, 0.5 * rest_skin) << clip.name << key;
+        }
+}
+
+TEST(Creature, IsSoundForEveryTree) {
+    for (const CreatureSettings& settings : grid()) {
+        SCOPED_TRACE(text_of(settings));
+        const Asset asset = creature(settings);
+        expect_tree(asset, settings);
+        expect_inverse_binds_undo_rest(asset);
+        expect_sound_mesh(asset);
+        expect_seamless_clips_that_turn_every_joint(asset);
+        expect_shape_kept_in_every_clip(asset);
+        if (HasFailure()) return;
+    }
+}
+
+TEST(Creature, HasExactlyTheLargestTrees) {
+    for (const uint32_t levels : {2u, 60u, 65535u}) {
+        const CreatureSettings settings{65535, levels, 1500, 7};
+        SCOPED_TRACE(text_of(settings));
+        const Asset asset = creature(settings);
+        expect_tree(asset, settings);
+        size_t key_bytes = 0;
+        for (const AssetClip& clip : asset.clips)
+            for (const AssetTrack& track : clip.tracks)
+                key_bytes += (track.times_s.size() + track.values.size()) * sizeof(float);
+        EXPECT_LE(key_bytes, 65u << 20);
+        EXPECT_TRUE(write_glb(asset).ok());
+    }
+}
+
+TEST(Creature, MeshIsNearItsFaceBudget) {
+    for (const auto& [joints, levels] :
+         {std::pair{1u, 1u}, {17u, 17u}, {20u, 8u}, {64u, 15u}, {300u, 15u}, {300u, 120u}, {300u, 2u}, {4000u, 60u}})
+        for (const uint32_t faces : {300u, 1000u, 1500u, 3000u, 20000u, 200000u}) {
+            const CreatureSettings settings{joints, levels, faces, 3};
+            const double made = double(creature(settings).meshes[0].primitives[0].indices.size() / 3);
+            EXPECT_LE(made, faces) << text_of(settings);
+            EXPECT_GE(made, 0.95 * faces) << text_of(settings);
+        }
+    for (const uint32_t faces : {0u, 10u, 50u, 100u, 200u}) {
+        const size_t made = creature({300, 30, faces, 3}).meshes[0].primitives[0].indices.size() / 3;
+        EXPECT_GE(made, std::min(faces / 2, 4u));
+        EXPECT_LE(made, std::max(faces, 24u));
+    }
+}
+
+TEST(Creature, StandsOnTheGroundAndFacesForward) {
+    const Asset asset = creature({});
+    const Box box = box_of_skin(asset, pose(asset));
+    EXPECT_NEAR(box.least.y, 0, 0.05);
+    EXPECT_NEAR(box.most.y, 2.3, 0.4);
+    EXPECT_NEAR(box.size().z, 4, 0.5);
+    EXPECT_NEAR(box.least.x, -box.most.x, 1e-4);
+}
+
+TEST(Creature, NormalsPointOutward) {
+    // Down at the belly and up at the back: the body is the first piece of the mesh.
+    const AssetPrimitive p = creature({}).meshes[0].primitives[0];
+    const auto pointing = [&](bool top) {
+        size_t best = 0;
+        for (size_t v = 0; v < 200; ++v) {
+            const bool at_hips = std::abs(p.positions[v].z + 0.2f) < 0.2f;
+            const bool at_best = std::abs(p.positions[best].z + 0.2f) < 0.2f;
+            if (at_hips && (!at_best || (p.positions[v].y > p.positions[best].y) == top)) best = v;
+        }
+        return p.normals[best].y;
+    };
+    EXPECT_GT(pointing(true), 0.8f);
+    EXPECT_LT(pointing(false), -0.8f);
+}
+
+TEST(Creature, IsTheSameForTheSameSettingsOnly) {
+    const CreatureSettings settings{300, 60, 1500, 5};
+    const auto bytes = write_glb(creature(settings));
+    ASSERT_TRUE(bytes.ok());
+    EXPECT_EQ(*bytes, *write_glb(creature(settings)));
+    CreatureSettings other = settings;
+    other.seed = 6;
+    EXPECT_NE(*bytes, *write_glb(creature(other)));
+}
+
+TEST(Creature, NamesTheOptionThatIsWrong) {
+    const auto place = [](const CreatureSettings& settings) {
+        const Result<Asset> made = make_creature(settings);
+        EXPECT_FALSE(made.ok());
+        return made.ok() ? "" : made.error().place;
+    };
+    EXPECT_EQ(place({0, 1, 100, 1}), "joints");
+    EXPECT_EQ(place({65536, 60, 100, 1}), "joints");
+    EXPECT_EQ(place({10, 0, 100, 1}), "levels");
+    EXPECT_EQ(place({10, 11, 100, 1}), "levels");
+    EXPECT_EQ(place({10, 1, 100, 1}), "levels");
+    EXPECT_EQ(place({10, 5, 10'000'001, 1}), "faces");
+}
+
+tinygltf::Model read_back(const Asset& asset) {
+    const auto bytes = write_glb(asset);
+    EXPECT_TRUE(bytes.ok());
+    tinygltf::Model model;
+    std::string error, warning;
+    tinygltf::TinyGLTF loader;
+    EXPECT_TRUE(loader.LoadBinaryFromMemory(
+        &model, &error, &warning, reinterpret_cast<const unsigned char*>(bytes->data()), unsigned(bytes->size())));
+    EXPECT_EQ(error, "");
+    EXPECT_EQ(warning, "");
+    return model;
+}
+
+TEST(GlbWriter, IsReadByTinygltf) {
+    for (const CreatureSettings& settings :
+         {CreatureSettings{300, 60, 1500, 1}, {1, 1, 20, 1}, {1000, 15, 150000, 2}}) {
+        SCOPED_TRACE(text_of(settings));
+        const Asset asset = creature(settings);
+        const tinygltf::Model model = read_back(asset);
+        EXPECT_EQ(model.asset.version, "2.0");
+        EXPECT_EQ(model.asset.generator, "throng");
+        ASSERT_EQ(model.skins.size(), 1u);
+        EXPECT_EQ(model.skins[0].joints.size(), settings.joint_count);
+        ASSERT_EQ(model.scenes.size(), 1u);
+        EXPECT_EQ(model.scenes[0].nodes, (std::vector<int>{0, int(settings.joint_count)}));
+        uint32_t levels = 0;
+        const auto visit = [&](const auto& self, int node, uint32_t level) -> void {
+            levels = std::max(levels, level);
+            for (const int child : model.nodes[size_t(node)].children) self(self, child, level + 1);
+        };
+        visit(visit, 0, 1);
+        EXPECT_EQ(levels, settings.level_count);
+        ASSERT_EQ(model.animations.size(), 3u);
+        for (const tinygltf::Animation& clip : model.animations) {
+            EXPECT_EQ(clip.channels.size(), settings.joint_count + 1);
+            for (const tinygltf::AnimationSampler& sampler : clip.samplers)
+                EXPECT_EQ(sampler.input, clip.samplers[0].input);
+        }
+        const tinygltf::Primitive& primitive = model.meshes.at(0).primitives.at(0);
+        const AssetPrimitive& wanted = asset.meshes[0].primitives[0];
+        EXPECT_EQ(model.accessors[size_t(primitive.indices)].count, wanted.indices.size());
+        for (const char* semantic : {"POSITION", "NORMAL", "COLOR_0", "JOINTS_0", "WEIGHTS_0"})
+            EXPECT_EQ(model.accessors[size_t(primitive.attributes.at(semantic))].count, wanted.positions.size())
+                << semantic;
+        EXPECT_TRUE(model.materials.at(0).doubleSided);
+    }
+}
+
+// What the specification asks of every accessor, looked at in the file as another reader sees it.
+TEST(GlbWriter, AccessorsLieInTheirBufferAndInTheirRange) {
+    const tinygltf::Model model = read_back(creature({64, 15, 1500, 1}));
+    for (size_t i = 0; i < model.accessors.size(); ++i) {
+        SCOPED_TRACE("accessor " + std::to_string(i));
+        const tinygltf::Accessor& accessor = model.accessors[i];
+        const tinygltf::BufferView& view = model.bufferViews.at(size_t(accessor.bufferView));
+        const size_t stride = size_t(accessor.ByteStride(view));
+        const size_t components = size_t(tinygltf::GetNumComponentsInType(uint32_t(accessor.type)));
+        EXPECT_EQ(view.byteOffset % 4, 0u);
+        EXPECT_LE(accessor.count * stride, view.byteLength);
+        EXPECT_LE(view.byteOffset + view.byteLength, model.buffers.at(0).data.size());
+        if (accessor.minValues.empty()) continue;
+        ASSERT_EQ(accessor.minValues.size(), components);
+        std::vector<double> least(components, 1e30), most(components, -1e30);
+        for (size_t k = 0; k < accessor.count * components; ++k) {
+            float value;
+            std::memcpy(&value, &model.buffers[0].data[view.byteOffset + k / components * stride + k % components * 4],
+                        4);
+            least[k % components] = std::min(least[k % components], double(value));
+            most[k % components] = std::max(most[k % components], double(value));
+        }
+        for (size_t c = 0; c < components; ++c) {
+            EXPECT_EQ(float(accessor.minValues[c]), float(least[c]));
+            EXPECT_EQ(float(accessor.maxValues[c]), float(most[c]));
+        }
+    }
+    for (const tinygltf::Animation& clip : model.animations)
+        EXPECT_FALSE(model.accessors[size_t(clip.samplers[0].input)].minValues.empty());
+    const tinygltf::Skin& skin = model.skins[0];
+    const tinygltf::BufferView& view =
+        model.bufferViews[size_t(model.accessors[size_t(skin.inverseBindMatrices)].bufferView)];
+    for (size_t joint = 0; joint < skin.joints.size(); ++joint) {
+        float m[16];
+        std::memcpy(m, &model.buffers[0].data[view.byteOffset + joint * sizeof m], sizeof m);
+        EXPECT_TRUE(m[3] == 0 && m[7] == 0 && m[11] == 0 && m[15] == 1) << "joint " << joint;
+    }
+}
+
+TEST(GlbWriter, RefusesWhatItCannotWrite) {
+    Asset asset = creature({3, 3, 20, 1});
+    asset.images.resize(1);
+    EXPECT_EQ(write_glb(asset).error().code, ErrorCode::kUnsupported);
+    asset.images.clear();
+    asset.meshes[0].primitives[0].influence_count = 8;
+    EXPECT_EQ(write_glb(asset).error().place, "meshes[0]");
+}
+
+TEST(GlbWriter, EscapesNames) {
+    Asset asset = creature({1, 1, 20, 1});
+    asset.nodes[0].name = "a \"quoted\" \\ name\n\x01 ü";
+    EXPECT_EQ(read_back(asset).nodes[0].name, asset.nodes[0].name);
+}
+
+}  // namespace
+}  // namespace throng

@@ -1,0 +1,524 @@
+// The whole pipeline on the GPU against reference_pose(), and the promises of throng/crowd.h.
+#include "control/control_reference.h"
+#include "crowd/crowd_state.h"
+#include "tests/kernel_runner.h"
+#include "tests/test_rig.h"
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace throng {
+namespace {
+
+using namespace test;
+
+constexpr double kBound = 1e-5;  // of the character's size
+
+Crowd create(const CrowdSettings& settings) {
+    Result<Crowd> crowd = Crowd::create(test_device(), settings);
+    if (!crowd) {
+        ADD_FAILURE() << crowd.error().text();
+        std::abort();
+    }
+    return std::move(*crowd);
+}
+
+Character small_character() { return make_character({.name = "small", .joint_count = 20}); }
+
+ClipPlayback random_slot(Random& random, const Character& character) {
+    const auto clip_count = static_cast<uint32_t>(character.clips.size());
+    const uint32_t clip = random.below(clip_count + 1);
+    return {.clip = clip == clip_count ? kNone : clip, .time_s = random.between(-1, 5), .speed = static_cast<float>(random.between(-2, 2)), .loop = random.chance(0.5)};
+}
+
+// Weights 0 and 1 are frequent.
+Playback random_playback(Random& random, const Character& character) {
+    const std::array<float, 5> weights{0, 1, 0.5f, static_cast<float>(random.unit()), static_cast<float>(random.unit())};
+    return {.first = random_slot(random, character), .second = random_slot(random, character), .weight = weights[random.below(5)]};
+}
+
+std::vector<Playback> random_playbacks(Random& random, const Character& character, uint32_t count) {
+    std::vector<Playback> playbacks;
+    for (uint32_t i = 0; i < count; ++i) playbacks.push_back(random_playback(random, character));
+    return playbacks;
+}
+
+// The playback after an update: its times are wrapped or clamped when set, and again after the step.
+Playback advanced(Playback playback, const Character& character, double step_s) {
+    for (ClipPlayback* slot : {&playback.first, &playback.second}) {
+        if (slot->clip == kNone) continue;
+        const double duration_s = character.clips[slot->clip].duration_s;
+        slot->time_s = local_time_reference(slot->time_s, duration_s, slot->loop);
+        slot->time_s = local_time_reference(slot->time_s + step_s * slot->speed, duration_s, slot->loop);
+    }
+    return playback;
+}
+
+// Largest error of an instance as a fraction of the character's size.
+double instance_error(Crowd& crowd, uint32_t instance, const Character& character, const Playback& playback, bool with_model = false) {
+    const ReferencePose pose = *reference_pose(character, playback);
+    double worst = 0;
+    const auto compare = [&](const Result<std::vector<Affine>>& got, const std::vector<AffineT<double>>& wanted) {
+        if (!got || got->size() != wanted.size()) {
+            worst = std::numeric_limits<double>::infinity();
+            return;
+        }
+        for (size_t i = 0; i < wanted.size(); ++i) worst = std::max(worst, matrix_error((*got)[i], wanted[i], character.size));
+    };
+    compare(crowd.read_skin_matrices(instance), pose.model_from_bind);
+    if (with_model) compare(crowd.read_model_matrices(instance), pose.model_from_joint);
+    const std::vector<Vec3<double>> wanted = reference_positions(character, pose);
+    const std::vector<Vec3<float>> got = *crowd.read_positions(instance);
+    if (got.size() != wanted.size()) return std::numeric_limits<double>::infinity();
+    for (size_t i = 0; i < wanted.size(); ++i) {
+        const double distance = length(got[i].as<double>() - wanted[i]) / character.size;
+        worst = std::isnan(distance) ? std::numeric_limits<double>::infinity() : std::max(worst, distance);
+    }
+    return worst;
+}
+
+std::vector<Affine> skins_of(Crowd& crowd) {
+    std::vector<Affine> all;
+    for (uint32_t instance = 0; instance < crowd.instance_count(); ++instance) {
+        const std::vector<Affine> skin = *crowd.read_skin_matrices(instance);
+        all.insert(all.end(), skin.begin(), skin.end());
+    }
+    return all;
+}
+
+TEST(Crowd, AMixedCrowdFollowsTheReferenceWithEveryScan) {
+    const std::vector<Character> characters{make_character({.name = "one", .joint_count = 1, .seed = 2}), small_character(),
+                                            make_character({.name = "cubic", .joint_count = 70, .seed = 3, .cubic = true}),
+                                            make_character({.name = "large", .joint_count = 300, .seed = 4})};
+    CrowdSettings settings{.keep_model_matrices = true};
+    Random random(5);
+    std::vector<Playback> playbacks;
+    std::vector<const Character*> character_of;
+    for (const Character& character : characters) {
+        const uint32_t count = 5 + 3 * static_cast<uint32_t>(settings.groups.size());
+        settings.groups.push_back({&character, count});
+        for (const Playback& playback : random_playbacks(random, character, count)) playbacks.push_back(playback);
+        character_of.insert(character_of.end(), count, &character);
+    }
+    for (const ScanMethodInfo& method : scan_methods()) {
+        settings.scan = method.name;
+        Crowd crowd = create(settings);
+        ASSERT_EQ(crowd.instance_count(), playbacks.size());
+        for (uint32_t group = 0; group < characters.size(); ++group) EXPECT_EQ(crowd.scan_method(group), method.name);
+        ASSERT_TRUE(crowd.set_playback(0, playbacks));
+        double worst = 0;
+        std::vector<Playback> now = playbacks;
+        for (const float step_s : {0.0f, 0.3f, 0.171f, -0.9f}) {
+            ASSERT_TRUE(crowd.update(step_s));
+            for (uint32_t i = 0; i < playbacks.size(); ++i) {
+                now[i] = advanced(now[i], *character_of[i], step_s);
+                const double error = instance_error(crowd, i, *character_of[i], now[i], true);
+                EXPECT_LE(error, kBound) << method.name << ", instance " << i << ", " << character_of[i]->name << ", step " << step_s << " s";
+                worst = std::max(worst, error);
+            }
+        }
+        std::printf("  %-22s %zu instances of 1, 20, 70 and 300 joints, 4 updates: largest error %.1e of the size\n", method.name.c_str(), playbacks.size(), worst);
+    }
+}
+
+TEST(Crowd, AutoChoosesAScan) {
+    const Character character = small_character();
+    EXPECT_TRUE(find_scan_method(create({.groups = {{&character, 1}}}).scan_method(0)));
+}
+
+// More matrices than one buffer of the device holds: several batches, and several waves through the arena.
+TEST(Crowd, ManyLargeCharactersAreSplitIntoBatchesAndWaves) {
+    const Character large = make_character({.name = "65535 joints", .joint_count = 65535, .shape = RigShape::kBushy, .scale_spread = 0, .clip_count = 1, .axis_count = 1, .key_count = 2});
+    const Character small = small_character();
+    const uint64_t range_bytes = std::min(test_device().info().storage_buffer_range_bytes, uint64_t{256} << 20);
+    const auto large_count = static_cast<uint32_t>(range_bytes / (65535 * sizeof(Affine))) + 2;
+    Crowd crowd = create({.groups = {{&small, 3}, {&large, large_count}, {&small, 4}}});
+    EXPECT_GE(crowd.state().batches.size(), 4u);
+    EXPECT_GE(crowd.state().waves.size(), 2u);
+
+    Random random(9);
+    std::vector<Playback> playbacks = random_playbacks(random, small, 3);
+    for (const Playback& playback : random_playbacks(random, large, large_count)) playbacks.push_back(playback);
+    for (const Playback& playback : random_playbacks(random, small, 4)) playbacks.push_back(playback);
+    ASSERT_TRUE(crowd.set_playback(0, playbacks));
+    ASSERT_TRUE(crowd.update(0));
+    const uint32_t second_batch = crowd.state().batches[2].first_instance;
+    ASSERT_GT(second_batch, 3u);
+    for (const uint32_t instance : {0u, 2u, 3u, second_batch - 1, second_batch, large_count + 2, large_count + 3, large_count + 6}) {
+        const Character& character = instance >= 3 && instance < 3 + large_count ? large : small;
+        EXPECT_LE(instance_error(crowd, instance, character, playbacks[instance]), kBound) << "instance " << instance;
+    }
+    uint32_t next = 0;
+    for (const OutputBlock& block : crowd.outputs()) {
+        EXPECT_EQ(block.first_instance, next);
+        EXPECT_EQ(block.joint_count, block.group == 1 ? 65535u : 20u);
+        EXPECT_LE(block.instance_count * uint64_t{block.palette_count} * sizeof(Affine), range_bytes);
+        EXPECT_TRUE(block.skin_buffer);
+        EXPECT_TRUE(block.placement_buffer);
+        EXPECT_FALSE(block.model_buffer);
+        next += block.instance_count;
+    }
+    EXPECT_EQ(next, crowd.instance_count());
+    std::printf("  %u instances of 65,535 joints: %zu batches, %zu waves, %.0f MB\n", large_count, crowd.state().batches.size(), crowd.state().waves.size(), static_cast<double>(crowd.size_bytes()) * 1e-6);
+    const StageTimes times = *crowd.stage_times();
+    EXPECT_GT(times.scan, 0);
+}
+
+// More instances than the device dispatches workgroups at once.
+TEST(Crowd, ManySmallCharactersAreSplitIntoBatches) {
+    const Character one = make_character({.name = "one", .joint_count = 1, .vertex_count = 3});
+    const uint32_t limit = test_gpu()->properties.limits.maxComputeWorkGroupCount[0];
+    if (limit > 1'000'000) GTEST_SKIP() << "the device dispatches " << limit << " workgroups";
+    Crowd crowd = create({.groups = {{&one, limit + 5}}});
+    EXPECT_EQ(crowd.outputs().size(), 2u);
+    Random random(10);
+    const std::vector<Playback> playbacks = random_playbacks(random, one, limit + 5);
+    ASSERT_TRUE(crowd.set_playback(0, playbacks));
+    ASSERT_TRUE(crowd.update(0));
+    const uint32_t edge = crowd.outputs()[1].first_instance;
+    for (const uint32_t instance : {0u, 1u, edge - 1, edge, limit + 4}) EXPECT_LE(instance_error(crowd, instance, one, playbacks[instance]), kBound) << instance;
+}
+
+// 65,535 joints in one character: every method.
+TEST(Crowd, TheLargestCharacterWorksWithEveryScan) {
+    const Character large = make_character({.name = "65535 joints", .joint_count = 65535, .shape = RigShape::kBushy, .scale_spread = 0, .clip_count = 1, .axis_count = 1, .key_count = 2});
+    ASSERT_EQ(large.rig.joint_count(), 65535u);
+    Random random(11);
+    const std::vector<Playback> playbacks = random_playbacks(random, large, 2);
+    for (const ScanMethodInfo& method : scan_methods()) {
+        Crowd crowd = create({.groups = {{&large, 2}}, .scan = method.name, .keep_model_matrices = true});
+        ASSERT_TRUE(crowd.set_playback(0, playbacks));
+        ASSERT_TRUE(crowd.update(0));
+        for (uint32_t i = 0; i < 2; ++i) EXPECT_LE(instance_error(crowd, i, large, playbacks[i], true), kBound) << method.name;
+    }
+}
+
+TEST(Crowd, OnlyChangedInstancesAreSetAnew) {
+    const Character character = small_character();
+    constexpr uint32_t kCount = 12;
+    Crowd crowd = create({.groups = {{&character, 5}, {&character, kCount - 5}}});
+    std::vector<Playback> playbacks;
+    std::vector<double> ages_s(kCount);
+    const auto looping = [](uint32_t clip, double time_s, float speed) {
+        return Playback{.first = {.clip = clip, .time_s = time_s, .speed = speed, .loop = true}, .weight = 1};
+    };
+    for (uint32_t i = 0; i < kCount; ++i) playbacks.push_back(looping(i % 3, 0.05 * i, 1 + 0.1f * static_cast<float>(i)));
+    ASSERT_TRUE(crowd.set_playback(0, playbacks));
+    const auto update_and_compare = [&](double step_s) {
+        ASSERT_TRUE(crowd.update(static_cast<float>(step_s)));
+        for (uint32_t i = 0; i < kCount; ++i) {
+            ages_s[i] += step_s;
+            EXPECT_LE(instance_error(crowd, i, character, advanced(playbacks[i], character, ages_s[i])), kBound) << "instance " << i;
+        }
+    };
+    const auto change = [&](uint32_t first, uint32_t count, uint32_t clip) {
+        std::vector<Playback> changed;
+        for (uint32_t i = first; i < first + count; ++i) {
+            changed.push_back(playbacks[i] = looping(clip, 0.4 + 0.01 * i, 0.7f));
+            ages_s[i] = 0;
+        }
+        ASSERT_TRUE(crowd.set_playback(first, changed));
+    };
+    update_and_compare(0.3);
+    update_and_compare(0.25);
+    change(4, 2, 1);   // over the edge of a group
+    update_and_compare(0.11);
+    change(2, 3, 0);   // overlapping, out of order, one inside another
+    change(1, 5, 2);
+    change(3, 1, 1);
+    change(11, 1, 2);
+    update_and_compare(0.2);
+    change(7, 0, 1);   // nothing
+    update_and_compare(0.2);
+}
+
+TEST(Crowd, TimeStaysInTheClip) {
+    const Character character = small_character();  // clip 0 is 1 s long
+    Crowd crowd = create({.groups = {{&character, 4}}});
+    const auto play = [&](double time_s, float speed, bool loop) { return Playback{.first = {.clip = 0, .time_s = time_s, .speed = speed, .loop = loop}}; };
+    ASSERT_TRUE(crowd.set_playback(0, std::vector{play(0, 1, true), play(0, 1, false), play(0, -1, true), play(1, -1, false)}));
+    const auto shows = [&](uint32_t instance, double time_s) { return instance_error(crowd, instance, character, play(time_s, 0, false)) <= kBound; };
+    ASSERT_TRUE(crowd.update(0.75f));
+    EXPECT_TRUE(shows(0, 0.75) && shows(1, 0.75) && shows(2, 0.25) && shows(3, 0.25));
+    ASSERT_TRUE(crowd.update(0.5f));
+    EXPECT_TRUE(shows(0, 0.25) && shows(1, 1) && shows(2, 0.75) && shows(3, 0));
+    ASSERT_TRUE(crowd.update(0.75f));
+    EXPECT_TRUE(shows(0, 0) && shows(1, 1) && shows(2, 0) && shows(3, 0)) << "t = D wraps to 0";
+    ASSERT_TRUE(crowd.update(1e9f));
+    EXPECT_TRUE(shows(1, 1) && shows(3, 0));
+    EXPECT_FALSE(shows(1, 0.5)) << "the comparison cannot tell times apart";
+}
+
+// Speeds and steps are finite, but their product need not be.
+TEST(Crowd, NoSpeedMakesAPoseThatIsNotFinite) {
+    const Character character = small_character();
+    Crowd crowd = create({.groups = {{&character, 2}}});
+    ASSERT_TRUE(crowd.set_playback(0, std::vector{Playback{.first = {.clip = 0, .speed = 3e38f, .loop = true}}, Playback{.first = {.clip = 0, .speed = 3e38f, .loop = false}}}));
+    for (int i = 0; i < 2; ++i) {
+        ASSERT_TRUE(crowd.update(1000));
+        for (const Affine& matrix : skins_of(crowd))
+            for (const auto& row : matrix.row)
+                for (const float element : row) ASSERT_TRUE(std::isfinite(element));
+    }
+}
+
+TEST(Crowd, WeightsAtTheEndsShowOneClip) {
+    const Character character = small_character();
+    Crowd crowd = create({.groups = {{&character, 3}}});
+    const ClipPlayback a{.clip = 0, .time_s = 0.3}, b{.clip = 1, .time_s = 0.8};
+    ASSERT_TRUE(crowd.set_playback(0, std::vector{Playback{a, b, 1}, Playback{a, b, 0}, Playback{a, b, 0.25f}}));
+    ASSERT_TRUE(crowd.update(0));
+    EXPECT_LE(instance_error(crowd, 0, character, Playback{a, {}, 1}), kBound);
+    EXPECT_LE(instance_error(crowd, 1, character, Playback{b, {}, 1}), kBound);
+    EXPECT_LE(instance_error(crowd, 2, character, Playback{b, a, 0.75f}), kBound) << "a quarter of a is three quarters of b";
+    EXPECT_GT(instance_error(crowd, 2, character, Playback{a, b, 0.75f}), kBound);
+}
+
+TEST(Crowd, NewInstancesShowTheRestPoseAtTheOrigin) {
+    const Character character = small_character();
+    Crowd crowd = create({.groups = {{&character, 2}}});
+    ASSERT_TRUE(crowd.update(0.5f));
+    EXPECT_LE(instance_error(crowd, 1, character, Playback{}), kBound);
+    const BufferRange placements(crowd.outputs()[0].placement_buffer, 0, 2 * sizeof(Affine));
+    EXPECT_EQ(download<Affine>(test_gpu(), placements), std::vector<Affine>(2));
+}
+
+TEST(Crowd, PlacementsReachTheDevice) {
+    const Character character = small_character();
+    constexpr uint32_t kCount = 3000;  // more than one vkCmdUpdateBuffer takes
+    Crowd crowd = create({.groups = {{&character, kCount}}});
+    Random random(12);
+    std::vector<Affine> placements;
+    for (uint32_t i = 0; i < kCount; ++i) placements.push_back(to_affine(random.trs(100, 0)).as<float>());
+    ASSERT_TRUE(crowd.set_placement(0, placements));
+    ASSERT_TRUE(crowd.update(0));
+    const BufferRange range(crowd.outputs()[0].placement_buffer, 0, kCount * sizeof(Affine));
+    EXPECT_EQ(download<Affine>(test_gpu(), range), placements);
+    placements[1234] = {};
+    ASSERT_TRUE(crowd.set_placement(1234, std::span(placements).subspan(1234, 1)));
+    ASSERT_TRUE(crowd.update(0));
+    EXPECT_EQ(download<Affine>(test_gpu(), range), placements);
+}
+
+TEST(Crowd, WrongValuesAreRefusedAndChangeNothing) {
+    const Character character = small_character();
+    Crowd crowd = create({.groups = {{&character, 4}}});
+    Random random(13);
+    ASSERT_TRUE(crowd.set_playback(0, random_playbacks(random, character, 4)));
+    ASSERT_TRUE(crowd.update(0.1f));
+    const std::vector<Affine> before = skins_of(crowd);
+
+    constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
+    const Playback good{.first = {.clip = 1, .time_s = 0.5}};
+    const auto refused = [&](uint32_t first, const std::vector<Playback>& playbacks, const std::string& says) {
+        const Result<void> result = crowd.set_playback(first, playbacks);
+        ASSERT_FALSE(result) << says;
+        EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
+        EXPECT_NE(result.error().text().find(says), std::string::npos) << result.error().text();
+    };
+    const auto with = [&](auto&& change) {
+        Playback playback = good;
+        change(playback);
+        return std::vector{good, playback};  // the first alone would be taken
+    };
+    refused(1, with([](Playback& p) { p.first.clip = 3; }), "playback of instance 2: clip 3 of a character that has 3");
+    refused(1, with([](Playback& p) { p.second.clip = 77; }), "clip 77");
+    refused(1, with([](Playback& p) { p.first.time_s = kNan; }), "finite");
+    refused(1, with([](Playback& p) { p.second.time_s = kInfinity; }), "finite");
+    refused(1, with([](Playback& p) { p.second.speed = static_cast<float>(kNan); }), "finite");
+    refused(1, with([](Playback& p) { p.weight = 1.5f; }), "weight");
+    refused(1, with([](Playback& p) { p.weight = -0.01f; }), "weight");
+    refused(1, with([](Playback& p) { p.weight = static_cast<float>(kNan); }), "weight");
+    refused(3, {good, good}, "instances 3 to 5 of a crowd of 4");
+    refused(5, {}, "instances 5 to 5 of a crowd of 4");
+    refused(0xFFFFFFFF, {good}, "crowd of 4");
+    EXPECT_TRUE(crowd.set_playback(4, {}));
+
+    std::vector<Affine> placement(2);
+    placement[1].row[2][3] = static_cast<float>(kNan);
+    const Result<void> placed = crowd.set_placement(1, placement);
+    ASSERT_FALSE(placed);
+    EXPECT_NE(placed.error().text().find("instance 2"), std::string::npos) << placed.error().text();
+    EXPECT_FALSE(crowd.set_placement(3, std::vector<Affine>(2)));
+    EXPECT_FALSE(crowd.update(static_cast<float>(kNan)));
+    EXPECT_FALSE(crowd.update(static_cast<float>(-kInfinity)));
+    for (const uint32_t instance : {4u, 0xFFFFFFFFu}) {
+        EXPECT_FALSE(crowd.read_skin_matrices(instance));
+        EXPECT_FALSE(crowd.read_positions(instance));
+    }
+
+    ASSERT_TRUE(crowd.update(0));
+    EXPECT_TRUE(same_bits(skins_of(crowd), before));
+    EXPECT_EQ(download<Affine>(test_gpu(), BufferRange(crowd.outputs()[0].placement_buffer, 0, 4 * sizeof(Affine))), std::vector<Affine>(4));
+}
+
+TEST(Crowd, WrongSettingsAreRefused) {
+    const Character character = small_character();
+    const auto refused = [](const CrowdSettings& settings, const std::vector<std::string>& says) {
+        const Result<Crowd> crowd = Crowd::create(test_device(), settings);
+        ASSERT_FALSE(crowd);
+        EXPECT_EQ(crowd.error().code, ErrorCode::kInvalidArgument);
+        for (const std::string& text : says) EXPECT_NE(crowd.error().text().find(text), std::string::npos) << crowd.error().text();
+    };
+    refused({}, {"no instances"});
+    refused({.groups = {{&character, 0}}}, {"no instances"});
+    refused({.groups = {{nullptr, 1}}}, {"no character"});
+    std::vector<std::string> names{"'fast'", "auto"};
+    for (const ScanMethodInfo& method : scan_methods()) names.push_back(method.name);
+    refused({.groups = {{&character, 1}}, .scan = "fast"}, names);
+    EXPECT_TRUE(Crowd::create(test_device(), {.groups = {{&character, 0}, {&character, 1}, {&character, 0}}}));
+}
+
+TEST(Crowd, TheSameInputsGiveTheSameBits) {
+    const Character character = small_character();
+    for (const ScanMethodInfo& method : scan_methods()) {
+        const auto run = [&](bool with_neighbours) {
+            Crowd crowd = create({.groups = {{&character, with_neighbours ? 70u : 0u}, {&character, 40}}, .scan = method.name});
+            Random random(14);
+            const std::vector<Playback> playbacks = random_playbacks(random, character, 40);
+            EXPECT_TRUE(crowd.set_playback(crowd.instance_count() - 40, playbacks));
+            for (int i = 0; i < 3; ++i) EXPECT_TRUE(crowd.update(0.07f));
+            std::vector<Affine> skins = skins_of(crowd);
+            skins.erase(skins.begin(), skins.end() - static_cast<ptrdiff_t>(40 * character.palette.size()));
+            return skins;
+        };
+        const std::vector<Affine> first = run(false);
+        EXPECT_TRUE(same_bits(first, run(false))) << method.name;
+        EXPECT_TRUE(same_bits(first, run(true))) << method.name << ": the neighbours matter";
+    }
+}
+
+// Twice into one command buffer of the caller's, with a copy of the results between.
+TEST(Crowd, RecordsIntoTheCallersCommandBuffer) {
+    const Character character = small_character();
+    Crowd crowd = create({.groups = {{&character, 3}}});
+    Random random(15);
+    std::vector<Playback> playbacks = random_playbacks(random, character, 3);
+    for (Playback& playback : playbacks) playback.first.loop = playback.second.loop = true;  // so that two steps are one
+    ASSERT_TRUE(crowd.set_playback(0, playbacks));
+    EXPECT_FALSE(crowd.stage_times()) << "nothing has been recorded";
+
+    const Gpu& gpu = *test_gpu();
+    const VkDeviceSize size_bytes = 3 * character.palette.size() * sizeof(Affine);
+    const Buffer copy(test_gpu(), "copy", size_bytes, 0);
+    VkCommandPool pool = VK_NULL_HANDLE;
+    VkCommandPoolCreateInfo pool_create{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+    pool_create.queueFamilyIndex = gpu.queue_family;
+    ASSERT_EQ(gpu.vk.vkCreateCommandPool(gpu.device, &pool_create, nullptr, &pool), VK_SUCCESS);
+    VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+    allocate.commandPool = pool;
+    allocate.commandBufferCount = 1;
+    VkCommandBuffer commands = VK_NULL_HANDLE;
+    ASSERT_EQ(gpu.vk.vkAllocateCommandBuffers(gpu.device, &allocate, &commands), VK_SUCCESS);
+    VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    ASSERT_EQ(gpu.vk.vkBeginCommandBuffer(commands, &begin), VK_SUCCESS);
+    ASSERT_TRUE(crowd.record(commands, 0.2f));
+    const VkBufferCopy region{0, 0, size_bytes};
+    gpu.vk.vkCmdCopyBuffer(commands, crowd.outputs()[0].skin_buffer, copy.handle(), 1, &region);
+    ASSERT_TRUE(crowd.record(commands, 0.3f));
+    ASSERT_EQ(gpu.vk.vkEndCommandBuffer(commands), VK_SUCCESS);
+    EXPECT_FALSE(crowd.stage_times()) << "nothing has run";
+    VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+    submit.commandBufferCount = 1;
+    submit.pCommandBuffers = &commands;
+    ASSERT_EQ(gpu.vk.vkQueueSubmit(gpu.queue, 1, &submit, VK_NULL_HANDLE), VK_SUCCESS);
+    ASSERT_EQ(gpu.vk.vkQueueWaitIdle(gpu.queue), VK_SUCCESS);
+    gpu.vk.vkDestroyCommandPool(gpu.device, pool, nullptr);
+
+    const std::vector<Affine> between = download<Affine>(test_gpu(), copy);
+    for (uint32_t i = 0; i < 3; ++i) {
+        const ReferencePose pose = *reference_pose(character, advanced(playbacks[i], character, 0.2));
+        for (size_t entry = 0; entry < pose.model_from_bind.size(); ++entry)
+            EXPECT_LE(matrix_error(between[i * pose.model_from_bind.size() + entry], pose.model_from_bind[entry], character.size), kBound);
+        EXPECT_LE(instance_error(crowd, i, character, advanced(playbacks[i], character, 0.5)), kBound);
+    }
+    EXPECT_TRUE(crowd.stage_times());
+}
+
+TEST(Crowd, MeasuresItsStages) {
+    const Character character = make_character({.joint_count = 100});
+    Crowd crowd = create({.groups = {{&character, 500}}});
+    EXPECT_FALSE(crowd.stage_times());
+    ASSERT_TRUE(crowd.update(0));
+    const Result<StageTimes> times = crowd.stage_times();
+    if (!test_gpu()->has_timestamps()) GTEST_SKIP() << "the queue has no timestamps";
+    ASSERT_TRUE(times) << times.error().text();
+    for (const double time_ms : {times->control, times->sample, times->blend, times->scan, times->bind}) {
+        EXPECT_GE(time_ms, 0);
+        EXPECT_LT(time_ms, 60'000);
+    }
+    EXPECT_GT(times->total(), 0);
+    Crowd without = create({.groups = {{&character, 1}}, .timestamps = false});
+    ASSERT_TRUE(without.update(0));
+    EXPECT_FALSE(without.stage_times());
+}
+
+TEST(Crowd, ModelMatricesAreReadOnlyWhereKept) {
+    const Character character = small_character();
+    Crowd crowd = create({.groups = {{&character, 1}}});
+    ASSERT_TRUE(crowd.update(0));
+    const auto model = crowd.read_model_matrices(0);
+    ASSERT_FALSE(model);
+    EXPECT_EQ(model.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_NE(model.error().text().find("keep_model_matrices"), std::string::npos) << model.error().text();
+    EXPECT_FALSE(crowd.outputs()[0].model_buffer);
+}
+
+TEST(Crowd, CanBeMoved) {
+    const Character character = small_character();
+    Crowd first = create({.groups = {{&character, 2}}});
+    const Playback playback{.first = {.clip = 1, .time_s = 0.4}};
+    ASSERT_TRUE(first.set_playback(0, std::vector{playback, playback}));
+    Crowd second = std::move(first);
+    ASSERT_TRUE(second.update(0));
+    EXPECT_LE(instance_error(second, 1, character, playback), kBound);
+    second = create({.groups = {{&character, 5}}});
+    EXPECT_EQ(second.instance_count(), 5u);
+    ASSERT_TRUE(second.update(0));
+    EXPECT_LE(instance_error(second, 4, character, Playback{}), kBound);
+}
+
+// The character may go once the crowd is made.
+TEST(Crowd, DoesNotKeepTheCharacter) {
+    Character character = small_character();
+    Crowd crowd = create({.groups = {{&character, 1}}});
+    const Character copy = character;
+    character = {};
+    ASSERT_TRUE(crowd.update(0));
+    EXPECT_LE(instance_error(crowd, 0, copy, Playback{}), kBound);
+}
+
+TEST(Crowd, ACharacterWithoutClipsShowsItsRestPose) {
+    const Character character = make_character({.clip_count = 0});
+    Crowd crowd = create({.groups = {{&character, 1}}});
+    ASSERT_TRUE(crowd.update(1));
+    EXPECT_LE(instance_error(crowd, 0, character, Playback{}), kBound);
+    EXPECT_FALSE(crowd.set_playback(0, std::vector{Playback{.first = {.clip = 0}}}));
+}
+
+TEST(Crowd, DirtyRangesMergeWhatTouches) {
+    DirtyRanges dirty;
+    const auto take = [&] {
+        std::vector<std::pair<uint32_t, uint32_t>> out;
+        for (const auto& [first, count] : dirty.take()) out.emplace_back(first, count);
+        return out;
+    };
+    using Ranges = std::vector<std::pair<uint32_t, uint32_t>>;
+    EXPECT_EQ(take(), Ranges{});
+    dirty.add(5, 0);
+    EXPECT_EQ(take(), Ranges{});
+    for (const auto& [first, count] : Ranges{{10, 5}, {0, 3}, {12, 1}, {14, 4}, {20, 1}, {3, 1}, {12, 2}}) dirty.add(first, count);
+    EXPECT_EQ(take(), (Ranges{{0, 4}, {10, 8}, {20, 1}}));
+    EXPECT_EQ(take(), Ranges{}) << "taken twice";
+}
+
+TEST(Crowd, TheReferenceRefusesWhatTheCrowdRefuses) {
+    const Character character = small_character();
+    EXPECT_FALSE(reference_pose(character, Playback{.first = {.clip = 3}}));
+    EXPECT_FALSE(reference_pose(character, Playback{.weight = 2}));
+    EXPECT_TRUE(reference_pose(character, Playback{.first = {.clip = 2}}));
+}
+
+}  // namespace
+}  // namespace throng

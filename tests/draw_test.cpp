@@ -1,0 +1,342 @@
+// The draw: cameras that hold a crowd, pictures that survive a PNG, and a square whose colour says what was drawn.
+#include <throng/draw.h>
+
+#include "tests/test_device.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <numbers>
+
+#define STB_IMAGE_STATIC
+#define STB_IMAGE_IMPLEMENTATION
+#define STBI_ONLY_PNG
+#include <stb/stb_image.h>
+
+namespace throng {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder of this test's own.
+fs::path fresh_folder() {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    const fs::path folder = fs::path(testing::TempDir()) / (std::string("throng_draw_") + info->name());
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+    return folder;
+}
+
+// Where a point falls in the picture: -1..1 across and upward where it is inside, and the distance in front of the eye.
+Vec3<double> project(const Camera& camera, double aspect_ratio, const Vec3<double>& point) {
+    const Vec3<double> eye = camera.eye.as<double>(), forward = normalized(camera.target.as<double>() - eye);
+    const Vec3<double> right = normalized(cross(forward, Vec3<double>{0, 1, 0})), up = cross(right, forward), p = point - eye;
+    const double depth = dot(p, forward), half_height = depth * std::tan(double{camera.vertical_field_of_view_rad} / 2);
+    return {dot(p, right) / (half_height * aspect_ratio), dot(p, up) / half_height, depth};
+}
+
+struct FitCase {
+    Bounds bounds;
+    float aspect_ratio;
+};
+
+TEST(FitCamera, HoldsAllCornersInViewAndFillsThePicture) {
+    const FitCase cases[] = {
+        {{{-0.5f, 0, -0.2f}, {0.5f, 1.8f, 0.2f}}, 16.0f / 9},   // a person
+        {{{-0.5f, 0, -0.2f}, {0.5f, 1.8f, 0.2f}}, 0.5f},
+        {{{-60, -10, -90}, {60, 80, 70}}, 1},                   // a file in centimetres
+        {{{-8, 0, -8}, {8, 1.8f, 8}}, 16.0f / 9},               // a hundred
+        {{{990, 0, -1008}, {1010, 1.8f, -992}}, 4.0f / 3},      // far from the origin
+        {{{-0.01f, 0, -0.01f}, {0.01f, 0.02f, 0.01f}}, 2},
+    };
+    for (const auto& [bounds, aspect_ratio] : cases) {
+        const Camera camera = fit_camera(bounds, aspect_ratio);
+        EXPECT_GT(camera.eye.x, camera.target.x) << "from the right";
+        EXPECT_GT(camera.eye.y, camera.target.y) << "from above";
+        EXPECT_GT(camera.eye.z, camera.target.z) << "from the front";
+        double widest = 0;
+        for (int i = 0; i < 8; ++i) {
+            const Vec3<double> corner{i & 1 ? bounds.max.x : bounds.min.x, i & 2 ? bounds.max.y : bounds.min.y, i & 4 ? bounds.max.z : bounds.min.z};
+            const Vec3<double> seen = project(camera, aspect_ratio, corner);
+            EXPECT_GT(seen.z, 0);
+            EXPECT_LT(std::abs(seen.x), 1);
+            EXPECT_LT(std::abs(seen.y), 1);
+            widest = std::max({widest, std::abs(seen.x), std::abs(seen.y)});
+        }
+        EXPECT_GT(widest, 0.9);
+    }
+}
+
+TEST(FitCamera, FillsThePictureWithAVastCrowd) {
+    const Bounds bounds{{-75, 0, -75}, {75, 1.8f, 75}};
+    const Camera camera = fit_camera(bounds, 16.0f / 9);
+    const Vec3<double> near = project(camera, 16.0 / 9, {0, 0, 75}), far = project(camera, 16.0 / 9, {0, 0, -75});
+    EXPECT_LT(near.y, -0.7);
+    EXPECT_GT(far.y, 0.3);
+    EXPECT_LT(far.y, 1);
+}
+
+TEST(FitCamera, TakesAPointForBounds) {
+    const Camera camera = fit_camera({{1, 2, 3}, {1, 2, 3}}, 1);
+    EXPECT_GT(length(camera.target - camera.eye), 0);
+    const Vec3<double> seen = project(camera, 1, {1, 2, 3});
+    EXPECT_NEAR(seen.x, 0, 1e-3);
+    EXPECT_NEAR(seen.y, 0, 1e-3);
+}
+
+Picture gradient(uint32_t width, uint32_t height) {
+    Picture picture{width, height, {}};
+    for (uint32_t i = 0; i < width * height * 4; ++i) picture.rgba.push_back(static_cast<uint8_t>(i * 37 + i / 11));
+    return picture;
+}
+
+TEST(WritePng, RoundTrips) {
+    const fs::path path = fresh_folder() / "picture.png";
+    const Picture picture = gradient(13, 7);
+    ASSERT_TRUE(write_png(path, picture));
+    ASSERT_TRUE(write_png(path, picture)) << "replaces";
+    int width = 0, height = 0, channels = 0;
+    stbi_uc* read = stbi_load(path.c_str(), &width, &height, &channels, 0);
+    ASSERT_NE(read, nullptr);
+    ASSERT_EQ(std::tuple(width, height, channels), std::tuple(13, 7, 4));
+    EXPECT_TRUE(std::equal(picture.rgba.begin(), picture.rgba.end(), read));
+    stbi_image_free(read);
+    EXPECT_EQ(std::distance(fs::directory_iterator(path.parent_path()), {}), 1) << "the temporary file is gone";
+}
+
+TEST(WritePng, FailsWithoutLeavingAnything) {
+    const fs::path folder = fresh_folder();
+    const Result<void> absent = write_png(folder / "absent" / "picture.png", gradient(2, 2));
+    ASSERT_FALSE(absent);
+    EXPECT_EQ(absent.error().code, ErrorCode::kFile);
+    EXPECT_TRUE(fs::is_empty(folder));
+
+    fs::create_directories(folder / "taken" / "by a folder");
+    const Result<void> taken = write_png(folder / "taken", gradient(2, 2));
+    ASSERT_FALSE(taken);
+    EXPECT_EQ(taken.error().code, ErrorCode::kFile);
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
+
+    const Result<void> torn = write_png(folder / "torn.png", {.width = 2, .height = 2, .rgba = {1, 2, 3}});
+    ASSERT_FALSE(torn);
+    EXPECT_EQ(torn.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_FALSE(fs::exists(folder / "torn.png"));
+}
+
+constexpr uint32_t kWidth = 64, kHeight = 48;
+
+// A red square of side 1 in the plane z = 0 that faces +z and stands on the ground, with one joint; its clip moves it to x = 1 at 1 s.
+Asset square() {
+    Asset asset;
+    asset.name = "square";
+    asset.nodes = {{.name = "joint"}, {.name = "mesh"}};
+    asset.skins = {{.name = "skin", .joints = {0}, .inverse_binds = {Affine{}}}};
+    AssetPrimitive primitive;
+    primitive.material = 0;
+    primitive.positions = {{-0.5f, 0, 0}, {0.5f, 0, 0}, {0.5f, 1, 0}, {-0.5f, 1, 0}};
+    primitive.normals.assign(4, {0, 0, 1});
+    primitive.texcoords = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};  // the image's first row is at the top
+    primitive.influence_count = 4;
+    for (int v = 0; v < 4; ++v) {
+        primitive.influence_joints.insert(primitive.influence_joints.end(), {0, 0, 0, 0});
+        primitive.influence_weights.insert(primitive.influence_weights.end(), {1, 0, 0, 0});
+    }
+    primitive.indices = {0, 1, 2, 0, 2, 3};
+    asset.meshes = {{.name = "mesh", .primitives = {primitive}}};
+    asset.mesh_instances = {{.node = 1, .mesh = 0, .skin = 0}};
+    asset.materials = {{.name = "red", .base_color = {0.8f, 0.02f, 0.02f, 1}}};
+    asset.clips = {{.name = "move", .duration_s = 1, .tracks = {{.node = 0, .target = TrackTarget::kTranslation, .times_s = {0, 1}, .values = {0, 0, 0, 1, 0, 0}}}}};
+    return asset;
+}
+
+Affine placed(Trs<float> placement) { return to_affine(placement); }
+Affine placed_at(float x) { return placed({.translation = {x, 0, 0}}); }
+Affine turned() { return placed({.rotation = axis_angle(Vec3<float>{0, 1, 0}, std::numbers::pi_v<float>)}); }
+Affine mirrored() { return placed({.scale = {-1, 1, 1}}); }
+
+// Draws a crowd of `asset`, an instance for each placement, seen along -z: one unit is 14 pixels, x = 0 is in the middle.
+Picture draw(const Asset& asset, const std::vector<Affine>& placements = {Affine{}}, uint32_t samples = 1, double clip_time_s = 0) {
+    const Result<Character> character = compile_character(asset);
+    EXPECT_TRUE(character) << (character ? "" : character.error().text());
+    Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&*character, static_cast<uint32_t>(placements.size())}}});
+    EXPECT_TRUE(crowd);
+    EXPECT_TRUE(crowd->set_placement(0, placements));
+    const std::vector<Playback> playback(placements.size(), {.first = {.clip = 0, .time_s = clip_time_s, .loop = false}});
+    EXPECT_TRUE(crowd->set_playback(0, playback));
+    EXPECT_TRUE(crowd->update(0));
+    Result<Renderer> renderer = Renderer::create(test_device(), {.width = kWidth, .height = kHeight, .samples = samples});
+    EXPECT_TRUE(renderer) << (renderer ? "" : renderer.error().text());
+    const Result<RenderResult> result = renderer->render(*crowd, {.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 0}, .vertical_field_of_view_rad = 0.7f});
+    EXPECT_TRUE(result) << (result ? "" : result.error().text());
+    EXPECT_GE(result->draw_ms, 0);
+    EXPECT_EQ(result->picture.rgba.size(), kWidth * kHeight * 4);
+    return result->picture;
+}
+
+struct Pixel {
+    int r, g, b;
+};
+
+// The pixel where the plane z = 0 is at x, y.
+Pixel at(const Picture& picture, double x, double y) {
+    const Vec3<double> seen = project({.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 0}, .vertical_field_of_view_rad = 0.7f}, double{kWidth} / kHeight, {x, y, 0});
+    const auto column = static_cast<size_t>((seen.x + 1) / 2 * kWidth), row = static_cast<size_t>((1 - seen.y) / 2 * kHeight);
+    const uint8_t* p = &picture.rgba[(row * kWidth + column) * 4];
+    EXPECT_EQ(p[3], 255);
+    return {p[0], p[1], p[2]};
+}
+
+bool is_red(const Pixel& p) { return p.r > 100 && p.r > 2 * p.g && p.r > 2 * p.b; }
+bool is_green(const Pixel& p) { return p.g > 100 && p.g > 2 * p.r && p.g > 2 * p.b; }
+bool is_blue(const Pixel& p) { return p.b > 100 && p.b > 2 * p.r && p.b > 2 * p.g; }
+bool is_grey(const Pixel& p) { return std::max({p.r, p.g, p.b}) - std::min({p.r, p.g, p.b}) < 40; }
+
+TEST(Draw, ShowsFrontFacesUprightAndNothingElse) {
+    for (const uint32_t samples : {1u, 4u}) {
+        const Picture picture = draw(square(), {Affine{}}, samples);
+        EXPECT_TRUE(is_red(at(picture, 0, 0.5)));
+        EXPECT_TRUE(is_red(at(picture, -0.4, 0.1)));
+        EXPECT_TRUE(is_red(at(picture, 0.4, 0.9)));
+        EXPECT_TRUE(is_grey(at(picture, 0, 1.3))) << "above";
+        EXPECT_TRUE(is_grey(at(picture, 0, -0.3))) << "below";
+        EXPECT_TRUE(is_grey(at(picture, -0.7, 0.5)));
+        EXPECT_TRUE(is_grey(at(picture, 0.7, 0.5)));
+    }
+}
+
+TEST(Draw, CullsBackFacesOfOneSidedMaterials) {
+    EXPECT_TRUE(is_grey(at(draw(square(), {turned()}), 0, 0.5)));
+    Asset both = square();
+    both.materials[0].double_sided = true;
+    const Pixel front = at(draw(both), 0, 0.5), back = at(draw(both, {turned()}), 0, 0.5);
+    EXPECT_TRUE(is_red(back));
+    EXPECT_NEAR(front.r, back.r, 2) << "lit alike, by the normal of the side that is seen";
+}
+
+TEST(Draw, MirroredInstancesKeepTheirFrontFaces) {
+    const Pixel plain = at(draw(square()), 0, 0.5), mirror = at(draw(square(), {mirrored()}), 0, 0.5);
+    EXPECT_TRUE(is_red(mirror));
+    EXPECT_NEAR(plain.r, mirror.r, 2);
+    EXPECT_TRUE(is_grey(at(draw(square(), {turned() * mirrored()}), 0, 0.5)));
+}
+
+TEST(Draw, LeavesOutWhatAMaskSays) {
+    const auto centre = [](AlphaMode mode, float alpha, float cutoff) {
+        Asset asset = square();
+        asset.materials[0].alpha_mode = mode;
+        asset.materials[0].base_color[3] = alpha;
+        asset.materials[0].alpha_cutoff = cutoff;
+        return at(draw(asset), 0, 0.5);
+    };
+    EXPECT_TRUE(is_grey(centre(AlphaMode::kMask, 0.4f, 0.5f)));
+    EXPECT_TRUE(is_red(centre(AlphaMode::kMask, 0.4f, 0.3f)));
+    EXPECT_TRUE(is_red(centre(AlphaMode::kOpaque, 0.4f, 0.5f)));
+    EXPECT_TRUE(is_grey(centre(AlphaMode::kBlend, 0.4f, 0.1f)));
+    EXPECT_TRUE(is_red(centre(AlphaMode::kBlend, 0.6f, 0.9f)));
+}
+
+TEST(Draw, PlacesEveryInstance) {
+    const Picture picture = draw(square(), {placed_at(-1.2f), placed_at(1.2f)});
+    EXPECT_TRUE(is_red(at(picture, -1.2, 0.5)));
+    EXPECT_TRUE(is_red(at(picture, 1.2, 0.5)));
+    EXPECT_TRUE(is_grey(at(picture, 0, 0.5)));
+}
+
+TEST(Draw, ShowsThePoseOfTheLastUpdate) {
+    const Picture picture = draw(square(), {Affine{}}, 1, 1.0);
+    EXPECT_TRUE(is_red(at(picture, 1, 0.5)));
+    EXPECT_TRUE(is_grey(at(picture, 0, 0.5)));
+}
+
+std::vector<std::byte> png_bytes(const Picture& picture) {
+    const fs::path path = fresh_folder() / "texture.png";
+    EXPECT_TRUE(write_png(path, picture));
+    std::ifstream file(path, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
+    return {bytes, bytes + text.size()};
+}
+
+TEST(Draw, MapsTextures) {
+    Asset asset = square();
+    asset.materials[0].base_color = {1, 1, 1, 1};
+    asset.materials[0].image = 0;
+    asset.images = {{.name = "quarters", .encoded = png_bytes({2, 2, {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255}})}};
+    const Picture picture = draw(asset);
+    EXPECT_TRUE(is_red(at(picture, -0.25, 0.75)));
+    EXPECT_TRUE(is_green(at(picture, 0.25, 0.75)));
+    EXPECT_TRUE(is_blue(at(picture, -0.25, 0.25)));
+    EXPECT_TRUE(is_grey(at(picture, 0.25, 0.25)));
+}
+
+TEST(Draw, MultipliesFactorTextureAndVertexColor) {
+    Asset asset = square();
+    asset.materials[0].base_color = {1, 1, 0, 1};
+    asset.materials[0].image = 0;
+    asset.images = {{.name = "magenta", .encoded = png_bytes({1, 1, {255, 0, 255, 255}})}};
+    EXPECT_TRUE(is_red(at(draw(asset), 0, 0.5)));
+    asset.materials[0].base_color = {1, 1, 1, 1};
+    asset.meshes[0].primitives[0].colors.assign(4, {0, 1, 1, 1});
+    EXPECT_TRUE(is_blue(at(draw(asset), 0, 0.5)));
+}
+
+TEST(Draw, DrawsBrokenImagesWhite) {
+    Asset asset = square();
+    asset.materials[0].image = 0;
+    std::vector<std::byte> torn = png_bytes(gradient(8, 8));
+    torn.resize(torn.size() / 2);
+    for (const auto& encoded : {std::vector<std::byte>{}, std::vector<std::byte>(9, std::byte{7}), torn}) {
+        asset.images = {{.name = "broken", .encoded = encoded}};
+        EXPECT_TRUE(is_red(at(draw(asset), 0, 0.5)));
+    }
+}
+
+TEST(Renderer, RefusesWhatTheDeviceCannotDo) {
+    const Result<Renderer> empty = Renderer::create(test_device(), {.width = 0, .height = 5});
+    ASSERT_FALSE(empty);
+    EXPECT_EQ(empty.error().code, ErrorCode::kInvalidArgument);
+    const Result<Renderer> huge = Renderer::create(test_device(), {.width = 1u << 20, .height = 5});
+    ASSERT_FALSE(huge);
+    EXPECT_EQ(huge.error().code, ErrorCode::kLimit);
+    EXPECT_NE(huge.error().text().find("exceeds the device's"), std::string::npos) << huge.error().text();
+}
+
+TEST(Renderer, RefusesACameraThatSeesNothing) {
+    const Result<Character> character = compile_character(square());
+    ASSERT_TRUE(character);
+    Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&*character, 1}}});
+    ASSERT_TRUE(crowd && crowd->update(0));
+    Result<Renderer> renderer = Renderer::create(test_device(), {.width = 8, .height = 8, .samples = 1});
+    ASSERT_TRUE(renderer);
+    const float infinity = std::numeric_limits<float>::infinity();
+    for (const Camera& camera : {Camera{.eye = {1, 1, 1}, .target = {1, 1, 1}}, Camera{.eye = {infinity, 0, 0}}, Camera{.vertical_field_of_view_rad = 0},
+                                 Camera{.vertical_field_of_view_rad = 4}}) {
+        const Result<RenderResult> result = renderer->render(*crowd, camera);
+        ASSERT_FALSE(result);
+        EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
+    }
+    const Camera down{.eye = {0, 5, 0}, .target = {0, 0, 0}};
+    EXPECT_TRUE(renderer->render(*crowd, down)) << "straight down is a direction, too";
+}
+
+TEST(WorldBounds, HoldEveryInstance) {
+    const Result<Character> character = compile_character(square());
+    ASSERT_TRUE(character);
+    Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&*character, 1}, {&*character, 2}}});
+    ASSERT_TRUE(crowd);
+    const std::vector<Affine> placements{placed_at(-3), turned(), placed({.translation = {0, 2, 4}, .scale = {2, 3, 1}})};
+    ASSERT_TRUE(crowd->set_placement(0, placements));
+    const Bounds bounds = world_bounds(*crowd);
+    EXPECT_NEAR(bounds.min.x, -3.5, 1e-6);
+    EXPECT_NEAR(bounds.max.x, 1, 1e-6);
+    EXPECT_NEAR(bounds.min.y, 0, 1e-6);
+    EXPECT_NEAR(bounds.max.y, 5, 1e-6);
+    EXPECT_NEAR(bounds.min.z, 0, 1e-6);
+    EXPECT_NEAR(bounds.max.z, 4, 1e-6);
+}
+
+}  // namespace
+}  // namespace throng

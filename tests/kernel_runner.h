@@ -1,0 +1,80 @@
+// Runs one kernel over buffers with guard words behind them.
+#pragma once
+
+#include "gpu/barrier.h"
+#include "gpu/kernel.h"
+#include "tests/test_device.h"
+
+#include <algorithm>
+#include <cstring>
+#include <vector>
+
+namespace throng::test {
+
+inline const std::shared_ptr<Gpu>& test_gpu() { return test_device().gpu(); }
+
+// Values that a kernel is to overwrite: every float in them is NaN.
+template <class T>
+std::vector<T> poison(size_t count) {
+    std::vector<T> out(count);
+    if (count > 0) std::memset(static_cast<void*>(out.data()), 0xFF, count * sizeof(T));
+    return out;
+}
+
+// Values on the device, and guard words behind them that a kernel reaches if it writes too far: they lie within the bound range,
+// for the software device cuts off what lies beyond.
+template <class T>
+class Guarded {
+public:
+    explicit Guarded(const std::vector<T>& values) : size_bytes_(values.size() * sizeof(T)) {
+        std::vector<std::byte> bytes(size_bytes_ + kGuard_bytes, kGuard);
+        if (size_bytes_ > 0) std::memcpy(bytes.data(), values.data(), size_bytes_);
+        buffer_ = upload(test_gpu(), "test", bytes);
+    }
+    operator BufferRange() const { return BufferRange(buffer_); }
+
+    // The values as they are now; fails the test where a guard word has changed.
+    std::vector<T> read() const {
+        const std::vector<std::byte> bytes = download<std::byte>(test_gpu(), buffer_);
+        std::vector<T> out(size_bytes_ / sizeof(T));
+        if (size_bytes_ > 0) std::memcpy(static_cast<void*>(out.data()), bytes.data(), size_bytes_);
+        EXPECT_TRUE(std::all_of(bytes.begin() + static_cast<ptrdiff_t>(size_bytes_), bytes.end(), [](std::byte b) { return b == kGuard; })) << "guard words overwritten";
+        return out;
+    }
+
+private:
+    static constexpr size_t kGuard_bytes = 4096;
+    static constexpr std::byte kGuard{0xA5};
+
+    size_t size_bytes_ = 0;
+    Buffer buffer_;
+};
+
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+// Submits what `body` records, after uploads and earlier kernels, and waits.
+template <class Body>
+void run_on_gpu(Body&& body) {
+    const Gpu& gpu = *test_gpu();
+    gpu.submit_and_wait([&](VkCommandBuffer commands) {
+        memory_barrier(gpu, commands, kTransferWrite | kShaderWrite, kShaderRead | kShaderWrite);
+        body(commands);
+    });
+}
+
+template <class Buffers, class Push>
+void run_workgroups(const Kernel& kernel, const Buffers& buffers, const Push& push, uint32_t count) {
+    const Bindings bindings = kernel.bind(buffers);
+    run_on_gpu([&](VkCommandBuffer commands) { kernel.dispatch_workgroups(commands, bindings, push, count); });
+}
+
+template <class Buffers, class Push>
+void run_invocations(const Kernel& kernel, const Buffers& buffers, const Push& push, uint32_t count) {
+    const Bindings bindings = kernel.bind(buffers);
+    run_on_gpu([&](VkCommandBuffer commands) { kernel.dispatch_invocations(commands, bindings, push, count); });
+}
+
+}  // namespace throng::test
