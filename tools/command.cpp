@@ -37,7 +37,7 @@ std::vector<Character> load_characters(const std::vector<std::string>& files) {
     for (const std::string& file : files) {
         print_progress("reading " + file);
         characters.push_back(unwrap(load_character(file)));
-        print_warnings(characters.back());
+        print_warnings(characters.back().warnings);
     }
     print_progress("");
     return characters;
@@ -55,9 +55,9 @@ uint32_t find_clip(const Character& character, const std::string& name_or_index)
     throw CommandError(character.name + ": no clip '" + name_or_index + "'; " + (names.empty() ? "the file has none" : "there are: " + names));
 }
 
-void print_warnings(const Character& character) {
+void print_warnings(const std::vector<std::string>& warnings) {
     print_progress("");
-    for (const std::string& warning : character.warnings) std::cerr << "throng: warning: " << warning << "\n";
+    for (const std::string& warning : warnings) std::cerr << "throng: warning: " << warning << "\n";
 }
 
 void print_progress(const std::string& text) {

@@ -53,8 +53,8 @@ std::vector<Character> load_characters(const std::vector<std::string>& files);
 // The clip with this name, or else with this number. Throws where there is none, naming those there are.
 uint32_t find_clip(const Character& character, const std::string& name_or_index);
 
-// Prints warnings of the file to stderr, a line each.
-void print_warnings(const Character& character);
+// Prints warnings to stderr, a line each.
+void print_warnings(const std::vector<std::string>& warnings);
 
 // One line that is rewritten, where stderr is a terminal; nothing otherwise.
 void print_progress(const std::string& text);

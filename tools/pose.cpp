@@ -108,7 +108,7 @@ void run_pose(const PoseOptions& options) {
     const std::optional<uint32_t> vertex_limit = parse_vertices(options.vertices);
     if (options.clip.empty() && !options.blend.empty()) throw CommandError("--blend needs --clip: the two clips are blended");
     const Character character = unwrap(load_character(options.file));
-    print_warnings(character);
+    print_warnings(character.warnings);
     const Playback playback = playback_of(options, character);
     const bool with_positions = vertex_limit != 0u;
     const Pose pose = options.reference ? pose_by_reference(character, playback, with_positions) : pose_on_device(character, playback, options, with_positions);

@@ -55,6 +55,7 @@ void run_render(const RenderOptions& options) {
     const RenderResult result = unwrap(renderer.render(crowd, camera));
     unwrap(write_png(options.out, result.picture));
     print_progress("");
+    print_warnings(result.warnings);
     const Result<StageTimes> times = crowd.stage_times();
     print_times(options, device, crowd, times ? *times : StageTimes{}, result.draw_ms);
 }

@@ -48,7 +48,7 @@ Scatter scatter(std::span<const Character> characters, uint32_t count, uint64_t 
         for (uint32_t i = count; i > 1; --i) std::swap(cells[i - 1], cells[below(random, i)]);
 
     const auto side = static_cast<uint32_t>(std::ceil(std::sqrt(double(count))));
-    const double jitter = count > 1 ? 0.15 : 0, turn = count > 1 ? 0.6 : 0;
+    const double jitter = count > 1 ? 0.25 : 0, turn_rad = count > 1 ? 0.8 : 0;
     for (uint32_t kind = 0; kind < characters.size(); ++kind) {
         const auto first = static_cast<uint32_t>(uint64_t{count} * kind / characters.size()), end = static_cast<uint32_t>(uint64_t{count} * (kind + 1) / characters.size());
         const Character& character = characters[kind];
@@ -59,7 +59,7 @@ Scatter scatter(std::span<const Character> characters, uint32_t count, uint64_t 
             const double column = cells[i] % side, row = cells[i] / side;
             const double center = (side - 1) / 2.0;
             out.placement.push_back(placed(character, scale_of(character), (column - center + random.between(-jitter, jitter)) * spacing,
-                                           (row - center + random.between(-jitter, jitter)) * spacing, random.between(-turn, turn)));
+                                           (row - center + random.between(-jitter, jitter)) * spacing, random.between(-turn_rad, turn_rad)));
         }
     }
     return out;

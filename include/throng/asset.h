@@ -60,7 +60,7 @@ struct AssetMaterial {
     bool double_sided = false;
 };
 
-// PNG or JPEG bytes, still encoded.
+// A base colour texture in use: PNG or JPEG bytes, still encoded.
 struct AssetImage {
     std::string name;
     std::vector<std::byte> encoded;  // empty where the file could not be found; a warning says so

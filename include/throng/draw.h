@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace throng {
@@ -31,7 +32,8 @@ struct Bounds {
 
 // World bounds of the instances' rest poses, by their placements.
 Bounds world_bounds(const Crowd& crowd);
-// A camera that looks down on the bounds from the front right and holds them in view.
+// A camera that looks down on the bounds from the front right and holds them in view; a crowd of many thousands runs out of the
+// picture at its corners, so that the nearest can be made out.
 Camera fit_camera(const Bounds& bounds, float aspect_ratio);
 
 struct RendererSettings {
@@ -42,6 +44,7 @@ struct RendererSettings {
 struct RenderResult {
     Picture picture;
     double draw_ms = 0;  // GPU time of skinning and drawing; 0 where the queue has no timestamps
+    std::vector<std::string> warnings;  // textures that could not be decoded and are drawn white
 };
 
 struct RendererState;  // internal
@@ -54,7 +57,8 @@ public:
     Renderer& operator=(Renderer&&) noexcept;
     ~Renderer();
 
-    // Draws the crowd as its last update left it; submits and waits. The crowd's device is the renderer's.
+    // Draws the crowd as its last update left it; submits and waits. The crowd's device is the renderer's. Alpha-blended materials
+    // are drawn as masks with a cutoff of 0.5, since a crowd is not sorted.
     Result<RenderResult> render(const Crowd& crowd, const Camera& camera);
 
     // Internal.

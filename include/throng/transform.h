@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 
 namespace throng {
 
@@ -34,8 +35,8 @@ struct AffineT {
     template <class U>
     AffineT<U> as() const {
         AffineT<U> out;
-        for (int r = 0; r < 3; ++r)
-            for (int c = 0; c < 4; ++c) out.row[r][c] = U(row[r][c]);
+        for (std::size_t r = 0; r < 3; ++r)
+            for (std::size_t c = 0; c < 4; ++c) out.row[r][c] = U(row[r][c]);
         return out;
     }
     friend bool operator==(const AffineT&, const AffineT&) = default;
@@ -106,8 +107,8 @@ Quaternion<T> axis_angle(const Vec3<T>& unit_axis, T angle_rad) {
 template <class T>
 AffineT<T> operator*(const AffineT<T>& a, const AffineT<T>& b) {
     AffineT<T> out;
-    for (int r = 0; r < 3; ++r) {
-        for (int c = 0; c < 4; ++c)
+    for (std::size_t r = 0; r < 3; ++r) {
+        for (std::size_t c = 0; c < 4; ++c)
             out.row[r][c] = a.row[r][0] * b.row[0][c] + a.row[r][1] * b.row[1][c] + a.row[r][2] * b.row[2][c];
         out.row[r][3] += a.row[r][3];
     }
@@ -115,12 +116,12 @@ AffineT<T> operator*(const AffineT<T>& a, const AffineT<T>& b) {
 }
 template <class T>
 Vec3<T> transform_point(const AffineT<T>& m, const Vec3<T>& p) {
-    const auto row = [&](int r) { return m.row[r][0] * p.x + m.row[r][1] * p.y + m.row[r][2] * p.z + m.row[r][3]; };
+    const auto row = [&](std::size_t r) { return m.row[r][0] * p.x + m.row[r][1] * p.y + m.row[r][2] * p.z + m.row[r][3]; };
     return {row(0), row(1), row(2)};
 }
 template <class T>
 Vec3<T> transform_vector(const AffineT<T>& m, const Vec3<T>& v) {
-    const auto row = [&](int r) { return m.row[r][0] * v.x + m.row[r][1] * v.y + m.row[r][2] * v.z; };
+    const auto row = [&](std::size_t r) { return m.row[r][0] * v.x + m.row[r][1] * v.y + m.row[r][2] * v.z; };
     return {row(0), row(1), row(2)};
 }
 // Determinant of the linear 3x3 part; negative where the matrix mirrors.

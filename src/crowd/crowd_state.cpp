@@ -50,6 +50,8 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     if (total == 0) throw Failure(ErrorCode::kInvalidArgument, "crowd", "it has no instances");
     if (total > UINT32_MAX) throw Failure(ErrorCode::kLimit, "crowd", std::to_string(total) + " instances; at most 4,294,967,295");
 
+    check_memory(settings);
+
     groups.reserve(settings.groups.size());
     for (const CrowdGroup& group : settings.groups) {
         groups.emplace_back(gpu, *group.character, method);
@@ -64,6 +66,19 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     dirty_playbacks_.add(0, instance_count);
     dirty_placements_.add(0, instance_count);
     if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, static_cast<uint32_t>(waves.size()));
+}
+
+// Refuses at once what cannot fit, before gigabytes are allocated on the way to failing.
+void CrowdState::check_memory(const CrowdSettings& settings) const {
+    uint64_t needed_bytes = 0, largest_heap_bytes = 0;
+    for (const CrowdGroup& group : settings.groups) {
+        const uint64_t matrices = group.character->palette.size() + 1 + (settings.keep_model_matrices ? group.character->rig.joint_count() : 0);
+        needed_bytes += group.instance_count * (matrices * kMatrix_bytes + sizeof(io::InstancePlayback) + sizeof(io::InstanceCursor));
+    }
+    for (uint32_t heap = 0; heap < gpu->memory_properties.memoryHeapCount; ++heap)
+        largest_heap_bytes = std::max<uint64_t>(largest_heap_bytes, gpu->memory_properties.memoryHeaps[heap].size);
+    if (needed_bytes > largest_heap_bytes)
+        throw Failure(ErrorCode::kLimit, "crowd", std::to_string(needed_bytes >> 20) + " MiB of matrices and state exceed the device's memory of " + std::to_string(largest_heap_bytes >> 20) + " MiB");
 }
 
 // As few batches as the device's limits allow, of nearly equal size.

@@ -55,6 +55,7 @@ struct CrowdState {
 private:
     void make_batches(uint32_t group, uint32_t count, bool keep_model);
     void make_waves();
+    void check_memory(const CrowdSettings& settings) const;
     void bind_batches();
     void upload_changes(VkCommandBuffer commands);
     void record_wave(VkCommandBuffer commands, const Wave& wave, float time_step_s);

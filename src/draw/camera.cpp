@@ -109,9 +109,9 @@ Camera fit_camera(const Bounds& bounds, float aspect_ratio) {
     const float width = std::max(extent.x, extent.z), flatness = width / std::max({extent.y, width * 1e-3f, 1e-30f});
     const float crowd = std::clamp((flatness - 2) / 6, 0.0f, 1.0f);    // 0 for one character, 1 for a crowd much wider than high
     const float vast = std::clamp((flatness - 25) / 50, 0.0f, 1.0f);   // 1 where a whole crowd would be a carpet far away
-    const float elevation_rad = 0.17f + crowd * 0.25f, yaw_rad = 0.5f - crowd * 0.25f;
+    const float elevation_rad = 0.17f + crowd * 0.25f - vast * 0.12f, yaw_rad = 0.5f - crowd * 0.25f;
     // A vast crowd runs out of the picture at its corners.
-    const float kept = 1 - 0.4f * vast;
+    const float kept = 1 - 0.6f * vast;
     constexpr float kMargin = 1.06f;
 
     Camera camera;

@@ -1,11 +1,11 @@
 // The light of the scene: a bright haze, a sky, one warm sun, a ground that fades into the haze. Linear colours.
 // The includer declares `DrawScene scene`.
-const vec3 kHaze = vec3(0.71, 0.76, 0.81);
-const vec3 kZenith = vec3(0.20, 0.36, 0.60);
+const vec3 kHaze = vec3(0.66, 0.75, 0.84);
+const vec3 kZenith = vec3(0.13, 0.30, 0.60);
 const vec3 kSkyLight = vec3(0.40, 0.44, 0.50);     // on a surface that looks up
 const vec3 kBounceLight = vec3(0.24, 0.21, 0.18);  // on one that looks down
 const vec3 kSunLight = vec3(0.80, 0.73, 0.62);
-const vec3 kGroundAlbedo = vec3(0.47, 0.46, 0.44);
+const vec3 kGroundAlbedo = vec3(0.40, 0.41, 0.33);
 
 vec3 sky_color(vec3 direction) {
     return mix(kHaze, kZenith, smoothstep(0.0, 0.9, normalize(direction).y));

@@ -2,12 +2,13 @@
 
 namespace throng {
 
-GroupMaterials::GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout, VkSampler sampler, VkImageView white)
+GroupMaterials::GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout, VkSampler sampler, VkImageView white,
+                               std::vector<std::string>& warnings)
     : textures_(group.images.size()) {
     for (const MeshSection& section : group.sections) {
         if (section.material >= group.materials.size() || section.index_count == 0) continue;
         const uint32_t image = group.materials[section.material].image;
-        if (image < textures_.size() && !textures_[image].handle()) textures_[image] = make_texture(gpu, group.images[image]);
+        if (image < textures_.size() && !textures_[image].handle()) textures_[image] = make_texture(gpu, group.images[image], warnings);
     }
 
     const auto count = static_cast<uint32_t>(group.materials.size() + 1);

@@ -18,8 +18,9 @@ struct DrawMaterial {
 
 class GroupMaterials {
 public:
-    // Only images that a section's material uses are decoded. Submits and waits.
-    GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout, VkSampler sampler, VkImageView white);
+    // Only images that a section's material uses are decoded; one that cannot be is white, with a warning. Submits and waits.
+    GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout, VkSampler sampler, VkImageView white,
+                   std::vector<std::string>& warnings);
 
     const DrawMaterial& of(const MeshSection& section) const { return section.material < materials_.size() - 1 ? materials_[section.material] : materials_.back(); }
 

@@ -173,7 +173,8 @@ RenderResult RendererState::render(const Crowd& crowd, const Camera& camera) {
     if (state.gpu != gpu_) throw Failure(ErrorCode::kInvalidArgument, "render", "the crowd lives on another device");
     const float aspect_ratio = static_cast<float>(width_) / static_cast<float>(height_);
     Frame frame{state, SceneBinding(gpu_, pipelines_.scene_set.get(), make_scene(state, world_bounds(crowd), camera, aspect_ratio)), {}, {}};
-    for (const Group& group : state.groups) frame.materials.emplace_back(gpu_, group, pipelines_.material_set.get(), sampler_.get(), white_.view());
+    std::vector<std::string> warnings;
+    for (const Group& group : state.groups) frame.materials.emplace_back(gpu_, group, pipelines_.material_set.get(), sampler_.get(), white_.view(), warnings);
     for (const Batch& batch : state.batches) {
         const Group& group = state.groups[batch.group];
         const std::array<BufferRange, kBatchBindings.size()> ranges{group.vertices, group.influences, batch.skin, batch.placements};
@@ -181,7 +182,7 @@ RenderResult RendererState::render(const Crowd& crowd, const Camera& camera) {
     }
     gpu_->submit_and_wait([&](VkCommandBuffer commands) { record(commands, frame); });
 
-    RenderResult result{.picture = {.width = width_, .height = height_}, .draw_ms = read_draw_ms()};
+    RenderResult result{.picture = {.width = width_, .height = height_}, .draw_ms = read_draw_ms(), .warnings = std::move(warnings)};
     const auto* bytes = reinterpret_cast<const uint8_t*>(readback_.mapped());
     result.picture.rgba.assign(bytes, bytes + readback_.size_bytes());
     return result;

@@ -84,11 +84,12 @@ Image upload_texture(const std::shared_ptr<Gpu>& gpu, std::string_view what, con
     return texture;
 }
 
-Image make_texture(const std::shared_ptr<Gpu>& gpu, const AssetImage& image) {
+Image make_texture(const std::shared_ptr<Gpu>& gpu, const AssetImage& image, std::vector<std::string>& warnings) {
     try {
         return upload_texture(gpu, "image '" + image.name + "'", decode_image(image));
     } catch (const Failure& failure) {
         if (failure.error.code != ErrorCode::kInvalidFile && failure.error.code != ErrorCode::kLimit) throw;
+        warnings.push_back(failure.error.text() + "; drawn white");
         return make_white_texture(gpu);
     }
 }

@@ -17,8 +17,8 @@ Picture decode_image(const AssetImage& image);
 // A texture in SHADER_READ_ONLY_OPTIMAL. Submits and waits.
 Image upload_texture(const std::shared_ptr<Gpu>& gpu, std::string_view what, const Picture& picture);
 
-// The texture of an image, white where it cannot be decoded. Submits and waits.
-Image make_texture(const std::shared_ptr<Gpu>& gpu, const AssetImage& image);
+// The texture of an image; white, with a warning, where it cannot be decoded. Submits and waits.
+Image make_texture(const std::shared_ptr<Gpu>& gpu, const AssetImage& image, std::vector<std::string>& warnings);
 Image make_white_texture(const std::shared_ptr<Gpu>& gpu);
 
 }  // namespace throng

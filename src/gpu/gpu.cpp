@@ -161,9 +161,9 @@ std::vector<DeviceInfo> Gpu::list() {
 }
 
 std::shared_ptr<Gpu> Gpu::create(const DeviceSettings& settings) {
+    std::shared_ptr<Gpu> gpu(new Gpu);  // before the lock: where something below throws, its destructor takes the lock
     const std::lock_guard lock(instance_level_mutex());
     load_vulkan();
-    std::shared_ptr<Gpu> gpu(new Gpu);
     gpu->create_instance(settings.validation);
     gpu->create_device(settings);
     return gpu;
@@ -172,10 +172,10 @@ std::shared_ptr<Gpu> Gpu::create(const DeviceSettings& settings) {
 std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
     if (!adopted.instance || !adopted.physical_device || !adopted.device || !adopted.queue)
         throw Failure(ErrorCode::kInvalidArgument, "adopted device", "instance, physical device, device and queue are all needed");
+    std::shared_ptr<Gpu> gpu(new Gpu);  // before the lock, as in create()
     const std::lock_guard lock(instance_level_mutex());
     load_vulkan();
     volkLoadInstanceOnly(adopted.instance);
-    std::shared_ptr<Gpu> gpu(new Gpu);
     gpu->info = describe(adopted.physical_device, 0);
     if (!gpu->info.usable)
         throw Failure(ErrorCode::kNoDevice, "adopted device " + gpu->info.name, "Vulkan 1.3 and a compute queue are needed");
@@ -224,8 +224,9 @@ void Gpu::create_instance(Validation validation) {
         throw Failure(ErrorCode::kNoDevice, {}, "no Vulkan driver is installed (mesa-vulkan-drivers has a software one)");
     check(result, "vkCreateInstance");
     volkLoadInstanceOnly(instance_);
-    if (validation != Validation::kOff)
-        check(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_), "vkCreateDebugUtilsMessengerEXT");
+    if (validation == Validation::kOff) return;
+    check(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_), "vkCreateDebugUtilsMessengerEXT");
+    destroy_messenger_ = vkDestroyDebugUtilsMessengerEXT;
 }
 
 void Gpu::create_device(const DeviceSettings& settings) {
@@ -283,7 +284,7 @@ Gpu::~Gpu() {
         vk.vkDeviceWaitIdle(device);
         vk.vkDestroyDevice(device, nullptr);
     }
-    if (messenger_) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
+    if (messenger_) destroy_messenger_(instance_, messenger_, nullptr);
     if (instance_) vkDestroyInstance(instance_, nullptr);
 }
 
@@ -323,10 +324,8 @@ void Gpu::submit_and_wait(const std::function<void(VkCommandBuffer)>& body) cons
     submit.commandBufferInfoCount = 1;
     submit.pCommandBufferInfos = &command_submit;
     check(vk.vkQueueSubmit2(queue, 1, &submit, shot.fence), "vkQueueSubmit2");
-    constexpr uint64_t kTimeout_ns = 120'000'000'000;  // a frame of a software device may take seconds, never minutes
-    const VkResult waited = vk.vkWaitForFences(device, 1, &shot.fence, VK_TRUE, kTimeout_ns);
-    if (waited == VK_TIMEOUT) vk.vkDeviceWaitIdle(device);
-    check(waited, "vkWaitForFences");
+    // No timeout: a frame of a software device may take minutes, and a driver reports a device that hangs as lost.
+    check(vk.vkWaitForFences(device, 1, &shot.fence, VK_TRUE, UINT64_MAX), "vkWaitForFences");
 }
 
 uint32_t Gpu::memory_type(uint32_t type_bits, VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) const {

@@ -52,6 +52,7 @@ private:
 
     VkInstance instance_ = VK_NULL_HANDLE;              // null where adopted
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+    PFN_vkDestroyDebugUtilsMessengerEXT destroy_messenger_ = nullptr;  // null in instances without the extension: volk's may be another's
     bool owns_device_ = false;
     std::atomic<uint32_t> validation_messages_{0};
 };

@@ -1,0 +1,500 @@
+// The command line as a user meets it: what it prints, what it writes, and one clear line for whatever is wrong.
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#define STB_IMAGE_STATIC
+#define STB_IMAGE_IMPLEMENTATION
+#define STBI_ONLY_PNG
+#include <stb/stb_image.h>
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <ostream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace throng {
+namespace {
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool kAddressSanitizer = true;
+#elif defined(__has_feature)
+constexpr bool kAddressSanitizer = __has_feature(address_sanitizer);
+#else
+constexpr bool kAddressSanitizer = false;
+#endif
+
+struct RunSettings {
+    std::map<std::string, std::string> environment;
+    uint64_t memory_limit_bytes = 0;  // of the address space; 0: none
+    unsigned time_limit_s = 300;
+    const char* out_path = nullptr;   // where standard output goes; it is not captured then
+};
+
+struct Outcome {
+    int exit_code = -1;  // -1: a signal
+    int signal = 0;
+    std::string out, err;
+    double time_s = 0;
+
+    // Exit code 0 and not a word on stderr.
+    bool succeeded() const { return exit_code == 0 && err.empty(); }
+    // An exit code of its own and one line on stderr, which names the thing.
+    bool refused(const std::string& named) const {
+        return exit_code > 0 && err.starts_with("throng: ") && err.find('\n') == err.size() - 1 && err.find(named) != std::string::npos;
+    }
+    friend std::ostream& operator<<(std::ostream& out, const Outcome& run) {
+        return out << "exit code " << run.exit_code << ", signal " << run.signal << ", " << run.time_s << " s\nstdout: " << run.out.substr(0, 2000)
+                   << "\nstderr: " << run.err.substr(0, 2000);
+    }
+};
+
+std::string contents(std::FILE* file) {
+    std::string text;
+    std::rewind(file);
+    for (int c = std::fgetc(file); c != EOF; c = std::fgetc(file)) text += static_cast<char>(c);
+    std::fclose(file);
+    return text;
+}
+
+Outcome run_tool(const std::vector<std::string>& arguments, const RunSettings& settings = {}) {
+    std::FILE *out = std::tmpfile(), *err = std::tmpfile();
+    std::vector<const char*> words{THRONG_TOOL};
+    for (const std::string& argument : arguments) words.push_back(argument.c_str());
+    words.push_back(nullptr);
+    const auto start = std::chrono::steady_clock::now();
+    const pid_t child = fork();
+    if (child == 0) {
+        for (const auto& [name, value] : settings.environment) setenv(name.c_str(), value.c_str(), 1);
+        if (settings.out_path) out = std::fopen(settings.out_path, "w");
+        dup2(fileno(out), STDOUT_FILENO);
+        dup2(fileno(err), STDERR_FILENO);
+        const rlimit no_core{0, 0}, memory{settings.memory_limit_bytes, settings.memory_limit_bytes};
+        setrlimit(RLIMIT_CORE, &no_core);
+        if (settings.memory_limit_bytes > 0 && !kAddressSanitizer) setrlimit(RLIMIT_AS, &memory);
+        alarm(settings.time_limit_s);  // survives exec, and kills
+        execv(THRONG_TOOL, const_cast<char* const*>(words.data()));
+        _exit(127);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    Outcome run;
+    run.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (WIFEXITED(status)) run.exit_code = WEXITSTATUS(status);
+    if (WIFSIGNALED(status)) run.signal = WTERMSIG(status);
+    run.out = contents(out);
+    run.err = contents(err);
+    return run;
+}
+
+std::string read_file(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::set<std::string> keys(const Json& object) {
+    std::set<std::string> out;
+    for (const auto& [key, value] : object.items()) out.insert(key);
+    return out;
+}
+
+// The largest difference between two JSON values of the same shape; infinite where the shapes differ.
+double difference(const Json& a, const Json& b) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    if (a.is_number() && b.is_number()) return std::abs(a.get<double>() - b.get<double>());
+    if (!a.is_array() || !b.is_array() || a.size() != b.size()) return kInfinity;
+    double worst = 0;
+    for (size_t i = 0; i < a.size(); ++i) worst = std::max(worst, difference(a[i], b[i]));
+    return worst;
+}
+
+constexpr int kJoints = 40, kLevels = 12;
+constexpr double kTolerance = 2e-5;  // of a creature some units long: float against double
+
+// A folder of the test's own, with a creature in it.
+class Cli : public testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        folder_ = fs::path(testing::TempDir()) / ("throng_cli_" + std::to_string(getpid()));
+        fs::create_directories(folder_);
+        const Outcome run = run_tool({"generate", "--joints", std::to_string(kJoints), "--levels", std::to_string(kLevels), "--faces", "600", "--out", creature()});
+        ASSERT_TRUE(run.succeeded()) << run;
+    }
+    static void TearDownTestSuite() { fs::remove_all(folder_); }
+
+    static std::string file(const std::string& name) { return (folder_ / name).string(); }
+    static std::string creature() { return file("creature.glb"); }
+
+    static Json json_of(std::vector<std::string> arguments) {
+        arguments.push_back("--json");
+        const Outcome run = run_tool(arguments);
+        EXPECT_TRUE(run.succeeded()) << testing::PrintToString(arguments) << "\n" << run;
+        Json json = Json::parse(run.out, nullptr, false);
+        EXPECT_FALSE(json.is_discarded()) << run;
+        return json;
+    }
+    static Json pose(std::vector<std::string> arguments) {
+        arguments.insert(arguments.begin(), {"pose", creature()});
+        return json_of(arguments);
+    }
+    static double clip_duration_s(size_t clip) { return json_of({"info", creature()})["clips"][clip]["duration_s"]; }
+
+    static inline fs::path folder_;
+};
+
+// The largest difference between all matrices and positions of two poses.
+double pose_difference(const Json& a, const Json& b) {
+    double worst = a["skins"].size() == b["skins"].size() && a["primitives"].size() == b["primitives"].size() ? 0 : 1e30;
+    for (size_t i = 0; i < a["skins"].size(); ++i)
+        for (const char* key : {"jointWorld", "skinMatrix"}) worst = std::max(worst, difference(a["skins"][i][key], b["skins"][i][key]));
+    for (size_t i = 0; i < a["primitives"].size(); ++i) worst = std::max(worst, difference(a["primitives"][i]["positions"], b["primitives"][i]["positions"]));
+    return worst;
+}
+
+TEST_F(Cli, HelpHasExamples) {
+    const Outcome all = run_tool({"--help"});
+    EXPECT_TRUE(all.succeeded()) << all;
+    for (const char* command : {"info", "pose", "render", "generate", "bench", "devices"}) {
+        EXPECT_NE(all.out.find(command), std::string::npos) << command;
+        const Outcome run = run_tool({command, "--help"});
+        EXPECT_TRUE(run.succeeded()) << run;
+        EXPECT_NE(run.out.find(std::string("Examples:\n  throng ") + command), std::string::npos) << run;
+    }
+    EXPECT_TRUE(run_tool({"--version"}).succeeded());
+}
+
+TEST_F(Cli, InfoCountsExactly) {
+    const Json info = json_of({"info", creature()});
+    EXPECT_EQ(info["file"], "creature.glb");
+    EXPECT_EQ(info["joints"], kJoints);
+    EXPECT_EQ(info["levels"], kLevels);
+    EXPECT_EQ(info["palette_entries"], kJoints);
+    ASSERT_EQ(info["skins"].size(), 1u);
+    EXPECT_EQ(info["skins"][0]["joints"], kJoints);
+    ASSERT_EQ(info["clips"].size(), 3u);
+    const char* names[] = {"idle", "walk", "fly"};
+    uint64_t clip_bytes = 0;
+    for (size_t i = 0; i < 3; ++i) {
+        const Json& clip = info["clips"][i];
+        EXPECT_EQ(clip["name"], names[i]);
+        EXPECT_GT(clip["duration_s"], 0);
+        EXPECT_EQ(clip["channels"], kJoints + 1);
+        EXPECT_EQ(clip["bytes"].get<uint64_t>() >= clip["rows"].get<uint64_t>() * clip["animated_tracks"].get<uint64_t>() * 16, true);
+        clip_bytes += clip["bytes"].get<uint64_t>();
+    }
+    EXPECT_GE(info["bytes_per_character"], clip_bytes);
+    EXPECT_GE(info["bytes_per_instance"], kJoints * 48);
+    EXPECT_LE(info["bytes_per_instance"], kJoints * 48 + 256);
+    EXPECT_TRUE(info["warnings"].empty());
+
+    const Outcome text = run_tool({"info", creature()});
+    EXPECT_TRUE(text.succeeded()) << text;
+    for (const std::string& part : {std::string("40 joints, 12 levels"), std::string("idle"), std::string("walk"), std::string("fly"),
+                                    std::to_string(info["bytes_per_instance"].get<int>()) + " bytes an instance", std::to_string(info["faces"].get<int>()) + " faces"})
+        EXPECT_NE(text.out.find(part), std::string::npos) << part << "\n" << text;
+}
+
+TEST_F(Cli, InfoAndReferencePoseNeedNoGpu) {
+    const RunSettings no_driver{.environment = {{"VK_ICD_FILENAMES", "/nonexistent.json"}, {"VK_DRIVER_FILES", "/nonexistent.json"}}};
+    EXPECT_TRUE(run_tool({"info", creature()}, no_driver).succeeded());
+    EXPECT_TRUE(run_tool({"pose", creature(), "--reference"}, no_driver).succeeded());
+    const Outcome pose = run_tool({"pose", creature()}, no_driver), devices = run_tool({"devices"}, no_driver);
+    EXPECT_TRUE(pose.refused("driver")) << pose;
+    EXPECT_TRUE(devices.refused("driver")) << devices;
+}
+
+TEST_F(Cli, PoseHasItsDocumentedShape) {
+    const Json all = pose({"--clip", "walk", "--time", "0.3", "--vertices", "all"}), some = pose({"--clip", "walk", "--time", "0.3", "--vertices", "5"});
+    EXPECT_EQ(keys(all), (std::set<std::string>{"file", "device", "skins", "primitives"}));
+    ASSERT_EQ(all["skins"].size(), 1u);
+    const Json& skin = all["skins"][0];
+    EXPECT_EQ(keys(skin), (std::set<std::string>{"skin", "joints", "jointWorld", "skinMatrix"}));
+    EXPECT_EQ(skin["joints"].size(), size_t{kJoints});
+    for (const char* key : {"jointWorld", "skinMatrix"}) {
+        ASSERT_EQ(skin[key].size(), size_t{kJoints});
+        for (const Json& matrix : skin[key]) {
+            ASSERT_EQ(matrix.size(), 16u);
+            EXPECT_EQ((Json{matrix[3], matrix[7], matrix[11], matrix[15]}), (Json{0, 0, 0, 1}));
+        }
+    }
+    ASSERT_EQ(all["primitives"].size(), 1u);
+    const Json &every = all["primitives"][0], &few = some["primitives"][0];
+    EXPECT_EQ(keys(every), (std::set<std::string>{"node", "mesh", "primitive", "skin", "vertices", "positions"}));
+    EXPECT_EQ(every["vertices"].size(), json_of({"info", creature()})["vertices"].get<size_t>());
+    ASSERT_EQ(few["vertices"].size(), 5u);
+    for (size_t i = 0; i < 5; ++i) EXPECT_EQ(few["positions"][i], every["positions"][few["vertices"][i].get<size_t>()]);
+    EXPECT_TRUE(pose({})["primitives"][0]["positions"].empty());
+}
+
+TEST_F(Cli, PoseOnTheGpuAgreesWithTheReference) {
+    for (std::vector<std::string> arguments : std::vector<std::vector<std::string>>{
+             {},
+             {"--clip", "idle", "--time", "0.4"},
+             {"--clip", "2", "--time", "0.777"},
+             {"--clip", "walk", "--time", "-0.1"},
+             {"--clip", "walk", "--time", "1000", "--loop"},
+             {"--clip", "walk", "--time", "0.3", "--blend", "fly", "--blend-time", "0.5", "--weight", "0.25"},
+             {"--clip", "1", "--time", "12.3", "--blend", "0", "--blend-time", "45.6", "--weight", "0.5", "--loop"}}) {
+        arguments.insert(arguments.end(), {"--vertices", "all"});
+        const Json gpu = pose(arguments);
+        arguments.push_back("--reference");
+        const Json reference = pose(arguments);
+        EXPECT_LE(pose_difference(gpu, reference), kTolerance) << testing::PrintToString(arguments);
+        EXPECT_EQ(reference["device"], "reference");
+    }
+}
+
+TEST_F(Cli, PoseTakesClipsTimesAndWeightsAsItSays) {
+    const auto reference = [&](std::vector<std::string> arguments) {
+        arguments.insert(arguments.end(), {"--vertices", "all", "--reference"});
+        return pose(arguments);
+    };
+    const Json walk = reference({"--clip", "walk", "--time", "0.3"}), fly = reference({"--clip", "fly", "--time", "0.5"}), rest = reference({});
+    EXPECT_EQ(walk, reference({"--clip", "1", "--time", "0.3"}));
+    EXPECT_GT(pose_difference(walk, fly), 0.01);
+    EXPECT_GT(pose_difference(walk, rest), 0.01);
+    for (const Json& matrix : rest["skins"][0]["skinMatrix"])
+        EXPECT_LE(difference(matrix, Json{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}), kTolerance);
+
+    const auto blend = [&](const char* weight) {
+        return reference({"--clip", "walk", "--time", "0.3", "--blend", "fly", "--blend-time", "0.5", "--weight", weight});
+    };
+    EXPECT_LE(pose_difference(blend("1"), walk), 1e-12);
+    EXPECT_LE(pose_difference(blend("0"), fly), 1e-12);
+    EXPECT_GT(pose_difference(blend("0.5"), walk), 0.01);
+    EXPECT_GT(pose_difference(blend("0.5"), fly), 0.01);
+
+    const double duration_s = clip_duration_s(1);
+    const std::string end = std::to_string(duration_s), later = std::to_string(duration_s + 0.3);
+    EXPECT_LE(pose_difference(reference({"--clip", "walk", "--time", later, "--loop"}), walk), kTolerance);
+    EXPECT_LE(pose_difference(reference({"--clip", "walk", "--time", later}), reference({"--clip", "walk", "--time", end})), kTolerance);
+    EXPECT_GT(pose_difference(reference({"--clip", "walk", "--time", later}), walk), 0.01);
+}
+
+TEST_F(Cli, PosePrintsAJointALine) {
+    const Outcome run = run_tool({"pose", creature(), "--reference"});
+    EXPECT_TRUE(run.succeeded()) << run;
+    EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), kJoints + 1);
+}
+
+TEST_F(Cli, RenderWritesAPictureOfTheAskedSize) {
+    const auto render = [&](const std::string& out, const char* seed, std::vector<std::string> more = {}) {
+        std::vector<std::string> arguments{"render", creature(), creature(), "--count", "9", "--size", "320x200", "--time", "0.5", "--seed", seed, "--out", file(out)};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return run_tool(arguments);
+    };
+    const Outcome text = render("a.png", "1"), json = render("b.png", "1", {"--json"}), other = render("c.png", "2");
+    EXPECT_TRUE(text.succeeded()) << text;
+    for (const char* stage : {"control", "sample", "blend", "scan", "bind", "skin+draw"}) {
+        EXPECT_NE(text.out.find(stage), std::string::npos) << text;
+        EXPECT_GE(Json::parse(json.out)["stages_ms"][stage], 0);
+    }
+    EXPECT_EQ(Json::parse(json.out)["count"], 9);
+    EXPECT_EQ(Json::parse(json.out)["out"], file("b.png"));
+    EXPECT_EQ(read_file(file("a.png")), read_file(file("b.png")));
+    EXPECT_NE(read_file(file("a.png")), read_file(file("c.png")));
+
+    int width = 0, height = 0, channels = 0;
+    stbi_uc* pixels = stbi_load(file("a.png").c_str(), &width, &height, &channels, 4);
+    ASSERT_TRUE(pixels);
+    EXPECT_EQ(width, 320);
+    EXPECT_EQ(height, 200);
+    std::set<std::array<stbi_uc, 4>> colors;
+    for (int i = 0; i < width * height; ++i) colors.insert({pixels[4 * i], pixels[4 * i + 1], pixels[4 * i + 2], pixels[4 * i + 3]});
+    EXPECT_GT(colors.size(), 100u);
+    stbi_image_free(pixels);
+
+    // Fewer characters than files.
+    const Outcome one = run_tool({"render", creature(), creature(), "--size", "64x64", "--out", file("one.png")});
+    EXPECT_TRUE(one.succeeded()) << one;
+}
+
+TEST_F(Cli, GenerateIsExactAndDeterministic) {
+    const auto generate = [&](const char* seed, const char* out) {
+        const Outcome run = run_tool({"generate", "--joints", "123", "--levels", "45", "--faces", "1000", "--seed", seed, "--out", file(out)});
+        EXPECT_TRUE(run.succeeded()) << run;
+        EXPECT_NE(run.out.find("123 joints, 45 levels"), std::string::npos) << run;
+        return read_file(file(out));
+    };
+    const std::string first = generate("7", "first.glb");
+    EXPECT_EQ(first, generate("7", "again.glb"));
+    EXPECT_NE(first, generate("8", "other.glb"));
+    const Json info = json_of({"info", file("first.glb")});
+    EXPECT_EQ(info["joints"], 123);
+    EXPECT_EQ(info["levels"], 45);
+    EXPECT_LE(info["faces"], 1000);
+    EXPECT_GE(info["faces"], 950);
+}
+
+TEST_F(Cli, BenchHasARecordForEachScanMethod) {
+    const Outcome text = run_tool({"bench", creature(), "--count", "50", "--samples", "2"});
+    EXPECT_TRUE(text.succeeded()) << text;
+    const Outcome run = run_tool({"bench", creature(), "--count", "50", "--samples", "2", "--json"}, {.environment = {{"THRONG_COMMIT", "abc1234"}}});
+    EXPECT_TRUE(run.succeeded()) << run;
+    std::set<std::string> scans;
+    std::istringstream lines(run.out);
+    for (std::string line; std::getline(lines, line);) {
+        const Json record = Json::parse(line);
+        EXPECT_EQ(keys(record), (std::set<std::string>{"bench", "scan", "characters", "joints", "files", "clips_blended", "samples", "stages", "total", "ns_per_joint",
+                                                       "max_error", "memory_bytes", "device", "driver", "subgroup_size", "commit", "date"}));
+        EXPECT_EQ(record["characters"], 50);
+        EXPECT_EQ(record["joints"], 50 * kJoints);
+        EXPECT_EQ(record["samples"], 2);
+        EXPECT_EQ(record["commit"], "abc1234");
+        EXPECT_LT(record["max_error"], 1e-4);
+        EXPECT_GE(record["memory_bytes"], 50 * kJoints * 48);
+        EXPECT_EQ(keys(record["stages"]), (std::set<std::string>{"control", "sample", "blend", "scan", "bind"}));
+        for (const Json& spread : {record["stages"]["scan"], record["total"]}) {
+            EXPECT_EQ(keys(spread), (std::set<std::string>{"median_ms", "p5_ms", "p95_ms"}));
+            EXPECT_LE(spread["p5_ms"], spread["median_ms"]);
+            EXPECT_LE(spread["median_ms"], spread["p95_ms"]);
+        }
+        ASSERT_EQ(record["files"].size(), 1u);
+        EXPECT_EQ(keys(record["files"][0]), (std::set<std::string>{"name", "joints", "levels", "mean_depth", "leaves", "palette_entries"}));
+        EXPECT_TRUE(scans.insert(record["scan"]).second) << "twice: " << record["scan"];
+        EXPECT_NE(text.out.find(record["scan"].get<std::string>()), std::string::npos);
+    }
+    // Every method that --help names.
+    const std::string help = run_tool({"bench", "--help"}).out;
+    EXPECT_GE(scans.size(), 2u);
+    for (const std::string& scan : scans) EXPECT_NE(help.find(scan), std::string::npos) << scan;
+}
+
+TEST_F(Cli, DevicesAreListed) {
+    const Json devices = json_of({"devices"});
+    ASSERT_FALSE(devices.empty());
+    for (size_t i = 0; i < devices.size(); ++i) {
+        EXPECT_EQ(devices[i]["index"], i);
+        EXPECT_EQ(keys(devices[i]), (std::set<std::string>{"index", "name", "type", "driver", "vulkan", "subgroup_size", "shared_memory_bytes",
+                                                           "storage_buffer_range_bytes", "usable"}));
+    }
+    const Outcome text = run_tool({"devices"});
+    EXPECT_NE(text.out.find(devices[0]["name"].get<std::string>()), std::string::npos) << text;
+    EXPECT_TRUE(run_tool({"pose", creature(), "--device", devices[0]["name"]}).succeeded());
+}
+
+TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
+    std::ofstream(file("empty.glb")).close();
+    std::ofstream(file("text.glb")) << "This is not glTF.\n";
+    std::ofstream(file("json.gltf")) << "{\"hello\": 1}\n";
+    fs::create_directory(file("folder"));
+    const std::string png = file("picture.png");
+    struct Case {
+        std::vector<std::string> arguments;
+        std::string named;
+    };
+    const std::vector<Case> cases{
+        {{}, "subcommand"},
+        {{"dance"}, "dance"},
+        {{"info"}, "file"},
+        {{"info", file("missing.glb")}, "missing.glb"},
+        {{"info", file("folder")}, "folder"},
+        {{"info", file("empty.glb")}, "empty.glb"},
+        {{"info", file("text.glb")}, "text.glb"},
+        {{"info", file("json.gltf")}, "json.gltf"},
+        {{"info", creature(), "--colour"}, "--colour"},
+        {{"pose", file("missing.glb")}, "missing.glb"},
+        {{"pose", creature(), "--clip", "swim"}, "0 'idle', 1 'walk', 2 'fly'"},
+        {{"pose", creature(), "--clip", "3"}, "'3'"},
+        {{"pose", creature(), "--clip", "-1"}, "-1"},
+        {{"pose", creature(), "--blend", "walk"}, "--clip"},
+        {{"pose", creature(), "--clip", "walk", "--blend", "swim"}, "swim"},
+        {{"pose", creature(), "--clip", "walk", "--time", "nan"}, "--time"},
+        {{"pose", creature(), "--clip", "walk", "--time", "inf"}, "--time"},
+        {{"pose", creature(), "--clip", "walk", "--time", "noon"}, "--time"},
+        {{"pose", creature(), "--clip", "walk", "--blend", "fly", "--blend-time", "-inf"}, "--blend-time"},
+        {{"pose", creature(), "--clip", "walk", "--blend", "fly", "--weight", "2"}, "--weight"},
+        {{"pose", creature(), "--clip", "walk", "--blend", "fly", "--weight", "nan"}, "--weight"},
+        {{"pose", creature(), "--vertices", "some"}, "--vertices some"},
+        {{"pose", creature(), "--vertices", "-1"}, "-1"},
+        {{"pose", creature(), "--scan", "magic"}, "magic"},
+        {{"pose", creature(), "--device", "abacus"}, "abacus"},
+        {{"render", creature()}, "--out"},
+        {{"render", "--out", png}, "files"},
+        {{"render", file("missing.glb"), "--out", png}, "missing.glb"},
+        {{"render", creature(), "--out", file("nowhere/picture.png")}, "nowhere/picture.png"},
+        {{"render", creature(), "--out", file("folder")}, "folder"},
+        {{"render", creature(), "--out", "/dev/null"}, "/dev/null"},
+        {{"render", creature(), "--out", png, "--size", "12"}, "--size 12"},
+        {{"render", creature(), "--out", png, "--size", "0x10"}, "--size 0x10"},
+        {{"render", creature(), "--out", png, "--size", "-5x10"}, "-5x10"},
+        {{"render", creature(), "--out", png, "--size", "10x10x10"}, "--size 10x10x10"},
+        {{"render", creature(), "--out", png, "--size", "x"}, "--size x"},
+        {{"render", creature(), "--out", png, "--size", "4294967297x10"}, "--size 4294967297x10"},
+        {{"render", creature(), "--out", png, "--size", "1000000x1000000"}, "1000000"},
+        {{"render", creature(), "--out", png, "--count", "0"}, "--count"},
+        {{"render", creature(), "--out", png, "--count", "-3"}, "--count"},
+        {{"render", creature(), "--out", png, "--count", "many"}, "--count"},
+        {{"render", creature(), "--out", png, "--time", "nan"}, "--time"},
+        {{"render", creature(), "--out", png, "--time", "1e300"}, "--time"},
+        {{"render", creature(), "--out", png, "--device", "99"}, "99"},
+        {{"generate", "--out", file("nowhere/creature.glb")}, "nowhere/creature.glb"},
+        {{"generate", "--joints", "0", "--out", file("none.glb")}, "joints"},
+        {{"generate", "--joints", "-5", "--out", file("none.glb")}, "joints"},
+        {{"generate", "--joints", "10", "--levels", "11", "--out", file("none.glb")}, "levels"},
+        {{"generate", "--faces", "99999999", "--out", file("none.glb")}, "faces"},
+        {{"bench", "--count", "0"}, "--count"},
+        {{"bench", "--samples", "0"}, "--samples"},
+        {{"bench", "--scan", "magic"}, "magic"},
+        {{"bench", "--joints", "5", "--levels", "9"}, "levels"},
+        {{"devices", "all"}, "all"},
+    };
+    std::set<fs::path> before{fs::directory_iterator(folder_), {}};
+    for (const Case& c : cases) {
+        const Outcome run = run_tool(c.arguments);
+        EXPECT_TRUE(run.refused(c.named)) << testing::PrintToString(c.arguments) << "\n" << run;
+        EXPECT_EQ(run.out, "") << testing::PrintToString(c.arguments);
+        EXPECT_LT(run.time_s, 10) << testing::PrintToString(c.arguments);
+    }
+    EXPECT_EQ((std::set<fs::path>{fs::directory_iterator(folder_), {}}), before) << "something was left behind";
+    EXPECT_TRUE(fs::is_empty(file("folder")));
+}
+
+TEST_F(Cli, AFullDiskIsSaid) {
+    for (const char* option : {"--json", "--help"}) {
+        const Outcome run = run_tool({"info", creature(), option}, {.out_path = "/dev/full"});
+        EXPECT_TRUE(run.refused("standard output")) << option << "\n" << run;
+    }
+}
+
+// Broken and malicious files of others, and mutants of sound ones: an answer or a refusal, never a crash, a hang, or memory without end.
+TEST_F(Cli, InvalidFilesAreAnsweredOrRefused) {
+    const char* shared = std::getenv("THRONG_SHARED");
+    const fs::path folder = fs::path(shared ? shared : THRONG_SHARED_DIR) / "invalid";
+    if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
+    constexpr uint64_t kMemory_bytes = (uint64_t{1} << 30) + (uint64_t{256} << 20);  // 1 GiB, and the program itself
+    int answered = 0, refused = 0;
+    double slowest_s = 0;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+        const fs::path& path = entry.path();
+        if (path.extension() != ".glb" && path.extension() != ".gltf") continue;
+        const Outcome run = run_tool({"info", path.string()}, {.memory_limit_bytes = kMemory_bytes, .time_limit_s = 20});
+        if (run.succeeded() && !run.out.empty()) ++answered;
+        else if (run.refused(path.filename().string()) && run.out.empty()) ++refused;
+        else ADD_FAILURE() << path << "\n" << run;
+        EXPECT_LT(run.time_s, 5) << path;
+        slowest_s = std::max(slowest_s, run.time_s);
+    }
+    EXPECT_GT(answered + refused, 0);
+    std::printf("%d answered, %d refused; the slowest took %.2f s\n", answered, refused, slowest_s);
+}
+
+}  // namespace
+}  // namespace throng

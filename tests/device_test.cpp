@@ -1,0 +1,202 @@
+// Listing, choosing, sharing and adopting devices.
+#include "gpu/gpu.h"
+#include "tests/test_device.h"
+#include "tests/test_rig.h"
+
+#include <cctype>
+#include <cstring>
+
+namespace throng {
+namespace {
+
+using namespace test;
+
+std::vector<DeviceInfo> list() {
+    const Result<std::vector<DeviceInfo>> infos = Device::list();
+    EXPECT_TRUE(infos) << infos.error().text();
+    return infos ? *infos : std::vector<DeviceInfo>{};
+}
+
+std::string swapped_case(std::string text) {
+    for (char& c : text) c = static_cast<char>(std::isupper(static_cast<unsigned char>(c)) ? std::tolower(c) : std::toupper(c));
+    return text;
+}
+
+TEST(Device, TheListNamesTheDevices) {
+    const std::vector<DeviceInfo> infos = list();
+    ASSERT_FALSE(infos.empty());
+    for (uint32_t i = 0; i < infos.size(); ++i) {
+        EXPECT_EQ(infos[i].index, i);
+        EXPECT_FALSE(infos[i].name.empty());
+        EXPECT_FALSE(infos[i].type.empty());
+        EXPECT_FALSE(infos[i].driver.empty());
+        if (!infos[i].usable) continue;
+        EXPECT_GE(infos[i].api_version, VK_API_VERSION_1_3);
+        EXPECT_GE(infos[i].subgroup_size, 1u);
+        EXPECT_GE(infos[i].shared_memory_bytes, 16384u);
+        EXPECT_GE(infos[i].storage_buffer_range_bytes, uint64_t{1} << 27);
+    }
+}
+
+TEST(Device, IsSelectedByIndexTypeOrName) {
+    for (const DeviceInfo& info : list()) {
+        if (!info.usable) continue;
+        const Result<Device> by_index = Device::create({.select = std::to_string(info.index)});
+        ASSERT_TRUE(by_index) << by_index.error().text();
+        EXPECT_EQ(by_index->info().name, info.name);
+        const Result<Device> by_name = Device::create({.select = swapped_case(info.name.substr(1, 6))});
+        ASSERT_TRUE(by_name) << by_name.error().text();
+        EXPECT_NE(by_name->info().name.find(info.name.substr(1, 6)), std::string::npos);
+        if (info.type != "cpu") continue;
+        const Result<Device> cpu = Device::create({.select = "cpu"});
+        ASSERT_TRUE(cpu) << cpu.error().text();
+        EXPECT_EQ(cpu->info().type, "cpu");
+    }
+    const Result<Device> any = Device::create();
+    ASSERT_TRUE(any) << any.error().text();
+    EXPECT_TRUE(any->info().usable);
+    EXPECT_EQ(any->validation_message_count(), 0u);
+}
+
+TEST(Device, AnUnknownDeviceIsRefusedAndTheOthersAreNamed) {
+    for (const std::string& select : {std::string("Voodoo 2"), std::string("99"), std::string("99999999999999999999")}) {
+        const Result<Device> device = Device::create({.select = select});
+        ASSERT_FALSE(device);
+        EXPECT_EQ(device.error().code, ErrorCode::kNoDevice);
+        EXPECT_NE(device.error().text().find("'" + select + "'"), std::string::npos) << device.error().text();
+        for (const DeviceInfo& info : list()) EXPECT_NE(device.error().text().find(info.name), std::string::npos) << device.error().text();
+    }
+    EXPECT_TRUE(Device::create()) << "after refusals";
+}
+
+// A crowd and what it must show.
+struct Show {
+    Show(const Device& device, const Character& character_in, double time_s)
+        : character(character_in), playback{.first = {.clip = 0, .time_s = time_s}}, crowd(Crowd::create(device, {.groups = {{&character, 2}}}).value()) {
+        EXPECT_TRUE(crowd.set_playback(1, std::vector{playback}));
+    }
+    void update_and_compare(float step_s) {
+        ASSERT_TRUE(crowd.update(step_s));
+        playback.first.time_s += step_s;
+        const ReferencePose wanted = *reference_pose(character, playback);
+        const Result<std::vector<Affine>> skin = crowd.read_skin_matrices(1);
+        ASSERT_TRUE(skin) << skin.error().text();
+        for (size_t i = 0; i < skin->size(); ++i) EXPECT_LE(matrix_error((*skin)[i], wanted.model_from_bind[i], character.size), 1e-5);
+    }
+
+    const Character& character;
+    Playback playback;
+    Crowd crowd;
+};
+
+TEST(Device, SeveralLiveSideBySide) {
+    const Character character = make_character({});
+    std::optional<Device> second = Device::create({.select = test_device().info().name}).value();
+    Show first_show(test_device(), character, 0.1), second_show(*second, character, 0.4);
+    for (int i = 0; i < 3; ++i) {
+        first_show.update_and_compare(0.11f);
+        second_show.update_and_compare(0.07f);
+        const Device third = Device::create({.select = test_device().info().name}).value();
+        Show(third, character, 0.2).update_and_compare(0);
+    }
+    second.reset();  // the crowd keeps its device
+    second_show.update_and_compare(0.07f);
+    list();
+    first_show.update_and_compare(0.11f);
+}
+
+// Functions of the instance level are the process's: a validated device must survive a later one that is not, and end without it.
+TEST(Device, AValidatedDeviceOutlivesOthers) {
+    Result<Device> validated = Device::create({.select = test_device().info().name, .validation = Validation::kStandard});
+    if (!validated && validated.error().code == ErrorCode::kNoDevice) GTEST_SKIP() << validated.error().text();
+    ASSERT_TRUE(validated) << validated.error().text();
+    const std::optional<Device> plain = Device::create({.select = test_device().info().name}).value();
+    list();
+    const Character character = make_character({});
+    Show(*validated, character, 0.1).update_and_compare(0.2f);
+    EXPECT_EQ(validated->validation_message_count(), 0u);
+}
+
+TEST(Device, AdoptRefusesNullHandles) {
+    const Gpu& gpu = *test_device().gpu();
+    const auto instance = reinterpret_cast<VkInstance>(gpu.device);  // never looked at
+    for (const AdoptedDevice& adopted : {AdoptedDevice{}, AdoptedDevice{.physical_device = gpu.physical_device, .device = gpu.device, .queue = gpu.queue},
+                                         AdoptedDevice{.instance = instance, .device = gpu.device, .queue = gpu.queue},
+                                         AdoptedDevice{.instance = instance, .physical_device = gpu.physical_device, .queue = gpu.queue},
+                                         AdoptedDevice{.instance = instance, .physical_device = gpu.physical_device, .device = gpu.device}}) {
+        const Result<Device> device = Device::adopt(adopted);
+        ASSERT_FALSE(device);
+        EXPECT_EQ(device.error().code, ErrorCode::kInvalidArgument);
+    }
+}
+
+// What an application makes by itself.
+struct Application {
+    VkInstance instance = VK_NULL_HANDLE;
+    VkPhysicalDevice physical_device = VK_NULL_HANDLE;
+    VkDevice device = VK_NULL_HANDLE;
+    VkQueue queue = VK_NULL_HANDLE;
+    uint32_t queue_family = 0, queue_family_count = 0;
+
+    Application() {
+        EXPECT_EQ(volkInitialize(), VK_SUCCESS);
+        VkApplicationInfo info{VK_STRUCTURE_TYPE_APPLICATION_INFO};
+        info.apiVersion = VK_API_VERSION_1_3;
+        VkInstanceCreateInfo instance_create{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+        instance_create.pApplicationInfo = &info;
+        EXPECT_EQ(vkCreateInstance(&instance_create, nullptr, &instance), VK_SUCCESS);
+        volkLoadInstanceOnly(instance);
+        uint32_t count = 0;
+        vkEnumeratePhysicalDevices(instance, &count, nullptr);
+        std::vector<VkPhysicalDevice> devices(count);
+        vkEnumeratePhysicalDevices(instance, &count, devices.data());
+        for (VkPhysicalDevice candidate : devices) {
+            VkPhysicalDeviceProperties properties{};
+            vkGetPhysicalDeviceProperties(candidate, &properties);
+            if (test_device().info().name == properties.deviceName) physical_device = candidate;
+        }
+        vkGetPhysicalDeviceQueueFamilyProperties(physical_device, &queue_family_count, nullptr);
+        queue_family = test_device().gpu()->queue_family;
+        VkPhysicalDeviceVulkan13Features features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+        features.synchronization2 = features.maintenance4 = VK_TRUE;
+        const float priority = 1;
+        VkDeviceQueueCreateInfo queue_create{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+        queue_create.queueFamilyIndex = queue_family;
+        queue_create.queueCount = 1;
+        queue_create.pQueuePriorities = &priority;
+        VkDeviceCreateInfo create{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
+        create.queueCreateInfoCount = 1;
+        create.pQueueCreateInfos = &queue_create;
+        EXPECT_EQ(vkCreateDevice(physical_device, &create, nullptr, &device), VK_SUCCESS);
+        volkLoadDeviceTable(&table, device);
+        table.vkGetDeviceQueue(device, queue_family, 0, &queue);
+    }
+    ~Application() {
+        table.vkDestroyDevice(device, nullptr);
+        vkDestroyInstance(instance, nullptr);
+    }
+    AdoptedDevice adopted() const { return {instance, physical_device, device, queue, queue_family}; }
+
+    VolkDeviceTable table{};
+};
+
+TEST(Device, AnApplicationsDeviceIsAdoptedAndLeftAlone) {
+    const Application application;
+    {
+        const Result<Device> device = Device::adopt(application.adopted());
+        ASSERT_TRUE(device) << device.error().text();
+        EXPECT_EQ(device->info().name, test_device().info().name);
+        const Character character = make_character({});
+        Show(*device, character, 0.1).update_and_compare(0.2f);
+    }
+    EXPECT_EQ(application.table.vkDeviceWaitIdle(application.device), VK_SUCCESS) << "the device lives on";
+    AdoptedDevice wrong = application.adopted();
+    wrong.queue_family = application.queue_family_count;
+    const Result<Device> refused = Device::adopt(wrong);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_TRUE(Device::adopt(application.adopted())) << "after a refusal";
+}
+
+}  // namespace
+}  // namespace throng

@@ -1,0 +1,252 @@
+// Buffers, kernels, SPIR-V, and the structs that C++ and the shaders share.
+#include "base/failure.h"
+#include "bind/bind_io.h"
+#include "blend/blend_io.h"
+#include "control/control.h"
+#include "draw/draw_io.h"
+#include "sample/sample_io.h"
+#include "scan/scan.h"
+#include "skin/skin_io.h"
+#include "tests/kernel_runner.h"
+
+#include <throng/transform.h>
+
+#include <cstddef>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <regex>
+#include <sstream>
+
+namespace throng {
+namespace {
+
+using namespace test;
+
+constexpr uint32_t kLayoutSpirv[] = {
+#include "layout.comp.inc"
+};
+constexpr uint32_t kControlSpirv[] = {
+#include "control/control.comp.inc"
+};
+constexpr uint32_t kSampleSpirv[] = {
+#include "sample/sample.comp.inc"
+};
+constexpr uint32_t kBlendSpirv[] = {
+#include "blend/blend.comp.inc"
+};
+constexpr uint32_t kBindSpirv[] = {
+#include "bind/bind.comp.inc"
+};
+constexpr uint32_t kSkinSpirv[] = {
+#include "skin/skin.comp.inc"
+};
+
+// The Failure that `body` throws; the test fails where it throws none.
+Error error_of(const std::function<void()>& body) {
+    const Result<void> result = as_result(body);
+    if (!result) return result.error();
+    ADD_FAILURE() << "nothing was refused";
+    return {};
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+// ---- Buffers
+
+TEST(Gpu, BuffersKeepTheirBytes) {
+    std::vector<uint32_t> values(100'003);
+    for (uint32_t i = 0; i < values.size(); ++i) values[i] = i * 2654435761u;
+    const Buffer buffer = upload(test_gpu(), "values", values);
+    EXPECT_EQ(buffer.size_bytes(), values.size() * 4);
+    EXPECT_EQ(download<uint32_t>(test_gpu(), buffer), values);
+    EXPECT_EQ(download<uint32_t>(test_gpu(), BufferRange(buffer.handle(), 4000, 8)), (std::vector{values[1000], values[1001]}));
+    EXPECT_EQ(download<uint32_t>(test_gpu(), BufferRange(buffer.handle(), 0, 0)), std::vector<uint32_t>{});
+}
+
+TEST(Gpu, AnEmptyUploadGivesZeros) {
+    const Buffer buffer = upload(test_gpu(), "nothing", std::vector<uint32_t>{});
+    EXPECT_EQ(download<uint32_t>(test_gpu(), buffer), std::vector<uint32_t>(4, 0));
+}
+
+TEST(Gpu, BuffersMove) {
+    Buffer a = upload(test_gpu(), "a", std::vector<uint32_t>{1, 2, 3, 4}), b = upload(test_gpu(), "b", std::vector<uint32_t>{5, 6, 7, 8});
+    const VkBuffer handle = a.handle();
+    Buffer c = std::move(a);
+    EXPECT_EQ(c.handle(), handle);
+    EXPECT_FALSE(a.handle());
+    c = std::move(b);
+    EXPECT_EQ(download<uint32_t>(test_gpu(), c), (std::vector<uint32_t>{5, 6, 7, 8}));
+}
+
+TEST(Gpu, AStorageBufferBeyondTheDevicesRangeIsRefusedWithBothNumbers) {
+    const uint64_t limit = test_gpu()->properties.limits.maxStorageBufferRange;
+    const Error error = error_of([&] { Buffer(test_gpu(), "the keys", limit + 16, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT); });
+    EXPECT_EQ(error.code, ErrorCode::kLimit);
+    for (const std::string& part : {std::string("the keys"), std::to_string(limit + 16), std::to_string(limit)}) EXPECT_TRUE(contains(error.text(), part)) << error.text();
+    const uint64_t allocation = test_gpu()->max_allocation_bytes;
+    const Error larger = error_of([&] { Buffer(test_gpu(), "a copy", allocation + 16, 0); });
+    EXPECT_EQ(larger.code, ErrorCode::kLimit);
+    EXPECT_TRUE(contains(larger.text(), std::to_string(allocation))) << larger.text();
+}
+
+// ---- Kernels
+
+TEST(Gpu, AWrongDispatchIsRefused) {
+    const Kernel kernel = control_kernel(test_gpu());
+    EXPECT_EQ(kernel.workgroup_size(), io::kControlWorkgroupSize);
+    const Buffer buffer = upload(test_gpu(), "test", std::vector<uint32_t>(64));
+    const Bindings bindings = kernel.bind(ControlBuffers{buffer, buffer, buffer, buffer});
+    const Error push = error_of([&] { run_on_gpu([&](VkCommandBuffer commands) { kernel.dispatch_invocations(commands, bindings, uint64_t{0}, 1); }); });
+    EXPECT_EQ(push.code, ErrorCode::kInvalidArgument);
+    EXPECT_TRUE(contains(push.text(), "control") && contains(push.text(), "12 bytes, not 8")) << push.text();
+
+    const uint32_t limit = test_gpu()->properties.limits.maxComputeWorkGroupCount[0];
+    if (limit < UINT32_MAX) {
+        const Error count = error_of([&] { run_on_gpu([&](VkCommandBuffer commands) { kernel.dispatch_workgroups(commands, bindings, io::ControlPush{}, limit + 1); }); });
+        EXPECT_EQ(count.code, ErrorCode::kLimit);
+        EXPECT_TRUE(contains(count.text(), std::to_string(limit + 1)) && contains(count.text(), std::to_string(limit))) << count.text();
+    }
+    struct TooFew {
+        BufferRange a, b, c;
+    };
+    EXPECT_EQ(error_of([&] { (void)kernel.bind(TooFew{buffer, buffer, buffer}); }).code, ErrorCode::kInvalidArgument);
+}
+
+TEST(Gpu, TheWorkgroupSizeIsGivenExactlyWhereTheShaderLeavesItOpen) {
+    EXPECT_EQ(error_of([] { Kernel(test_gpu(), {.name = "control", .spirv = kControlSpirv, .workgroup_size = 64}); }).code, ErrorCode::kInvalidArgument);
+    const ScanMethod& method = scan_table()[0];
+    EXPECT_EQ(error_of([&] { Kernel(test_gpu(), {.name = method.name, .spirv = method.spirv}); }).code, ErrorCode::kInvalidArgument);
+}
+
+TEST(Gpu, SpirvTellsWhatAShaderNeeds) {
+    const auto expect = [](const char* name, std::span<const uint32_t> spirv, const std::vector<uint32_t>& bindings, size_t push_bytes, uint32_t local_size) {
+        const SpirvInfo info = read_spirv(spirv);
+        EXPECT_EQ(info.storage_bindings, bindings) << name;
+        EXPECT_EQ(info.push_constant_bytes, push_bytes) << name;
+        EXPECT_EQ(info.local_size_is_specialized, local_size == 0) << name;
+        if (local_size != 0) { EXPECT_EQ(info.local_size_x, local_size) << name; }
+    };
+    expect("control", kControlSpirv, {0, 1, 2, 3}, sizeof(io::ControlPush), io::kControlWorkgroupSize);
+    expect("sample", kSampleSpirv, {0, 1, 2, 3}, sizeof(io::SamplePush), io::kSampleWorkgroupSize);
+    expect("blend", kBlendSpirv, {0, 1, 2, 3}, sizeof(io::BlendPush), io::kBlendWorkgroupSize);
+    expect("bind", kBindSpirv, {0, 1, 2, 3}, sizeof(io::BindPush), io::kBindWorkgroupSize);
+    expect("skin", kSkinSpirv, {0, 1, 2, 3}, sizeof(io::SkinPush), io::kSkinWorkgroupSize);
+    for (const ScanMethod& method : scan_table()) {
+        const std::vector<uint32_t> bindings = method.uses_scratch ? std::vector<uint32_t>{0, 1, 2, 3} : std::vector<uint32_t>{0, 1, 2};
+        expect(std::string(method.name).c_str(), method.spirv, bindings, sizeof(io::ScanPush), 0);
+    }
+}
+
+TEST(Gpu, WhatIsNoSpirvIsRefused) {
+    EXPECT_EQ(error_of([] { read_spirv({}); }).code, ErrorCode::kInvalidArgument);
+    std::vector<uint32_t> words(std::begin(kControlSpirv), std::end(kControlSpirv));
+    EXPECT_EQ(error_of([&] { read_spirv(std::span(words).first(6)); }).code, ErrorCode::kInvalidArgument) << "cut off within its first instruction";
+    words[0] ^= 1;
+    EXPECT_EQ(error_of([&] { read_spirv(words); }).code, ErrorCode::kInvalidArgument);
+    words[0] ^= 1;
+    words[5] &= 0xFFFF;  // an instruction of no words
+    EXPECT_EQ(error_of([&] { read_spirv(words); }).code, ErrorCode::kInvalidArgument);
+}
+
+// ---- The structs that both sides share
+
+struct Layout {
+    size_t size_bytes = 0;
+    std::vector<std::pair<std::string, size_t>> members;  // name and offset
+    friend bool operator==(const Layout&, const Layout&) = default;
+};
+
+#define MEMBER(type, member) {#member, offsetof(io::type, member)}
+
+std::map<std::string, Layout> layouts_in_cpp() {
+    return {
+        {"SlotPlayback", {sizeof(io::SlotPlayback), {MEMBER(SlotPlayback, clip), MEMBER(SlotPlayback, loop), MEMBER(SlotPlayback, time_s), MEMBER(SlotPlayback, speed)}}},
+        {"InstancePlayback", {sizeof(io::InstancePlayback), {MEMBER(InstancePlayback, first), MEMBER(InstancePlayback, second), MEMBER(InstancePlayback, weight)}}},
+        {"ClipAxis", {sizeof(io::ClipAxis), {MEMBER(ClipAxis, first_time), MEMBER(ClipAxis, row_count), MEMBER(ClipAxis, column_count), MEMBER(ClipAxis, duration_s)}}},
+        {"SlotCursor", {sizeof(io::SlotCursor), {MEMBER(SlotCursor, first_track), MEMBER(SlotCursor, earlier), MEMBER(SlotCursor, later), MEMBER(SlotCursor, fraction)}}},
+        {"InstanceCursor", {sizeof(io::InstanceCursor), {MEMBER(InstanceCursor, first), MEMBER(InstanceCursor, second), MEMBER(InstanceCursor, weight)}}},
+        {"ControlPush", {sizeof(io::ControlPush), {MEMBER(ControlPush, instance_count), MEMBER(ControlPush, joint_count), MEMBER(ControlPush, time_step_s)}}},
+        {"JointPose", {sizeof(io::JointPose), {MEMBER(JointPose, rotation), MEMBER(JointPose, translation), MEMBER(JointPose, scale)}}},
+        {"SamplePush", {sizeof(io::SamplePush), {MEMBER(SamplePush, joint_count), MEMBER(SamplePush, slot)}}},
+        {"BlendPush", {sizeof(io::BlendPush), {MEMBER(BlendPush, joint_count)}}},
+        {"ScanPush", {sizeof(io::ScanPush), {MEMBER(ScanPush, joint_count), MEMBER(ScanPush, instance_count)}}},
+        {"BindPush", {sizeof(io::BindPush), {MEMBER(BindPush, joint_count), MEMBER(BindPush, palette_count)}}},
+        {"VertexRows", {sizeof(io::VertexRows), {MEMBER(VertexRows, position_normal), MEMBER(VertexRows, texcoord_color)}}},
+        {"SkinPush", {sizeof(io::SkinPush), {MEMBER(SkinPush, first_vertex), MEMBER(SkinPush, vertex_count), MEMBER(SkinPush, first_influences), MEMBER(SkinPush, influence_sets), MEMBER(SkinPush, first_palette_entry)}}},
+        {"DrawScene", {sizeof(io::DrawScene), {MEMBER(DrawScene, clip_from_world), MEMBER(DrawScene, eye), MEMBER(DrawScene, forward), MEMBER(DrawScene, right), MEMBER(DrawScene, down), MEMBER(DrawScene, to_light), MEMBER(DrawScene, ground), MEMBER(DrawScene, scale)}}},
+        {"DrawPush", {sizeof(io::DrawPush), {MEMBER(DrawPush, first_vertex), MEMBER(DrawPush, first_influences), MEMBER(DrawPush, influence_sets), MEMBER(DrawPush, palette_count), MEMBER(DrawPush, base_color), MEMBER(DrawPush, alpha_cutoff), MEMBER(DrawPush, double_sided), MEMBER(DrawPush, unused0), MEMBER(DrawPush, unused1)}}},
+        {"Affine", {sizeof(Affine), {{"row0", 0}, {"row1", sizeof(Affine::row) / 3}, {"row2", sizeof(Affine::row) / 3 * 2}}}},
+    };
+}
+
+// Names, offsets and array strides of a module's structs. Numbers from the SPIR-V specification, version 1.6, section 3.
+std::map<std::string, Layout> layouts_in_spirv(std::span<const uint32_t> words) {
+    enum : uint32_t { kOpName = 5, kOpMemberName = 6, kOpTypeRuntimeArray = 29, kOpDecorate = 71, kOpMemberDecorate = 72 };
+    enum : uint32_t { kArrayStride = 6, kOffset = 35 };
+    struct Struct {
+        std::string name;
+        std::map<uint32_t, std::pair<std::string, size_t>> members;
+    };
+    std::map<uint32_t, Struct> structs;
+    std::map<uint32_t, size_t> strides;
+    std::map<std::string, Layout> out;
+    for (size_t at = 5; at < words.size(); at += words[at] >> 16) {
+        const auto arg = words.subspan(at + 1, (words[at] >> 16) - 1);
+        const auto text = [&](size_t first) { return std::string(reinterpret_cast<const char*>(&arg[first])); };
+        switch (words[at] & 0xFFFF) {
+            case kOpName: structs[arg[0]].name = text(1); break;
+            case kOpMemberName: structs[arg[0]].members[arg[1]].first = text(2); break;
+            case kOpMemberDecorate:
+                if (arg[2] == kOffset) structs[arg[0]].members[arg[1]].second = arg[3];
+                break;
+            case kOpDecorate:
+                if (arg[1] == kArrayStride) strides[arg[0]] = arg[2];
+                break;
+            case kOpTypeRuntimeArray: {
+                Layout layout{.size_bytes = strides[arg[0]]};
+                for (const auto& [index, member] : structs[arg[1]].members) layout.members.push_back(member);
+                out[structs[arg[1]].name] = layout;
+                break;
+            }
+            default: break;
+        }
+    }
+    return out;
+}
+
+TEST(Gpu, StructsLieAlikeInCppAndInTheShaders) {
+    const std::map<std::string, Layout> cpp = layouts_in_cpp(), spirv = layouts_in_spirv(kLayoutSpirv);
+    for (const auto& [name, layout] : cpp) {
+        const auto found = spirv.find(name);
+        ASSERT_NE(found, spirv.end()) << name << " is missing in tests/layout.comp";
+        EXPECT_EQ(layout.size_bytes, found->second.size_bytes) << name;
+        EXPECT_EQ(layout.members, found->second.members) << name;
+    }
+    EXPECT_EQ(cpp.size(), spirv.size());
+    std::printf("  %zu structs, offsets and sizes equal\n", cpp.size());
+}
+
+TEST(Gpu, EveryStructOfTheIoHeadersIsCompared) {
+    const std::filesystem::path source = THRONG_SOURCE_DIR "/src";
+    THRONG_SKIP_WITHOUT(source);
+    const std::map<std::string, Layout> compared = layouts_in_cpp();
+    size_t found = 0;
+    for (const auto& file : std::filesystem::recursive_directory_iterator(source)) {
+        if (!file.path().filename().string().ends_with("_io.h")) continue;
+        std::stringstream text;
+        text << std::ifstream(file.path()).rdbuf();
+        const std::string content = text.str();
+        const std::regex declaration("struct (\\w+) \\{");
+        for (auto match = std::sregex_iterator(content.begin(), content.end(), declaration); match != std::sregex_iterator(); ++match) {
+            EXPECT_TRUE(compared.contains((*match)[1])) << (*match)[1] << " of " << file.path() << " is missing in gpu_test.cpp and layout.comp";
+            ++found;
+        }
+    }
+    EXPECT_EQ(found + 1, compared.size()) << "all but Affine come from the io headers";
+}
+
+}  // namespace
+}  // namespace throng
