@@ -8,7 +8,7 @@ int main(int argc, char** argv) {
     CLI::App app{"throng: GPU skeletal animation for crowds"};
     app.name("throng");
     app.set_version_flag("--version", THRONG_VERSION);
-    app.require_subcommand(1);
+    app.require_subcommand(0, 1);  // none is said below: with 1, a misspelt one would not be named
     app.footer("'throng COMMAND --help' has examples. Exit code: 0 done, 1 failed, more than 1 a wrong option.");
     add_info(app);
     add_pose(app);
@@ -18,10 +18,9 @@ int main(int argc, char** argv) {
     add_devices(app);
     try {
         app.parse(argc, argv);
-        std::cout.flush();
-        return std::fflush(stdout) == 0 && !std::ferror(stdout) ? 0 : throw CommandError("standard output: cannot be written");
-    } catch (const CLI::Success& success) {  // --help, --version
-        return app.exit(success);
+        if (app.get_subcommands().empty()) throw CLI::RequiredError("A command");
+    } catch (const CLI::Success& help_or_version) {
+        app.exit(help_or_version);  // prints it
     } catch (const CLI::ParseError& error) {
         std::cerr << "throng: " << error.what() << " (throng --help)\n";
         return 2;
@@ -30,4 +29,8 @@ int main(int argc, char** argv) {
         std::cerr << "throng: " << error.what() << "\n";
         return 1;
     }
+    std::cout.flush();
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return 0;
+    std::cerr << "throng: standard output: cannot be written\n";
+    return 1;
 }

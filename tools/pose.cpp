@@ -127,7 +127,7 @@ void add_pose(CLI::App& app) {
     command.add_flag("--loop", options->loop, "wrap times beyond the clip's end, for both clips (else clamp)");
     command.add_option("--blend", options->blend, "name or number of a second clip to blend with");
     command.add_option("--blend-time", options->blend_time_s, "seconds into the second clip")->check(finite())->capture_default_str();
-    command.add_option("--weight", options->weight, "weight of --clip; the second clip has the rest")->check(CLI::Range(0.0, 1.0))->capture_default_str();
+    command.add_option("--weight", options->weight, "weight of --clip; the second clip has the rest")->check(finite())->check(CLI::Range(0.0, 1.0))->capture_default_str();
     add_scan_option(command, options->scan);
     command.add_flag("--reference", options->reference, "compute on the CPU in double precision; needs no GPU");
     command.add_option("--vertices", options->vertices, "skinned vertices of each primitive to print: a number, spread evenly, or 'all'")->capture_default_str();

@@ -36,7 +36,8 @@ inline constexpr uint32_t kTrackStep = 0x40000000u;
 inline constexpr uint32_t kTrackPosition = 0x3FFFFFFFu;
 
 // Keys of a clip are rows over one time axis, the union of the key times of its tracks; consecutive rotations of a
-// track lie in the same hemisphere. Between rows: slerp for rotations, lerp for translations and scales.
+// track lie in the same hemisphere. Between rows: slerp for rotations, lerp for translations and scales. Two keys half a turn
+// apart have a row between them, so that rounding cannot change the side on which the arc runs.
 struct Clip {
     std::string name;
     float duration_s = 0;
@@ -108,7 +109,7 @@ struct Character {
     std::vector<AssetMaterial> materials;
     std::vector<AssetImage> images;
     Vec3<float> bounds_min, bounds_max;          // of the mesh in the rest pose, model space
-    float size = 0;                              // diagonal of these bounds: the unit of every error bound
+    float size = 0;                              // diagonal of these bounds (1 where they are a point): the unit of every error bound
     uint32_t morph_target_count = 0;             // of the file; not animated
     std::vector<std::string> warnings;           // of the file and of the compilation, a line each
 
@@ -116,7 +117,7 @@ struct Character {
     uint32_t find_clip(std::string_view clip_name) const;
 };
 
-// Limits: 65,535 joints; 65,536 palette entries; 1 GiB of keys. Errors: kUnsupported (nothing to animate), kLimit.
+// Limits: 65,535 joints; 65,536 palette entries; 256 MiB of keys. Errors: kUnsupported (nothing to animate), kLimit.
 Result<Character> compile_character(const Asset& asset);
 
 // load_asset() and compile_character() in one.

@@ -4,13 +4,16 @@
 #include "compile/source_track.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace throng {
 namespace {
 
-constexpr uint64_t kKeyLimit_bytes = uint64_t{1} << 30;
+constexpr uint64_t kKeyLimit_bytes = uint64_t{256} << 20;
 constexpr uint64_t kKey_bytes = 16;
 constexpr double kRelativeBound = 1e-6;  // of the character's size; a rotation by as many radians moves no point further
+
+constexpr size_t kRefinedKeyLimit = 4'000'000;  // of cubic tracks: seconds of work, tens of MiB
 
 // One animated track of the clip: its source, and where its flags go.
 struct Column {
@@ -34,8 +37,8 @@ public:
         const uint64_t keys_before = character_.keys.size();
         sort_tracks(clip_index);
         unite_times();
-        refine_cubic();
         drop_rows();
+        follow_cubic();
         write_rows();
         clip_.size_bytes = (character_.keys.size() - keys_before) * kKey_bytes + times_s_.size() * sizeof(float) +
                            map_.rig.joint_count() * sizeof(JointTracks);
@@ -72,9 +75,24 @@ private:
             times_s_.insert(times_s_.end(), times.begin(), times.end());
             if (times_s_.size() > (size_t{1} << 22)) unique_times();  // bounded, however many tracks
         }
+        split_half_turns();
         unique_times();
         if (times_s_.empty()) times_s_.push_back(0);
         check_size(times_s_.size());
+    }
+
+    // Between rotations half a turn apart, a float's rounding would decide which way round the arc goes: a row in the middle does.
+    void split_half_turns() {
+        constexpr double kHalfTurn = 1e-4;  // cosine between the quaternions; a float's rounding is a thousand times less
+        for (const Column& column : columns_) {
+            if (column.target() != TrackTarget::kRotation || column.interpolation() != Interpolation::kLinear) continue;
+            const auto& times = column.source.track().times_s;
+            for (size_t key = 0; key + 1 < times.size(); ++key) {
+                const TrackValue a = column.source.evaluate(times[key]), b = column.source.evaluate(times[key + 1]);
+                if (std::abs(a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]) < kHalfTurn)
+                    times_s_.push_back(times[key] + (times[key + 1] - times[key]) / 2);
+            }
+        }
     }
 
     void unique_times() {
@@ -86,25 +104,40 @@ private:
         const uint64_t bytes = (character_.keys.size() + uint64_t{row_count} * columns_.size()) * kKey_bytes;
         if (bytes > kKeyLimit_bytes)
             throw Failure(ErrorCode::kLimit, place_, std::to_string(row_count) + " key times x " + std::to_string(columns_.size()) +
-                                                         " tracks make " + std::to_string(bytes >> 20) + " MiB of keys with the clips before; the limit is 1024 MiB a character");
+                                                         " tracks make " + std::to_string(bytes >> 20) + " MiB of keys with the clips before; the limit is 256 MiB a character");
     }
 
     double bound(TrackTarget target) const {
-        return target == TrackTarget::kTranslation ? kRelativeBound * character_.size : kRelativeBound;
+        return target == TrackTarget::kTranslation ? relative_bound_ * character_.size : relative_bound_;
     }
 
-    // Halves intervals until straight lines (and arcs) between rows follow the cubic tracks.
-    void refine_cubic() {
+    // Rows between the keys of cubic tracks. A track that swings too wildly for the bound is followed less closely, with a warning.
+    void follow_cubic() {
         std::vector<const Column*> cubic;
         for (const Column& column : columns_)
             if (column.interpolation() == Interpolation::kCubicSpline) cubic.push_back(&column);
         if (cubic.empty()) return;
+        constexpr double kLoosest = 1e-2;
+        for (double done = refine(cubic); done < 1; done = refine(cubic)) {
+            relative_bound_ *= std::pow(1.2 / done, 2);  // rows go with the inverse square root of the bound
+            if (!(relative_bound_ <= kLoosest))
+                throw Failure(ErrorCode::kLimit, place_, "its cubic tracks would need more than the limit of " + std::to_string(kRefinedKeyLimit) + " keys to be followed within 1 % of the character's size");
+        }
+        if (relative_bound_ > kRelativeBound)
+            character_.warnings.push_back(place_ + ": its cubic tracks are followed within " + std::to_string(relative_bound_) + " of the character's size, not 0.000001; that would take more than " +
+                                          std::to_string(kRefinedKeyLimit) + " keys");
+        relative_bound_ = kRelativeBound;
+    }
+
+    // Halves intervals until straight lines (and arcs) between rows follow the cubic tracks. Returns the part of the clip for which
+    // the limit of keys was enough; below 1, nothing is changed.
+    double refine(const std::vector<const Column*>& cubic) {
         const auto fits = [&](double from_s, double to_s) {
             return std::all_of(cubic.begin(), cubic.end(), [&](const Column* column) {
                 const TrackValue from = column->source.evaluate(from_s), to = column->source.evaluate(to_s);
                 for (const double w : {0.25, 0.5, 0.75}) {
                     const TrackValue row = interpolate_rows(column->target(), Interpolation::kLinear, from, to, w);
-                    if (distance(column->target(), row, column->source.evaluate(from_s + w * (to_s - from_s))) > bound(column->target())) return false;
+                    if (!(distance(column->target(), row, column->source.evaluate(from_s + w * (to_s - from_s))) <= bound(column->target()))) return false;
                 }
                 return true;
             });
@@ -118,7 +151,8 @@ private:
                 const float to_s = ends.back(), middle_s = from_s + (to_s - from_s) / 2;
                 if (middle_s > from_s && middle_s < to_s && !fits(from_s, to_s)) {
                     ends.push_back(middle_s);
-                    check_size(refined.size() + ends.size());
+                    if ((refined.size() + ends.size()) * cubic.size() > std::max<size_t>(kRefinedKeyLimit, times_s_.size() * cubic.size()))
+                        return (double{from_s} - times_s_.front()) / (double{times_s_.back()} - times_s_.front());
                 } else {
                     ends.pop_back();
                     from_s = to_s;
@@ -129,6 +163,8 @@ private:
         refined.push_back(times_s_.back());
         clip_.refined_row_count = static_cast<uint32_t>(refined.size() - times_s_.size());
         times_s_ = std::move(refined);
+        check_size(times_s_.size());
+        return 1;
     }
 
     // Where tracks have few keys at many different times, the union repeats most of them: leave out rows that their neighbours
@@ -137,11 +173,12 @@ private:
         constexpr uint64_t kFarLarger = 4, kWorthIt = 1 << 16, kLookAhead = 32;
         const uint64_t union_keys = uint64_t{times_s_.size()} * columns_.size();
         if (union_keys < kWorthIt || union_keys < kFarLarger * clip_.source_key_count) return;
+        const std::vector<std::vector<const Column*>> bends = bends_by_row();
         std::vector<float> kept{times_s_.front()};
         size_t from = 0;
         while (from + 1 < times_s_.size()) {
             size_t to = from + 1;
-            while (to + 1 < times_s_.size() && to - from < kLookAhead && reproduces(from, to + 1)) ++to;
+            while (to + 1 < times_s_.size() && to - from < kLookAhead && reproduces(bends, from, to + 1)) ++to;
             kept.push_back(times_s_[to]);
             from = to;
         }
@@ -149,14 +186,29 @@ private:
         times_s_ = std::move(kept);
     }
 
-    // Whether rows `from` and `to` alone give every row between them.
-    bool reproduces(size_t from, size_t to) const {
+    // For each row the columns that may bend or jump there: those with a key of their own, and cubic ones everywhere. The
+    // others go straight through it.
+    std::vector<std::vector<const Column*>> bends_by_row() const {
+        std::vector<std::vector<const Column*>> bends(times_s_.size());
         for (const Column& column : columns_) {
-            const TrackValue a = column.source.evaluate(times_s_[from]), b = column.source.evaluate(times_s_[to]);
-            for (size_t row = from + 1; row < to; ++row) {
-                const double w = (double{times_s_[row]} - times_s_[from]) / (double{times_s_[to]} - times_s_[from]);
-                const TrackValue between = interpolate_rows(column.target(), column.interpolation(), a, b, w);
-                if (distance(column.target(), between, column.source.evaluate(times_s_[row])) > bound(column.target())) return false;
+            if (column.interpolation() == Interpolation::kCubicSpline) {
+                for (auto& columns : bends) columns.push_back(&column);
+                continue;
+            }
+            for (float time_s : column.source.track().times_s)
+                bends[static_cast<size_t>(std::lower_bound(times_s_.begin(), times_s_.end(), time_s) - times_s_.begin())].push_back(&column);
+        }
+        return bends;
+    }
+
+    // Whether rows `from` and `to` alone give every row between them.
+    bool reproduces(const std::vector<std::vector<const Column*>>& bends, size_t from, size_t to) const {
+        for (size_t row = from + 1; row < to; ++row) {
+            const double w = (double{times_s_[row]} - times_s_[from]) / (double{times_s_[to]} - times_s_[from]);
+            for (const Column* column : bends[row]) {
+                const TrackValue a = column->source.evaluate(times_s_[from]), b = column->source.evaluate(times_s_[to]);
+                const TrackValue between = interpolate_rows(column->target(), column->interpolation(), a, b, w);
+                if (!(distance(column->target(), between, column->source.evaluate(times_s_[row])) <= bound(column->target()))) return false;
             }
         }
         return true;
@@ -180,7 +232,9 @@ private:
         for (size_t row = 1; row < times_s_.size(); ++row) {
             const auto& earlier = character_.keys[first + (row - 1) * columns_.size()];
             auto& later = character_.keys[first + row * columns_.size()];
-            if (earlier[0] * later[0] + earlier[1] * later[1] + earlier[2] * later[2] + earlier[3] * later[3] < 0)
+            double cosine = 0;
+            for (size_t i = 0; i < 4; ++i) cosine += double{earlier[i]} * later[i];
+            if (cosine < 0)
                 for (float& component : later) component = -component;
         }
     }
@@ -197,6 +251,7 @@ private:
     std::string place_;
     std::vector<Column> columns_;
     std::vector<float> times_s_;
+    double relative_bound_ = kRelativeBound;
 };
 
 }  // namespace
@@ -205,7 +260,7 @@ void compile_clips(const Asset& asset, const RigMap& map, Character& character) 
     const uint32_t joint_count = map.rig.joint_count();
     const uint64_t table_bytes = (asset.clips.size() + 1) * uint64_t{joint_count} * sizeof(JointTracks);
     if (table_bytes > kKeyLimit_bytes)
-        throw Failure(ErrorCode::kLimit, asset.name, std::to_string(asset.clips.size()) + " clips x " + std::to_string(joint_count) + " joints make a track table of " + std::to_string(table_bytes >> 20) + " MiB; the limit is 1024 MiB");
+        throw Failure(ErrorCode::kLimit, asset.name, std::to_string(asset.clips.size()) + " clips x " + std::to_string(joint_count) + " joints make a track table of " + std::to_string(table_bytes >> 20) + " MiB; the limit is 256 MiB");
 
     std::vector<JointTracks> rest_tracks;
     rest_tracks.reserve(joint_count);

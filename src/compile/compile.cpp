@@ -32,6 +32,7 @@ void measure(Character& character) {
     character.bounds_min = low.as<float>();
     character.bounds_max = high.as<float>();
     character.size = static_cast<float>(length(high - low));
+    if (character.size == 0) character.size = 1;  // joints without a mesh, all in one place
     if (!std::isfinite(character.size)) throw Failure(ErrorCode::kInvalidFile, character.name, "the rest pose is not finite");
 }
 

@@ -10,7 +10,7 @@ std::vector<Vec3<double>> skin_reference(const Character& character, std::span<c
             Vec3<double> sum;
             for (uint32_t set = 0; set < section.influence_sets; ++set) {
                 const Influences& influences = character.influences[section.first_influences + vertex * section.influence_sets + set];
-                for (int i = 0; i < 4; ++i)
+                for (size_t i = 0; i < 4; ++i)
                     if (influences.weights[i] != 0)
                         sum = sum + transform_point(model_from_bind[influences.entries[i]], bind_position) * double{influences.weights[i]};
             }
