@@ -240,6 +240,17 @@ TEST(Compile, CubicClipsAreRefinedToTheBound) {
     std::printf("  6 cubic clips, %u rows added: largest error %.1e rad, %.1e of the size, factor %.1e\n", rows, worst.rotation_rad, worst.translation, worst.scale);
 }
 
+// A symmetric curve meets its chord in the middle: looking there alone would take it for a line.
+TEST(Compile, ACubicTrackThatMeetsItsChordIsRefined) {
+    Builder builder;
+    const uint32_t joint = builder.node(kNone);
+    builder.mesh(joint, builder.skin({joint}));
+    builder.track(joint, TrackTarget::kTranslation, {0, 1}, {0, 0, 0, 0, 0, 0, 3, 0, 0, 3, 0, 0, 1, 0, 0, 0, 0, 0}, Interpolation::kCubicSpline);
+    const Character character = compile(builder.asset);
+    EXPECT_GT(character.clips[0].refined_row_count, 100u);
+    EXPECT_LE(clip_errors(builder.asset, character, 0).translation, 1.3e-6 * character.size);
+}
+
 TEST(Compile, WhatDoesNotChangeIsStoredOnce) {
     Builder builder;
     const uint32_t a = builder.node(kNone), b = builder.node(a);
@@ -332,12 +343,24 @@ TEST(Compile, AFarLargerUnionDropsRowsWithinTheBound) {
         builder.track(joint, TrackTarget::kTranslation, times_s, values);
     }
     builder.track(7, TrackTarget::kRotation, {0, 4, 5, 10}, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 1, 0});  // and one with a corner
+    for (uint32_t wheel = 100; wheel < 110; ++wheel) {  // and some that spin by half turns
+        const Quaternion<double> start = random.rotation();
+        const Vec3<double> axis = random.direction();
+        std::vector<float> times_s, values;
+        for (int k = 0; k < 8; ++k) {
+            const Quaternion<float> q = (start * axis_angle(axis, 3.14159265358979 * k)).as<float>();
+            times_s.push_back(static_cast<float>(1.4 * k));
+            values.insert(values.end(), {q.x, q.y, q.z, q.w});
+        }
+        builder.track(wheel, TrackTarget::kRotation, times_s, values);
+    }
     const Character character = compile(builder.asset);
     const Clip& clip = character.clips[0];
     const TrackErrors errors = clip_errors(builder.asset, character, 0);
-    std::printf("  %zu keys of 151 tracks; union of %u rows, %u dropped; largest error %.1e of the size\n", size_t{clip.source_key_count}, clip.row_count + clip.dropped_row_count, clip.dropped_row_count, errors.translation / character.size);
+    std::printf("  %zu keys of 161 tracks; union of %u rows, %u dropped; largest error %.1e of the size, %.1e rad\n", size_t{clip.source_key_count}, clip.row_count + clip.dropped_row_count, clip.dropped_row_count, errors.translation / character.size, errors.rotation_rad);
     EXPECT_GT(clip.row_count + clip.dropped_row_count, 440u);
     EXPECT_LT(clip.row_count, 100u);
+    EXPECT_GE(clip.row_count, 15u);
     EXPECT_LE(errors.translation, 1.5e-6 * character.size);
     EXPECT_LE(errors.rotation_rad, 1.5e-6);
 }
@@ -399,6 +422,14 @@ TEST(Compile, FoldingStaticNodesChangesNothing) {
 }
 
 TEST(Compile, AnUnevenlyScaledNodeIsKept) {
+    for (const Vec3<double>& scale : {Vec3<double>{2, 1, 1}, Vec3<double>{1, 2, 1}, Vec3<double>{1, 1, 2}, Vec3<double>{1, 1, 1}}) {
+        Builder builder;
+        Trs<double> middle;
+        middle.scale = scale;
+        const uint32_t root = builder.node(kNone), joint = builder.node(builder.node(root, middle));
+        builder.mesh(root, builder.skin({joint}));
+        EXPECT_EQ(compile(builder.asset).rig.joint_count(), scale.x == scale.y && scale.y == scale.z ? 1u : 2u);
+    }
     Builder builder;
     Trs<double> even = moved(1, 0, 0), uneven = moved(0, 1, 0);
     even.scale = {2, 2, 2};

@@ -508,8 +508,8 @@ TEST(Crowd, DirtyRangesMergeWhatTouches) {
     EXPECT_EQ(take(), Ranges{});
     dirty.add(5, 0);
     EXPECT_EQ(take(), Ranges{});
-    for (const auto& [first, count] : Ranges{{10, 5}, {0, 3}, {12, 1}, {14, 4}, {20, 1}, {3, 1}, {12, 2}}) dirty.add(first, count);
-    EXPECT_EQ(take(), (Ranges{{0, 4}, {10, 8}, {20, 1}}));
+    for (const auto& [first, count] : Ranges{{10, 5}, {0, 3}, {12, 1}, {14, 4}, {20, 5}, {3, 1}, {12, 2}, {21, 1}}) dirty.add(first, count);
+    EXPECT_EQ(take(), (Ranges{{0, 4}, {10, 8}, {20, 5}}));
     EXPECT_EQ(take(), Ranges{}) << "taken twice";
 }
 

@@ -24,6 +24,12 @@ struct Column {
     Interpolation interpolation() const { return source.track().interpolation; }
 };
 
+// Two neighbouring keys half a turn apart.
+struct HalfTurn {
+    const Column* column;
+    float middle_s;
+};
+
 class ClipCompiler {
 public:
     ClipCompiler(const Asset& asset, const RigMap& map, const AssetClip& source, Character& character)
@@ -83,16 +89,22 @@ private:
 
     // Between rotations half a turn apart, a float's rounding would decide which way round the arc goes: a row in the middle does.
     void split_half_turns() {
-        constexpr double kHalfTurn = 1e-4;  // cosine between the quaternions; a float's rounding is a thousand times less
         for (const Column& column : columns_) {
             if (column.target() != TrackTarget::kRotation || column.interpolation() != Interpolation::kLinear) continue;
             const auto& times = column.source.track().times_s;
             for (size_t key = 0; key + 1 < times.size(); ++key) {
-                const TrackValue a = column.source.evaluate(times[key]), b = column.source.evaluate(times[key + 1]);
-                if (std::abs(a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]) < kHalfTurn)
-                    times_s_.push_back(times[key] + (times[key + 1] - times[key]) / 2);
+                if (!is_half_turn(column, column.source.evaluate(times[key]), column.source.evaluate(times[key + 1]))) continue;
+                const float middle_s = times[key] + (times[key + 1] - times[key]) / 2;
+                half_turns_.push_back({&column, middle_s});
+                times_s_.push_back(middle_s);
             }
         }
+    }
+
+    static bool is_half_turn(const Column& column, const TrackValue& a, const TrackValue& b) {
+        constexpr double kCosine = 1e-4;  // between the quaternions; a float's rounding is a thousand times less
+        return column.target() == TrackTarget::kRotation && column.interpolation() == Interpolation::kLinear &&
+               std::abs(a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]) < kCosine;
     }
 
     void unique_times() {
@@ -186,17 +198,20 @@ private:
         times_s_ = std::move(kept);
     }
 
-    // For each row the columns that may bend or jump there: those with a key of their own, and cubic ones everywhere. The
-    // others go straight through it.
+    // For each row the columns that may bend or jump there: those with a key of their own, or half a turn around it, and cubic
+    // ones everywhere. The others go straight through it.
     std::vector<std::vector<const Column*>> bends_by_row() const {
         std::vector<std::vector<const Column*>> bends(times_s_.size());
+        const auto at = [&](float time_s) -> std::vector<const Column*>& {
+            return bends[static_cast<size_t>(std::lower_bound(times_s_.begin(), times_s_.end(), time_s) - times_s_.begin())];
+        };
+        for (const HalfTurn& half_turn : half_turns_) at(half_turn.middle_s).push_back(half_turn.column);
         for (const Column& column : columns_) {
             if (column.interpolation() == Interpolation::kCubicSpline) {
                 for (auto& columns : bends) columns.push_back(&column);
                 continue;
             }
-            for (float time_s : column.source.track().times_s)
-                bends[static_cast<size_t>(std::lower_bound(times_s_.begin(), times_s_.end(), time_s) - times_s_.begin())].push_back(&column);
+            for (float time_s : column.source.track().times_s) at(time_s).push_back(&column);
         }
         return bends;
     }
@@ -207,6 +222,7 @@ private:
             const double w = (double{times_s_[row]} - times_s_[from]) / (double{times_s_[to]} - times_s_[from]);
             for (const Column* column : bends[row]) {
                 const TrackValue a = column->source.evaluate(times_s_[from]), b = column->source.evaluate(times_s_[to]);
+                if (is_half_turn(*column, a, b)) return false;
                 const TrackValue between = interpolate_rows(column->target(), column->interpolation(), a, b, w);
                 if (!(distance(column->target(), between, column->source.evaluate(times_s_[row])) <= bound(column->target()))) return false;
             }
@@ -251,6 +267,7 @@ private:
     std::string place_;
     std::vector<Column> columns_;
     std::vector<float> times_s_;
+    std::vector<HalfTurn> half_turns_;
     double relative_bound_ = kRelativeBound;
 };
 
