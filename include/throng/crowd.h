@@ -88,7 +88,7 @@ public:
     std::string_view scan_method(uint32_t group) const;
 
     // Change what instances play, or where they stand (world_from_model); taken up by the next record(). New instances play the
-    // rest pose and stand at the origin. Only changed instances are uploaded: 48 bytes each for either.
+    // rest pose and stand at the origin. Only changed instances are uploaded: 36 bytes each for a playback, 48 for a placement.
     // Errors: kInvalidArgument (instance or clip out of range, value not finite, weight outside 0..1).
     Result<void> set_playback(uint32_t first_instance, std::span<const Playback> playback);
     Result<void> set_placement(uint32_t first_instance, std::span<const Affine> world_from_model);

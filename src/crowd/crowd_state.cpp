@@ -259,18 +259,18 @@ std::vector<Affine> CrowdState::read_matrices(uint32_t instance, bool model) con
     return download<Affine>(gpu, BufferRange(model ? batch.kept_model.handle() : batch.skin.handle(), (instance - batch.first_instance) * size_bytes, size_bytes));
 }
 
-std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) const {
+std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
     check_range(instance, 1, "read-back");
     const Batch& batch = batch_of(instance);
     const Group& group = groups[batch.group];
     if (group.vertex_count == 0) return {};
-    const Kernel skin = skin_kernel(gpu);
+    if (!skin_) skin_ = skin_kernel(gpu);
     const Buffer positions(gpu, group.name + ": skinned positions", group.vertex_count * uint64_t{sizeof(io::vec4)}, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    const Bindings bindings = skin.bind(SkinBuffers{group.vertices, group.influences, batch.skin, positions});
+    const Bindings bindings = skin_->bind(SkinBuffers{group.vertices, group.influences, batch.skin, positions});
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
         memory_barrier(*gpu, commands, kShaderWrite, kShaderRead);
         for (const MeshSection& section : group.sections)
-            skin.dispatch_invocations(commands, bindings,
+            skin_->dispatch_invocations(commands, bindings,
                                       io::SkinPush{.first_vertex = section.first_vertex,
                                                    .vertex_count = section.vertex_count,
                                                    .first_influences = section.first_influences,

@@ -13,6 +13,7 @@
 #include <throng/crowd.h>
 
 #include <memory>
+#include <optional>
 
 namespace throng {
 
@@ -40,7 +41,7 @@ struct CrowdState {
     void set_placement(uint32_t first_instance, std::span<const Affine> world_from_model);
     void record(VkCommandBuffer commands, float time_step_s);
     std::vector<Affine> read_matrices(uint32_t instance, bool model) const;
-    std::vector<Vec3<float>> read_positions(uint32_t instance) const;
+    std::vector<Vec3<float>> read_positions(uint32_t instance);
     uint64_t size_bytes() const;
 
     std::shared_ptr<Gpu> gpu;
@@ -63,6 +64,7 @@ private:
     const Batch& batch_of(uint32_t instance) const;
 
     Kernel control_, sample_, blend_, bind_;
+    std::optional<Kernel> skin_;  // made when positions are first read back
     Arena arena_;
     std::vector<uint64_t> arena_offsets_bytes_;      // [batch_count]
     std::vector<io::InstancePlayback> playbacks_;    // [instance_count], as last set

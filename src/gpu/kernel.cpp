@@ -18,7 +18,9 @@ Bindings::Bindings(std::shared_ptr<Gpu> gpu, VkDescriptorSetLayout layout, std::
     allocate.descriptorPool = pool_;
     allocate.descriptorSetCount = 1;
     allocate.pSetLayouts = &layout;
-    check(gpu_->vk.vkAllocateDescriptorSets(gpu_->device, &allocate, &set_), "vkAllocateDescriptorSets");
+    const VkResult result = gpu_->vk.vkAllocateDescriptorSets(gpu_->device, &allocate, &set_);
+    if (result != VK_SUCCESS) gpu_->vk.vkDestroyDescriptorPool(gpu_->device, pool_, nullptr);  // a destructor does not run here
+    check(result, "vkAllocateDescriptorSets");
 
     std::vector<VkDescriptorBufferInfo> infos;
     std::vector<VkWriteDescriptorSet> writes;
