@@ -1,4 +1,5 @@
 #include "glb_builder.h"
+#include "tests/test_device.h"
 
 #include <throng/asset.h>
 
@@ -1107,15 +1108,6 @@ TEST(Import, BrokenDraco) {
 
 // ---- The files that others made ----
 
-fs::path shared_folder() {
-    if (const char* folder = std::getenv("THRONG_SHARED")) return folder;
-#ifdef THRONG_SHARED_DIR
-    return THRONG_SHARED_DIR;
-#else
-    return "/work/shared";
-#endif
-}
-
 struct Counts {
     int loaded_count = 0, refused_count = 0;
 };
@@ -1155,7 +1147,7 @@ Counts load_all(const fs::path& folder, const std::set<std::string>& must_refuse
 }
 
 TEST(Import, Characters) {
-    const fs::path folder = shared_folder() / "characters";
+    const fs::path folder = shared_folder("characters");
     if (!fs::exists(folder)) GTEST_SKIP() << "no shared folder";
     const Counts counts = load_all(folder, {}, {});
     EXPECT_EQ(counts.refused_count, 0);
@@ -1163,7 +1155,7 @@ TEST(Import, Characters) {
 }
 
 TEST(Import, InvalidFiles) {
-    const fs::path folder = shared_folder() / "invalid";
+    const fs::path folder = shared_folder("invalid");
     if (!fs::exists(folder)) GTEST_SKIP() << "no shared folder";
     const std::set<std::string> must_refuse{
         // The file as a whole.
