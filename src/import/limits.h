@@ -11,7 +11,7 @@
 namespace throng::gltf {
 
 inline constexpr uint64_t kFileLimitBytes = uint64_t(2) << 30;      // a file, and all side files of a file together
-inline constexpr uint64_t kMemoryLimitBytes = uint64_t(768) << 20;  // JSON as read and everything decoded
+inline constexpr uint64_t kMemoryLimitBytes = uint64_t(384) << 20;  // JSON as read and everything decoded
 inline constexpr uint64_t kJsonLimitBytes = uint64_t(256) << 20;    // JSON text, data: URIs included
 inline constexpr uint32_t kJsonDepthLimit = 64;
 inline constexpr uint32_t kWarningLimit = 100;
@@ -22,7 +22,7 @@ public:
     void charge(uint64_t size_bytes, const std::string& place) {
         if (size_bytes > left_bytes_)
             throw Failure(ErrorCode::kLimit, place,
-                          "the file's content needs more than the limit of 768 MiB of memory");
+                          "the file's content needs more than the limit of 384 MiB of memory");
         left_bytes_ -= size_bytes;
     }
     // Charges `count` elements of `element_bytes` each; count is at most 2^53.
