@@ -119,8 +119,8 @@ void expect_inverse_binds_undo_rest(const Asset& asset) {
     const Matrices rest = pose(asset);
     for (uint32_t joint = 0; joint < asset.skins[0].joints.size(); ++joint) {
         const auto identity = rest[joint] * asset.skins[0].inverse_binds[joint].as<double>();
-        for (int r = 0; r < 3; ++r)
-            for (int c = 0; c < 4; ++c) ASSERT_NEAR(identity.row[r][c], r == c ? 1 : 0, 1e-6) << "joint " << joint;
+        for (size_t r = 0; r < 3; ++r)
+            for (size_t c = 0; c < 4; ++c) ASSERT_NEAR(identity.row[r][c], r == c ? 1 : 0, 1e-6) << "joint " << joint;
     }
 }
 

@@ -156,7 +156,6 @@ TEST(Gpu, WhatIsNoSpirvIsRefused) {
 struct Layout {
     size_t size_bytes = 0;
     std::vector<std::pair<std::string, size_t>> members;  // name and offset
-    friend bool operator==(const Layout&, const Layout&) = default;
 };
 
 #define MEMBER(type, member) {#member, offsetof(io::type, member)}
