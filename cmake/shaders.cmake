@@ -1,21 +1,28 @@
-# GLSL -> SPIR-V words in the build tree, which C++ includes into an array: #include "<path>.inc".
+# GLSL -> SPIR-V words in the build tree, which C++ includes into an array: #include "<output>".
 find_program(GLSLC glslc REQUIRED)
 
-# throng_add_shaders(target file...): files relative to src/.
+# throng_add_shader(target shader output defines...): shader relative to src/ or absolute, output to the folder of shaders in the build tree.
+function(throng_add_shader target shader output_name)
+  cmake_path(ABSOLUTE_PATH shader BASE_DIRECTORY ${PROJECT_SOURCE_DIR}/src OUTPUT_VARIABLE source)
+  set(output ${PROJECT_BINARY_DIR}/shaders/${output_name})
+  get_filename_component(folder ${output} DIRECTORY)
+  file(MAKE_DIRECTORY ${folder})
+  set(defines ${ARGN})
+  list(TRANSFORM defines PREPEND -D)
+  add_custom_command(
+    OUTPUT ${output}
+    COMMAND ${GLSLC} --target-env=vulkan1.3 -O -Werror -mfmt=num ${defines} -I ${PROJECT_SOURCE_DIR}/src -MD -MF ${output}.d -o ${output} ${source}
+    DEPENDS ${source}
+    DEPFILE ${output}.d
+    COMMENT "Compiling shader ${output_name}"
+    VERBATIM)
+  target_sources(${target} PRIVATE ${output})
+  target_include_directories(${target} PRIVATE ${PROJECT_BINARY_DIR}/shaders)
+endfunction()
+
+# throng_add_shaders(target file...): each to <file>.inc.
 function(throng_add_shaders target)
   foreach(shader IN LISTS ARGN)
-    set(source ${PROJECT_SOURCE_DIR}/src/${shader})
-    set(output ${PROJECT_BINARY_DIR}/shaders/${shader}.inc)
-    get_filename_component(folder ${output} DIRECTORY)
-    file(MAKE_DIRECTORY ${folder})
-    add_custom_command(
-      OUTPUT ${output}
-      COMMAND ${GLSLC} --target-env=vulkan1.3 -O -Werror -mfmt=num -I ${PROJECT_SOURCE_DIR}/src -MD -MF ${output}.d -o ${output} ${source}
-      DEPENDS ${source}
-      DEPFILE ${output}.d
-      COMMENT "Compiling shader ${shader}"
-      VERBATIM)
-    target_sources(${target} PRIVATE ${output})
+    throng_add_shader(${target} ${shader} ${shader}.inc)
   endforeach()
-  target_include_directories(${target} PRIVATE ${PROJECT_BINARY_DIR}/shaders)
 endfunction()

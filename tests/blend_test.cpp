@@ -30,9 +30,37 @@ std::vector<Affine> run_blend(const std::vector<float>& weights, const std::vect
     const Guarded<io::InstanceCursor> cursor_buffer(cursors);
     const Guarded<io::JointPose> first_poses(first), second_poses(second);
     const Guarded<Affine> local(poison<Affine>(first.size()));
-    run_workgroups(blend_kernel(test_gpu()), BlendBuffers{cursor_buffer, first_poses, second_poses, local}, io::BlendPush{joint_count}, static_cast<uint32_t>(weights.size()));
+    run_workgroups(blend_kernel(test_gpu(), BlendOutput::kAffine), BlendBuffers{cursor_buffer, first_poses, second_poses, local}, io::BlendPush{joint_count}, static_cast<uint32_t>(weights.size()));
     EXPECT_TRUE(same_bits(first_poses.read(), first) && same_bits(second_poses.read(), second)) << "the stage wrote its input";
     return local.read();
+}
+
+// Rotation, uniform scale and translation come out as they went in, or blended.
+TEST(Blend, SimilaritiesAreTheSameTransforms) {
+    constexpr uint32_t kJoints = 70;
+    Random random(3);
+    const std::vector<float> weights{0, 1, 0.3f, 0.8f};
+    std::vector<io::InstanceCursor> cursors;
+    for (const float weight : weights) cursors.push_back({.first = {}, .second = {}, .weight = weight});
+    std::vector<io::JointPose> first, second;
+    for (size_t i = 0; i < weights.size() * kJoints; ++i) {
+        for (std::vector<io::JointPose>* poses : {&first, &second}) {
+            Trs<double> trs = random.trs(2, 0);
+            trs.scale = Vec3<double>{1, 1, 1} * random.between(0.5, 2);
+            poses->push_back(to_pose(trs));
+        }
+    }
+    const Guarded<io::InstanceCursor> cursor_buffer(cursors);
+    const Guarded<io::JointPose> first_poses(first), second_poses(second);
+    const Guarded<io::vec4> local(poison<io::vec4>(2 * first.size()));  // rotation; translation and scale
+    run_workgroups(blend_kernel(test_gpu(), BlendOutput::kSimilarity), BlendBuffers{cursor_buffer, first_poses, second_poses, local}, io::BlendPush{kJoints}, static_cast<uint32_t>(weights.size()));
+    const std::vector<io::vec4> rows = local.read();
+    for (size_t i = 0; i < first.size(); ++i) {
+        const io::vec4 q = rows[2 * i], t = rows[2 * i + 1];
+        const Trs<float> got{{q.x, q.y, q.z, q.w}, {t.x, t.y, t.z}, {t.w, t.w, t.w}};
+        const Trs<double> wanted = blend_reference(as_trs(first[i]), as_trs(second[i]), weights[i / kJoints]);
+        EXPECT_LE(matrix_error(to_affine(got), to_affine(wanted), std::max(1.0, length(wanted.translation))), kBound) << "joint " << i;
+    }
 }
 
 TEST(Blend, FollowsTheReference) {

@@ -87,44 +87,82 @@ std::vector<Affine> skins_of(Crowd& crowd) {
     return all;
 }
 
-TEST(Crowd, AMixedCrowdFollowsTheReferenceWithEveryScan) {
-    const std::vector<Character> characters{make_character({.name = "one", .joint_count = 1, .seed = 2}), small_character(),
-                                            make_character({.name = "cubic", .joint_count = 70, .seed = 3, .cubic = true}),
-                                            make_character({.name = "large", .joint_count = 300, .seed = 4})};
+// Four characters and what each of their instances plays.
+struct MixedCrowd {
+    std::vector<Character> characters;
     CrowdSettings settings{.keep_model_matrices = true};
-    Random random(5);
     std::vector<Playback> playbacks;
-    std::vector<const Character*> character_of;
-    for (const Character& character : characters) {
-        const uint32_t count = 5 + 3 * static_cast<uint32_t>(settings.groups.size());
-        settings.groups.push_back({&character, count});
-        for (const Playback& playback : random_playbacks(random, character, count)) playbacks.push_back(playback);
-        character_of.insert(character_of.end(), count, &character);
-    }
-    for (const ScanMethodInfo& method : scan_methods()) {
-        settings.scan = method.name;
-        Crowd crowd = create(settings);
-        ASSERT_EQ(crowd.instance_count(), playbacks.size());
-        for (uint32_t group = 0; group < characters.size(); ++group) EXPECT_EQ(crowd.scan_method(group), method.name);
-        ASSERT_TRUE(crowd.set_playback(0, playbacks));
-        double worst = 0;
-        std::vector<Playback> now = playbacks;
-        for (const float step_s : {0.0f, 0.3f, 0.171f, -0.9f}) {
-            ASSERT_TRUE(crowd.update(step_s));
-            for (uint32_t i = 0; i < playbacks.size(); ++i) {
-                now[i] = advanced(now[i], *character_of[i], step_s);
-                const double error = instance_error(crowd, i, *character_of[i], now[i], true);
-                EXPECT_LE(error, kBound) << method.name << ", instance " << i << ", " << character_of[i]->name << ", step " << step_s << " s";
-                worst = std::max(worst, error);
-            }
+    std::vector<const Character*> character_of;  // [instance]
+
+    explicit MixedCrowd(double scale_spread) {
+        for (const AssetSettings& asset : {AssetSettings{.name = "one", .joint_count = 1, .seed = 2}, AssetSettings{.name = "small", .seed = 6},
+                                           AssetSettings{.name = "cubic", .joint_count = 70, .seed = 3, .cubic = true}, AssetSettings{.name = "large", .joint_count = 300, .seed = 4}}) {
+            AssetSettings scaled = asset;
+            scaled.scale_spread = scale_spread;
+            characters.push_back(make_character(scaled));
         }
-        std::printf("  %-22s %zu instances of 1, 20, 70 and 300 joints, 4 updates: largest error %.1e of the size\n", method.name.c_str(), playbacks.size(), worst);
+        Random random(5);
+        for (const Character& character : characters) {
+            const uint32_t count = 5 + 3 * static_cast<uint32_t>(settings.groups.size());
+            settings.groups.push_back({&character, count});
+            for (const Playback& playback : random_playbacks(random, character, count)) playbacks.push_back(playback);
+            character_of.insert(character_of.end(), count, &character);
+        }
+    }
+};
+
+void expect_reference(const MixedCrowd& mixed, const ScanMethod& method) {
+    CrowdSettings settings = mixed.settings;
+    settings.scan = method.name;
+    Crowd crowd = create(settings);
+    ASSERT_EQ(crowd.instance_count(), mixed.playbacks.size());
+    for (uint32_t group = 0; group < mixed.characters.size(); ++group) EXPECT_EQ(crowd.scan(group).method.substr(0, crowd.scan(group).method.find(':')), method.name);
+    ASSERT_TRUE(crowd.set_playback(0, mixed.playbacks));
+    double worst = 0;
+    std::vector<Playback> now = mixed.playbacks;
+    for (const float step_s : {0.0f, 0.3f, 0.171f, -0.9f}) {
+        ASSERT_TRUE(crowd.update(step_s));
+        for (uint32_t i = 0; i < now.size(); ++i) {
+            now[i] = advanced(now[i], *mixed.character_of[i], step_s);
+            const double error = instance_error(crowd, i, *mixed.character_of[i], now[i], true);
+            EXPECT_LE(error, kBound) << method.name << ", instance " << i << ", " << mixed.character_of[i]->name << ", step " << step_s << " s";
+            worst = std::max(worst, error);
+        }
+    }
+    std::printf("  %-22s %zu instances of 1, 20, 70 and 300 joints, 4 updates: largest error %.1e of the size\n", std::string(method.name).c_str(), now.size(), worst);
+}
+
+TEST(Crowd, AMixedCrowdFollowsTheReferenceWithEveryScan) {
+    const MixedCrowd scaled(0.1), unscaled(0);
+    for (const Character& character : scaled.characters) EXPECT_FALSE(character.rig.uniform_scale) << character.name;
+    for (const Character& character : unscaled.characters) EXPECT_TRUE(character.rig.uniform_scale) << character.name;
+    for (const ScanMethod& method : scan_table()) {
+        if (method.layout == ScanLayout::kCharacterMajor) expect_reference(method.format == ScanFormat::kSimilarity ? unscaled : scaled, method);
     }
 }
 
-TEST(Crowd, AutoChoosesAScan) {
+TEST(Crowd, AScanThatDoesNotApplyIsRefused) {
+    const MixedCrowd scaled(0.1);
+    for (const ScanMethod& method : scan_table()) {
+        if (method.layout == ScanLayout::kCharacterMajor && method.format == ScanFormat::kAffine) continue;
+        CrowdSettings settings = scaled.settings;
+        settings.scan = method.name;
+        const Result<Crowd> crowd = Crowd::create(test_device(), settings);
+        ASSERT_FALSE(crowd) << method.name;
+        EXPECT_EQ(crowd.error().code, ErrorCode::kUnsupported);
+        EXPECT_NE(crowd.error().text().find(method.name), std::string::npos) << crowd.error().text();
+    }
+}
+
+TEST(Crowd, AutoChoosesAScanAndSaysWhy) {
     const Character character = small_character();
-    EXPECT_TRUE(find_scan_method(create({.groups = {{&character, 1}}}).scan_method(0)));
+    const ScanAdvice used = create({.groups = {{&character, 7}}}).scan(0);
+    EXPECT_TRUE(find_scan_method(used.method.substr(0, used.method.find(':')))) << used.method;
+    EXPECT_NE(used.reason.find("7 x 20 joints"), std::string::npos) << used.reason;
+    const Result<ScanAdvice> advice = advise_scan(test_device(), character.rig, 7);
+    ASSERT_TRUE(advice);
+    EXPECT_EQ(advice->method, used.method);
+    EXPECT_EQ(advice->reason, used.reason);
 }
 
 // More matrices than one buffer of the device holds: several batches, and several waves through the arena.
@@ -186,8 +224,19 @@ TEST(Crowd, TheLargestCharacterWorksWithEveryScan) {
     ASSERT_EQ(large.rig.joint_count(), 65535u);
     Random random(11);
     const std::vector<Playback> playbacks = random_playbacks(random, large, 2);
-    for (const ScanMethodInfo& method : scan_methods()) {
-        Crowd crowd = create({.groups = {{&large, 2}}, .scan = method.name, .keep_model_matrices = true});
+    for (const ScanMethod& method : scan_table()) {
+        const CrowdSettings settings{.groups = {{&large, 2}}, .scan = std::string(method.name), .keep_model_matrices = true};
+        const std::vector<uint32_t> lanes = method.lane_choices(scan_limits(*test_device().gpu()));
+        const bool applies = method.layout == ScanLayout::kCharacterMajor && std::any_of(lanes.begin(), lanes.end(), [&](uint32_t choice) {
+            return plan_scan(method, ScanRig(large.rig.parents, true), scan_limits(*test_device().gpu()), choice).obstacle.empty();
+        });
+        if (!applies) {
+            const Result<Crowd> refused = Crowd::create(test_device(), settings);
+            ASSERT_FALSE(refused) << method.name;
+            EXPECT_EQ(refused.error().code, ErrorCode::kUnsupported);
+            continue;
+        }
+        Crowd crowd = create(settings);
         ASSERT_TRUE(crowd.set_playback(0, playbacks));
         ASSERT_TRUE(crowd.update(0));
         for (uint32_t i = 0; i < 2; ++i) EXPECT_LE(instance_error(crowd, i, large, playbacks[i], true), kBound) << method.name;
@@ -371,8 +420,9 @@ TEST(Crowd, WrongSettingsAreRefused) {
 }
 
 TEST(Crowd, TheSameInputsGiveTheSameBits) {
-    const Character character = small_character();
+    const Character character = make_character({.name = "unscaled", .scale_spread = 0});
     for (const ScanMethodInfo& method : scan_methods()) {
+        if (!method.in_crowds) continue;
         const auto run = [&](bool with_neighbours) {
             Crowd crowd = create({.groups = {{&character, with_neighbours ? 70u : 0u}, {&character, 40}}, .scan = method.name});
             Random random(14);

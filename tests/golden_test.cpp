@@ -153,8 +153,10 @@ TEST(Golden, EveryScanMethodOnTheGpu) {
     const auto as_doubles = [](const auto& from, auto&& to) { for (const auto& value : from) to.push_back(value.template as<double>()); };
     for (const Golden& golden : load_goldens()) {
         for (const ScanMethodInfo& method : scan_methods()) {
+            if (!method.in_crowds) continue;
             const auto count = static_cast<uint32_t>(golden.playbacks.size());
             Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&golden.character, count}}, .scan = method.name, .keep_model_matrices = true});
+            if (!crowd && crowd.error().code == ErrorCode::kUnsupported && !golden.character.rig.uniform_scale) continue;
             ASSERT_TRUE(crowd) << crowd.error().text();
             ASSERT_TRUE(crowd->set_playback(0, golden.playbacks));
             ASSERT_TRUE(crowd->update(0));

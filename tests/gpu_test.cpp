@@ -6,6 +6,7 @@
 #include "draw/draw_io.h"
 #include "sample/sample_io.h"
 #include "scan/scan.h"
+#include "scan/scan_shaders.h"
 #include "skin/skin_io.h"
 #include "tests/kernel_runner.h"
 
@@ -118,7 +119,7 @@ TEST(Gpu, AWrongDispatchIsRefused) {
 TEST(Gpu, TheWorkgroupSizeIsGivenExactlyWhereTheShaderLeavesItOpen) {
     EXPECT_EQ(error_of([] { Kernel(test_gpu(), {.name = "control", .spirv = kControlSpirv, .workgroup_size = 64}); }).code, ErrorCode::kInvalidArgument);
     const ScanMethod& method = scan_table()[0];
-    EXPECT_EQ(error_of([&] { Kernel(test_gpu(), {.name = method.name, .spirv = method.spirv}); }).code, ErrorCode::kInvalidArgument);
+    EXPECT_EQ(error_of([&] { Kernel(test_gpu(), {.name = method.name, .spirv = scan_shaders(method.name).plain}); }).code, ErrorCode::kInvalidArgument);
 }
 
 TEST(Gpu, SpirvTellsWhatAShaderNeeds) {
@@ -135,9 +136,14 @@ TEST(Gpu, SpirvTellsWhatAShaderNeeds) {
     expect("bind", kBindSpirv, {0, 1, 2, 3}, sizeof(io::BindPush), io::kBindWorkgroupSize);
     expect("skin", kSkinSpirv, {0, 1, 2, 3}, sizeof(io::SkinPush), io::kSkinWorkgroupSize);
     for (const ScanMethod& method : scan_table()) {
-        const std::vector<uint32_t> bindings = method.uses_scratch ? std::vector<uint32_t>{0, 1, 2, 3} : std::vector<uint32_t>{0, 1, 2};
-        expect(std::string(method.name).c_str(), method.spirv, bindings, sizeof(io::ScanPush), 0);
+        const ScanShaders& shaders = scan_shaders(method.name);
+        for (const auto& spirv : {shaders.plain, shaders.wide, shaders.on_chip, shaders.on_chip_wide}) {
+            const std::vector<uint32_t> bindings = read_spirv(spirv).storage_bindings, all{0, 1, 2, 3};
+            EXPECT_TRUE(std::includes(all.begin(), all.end(), bindings.begin(), bindings.end())) << method.name;
+            expect(std::string(method.name).c_str(), spirv, bindings, sizeof(io::ScanPush), 0);
+        }
     }
+    EXPECT_EQ(error_of([] { scan_shaders("no such method"); }).code, ErrorCode::kInvalidArgument);
 }
 
 TEST(Gpu, WhatIsNoSpirvIsRefused) {
@@ -171,7 +177,7 @@ std::map<std::string, Layout> layouts_in_cpp() {
         {"JointPose", {sizeof(io::JointPose), {MEMBER(JointPose, rotation), MEMBER(JointPose, translation), MEMBER(JointPose, scale)}}},
         {"SamplePush", {sizeof(io::SamplePush), {MEMBER(SamplePush, joint_count), MEMBER(SamplePush, slot)}}},
         {"BlendPush", {sizeof(io::BlendPush), {MEMBER(BlendPush, joint_count)}}},
-        {"ScanPush", {sizeof(io::ScanPush), {MEMBER(ScanPush, joint_count), MEMBER(ScanPush, instance_count)}}},
+        {"ScanPush", {sizeof(io::ScanPush), {MEMBER(ScanPush, joint_count), MEMBER(ScanPush, instance_count), MEMBER(ScanPush, repeat_count)}}},
         {"BindPush", {sizeof(io::BindPush), {MEMBER(BindPush, joint_count), MEMBER(BindPush, palette_count)}}},
         {"VertexRows", {sizeof(io::VertexRows), {MEMBER(VertexRows, position_normal), MEMBER(VertexRows, texcoord_color)}}},
         {"SkinPush", {sizeof(io::SkinPush), {MEMBER(SkinPush, first_vertex), MEMBER(SkinPush, vertex_count), MEMBER(SkinPush, first_influences), MEMBER(SkinPush, influence_sets), MEMBER(SkinPush, first_palette_entry)}}},

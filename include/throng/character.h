@@ -21,6 +21,7 @@ struct Rig {
     uint32_t level_count = 0;              // joints on the longest path from a root, both ends included
     double mean_depth = 0;                 // mean over joints of the joints on the path from the root, both included
     uint32_t leaf_count = 0;               // joints without children
+    bool uniform_scale = false;            // in the rest pose and all clips every scale is the same along x, y and z
 
     uint32_t joint_count() const { return static_cast<uint32_t>(parents.size()); }
 };

@@ -19,8 +19,18 @@ struct ScanMethodInfo {
     std::string name;
     std::string summary;
     std::string source;
+    bool in_crowds = true;  // false: it needs another memory layout than the other stages have, and runs in `throng bench scan` only
 };
 std::vector<ScanMethodInfo> scan_methods();
+
+// What "auto" chooses for a rig, and why, in one line. The method may come with its invocations a character: "subgroup:8".
+// The choice is made by a cost model of the device: measured, where `throng tune` has left its file in the user's cache folder
+// ($XDG_CACHE_HOME/throng or ~/.cache/throng), else built in.
+struct ScanAdvice {
+    std::string method;
+    std::string reason;
+};
+Result<ScanAdvice> advise_scan(const Device& device, const Rig& rig, uint32_t instance_count);
 
 // One clip as a character plays it.
 struct ClipPlayback {
@@ -44,7 +54,7 @@ struct CrowdGroup {
 
 struct CrowdSettings {
     std::vector<CrowdGroup> groups;
-    std::string scan = "auto";         // a name of scan_methods(), or "auto"
+    std::string scan = "auto";         // "auto", a name of scan_methods(), or a name with its invocations a character: "subgroup:8"
     bool keep_model_matrices = false;  // else they live only within a frame, and read_model_matrices() is an error
     bool timestamps = true;            // measure the stages; costs two queries a stage
 };
@@ -77,15 +87,16 @@ struct CrowdState;  // internal
 // Not thread-safe: one thread at a time per crowd. Different crowds are independent but for their device's queue.
 class Crowd {
 public:
-    // Errors: kInvalidArgument (unknown scan, no instances), kLimit (names what exceeds which limit of the device), kOutOfMemory.
+    // Errors: kInvalidArgument (unknown scan, no instances), kUnsupported (the scan
+    // method does not apply to a rig), kLimit (names what exceeds which limit of the device), kOutOfMemory.
     static Result<Crowd> create(const Device& device, const CrowdSettings& settings);
     Crowd(Crowd&&) noexcept;
     Crowd& operator=(Crowd&&) noexcept;
     ~Crowd();
 
     uint32_t instance_count() const;
-    // The method in use, also where "auto" chose it, for each group.
-    std::string_view scan_method(uint32_t group) const;
+    // The method in use for a group, also where "auto" chose it, and why.
+    ScanAdvice scan(uint32_t group) const;
 
     // Change what instances play, or where they stand (world_from_model); taken up by the next record(). New instances play the
     // rest pose and stand at the origin. Only changed instances are uploaded: 36 bytes each for a playback, 48 for a placement.

@@ -43,6 +43,7 @@ struct AdoptedDevice {
     VkDevice device = VK_NULL_HANDLE;
     VkQueue queue = VK_NULL_HANDLE;
     uint32_t queue_family = 0;
+    bool shader_int64 = false;  // that feature is enabled too: software devices run faster with it
 };
 
 class Gpu;  // internal

@@ -9,6 +9,8 @@ constexpr uint32_t kSpirv[] = {
 
 }  // namespace
 
-Kernel blend_kernel(const std::shared_ptr<Gpu>& gpu) { return Kernel(gpu, {.name = "blend", .spirv = kSpirv}); }
+Kernel blend_kernel(const std::shared_ptr<Gpu>& gpu, BlendOutput output) {
+    return Kernel(gpu, {.name = "blend", .spirv = kSpirv, .constants = {output == BlendOutput::kSimilarity ? 1u : 0u}});
+}
 
 }  // namespace throng

@@ -1,6 +1,6 @@
 // Two poses of a joint -> one; and the pose's matrix.
 #include "blend/blend_io.h"
-#include "gpu/affine.glsl"
+#include "gpu/similarity.glsl"
 
 // weight * a + (1 - weight) * b: translation and scale linearly, rotation normalised on the shortest path.
 JointPose blend_joint(JointPose a, JointPose b, float weight) {
@@ -12,4 +12,9 @@ JointPose blend_joint(JointPose a, JointPose b, float weight) {
 
 Affine parent_from_joint(JointPose pose) {
     return affine_from_trs(pose.rotation, pose.translation.xyz, pose.scale.xyz);
+}
+
+// Of a pose whose scale is uniform.
+Similarity similarity_parent_from_joint(JointPose pose) {
+    return Similarity(pose.rotation, vec4(pose.translation.xyz, pose.scale.x));
 }

@@ -11,9 +11,12 @@ struct BlendBuffers {
     BufferRange cursors;  // io::InstanceCursor[instance_count]
     BufferRange first_poses;  // io::JointPose[instance_count][joint_count]
     BufferRange second_poses;  // the same
-    BufferRange local;  // Affine[instance_count][joint_count], parent_from_joint, written
+    BufferRange local;  // [instance_count][joint_count], parent_from_joint, written: Affine, or Similarity (gpu/similarity.glsl)
 };
 
-Kernel blend_kernel(const std::shared_ptr<Gpu>& gpu);
+// Similarities, 32 bytes each, only for rigs of uniform scale.
+enum class BlendOutput { kAffine, kSimilarity };
+
+Kernel blend_kernel(const std::shared_ptr<Gpu>& gpu, BlendOutput output);
 
 }  // namespace throng

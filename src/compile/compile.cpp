@@ -36,6 +36,22 @@ void measure(Character& character) {
     if (!std::isfinite(character.size)) throw Failure(ErrorCode::kInvalidFile, character.name, "the rest pose is not finite");
 }
 
+// Blends of uniform scales are uniform too.
+bool has_uniform_scale(const Character& character) {
+    const size_t joint_count = character.rig.joint_count();
+    for (size_t clip = 0; clip <= character.clips.size(); ++clip) {  // the last is the rest pose
+        for (size_t joint = 0; joint < joint_count; ++joint) {
+            const uint32_t track = character.tracks[clip * joint_count + joint].scale;
+            const bool animated = (track & kTrackAnimated) != 0;
+            for (uint32_t row = 0; row < (animated ? character.clips[clip].row_count : 1); ++row) {
+                const auto& scale = character.keys[(track & kTrackPosition) + size_t{row} * (animated ? character.clips[clip].column_count : 0)];
+                if (scale[0] != scale[1] || scale[0] != scale[2]) return false;
+            }
+        }
+    }
+    return true;
+}
+
 }  // namespace
 
 uint32_t Character::find_clip(std::string_view clip_name) const {
@@ -53,6 +69,7 @@ Result<Character> compile_character(const Asset& asset) {
         compile_mesh(asset, map, character);
         measure(character);
         compile_clips(asset, map, character);
+        character.rig.uniform_scale = has_uniform_scale(character);
         for (const AssetMesh& mesh : asset.meshes)
             for (const AssetPrimitive& primitive : mesh.primitives)
                 character.morph_target_count = std::max(character.morph_target_count, primitive.morph_target_count);

@@ -7,8 +7,17 @@ namespace throng {
 
 std::vector<ScanMethodInfo> scan_methods() {
     std::vector<ScanMethodInfo> methods;
-    for (const ScanMethod& method : scan_table()) methods.push_back({std::string(method.name), std::string(method.summary), std::string(method.source)});
+    for (const ScanMethod& method : scan_table())
+        methods.push_back({std::string(method.name), std::string(method.summary), std::string(method.source), method.layout == ScanLayout::kCharacterMajor});
     return methods;
+}
+
+Result<ScanAdvice> advise_scan(const Device& device, const Rig& rig, uint32_t instance_count) {
+    return as_result([&] {
+        const Gpu& gpu = *device.gpu();
+        const ExplainedChoice chosen = choose_scan("auto", ScanRig(rig.parents, rig.uniform_scale), instance_count, scan_limits(gpu), scan_costs(gpu));
+        return ScanAdvice{name_of(chosen.choice), chosen.reason};
+    });
 }
 
 Result<Crowd> Crowd::create(const Device& device, const CrowdSettings& settings) {
@@ -22,9 +31,10 @@ Crowd::~Crowd() = default;
 
 uint32_t Crowd::instance_count() const { return state_->instance_count; }
 
-std::string_view Crowd::scan_method(uint32_t group) const {
+ScanAdvice Crowd::scan(uint32_t group) const {
     assert(group < state_->groups.size());
-    return state_->groups[group].scan.method().name;
+    const Group& of = state_->groups[group];
+    return {name_of(of.scan.choice()), of.scan_reason};
 }
 
 Result<void> Crowd::set_playback(uint32_t first_instance, std::span<const Playback> playback) {

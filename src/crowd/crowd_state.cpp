@@ -8,6 +8,7 @@
 #include "control/playback.h"
 #include "gpu/barrier.h"
 #include "sample/sample.h"
+#include "scan/scan_planner.h"
 #include "skin/skin.h"
 
 #include <algorithm>
@@ -22,15 +23,6 @@ static_assert(sizeof(io::JointPose) == kMatrix_bytes);
 // Beyond this an arena saves no dispatches that would matter, and only costs memory.
 constexpr uint64_t kArenaBuffer_bytes = uint64_t{256} << 20;
 
-// The software device pays for barriers, a GPU for loads and stores that lie far apart (docs/scan.md).
-const ScanMethod& choose_scan(const Gpu& gpu, const std::string& name) {
-    const ScanMethod* method = find_scan_method(name == "auto" ? (gpu.is_cpu() ? "serial" : "compressed") : name);
-    if (method) return *method;
-    std::string names = "auto";
-    for (const ScanMethod& row : scan_table()) names += ", " + std::string(row.name);
-    throw Failure(ErrorCode::kInvalidArgument, "scan method '" + name + "'", "unknown; the methods are: " + names);
-}
-
 uint64_t arena_limit_bytes(const Gpu& gpu) {
     return std::min({kArenaBuffer_bytes, uint64_t{gpu.properties.limits.maxStorageBufferRange}, gpu.max_allocation_bytes});
 }
@@ -40,8 +32,7 @@ uint64_t align_up(uint64_t value, uint64_t alignment) { return (value + alignmen
 }  // namespace
 
 CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& settings)
-    : gpu(std::move(gpu_in)), control_(control_kernel(gpu)), sample_(sample_kernel(gpu)), blend_(blend_kernel(gpu)), bind_(bind_kernel(gpu)) {
-    const ScanMethod& method = choose_scan(*gpu, settings.scan);
+    : gpu(std::move(gpu_in)), control_(control_kernel(gpu)), sample_(sample_kernel(gpu)), bind_(bind_kernel(gpu)) {
     uint64_t total = 0;
     for (const CrowdGroup& group : settings.groups) {
         if (!group.character) throw Failure(ErrorCode::kInvalidArgument, "crowd", "a group has no character");
@@ -53,8 +44,12 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     check_memory(settings);
 
     groups.reserve(settings.groups.size());
+    const ScanLimits limits = scan_limits(*gpu);
+    const ScanCosts costs = scan_costs(*gpu);
     for (const CrowdGroup& group : settings.groups) {
-        groups.emplace_back(gpu, *group.character, method);
+        const Rig& rig = group.character->rig;
+        groups.emplace_back(gpu, *group.character, choose_scan(settings.scan, ScanRig(rig.parents, rig.uniform_scale), group.instance_count, limits, costs));
+        blend_of(groups.back());
         make_batches(static_cast<uint32_t>(groups.size() - 1), group.instance_count, settings.keep_model_matrices);
         const auto rest = static_cast<uint32_t>(group.character->clips.size());
         const io::SlotPlayback rest_slot{.clip = rest, .loop = 0, .time_s = 0, .speed = 0};
@@ -66,6 +61,14 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     dirty_playbacks_.add(0, instance_count);
     dirty_placements_.add(0, instance_count);
     if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, static_cast<uint32_t>(waves.size()));
+}
+
+// Made when the first group needs it: not all crowds need both.
+const Kernel& CrowdState::blend_of(const Group& group) {
+    const bool similarity = group.scan.choice().method->format == ScanFormat::kSimilarity;
+    std::optional<Kernel>& kernel = similarity ? blend_similarities_ : blend_affines_;
+    if (!kernel) kernel = blend_kernel(gpu, similarity ? BlendOutput::kSimilarity : BlendOutput::kAffine);
+    return *kernel;
 }
 
 // Refuses at once what cannot fit, before gigabytes are allocated on the way to failing.
@@ -145,7 +148,7 @@ void CrowdState::bind_batches() {
         batch.control = control_.bind(ControlBuffers{batch.playbacks, group.axes, group.times, batch.cursors});
         batch.sample_first = sample_.bind(SampleBuffers{batch.cursors, group.tracks, group.keys, first});
         batch.sample_second = sample_.bind(SampleBuffers{batch.cursors, group.tracks, group.keys, second});
-        batch.blend = blend_.bind(BlendBuffers{batch.cursors, first, second, local});
+        batch.blend = blend_of(group).bind(BlendBuffers{batch.cursors, first, second, local});
         batch.scan = group.scan.bind({.local = local, .links = group.scan.links(), .model = model, .scratch = second});
         batch.bind = bind_.bind(BindBuffers{model, group.palette_joints, group.joint_from_bind, batch.skin});
     }
@@ -241,7 +244,7 @@ void CrowdState::record_wave(VkCommandBuffer commands, const Wave& wave, float t
         sample_.dispatch_workgroups(commands, batch.sample_second, io::SamplePush{group.joint_count, 1}, batch.instance_count);
     });
     stage([&](const Batch& batch, const Group& group) {
-        blend_.dispatch_workgroups(commands, batch.blend, io::BlendPush{group.joint_count}, batch.instance_count);
+        blend_of(group).dispatch_workgroups(commands, batch.blend, io::BlendPush{group.joint_count}, batch.instance_count);
     });
     stage([&](const Batch& batch, const Group& group) { group.scan.record(commands, batch.scan, batch.instance_count); });
     stage([&](const Batch& batch, const Group& group) {

@@ -62,8 +62,10 @@ private:
     void record_wave(VkCommandBuffer commands, const Wave& wave, float time_step_s);
     void check_range(uint32_t first_instance, size_t count, const char* what) const;
     const Batch& batch_of(uint32_t instance) const;
+    const Kernel& blend_of(const Group& group);
 
-    Kernel control_, sample_, blend_, bind_;
+    Kernel control_, sample_, bind_;
+    std::optional<Kernel> blend_affines_, blend_similarities_;  // as the scan methods of the groups take them
     std::optional<Kernel> skin_;  // made when positions are first read back
     Arena arena_;
     std::vector<uint64_t> arena_offsets_bytes_;      // [batch_count]

@@ -21,7 +21,7 @@ std::vector<io::ClipAxis> clip_axes(const Character& character) {
 
 }  // namespace
 
-Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const ScanMethod& method)
+Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const ExplainedChoice& explained)
     : name(character.name),
       joint_count(character.rig.joint_count()),
       palette_count(static_cast<uint32_t>(character.palette.size())),
@@ -31,7 +31,8 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
       images(character.images),
       bounds_min(character.bounds_min),
       bounds_max(character.bounds_max),
-      scan(gpu, method, character.rig.parents) {
+      scan(gpu, explained.choice, ScanRig(character.rig.parents, character.rig.uniform_scale), scan_limits(*gpu)),
+      scan_reason(explained.reason) {
     std::vector<uint32_t> joints;
     std::vector<Affine> binds;
     for (const PaletteEntry& entry : character.palette) {

@@ -2,14 +2,14 @@
 #pragma once
 
 #include "gpu/kernel.h"
-#include "scan/scan.h"
+#include "scan/scan_planner.h"
 
 #include <throng/character.h>
 
 namespace throng {
 
 struct Group {
-    Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const ScanMethod& method);
+    Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const ExplainedChoice& explained);
 
     std::string name;
     uint32_t joint_count = 0;
@@ -24,6 +24,7 @@ struct Group {
     Buffer axes, times;                    // control
     Buffer tracks, keys;                   // sample
     ScanStage scan;
+    std::string scan_reason;
     Buffer palette_joints, joint_from_bind;  // bind
     Buffer vertices, influences, indices;  // skin, draw
 

@@ -182,6 +182,7 @@ std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
     gpu->device = adopted.device;
     gpu->queue = adopted.queue;
     gpu->queue_family = adopted.queue_family;
+    gpu->has_int64 = adopted.shader_int64;
     gpu->read_properties(adopted.physical_device);
     if (!(gpu->queue_flags & VK_QUEUE_COMPUTE_BIT))
         throw Failure(ErrorCode::kInvalidArgument, "adopted device", "queue family " + std::to_string(adopted.queue_family) + " has no compute");
@@ -248,9 +249,11 @@ void Gpu::create_device(const DeviceSettings& settings) {
     features13.dynamicRendering = VK_TRUE;
     features13.maintenance4 = VK_TRUE;
     VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features13};
+    VkPhysicalDeviceFeatures available{};
+    vkGetPhysicalDeviceFeatures(physical, &available);
+    features.features.shaderInt64 = available.shaderInt64;
+    has_int64 = available.shaderInt64 == VK_TRUE;
     if (settings.validation == Validation::kGpuAssisted) {  // what the layer's own instrumentation needs
-        VkPhysicalDeviceFeatures available{};
-        vkGetPhysicalDeviceFeatures(physical, &available);
         features.features.fragmentStoresAndAtomics = available.fragmentStoresAndAtomics;
         features.features.vertexPipelineStoresAndAtomics = available.vertexPipelineStoresAndAtomics;
     }
@@ -265,11 +268,15 @@ void Gpu::create_device(const DeviceSettings& settings) {
 
 void Gpu::read_properties(VkPhysicalDevice physical) {
     physical_device = physical;
-    VkPhysicalDeviceMaintenance3Properties maintenance3{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
+    VkPhysicalDeviceVulkan13Properties properties13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES};
+    VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES, &properties13};
+    VkPhysicalDeviceMaintenance3Properties maintenance3{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES, &subgroup};
     VkPhysicalDeviceProperties2 properties2{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &maintenance3};
     vkGetPhysicalDeviceProperties2(physical, &properties2);
     properties = properties2.properties;
     max_allocation_bytes = maintenance3.maxMemoryAllocationSize;
+    smallest_subgroup = std::max(1u, std::min(properties13.minSubgroupSize, subgroup.subgroupSize));
+    has_shuffle = (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) && (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT);
     vkGetPhysicalDeviceMemoryProperties(physical, &memory_properties);
     const std::vector<Family> families = queue_families(physical);
     if (queue_family >= families.size())

@@ -29,6 +29,8 @@ public:
 
     bool is_cpu() const { return properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
     bool has_graphics() const { return (queue_flags & VK_QUEUE_GRAPHICS_BIT) != 0; }
+    // Whether transforms should move as 64-bit words (gpu/stored.glsl).
+    bool prefers_wide_words() const { return is_cpu() && has_int64; }
     bool has_timestamps() const { return timestamp_valid_bits != 0 && properties.limits.timestampPeriod > 0; }
 
     VkPhysicalDevice physical_device = VK_NULL_HANDLE;
@@ -42,6 +44,9 @@ public:
     VkPhysicalDeviceProperties properties{};
     VkPhysicalDeviceMemoryProperties memory_properties{};
     uint64_t max_allocation_bytes = 0;
+    uint32_t smallest_subgroup = 1;  // of those that the driver may choose
+    bool has_shuffle = false;        // subgroup shuffles in compute shaders
+    bool has_int64 = false;          // 64-bit integers, enabled
     uint32_t validation_message_count() const { return validation_messages_; }
 
 private:

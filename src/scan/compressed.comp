@@ -8,6 +8,7 @@
 // Cost: longest thread 7 + 7 + blocks crossed multiplications, 2 barriers.
 // Wins: GPUs, few barriers at any depth.   Loses: software devices, where barriers are dear.   Measured: docs/scan.md#compressed
 #define SCAN_EXCHANGE coherent
+#define SCAN_SHARES
 #include "scan/scan.glsl"
 
 layout(constant_id = 1) const uint kSharedJoints = 1;  // joints that shared memory holds
@@ -16,56 +17,53 @@ layout(constant_id = 2) const bool kInShared = true;   // false: the character d
 // links[] has three words a joint: parent, 8th ancestor within the block, first ancestor outside the block.
 const uint kParent = 0, kEighth = 1, kOutside = 2, kWords = 3;
 
-shared Affine shared_strides[kSharedJoints];
-shared Affine shared_blocks[kSharedJoints];
+shared StoredAffine shared_strides[kSharedJoints];
+shared StoredAffine shared_blocks[kSharedJoints];
 
 uint link(uint joint, uint word) { return links[joint * kWords + word]; }
 
-Affine load_stride(uint first, uint joint) {
-    if (kInShared) return shared_strides[joint];
-    return model[first + joint];
+Affine load_stride(uint instance, uint joint) {
+    if (kInShared) return unpack(shared_strides[joint]);
+    return unpack(model[at(instance, joint)]);
 }
 
-Affine load_block(uint first, uint joint) {
-    if (kInShared) return shared_blocks[joint];
-    return scratch[first + joint];
+Affine load_block(uint instance, uint joint) {
+    if (kInShared) return unpack(shared_blocks[joint]);
+    return unpack(scratch[at(instance, joint)]);
 }
 
-void main() {
-    const uint first = gl_WorkGroupID.x * push.joint_count;
-    const uint lane = gl_LocalInvocationID.x, lanes = gl_WorkGroupSize.x;
+void scan() {
+    const uint instance = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x, lanes = gl_WorkGroupSize.x;
 
     // The joint and its nearest seven ancestors inside the block.
     for (uint joint = lane; joint < push.joint_count; joint += lanes) {
-        Affine product = local[first + joint];
+        Affine product = load_local(instance, joint);
         const uint outside = link(joint, kOutside);
         uint ancestor = link(joint, kParent);
         for (uint i = 0; i < 7 && ancestor != outside; ++i) {
-            product = affine_multiply(local[first + ancestor], product);
+            product = affine_multiply(load_local(instance, ancestor), product);
             ancestor = link(ancestor, kParent);
         }
-        if (kInShared) shared_strides[joint] = product;
-        else model[first + joint] = product;
+        if (kInShared) shared_strides[joint] = pack(product);
+        else model[at(instance, joint)] = pack(product);
     }
-    memoryBarrierBuffer();
-    barrier();
+    scan_barrier(!kInShared);
 
     // Strides of eight, up to the block's edge.
     for (uint joint = lane; joint < push.joint_count; joint += lanes) {
-        Affine product = load_stride(first, joint);
+        Affine product = load_stride(instance, joint);
         for (uint ancestor = link(joint, kEighth); ancestor != kScanNoJoint; ancestor = link(ancestor, kEighth))
-            product = affine_multiply(load_stride(first, ancestor), product);
-        if (kInShared) shared_blocks[joint] = product;
-        else scratch[first + joint] = product;
+            product = affine_multiply(load_stride(instance, ancestor), product);
+        if (kInShared) shared_blocks[joint] = pack(product);
+        else scratch[at(instance, joint)] = pack(product);
     }
-    memoryBarrierBuffer();
-    barrier();
+    scan_barrier(!kInShared);
 
     // From block to block.
     for (uint joint = lane; joint < push.joint_count; joint += lanes) {
-        Affine product = load_block(first, joint);
+        Affine product = load_block(instance, joint);
         for (uint ancestor = link(joint, kOutside); ancestor != kScanNoJoint; ancestor = link(ancestor, kOutside))
-            product = affine_multiply(load_block(first, ancestor), product);
-        model[first + joint] = product;
+            product = affine_multiply(load_block(instance, ancestor), product);
+        store_model(instance, joint, product);
     }
 }

@@ -7,12 +7,12 @@
 // Wins: few levels.   Loses: many levels, quadratically in a chain.   Measured: docs/scan.md#gateau2012_walk
 #include "scan/scan.glsl"
 
-void main() {
-    const uint first = gl_WorkGroupID.x * push.joint_count;
+void scan() {
+    const uint instance = gl_WorkGroupID.x;
     for (uint joint = gl_LocalInvocationID.x; joint < push.joint_count; joint += gl_WorkGroupSize.x) {
-        Affine product = local[first + joint];
+        Transform product = load_local(instance, joint);
         for (uint ancestor = links[joint]; ancestor != kScanNoJoint; ancestor = links[ancestor])
-            product = affine_multiply(local[first + ancestor], product);
-        model[first + joint] = product;
+            product = multiply(load_local(instance, ancestor), product);
+        store_model(instance, joint, product);
     }
 }

@@ -1,25 +1,44 @@
 #include "scan/scan.h"
 
+#include "base/failure.h"
+#include "scan/scan_shaders.h"
+
 #include <algorithm>
 
 namespace throng {
+namespace {
 
-ScanStage::ScanStage(const std::shared_ptr<Gpu>& gpu, const ScanMethod& method, std::span<const uint32_t> parents)
-    : method_(&method), joint_count_(static_cast<uint32_t>(parents.size())), links_(upload(gpu, "scan links", method.links(parents))) {
-    const auto& limits = gpu->properties.limits;
-    const ScanShape shape = method.shape(joint_count_, {.shared_memory_bytes = limits.maxComputeSharedMemorySize,
-                                                        .workgroup_size = std::min(limits.maxComputeWorkGroupSize[0], limits.maxComputeWorkGroupInvocations)});
-    kernel_ = Kernel(gpu, {.name = method.name, .spirv = method.spirv, .workgroup_size = shape.workgroup_size, .constants = shape.constants});
+constexpr uint32_t kLlvmpipeLoopIterations = 65535;  // Mesa, gallivm/lp_bld_limits.h: "shared between every loop"
+
+}  // namespace
+
+ScanLimits scan_limits(const Gpu& gpu) {
+    const auto& limits = gpu.properties.limits;
+    return {.shared_memory_bytes = limits.maxComputeSharedMemorySize,
+            .workgroup_size = std::min(limits.maxComputeWorkGroupSize[0], limits.maxComputeWorkGroupInvocations),
+            .subgroup_size = gpu.smallest_subgroup,
+            .shuffle = gpu.has_shuffle,
+            .is_cpu = gpu.is_cpu(),
+            .loop_iterations = gpu.is_cpu() ? kLlvmpipeLoopIterations : 0xFFFFFFFF};
 }
 
-Bindings ScanStage::bind(const ScanBuffers& buffers) const {
-    return kernel_.bind(buffers);
+ScanStage::ScanStage(const std::shared_ptr<Gpu>& gpu, const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits)
+    : choice_(choice), joint_count_(rig.joint_count()) {
+    const ScanMethod& method = *choice.method;
+    ScanPlan plan = plan_scan(method, rig, limits, choice.lanes);
+    if (!plan.obstacle.empty()) throw Failure(ErrorCode::kUnsupported, "scan method '" + std::string(method.name) + "'", plan.obstacle);
+    counts_ = plan.counts;
+    instances_per_workgroup_ = plan.instances_per_workgroup;
+    links_ = upload(gpu, "scan links", plan.links);
+    const ScanShaders& shaders = scan_shaders(method.name);
+    kernel_ = Kernel(gpu, {.name = method.name,
+                           .spirv = gpu->prefers_wide_words() ? shaders.wide : shaders.plain,
+                           .workgroup_size = plan.workgroup_size,
+                           .constants = std::move(plan.constants)});
 }
 
 void ScanStage::record(VkCommandBuffer commands, const Bindings& bindings, uint32_t instance_count) const {
-    const io::ScanPush push{joint_count_, instance_count};
-    if (method_->spread == ScanSpread::kWorkgroupPerInstance) kernel_.dispatch_workgroups(commands, bindings, push, instance_count);
-    else kernel_.dispatch_invocations(commands, bindings, push, instance_count);
+    kernel_.dispatch_workgroups(commands, bindings, io::ScanPush{joint_count_, instance_count, 1}, (instance_count + instances_per_workgroup_ - 1) / instances_per_workgroup_);
 }
 
 }  // namespace throng

@@ -7,28 +7,38 @@
 
 namespace throng {
 
-// Affine[instance_count][joint_count] each, but for links.
+// [instance_count][joint_count] each, but for links and ScanLayout::kTransposed.
 struct ScanBuffers {
-    BufferRange local;    // parent_from_joint, read
+    BufferRange local;    // parent_from_joint, read: Affine, or Similarity where the method's format says so
     BufferRange links;    // ScanStage::links()
-    BufferRange model;    // model_from_joint, written
-    BufferRange scratch;  // the method's own; another buffer than the rest
+    BufferRange model;    // model_from_joint, written: Affine
+    BufferRange scratch;  // the method's own, as large as model; another buffer than the rest
+};
+
+ScanLimits scan_limits(const Gpu& gpu);
+
+// What to run. Without lanes (invocations per character) the method's first choice for the device.
+struct ScanChoice {
+    const ScanMethod* method = nullptr;
+    uint32_t lanes = 0;
 };
 
 class ScanStage {
 public:
     ScanStage() = default;
-    // parents[j] < j, or io::kScanNoJoint.
-    ScanStage(const std::shared_ptr<Gpu>& gpu, const ScanMethod& method, std::span<const uint32_t> parents);
+    // Throws kUnsupported with the plan's obstacle where the method does not apply. `limits` may be lower than the device's.
+    ScanStage(const std::shared_ptr<Gpu>& gpu, const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits);
 
-    const ScanMethod& method() const { return *method_; }
+    const ScanChoice& choice() const { return choice_; }
+    const ScanCounts& counts() const { return counts_; }
     const Buffer& links() const { return links_; }
-    Bindings bind(const ScanBuffers& buffers) const;
+    Bindings bind(const ScanBuffers& buffers) const { return kernel_.bind(buffers); }
     void record(VkCommandBuffer commands, const Bindings& bindings, uint32_t instance_count) const;
 
 private:
-    const ScanMethod* method_ = nullptr;
-    uint32_t joint_count_ = 0;
+    ScanChoice choice_;
+    ScanCounts counts_;
+    uint32_t joint_count_ = 0, instances_per_workgroup_ = 1;
     Buffer links_;
     Kernel kernel_;
 };

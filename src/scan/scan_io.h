@@ -9,6 +9,7 @@ THRONG_IO_CONSTANT kScanNoJoint = 0xFFFFFFFFu;
 struct ScanPush {
     uint joint_count;
     uint instance_count;
+    uint repeat_count;  // of the on-chip variant
 };
 
 THRONG_IO_END

@@ -1,45 +1,65 @@
-// The methods of the Hierarchy-Scan: one row each. Tests, benchmark and command line loop over this table.
+// The methods of the Hierarchy-Scan: one row each. Tests, benchmark, planner and command line loop over this table.
 #pragma once
 
-#include <cstdint>
+#include "scan/scan_counts.h"
+#include "scan/scan_rig.h"
+
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace throng {
 
-// How a method spreads over the GPU.
-enum class ScanSpread {
-    kWorkgroupPerInstance,   // joints in strides over the workgroup
-    kInvocationPerInstance,
-};
-
 // What a device offers that a method may need.
 struct ScanLimits {
     uint32_t shared_memory_bytes = 0;
-    uint32_t workgroup_size = 0;  // largest
+    uint32_t workgroup_size = 0;   // largest
+    uint32_t subgroup_size = 0;    // smallest that the device may choose
+    bool shuffle = false;          // subgroups can exchange registers
+    bool is_cpu = false;
+    uint32_t loop_iterations = 0xFFFFFFFF;  // of an invocation, all loops together, after which the device silently ends them
 };
 
-// Workgroup size and specialization constants (constant_id 1, 2, …) for a skeleton of `joint_count` joints.
-struct ScanShape {
+// How a method goes about one skeleton on one device.
+struct ScanPlan {
+    std::string obstacle;                   // why it does not apply; empty where it does
     uint32_t workgroup_size = 0;
-    std::vector<uint32_t> constants;
+    uint32_t instances_per_workgroup = 1;
+    std::vector<uint32_t> constants = {};   // specialization constants 1, 2, …, at most 7
+    std::vector<uint32_t> links = {};       // the method's own table of the skeleton
+    bool on_chip = false;                   // nothing but local and model passes through memory, so that the on-chip variant runs
+    ScanCounts counts = {};
 };
+
+enum class ScanOrigin { kPaper, kBaseline, kOurs };  // named by the paper; what it argues against; throng's own
+enum class ScanLayout { kCharacterMajor, kTransposed };  // [instance][joint], as all other stages have it; [joint][instance]
+enum class ScanFormat { kAffine, kSimilarity };  // of local transforms: 48 or 32 bytes
 
 struct ScanMethod {
-    std::string_view name;
+    std::string_view name;     // its shader is <name>.comp, without _quaternion and _transposed, which name variants
     std::string_view summary;
     std::string_view source;
-    std::span<const uint32_t> spirv;
-    ScanSpread spread;
-    bool uses_scratch;  // for skeletons that its shape cannot hold on the chip
-    std::vector<uint32_t> (*links)(std::span<const uint32_t> parents);
-    ScanShape (*shape)(uint32_t joint_count, const ScanLimits& limits);
+    ScanOrigin origin = ScanOrigin::kOurs;
+    ScanLayout layout = ScanLayout::kCharacterMajor;
+    ScanFormat format = ScanFormat::kAffine;  // kSimilarity: for rigs of uniform scale only
+    // Invocations per character that the method can be told to use, best guess first; {0}: it is not a choice.
+    std::vector<uint32_t> (*lane_choices)(const ScanLimits& limits);
+    // Any joint count from 1 to 65,535; `lanes` is one of lane_choices().
+    ScanPlan (*plan)(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes);
 };
 
 std::span<const ScanMethod> scan_table();
 
 // The row with this name, or null.
 const ScanMethod* find_scan_method(std::string_view name);
+
+// The plan, or why there is none: also where the rig's scales or the lanes do not fit the method.
+ScanPlan plan_scan(const ScanMethod& method, const ScanRig& rig, const ScanLimits& limits, uint32_t lanes);
+
+// As many invocations as joints, in steps of 32 (a warp), at most 256: more lower the occupancy of GPUs.
+uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits);
+
+std::vector<uint32_t> no_lane_choice(const ScanLimits& limits);
 
 }  // namespace throng

@@ -1,24 +1,26 @@
 #version 460
 // serial: one invocation per character walks its joints in order, parents first.
-// Source: how every CPU runtime does it (ozz-animation's LocalToModelJob, for one). Difference: the last joint's matrix is kept in
-//   registers; joints are numbered depth first, so it is often the next one's parent.
+// Source: how every CPU runtime does it (ozz-animation's LocalToModelJob, for one). Difference: the skeleton comes as runs of joints
+//   in which each is the next one's parent, so that a parent is read again only where a run begins; a depth-first numbering makes
+//   as many runs as there are leaves.
 // Input: local[instance][joint], parent_from_joint, affine 3x4.   Output: model[instance][joint], model_from_joint.
-// Needs: nothing; any joint count.   Cost: joints - 1 multiplications on the one thread, no barrier, no shared memory.
+//   serial_quaternion reads similarities; serial_transposed has both arrays as [joint][instance].
+// Needs: nothing; any joint count that the device's loops can count (scan/scan.cpp).   Cost: joints - roots multiplications on the one thread, no barrier, no shared memory.
 // Wins: software devices, at any depth.   Loses: GPUs with fewer than some ten thousand characters; loads and stores lie a whole
-//   character apart.   Measured: docs/scan.md#serial
+//   character apart (transposed: side by side, which only GPUs like).   Measured: docs/scan.md#serial
 #include "scan/scan.glsl"
 
-void main() {
+// links[0] is the number of runs; then for each: its first joint, its end, the parent of its first joint.
+void scan() {
     const uint instance = gl_GlobalInvocationID.x;
     if (instance >= push.instance_count) return;
-    const uint first = instance * push.joint_count;
-    Affine last = kIdentity;
-    for (uint joint = 0; joint < push.joint_count; ++joint) {
-        const uint parent = links[joint];
-        Affine model_from_parent = last;
-        if (parent == kScanNoJoint) model_from_parent = kIdentity;
-        else if (parent + 1 != joint) model_from_parent = model[first + parent];
-        last = affine_multiply(model_from_parent, local[first + joint]);
-        model[first + joint] = last;
+    for (uint word = 1, end = 1 + 3 * links[0]; word < end; word += 3) {
+        const uint end_joint = links[word + 1], parent = links[word + 2];
+        Affine last = kIdentity;
+        if (parent != kScanNoJoint) last = unpack(model[at(instance, parent)]);
+        for (uint joint = links[word]; joint < end_joint; ++joint) {
+            last = affine_multiply(last, to_affine(load_local(instance, joint)));
+            model[at(instance, joint)] = pack(last);
+        }
     }
 }

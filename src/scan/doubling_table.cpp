@@ -1,0 +1,54 @@
+#include "scan/doubling_table.h"
+
+#include "scan/doubling_io.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace throng {
+
+DoublingTable doubling_table(std::span<const uint32_t> parents) {
+    DoublingTable table;
+    std::vector<uint32_t> lengths, rounds;  // of the chain that ends in the joint
+    for (const uint32_t parent : parents) {
+        lengths.push_back(parent == kNone ? 1 : lengths[parent] + 1);
+        rounds.push_back(std::max(static_cast<uint32_t>(std::bit_width(lengths.back() - 1)), 1u));
+        table.round_count = std::max(table.round_count, rounds.back());
+    }
+    const auto writes_last = [&](uint32_t joint, uint32_t round) { return (rounds[joint] - 1 - round) % 2 == 0; };
+
+    table.links = {table.round_count};
+    table.links.reserve(1 + table.round_count * parents.size());
+    std::vector<uint32_t> ancestors(parents.begin(), parents.end());
+    for (uint32_t round = 0; round < table.round_count; ++round) {
+        for (uint32_t joint = 0; joint < parents.size(); ++joint) {
+            if (round >= rounds[joint]) {
+                table.links.push_back(io::kDoublingDone);
+                continue;
+            }
+            const uint32_t ancestor = ancestors[joint];
+            uint32_t word = ancestor == kNone ? io::kDoublingNoAncestor : ancestor;
+            if (round > 0 && writes_last(ancestor, std::min(round, rounds[ancestor]) - 1)) word |= io::kDoublingAncestorInLast;
+            if (writes_last(joint, round)) word |= io::kDoublingToLast;
+            if (round + 1 == rounds[joint]) word |= io::kDoublingCompletes;
+            table.links.push_back(word);
+        }
+        for (auto joint = parents.size(); joint-- > 0;)  // downward: an ancestor's own is still that of this round
+            if (ancestors[joint] != kNone) ancestors[joint] = ancestors[ancestors[joint]];
+    }
+    return table;
+}
+
+void count_doubling_round(const DoublingTable& table, uint32_t round, uint32_t joint_count, bool reloads, uint32_t completed_moves,
+                          uint32_t other_moves, ScanCounter& counter) {
+    std::vector<uint32_t> multiplications, moves;
+    for (const uint32_t word : std::span(table.links).subspan(1 + size_t{round} * joint_count, joint_count)) {
+        const bool done = word == io::kDoublingDone;
+        multiplications.push_back(done || (word & io::kDoublingNoAncestor) ? 0 : 1);
+        const uint32_t stores = word & io::kDoublingCompletes ? completed_moves : other_moves;
+        moves.push_back(done ? 0 : (round == 0 || reloads ? 1 : 0) + stores);
+    }
+    counter.phase(multiplications, moves);
+}
+
+}  // namespace throng

@@ -1,0 +1,23 @@
+// Hillis and Steele's doubling over chains of ancestors: what `doubling` and `blocks64` work on.
+#pragma once
+
+#include "scan/scan_table.h"
+
+namespace throng {
+
+struct DoublingTable {
+    uint32_t round_count = 1;       // ceil(log2(joints of the longest chain)), at least 1
+    std::vector<uint32_t> links;    // as in scan/doubling_io.h
+};
+
+// parents[j] < j, or kNone where the joint's chain ends, be it at a root or where it is cut.
+DoublingTable doubling_table(std::span<const uint32_t> parents);
+
+// Two affines a joint, which lie in shared memory or in model and scratch.
+inline constexpr uint32_t kDoublingBytesPerJoint = 96;
+
+// What round `round` costs; `completed_moves` and `other_moves` are the stores of a joint whose chain is or is not complete after it.
+void count_doubling_round(const DoublingTable& table, uint32_t round, uint32_t joint_count, bool reloads, uint32_t completed_moves,
+                          uint32_t other_moves, ScanCounter& counter);
+
+}  // namespace throng

@@ -1,0 +1,192 @@
+#include "scan/pieces.h"
+
+#include "scan/pieces_io.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace throng {
+namespace {
+
+using Children = std::vector<std::vector<uint32_t>>;  // [joint_count], and the roots
+
+Children children_of(const ScanRig& rig) {
+    Children children(rig.joint_count() + 1);
+    for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) children[std::min(rig.parents[joint], rig.joint_count())].push_back(joint);
+    return children;
+}
+
+// The subtrees that are cut off so that no piece exceeds `bound` joints: a group of siblings becomes one piece.
+std::vector<std::vector<uint32_t>> cut(const ScanRig& rig, const Children& children, uint32_t bound) {
+    std::vector<std::vector<uint32_t>> pieces;           // top joints of each
+    std::vector<uint32_t> open(rig.joint_count() + 1);   // joints of the subtree that are not cut off yet
+    std::vector<uint32_t> below;
+    for (uint32_t joint = rig.joint_count() + 1; joint-- > 0;) {
+        const bool is_root = joint == rig.joint_count();  // above all roots: no joint itself, and all that is left is cut off
+        below = children[joint];
+        std::sort(below.begin(), below.end(), [&](uint32_t a, uint32_t b) { return open[a] > open[b]; });
+        open[joint] = is_root ? 0 : 1;
+        for (const uint32_t child : below) open[joint] += open[child];
+        while (is_root ? !below.empty() : open[joint] > bound) {
+            uint32_t size = 0;
+            std::vector<uint32_t> tops, rest;
+            for (const uint32_t child : below) {
+                const bool fits = size + open[child] <= bound;
+                (fits ? tops : rest).push_back(child);
+                if (fits) size += open[child];
+            }
+            open[joint] -= size;
+            below = std::move(rest);
+            pieces.push_back(std::move(tops));
+        }
+    }
+    return pieces;
+}
+
+// Slots that a walk of the joint's subtree needs for parents with a child still to come (as in Sethi and Ullman, JACM 1970).
+class SlotNeed {
+public:
+    SlotNeed(const ScanRig& rig, const Children& children, const std::vector<uint32_t>& piece_of_joint) : children_(children), piece_of_joint_(piece_of_joint) {
+        need_.resize(rig.joint_count());
+        for (uint32_t joint = rig.joint_count(); joint-- > 0;) {
+            const std::vector<uint32_t> below = ordered_children(joint);
+            for (size_t i = 0; i < below.size(); ++i) need_[joint] = std::max(need_[joint], need_[below[i]] + (i + 1 < below.size() ? 1 : 0));
+        }
+    }
+
+    // Those in the same piece, the neediest last.
+    std::vector<uint32_t> ordered_children(uint32_t joint) const {
+        std::vector<uint32_t> below;
+        for (const uint32_t child : children_[joint])
+            if (piece_of_joint_[child] == piece_of_joint_[joint]) below.push_back(child);
+        std::stable_sort(below.begin(), below.end(), [&](uint32_t a, uint32_t b) { return need_[a] < need_[b]; });
+        return below;
+    }
+
+private:
+    const Children& children_;
+    const std::vector<uint32_t>& piece_of_joint_;
+    std::vector<uint32_t> need_;
+};
+
+PieceCut pieces_from(const ScanRig& rig, const Children& children, const std::vector<std::vector<uint32_t>>& tops) {
+    PieceCut out{.pieces = {}, .piece_of_joint = std::vector<uint32_t>(rig.joint_count(), kNone)};
+    for (uint32_t p = 0; p < tops.size(); ++p)
+        for (const uint32_t top : tops[p]) out.piece_of_joint[top] = p;
+    for (uint32_t joint = 0; joint < rig.joint_count(); ++joint)
+        if (out.piece_of_joint[joint] == kNone) out.piece_of_joint[joint] = out.piece_of_joint[rig.parents[joint]];
+
+    const SlotNeed need(rig, children, out.piece_of_joint);
+    for (const auto& piece_tops : tops) {
+        Piece& piece = out.pieces.emplace_back();
+        piece.attachment = rig.parents[piece_tops.front()];
+        std::vector<uint32_t> stack(piece_tops.rbegin(), piece_tops.rend());
+        while (!stack.empty()) {
+            const uint32_t joint = stack.back();
+            stack.pop_back();
+            piece.joints.push_back(joint);
+            const std::vector<uint32_t> below = need.ordered_children(joint);
+            stack.insert(stack.end(), below.rbegin(), below.rend());
+        }
+    }
+    return out;
+}
+
+// The walk of a piece as the shader reads it.
+std::vector<uint32_t> walk_words(const ScanRig& rig, const Piece& piece, uint32_t piece_index, const PieceCut& cut_rig, uint32_t& slot_count) {
+    std::vector<uint32_t> words;
+    std::vector<std::pair<uint32_t, uint32_t>> kept;  // a stack of joints with their children still to come; its position is the slot
+    std::vector<uint32_t> child_count(piece.joints.size());
+    // Children in the piece, by position in the walk.
+    std::vector<std::pair<uint32_t, uint32_t>> position;  // joint, position; sorted
+    for (uint32_t i = 0; i < piece.joints.size(); ++i) position.emplace_back(piece.joints[i], i);
+    std::sort(position.begin(), position.end());
+    const auto position_of = [&](uint32_t joint) { return std::lower_bound(position.begin(), position.end(), std::pair{joint, 0u})->second; };
+    const auto inside = [&](uint32_t joint) { return joint != kNone && cut_rig.piece_of_joint[joint] == piece_index; };
+    for (const uint32_t joint : piece.joints)
+        if (inside(rig.parents[joint])) ++child_count[position_of(rig.parents[joint])];
+
+    uint32_t last = kNone;
+    for (uint32_t i = 0; i < piece.joints.size(); ++i) {
+        const uint32_t joint = piece.joints[i], parent = rig.parents[joint];
+        uint32_t source = io::kParentIsLast, keep = 0;
+        if (!inside(parent)) {
+            source = io::kParentIsPrefix;
+        } else {
+            if (parent != last) source = io::kParentInSlot + static_cast<uint32_t>(kept.size() - 1);
+            if (!kept.empty() && kept.back().first == parent && --kept.back().second == 0) kept.pop_back();
+        }
+        if (child_count[i] > 1) {
+            kept.emplace_back(joint, child_count[i]);
+            keep = static_cast<uint32_t>(kept.size());
+            slot_count = std::max(slot_count, keep);
+        }
+        words.push_back(joint | source << io::kWalkParentShift | keep << io::kWalkKeepShift);
+        last = joint;
+    }
+    return words;
+}
+
+// Rows of a word for each lane from a list for each lane.
+void append_rows(std::vector<uint32_t>& links, const std::vector<std::vector<uint32_t>>& of_lane, uint32_t lanes, uint32_t row_count) {
+    for (uint32_t row = 0; row < row_count; ++row)
+        for (uint32_t lane = 0; lane < lanes; ++lane) links.push_back(lane < of_lane.size() && row < of_lane[lane].size() ? of_lane[lane][row] : io::kIdle);
+}
+
+uint32_t longest(const std::vector<std::vector<uint32_t>>& lists) {
+    size_t most = 0;
+    for (const auto& list : lists) most = std::max(most, list.size());
+    return static_cast<uint32_t>(most);
+}
+
+}  // namespace
+
+PieceCut cut_into_pieces(const ScanRig& rig, uint32_t most_pieces) {
+    const Children children = children_of(rig);
+    uint32_t low = (rig.joint_count() + most_pieces - 1) / most_pieces, high = rig.joint_count();  // of joints a piece; high always suffices
+    while (low < high) {
+        const uint32_t middle = low + (high - low) / 2;
+        if (cut(rig, children, middle).size() <= most_pieces) high = middle;
+        else low = middle + 1;
+    }
+    return pieces_from(rig, children, cut(rig, children, high));
+}
+
+PieceTable piece_table(const ScanRig& rig, uint32_t lanes, double rows_of_local) {
+    const PieceCut cut_rig = cut_into_pieces(rig, lanes);
+    PieceTable table;
+    std::vector<std::vector<uint32_t>> paths, ancestors, walks;
+    for (uint32_t p = 0; p < cut_rig.pieces.size(); ++p) {
+        const Piece& piece = cut_rig.pieces[p];
+        std::vector<uint32_t>& path = paths.emplace_back();
+        for (uint32_t joint = piece.attachment; joint != kNone && cut_rig.piece_of_joint[joint] == cut_rig.piece_of_joint[piece.attachment]; joint = rig.parents[joint]) path.push_back(joint);
+        std::reverse(path.begin(), path.end());
+        walks.push_back(walk_words(rig, piece, p, cut_rig, table.slot_count));
+    }
+    // The chain of pieces above each, and of it those 1, 2, 4, … above.
+    std::vector<uint32_t> round_multiplications(cut_rig.pieces.size());
+    for (uint32_t p = 0; p < cut_rig.pieces.size(); ++p) {
+        std::vector<uint32_t> above;
+        for (uint32_t at = cut_rig.pieces[p].attachment; at != kNone; at = cut_rig.pieces[above.back()].attachment) above.push_back(cut_rig.piece_of_joint[at]);
+        std::vector<uint32_t>& words = ancestors.emplace_back();
+        for (size_t distance = 1; distance <= above.size(); distance *= 2) words.push_back(above[distance - 1]);
+        round_multiplications[p] = static_cast<uint32_t>(words.size());
+    }
+    table.path_row_count = longest(paths);
+    table.round_count = longest(ancestors);
+    table.walk_row_count = longest(walks);
+    table.links = {table.path_row_count, table.round_count, table.walk_row_count};
+    append_rows(table.links, paths, lanes, table.path_row_count);
+    append_rows(table.links, ancestors, lanes, table.round_count);
+    append_rows(table.links, walks, lanes, table.walk_row_count);
+
+    table.multiplications = rig.joint_count();
+    for (size_t p = 0; p < paths.size(); ++p) table.multiplications += (paths[p].empty() ? 0 : paths[p].size() - 1) + round_multiplications[p];
+    const uint32_t path_steps = table.path_row_count > 0 ? table.path_row_count - 1 : 0;
+    table.longest_lane = path_steps + table.round_count + table.walk_row_count;
+    table.longest_lane_rows = table.path_row_count * (kRowsOfLink + rows_of_local) + table.round_count * (kRowsOfLink + 2 * rows_of_local) +
+                              table.walk_row_count * (kRowsOfLink + rows_of_local + kRowsOfAffine);
+    return table;
+}
+
+}  // namespace throng

@@ -1,0 +1,105 @@
+#include "scan/scan_costs.h"
+
+#include "base/failure.h"
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+namespace throng {
+namespace {
+
+constexpr std::array<std::pair<const char*, double ScanCosts::*>, 9> kNumbers{{{"launch_ms", &ScanCosts::launch_ms},
+                                                                               {"row_ns", &ScanCosts::row_ns},
+                                                                               {"multiplication_ns", &ScanCosts::multiplication_ns},
+                                                                               {"barrier_ns", &ScanCosts::barrier_ns},
+                                                                               {"workgroup_ns", &ScanCosts::workgroup_ns},
+                                                                               {"latency_ns", &ScanCosts::latency_ns},
+                                                                               {"units", &ScanCosts::units},
+                                                                               {"resident_subgroups", &ScanCosts::resident_subgroups},
+                                                                               {"bytes_per_ns", &ScanCosts::bytes_per_ns}}};
+
+std::string read_text(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+
+}  // namespace
+
+ScanCosts built_in_scan_costs(const Gpu& gpu) {
+    constexpr uint32_t kNvidia = 0x10DE, kAmd = 0x1002, kIntel = 0x8086;
+    // Fitted by `throng tune` on lavapipe, Mesa 22.3.6, two cores of an AMD EPYC (bench/results).
+    if (gpu.is_cpu())
+        return {.launch_ms = 0.1, .row_ns = 40, .multiplication_ns = 20, .barrier_ns = 500, .workgroup_ns = 300, .latency_ns = 1e-3,
+                .units = std::max(1.0, static_cast<double>(std::thread::hardware_concurrency())), .resident_subgroups = 1e9, .bytes_per_ns = 20,
+                .origin = "built in for software devices"};
+    // From data sheets and ../shared/design/gpu.md's instruction counts; not measured on one yet. `throng tune` replaces them.
+    ScanCosts costs{.launch_ms = 0.003, .row_ns = 2.4, .multiplication_ns = 5.3, .barrier_ns = 20, .workgroup_ns = 50, .latency_ns = 130,
+                    .units = 80, .resident_subgroups = 80 * 32, .bytes_per_ns = 800, .origin = "built in for NVIDIA, from data sheets"};
+    switch (gpu.properties.vendorID) {
+        case kAmd:
+            costs.units = 60, costs.resident_subgroups = 60 * 32, costs.bytes_per_ns = 600, costs.origin = "built in for AMD, from data sheets";
+            break;
+        case kIntel:
+            costs.units = 32, costs.resident_subgroups = 32 * 16, costs.bytes_per_ns = 400, costs.row_ns = 4, costs.multiplication_ns = 9;
+            costs.origin = "built in for Intel, from data sheets";
+            break;
+        case kNvidia: break;
+        default: costs.origin = "built in for GPUs, from data sheets";
+    }
+    return costs;
+}
+
+std::filesystem::path scan_costs_file(const Gpu& gpu) {
+    std::filesystem::path folder;
+    if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache) folder = cache;
+    else if (const char* home = std::getenv("HOME"); home && *home) folder = std::filesystem::path(home) / ".cache";
+    else return {};
+    std::string name = gpu.info.name + " " + gpu.info.driver;
+    for (char& c : name)
+        if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-') c = '_';
+    return folder / "throng" / ("scan_costs_" + name + ".json");
+}
+
+std::string to_json(const ScanCosts& costs) {
+    nlohmann::ordered_json json;
+    for (const auto& [name, member] : kNumbers) json[name] = costs.*member;
+    json["origin"] = costs.origin;
+    return json.dump(2) + "\n";
+}
+
+ScanCosts scan_costs_from_json(std::string_view text, const std::string& place) {
+    const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
+    ScanCosts costs;
+    for (const auto& [name, member] : kNumbers) {
+        const auto found = json.is_object() ? json.find(name) : json.end();
+        if (found == json.end() || !found->is_number() || !std::isfinite(found->get<double>()) || found->get<double>() <= 0)
+            throw Failure(ErrorCode::kInvalidFile, place, std::string("'") + name + "' is not a positive number; 'throng tune' writes the file anew");
+        costs.*member = found->get<double>();
+    }
+    costs.origin = json.value("origin", std::string());
+    return costs;
+}
+
+ScanCosts scan_costs(const Gpu& gpu) {
+    const std::filesystem::path file = scan_costs_file(gpu);
+    std::error_code error;
+    if (file.empty() || !std::filesystem::is_regular_file(file, error)) return built_in_scan_costs(gpu);
+    try {
+        return scan_costs_from_json(read_text(file), file.string());
+    } catch (const Failure& failure) {  // the planner works without the file; the choice's line says why it was not used
+        ScanCosts costs = built_in_scan_costs(gpu);
+        costs.origin += " (" + failure.text + ")";
+        return costs;
+    }
+}
+
+}  // namespace throng

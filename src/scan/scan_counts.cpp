@@ -1,0 +1,38 @@
+#include "scan/scan_counts.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace throng {
+
+ScanCounter::ScanCounter(uint32_t lanes, uint32_t subgroup_size) : lanes_(lanes), subgroup_size_(std::max(subgroup_size, 1u)) {
+    loop_iterations_.resize((lanes_ + subgroup_size_ - 1) / subgroup_size_);
+}
+
+void ScanCounter::phase(std::span<const uint32_t> multiplications, uint32_t fixed_moves) {
+    phase(multiplications, std::vector<uint32_t>(multiplications.size(), fixed_moves));
+}
+
+void ScanCounter::phase(std::span<const uint32_t> multiplications, std::span<const uint32_t> moves) {
+    counts_.multiplications += std::accumulate(multiplications.begin(), multiplications.end(), uint64_t{0});
+    std::vector<uint32_t> per_lane(std::min<size_t>(lanes_, multiplications.size()));
+    for (size_t item = 0; item < multiplications.size(); ++item) per_lane[item % lanes_] += multiplications[item];
+    if (!per_lane.empty()) counts_.longest_thread += *std::max_element(per_lane.begin(), per_lane.end());
+    for (size_t stride = 0; stride < multiplications.size(); stride += lanes_) {
+        const size_t end = std::min<size_t>(stride + lanes_, multiplications.size());
+        for (size_t first = stride; first < end; first += subgroup_size_) {
+            const auto largest = [&](std::span<const uint32_t> values) {
+                const auto of_subgroup = values.subspan(first, std::min<size_t>(subgroup_size_, end - first));
+                return *std::max_element(of_subgroup.begin(), of_subgroup.end());
+            };
+            const uint32_t longest = largest(multiplications);
+            counts_.issue_steps += longest;
+            counts_.issue_rows += longest * (kRowsOfAffine + kRowsOfLink) + largest(moves) * kRowsOfAffine;
+            loop_iterations_[(first - stride) / subgroup_size_] += longest + 2;  // the stride's own, and the look that ends the inner loop
+        }
+    }
+    for (uint64_t& iterations : loop_iterations_) ++iterations;  // the look that ends the loop over strides
+    counts_.loop_iterations = *std::max_element(loop_iterations_.begin(), loop_iterations_.end());
+}
+
+}  // namespace throng

@@ -1,0 +1,41 @@
+// What a scan method does for one character, counted exactly on the CPU: why a method is fast or slow.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace throng {
+
+struct ScanCounts {
+    uint64_t multiplications = 0;  // of all invocations
+    uint32_t longest_thread = 0;   // multiplications on the critical path: the longest invocation of each phase, summed
+    uint32_t barriers = 0;         // of the workgroup
+    uint32_t shared_bytes = 0;     // a character
+    double issue_steps = 0;        // multiplications that a subgroup issues, idle lanes or not
+    uint64_t loop_iterations = 0;  // of the subgroup that has the most, all its loops together; rather too many than too few
+    double issue_rows = 0;         // 16-byte rows that a subgroup loads or stores, likewise, wherever they lie; a link counts as half a row
+};
+
+inline constexpr double kRowsOfAffine = 3, kRowsOfSimilarity = 2, kRowsOfLink = 0.5;
+
+// Adds up phases. A phase hands items (joints, leaves, pieces) to `lanes` invocations in strides; items of one stride and one
+// subgroup run side by side, as long as the longest of them.
+class ScanCounter {
+public:
+    ScanCounter(uint32_t lanes, uint32_t subgroup_size);
+
+    // multiplications[item], each with a link followed and an operand loaded; besides, an item moves moves[item] transforms.
+    void phase(std::span<const uint32_t> multiplications, std::span<const uint32_t> moves);
+    void phase(std::span<const uint32_t> multiplications, uint32_t fixed_moves);
+    void barrier() { ++counts_.barriers; }
+    void shared_bytes(uint64_t bytes) { counts_.shared_bytes = static_cast<uint32_t>(bytes); }
+    const ScanCounts& counts() const { return counts_; }
+
+private:
+    uint32_t lanes_, subgroup_size_;
+    std::vector<uint64_t> loop_iterations_;  // [subgroup]
+    ScanCounts counts_;
+};
+
+}  // namespace throng
