@@ -377,6 +377,83 @@ TEST_F(Cli, BenchHasARecordForEachScanMethod) {
     for (const std::string& scan : scans) EXPECT_NE(help.find(scan), std::string::npos) << scan;
 }
 
+TEST_F(Cli, BenchScanHasARecordForEachMethodAndCase) {
+    const std::string path = file("scan.jsonl");
+    const Outcome run = run_tool({"bench", "scan", "--methods", "serial,compressed", "--characters", "20", "--joints", "30", "--levels", "5,9", "--samples", "2", "--json", path},
+                                 {.environment = {{"THRONG_COMMIT", "abc1234"}}});
+    EXPECT_TRUE(run.succeeded()) << run;
+    std::set<std::string> cases;
+    std::ifstream lines(path);
+    for (std::string line; std::getline(lines, line);) {
+        const Json record = Json::parse(line);
+        const bool on_chip = record["experiment"] == "on_chip";
+        std::set<std::string> wanted{"bench", "experiment", "method", "shape", "seed", "characters", "joints", "levels", "mean_depth", "leaves", "device", "driver", "subgroup_size", "commit", "date"};
+        if (!record.contains("obstacle")) {
+            wanted.merge(std::set<std::string>{"lanes", "multiplications", "longest_thread", "barriers", "shared_bytes", "max_error", "samples"});
+            if (on_chip) wanted.merge(std::set<std::string>{"workgroup_size", "on_chip_ns_per_joint", "on_chip_p5", "on_chip_p95", "barrier_share"});
+            else wanted.merge(std::set<std::string>{"bytes", "median_ms", "p5_ms", "p95_ms", "copy_ms", "times_copy", "ns_per_joint"});
+            EXPECT_LE(record["max_error"], 1e-5);
+            EXPECT_EQ(record["samples"], 2);
+        } else {
+            wanted.insert("obstacle");
+        }
+        EXPECT_EQ(keys(record), wanted);
+        EXPECT_EQ(record["bench"], "scan");
+        EXPECT_EQ(record["characters"], 20);
+        EXPECT_EQ(record["joints"], 30);
+        EXPECT_EQ(record["commit"], "abc1234");
+        if (record.contains("median_ms")) {
+            EXPECT_EQ(record["bytes"], 20 * 30 * 96);
+            EXPECT_LE(record["p5_ms"], record["median_ms"]);
+            EXPECT_LE(record["median_ms"], record["p95_ms"]);
+            EXPECT_NEAR(record["times_copy"].get<double>(), record["median_ms"].get<double>() / record["copy_ms"].get<double>(), 1e-9);
+        }
+        EXPECT_TRUE(cases.insert(record["experiment"].get<std::string>() + record["levels"].dump() + record["method"].get<std::string>()).second) << "twice: " << line;
+        EXPECT_NE(run.out.find(record["method"].get<std::string>()), std::string::npos);
+    }
+    EXPECT_EQ(cases, (std::set<std::string>{"levels5serial", "levels5compressed", "levels9serial", "levels9compressed", "on_chip5serial", "on_chip5compressed",
+                                            "on_chip9serial", "on_chip9compressed"}));
+    const std::string help = run_tool({"bench", "scan", "--help"}).out;
+    EXPECT_NE(help.find("Examples:\n  throng bench scan"), std::string::npos) << help;
+}
+
+TEST_F(Cli, BenchBaselinesComparesAllThree) {
+    const std::string path = file("baselines.jsonl");
+    const Outcome run = run_tool({"bench", "baselines", creature(), "--count", "50", "--samples", "2", "--json", path}, {.environment = {{"THRONG_COMMIT", "abc1234"}}});
+    EXPECT_TRUE(run.succeeded()) << run;
+    std::map<std::string, Json> records;
+    std::ifstream lines(path);
+    for (std::string line; std::getline(lines, line);) {
+        const Json record = Json::parse(line);
+        EXPECT_EQ(record["bench"], "baseline");
+        EXPECT_EQ(record["joints"], kJoints);
+        EXPECT_EQ(record["characters"], 50);
+        EXPECT_EQ(record["commit"], "abc1234");
+        EXPECT_LT(record["max_error"], 1e-4);
+        EXPECT_LE(record["p5_ms"], record["median_ms"]);
+        EXPECT_LE(record["sample_error_mm_p95"], record["sample_error_mm_max"]);
+        EXPECT_NE(run.out.find(record["method"].get<std::string>()), std::string::npos) << run;
+        records[record["method"]] = record;
+    }
+    ASSERT_EQ(records.size(), 3u);
+    for (const char* method : {"baked", "flattened"}) {
+        EXPECT_GT(records[method]["bytes_per_clip"], records["throng"]["bytes_per_clip"]);
+        EXPECT_GT(records[method]["blend_error_mm_max"], 100 * records["throng"]["blend_error_mm_max"].get<double>()) << method;
+    }
+}
+
+TEST_F(Cli, BenchReportMakesAPageOfRecords) {
+    const std::string records = file("scan.jsonl"), page = file("report.html"), plot = file("levels.svg");
+    std::ofstream(records) << R"({"bench": "scan", "experiment": "levels", "method": "serial", "levels": 15, "median_ms": 3, "copy_ms": 2, "times_copy": 1.5})" "\n";
+    const Outcome run = run_tool({"bench", "report", records, "--out", page, "--plot", plot});
+    EXPECT_TRUE(run.succeeded()) << run;
+    EXPECT_GT(fs::file_size(page), 10'000u);
+    EXPECT_GT(fs::file_size(plot), 1'000u);
+    std::ofstream(records, std::ios::app) << "{\"bench\": \n";
+    const Outcome refused = run_tool({"bench", "report", records, "--out", page});
+    EXPECT_TRUE(refused.refused("scan.jsonl:2")) << refused;
+}
+
 TEST_F(Cli, DevicesAreListed) {
     const Json devices = json_of({"devices"});
     ASSERT_FALSE(devices.empty());
@@ -454,6 +531,20 @@ TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
         {{"bench", "--samples", "0"}, "--samples"},
         {{"bench", "--scan", "magic"}, "magic"},
         {{"bench", "--joints", "5", "--levels", "9"}, "levels"},
+        {{"bench", "scan", "--methods", "magic"}, "magic"},
+        {{"bench", "scan", "--methods", "serial:3"}, "serial:3"},
+        {{"bench", "scan", "--methods", "serial:x"}, "serial:x"},
+        {{"bench", "scan", "--characters", "0"}, "--characters"},
+        {{"bench", "scan", "--joints", "10", "--levels", "11"}, "11 levels"},
+        {{"bench", "scan", "--levels", "1"}, "1 levels"},
+        {{"bench", "scan", "--shape", "star"}, "star"},
+        {{"bench", "scan", "--experiments", "dance"}, "dance"},
+        {{"bench", "scan", "--samples", "-2"}, "--samples"},
+        {{"bench", "scan", "--json", file("none/x.jsonl")}, "none"},
+        {{"bench", "scan", creature()}, "creature.glb"},
+        {{"bench", "baselines", "--rate", "0"}, "--rate"},
+        {{"bench", "baselines", "--levels", "15", "--rate", "10000", "--device", "cpu"}, "storage-buffer range"},
+        {{"bench", "baselines", "--json", file("none/x.jsonl")}, "none"},
         {{"devices", "all"}, "all"},
     };
     std::set<fs::path> before{fs::directory_iterator(folder_), {}};

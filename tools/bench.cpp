@@ -1,3 +1,5 @@
+#include "bench/record.h"
+#include "bench/statistics.h"
 #include "tools/command.h"
 #include "tools/creature.h"
 #include "tools/scatter.h"
@@ -6,8 +8,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <ctime>
 #include <limits>
 
 namespace throng::tools {
@@ -22,10 +22,9 @@ struct BenchOptions {
     bool json = false;
 };
 
-nlohmann::json spread_of(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    const auto at = [&](double quantile) { return values[static_cast<size_t>(std::lround(quantile * static_cast<double>(values.size() - 1)))]; };
-    return {{"median_ms", at(0.5)}, {"p5_ms", at(0.05)}, {"p95_ms", at(0.95)}};
+nlohmann::json spread_record(const std::vector<double>& values) {
+    const bench::Spread spread = bench::spread_of(values);
+    return {{"median_ms", spread.median}, {"p5_ms", spread.p5}, {"p95_ms", spread.p95}};
 }
 
 // Largest distance between the GPU's skin matrices and the reference's, of some instances of each group, as a fraction of the
@@ -53,17 +52,12 @@ double largest_error(Crowd& crowd, const Scatter& field) {
     return worst;
 }
 
-std::string today() {
-    const std::time_t now = std::time(nullptr);
-    char text[16];
-    std::strftime(text, sizeof text, "%Y-%m-%d", std::gmtime(&now));
-    return text;
-}
-
 nlohmann::json run_case(const Device& device, const std::vector<Character>& characters, const Scatter& field, const std::string& scan, const BenchOptions& options) {
     constexpr double kBound = 1e-4;  // far above float rounding at 120 levels, far below any mistake
     print_progress(scan + ": checking");
-    Crowd crowd = unwrap(Crowd::create(device, {.groups = field.groups, .scan = scan}));
+    Result<Crowd> created = Crowd::create(device, {.groups = field.groups, .scan = scan});
+    if (!created && created.error().code == ErrorCode::kUnsupported && options.scan == "all") return {{"bench", "update"}, {"scan", scan}, {"obstacle", created.error().message}};
+    Crowd crowd = unwrap(std::move(created));
     unwrap(crowd.set_playback(0, field.playback));
     unwrap(crowd.update(0));
     const double error = largest_error(crowd, field);
@@ -81,33 +75,33 @@ nlohmann::json run_case(const Device& device, const std::vector<Character>& char
     uint64_t joints = 0;
     for (const CrowdGroup& group : field.groups) joints += uint64_t{group.instance_count} * group.character->rig.joint_count();
     nlohmann::json stages;
-    for (size_t s = 0; s < kStages.size(); ++s) stages[kStages[s].first] = spread_of(stage_ms[s]);
+    for (size_t s = 0; s < kStages.size(); ++s) stages[kStages[s].first] = spread_record(stage_ms[s]);
     nlohmann::json files = nlohmann::json::array();
     for (const Character& c : characters)
         files.push_back({{"name", c.name}, {"joints", c.rig.joint_count()}, {"levels", c.rig.level_count}, {"mean_depth", c.rig.mean_depth},
                          {"leaves", c.rig.leaf_count}, {"palette_entries", c.palette.size()}});
-    const nlohmann::json total = spread_of(total_ms);
-    const char* commit = std::getenv("THRONG_COMMIT");
-    return {{"bench", "update"},
-            {"scan", scan},
-            {"characters", options.count},
-            {"joints", joints},
-            {"files", files},
-            {"clips_blended", 2},
-            {"samples", options.samples},
-            {"stages", stages},
-            {"total", total},
-            {"ns_per_joint", total["median_ms"].get<double>() * 1e6 / static_cast<double>(joints)},
-            {"max_error", error},
-            {"memory_bytes", crowd.size_bytes()},
-            {"device", device.info().name},
-            {"driver", device.info().driver},
-            {"subgroup_size", device.info().subgroup_size},
-            {"commit", commit ? commit : ""},
-            {"date", today()}};
+    const nlohmann::json total = spread_record(total_ms);
+    nlohmann::json record = bench::where_and_when(device.info());
+    record.update({{"bench", "update"},
+                   {"scan", scan},
+                   {"characters", options.count},
+                   {"joints", joints},
+                   {"files", files},
+                   {"clips_blended", 2},
+                   {"samples", options.samples},
+                   {"stages", stages},
+                   {"total", total},
+                   {"ns_per_joint", total["median_ms"].get<double>() * 1e6 / static_cast<double>(joints)},
+                   {"max_error", error},
+                   {"memory_bytes", crowd.size_bytes()}});
+    return record;
 }
 
 void print_row(const nlohmann::json& record) {
+    if (record.contains("obstacle")) {
+        std::printf("%-18s does not apply: %s\n", record["scan"].get<std::string>().c_str(), record["obstacle"].get<std::string>().c_str());
+        return;
+    }
     std::printf("%-18s", record["scan"].get<std::string>().c_str());
     for (const auto& [name, member] : kStages) std::printf(" %9.3f", record["stages"][name]["median_ms"].get<double>());
     std::printf(" %9.3f %9.2f  %.1e\n", record["total"]["median_ms"].get<double>(), record["ns_per_joint"].get<double>(), record["max_error"].get<double>());
@@ -121,7 +115,8 @@ void run_bench(const BenchOptions& options) {
     std::vector<std::string> scans{options.scan};
     if (options.scan == "all") {
         scans.clear();
-        for (const ScanMethodInfo& method : scan_methods()) scans.push_back(method.name);
+        for (const ScanMethodInfo& method : scan_methods())
+            if (method.in_crowds) scans.push_back(method.name);
     }
     if (!options.json) {
         std::printf("%u characters on %s, two clips blended; medians of %u updates, ms\n%-18s", options.count, device.info().name.c_str(), options.samples, "scan method");
@@ -142,19 +137,23 @@ void run_bench(const BenchOptions& options) {
 void add_bench(CLI::App& app) {
     CLI::App& command = *app.add_subcommand("bench", "milliseconds per stage, checked against the reference first");
     auto options = std::make_shared<BenchOptions>();
-    std::vector<std::string> names{"all", "auto"};
-    for (const ScanMethodInfo& method : scan_methods()) names.push_back(method.name);
     command.add_option("files", options->files, "glTF 2.0 files (default: a generated creature)");
     command.add_option("--joints", options->creature.joint_count, "of the generated creature")->capture_default_str();
     command.add_option("--levels", options->creature.level_count, "of the generated creature")->capture_default_str();
     command.add_option("--seed", options->seed, "of clips, times and blends")->capture_default_str();
     command.add_option("--count", options->count, "characters in all")->check(CLI::Range(1u, 10'000'000u))->capture_default_str();
     command.add_option("--samples", options->samples, "updates timed")->check(CLI::Range(1u, 100'000u))->capture_default_str();
-    command.add_option("--scan", options->scan, "method of the Hierarchy-Scan, or all of them")->check(CLI::IsMember(names))->capture_default_str();
+    command.add_option("--scan", options->scan, "method of the Hierarchy-Scan, or all of them")->check(scan_name({"all", "auto"}))->capture_default_str();
     add_device_option(command, options->device);
     command.add_flag("--json", options->json, "a JSON record a line; its commit is taken from THRONG_COMMIT");
     command.footer("Examples:\n  throng bench\n  throng bench --joints 300 --levels 120 --count 1000 --scan serial\n  throng bench fox.glb --count 5000 --json");
-    command.callback([options] { run_bench(*options); });
+    add_bench_scan(command);
+    add_bench_baselines(command);
+    add_bench_report(command);
+    add_bench_diagrams(command);
+    command.callback([options, &command] {
+        if (command.get_subcommands().empty()) run_bench(*options);
+    });
 }
 
 }  // namespace throng::tools

@@ -26,10 +26,21 @@ void add_device_option(CLI::App& app, std::string& select) {
 
 Device open_device(const std::string& select) { return unwrap(Device::create({.select = select})); }
 
-void add_scan_option(CLI::App& app, std::string& scan) {
-    std::vector<std::string> names{"auto"};
+CLI::Validator scan_name(const std::vector<std::string>& others) {
+    std::vector<std::string> names = others;
     for (const ScanMethodInfo& method : scan_methods()) names.push_back(method.name);
-    app.add_option("--scan", scan, "method of the Hierarchy-Scan")->check(CLI::IsMember(names))->capture_default_str();
+    std::string list;
+    for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+    return CLI::Validator(
+        [names, list](const std::string& text) {
+            const bool known = std::find(names.begin(), names.end(), text.substr(0, text.find(':'))) != names.end();
+            return known ? std::string() : "'" + text + "' is no scan method; the methods are: " + list;
+        },
+        "METHOD[:LANES]:{" + list + "}");
+}
+
+void add_scan_option(CLI::App& app, std::string& scan) {
+    app.add_option("--scan", scan, "method of the Hierarchy-Scan, and its invocations a character")->check(scan_name({"auto"}))->capture_default_str();
 }
 
 std::vector<Character> load_characters(const std::vector<std::string>& files) {
@@ -68,7 +79,7 @@ void print_json(const nlohmann::json& json) {
     std::cout << json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
 }
 
-void add_out_option(CLI::App& app, std::string& out, const std::string& description) {
+CLI::Validator writable_file() {
     const auto check = [](std::string& text) -> std::string {
         const std::filesystem::path path = text, folder = path.has_parent_path() ? path.parent_path() : ".";
         std::error_code error;
@@ -77,7 +88,11 @@ void add_out_option(CLI::App& app, std::string& out, const std::string& descript
         if (type == std::filesystem::file_type::not_found || type == std::filesystem::file_type::regular) return {};
         return text + " is there, and not a plain file";
     };
-    app.add_option("--out", out, description)->required()->check(CLI::Validator(check, ""));
+    return {check, ""};
+}
+
+void add_out_option(CLI::App& app, std::string& out, const std::string& description) {
+    app.add_option("--out", out, description)->required()->check(writable_file());
 }
 
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {

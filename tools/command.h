@@ -45,7 +45,10 @@ CLI::Validator finite();
 void add_device_option(CLI::App& app, std::string& select);
 Device open_device(const std::string& select);
 
-// --scan; names as scan_methods() has them, and "auto".
+// A name of scan_methods(), with invocations a character or without, or one of `others`.
+CLI::Validator scan_name(const std::vector<std::string>& others);
+
+// --scan
 void add_scan_option(CLI::App& app, std::string& scan);
 
 std::vector<Character> load_characters(const std::vector<std::string>& files);
@@ -61,7 +64,10 @@ void print_progress(const std::string& text);
 
 void print_json(const nlohmann::json& json);
 
-// --out. Said before the work is done: its folder must be there and writable, and what stands there already a plain file.
+// For files to write. Said before the work is done: the folder must be there and writable, and what stands there already a plain file.
+CLI::Validator writable_file();
+
+// --out, required.
 void add_out_option(CLI::App& app, std::string& out, const std::string& description);
 
 // Writes to a temporary name beside `path`, then renames.
@@ -73,6 +79,11 @@ void add_pose(CLI::App& app);
 void add_render(CLI::App& app);
 void add_generate(CLI::App& app);
 void add_bench(CLI::App& app);
+void add_bench_scan(CLI::App& bench);
+void add_bench_baselines(CLI::App& bench);
+void add_bench_report(CLI::App& bench);
+void add_bench_diagrams(CLI::App& bench);
+void add_tune(CLI::App& app);
 void add_devices(CLI::App& app);
 
 }  // namespace throng::tools

@@ -31,6 +31,7 @@ nlohmann::json to_json(const Character& character) {
             {"levels", rig.level_count},
             {"mean_depth", rig.mean_depth},
             {"leaves", rig.leaf_count},
+            {"uniform_scale", rig.uniform_scale},
             {"skins", skins},
             {"palette_entries", character.palette.size()},
             {"clips", clips},
@@ -49,7 +50,8 @@ nlohmann::json to_json(const Character& character) {
 void print_text(const Character& character) {
     const Rig& rig = character.rig;
     std::printf("%s\n", character.name.c_str());
-    std::printf("  rig        %u joints, %u levels, mean depth %.1f, %u leaves\n", rig.joint_count(), rig.level_count, rig.mean_depth, rig.leaf_count);
+    std::printf("  rig        %u joints, %u levels, mean depth %.1f, %u leaves%s\n", rig.joint_count(), rig.level_count, rig.mean_depth, rig.leaf_count,
+                rig.uniform_scale ? ", uniform scale" : "");
     for (size_t i = 0; i < character.skins.size(); ++i)
         std::printf("  skin %-5zu %u joints  %s\n", i, character.skins[i].joint_count, character.skins[i].name.c_str());
     std::printf("  mesh       %zu vertices, %llu faces, %zu sections, %zu materials, up to %u influences a vertex\n", character.vertices.size(),
@@ -68,24 +70,36 @@ void print_text(const Character& character) {
 }
 
 struct InfoOptions {
-    std::string file;
+    std::string file, device;
+    uint32_t count = 10'000;
     bool json = false;
 };
 
 void run_info(const InfoOptions& options) {
     const Character character = unwrap(load_character(options.file));
-    if (options.json) print_json(to_json(character));
-    else print_text(character);
+    nlohmann::json json = options.json ? to_json(character) : nlohmann::json();
+    if (!options.json) print_text(character);
+    // The file is of interest without a device too; one that was asked for must be there.
+    const Result<Device> device = Device::create({.select = options.device});
+    if (!device && !options.device.empty()) throw CommandError(device.error().text());
+    if (device) {
+        const ScanAdvice advice = unwrap(advise_scan(*device, character.rig, options.count));
+        if (options.json) json["scan"] = {{"method", advice.method}, {"reason", advice.reason}, {"characters", options.count}, {"device", device->info().name}};
+        else std::printf("  scan       %s on %s: %s\n", advice.method.c_str(), device->info().name.c_str(), advice.reason.c_str());
+    }
+    if (options.json) print_json(json);
 }
 
 }  // namespace
 
 void add_info(CLI::App& app) {
-    CLI::App& command = *app.add_subcommand("info", "what is in a .glb or .gltf file, and what it costs; needs no GPU");
+    CLI::App& command = *app.add_subcommand("info", "what is in a .glb or .gltf file, what it costs, and how a crowd of it would be scanned");
     auto options = std::make_shared<InfoOptions>();
     command.add_option("file", options->file, "a glTF 2.0 file")->required();
+    command.add_option("--count", options->count, "characters of the crowd for which a scan method is chosen")->check(CLI::Range(1u, 10'000'000u))->capture_default_str();
+    add_device_option(command, options->device);
     command.add_flag("--json", options->json, "as JSON");
-    command.footer("Examples:\n  throng info fox.glb\n  throng info fox.glb --json | jq .clips");
+    command.footer("Examples:\n  throng info fox.glb\n  throng info fox.glb --count 100\n  throng info fox.glb --json | jq .clips");
     command.callback([options] { run_info(*options); });
 }
 

@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
     add_render(app);
     add_generate(app);
     add_bench(app);
+    add_tune(app);
     add_devices(app);
     try {
         app.parse(argc, argv);

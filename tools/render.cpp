@@ -24,15 +24,15 @@ RendererSettings parse_size(const std::string& text) {
 }
 
 void print_times(const RenderOptions& options, const Device& device, const Crowd& crowd, const StageTimes& times, double draw_ms) {
-    const std::string_view scan = crowd.scan_method(0);
+    const std::string scan = crowd.scan(0).method;
     if (options.json) {
         nlohmann::json stages{{"skin+draw", draw_ms}};
         for (const auto& [name, member] : kStages) stages[name] = times.*member;
         return print_json({{"out", options.out}, {"device", device.info().name}, {"driver", device.info().driver}, {"count", crowd.instance_count()},
                            {"scan", scan}, {"stages_ms", stages}});
     }
-    std::printf("%s: %u characters on %s, scan by %.*s\n ", options.out.c_str(), crowd.instance_count(), device.info().name.c_str(),
-                static_cast<int>(scan.size()), scan.data());
+    std::printf("%s: %u characters on %s, scan by %s\n ", options.out.c_str(), crowd.instance_count(), device.info().name.c_str(),
+                scan.c_str());
     for (const auto& [name, member] : kStages) std::printf(" %s %.2f ms,", name, times.*member);
     std::printf(" skin+draw %.2f ms\n", draw_ms);
 }

@@ -1,0 +1,30 @@
+// Drawing into an SVG document that is legible on light and on dark pages. Colours are names of the style sheet in svg.cpp.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace throng::bench {
+
+struct Point {
+    double x = 0, y = 0;
+};
+
+class Svg {
+public:
+    void rect(Point corner, double width, double height, std::string_view style, double rounding = 0);
+    void line(Point from, Point to, std::string_view style);
+    void curve(Point from, Point to, std::string_view style);  // leaves and arrives vertically
+    void dot(Point centre, double radius, std::string_view style);
+    void text(Point at, std::string_view text, std::string_view style);  // lines apart by \n; `style` may say where it is anchored
+
+    void put_below(const Svg& other) { body_ = other.body_ + body_; }
+
+    // The document, with `title` for those who cannot see it.
+    std::string document(double width, double height, std::string_view title) const;
+
+private:
+    std::string body_;
+};
+
+}  // namespace throng::bench

@@ -1,0 +1,24 @@
+// Milliseconds that recorded work takes on the GPU.
+#pragma once
+
+#include "gpu/gpu.h"
+
+namespace throng::bench {
+
+class GpuClock {
+public:
+    // Throws kUnsupported where the device has no timestamps.
+    explicit GpuClock(std::shared_ptr<Gpu> gpu);
+    ~GpuClock();
+    GpuClock(const GpuClock&) = delete;
+    GpuClock& operator=(const GpuClock&) = delete;
+
+    // Submits what `work` records, alone between two timestamps, and waits. It sees all work submitted before.
+    double time_ms(const std::function<void(VkCommandBuffer)>& work) const;
+
+private:
+    std::shared_ptr<Gpu> gpu_;
+    VkQueryPool pool_ = VK_NULL_HANDLE;
+};
+
+}  // namespace throng::bench

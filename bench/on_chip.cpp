@@ -1,0 +1,217 @@
+// Measures what a scan costs without memory: every character reads the same local transforms from shared memory and scans them
+// repeat after repeat. The difference of two runs of different repeat counts is free of launching, loading and storing.
+#include "bench/gpu_clock.h"
+#include "bench/scan_cell.h"
+#include "bench/scan_crowd.h"
+#include "bench/statistics.h"
+#include "gpu/barrier.h"
+#include "scan/scan_shaders.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+namespace throng::bench {
+namespace {
+
+constexpr uint32_t kMethodConstants = 7;     // constant_id 1 to 7 are the method's own
+constexpr uint32_t kSoftwareCharacters = 256;  // more only take longer on a software device
+constexpr double kRun_ms = 10;               // how long the difference of two runs should be at least
+constexpr uint32_t kMostRepeats = 20'000;
+
+uint64_t local_bytes(const ScanMethod& method) { return method.format == ScanFormat::kSimilarity ? 32 : 48; }
+
+// Empty where the method runs on-chip, beside the local transforms in the same shared memory.
+std::string obstacle_of(const ScanPlan& plan, const ScanMethod& method, const ScanRig& rig, const ScanLimits& limits) {
+    if (!plan.obstacle.empty()) return plan.obstacle;
+    if (!plan.on_chip) return "its transforms pass through memory";
+    const uint64_t needed_bytes = uint64_t{plan.counts.shared_bytes} * plan.instances_per_workgroup + rig.joint_count() * local_bytes(method);
+    if (needed_bytes <= limits.shared_memory_bytes) return {};
+    return std::to_string(needed_bytes) + " bytes of shared memory, with the local transforms, exceed the device's " + std::to_string(limits.shared_memory_bytes);
+}
+
+std::string obstacle_of(const Entrant& entrant, const ScanRig& rig, const ScanLimits& limits) {
+    std::string obstacle;
+    for (const ScanChoice& choice : entrant.choices) {
+        obstacle = obstacle_of(plan_scan(*choice.method, rig, limits, choice.lanes), *choice.method, rig, limits);
+        if (obstacle.empty()) break;
+    }
+    return obstacle;
+}
+
+// The most joints, up to the cell's, with which every entrant fits that fits with the fewest; the same for all, to compare them.
+uint32_t common_joint_count(const ScanCell& cell, std::span<const Entrant> entrants, const ScanLimits& limits) {
+    const auto rig_of = [&](uint32_t joints) {
+        ScanCell smaller = cell;
+        smaller.joints = joints;
+        return smaller.rig();
+    };
+    uint32_t fitting = cell.shape == SkeletonShape::kRandom ? cell.levels : 1, too_many = cell.joints + 1;
+    const ScanRig smallest = rig_of(fitting);
+    std::vector<Entrant> able;
+    for (const Entrant& entrant : entrants)
+        if (obstacle_of(entrant, smallest, limits).empty()) able.push_back(entrant);
+    while (fitting + 1 < too_many) {
+        const uint32_t middle = fitting + (too_many - fitting) / 2;
+        const ScanRig rig = rig_of(middle);
+        const bool fits = std::all_of(able.begin(), able.end(), [&](const Entrant& entrant) { return obstacle_of(entrant, rig, limits).empty(); });
+        (fits ? fitting : too_many) = middle;
+    }
+    return fitting;
+}
+
+// One choice, as compiled for this measurement.
+class OnChipRunner {
+public:
+    OnChipRunner(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const ScanChoice& choice, ScanPlan plan, const ScanRig& rig, uint32_t character_count, const PoseSet& pose)
+        : gpu_(gpu), clock_(&clock), choice_(choice), plan_(std::move(plan)), joint_count_(rig.joint_count()), character_count_(character_count) {
+        const auto storage = [&](const char* what, uint64_t size_bytes) { return Buffer(gpu, what, size_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT); };
+        links_ = upload(gpu, "scan links", plan_.links);
+        local_ = upload(gpu, "local transforms", pose.bytes(0, 1, ScanLayout::kCharacterMajor, choice.method->format));  // all read these
+        model_ = storage("model matrices", matrix_count() * sizeof(Affine));
+        scratch_ = storage("scratch", sizeof(Affine));
+        kernels_ = {kernel(0), kernel(1)};
+        bindings_ = kernels_[0].bind(ScanBuffers{.local = local_, .links = links_, .model = model_, .scratch = scratch_});
+    }
+
+    const ScanChoice& choice() const { return choice_; }
+    const ScanPlan& plan() const { return plan_; }
+
+    // Of a run of two repeats, so that the last one is not the first.
+    double max_error(const PoseSet& pose) const {
+        gpu_->submit_and_wait([&](VkCommandBuffer commands) { gpu_->vk.vkCmdFillBuffer(commands, model_.handle(), 0, VK_WHOLE_SIZE, 0xFFFFFFFF); });
+        run_ms(2, false);
+        const std::vector<Affine> model = download<Affine>(gpu_, model_);
+        return bench::max_error(model, pose, 0, character_count_, choice_.method->layout);
+    }
+
+    // Finds the repeat count; both kernels are warm then.
+    void calibrate() {
+        for (const bool barriers_twice : {false, true}) run_ms(1, barriers_twice);
+        // The device ends loops without a word after so many iterations: twice the repeats have to stay below.
+        const uint64_t countable = scan_limits(*gpu_).loop_iterations / (plan_.counts.loop_iterations + 1) / 2;
+        while (run_ms(repeat_count_, false) < kRun_ms && 2 * repeat_count_ <= std::min<uint64_t>(kMostRepeats, countable)) repeat_count_ *= 2;
+    }
+
+    double ns_per_joint(bool barriers_twice) const {
+        const double once_ms = run_ms(repeat_count_, barriers_twice), twice_ms = run_ms(2 * repeat_count_, barriers_twice);
+        return (twice_ms - once_ms) * 1e6 / (static_cast<double>(matrix_count()) * repeat_count_);
+    }
+
+private:
+    uint64_t matrix_count() const { return uint64_t{character_count_} * joint_count_; }
+
+    Kernel kernel(uint32_t barriers_twice) const {
+        const ScanShaders& shaders = scan_shaders(choice_.method->name);
+        std::vector<uint32_t> constants = plan_.constants;
+        constants.resize(kMethodConstants);
+        constants.insert(constants.end(), {barriers_twice, joint_count_});
+        return Kernel(gpu_, {.name = choice_.method->name,
+                             .spirv = gpu_->prefers_wide_words() ? shaders.on_chip_wide : shaders.on_chip,
+                             .workgroup_size = plan_.workgroup_size,
+                             .constants = std::move(constants)});
+    }
+
+    double run_ms(uint32_t repeat_count, bool barriers_twice) const {
+        const uint32_t workgroups = (character_count_ + plan_.instances_per_workgroup - 1) / plan_.instances_per_workgroup;
+        return clock_->time_ms([&](VkCommandBuffer commands) {
+            kernels_[barriers_twice ? 1 : 0].dispatch_workgroups(commands, bindings_, io::ScanPush{joint_count_, character_count_, repeat_count}, workgroups);
+        });
+    }
+
+    std::shared_ptr<Gpu> gpu_;
+    const GpuClock* clock_;
+    ScanChoice choice_;
+    ScanPlan plan_;
+    uint32_t joint_count_, character_count_, repeat_count_ = 1;
+    Buffer links_, local_, model_, scratch_;
+    std::array<Kernel, 2> kernels_;  // [barriers issued twice]
+    Bindings bindings_;
+};
+
+struct Checked {
+    std::string obstacle;
+    double max_error = 0;
+    std::optional<OnChipRunner> runner;
+    std::vector<double> ns, barriers_twice_ns;  // a joint
+
+    bool runs() const { return runner && !is_wrong(max_error); }
+    void sample() {
+        ns.push_back(runner->ns_per_joint(false));
+        if (runner->plan().counts.barriers > 0) barriers_twice_ns.push_back(runner->ns_per_joint(true));
+    }
+};
+
+Checked check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant, const ScanRig& rig, uint32_t character_count, const PoseSet& pose) {
+    Checked checked;
+    double best_ns = std::numeric_limits<double>::infinity();
+    for (const ScanChoice& choice : entrant.choices) {
+        ScanPlan plan = plan_scan(*choice.method, rig, scan_limits(*gpu), choice.lanes);
+        if (const std::string obstacle = obstacle_of(plan, *choice.method, rig, scan_limits(*gpu)); !obstacle.empty()) {
+            checked.obstacle = obstacle;
+            continue;
+        }
+        OnChipRunner runner(gpu, clock, choice, std::move(plan), rig, character_count, pose);
+        const double max_error = runner.max_error(pose);
+        double ns = 0;
+        if (!is_wrong(max_error)) {
+            runner.calibrate();
+            ns = runner.ns_per_joint(false);
+            if (ns >= best_ns) continue;
+        }
+        best_ns = ns;
+        checked.max_error = max_error;
+        checked.runner = std::move(runner);
+        if (is_wrong(max_error)) break;
+    }
+    return checked;
+}
+
+nlohmann::json record_of(const Entrant& entrant, const Checked& checked, const nlohmann::json& cell_record) {
+    nlohmann::json record = cell_record;
+    record["method"] = entrant.name;
+    if (!checked.runner) {
+        record["obstacle"] = checked.obstacle;
+        return record;
+    }
+    add_choice(record, checked.runner->choice(), checked.runner->plan().counts);
+    add_error(record, checked.max_error);
+    if (!checked.runs()) return record;
+    const Spread ns = spread_of(checked.ns), barriers_twice_ns = spread_of(checked.barriers_twice_ns);
+    record.update({{"samples", checked.ns.size()},
+                   {"workgroup_size", checked.runner->plan().workgroup_size},
+                   {"on_chip_ns_per_joint", ns.median},
+                   {"on_chip_p5", ns.p5},
+                   {"on_chip_p95", ns.p95},
+                   {"barrier_share", checked.barriers_twice_ns.empty() ? 0 : (barriers_twice_ns.median - ns.median) / ns.median}});
+    return record;
+}
+
+}  // namespace
+
+std::vector<nlohmann::json> measure_on_chip(const std::shared_ptr<Gpu>& gpu, ScanCell cell, std::span<const Entrant> entrants, const Sampling& sampling, const Progress& progress) {
+    const Stopwatch watch;
+    const GpuClock clock(gpu);
+    cell.joints = common_joint_count(cell, entrants, scan_limits(*gpu));
+    if (gpu->is_cpu()) cell.characters = std::min(cell.characters, kSoftwareCharacters);
+    const ScanRig rig = cell.rig();
+    const PoseSet pose(rig, 1, cell.seed);
+
+    std::vector<Checked> checked;
+    for (const Entrant& entrant : entrants) {
+        progress("checking " + entrant.name + ", " + std::to_string(checked.size() + 1) + " of " + std::to_string(entrants.size()));
+        checked.push_back(check(gpu, clock, entrant, rig, cell.characters, pose));
+    }
+
+    std::vector<Contestant> contestants;
+    for (size_t i = 0; i < entrants.size(); ++i)
+        if (checked[i].runs()) contestants.push_back({entrants[i].name, [&one = checked[i]] { one.sample(); }});
+    run_rounds(contestants, sampling, sampling.budget_s - watch.elapsed_s(), progress);
+
+    const nlohmann::json cell_record = describe_cell(cell, rig, gpu->info);
+    std::vector<nlohmann::json> records;
+    for (size_t i = 0; i < entrants.size(); ++i) records.push_back(record_of(entrants[i], checked[i], cell_record));
+    return records;
+}
+
+}  // namespace throng::bench

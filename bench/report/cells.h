@@ -1,0 +1,41 @@
+// Selecting and grouping the records of the scan benchmark.
+#pragma once
+
+#include "bench/report/records.h"
+
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace throng::bench {
+
+// Records that agree in some fields, in their first one's order.
+using Cells = std::vector<const Json*>;
+
+// The benchmark's own records; of several of one case the last one.
+Cells scan_cells(std::span<const Json> records);
+
+// Those whose `field` is `value`.
+Cells having(const Cells& cells, const char* field, const std::string& value);
+
+// One group for each combination of the fields' values, in the order of their first appearance.
+std::vector<Cells> grouped(const Cells& cells, const std::vector<const char*>& fields);
+
+// Each text or number once, in the order of appearance; missing ones are left out.
+std::vector<std::string> texts(const Cells& cells, const char* field);
+std::set<double> numbers(const Cells& cells, const char* field);
+
+// A method's best record at each value of `field` (of several counts of invocations, say) by `quantity`.
+using Best = std::map<double, const Json*>;
+Best best_over(const Cells& cells, const char* field, const char* quantity);
+
+// The fastest that was chosen by hand, and what the planner's choice took; null where there is none.
+const Json* fastest(const Cells& cells);
+const Json* planned(const Cells& cells);
+
+// Of first over second, over all values of `field` that both have; NaN where there is none.
+double geometric_mean_ratio(const Best& first, const Best& second, const char* quantity);
+
+}  // namespace throng::bench

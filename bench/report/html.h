@@ -1,0 +1,18 @@
+// A page that stands alone: style and script are in it, nothing is fetched.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace throng::bench {
+
+// For text, and for attributes in double quotes.
+std::string escape(std::string_view text);
+
+// Three significant digits and separated thousands: 0.0123, 1.23, 12.3, 12,345. A dash for NaN.
+std::string digits(double value);
+std::string whole(double value);
+
+std::string html_page(const std::string& title, const std::string& body);
+
+}  // namespace throng::bench

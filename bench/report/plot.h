@@ -1,0 +1,58 @@
+// Figures, drawn by gnuplot to SVG: one idea of a good figure for all of them. Lines carry their names at their right ends, the
+// background is transparent, and colours change with the page where it is dark. Groups in the SVG carry data-series.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace throng::bench {
+
+// A colour on a light and on a dark page: "#rrggbb".
+struct Ink {
+    std::string light, dark;
+};
+
+struct LineStyle {
+    Ink ink;
+    double width = 1.5;
+    std::string dashes;  // gnuplot's dashtype, "(6,3)"; empty: solid
+    int point_type = 7;  // gnuplot's pointtype
+    double point_size = 0.4;
+};
+
+// Low to high is drawn as a band where both are given.
+struct PlotPoint {
+    double x = 0, y = 0, low = 0, high = 0;
+};
+
+struct Series {
+    std::string name;
+    LineStyle style;
+    std::vector<PlotPoint> points;
+};
+
+// y is logarithmic: what is compared here are ratios. Points that are not positive on a logarithmic axis are left out.
+struct LinePlot {
+    std::string id;  // tells the parts of several figures of one page apart
+    std::string title, y_label, x_label;
+    bool log_x = false;
+    std::vector<Series> series;  // later ones lie over earlier ones
+};
+// Empty where there is no point. Throws as run_gnuplot() does.
+std::string line_plot(const LinePlot& plot);
+
+struct Bar {
+    std::string name;
+    Ink ink;
+    double value = 0, low = 0, high = 0;
+    double pale_share = 0;  // 0..1, the right part of the bar
+    std::string note;       // to the right of it
+};
+struct BarPlot {
+    std::string id;
+    std::string title, x_label;
+    std::vector<Bar> bars;  // from the top
+};
+std::string bar_plot(const BarPlot& plot);
+
+}  // namespace throng::bench

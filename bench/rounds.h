@@ -1,0 +1,36 @@
+// Interleaved rounds: A B C A B C …, so that whatever disturbs the machine disturbs all alike.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+
+namespace throng::bench {
+
+class Stopwatch {
+public:
+    double elapsed_s() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+struct Sampling {
+    uint32_t samples = 15;
+    uint32_t least_samples = 3;  // also of what is too slow for the budget
+    double budget_s = 0;         // for checking and timing
+};
+
+struct Contestant {
+    std::string name;
+    std::function<void()> sample;  // takes one
+};
+
+using Progress = std::function<void(const std::string&)>;
+
+// Rounds until each contestant has its samples, or at least the least number of them and has used up its share of `time_s`.
+void run_rounds(std::span<const Contestant> contestants, const Sampling& sampling, double time_s, const Progress& progress);
+
+}  // namespace throng::bench

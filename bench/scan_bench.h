@@ -1,0 +1,34 @@
+// `throng bench scan`: the methods of the Hierarchy-Scan, checked against the reference and timed side by side.
+#pragma once
+
+#include "bench/rounds.h"
+#include "bench/skeletons.h"
+
+#include <throng/device.h>
+
+#include <nlohmann/json.hpp>
+
+namespace throng::bench {
+
+// The names that ScanBenchSettings::experiments takes.
+std::vector<std::string> scan_experiments();
+std::vector<std::string> default_scan_experiments();
+
+struct ScanBenchSettings {
+    std::vector<std::string> methods;  // names of scan_methods(), "name:lanes" to fix the invocations a character; empty: all
+    std::vector<std::string> experiments = default_scan_experiments();
+    // Of the experiments "levels" and "on_chip".
+    uint32_t characters = 10'000, joints = 300;
+    std::vector<uint32_t> levels{15, 30, 45, 60, 90, 120};
+    SkeletonShape shape = SkeletonShape::kRandom;
+    uint64_t seed = 1;
+    Sampling sampling{.budget_s = 420};  // its budget is for the whole run
+    bool quick = false;                  // the other experiments have fewer cells
+};
+
+// Runs cell after cell. `progress` gets a line whenever something begins, `cell_done` the records of a cell (bench/README.md lists their
+// fields). Throws, before anything runs, where the settings make no sense.
+void run_scan_bench(const Device& device, const ScanBenchSettings& settings, const Progress& progress,
+                    const std::function<void(std::span<const nlohmann::json>)>& cell_done);
+
+}  // namespace throng::bench

@@ -1,0 +1,158 @@
+// Measures the scan as a stage: local transforms from memory, model transforms to memory.
+#include "bench/gpu_clock.h"
+#include "bench/scan_cell.h"
+#include "bench/scan_crowd.h"
+#include "bench/statistics.h"
+
+#include <limits>
+#include <optional>
+
+namespace throng::bench {
+namespace {
+
+constexpr uint32_t kCopyPlain[] = {
+#include "bench/copy.inc"
+};
+constexpr uint32_t kCopyWide[] = {
+#include "bench/copy.wide.inc"
+};
+
+// A method's kernel, bound to each batch.
+struct Runner {
+    ScanStage stage;
+    std::vector<Bindings> bindings;
+
+    Runner(const std::shared_ptr<Gpu>& gpu, const ScanChoice& choice, const ScanRig& rig, ScanCrowd& crowd) : stage(gpu, choice, rig, scan_limits(*gpu)) {
+        for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch) bindings.push_back(stage.bind(crowd.buffers(batch, *choice.method, stage.links())));
+    }
+    // All characters, or one in `part`.
+    void record(VkCommandBuffer commands, const ScanCrowd& crowd, uint32_t part = 1) const {
+        for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch) stage.record(commands, bindings[batch], (crowd.batch(batch).instance_count + part - 1) / part);
+    }
+};
+
+// An entrant after its check.
+struct Checked {
+    std::string obstacle;
+    double max_error = 0;
+    std::optional<Runner> runner;
+    std::vector<double> times_ms;
+
+    bool runs() const { return runner && !is_wrong(max_error); }
+};
+
+class CopyRunner {
+public:
+    CopyRunner(const std::shared_ptr<Gpu>& gpu, ScanCrowd& crowd)
+        : kernel_(gpu, {.name = "copy",
+                        .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kCopyWide) : kCopyPlain,
+                        .workgroup_size = 64,
+                        .constants = {kRowsPerInvocation}}) {
+        struct CopyBuffers {
+            BufferRange from, to;
+        };
+        for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch)
+            bindings_.push_back(kernel_.bind(CopyBuffers{crowd.local(batch, ScanLayout::kCharacterMajor, ScanFormat::kAffine), crowd.batch(batch).model}));
+    }
+    void record(VkCommandBuffer commands, const ScanCrowd& crowd) const {
+        for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch) {
+            const auto row_count = static_cast<uint32_t>(crowd.row_count(batch));
+            kernel_.dispatch_invocations(commands, bindings_[batch], row_count, (row_count + kRowsPerInvocation - 1) / kRowsPerInvocation);
+        }
+    }
+
+private:
+    static constexpr uint32_t kRowsPerInvocation = 3;
+    Kernel kernel_;
+    std::vector<Bindings> bindings_;
+};
+
+// The kernel of the choice that is fastest here, compiled and warm; none where no choice applies, and `obstacle` says why.
+std::optional<Runner> fastest(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant, const ScanRig& rig, ScanCrowd& crowd, std::string& obstacle) {
+    const uint32_t part = gpu->is_cpu() ? 8 : 1;  // a software device's time is proportional to the characters: some of them will tell
+    std::optional<Runner> best;
+    double best_ms = std::numeric_limits<double>::infinity();
+    for (const ScanChoice& choice : entrant.choices) {
+        obstacle = plan_scan(*choice.method, rig, scan_limits(*gpu), choice.lanes).obstacle;
+        if (!obstacle.empty()) continue;
+        Runner runner(gpu, choice, rig, crowd);
+        clock.time_ms([&](VkCommandBuffer commands) { runner.stage.record(commands, runner.bindings[0], 1); });  // the first run compiles
+        const double time_ms = entrant.choices.size() > 1 ? clock.time_ms([&](VkCommandBuffer commands) { runner.record(commands, crowd, part); }) : 0;
+        if (time_ms >= best_ms) continue;
+        best_ms = time_ms;
+        best = std::move(runner);
+    }
+    return best;
+}
+
+Checked check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant, const ScanRig& rig, ScanCrowd& crowd) {
+    Checked checked;
+    checked.runner = fastest(gpu, clock, entrant, rig, crowd, checked.obstacle);
+    if (!checked.runner) return checked;
+    crowd.poison();
+    clock.time_ms([&](VkCommandBuffer commands) { checked.runner->record(commands, crowd); });
+    checked.max_error = crowd.max_error(checked.runner->stage.choice().method->layout);
+    return checked;
+}
+
+nlohmann::json record_of(const Entrant& entrant, const Checked& checked, const nlohmann::json& cell_record, double copy_ms) {
+    nlohmann::json record = cell_record;
+    record["method"] = entrant.name;
+    if (!checked.runner) {
+        record["obstacle"] = checked.obstacle;
+        return record;
+    }
+    const ScanStage& stage = checked.runner->stage;
+    add_choice(record, stage.choice(), stage.counts());
+    add_error(record, checked.max_error);
+    if (!checked.runs()) return record;
+    const uint64_t matrix_count = record["characters"].get<uint64_t>() * record["joints"].get<uint64_t>();
+    const uint64_t local_bytes = stage.choice().method->format == ScanFormat::kSimilarity ? 32 : 48;
+    const Spread spread = spread_of(checked.times_ms);
+    record.update({{"bytes", matrix_count * (local_bytes + sizeof(Affine))},
+                   {"samples", checked.times_ms.size()},
+                   {"median_ms", spread.median},
+                   {"p5_ms", spread.p5},
+                   {"p95_ms", spread.p95},
+                   {"copy_ms", copy_ms},
+                   {"times_copy", spread.median / copy_ms},
+                   {"ns_per_joint", spread.median * 1e6 / static_cast<double>(matrix_count)}});
+    return record;
+}
+
+}  // namespace
+
+std::vector<nlohmann::json> measure_scans(const std::shared_ptr<Gpu>& gpu, const ScanCell& cell, std::span<const Entrant> entrants, const Sampling& sampling,
+                                          const Progress& progress) {
+    const Stopwatch watch;
+    const GpuClock clock(gpu);
+    const ScanRig rig = cell.rig();
+    progress("making " + std::to_string(cell.characters) + " characters");
+    ScanCrowd crowd(gpu, rig, cell.characters, cell.seed);
+
+    std::vector<Checked> checked;
+    for (const Entrant& entrant : entrants) {
+        progress("checking " + entrant.name + ", " + std::to_string(checked.size() + 1) + " of " + std::to_string(entrants.size()));
+        checked.push_back(check(gpu, clock, entrant, rig, crowd));
+    }
+
+    std::vector<double> copy_times_ms;
+    std::vector<Contestant> contestants;
+    const auto enter = [&](const std::string& name, const auto& runner, std::vector<double>& times_ms) {
+        contestants.push_back({name, [&] { times_ms.push_back(clock.time_ms([&](VkCommandBuffer commands) { runner.record(commands, crowd); })); }});
+    };
+    const CopyRunner copy(gpu, crowd);
+    clock.time_ms([&](VkCommandBuffer commands) { copy.record(commands, crowd); });  // the check has warmed up the others
+    enter("copy", copy, copy_times_ms);
+    for (size_t i = 0; i < entrants.size(); ++i)
+        if (checked[i].runs()) enter(entrants[i].name, *checked[i].runner, checked[i].times_ms);
+    run_rounds(contestants, sampling, sampling.budget_s - watch.elapsed_s(), progress);
+
+    const nlohmann::json cell_record = describe_cell(cell, rig, gpu->info);
+    const double copy_ms = spread_of(copy_times_ms).median;
+    std::vector<nlohmann::json> records;
+    for (size_t i = 0; i < entrants.size(); ++i) records.push_back(record_of(entrants[i], checked[i], cell_record, copy_ms));
+    return records;
+}
+
+}  // namespace throng::bench

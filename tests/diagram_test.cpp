@@ -1,0 +1,101 @@
+// The pictures' simulations: each method, done by lists of joints instead of transforms, makes each joint's chain in order, with
+// exactly the multiplications that its plan counts; and docs/scan holds what is drawn now.
+#include "bench/diagrams/diagram.h"
+#include "bench/skeletons.h"
+#include "scan/scan_table.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+
+namespace throng::bench {
+namespace {
+
+// No larger: then a workgroup has an invocation for each joint, so that a flow's thread never does two joints' work.
+constexpr uint32_t kMostJoints = 256;
+const ScanLimits kLimits{.shared_memory_bytes = 48 << 10, .workgroup_size = 1024, .subgroup_size = 32, .shuffle = true};
+
+std::vector<ScanRig> rigs() {
+    std::vector<ScanRig> out{diagram_rig(), ScanRig(std::vector<uint32_t>{kNone}), ScanRig(std::vector<uint32_t>{kNone, kNone, 0, 1, 1})};
+    for (const SkeletonShape shape : kSkeletonShapes)
+        for (const uint32_t joints : {9u, 65u, kMostJoints}) out.emplace_back(make_skeleton(shape, joints, joints / 3, 7));
+    return out;
+}
+
+TEST(Diagram, EveryMethodMakesEachJointsChain) {
+    for (const FlowMethod& method : flow_methods())
+        for (const ScanRig& rig : rigs())
+            for (const FlowSettings& settings : {FlowSettings{}, kDiagramSettings}) {
+                const Flow flow = method.simulate(rig, settings);
+                SCOPED_TRACE(std::string(method.name) + ", " + std::to_string(rig.joint_count()) + " joints");
+                std::vector<Product> chains;
+                for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) {
+                    chains.push_back(rig.parents[joint] == kNone ? Product{} : chains[rig.parents[joint]]);
+                    chains.back().push_back(joint);
+                }
+                ASSERT_EQ(flow.model, chains);
+                for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) ASSERT_NE(flow.writers[joint], kNone);
+            }
+}
+
+// A step's left factor ends above where the rest of its product begins, and each joint is stored once.
+TEST(Diagram, StepsAreMultiplicationsOfNeighboursInTheTree) {
+    for (const FlowMethod& method : flow_methods())
+        for (const ScanRig& rig : rigs()) {
+            SCOPED_TRACE(method.name);
+            const Flow flow = method.simulate(rig, kDiagramSettings);
+            std::multiset<uint32_t> stored;
+            std::set<std::tuple<uint32_t, uint32_t, uint32_t>> turns;
+            for (const FlowStep& step : flow.steps) {
+                for (size_t i = 1; i < step.product.size(); ++i) ASSERT_EQ(rig.parents[step.product[i]], step.product[i - 1]);
+                ASSERT_EQ(step.source == FlowSource::kIdentity, step.source_joint == kNone);
+                if (step.source_joint != kNone) {
+                    ASSERT_EQ(step.product[step.source_length - 1], step.source_joint);
+                }
+                ASSERT_TRUE(turns.emplace(step.phase, step.thread, step.row).second) << "a thread does one thing at a time";
+                if (step.stored) stored.insert(step.joint);
+            }
+            for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) ASSERT_LE(stored.count(joint), 1u) << joint;
+        }
+}
+
+TEST(Diagram, CountsAreThePlans) {
+    for (const FlowMethod& method : flow_methods())
+        for (const ScanRig& rig : rigs())
+            for (const uint32_t lanes : {16u, 32u}) {
+                const ScanMethod& row = *find_scan_method(method.name);
+                const bool has_lanes = row.lane_choices(kLimits).front() != 0;
+                const ScanPlan plan = plan_scan(row, rig, kLimits, has_lanes ? lanes : 0);
+                ASSERT_EQ(plan.obstacle, "");
+                const Flow flow = method.simulate(rig, {.lanes = lanes});
+                SCOPED_TRACE(std::string(method.name) + ", " + std::to_string(rig.joint_count()) + " joints, " + std::to_string(rig.level_count) + " levels");
+                EXPECT_EQ(flow.steps.size(), plan.counts.multiplications);
+                EXPECT_EQ(flow.longest_thread(), plan.counts.longest_thread);
+                EXPECT_EQ(flow.barriers(), plan.counts.barriers);
+            }
+}
+
+// Variants for other formats and layouts share a picture.
+TEST(Diagram, EveryMethodHasAPicture) {
+    std::set<std::string> pictures;
+    for (const Diagram& diagram : scan_diagrams()) EXPECT_TRUE(pictures.insert(diagram.name).second) << diagram.name;
+    for (const ScanMethod& method : scan_table()) {
+        const std::string name(method.name);
+        EXPECT_TRUE(pictures.contains(name.substr(0, std::min(name.find("_quaternion"), name.find("_transposed"))))) << name;
+    }
+}
+
+TEST(Diagram, TheDocumentationHasTheCurrentOnes) {
+    for (const Diagram& diagram : scan_diagrams()) {
+        std::ifstream file(std::string(THRONG_SOURCE_DIR) + "/docs/scan/" + diagram.name + ".svg", std::ios::binary);
+        std::stringstream text;
+        text << file.rdbuf();
+        EXPECT_TRUE(text.str() == diagram.svg) << diagram.name << ": run throng bench diagrams --out docs/scan";
+    }
+}
+
+}  // namespace
+}  // namespace throng::bench

@@ -1,0 +1,169 @@
+// The benchmark's report: every method in it, nothing fetched, nothing that a record says taken for markup or for a command, and one
+// clear error for what is missing. Figures need gnuplot, which ./run installs.
+#include "base/failure.h"
+#include "bench/report/gnuplot.h"
+#include "bench/report/html.h"
+#include "bench/report/plot.h"
+#include "bench/report/records.h"
+#include "bench/scan_report.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <unistd.h>
+
+namespace throng::bench {
+namespace {
+
+const std::vector<std::string> kMethods{"gateau2012_walk", "compressed", "serial", "fragments", "not_known_yet", "auto"};
+
+Json record(const std::string& experiment, const std::string& method, double levels, double ms) {
+    return {{"bench", "scan"},  {"experiment", experiment},   {"method", method}, {"lanes", 32},         {"shape", "random"}, {"seed", 1},
+            {"joints", 300},    {"characters", 10'000},       {"levels", levels}, {"mean_depth", 9.46},  {"leaves", 47},      {"multiplications", 1692},
+            {"median_ms", ms},  {"p5_ms", 0.9 * ms},          {"p95_ms", 1.2 * ms}, {"copy_ms", 50},     {"times_copy", ms / 50}, {"ns_per_joint", ms / 3},
+            {"device", "A GPU"}, {"chosen", method == "auto" ? "serial" : ""}};
+}
+
+std::vector<Json> records_of(const std::string& experiment) {
+    std::vector<Json> records;
+    for (size_t m = 0; m < kMethods.size(); ++m)
+        for (const double levels : {15.0, 60.0, 120.0}) records.push_back(record(experiment, kMethods[m], levels, 60 + 31 * static_cast<double>(m) + levels));
+    return records;
+}
+
+size_t count_of(const std::string& text, const std::string& part) {
+    size_t count = 0;
+    for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+    return count;
+}
+
+std::string failure_of(const auto& body) {
+    try {
+        body();
+    } catch (const Failure& failure) {
+        return failure.what();
+    }
+    return "none";
+}
+
+class TemporaryFile {
+public:
+    explicit TemporaryFile(const std::string& content) : path(std::filesystem::temp_directory_path() / ("report_test_" + std::to_string(getpid()) + ".jsonl")) {
+        std::ofstream(path) << content;
+    }
+    ~TemporaryFile() { std::filesystem::remove(path); }
+    const std::filesystem::path path;
+};
+
+TEST(Report, HasEachMethodInFigureTableAndLegend) {
+    const std::string html = scan_report(records_of("levels"));
+    for (const std::string& method : kMethods) {
+        EXPECT_GE(count_of(html, "data-series=\"" + method + "\"><title>" + method), 2u) << method;  // in both figures
+        EXPECT_EQ(count_of(html, "data-method=\"" + method + "\""), 1u) << method;
+        EXPECT_GE(count_of(html, "</span>" + method), 4u) << method;  // a table a level, and the legend
+    }
+    EXPECT_EQ(count_of(html, "<svg"), 2u);
+    EXPECT_EQ(count_of(html, "<b>75.0</b>"), 1u) << "the fastest of 15 levels is bold";
+}
+
+TEST(Report, NeedsNothingBeyondItself) {
+    std::vector<Json> records = records_of("levels");
+    for (const char* experiment : {"joints", "characters", "on_chip", "grid"}) {
+        const std::vector<Json> more = records_of(experiment);
+        records.insert(records.end(), more.begin(), more.end());
+    }
+    for (const std::string& page : {scan_report(records), scan_levels_plot(records)})
+        for (const char* external : {"src=", "href=\"", "href='h", "url(", "@import", "<link", "<!DOCTYPE svg"}) EXPECT_EQ(count_of(page, external), 0u) << external;
+}
+
+TEST(Report, TakesNoTextForMarkupOrForACommand) {
+    const TemporaryFile untouched("");
+    const std::string remove = "rm " + untouched.path.string();
+    for (const std::string& evil : {std::string("<script>x</script>&\"'"), "`" + remove + "`", "'\nsystem('" + remove + "')\n'", "\"\n!" + remove + "\n", std::string("\\\"@x$data1{/Bold ^_")}) {
+        std::vector<Json> records = records_of("levels");
+        const std::vector<Json> more = records_of("on_chip");
+        records.insert(records.end(), more.begin(), more.end());
+        for (Json& r : records) {
+            r["device"] = evil;
+            r["shape"] = evil;
+            r["method"] = r["method"].get<std::string>() + evil;
+            r["on_chip_ns_per_joint"] = 1;
+            r["obstacle"] = evil;
+        }
+        const std::string html = scan_report(records), plot = scan_levels_plot(records);
+        EXPECT_EQ(count_of(html, "<script>"), 1u) << evil;  // the page's own
+        EXPECT_EQ(count_of(plot, "<script>"), 0u) << evil;
+        EXPECT_EQ(count_of(html, "<title>serial"), count_of(html, "data-series=\"serial")) << evil;
+        EXPECT_TRUE(std::filesystem::exists(untouched.path)) << evil;
+    }
+    EXPECT_NE(scan_levels_plot(std::vector{record("levels", "serial", 15, 1)}).find("A GPU"), std::string::npos);
+}
+
+TEST(Report, SaysWhyAMethodIsNotTimed) {
+    std::vector<Json> records{record("levels", "serial", 15, 60), record("levels", "fragments", 15, 60), record("levels", "compressed", 15, 20)};
+    records[1].erase("median_ms");
+    records[1]["obstacle"] = "1,000 joints are too many";
+    records[2]["wrong"] = true;
+    const std::string html = scan_report(records);
+    EXPECT_NE(html.find("does not apply: 1,000 joints are too many"), std::string::npos);
+    EXPECT_NE(html.find("wrong result, not timed"), std::string::npos);
+    EXPECT_EQ(html.find("data-series=\"compressed\""), std::string::npos);
+    EXPECT_NE(html.find("fastest serial (60.0 ms"), std::string::npos) << "and not the wrong one";
+}
+
+TEST(Report, TheLastRecordOfACaseCounts) {
+    const std::string html = scan_report(std::vector{record("levels", "serial", 15, 61), record("levels", "serial", 15, 67)});
+    EXPECT_EQ(html.find("61.0"), std::string::npos);
+    EXPECT_NE(html.find("67.0"), std::string::npos);
+}
+
+TEST(Report, EndsOnNoRecord) {
+    std::vector<Json> records{Json::object(), {{"bench", "update"}}, {{"bench", "scan"}}, {{"bench", 3}}, {{"bench", "baseline"}}, {{"bench", "scan"}, {"method", "serial"}}};
+    for (const char* experiment : {"levels", "joints", "characters", "on_chip", "grid"}) {
+        records.push_back({{"bench", "scan"}, {"method", "serial"}, {"experiment", experiment}});
+        records.push_back({{"bench", "scan"}, {"method", "auto"}, {"experiment", experiment}, {"levels", "many"}, {"median_ms", nullptr}, {"device", 7}, {"chosen", Json::array()}});
+        records.push_back({{"bench", "scan"}, {"method", "serial"}, {"experiment", experiment}, {"levels", 0}, {"joints", 0}, {"characters", -1}, {"median_ms", 0}, {"ns_per_joint", 1}, {"times_copy", -1}});
+        for (size_t i = 1; i <= records.size(); ++i) EXPECT_NE(scan_report(std::span(records).first(i)).find("</html>"), std::string::npos) << records[i - 1].dump();
+    }
+    EXPECT_NE(scan_report({}).find("no record"), std::string::npos);
+    EXPECT_NE(failure_of([] { scan_levels_plot({}); }).find("time"), std::string::npos);
+}
+
+TEST(Report, SaysThatGnuplotIsMissing) {
+    const std::string path = std::getenv("PATH") ? std::getenv("PATH") : "";
+    setenv("PATH", "/nowhere", 1);
+    const std::string failure = failure_of([] { scan_report(records_of("levels")); });
+    setenv("PATH", path.c_str(), 1);
+    EXPECT_EQ(failure, "gnuplot: not installed, and the plots need it (Debian: apt-get install gnuplot-nox)");
+    EXPECT_EQ(failure_of([] { run_gnuplot("plot nothing\n"); }), "gnuplot: line 0: undefined variable: nothing");
+}
+
+TEST(Report, NamesTheLineThatIsNoRecord) {
+    const auto read = [](const std::string& content) {
+        const TemporaryFile file(content);
+        return read_records(file.path);
+    };
+    EXPECT_EQ(read("{\"bench\": \"scan\"}\n\n{\"bench\": \"update\"}").size(), 2u);
+    EXPECT_NE(failure_of([&] { read("{}\n\n{\"bench\": \n"); }).find(".jsonl:3: "), std::string::npos);
+    EXPECT_NE(failure_of([&] { read("{}\n7"); }).find(".jsonl:2: "), std::string::npos);
+    EXPECT_NE(failure_of([] { read_records("nowhere.jsonl"); }).find("nowhere.jsonl: "), std::string::npos);
+}
+
+TEST(Report, WritesNumbersWithThreeDigits) {
+    EXPECT_EQ(digits(0.01234), "0.0123");
+    EXPECT_EQ(digits(1.2345), "1.23");
+    EXPECT_EQ(digits(12.345), "12.3");
+    EXPECT_EQ(digits(123.45), "123");
+    EXPECT_EQ(digits(1234567.8), "1,234,568");
+    EXPECT_EQ(digits(3.04e-7), "3.0e-07");
+    EXPECT_EQ(digits(-0.5), "-0.500");
+    EXPECT_EQ(digits(0), "0");
+    EXPECT_EQ(digits(std::nan("")), "–");
+    EXPECT_EQ(whole(-1234), "-1,234");
+}
+
+}  // namespace
+}  // namespace throng::bench
