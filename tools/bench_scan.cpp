@@ -57,11 +57,11 @@ void write_text(const std::string& path, const std::string& text) { write_file(p
 void run_scan(const ScanOptions& options) {
     if (!options.report.empty()) bench::run_gnuplot("");  // where it is missing, that is said before the minutes of work
     const Device device = open_device(options.device);
-    std::printf("%s, driver %s, subgroups of %u\n", device.info().name.c_str(), device.info().driver.c_str(), device.info().subgroup_size);
     std::vector<nlohmann::json> all;
     std::string lines;
     bench::run_scan_bench(device, options.settings, print_progress, [&](std::span<const nlohmann::json> records) {
         print_progress("");
+        if (all.empty()) std::printf("%s, driver %s, subgroups of %u\n", device.info().name.c_str(), device.info().driver.c_str(), device.info().subgroup_size);
         print_cell(records);
         for (const nlohmann::json& record : records) lines += record.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
         all.insert(all.end(), records.begin(), records.end());

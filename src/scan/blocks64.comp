@@ -16,16 +16,22 @@
 #include "scan/doubling.glsl"
 
 // The first ancestor outside the block: the row of links[] after those of the rounds.
-uint outside(uint joint, uint rounds) { return links[1 + rounds * push.joint_count + joint]; }
+uint outside(uint joint) { return links[kRounds * push.joint_count + joint]; }
 
 void scan() {
-    const uint instance = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x, lanes = gl_WorkGroupSize.x, rounds = links[0];
+    const uint instance = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x, lanes = gl_WorkGroupSize.x;
     Affine product = kIdentity;
-    for (uint round = 0; round < rounds; ++round) {
+    for (uint joint = lane; joint < push.joint_count; joint += lanes) {
+        const uint word = doubling_word(0, joint);
+        product = first_product(instance, joint, word);
+        store_product(instance, joint, (word & kDoublingToLast) != 0, product);
+    }
+    scan_barrier(!kInShared);
+    for (uint round = 1; round < kRounds; ++round) {
         for (uint joint = lane; joint < push.joint_count; joint += lanes) {
-            const uint word = links[1 + round * push.joint_count + joint];
+            const uint word = doubling_word(round, joint);
             if (word == kDoublingDone) continue;
-            product = doubled(instance, joint, round, word, product);
+            product = next_product(instance, joint, word, product);
             store_product(instance, joint, (word & kDoublingToLast) != 0, product);
         }
         scan_barrier(!kInShared);
@@ -34,7 +40,7 @@ void scan() {
     // From block to block.
     for (uint joint = lane; joint < push.joint_count; joint += lanes) {
         if (kReload) product = load_product(instance, joint, true);
-        for (uint ancestor = outside(joint, rounds); ancestor != kScanNoJoint; ancestor = outside(ancestor, rounds))
+        for (uint ancestor = outside(joint); ancestor != kScanNoJoint; ancestor = outside(ancestor))
             product = affine_multiply(load_product(instance, ancestor, true), product);
         store_model(instance, joint, product);
     }

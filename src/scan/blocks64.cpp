@@ -11,7 +11,6 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     const bool fits = uint64_t{joint_count} * kDoublingBytesPerJoint <= limits.shared_memory_bytes;
     ScanPlan plan{.workgroup_size = strided_workgroup_size(joint_count, limits), .on_chip = fits};
     const bool reloads = joint_count > plan.workgroup_size;
-    plan.constants = {fits ? joint_count : 1u, fits ? 1u : 0u, reloads ? 1u : 0u};
 
     std::vector<uint32_t> inside, outside, hops;  // the parent within the block; the first ancestor outside it; blocks crossed
     for (uint32_t joint = 0; joint < joint_count; ++joint) {
@@ -22,10 +21,11 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
         hops.push_back(outside.back() == kNone ? 0 : hops[outside.back()] + 1);
     }
     DoublingTable table = doubling_table(inside);
+    plan.constants = {fits ? joint_count : 1u, fits ? 1u : 0u, reloads ? 1u : 0u, table.round_count};
 
     ScanCounter counter(plan.workgroup_size, limits.subgroup_size);
     for (uint32_t round = 0; round < table.round_count; ++round) {
-        count_doubling_round(table, round, joint_count, reloads, 1, 1, counter);
+        count_doubling_round(table, round, joint_count, reloads, false, counter);
         counter.barrier();
     }
     counter.phase(hops, reloads ? 2 : 1);

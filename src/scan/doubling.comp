@@ -1,8 +1,8 @@
 #version 460
 // doubling: in each round every joint multiplies its product by that of the ancestor twice as far up as in the round before.
 // Source: Hillis and Steele, Data Parallel Algorithms, CACM, 1986; Algorithm 2 of the paper. Difference: ceil(log2(levels)) rounds,
-//   not log2(joints); two slots a joint, so that a barrier a round is enough and nothing races; the first round reads local, and a
-//   joint whose chain is complete writes its result and rests.
+//   not log2(joints); two slots a joint, so that a barrier a round is enough and nothing races; the first round reads local, the
+//   last writes model, and a joint whose chain is complete rests in between.
 // Input: local[instance][joint], parent_from_joint, affine 3x4.   Output: model[instance][joint], model_from_joint.
 // Needs: 96 bytes of shared memory a joint where they fit, else model and scratch hold what shared memory would; any joint count.
 // Cost: at most joints * ceil(log2(levels)) multiplications, longest thread ceil(log2(levels)), ceil(log2(levels)) - 1 barriers.
@@ -15,18 +15,30 @@
 #include "scan/doubling.glsl"
 
 void scan() {
-    const uint instance = gl_WorkGroupID.x, rounds = links[0];
+    const uint instance = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x, lanes = gl_WorkGroupSize.x;
     Affine product = kIdentity;
-    for (uint round = 0; round < rounds; ++round) {
-        if (round > 0) scan_barrier(!kInShared);
-        for (uint joint = gl_LocalInvocationID.x; joint < push.joint_count; joint += gl_WorkGroupSize.x) {
-            const uint word = links[1 + round * push.joint_count + joint];
+    for (uint joint = lane; joint < push.joint_count; joint += lanes) {
+        const uint word = doubling_word(0, joint);
+        product = first_product(instance, joint, word);
+        if (kInShared && kRounds == 1) store_model(instance, joint, product);
+        else store_product(instance, joint, (word & kDoublingToLast) != 0, product);
+    }
+    const uint rounds_in_slots = kInShared ? kRounds - 1 : kRounds;  // without shared memory the last slot is model
+    for (uint round = 1; round < rounds_in_slots; ++round) {
+        scan_barrier(!kInShared);
+        for (uint joint = lane; joint < push.joint_count; joint += lanes) {
+            const uint word = doubling_word(round, joint);
             if (word == kDoublingDone) continue;
-            product = doubled(instance, joint, round, word, product);
-            const bool completes = (word & kDoublingCompletes) != 0;
-            if (completes) store_model(instance, joint, product);
-            const bool is_read_later = kInShared ? round + 1 < rounds : !completes;  // without shared memory the last slot is model
-            if (is_read_later) store_product(instance, joint, (word & kDoublingToLast) != 0, product);
+            product = next_product(instance, joint, word, product);
+            store_product(instance, joint, (word & kDoublingToLast) != 0, product);
         }
+    }
+    if (!kInShared || kRounds == 1) return;
+    scan_barrier(false);
+    for (uint joint = lane; joint < push.joint_count; joint += lanes) {
+        const uint word = doubling_word(kRounds - 1, joint);
+        if (word != kDoublingDone) product = next_product(instance, joint, word, product);
+        else if (kReload) product = load_product(instance, joint, true);
+        store_model(instance, joint, product);
     }
 }

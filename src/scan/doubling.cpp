@@ -10,12 +10,12 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     const bool fits = uint64_t{shared_joints} * kDoublingBytesPerJoint <= limits.shared_memory_bytes;
     ScanPlan plan{.workgroup_size = strided_workgroup_size(rig.joint_count(), limits), .on_chip = fits};
     const bool reloads = rig.joint_count() > plan.workgroup_size;
-    plan.constants = {fits ? std::max(shared_joints, 1u) : 1u, fits ? 1u : 0u, reloads ? 1u : 0u};
+    plan.constants = {fits ? std::max(shared_joints, 1u) : 1u, fits ? 1u : 0u, reloads ? 1u : 0u, rounds};
 
     ScanCounter counter(plan.workgroup_size, limits.subgroup_size);
     for (uint32_t round = 0; round < rounds; ++round) {
         if (round > 0) counter.barrier();
-        count_doubling_round(table, round, rig.joint_count(), reloads, fits && round + 1 < rounds ? 2 : 1, 1, counter);
+        count_doubling_round(table, round, rig.joint_count(), reloads, fits && round + 1 == rounds, counter);
     }
     counter.shared_bytes(fits ? uint64_t{shared_joints} * kDoublingBytesPerJoint : 0);
     plan.counts = counter.counts();

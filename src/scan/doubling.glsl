@@ -5,32 +5,33 @@
 layout(constant_id = 1) const uint kSharedJoints = 1;  // joints that shared memory holds
 layout(constant_id = 2) const bool kInShared = true;   // false: the character does not fit it
 layout(constant_id = 3) const bool kReload = true;     // false: a joint an invocation, whose product stays in registers
+layout(constant_id = 4) const uint kRounds = 1;
 
-shared StoredAffine shared_last[kSharedJoints];
-shared StoredAffine shared_other[kSharedJoints];
+shared StoredAffine shared_products[2 * kSharedJoints];  // [slot][joint], the last slot first
 
 Affine load_product(uint instance, uint joint, bool last_slot) {
-    if (kInShared && last_slot) return unpack(shared_last[joint]);
-    if (kInShared) return unpack(shared_other[joint]);
+    if (kInShared) return unpack(shared_products[(last_slot ? 0 : kSharedJoints) + joint]);
     if (last_slot) return unpack(DOUBLING_LAST_SLOTS[at(instance, joint)]);
     return unpack(DOUBLING_OTHER_SLOTS[at(instance, joint)]);
 }
 
 void store_product(uint instance, uint joint, bool last_slot, Affine product) {
-    if (kInShared && last_slot) shared_last[joint] = pack(product);
-    else if (kInShared) shared_other[joint] = pack(product);
+    if (kInShared) shared_products[(last_slot ? 0 : kSharedJoints) + joint] = pack(product);
     else if (last_slot) DOUBLING_LAST_SLOTS[at(instance, joint)] = pack(product);
     else DOUBLING_OTHER_SLOTS[at(instance, joint)] = pack(product);
 }
 
-// The product after the round whose word this is; `product` is the invocation's last.
-Affine doubled(uint instance, uint joint, uint round, uint word, Affine product) {
-    const uint ancestor = word & kDoublingAncestorMask;
-    if (round == 0) {
-        product = load_local(instance, joint);
-        if ((word & kDoublingNoAncestor) != 0) return product;
-        return affine_multiply(load_local(instance, ancestor), product);
-    }
+uint doubling_word(uint round, uint joint) { return links[round * push.joint_count + joint]; }
+
+// The product after round 0.
+Affine first_product(uint instance, uint joint, uint word) {
+    const Affine parent_from_joint = load_local(instance, joint);
+    if ((word & kDoublingNoAncestor) != 0) return parent_from_joint;
+    return affine_multiply(load_local(instance, word & kDoublingAncestorMask), parent_from_joint);
+}
+
+// The product after a later round that the joint takes part in; `product` is the one before, where it stays in registers.
+Affine next_product(uint instance, uint joint, uint word, Affine product) {
     if (kReload) product = load_product(instance, joint, (word & kDoublingToLast) == 0);
-    return affine_multiply(load_product(instance, ancestor, (word & kDoublingAncestorInLast) != 0), product);
+    return affine_multiply(load_product(instance, word & kDoublingAncestorMask, (word & kDoublingAncestorInLast) != 0), product);
 }

@@ -17,8 +17,7 @@ DoublingTable doubling_table(std::span<const uint32_t> parents) {
     }
     const auto writes_last = [&](uint32_t joint, uint32_t round) { return (rounds[joint] - 1 - round) % 2 == 0; };
 
-    table.links = {table.round_count};
-    table.links.reserve(1 + table.round_count * parents.size());
+    table.links.reserve(table.round_count * parents.size());
     std::vector<uint32_t> ancestors(parents.begin(), parents.end());
     for (uint32_t round = 0; round < table.round_count; ++round) {
         for (uint32_t joint = 0; joint < parents.size(); ++joint) {
@@ -30,7 +29,6 @@ DoublingTable doubling_table(std::span<const uint32_t> parents) {
             uint32_t word = ancestor == kNone ? io::kDoublingNoAncestor : ancestor;
             if (round > 0 && writes_last(ancestor, std::min(round, rounds[ancestor]) - 1)) word |= io::kDoublingAncestorInLast;
             if (writes_last(joint, round)) word |= io::kDoublingToLast;
-            if (round + 1 == rounds[joint]) word |= io::kDoublingCompletes;
             table.links.push_back(word);
         }
         for (auto joint = parents.size(); joint-- > 0;)  // downward: an ancestor's own is still that of this round
@@ -39,14 +37,12 @@ DoublingTable doubling_table(std::span<const uint32_t> parents) {
     return table;
 }
 
-void count_doubling_round(const DoublingTable& table, uint32_t round, uint32_t joint_count, bool reloads, uint32_t completed_moves,
-                          uint32_t other_moves, ScanCounter& counter) {
+void count_doubling_round(const DoublingTable& table, uint32_t round, uint32_t joint_count, bool reloads, bool stores_all, ScanCounter& counter) {
     std::vector<uint32_t> multiplications, moves;
-    for (const uint32_t word : std::span(table.links).subspan(1 + size_t{round} * joint_count, joint_count)) {
+    for (const uint32_t word : std::span(table.links).subspan(size_t{round} * joint_count, joint_count)) {
         const bool done = word == io::kDoublingDone;
         multiplications.push_back(done || (word & io::kDoublingNoAncestor) ? 0 : 1);
-        const uint32_t stores = word & io::kDoublingCompletes ? completed_moves : other_moves;
-        moves.push_back(done ? 0 : (round == 0 || reloads ? 1 : 0) + stores);
+        moves.push_back(done && !stores_all ? 0 : (round == 0 || reloads ? 2 : 1));
     }
     counter.phase(multiplications, moves);
 }

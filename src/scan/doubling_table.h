@@ -16,8 +16,7 @@ DoublingTable doubling_table(std::span<const uint32_t> parents);
 // Two affines a joint, which lie in shared memory or in model and scratch.
 inline constexpr uint32_t kDoublingBytesPerJoint = 96;
 
-// What round `round` costs; `completed_moves` and `other_moves` are the stores of a joint whose chain is or is not complete after it.
-void count_doubling_round(const DoublingTable& table, uint32_t round, uint32_t joint_count, bool reloads, uint32_t completed_moves,
-                          uint32_t other_moves, ScanCounter& counter);
+// What a round costs. `stores_all`: also the joints whose chains were complete before it store theirs.
+void count_doubling_round(const DoublingTable& table, uint32_t round, uint32_t joint_count, bool reloads, bool stores_all, ScanCounter& counter);
 
 }  // namespace throng
