@@ -21,11 +21,19 @@ constexpr uint32_t kMostRepeats = 20'000;
 
 uint64_t local_bytes(const ScanMethod& method) { return method.format == ScanFormat::kSimilarity ? 32 : 48; }
 
-// Empty where the method runs on-chip, beside the local transforms in the same shared memory.
+uint32_t on_chip_transforms(const ScanPlan& plan, const ScanRig& rig) { return plan.instances_per_workgroup * rig.joint_count(); }
+
+// Iterations of an invocation's loops in so many repeats, with those that fill shared memory.
+uint64_t loop_iterations(const ScanPlan& plan, const ScanRig& rig, uint64_t repeat_count) {
+    return on_chip_transforms(plan, rig) / plan.workgroup_size + 2 + repeat_count * (plan.counts.loop_iterations + 1);
+}
+
+// Empty where the method runs on-chip, beside the local transforms of the workgroup's characters in the same shared memory.
 std::string obstacle_of(const ScanPlan& plan, const ScanMethod& method, const ScanRig& rig, const ScanLimits& limits) {
     if (!plan.obstacle.empty()) return plan.obstacle;
     if (!plan.on_chip) return "its transforms pass through memory";
-    const uint64_t needed_bytes = uint64_t{plan.counts.shared_bytes} * plan.instances_per_workgroup + rig.joint_count() * local_bytes(method);
+    if (loop_iterations(plan, rig, 2) > limits.loop_iterations) return "two repeats exceed the device's loop iterations";
+    const uint64_t needed_bytes = uint64_t{plan.counts.shared_bytes} * plan.instances_per_workgroup + on_chip_transforms(plan, rig) * local_bytes(method);
     if (needed_bytes <= limits.shared_memory_bytes) return {};
     return std::to_string(needed_bytes) + " bytes of shared memory, with the local transforms, exceed the device's " + std::to_string(limits.shared_memory_bytes);
 }
@@ -64,7 +72,7 @@ uint32_t common_joint_count(const ScanCell& cell, std::span<const Entrant> entra
 class OnChipRunner {
 public:
     OnChipRunner(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const ScanChoice& choice, ScanPlan plan, const ScanRig& rig, uint32_t character_count, const PoseSet& pose)
-        : gpu_(gpu), clock_(&clock), choice_(choice), plan_(std::move(plan)), joint_count_(rig.joint_count()), character_count_(character_count) {
+        : gpu_(gpu), clock_(&clock), choice_(choice), plan_(std::move(plan)), rig_(rig), character_count_(character_count) {
         const auto storage = [&](const char* what, uint64_t size_bytes) { return Buffer(gpu, what, size_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT); };
         links_ = upload(gpu, "scan links", plan_.links);
         local_ = upload(gpu, "local transforms", pose.bytes(0, 1, ScanLayout::kCharacterMajor, choice.method->format));  // all read these
@@ -77,10 +85,10 @@ public:
     const ScanChoice& choice() const { return choice_; }
     const ScanPlan& plan() const { return plan_; }
 
-    // Of a run of two repeats, so that the last one is not the first.
+    // Of as many repeats as are timed: a run that ended early leaves NaN.
     double max_error(const PoseSet& pose) const {
         gpu_->submit_and_wait([&](VkCommandBuffer commands) { gpu_->vk.vkCmdFillBuffer(commands, model_.handle(), 0, VK_WHOLE_SIZE, 0xFFFFFFFF); });
-        run_ms(2, false);
+        run_ms(2 * repeat_count_, false);
         const std::vector<Affine> model = download<Affine>(gpu_, model_);
         return bench::max_error(model, pose, 0, character_count_, choice_.method->layout);
     }
@@ -89,8 +97,8 @@ public:
     void calibrate() {
         for (const bool barriers_twice : {false, true}) run_ms(1, barriers_twice);
         // The device ends loops without a word after so many iterations: twice the repeats have to stay below.
-        const uint64_t countable = scan_limits(*gpu_).loop_iterations / (plan_.counts.loop_iterations + 1) / 2;
-        while (run_ms(repeat_count_, false) < kRun_ms && 2 * repeat_count_ <= std::min<uint64_t>(kMostRepeats, countable)) repeat_count_ *= 2;
+        const auto can_double = [&] { return 2 * repeat_count_ <= kMostRepeats && loop_iterations(plan_, rig_, 4 * uint64_t{repeat_count_}) <= scan_limits(*gpu_).loop_iterations; };
+        while (can_double() && run_ms(repeat_count_, false) < kRun_ms) repeat_count_ *= 2;
     }
 
     double ns_per_joint(bool barriers_twice) const {
@@ -99,23 +107,24 @@ public:
     }
 
 private:
-    uint64_t matrix_count() const { return uint64_t{character_count_} * joint_count_; }
+    uint64_t matrix_count() const { return uint64_t{character_count_} * rig_.joint_count(); }
 
     Kernel kernel(uint32_t barriers_twice) const {
         const ScanShaders& shaders = scan_shaders(choice_.method->name);
         std::vector<uint32_t> constants = plan_.constants;
         constants.resize(kMethodConstants);
-        constants.insert(constants.end(), {barriers_twice, joint_count_});
+        constants.insert(constants.end(), {barriers_twice, plan_.instances_per_workgroup, on_chip_transforms(plan_, rig_)});
         return Kernel(gpu_, {.name = choice_.method->name,
                              .spirv = gpu_->prefers_wide_words() ? shaders.on_chip_wide : shaders.on_chip,
                              .workgroup_size = plan_.workgroup_size,
-                             .constants = std::move(constants)});
+                             .constants = std::move(constants),
+                             .full_subgroups = plan_.full_subgroups});
     }
 
     double run_ms(uint32_t repeat_count, bool barriers_twice) const {
         const uint32_t workgroups = (character_count_ + plan_.instances_per_workgroup - 1) / plan_.instances_per_workgroup;
         return clock_->time_ms([&](VkCommandBuffer commands) {
-            kernels_[barriers_twice ? 1 : 0].dispatch_workgroups(commands, bindings_, io::ScanPush{joint_count_, character_count_, repeat_count}, workgroups);
+            kernels_[barriers_twice ? 1 : 0].dispatch_workgroups(commands, bindings_, io::ScanPush{rig_.joint_count(), character_count_, repeat_count}, workgroups);
         });
     }
 
@@ -123,7 +132,8 @@ private:
     const GpuClock* clock_;
     ScanChoice choice_;
     ScanPlan plan_;
-    uint32_t joint_count_, character_count_, repeat_count_ = 1;
+    ScanRig rig_;
+    uint32_t character_count_, repeat_count_ = 1;
     Buffer links_, local_, model_, scratch_;
     std::array<Kernel, 2> kernels_;  // [barriers issued twice]
     Bindings bindings_;
@@ -152,10 +162,10 @@ Checked check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entr
             continue;
         }
         OnChipRunner runner(gpu, clock, choice, std::move(plan), rig, character_count, pose);
+        runner.calibrate();
         const double max_error = runner.max_error(pose);
         double ns = 0;
         if (!is_wrong(max_error)) {
-            runner.calibrate();
             ns = runner.ns_per_joint(false);
             if (ns >= best_ns) continue;
         }

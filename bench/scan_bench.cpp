@@ -5,7 +5,6 @@
 #include "scan/scan_planner.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numeric>
 
@@ -78,21 +77,12 @@ std::string label(const ScanCell& cell) {
 
 // "name" with all the lanes that the device allows, or "name:lanes".
 Entrant entrant(const std::string& text, const ScanLimits& limits) {
-    const size_t colon = text.find(':');
-    const ScanMethod* method = find_scan_method(text.substr(0, colon));
-    if (!method) {
-        std::string names;
-        for (const ScanMethod& row : scan_table()) names += (names.empty() ? "" : ", ") + std::string(row.name);
-        refuse("scan method '" + text + "'", "unknown; the methods are: " + names);
-    }
+    const auto [method, wanted] = parse_scan_request(text);
     std::vector<uint32_t> lanes = method->lane_choices(limits);
-    if (colon != std::string::npos) {
-        uint32_t wanted = 0;
-        const auto [end, error] = std::from_chars(text.data() + colon + 1, text.data() + text.size(), wanted);
-        if (error != std::errc{} || end != text.data() + text.size()) refuse("scan method '" + text + "'", "what follows the colon is no number of invocations");
-        const std::string obstacle = std::find(lanes.begin(), lanes.end(), wanted) == lanes.end() ? plan_scan(*method, ScanRig(std::vector{kNone}, true), limits, wanted).obstacle : "";
-        if (!obstacle.empty()) refuse("scan method '" + text + "'", obstacle);
-        lanes = {wanted};
+    if (wanted) {
+        const bool is_choice = std::find(lanes.begin(), lanes.end(), *wanted) != lanes.end();
+        if (!is_choice) refuse("scan method '" + text + "'", plan_scan(*method, ScanRig(std::vector{kNone}, true), limits, *wanted).obstacle);
+        lanes = {*wanted};
     }
     if (lanes.empty()) lanes = {0};  // plan_scan() says why not
     Entrant out{.name = std::string(method->name)};

@@ -34,6 +34,7 @@ public:
         Buffer model, scratch;
         std::array<std::array<Buffer, 2>, 2> local;  // [ScanLayout][ScanFormat], made when first asked for
     };
+    uint32_t instance_count() const { return batches_.back().first_instance + batches_.back().instance_count; }
     uint32_t batch_count() const { return static_cast<uint32_t>(batches_.size()); }
     const Batch& batch(uint32_t index) const { return batches_[index]; }
     uint64_t row_count(uint32_t batch) const { return uint64_t{3} * batches_[batch].instance_count * poses_.joint_count; }

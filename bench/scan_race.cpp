@@ -69,7 +69,14 @@ private:
 
 // The kernel of the choice that is fastest here, compiled and warm; none where no choice applies, and `obstacle` says why.
 std::optional<Runner> fastest(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant, const ScanRig& rig, ScanCrowd& crowd, std::string& obstacle) {
-    const uint32_t part = gpu->is_cpu() ? 8 : 1;  // a software device's time is proportional to the characters: some of them will tell
+    // A software device's time is proportional to the characters, where they are many: some of them will tell.
+    constexpr uint32_t kMany = 4'000, kPart = 8, kRuns = 3;
+    const uint32_t part = gpu->is_cpu() && crowd.instance_count() >= kMany ? kPart : 1;
+    const auto best_of_runs_ms = [&](const Runner& runner) {
+        double least_ms = std::numeric_limits<double>::infinity();
+        for (uint32_t run = 0; run < kRuns; ++run) least_ms = std::min(least_ms, clock.time_ms([&](VkCommandBuffer commands) { runner.record(commands, crowd, part); }));
+        return least_ms;
+    };
     std::optional<Runner> best;
     double best_ms = std::numeric_limits<double>::infinity();
     for (const ScanChoice& choice : entrant.choices) {
@@ -77,7 +84,7 @@ std::optional<Runner> fastest(const std::shared_ptr<Gpu>& gpu, const GpuClock& c
         if (!obstacle.empty()) continue;
         Runner runner(gpu, choice, rig, crowd);
         clock.time_ms([&](VkCommandBuffer commands) { runner.stage.record(commands, runner.bindings[0], 1); });  // the first run compiles
-        const double time_ms = entrant.choices.size() > 1 ? clock.time_ms([&](VkCommandBuffer commands) { runner.record(commands, crowd, part); }) : 0;
+        const double time_ms = entrant.choices.size() > 1 ? best_of_runs_ms(runner) : 0;
         if (time_ms >= best_ms) continue;
         best_ms = time_ms;
         best = std::move(runner);

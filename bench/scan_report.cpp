@@ -179,7 +179,7 @@ std::string on_chip_section(const Cells& cells, int& count) {
         }
         if (figures.empty()) continue;
         html += "<h3>On the chip</h3>\n<p class=\"soft\">" + setting(panel, "levels") +
-                "</p>\n<p>The scan alone, again and again without going to memory. The pale part of a bar, and the percentage, is what its barriers take.</p>\n<div class=\"pair\">" + figures + "</div>\n" +
+                "</p>\n<p>The scan alone, again and again without going to memory. The pale part of a bar, and the percentage, is what its barriers take at least.</p>\n<div class=\"pair\">" + figures + "</div>\n" +
                 details("The same as a table", on_chip_table(panel), false);
     }
     return html;
@@ -238,21 +238,23 @@ std::string measuring_section(const Cells& cells) {
     const std::string samples = range(cells, "samples");
     return R"(<h2>How it was measured</h2>
 <p>Time is the GPU's own, between two timestamps around the scan's dispatches. Before a method is timed its results are compared with the
-double-precision reference; a wrong method is reported as wrong and not timed. <em>error</em> is the largest difference of an element of any matrix.</p>
+double-precision reference; a wrong method is reported as wrong and not timed. <em>error</em> is the largest difference of an element of any matrix, for
+translations as a fraction of the skeleton's extent.</p>
 <p>After a warm-up the methods take turns, A B C A B C …, so that a change of clock or load meets all of them alike. Given are the median
 )" + (samples.empty() ? "" : "of " + samples + " rounds ") +
            R"(and the 5th and 95th percentile. <em>lanes</em> are the invocations that share a character: where a method has a choice, its fastest.</p>
 <p><em>copy</em> is a kernel that reads and writes 48 bytes a joint, as a scan of affine transforms must, and computes nothing: the floor. It takes its turn in the same rounds.</p>
 <p><em>On the chip</em>: every character reads the same local transforms from shared memory and scans them repeat after repeat; only the
 last result is stored. The difference between two runs of different repeat counts is free of launching, loading and storing. It is divided by characters
-and joints. What the <em>barriers</em> take is what is added when each is issued twice, as a share of the whole; noise can make it negative.</p>
+and joints. What the <em>barriers</em> take at least is what is added when each is issued twice, as a share of the whole: the second one waits for nobody. Noise can make it negative.
+A barrier between repeats is part of every method that shares memory.</p>
 <p><em>multiplications</em> counts products of transforms for one character, in all invocations; <em>longest thread</em> those that must follow one another.</p>
 )";
 }
 
 std::string baseline_section(std::span<const Json> records) {
     const std::string table = baseline_table(records);
-    return table.empty() ? "" : "<h2>What baking costs</h2>\n<p><em>baked</em> stores skin matrices of every frame, <em>flattened</em> model-space clips without a hierarchy; neither needs a scan. Both pay with memory for each clip, and with vertices that stand in the wrong place when two clips are blended: the distances are to the double-precision reference.</p>\n" + table;
+    return table.empty() ? "" : "<h2>What baking costs</h2>\n<p><em>baked</em> stores skin matrices of every frame, <em>flattened</em> model-space clips without a hierarchy; neither needs a scan. Both pay with memory for each clip, and with vertices that stand in the wrong place when two clips are blended: the distances are to the double-precision reference. On software devices they move 64-bit words, which throng's sample, blend and bind do not yet: that favours them.</p>\n" + table;
 }
 
 }  // namespace

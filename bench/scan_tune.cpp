@@ -1,5 +1,6 @@
 #include "bench/scan_tune.h"
 
+#include "base/failure.h"
 #include "bench/scan_cell.h"
 
 #include <algorithm>
@@ -12,7 +13,9 @@ namespace {
 
 using Constant = double ScanCosts::*;
 constexpr std::array<Constant, 5> kOfEveryDevice{&ScanCosts::launch_ms, &ScanCosts::row_ns, &ScanCosts::multiplication_ns, &ScanCosts::barrier_ns, &ScanCosts::workgroup_ns};
-constexpr std::array<Constant, 4> kOfGpus{&ScanCosts::latency_ns, &ScanCosts::units, &ScanCosts::resident_subgroups, &ScanCosts::bytes_per_ns};
+constexpr std::array<Constant, 5> kOfGpus{&ScanCosts::scattered_rows, &ScanCosts::latency_ns, &ScanCosts::units, &ScanCosts::resident_subgroups, &ScanCosts::bytes_per_ns};
+
+constexpr double kLeast = 1e-3;  // of a constant, in its unit: a cost that does not show does not vanish
 
 // An observation with its plan, which does not depend on the constants.
 struct PlannedObservation {
@@ -65,7 +68,7 @@ ScanCosts fit_scan_costs(std::span<const ScanObservation> observations, const Sc
         for (const Constant constant : constants) {
             for (const double step : {factor, 1 / factor}) {
                 ScanCosts trial = best;
-                trial.*constant *= step;
+                trial.*constant = std::max(trial.*constant * step, kLeast);
                 const double cost = cost_of(planned, limits, trial);
                 if (cost >= best_cost) continue;
                 best = trial;
@@ -78,23 +81,28 @@ ScanCosts fit_scan_costs(std::span<const ScanObservation> observations, const Sc
     return best;
 }
 
-std::vector<ScanObservation> observe_scans(const std::shared_ptr<Gpu>& gpu, const Progress& progress) {
+std::vector<ScanObservation> observe_scans(const std::shared_ptr<Gpu>& gpu, bool quick, const Progress& progress) {
     const ScanLimits limits = scan_limits(*gpu);
     std::vector<Entrant> entrants;
     for (const ScanMethod& method : scan_table())
         if (method.layout == ScanLayout::kCharacterMajor)
             for (const uint32_t lanes : method.lane_choices(limits)) entrants.push_back({name_of(ScanChoice{&method, lanes}), {{&method, lanes}}});
 
+    // What launches, what latency holds back, and what fills the device; a GPU is not full before.
     const uint32_t many = limits.is_cpu ? 1'000 : 20'000;
+    std::vector<std::pair<uint32_t, uint32_t>> rigs{{32, 8}, {300, 15}, {300, 100}, {1'000, 60}};  // joints, levels
+    std::vector<uint32_t> crowds{1, 20, 300, many};
+    if (quick) rigs = {{32, 8}, {300, 60}}, crowds = {1, 100};
     std::vector<ScanObservation> observations;
-    for (const auto& [joints, levels] : {std::pair{32u, 8u}, {300u, 15u}, {300u, 100u}, {1'000u, 60u}}) {
-        for (const uint32_t characters : {1u, 20u, 300u, many}) {
-            if (uint64_t{joints} * characters > 20'000'000) continue;
+    for (const auto& [joints, levels] : rigs) {
+        for (const uint32_t characters : crowds) {
             const ScanCell cell{.experiment = "tune", .characters = characters, .joints = joints, .levels = levels};
             const auto cell_progress = [&](const std::string& text) { progress(std::to_string(joints) + " joints, " + std::to_string(characters) + " characters: " + text); };
-            const std::vector<nlohmann::json> records = measure_scans(gpu, cell, entrants, {.samples = 7, .least_samples = 2, .budget_s = 6}, cell_progress);
+            const std::vector<nlohmann::json> records = measure_scans(gpu, cell, entrants, {.samples = quick ? 3u : 7u, .least_samples = 2, .budget_s = quick ? 2.0 : 6.0}, cell_progress);
             const size_t first = observations.size();
             for (size_t i = 0; i < entrants.size(); ++i) {
+                if (records[i].contains("wrong"))
+                    throw Failure(ErrorCode::kVulkan, "scan method '" + entrants[i].name + "'", "gives wrong results on this device; nothing was kept");
                 const double median_ms = records[i].value("median_ms", 0.0);
                 if (median_ms > 0) observations.push_back({entrants[i].choices.front(), cell.rig(), characters, median_ms});
             }

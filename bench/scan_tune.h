@@ -22,7 +22,7 @@ double typical_factor(std::span<const ScanObservation> observations, const ScanL
 // is lowered along one constant after the other. `units` and `resident_subgroups` of a software device are known and stay.
 ScanCosts fit_scan_costs(std::span<const ScanObservation> observations, const ScanLimits& limits, const ScanCosts& start);
 
-// Throws as measure_scans() does.
-std::vector<ScanObservation> observe_scans(const std::shared_ptr<Gpu>& gpu, const Progress& progress);
+// Times every method with every number of lanes on rigs and crowds of several sizes; `quick`: on few. Throws as measure_scans() does.
+std::vector<ScanObservation> observe_scans(const std::shared_ptr<Gpu>& gpu, bool quick, const Progress& progress);
 
 }  // namespace throng::bench

@@ -377,6 +377,38 @@ TEST_F(Cli, BenchHasARecordForEachScanMethod) {
     for (const std::string& scan : scans) EXPECT_NE(help.find(scan), std::string::npos) << scan;
 }
 
+// Costs are kept where the next choice finds them; the file that lies there does not have to be sound.
+TEST_F(Cli, TuneKeepsWhatInfoChoosesBy) {
+    const fs::path cache = file("cache");
+    const std::map<std::string, std::string> environment{{"XDG_CACHE_HOME", cache.string()}};
+    const auto scan_line = [&] {
+        const Outcome info = run_tool({"info", creature(), "--count", "500"}, {.environment = environment});
+        EXPECT_TRUE(info.succeeded()) << info;
+        return info.out.substr(info.out.find("  scan "));
+    };
+    EXPECT_NE(scan_line().find("500 x " + std::to_string(kJoints) + " joints"), std::string::npos);
+    EXPECT_NE(scan_line().find("costs: built in"), std::string::npos) << scan_line();
+
+    const Outcome dry = run_tool({"tune", "--quick", "--dry-run", "--json"}, {.environment = environment});
+    EXPECT_TRUE(dry.succeeded()) << dry;
+    EXPECT_GT(Json::parse(dry.out)["row_ns"].get<double>(), 0);
+    EXPECT_FALSE(fs::exists(cache / "throng"));
+
+    const Outcome tune = run_tool({"tune", "--quick"}, {.environment = environment});
+    EXPECT_TRUE(tune.succeeded()) << tune;
+    EXPECT_NE(scan_line().find("costs: measured by throng tune"), std::string::npos) << scan_line();
+
+    ASSERT_EQ(std::distance(fs::directory_iterator(cache / "throng"), fs::directory_iterator()), 1) << "one file, and nothing temporary";
+    const fs::path file = fs::directory_iterator(cache / "throng")->path();
+    std::ofstream(file) << "{}";
+    EXPECT_NE(scan_line().find(file.string()), std::string::npos) << scan_line();
+
+    const fs::path blocked = this->file("blocked");
+    fs::create_directory(blocked);
+    std::ofstream(blocked / "throng") << "no folder";
+    EXPECT_TRUE(run_tool({"tune", "--quick"}, {.environment = {{"XDG_CACHE_HOME", blocked.string()}}}).refused((blocked / "throng").string()));
+}
+
 TEST_F(Cli, BenchScanHasARecordForEachMethodAndCase) {
     const std::string path = file("scan.jsonl");
     const Outcome run = run_tool({"bench", "scan", "--methods", "serial,compressed", "--characters", "20", "--joints", "30", "--levels", "5,9", "--samples", "2", "--json", path},

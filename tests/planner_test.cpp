@@ -96,7 +96,7 @@ TEST(ScanCosts, AreReadAsTheyAreWritten) {
     const ScanCosts read = scan_costs_from_json(to_json(kHardwareCosts), "test");
     EXPECT_EQ(to_json(read), to_json(kHardwareCosts));
     std::string text = to_json(kHardwareCosts);
-    for (const std::string& damaged : {text.substr(0, 40), std::string("[]"), std::string("nonsense"), std::string(text).replace(text.find("2.4"), 3, "-24"), std::string(text).replace(text.find("2.4"), 3, "\"2\"")}) {
+    for (const std::string& damaged : {std::string(text).replace(text.find("\"test\""), 6, "7"), text.substr(0, 40), std::string("[]"), std::string("nonsense"), std::string(text).replace(text.find("2.4"), 3, "-24"), std::string(text).replace(text.find("2.4"), 3, "\"2\"")}) {
         const Error error = error_of([&] { scan_costs_from_json(damaged, "costs.json"); });
         EXPECT_EQ(error.code, ErrorCode::kInvalidFile);
         EXPECT_NE(error.text().find("costs.json"), std::string::npos);

@@ -216,7 +216,7 @@ bool is_exact(Tally& tally, const ScanChoice& choice, const RigCrowd& crowd, con
         tally.skipped(*choice.method, plan.obstacle);
         return true;
     }
-    EXPECT_LE(plan.counts.shared_bytes, limits.shared_memory_bytes) << where;
+    EXPECT_LE(uint64_t{plan.counts.shared_bytes} * plan.instances_per_workgroup, limits.shared_memory_bytes) << where;
     EXPECT_LE(plan.workgroup_size, limits.workgroup_size) << where;
     const ScanStage stage(test_gpu(), choice, crowd.rig, limits);
     for (const uint32_t instance_count : instance_counts) {
@@ -361,7 +361,7 @@ TEST(Scan, EveryOnChipVariantIsExact) {
             for (const uint32_t lanes : method.lane_choices(limits)) {
                 RigCrowd crowd = one.of(method);
                 ScanPlan plan = plan_scan(method, crowd.rig, limits, lanes);
-                const uint64_t shared_bytes = uint64_t{plan.counts.shared_bytes} * plan.instances_per_workgroup + kJoints * crowd.rows_per_joint * 16;
+                const uint64_t shared_bytes = uint64_t{plan.counts.shared_bytes} * plan.instances_per_workgroup + plan.instances_per_workgroup * kJoints * crowd.rows_per_joint * 16;
                 if (!plan.on_chip || shared_bytes > limits.shared_memory_bytes) {
                     tally.skipped(method, "not on chip, or too large for it");
                     continue;
@@ -374,7 +374,7 @@ TEST(Scan, EveryOnChipVariantIsExact) {
                 const ScanRun run(crowd, method, kInstances);
                 const Buffer links = upload(test_gpu(), "scan links", plan.links);
                 plan.constants.resize(7);
-                plan.constants.insert(plan.constants.end(), {1, kJoints});
+                plan.constants.insert(plan.constants.end(), {1, plan.instances_per_workgroup, plan.instances_per_workgroup * kJoints});
                 const ScanShaders& shaders = scan_shaders(method.name);
                 for (const auto& spirv : {shaders.on_chip, shaders.on_chip_wide}) {
                     if (spirv.data() == shaders.on_chip_wide.data() && !test_gpu()->has_int64) continue;

@@ -222,9 +222,10 @@ Flow pieces(const ScanRig& rig, uint32_t lanes, FlowBoundary between_rounds) {
     for (uint32_t p = 0; p < piece_count; ++p) {
         const uint32_t attachment = cut.pieces[p].attachment;
         if (attachment == kNone) continue;
-        above[p] = cut.piece_of_joint[attachment];
+        const uint32_t piece_above = cut.piece_of_joint[attachment];
+        if (cut.pieces[piece_above].attachment != kNone) above[p] = piece_above;  // above the root's piece there is nothing
         for (const uint32_t joint : chain(rig.parents, attachment)) {
-            if (cut.piece_of_joint[joint] != above[p]) continue;
+            if (cut.piece_of_joint[joint] != piece_above) continue;
             prefixes[p] = prefixes[p].empty() ? Product{joint} : run.multiply(p, FlowSource::kRegister, prefixes[p], {joint});
         }
     }
@@ -270,10 +271,10 @@ constexpr std::array kMethods{
     FlowMethod{"serial", serial, "One thread for the whole character; the threads beside it have characters of their own."},
     FlowMethod{"fragments", fragments,
                "Drawn with 4 pieces; the method has 16 to 256. A piece's path runs through the piece above it,\n"
-               "down to the joint that it hangs from. ×1: nothing lies above the root's piece."},
+               "down to the joint that it hangs from. ×1: nothing lies above a root."},
     FlowMethod{"subgroup", subgroup,
                "As fragments, with the lanes of a subgroup for threads and shuffles for barriers. Drawn with 4 lanes.\n"
-               "×1: nothing lies above the root's piece."},
+               "×1: nothing lies above a root."},
 };
 
 }  // namespace

@@ -249,10 +249,14 @@ void Gpu::create_device(const DeviceSettings& settings) {
     features13.dynamicRendering = VK_TRUE;
     features13.maintenance4 = VK_TRUE;
     VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features13};
-    VkPhysicalDeviceFeatures available{};
-    vkGetPhysicalDeviceFeatures(physical, &available);
+    VkPhysicalDeviceVulkan13Features available13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+    VkPhysicalDeviceFeatures2 available2{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &available13};
+    vkGetPhysicalDeviceFeatures2(physical, &available2);
+    const VkPhysicalDeviceFeatures& available = available2.features;
     features.features.shaderInt64 = available.shaderInt64;
     has_int64 = available.shaderInt64 == VK_TRUE;
+    features13.computeFullSubgroups = available13.computeFullSubgroups;
+    has_full_subgroups = available13.computeFullSubgroups == VK_TRUE;
     if (settings.validation == Validation::kGpuAssisted) {  // what the layer's own instrumentation needs
         features.features.fragmentStoresAndAtomics = available.fragmentStoresAndAtomics;
         features.features.vertexPipelineStoresAndAtomics = available.vertexPipelineStoresAndAtomics;
@@ -276,6 +280,7 @@ void Gpu::read_properties(VkPhysicalDevice physical) {
     properties = properties2.properties;
     max_allocation_bytes = maintenance3.maxMemoryAllocationSize;
     smallest_subgroup = std::max(1u, std::min(properties13.minSubgroupSize, subgroup.subgroupSize));
+    largest_subgroup = std::max(properties13.maxSubgroupSize, subgroup.subgroupSize);
     has_shuffle = (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) && (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT);
     vkGetPhysicalDeviceMemoryProperties(physical, &memory_properties);
     const std::vector<Family> families = queue_families(physical);

@@ -100,6 +100,7 @@ void Kernel::create(const KernelSettings& settings) {
     create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
     create.stage.module = module;
     create.stage.pName = "main";
+    if (settings.full_subgroups && gpu_->has_full_subgroups && workgroup_size_ % gpu_->largest_subgroup == 0) create.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
     create.stage.pSpecializationInfo = &specialization;
     const VkResult result = gpu_->vk.vkCreateComputePipelines(gpu_->device, VK_NULL_HANDLE, 1, &create, nullptr, &pipeline_);
     gpu_->vk.vkDestroyShaderModule(gpu_->device, module, nullptr);

@@ -37,6 +37,7 @@ struct KernelSettings {
     std::span<const uint32_t> spirv;
     uint32_t workgroup_size = 0;           // constant_id 0; 0 where the shader fixes its own
     std::vector<uint32_t> constants = {};  // constant_id 1, 2, …
+    bool full_subgroups = false;           // no idle invocations in them, where the device can promise it
 };
 
 class Kernel {

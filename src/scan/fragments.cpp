@@ -29,7 +29,8 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes) {
                    .shared_bytes = shared_bytes,
                    .issue_steps = table.longest_lane * subgroups,
                    .loop_iterations = table.loop_iterations(),
-                   .issue_rows = table.longest_lane_rows * subgroups};
+                   .scattered = true,
+                   .issue_rows = table.rows_on(limits) * subgroups};
     return plan;
 }
 

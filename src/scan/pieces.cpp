@@ -24,7 +24,7 @@ std::vector<std::vector<uint32_t>> cut(const ScanRig& rig, const Children& child
     for (uint32_t joint = rig.joint_count() + 1; joint-- > 0;) {
         const bool is_root = joint == rig.joint_count();  // above all roots: no joint itself, and all that is left is cut off
         below = children[joint];
-        std::sort(below.begin(), below.end(), [&](uint32_t a, uint32_t b) { return open[a] > open[b]; });
+        std::stable_sort(below.begin(), below.end(), [&](uint32_t a, uint32_t b) { return open[a] > open[b]; });
         open[joint] = is_root ? 0 : 1;
         for (const uint32_t child : below) open[joint] += open[child];
         while (is_root ? !below.empty() : open[joint] > bound) {
@@ -93,7 +93,7 @@ PieceCut pieces_from(const ScanRig& rig, const Children& children, const std::ve
 }
 
 // The walk of a piece as the shader reads it.
-std::vector<uint32_t> walk_words(const ScanRig& rig, const Piece& piece, uint32_t piece_index, const PieceCut& cut_rig, uint32_t& slot_count) {
+std::vector<uint32_t> walk_words(const ScanRig& rig, const Piece& piece, uint32_t piece_index, const PieceCut& cut_of_rig, uint32_t& slot_count) {
     std::vector<uint32_t> words;
     std::vector<std::pair<uint32_t, uint32_t>> kept;  // a stack of joints with their children still to come; its position is the slot
     std::vector<uint32_t> child_count(piece.joints.size());
@@ -102,7 +102,7 @@ std::vector<uint32_t> walk_words(const ScanRig& rig, const Piece& piece, uint32_
     for (uint32_t i = 0; i < piece.joints.size(); ++i) position.emplace_back(piece.joints[i], i);
     std::sort(position.begin(), position.end());
     const auto position_of = [&](uint32_t joint) { return std::lower_bound(position.begin(), position.end(), std::pair{joint, 0u})->second; };
-    const auto inside = [&](uint32_t joint) { return joint != kNone && cut_rig.piece_of_joint[joint] == piece_index; };
+    const auto inside = [&](uint32_t joint) { return joint != kNone && cut_of_rig.piece_of_joint[joint] == piece_index; };
     for (const uint32_t joint : piece.joints)
         if (inside(rig.parents[joint])) ++child_count[position_of(rig.parents[joint])];
 
@@ -153,21 +153,22 @@ PieceCut cut_into_pieces(const ScanRig& rig, uint32_t most_pieces) {
 }
 
 PieceTable piece_table(const ScanRig& rig, uint32_t lanes, double rows_of_local) {
-    const PieceCut cut_rig = cut_into_pieces(rig, lanes);
+    const PieceCut cut_of_rig = cut_into_pieces(rig, lanes);
     PieceTable table;
     std::vector<std::vector<uint32_t>> paths, ancestors, walks;
-    for (uint32_t p = 0; p < cut_rig.pieces.size(); ++p) {
-        const Piece& piece = cut_rig.pieces[p];
+    for (uint32_t p = 0; p < cut_of_rig.pieces.size(); ++p) {
+        const Piece& piece = cut_of_rig.pieces[p];
         std::vector<uint32_t>& path = paths.emplace_back();
-        for (uint32_t joint = piece.attachment; joint != kNone && cut_rig.piece_of_joint[joint] == cut_rig.piece_of_joint[piece.attachment]; joint = rig.parents[joint]) path.push_back(joint);
+        for (uint32_t joint = piece.attachment; joint != kNone && cut_of_rig.piece_of_joint[joint] == cut_of_rig.piece_of_joint[piece.attachment]; joint = rig.parents[joint]) path.push_back(joint);
         std::reverse(path.begin(), path.end());
-        walks.push_back(walk_words(rig, piece, p, cut_rig, table.slot_count));
+        walks.push_back(walk_words(rig, piece, p, cut_of_rig, table.slot_count));
     }
     // The chain of pieces above each, and of it those 1, 2, 4, … above.
-    std::vector<uint32_t> round_multiplications(cut_rig.pieces.size());
-    for (uint32_t p = 0; p < cut_rig.pieces.size(); ++p) {
+    std::vector<uint32_t> round_multiplications(cut_of_rig.pieces.size());
+    for (uint32_t p = 0; p < cut_of_rig.pieces.size(); ++p) {
         std::vector<uint32_t> above;
-        for (uint32_t at = cut_rig.pieces[p].attachment; at != kNone; at = cut_rig.pieces[above.back()].attachment) above.push_back(cut_rig.piece_of_joint[at]);
+        for (uint32_t piece = p; cut_of_rig.pieces[piece].attachment != kNone; piece = above.back()) above.push_back(cut_of_rig.piece_of_joint[cut_of_rig.pieces[piece].attachment]);
+        if (!above.empty()) above.pop_back();  // the root's piece: nothing lies above it, so its product is the identity
         std::vector<uint32_t>& words = ancestors.emplace_back();
         for (size_t distance = 1; distance <= above.size(); distance *= 2) words.push_back(above[distance - 1]);
         round_multiplications[p] = static_cast<uint32_t>(words.size());

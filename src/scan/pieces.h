@@ -28,6 +28,8 @@ struct PieceTable {
     uint32_t longest_lane = 0;       // multiplications of a lane that has the longest path, rounds and walk
     uint64_t loop_iterations() const { return uint64_t{path_row_count} + round_count + walk_row_count + 3; }
     double longest_lane_rows = 0;    // that it loads and stores, as ScanCounts::issue_rows has them
+    // A software device runs both sides of a branch: a step of a walk that uses no slot costs it about a row all the same.
+    double rows_on(const ScanLimits& limits) const { return longest_lane_rows + (limits.is_cpu ? walk_row_count : 0); }
 };
 PieceTable piece_table(const ScanRig& rig, uint32_t lanes, double rows_of_local);
 

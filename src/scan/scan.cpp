@@ -34,7 +34,8 @@ ScanStage::ScanStage(const std::shared_ptr<Gpu>& gpu, const ScanChoice& choice, 
     kernel_ = Kernel(gpu, {.name = method.name,
                            .spirv = gpu->prefers_wide_words() ? shaders.wide : shaders.plain,
                            .workgroup_size = plan.workgroup_size,
-                           .constants = std::move(plan.constants)});
+                           .constants = std::move(plan.constants),
+                           .full_subgroups = plan.full_subgroups});
 }
 
 void ScanStage::record(VkCommandBuffer commands, const Bindings& bindings, uint32_t instance_count) const {

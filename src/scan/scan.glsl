@@ -1,13 +1,14 @@
 // The interface of every scan method: a method defines scan(), which reads transforms by load_local() and writes each joint's by
-// store_model(). constant_id 0 is the workgroup size, 1 to 7 are the method's own; links[] is its own table of the skeleton, made
+// store_model(), or to model[] where it reads them back. constant_id 0 is the workgroup size, 1 to 7 are the method's own; links[] is its own table of the skeleton, made
 // beside it in <method>.cpp. The same file is compiled as several variants:
 //   GPU_WIDE          transforms move as 64-bit words, for software devices
 //   SCAN_QUATERNION   local transforms are similarities, 32 bytes each, and so are products
 //   SCAN_TRANSPOSED   local[joint][instance], model[joint][instance]
-//   SCAN_ON_CHIP      the benchmark of a method's cost without memory: every character reads the same local transforms from shared
-//                     memory, repeat after repeat, and only the last repeat's results are stored
+//   SCAN_ON_CHIP      the benchmark of a method's cost without memory: local transforms lie in shared memory, the same for every
+//                     character, and are scanned repeat after repeat; only the last repeat's results are stored
 // A method whose invocations exchange transforms through model[] or scratch[] (same shape) defines SCAN_EXCHANGE as coherent; one
 // that exchanges through shared memory defines SCAN_SHARES.
+#extension GL_KHR_memory_scope_semantics : require
 #include "gpu/stored.glsl"
 #include "scan/scan_io.h"
 
@@ -42,8 +43,9 @@ void scan();
 
 // Everything that the workgroup wrote to shared memory (and `through_buffers`, to model and scratch) can be read after it.
 void scan_barrier(bool through_buffers) {
-    if (through_buffers) groupMemoryBarrier();
-    barrier();
+    if (through_buffers)
+        controlBarrier(gl_ScopeWorkgroup, gl_ScopeWorkgroup, gl_StorageSemanticsBuffer | gl_StorageSemanticsShared, gl_SemanticsAcquireRelease);
+    else barrier();
     if (kBarriersTwice) barrier();
 }
 
@@ -63,14 +65,15 @@ void main() { scan(); }
 
 #else
 
-layout(constant_id = 9) const uint kOnChipJoints = 1;
-shared StoredTransform on_chip_locals[kOnChipJoints];
+layout(constant_id = 9) const uint kOnChipCharacters = 1;  // of a workgroup
+layout(constant_id = 10) const uint kOnChipTransforms = 1;  // of all of them
+shared StoredTransform on_chip_locals[kOnChipTransforms];   // [character][joint]
 uint on_chip_repeat;   // counts down to 0
 vec4 on_chip_sink = vec4(0);
 
 // The repeat moves each joint a little, so that no repeat's work can be reused by the next.
 Transform load_local(uint instance, uint joint) {
-    Transform parent_from_joint = unpack(on_chip_locals[joint]);
+    Transform parent_from_joint = unpack(on_chip_locals[instance % kOnChipCharacters * push.joint_count + joint]);
 #ifdef SCAN_QUATERNION
     parent_from_joint.translation_scale.x += float(on_chip_repeat);
 #else
@@ -86,12 +89,12 @@ void store_model(uint instance, uint joint, Transform model_from_joint) {
 }
 
 void main() {
-    for (uint joint = gl_LocalInvocationID.x; joint < push.joint_count; joint += gl_WorkGroupSize.x) on_chip_locals[joint] = local[joint];
+    for (uint i = gl_LocalInvocationID.x; i < kOnChipTransforms; i += gl_WorkGroupSize.x) on_chip_locals[i] = local[i % push.joint_count];
     barrier();
     for (on_chip_repeat = push.repeat_count; on_chip_repeat-- > 0;) {
         scan();
 #ifdef SCAN_SHARES
-        scan_barrier(false);  // the next repeat overwrites what this one shares
+        barrier();  // the next repeat overwrites what this one shares
 #endif
     }
     // Never true, which the compiler cannot know: without it the repeats' results would be unused.

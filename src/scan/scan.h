@@ -17,7 +17,7 @@ struct ScanBuffers {
 
 ScanLimits scan_limits(const Gpu& gpu);
 
-// What to run. Without lanes (invocations per character) the method's first choice for the device.
+// What to run: a method, and its invocations a character: one of lane_choices().
 struct ScanChoice {
     const ScanMethod* method = nullptr;
     uint32_t lanes = 0;

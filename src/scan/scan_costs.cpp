@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
@@ -15,8 +16,9 @@
 namespace throng {
 namespace {
 
-constexpr std::array<std::pair<const char*, double ScanCosts::*>, 9> kNumbers{{{"launch_ms", &ScanCosts::launch_ms},
+constexpr std::array<std::pair<const char*, double ScanCosts::*>, 10> kNumbers{{{"launch_ms", &ScanCosts::launch_ms},
                                                                                {"row_ns", &ScanCosts::row_ns},
+                                                                               {"scattered_rows", &ScanCosts::scattered_rows},
                                                                                {"multiplication_ns", &ScanCosts::multiplication_ns},
                                                                                {"barrier_ns", &ScanCosts::barrier_ns},
                                                                                {"workgroup_ns", &ScanCosts::workgroup_ns},
@@ -36,13 +38,14 @@ std::string read_text(const std::filesystem::path& path) {
 
 ScanCosts built_in_scan_costs(const Gpu& gpu) {
     constexpr uint32_t kNvidia = 0x10DE, kAmd = 0x1002, kIntel = 0x8086;
-    // Fitted by `throng tune` on lavapipe, Mesa 22.3.6, two cores of an AMD EPYC (bench/results).
+    // Fitted by `throng tune` on lavapipe, Mesa 22.3.6, two cores of an AMD EPYC.
     if (gpu.is_cpu())
-        return {.launch_ms = 0.1, .row_ns = 40, .multiplication_ns = 20, .barrier_ns = 500, .workgroup_ns = 300, .latency_ns = 1e-3,
+        return {.launch_ms = 0.03, .row_ns = 80, .multiplication_ns = 1, .barrier_ns = 900, .workgroup_ns = 13'000, .latency_ns = 1e-3,
                 .units = std::max(1.0, static_cast<double>(std::thread::hardware_concurrency())), .resident_subgroups = 1e9, .bytes_per_ns = 20,
                 .origin = "built in for software devices"};
-    // From data sheets and ../shared/design/gpu.md's instruction counts; not measured on one yet. `throng tune` replaces them.
-    ScanCosts costs{.launch_ms = 0.003, .row_ns = 2.4, .multiplication_ns = 5.3, .barrier_ns = 20, .workgroup_ns = 50, .latency_ns = 130,
+    // From data sheets and instruction counts, not measured on one yet; `throng tune` replaces them.
+    // Scattered: 32 lines of the cache a row instead of the 12 of joints side by side.
+    ScanCosts costs{.launch_ms = 0.003, .row_ns = 2.4, .scattered_rows = 2.7, .multiplication_ns = 5.3, .barrier_ns = 20, .workgroup_ns = 50, .latency_ns = 130,
                     .units = 80, .resident_subgroups = 80 * 32, .bytes_per_ns = 800, .origin = "built in for NVIDIA, from data sheets"};
     switch (gpu.properties.vendorID) {
         case kAmd:
@@ -85,7 +88,10 @@ ScanCosts scan_costs_from_json(std::string_view text, const std::string& place) 
             throw Failure(ErrorCode::kInvalidFile, place, std::string("'") + name + "' is not a positive number; 'throng tune' writes the file anew");
         costs.*member = found->get<double>();
     }
-    costs.origin = json.value("origin", std::string());
+    const auto origin = json.find("origin");
+    if (origin == json.end() || !origin->is_string()) throw Failure(ErrorCode::kInvalidFile, place, "'origin' is not a text; 'throng tune' writes the file anew");
+    costs.origin = origin->get<std::string>();
+    std::replace_if(costs.origin.begin(), costs.origin.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');  // it becomes part of a line
     return costs;
 }
 

@@ -14,6 +14,7 @@ struct ScanCounts {
     uint32_t shared_bytes = 0;     // a character
     double issue_steps = 0;        // multiplications that a subgroup issues, idle lanes or not
     uint64_t loop_iterations = 0;  // of the subgroup that has the most, all its loops together; rather too many than too few
+    bool scattered = false;        // the lanes of a subgroup load and store rows that lie a piece or a whole character apart
     double issue_rows = 0;         // 16-byte rows that a subgroup loads or stores, likewise, wherever they lie; a link counts as half a row
 };
 

@@ -22,20 +22,6 @@ std::string join_names() {
     return names;
 }
 
-// The method, and the lanes where they are given.
-ScanChoice parse_choice(const std::string& wanted, bool& has_lanes) {
-    const size_t colon = wanted.find(':');
-    const ScanMethod* method = find_scan_method(wanted.substr(0, colon));
-    if (!method) throw Failure(ErrorCode::kInvalidArgument, "scan method '" + wanted + "'", "unknown; the methods are: " + join_names());
-    ScanChoice choice{method, 0};
-    has_lanes = colon != std::string::npos;
-    if (!has_lanes) return choice;
-    const char *first = wanted.data() + colon + 1, *end = wanted.data() + wanted.size();
-    const auto [stop, error] = std::from_chars(first, end, choice.lanes);
-    if (error != std::errc() || stop != end) throw Failure(ErrorCode::kInvalidArgument, "scan method '" + wanted + "'", "behind the colon stands the number of invocations a character");
-    return choice;
-}
-
 // Of one method, with each number of lanes that applies.
 std::vector<ScanPrediction> predict_method(const ScanMethod& method, const ScanRig& rig, uint32_t instance_count, const ScanLimits& limits, const ScanCosts& costs) {
     std::vector<ScanPrediction> out;
@@ -52,15 +38,30 @@ void sort_fastest_first(std::vector<ScanPrediction>& predictions) {
 
 }  // namespace
 
+ScanRequest parse_scan_request(const std::string& wanted) {
+    const std::string place = "scan method '" + wanted + "'";
+    const size_t colon = wanted.find(':');
+    ScanRequest request{find_scan_method(wanted.substr(0, colon)), std::nullopt};
+    if (!request.method) throw Failure(ErrorCode::kInvalidArgument, place, "unknown; the methods are: " + join_names());
+    if (colon == std::string::npos) return request;
+    const char *first = wanted.data() + colon + 1, *end = wanted.data() + wanted.size();
+    uint32_t lanes = 0;
+    const auto [stop, error] = std::from_chars(first, end, lanes);
+    if (error != std::errc() || stop != end) throw Failure(ErrorCode::kInvalidArgument, place, "behind the colon stands the number of invocations a character");
+    request.lanes = lanes;
+    return request;
+}
+
 double predict_ms(const ScanPlan& plan, const ScanRig& rig, const ScanMethod& method, uint32_t instance_count, const ScanLimits& limits, const ScanCosts& costs) {
     const double workgroups = std::ceil(static_cast<double>(instance_count) / plan.instances_per_workgroup);
     const double subgroups = std::ceil(static_cast<double>(plan.workgroup_size) / limits.subgroup_size);  // of a workgroup
     const ScanCounts& counts = plan.counts;
 
+    const double row_ns = costs.row_ns * (counts.scattered ? costs.scattered_rows : 1);
     const double workgroup_ns = costs.workgroup_ns + counts.barriers * subgroups * costs.barrier_ns +
-                                plan.instances_per_workgroup * (counts.issue_steps * costs.multiplication_ns + counts.issue_rows * costs.row_ns);
+                                plan.instances_per_workgroup * (counts.issue_steps * costs.multiplication_ns + counts.issue_rows * row_ns);
     const double issue_ns = std::ceil(workgroups / costs.units) * workgroup_ns;
-    const double latency_ns = std::ceil(workgroups * subgroups / costs.resident_subgroups) * counts.longest_thread * (kRowsOfAffine * costs.row_ns + costs.latency_ns);
+    const double latency_ns = std::ceil(workgroups * subgroups / costs.resident_subgroups) * counts.longest_thread * (kRowsOfAffine * row_ns + costs.latency_ns);
     const double bytes_a_joint = 16 * ((method.format == ScanFormat::kSimilarity ? kRowsOfSimilarity : kRowsOfAffine) + kRowsOfAffine);
     const double memory_ns = bytes_a_joint * rig.joint_count() * instance_count / costs.bytes_per_ns;
     // They overlap, but never wholly: of two methods that memory holds back alike, the one with less to do is chosen.
@@ -87,11 +88,11 @@ std::string name_of(const ScanChoice& choice) {
 ExplainedChoice choose_scan(const std::string& wanted, const ScanRig& rig, uint32_t instance_count, const ScanLimits& limits, const ScanCosts& costs) {
     const std::string subject = std::to_string(instance_count) + " x " + std::to_string(rig.joint_count()) + " joints, " + std::to_string(rig.level_count) + " levels";
     if (wanted != "auto") {
-        bool has_lanes = false;
-        ScanChoice choice = parse_choice(wanted, has_lanes);
+        const ScanRequest request = parse_scan_request(wanted);
+        ScanChoice choice{request.method, request.lanes.value_or(0)};
         if (choice.method->layout != ScanLayout::kCharacterMajor)
             throw Failure(ErrorCode::kUnsupported, "scan method '" + wanted + "'", "works on transposed poses, which no other stage writes; it runs in 'throng bench scan' only");
-        if (!has_lanes) {
+        if (!request.lanes) {
             std::vector<ScanPrediction> of_method = predict_method(*choice.method, rig, instance_count, limits, costs);
             sort_fastest_first(of_method);
             if (!of_method.empty()) choice = of_method.front().choice;

@@ -5,6 +5,7 @@
 #include "scan/scan.h"
 #include "scan/scan_costs.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,13 @@ std::vector<ScanPrediction> predict_scans(const ScanRig& rig, uint32_t instance_
 
 // "subgroup:8", or the name alone where lanes are no choice.
 std::string name_of(const ScanChoice& choice);
+
+// "subgroup" or "subgroup:8". Throws kInvalidArgument where there is no such method, or what follows the colon is no number.
+struct ScanRequest {
+    const ScanMethod* method = nullptr;
+    std::optional<uint32_t> lanes;
+};
+ScanRequest parse_scan_request(const std::string& wanted);
 
 struct ExplainedChoice {
     ScanChoice choice;

@@ -37,8 +37,9 @@ ScanPlan plan_scan(const ScanMethod& method, const ScanRig& rig, const ScanLimit
 }
 
 uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits) {
-    constexpr uint32_t kStep = 32, kLargest = 256;
-    return std::min(std::clamp((joint_count + kStep - 1) / kStep * kStep, kStep, kLargest), limits.workgroup_size);
+    constexpr uint32_t kWarp = 32, kLargest = 256;
+    const uint32_t step = std::max(kWarp, limits.subgroup_size);
+    return std::min(std::clamp((joint_count + step - 1) / step * step, step, kLargest), limits.workgroup_size);
 }
 
 std::vector<uint32_t> no_lane_choice(const ScanLimits&) { return {0}; }

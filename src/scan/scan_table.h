@@ -28,6 +28,7 @@ struct ScanPlan {
     uint32_t instances_per_workgroup = 1;
     std::vector<uint32_t> constants = {};   // specialization constants 1, 2, …, at most 7
     std::vector<uint32_t> links = {};       // the method's own table of the skeleton
+    bool full_subgroups = false;            // it relies on subgroups without idle invocations
     bool on_chip = false;                   // nothing but local and model passes through memory, so that the on-chip variant runs
     ScanCounts counts = {};
 };
@@ -57,7 +58,7 @@ const ScanMethod* find_scan_method(std::string_view name);
 // The plan, or why there is none: also where the rig's scales or the lanes do not fit the method.
 ScanPlan plan_scan(const ScanMethod& method, const ScanRig& rig, const ScanLimits& limits, uint32_t lanes);
 
-// As many invocations as joints, in steps of 32 (a warp), at most 256: more lower the occupancy of GPUs.
+// As many invocations as joints, in steps of 32 or the subgroup's size, at most 256: more lower the occupancy of GPUs.
 uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits);
 
 std::vector<uint32_t> no_lane_choice(const ScanLimits& limits);

@@ -6,17 +6,17 @@
 namespace throng {
 namespace {
 
+// A multiple of every subgroup size up to 64; a software device spreads its smallest workgroups evenly over the cores.
+uint32_t workgroup_size(const ScanLimits& limits) { return limits.is_cpu ? limits.subgroup_size : 64; }
+
 // A character on a software device's whole subgroup at most; on a GPU the whole one is the best guess.
 std::vector<uint32_t> lane_choices(const ScanLimits& limits) {
     std::vector<uint32_t> choices;
     if (!limits.shuffle) return choices;
-    for (uint32_t lanes = 1; lanes <= limits.subgroup_size; lanes *= 2) choices.push_back(lanes);
+    for (uint32_t lanes = 1; lanes <= std::min(limits.subgroup_size, workgroup_size(limits)); lanes *= 2) choices.push_back(lanes);
     if (!limits.is_cpu) std::reverse(choices.begin(), choices.end());
     return choices;
 }
-
-// A multiple of every subgroup size; a software device spreads its smallest workgroups evenly over the cores.
-uint32_t workgroup_size(const ScanLimits& limits) { return limits.is_cpu ? limits.subgroup_size : 64; }
 
 ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes, double rows_of_local) {
     PieceTable table = piece_table(rig, lanes, rows_of_local);
@@ -29,6 +29,7 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes,
                   .instances_per_workgroup = invocations / lanes,
                   .constants = {lanes, slots * invocations},
                   .links = std::move(table.links),
+                  .full_subgroups = true,
                   .on_chip = true};
     const double subgroups = static_cast<double>(lanes) / limits.subgroup_size;
     plan.counts = {.multiplications = table.multiplications,
@@ -36,7 +37,8 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes,
                    .shared_bytes = slots * lanes * transform_bytes,
                    .issue_steps = table.longest_lane * subgroups,
                    .loop_iterations = table.loop_iterations(),
-                   .issue_rows = table.longest_lane_rows * subgroups};
+                   .scattered = true,
+                   .issue_rows = table.rows_on(limits) * subgroups};
     return plan;
 }
 
