@@ -14,6 +14,7 @@
 namespace throng::bench {
 namespace {
 
+constexpr uint32_t kBetweenBarriers_bytes = 16;  // scan.glsl, on_chip_between_barriers, and its alignment
 constexpr uint32_t kMethodConstants = 7;     // constant_id 1 to 7 are the method's own
 constexpr uint32_t kSoftwareCharacters = 256;  // more only take longer on a software device
 constexpr double kRun_ms = 10;               // how long the difference of two runs should be at least
@@ -33,7 +34,7 @@ std::string obstacle_of(const ScanPlan& plan, const ScanMethod& method, const Sc
     if (!plan.obstacle.empty()) return plan.obstacle;
     if (!plan.on_chip) return "its transforms pass through memory";
     if (loop_iterations(plan, rig, 2) > limits.loop_iterations) return "two repeats exceed the device's loop iterations";
-    const uint64_t needed_bytes = uint64_t{plan.counts.shared_bytes} * plan.instances_per_workgroup + on_chip_transforms(plan, rig) * local_bytes(method);
+    const uint64_t needed_bytes = uint64_t{plan.counts.shared_bytes} * plan.instances_per_workgroup + on_chip_transforms(plan, rig) * local_bytes(method) + kBetweenBarriers_bytes;
     if (needed_bytes <= limits.shared_memory_bytes) return {};
     return std::to_string(needed_bytes) + " bytes of shared memory, with the local transforms, exceed the device's " + std::to_string(limits.shared_memory_bytes);
 }

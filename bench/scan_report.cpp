@@ -133,7 +133,9 @@ std::string levels_section(const Cells& cells, int& count) {
         html += figure(time, levels_summary(panel) + " The dotted line is the copy kernel, which moves the same bytes and computes nothing." +
                                 (having(panel, "method", kPlanner).empty() ? "" : " Rings are the planner's choices."));
         const std::string over_copy = line_figure(panel, kTimesCopy, "", count);
-        if (!over_copy.empty()) html += "<h3>Time over the copy's</h3>\n" + figure(over_copy, "The same, divided by the time of the copy kernel in the same rounds. Below 1 comes what reads less than 48 bytes a joint, as the quaternion forms do, or stays in caches.");
+        if (!over_copy.empty())
+            html += "<h3>Time over the copy's</h3>\n" + figure(over_copy, "The same, divided by the time of the copy kernel in the same rounds. Below 1 comes what "
+                                                                          "reads less than 48 bytes a joint, as the quaternion forms do, or stays in caches.");
         html += "<h3>Each depth, with what was computed</h3>\n";
         bool first = true;
         std::map<double, Cells> at;
@@ -179,7 +181,8 @@ std::string on_chip_section(const Cells& cells, int& count) {
         }
         if (figures.empty()) continue;
         html += "<h3>On the chip</h3>\n<p class=\"soft\">" + setting(panel, "levels") +
-                "</p>\n<p>The scan alone, again and again without going to memory. The pale part of a bar, and the percentage, is what its barriers take at least.</p>\n<div class=\"pair\">" + figures + "</div>\n" +
+                "</p>\n<p>The scan alone, again and again without going to memory. The pale part of a bar, and the percentage, is what its barriers take at least."
+                "</p>\n<div class=\"pair\">" + figures + "</div>\n" +
                 details("The same as a table", on_chip_table(panel), false);
     }
     return html;
@@ -188,7 +191,8 @@ std::string on_chip_section(const Cells& cells, int& count) {
 std::string grid_section(const Cells& cells) {
     std::string html;
     for (const Cells& panel : grouped(having(cells, "experiment", "grid"), {"shape"})) {
-        html += "<h3>The planner on the grid</h3>\n<p class=\"soft\">" + escape(joined(texts(panel, "shape"))) + " skeletons; each cell names the fastest method, its time, and the time of the planner's choice as a multiple of it</p>\n" + grid_table(panel);
+        html += "<h3>The planner on the grid</h3>\n<p class=\"soft\">" + escape(joined(texts(panel, "shape"))) +
+                " skeletons; each cell names the fastest method, its time, and the time of the planner's choice as a multiple of it</p>\n" + grid_table(panel);
     }
     return html;
 }
@@ -254,7 +258,12 @@ A barrier between repeats is part of every method that shares memory.</p>
 
 std::string baseline_section(std::span<const Json> records) {
     const std::string table = baseline_table(records);
-    return table.empty() ? "" : "<h2>What baking costs</h2>\n<p><em>baked</em> stores skin matrices of every frame, <em>flattened</em> model-space clips without a hierarchy; neither needs a scan. Both pay with memory for each clip, and with vertices that stand in the wrong place when two clips are blended: the distances are to the double-precision reference. On software devices they move 64-bit words, which throng's sample, blend and bind do not yet: that favours them.</p>\n" + table;
+    if (table.empty()) return "";
+    return R"(<h2>What baking costs</h2>
+<p><em>baked</em> stores skin matrices of every frame, <em>flattened</em> model-space clips without a hierarchy; neither needs a scan. Both pay with
+memory for each clip, and with vertices that stand in the wrong place when two clips are blended: the distances are to the double-precision reference.
+On software devices they move 64-bit words, which throng's sample, blend and bind do not yet: that favours them.</p>
+)" + table;
 }
 
 }  // namespace

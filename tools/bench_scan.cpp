@@ -24,7 +24,8 @@ void print_cell(std::span<const nlohmann::json> records) {
     const bool on_chip = first.at("experiment") == "on_chip";
     std::printf("\n%s: %zu characters x %zu joints, %s, %zu levels (mean depth %.1f), %zu leaves\n", on_chip ? "on-chip, without memory" : "from memory to memory",
                 count(first, "characters"), count(first, "joints"), first.at("shape").get<std::string>().c_str(), count(first, "levels"), real(first, "mean_depth"), count(first, "leaves"));
-    std::printf("%-22s %5s %9s %19s %8s %15s %7s %8s %9s\n", "method", "lanes", on_chip ? "ns/joint" : "ms", "5 % - 95 %", on_chip ? "barriers" : "x copy", "multiplications", "longest", "barriers", "error");
+    std::printf("%-22s %5s %9s %19s %8s %15s %7s %8s %9s\n", "method", "lanes", on_chip ? "ns/joint" : "ms", "5 % - 95 %", on_chip ? "barriers" : "x copy",
+                "multiplications", "longest", "barriers", "error");
     for (const nlohmann::json& record : records) {
         const std::string chosen = record.value("chosen", std::string());
         std::printf("%-22s ", chosen.empty() ? record.at("method").get<std::string>().c_str() : ("auto: " + chosen).c_str());

@@ -40,7 +40,11 @@ Character bake(const Character& character, const BakeSettings& settings) {
     Character baked{.name = character.name + ", baked", .palette = character.palette, .size = character.size};
     for (uint32_t c = 0; c < character.clips.size(); ++c) {
         const Clip& from = character.clips[c];
-        Clip clip{.name = from.name, .duration_s = from.duration_s, .first_time = static_cast<uint32_t>(baked.times_s.size()), .row_count = frame_count(from, settings.rate), .column_count = palette_count};
+        Clip clip{.name = from.name,
+                  .duration_s = from.duration_s,
+                  .first_time = static_cast<uint32_t>(baked.times_s.size()),
+                  .row_count = frame_count(from, settings.rate),
+                  .column_count = palette_count};
         clip.size_bytes = uint64_t{clip.row_count} * (palette_count * sizeof(Affine) + sizeof(float)) + sizeof(JointTracks);
         baked.tracks.push_back({.rotation = static_cast<uint32_t>(baked.keys.size() / 3)});
         for (uint32_t frame = 0; frame < clip.row_count; ++frame) {

@@ -17,7 +17,7 @@ Children children_of(const ScanRig& rig) {
 }
 
 // The subtrees that are cut off so that no piece exceeds `bound` joints: a group of siblings becomes one piece.
-std::vector<std::vector<uint32_t>> cut(const ScanRig& rig, const Children& children, uint32_t bound) {
+std::vector<std::vector<uint32_t>> tops_of_pieces(const ScanRig& rig, const Children& children, uint32_t bound) {
     std::vector<std::vector<uint32_t>> pieces;           // top joints of each
     std::vector<uint32_t> open(rig.joint_count() + 1);   // joints of the subtree that are not cut off yet
     std::vector<uint32_t> below;
@@ -92,32 +92,20 @@ PieceCut pieces_from(const ScanRig& rig, const Children& children, const std::ve
     return out;
 }
 
-// The walk of a piece as the shader reads it.
-std::vector<uint32_t> walk_words(const ScanRig& rig, const Piece& piece, uint32_t piece_index, const PieceCut& cut_of_rig, uint32_t& slot_count) {
+// The walk of a piece as the shader reads it. children_inside[joint] counts those in the joint's own piece.
+std::vector<uint32_t> walk_words(const ScanRig& rig, const Piece& piece, const std::vector<uint32_t>& children_inside, uint32_t& slot_count) {
     std::vector<uint32_t> words;
-    std::vector<std::pair<uint32_t, uint32_t>> kept;  // a stack of joints with their children still to come; its position is the slot
-    std::vector<uint32_t> child_count(piece.joints.size());
-    // Children in the piece, by position in the walk.
-    std::vector<std::pair<uint32_t, uint32_t>> position;  // joint, position; sorted
-    for (uint32_t i = 0; i < piece.joints.size(); ++i) position.emplace_back(piece.joints[i], i);
-    std::sort(position.begin(), position.end());
-    const auto position_of = [&](uint32_t joint) { return std::lower_bound(position.begin(), position.end(), std::pair{joint, 0u})->second; };
-    const auto inside = [&](uint32_t joint) { return joint != kNone && cut_of_rig.piece_of_joint[joint] == piece_index; };
-    for (const uint32_t joint : piece.joints)
-        if (inside(rig.parents[joint])) ++child_count[position_of(rig.parents[joint])];
-
+    std::vector<std::pair<uint32_t, uint32_t>> kept;  // a stack of joints with the number of their children still to come; its position is the slot
     uint32_t last = kNone;
-    for (uint32_t i = 0; i < piece.joints.size(); ++i) {
-        const uint32_t joint = piece.joints[i], parent = rig.parents[joint];
-        uint32_t source = io::kParentIsLast, keep = 0;
-        if (!inside(parent)) {
-            source = io::kParentIsPrefix;
-        } else {
-            if (parent != last) source = io::kParentInSlot + static_cast<uint32_t>(kept.size() - 1);
+    for (const uint32_t joint : piece.joints) {
+        const uint32_t parent = rig.parents[joint];
+        uint32_t source = io::kParentIsPrefix, keep = 0;
+        if (parent != piece.attachment) {
+            source = parent == last ? io::kParentIsLast : io::kParentInSlot + static_cast<uint32_t>(kept.size() - 1);
             if (!kept.empty() && kept.back().first == parent && --kept.back().second == 0) kept.pop_back();
         }
-        if (child_count[i] > 1) {
-            kept.emplace_back(joint, child_count[i]);
+        if (children_inside[joint] > 1) {
+            kept.emplace_back(joint, children_inside[joint]);
             keep = static_cast<uint32_t>(kept.size());
             slot_count = std::max(slot_count, keep);
         }
@@ -146,32 +134,36 @@ PieceCut cut_into_pieces(const ScanRig& rig, uint32_t most_pieces) {
     uint32_t low = (rig.joint_count() + most_pieces - 1) / most_pieces, high = rig.joint_count();  // of joints a piece; high always suffices
     while (low < high) {
         const uint32_t middle = low + (high - low) / 2;
-        if (cut(rig, children, middle).size() <= most_pieces) high = middle;
+        if (tops_of_pieces(rig, children, middle).size() <= most_pieces) high = middle;
         else low = middle + 1;
     }
-    return pieces_from(rig, children, cut(rig, children, high));
+    return pieces_from(rig, children, tops_of_pieces(rig, children, high));
 }
 
 PieceTable piece_table(const ScanRig& rig, uint32_t lanes, double rows_of_local) {
-    const PieceCut cut_of_rig = cut_into_pieces(rig, lanes);
+    const PieceCut cut = cut_into_pieces(rig, lanes);
     PieceTable table;
+    std::vector<uint32_t> children_inside(rig.joint_count());
+    for (uint32_t joint = 0; joint < rig.joint_count(); ++joint)
+        if (const uint32_t parent = rig.parents[joint]; parent != kNone && cut.piece_of_joint[parent] == cut.piece_of_joint[joint]) ++children_inside[parent];
     std::vector<std::vector<uint32_t>> paths, ancestors, walks;
-    for (uint32_t p = 0; p < cut_of_rig.pieces.size(); ++p) {
-        const Piece& piece = cut_of_rig.pieces[p];
+    for (uint32_t p = 0; p < cut.pieces.size(); ++p) {
+        const Piece& piece = cut.pieces[p];
         std::vector<uint32_t>& path = paths.emplace_back();
-        for (uint32_t joint = piece.attachment; joint != kNone && cut_of_rig.piece_of_joint[joint] == cut_of_rig.piece_of_joint[piece.attachment]; joint = rig.parents[joint]) path.push_back(joint);
-        std::reverse(path.begin(), path.end());
-        walks.push_back(walk_words(rig, piece, p, cut_of_rig, table.slot_count));
+        if (piece.attachment != kNone) {
+            const uint32_t piece_above = cut.piece_of_joint[piece.attachment];
+            for (uint32_t joint = piece.attachment; joint != kNone && cut.piece_of_joint[joint] == piece_above; joint = rig.parents[joint]) path.push_back(joint);
+            std::reverse(path.begin(), path.end());
+        }
+        walks.push_back(walk_words(rig, piece, children_inside, table.slot_count));
     }
     // The chain of pieces above each, and of it those 1, 2, 4, … above.
-    std::vector<uint32_t> round_multiplications(cut_of_rig.pieces.size());
-    for (uint32_t p = 0; p < cut_of_rig.pieces.size(); ++p) {
+    for (uint32_t p = 0; p < cut.pieces.size(); ++p) {
         std::vector<uint32_t> above;
-        for (uint32_t piece = p; cut_of_rig.pieces[piece].attachment != kNone; piece = above.back()) above.push_back(cut_of_rig.piece_of_joint[cut_of_rig.pieces[piece].attachment]);
+        for (uint32_t piece = p; cut.pieces[piece].attachment != kNone; piece = above.back()) above.push_back(cut.piece_of_joint[cut.pieces[piece].attachment]);
         if (!above.empty()) above.pop_back();  // the root's piece: nothing lies above it, so its product is the identity
         std::vector<uint32_t>& words = ancestors.emplace_back();
         for (size_t distance = 1; distance <= above.size(); distance *= 2) words.push_back(above[distance - 1]);
-        round_multiplications[p] = static_cast<uint32_t>(words.size());
     }
     table.path_row_count = longest(paths);
     table.round_count = longest(ancestors);
@@ -182,7 +174,7 @@ PieceTable piece_table(const ScanRig& rig, uint32_t lanes, double rows_of_local)
     append_rows(table.links, walks, lanes, table.walk_row_count);
 
     table.multiplications = rig.joint_count();
-    for (size_t p = 0; p < paths.size(); ++p) table.multiplications += (paths[p].empty() ? 0 : paths[p].size() - 1) + round_multiplications[p];
+    for (size_t p = 0; p < paths.size(); ++p) table.multiplications += (paths[p].empty() ? 0 : paths[p].size() - 1) + ancestors[p].size();
     const uint32_t path_steps = table.path_row_count > 0 ? table.path_row_count - 1 : 0;
     table.longest_lane = path_steps + table.round_count + table.walk_row_count;
     table.longest_lane_rows = table.path_row_count * (kRowsOfLink + rows_of_local) + table.round_count * (kRowsOfLink + 2 * rows_of_local) +

@@ -37,17 +37,10 @@ layout(set = 0, binding = 2, std430) SCAN_EXCHANGE buffer Model { StoredAffine m
 layout(set = 0, binding = 3, std430) SCAN_EXCHANGE buffer Scratch { StoredAffine scratch[]; };
 layout(push_constant) uniform Push { ScanPush push; };
 
-layout(constant_id = 8) const bool kBarriersTwice = false;  // to measure what barriers cost
-
 void scan();
 
 // Everything that the workgroup wrote to shared memory (and `through_buffers`, to model and scratch) can be read after it.
-void scan_barrier(bool through_buffers) {
-    if (through_buffers)
-        controlBarrier(gl_ScopeWorkgroup, gl_ScopeWorkgroup, gl_StorageSemanticsBuffer | gl_StorageSemanticsShared, gl_SemanticsAcquireRelease);
-    else barrier();
-    if (kBarriersTwice) barrier();
-}
+void scan_barrier(bool through_buffers);
 
 uint at(uint instance, uint joint) {
 #ifdef SCAN_TRANSPOSED
@@ -61,13 +54,22 @@ uint at(uint instance, uint joint) {
 
 Transform load_local(uint instance, uint joint) { return unpack(local[at(instance, joint)]); }
 void store_model(uint instance, uint joint, Transform model_from_joint) { model[at(instance, joint)] = pack(to_affine(model_from_joint)); }
+
+void scan_barrier(bool through_buffers) {
+    if (through_buffers)
+        controlBarrier(gl_ScopeWorkgroup, gl_ScopeWorkgroup, gl_StorageSemanticsBuffer | gl_StorageSemanticsShared, gl_SemanticsAcquireRelease);
+    else barrier();
+}
+
 void main() { scan(); }
 
 #else
 
+layout(constant_id = 8) const bool kBarriersTwice = false;  // to measure what barriers cost
 layout(constant_id = 9) const uint kOnChipCharacters = 1;  // of a workgroup
 layout(constant_id = 10) const uint kOnChipTransforms = 1;  // of all of them
 shared StoredTransform on_chip_locals[kOnChipTransforms];   // [character][joint]
+shared uint on_chip_between_barriers;                       // so that two of them are not merged into one
 uint on_chip_repeat;   // counts down to 0
 vec4 on_chip_sink = vec4(0);
 
@@ -88,6 +90,13 @@ void store_model(uint instance, uint joint, Transform model_from_joint) {
     else on_chip_sink += m.row0 + m.row1 + m.row2;
 }
 
+void scan_barrier(bool through_buffers) {
+    barrier();
+    if (!kBarriersTwice) return;
+    if (gl_LocalInvocationID.x == 0) on_chip_between_barriers = on_chip_repeat;
+    barrier();
+}
+
 void main() {
     for (uint i = gl_LocalInvocationID.x; i < kOnChipTransforms; i += gl_WorkGroupSize.x) on_chip_locals[i] = local[i % push.joint_count];
     barrier();
@@ -97,8 +106,8 @@ void main() {
         barrier();  // the next repeat overwrites what this one shares
 #endif
     }
-    // Never true, which the compiler cannot know: without it the repeats' results would be unused.
-    if (on_chip_sink.x == 0.12345) scratch[0] = pack(Affine(on_chip_sink, on_chip_sink, on_chip_sink));
+    // Never true, which the compiler cannot know: without it what the repeats write would be unused.
+    if (on_chip_sink.x == 0.12345 || on_chip_between_barriers == 0x12345678) scratch[0] = pack(Affine(on_chip_sink, on_chip_sink, on_chip_sink));
 }
 
 #endif
