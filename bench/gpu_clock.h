@@ -17,6 +17,8 @@ public:
     double time_ms(const std::function<void(VkCommandBuffer)>& work) const;
 
 private:
+    double timestamps_ms(const std::function<void(VkCommandBuffer)>& work) const;
+
     std::shared_ptr<Gpu> gpu_;
     VkQueryPool pool_ = VK_NULL_HANDLE;
 };
