@@ -18,8 +18,8 @@ GpuClock::GpuClock(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {
 
 GpuClock::~GpuClock() { gpu_->vk.vkDestroyQueryPool(gpu_->device, pool_, nullptr); }
 
-// lavapipe's timestamps are written by another thread than the one that computes. On a busy machine both can come after the work, and
-// say that it took no time; the host's clock, which sees the submission too, cannot be fooled so.
+// On a busy machine lavapipe's timestamps were seen to span a fifth of the host's time and less, probably because another thread writes
+// them than the one that computes. Such a sample is taken again, and in the end the host's clock counts, which sees the submission too.
 double GpuClock::time_ms(const std::function<void(VkCommandBuffer)>& work) const {
     constexpr int kTries = 4;
     constexpr double kSubmission_ms = 0.5;
