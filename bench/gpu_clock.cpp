@@ -19,18 +19,14 @@ GpuClock::GpuClock(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {
 GpuClock::~GpuClock() { gpu_->vk.vkDestroyQueryPool(gpu_->device, pool_, nullptr); }
 
 // On a busy machine lavapipe's timestamps were seen to span a fifth of the host's time and less, probably because another thread writes
-// them than the one that computes. Such a sample is taken again, and in the end the host's clock counts, which sees the submission too.
+// them than the one that computes. The host's clock counts then, which sees the submission too. Work is never submitted again for
+// another try: a step of a crowd moves it.
 double GpuClock::time_ms(const std::function<void(VkCommandBuffer)>& work) const {
-    constexpr int kTries = 4;
     constexpr double kSubmission_ms = 0.5;
-    double host_ms = 0;
-    for (int i = 0; i < kTries; ++i) {
-        const Stopwatch watch;
-        const double gpu_ms = timestamps_ms(work);
-        host_ms = watch.elapsed_s() * 1e3;
-        if (!gpu_->is_cpu() || gpu_ms >= 0.5 * (host_ms - kSubmission_ms)) return gpu_ms;
-    }
-    return host_ms;
+    const Stopwatch watch;
+    const double gpu_ms = timestamps_ms(work);
+    const double host_ms = watch.elapsed_s() * 1e3;
+    return gpu_->is_cpu() && gpu_ms < 0.5 * (host_ms - kSubmission_ms) ? host_ms : gpu_ms;
 }
 
 double GpuClock::timestamps_ms(const std::function<void(VkCommandBuffer)>& work) const {

@@ -13,7 +13,7 @@ public:
     GpuClock(const GpuClock&) = delete;
     GpuClock& operator=(const GpuClock&) = delete;
 
-    // Submits what `work` records, alone between two timestamps, and waits. It sees all work submitted before.
+    // Submits what `work` records once, alone between two timestamps, and waits. It sees all work submitted before.
     double time_ms(const std::function<void(VkCommandBuffer)>& work) const;
 
 private:
