@@ -22,8 +22,8 @@ struct Axes {
     std::vector<float> times_s{0};  // the rest pose's row; the clips' follow
     std::vector<io::ClipAxis> clips;
 
-    void add(const std::vector<float>& axis_s, float duration_s, uint32_t column_count) {
-        clips.push_back({static_cast<uint32_t>(times_s.size()), static_cast<uint32_t>(axis_s.size()), column_count, duration_s});
+    void add(const std::vector<float>& axis_s, float duration_s, uint32_t row_stride) {
+        clips.push_back({static_cast<uint32_t>(times_s.size()), static_cast<uint32_t>(axis_s.size()), row_stride, static_cast<uint32_t>(1000 * clips.size()), duration_s});
         times_s.insert(times_s.end(), axis_s.begin(), axis_s.end());
     }
     std::span<const float> times_of(uint32_t clip) const { return std::span(times_s).subspan(clips[clip].first_time, clips[clip].row_count); }
@@ -41,7 +41,7 @@ Axes make_axes() {
     axes.add({0}, 0, 0);                  // no duration
     axes.add({0.3f}, 0.3f, 2);            // one row
     axes.add({0, 600}, 600, 1);           // ten minutes
-    axes.clips.push_back({.first_time = 0, .row_count = 1, .column_count = 0, .duration_s = 0});
+    axes.clips.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .duration_s = 0});
     return axes;
 }
 
@@ -50,11 +50,11 @@ void check_cursor(const Axes& axes, const io::SlotPlayback& slot, const io::Slot
     const std::span<const float> times_s = axes.times_of(slot.clip);
     const RowCursor wanted = find_rows_reference(times_s, slot.time_s);
     EXPECT_EQ(cursor.first_track, slot.clip * kJointCount);
-    ASSERT_EQ(cursor.earlier, wanted.earlier * axis.column_count) << "clip " << slot.clip << " at " << slot.time_s << " s";
+    ASSERT_EQ(cursor.earlier, axis.first_row + wanted.earlier * axis.row_stride) << "clip " << slot.clip << " at " << slot.time_s << " s";
     if (cursor.fraction > 0) {
-        EXPECT_EQ(cursor.later, wanted.later * axis.column_count);
+        EXPECT_EQ(cursor.later, axis.first_row + wanted.later * axis.row_stride);
     } else {  // any row, as it has no part in the value
-        EXPECT_LE(cursor.later, (axis.row_count - 1) * axis.column_count);
+        EXPECT_LE(cursor.later, axis.first_row + (axis.row_count - 1) * axis.row_stride);
     }
     EXPECT_NEAR(cursor.fraction, wanted.fraction, 1e-6) << "clip " << slot.clip << " at " << slot.time_s << " s";
 }

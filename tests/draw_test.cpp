@@ -159,7 +159,7 @@ Affine mirrored() { return placed({.scale = {-1, 1, 1}}); }
 
 // Draws a crowd of `asset`, an instance for each placement, seen along -z: one unit is 14 pixels, x = 0 is in the middle.
 Picture draw(const Asset& asset, const std::vector<Affine>& placements = {Affine{}}, uint32_t samples = 1, double clip_time_s = 0) {
-    const Result<Character> character = compile_character(asset);
+    const Result<Character> character = compile_character(asset, kExact);
     EXPECT_TRUE(character) << (character ? "" : character.error().text());
     Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&*character, static_cast<uint32_t>(placements.size())}}});
     EXPECT_TRUE(crowd);
@@ -305,7 +305,7 @@ TEST(Renderer, RefusesWhatTheDeviceCannotDo) {
 }
 
 TEST(Renderer, RefusesACameraThatSeesNothing) {
-    const Result<Character> character = compile_character(square());
+    const Result<Character> character = compile_character(square(), kExact);
     ASSERT_TRUE(character);
     Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&*character, 1}}});
     ASSERT_TRUE(crowd && crowd->update(0));
@@ -323,7 +323,7 @@ TEST(Renderer, RefusesACameraThatSeesNothing) {
 }
 
 TEST(WorldBounds, HoldEveryInstance) {
-    const Result<Character> character = compile_character(square());
+    const Result<Character> character = compile_character(square(), kExact);
     ASSERT_TRUE(character);
     Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&*character, 1}, {&*character, 2}}});
     ASSERT_TRUE(crowd);

@@ -38,7 +38,7 @@ std::vector<Golden> load_goldens() {
             if (!in) continue;
             Golden golden;
             golden.data = json::parse(in);
-            Result<Character> character = load_character(file.path());
+            Result<Character> character = load_character(file.path(), kExact);
             if (!character) {
                 ADD_FAILURE() << character.error().text();
                 continue;

@@ -170,7 +170,7 @@ std::map<std::string, Layout> layouts_in_cpp() {
     return {
         {"SlotPlayback", {sizeof(io::SlotPlayback), {MEMBER(SlotPlayback, clip), MEMBER(SlotPlayback, loop), MEMBER(SlotPlayback, time_s), MEMBER(SlotPlayback, speed)}}},
         {"InstancePlayback", {sizeof(io::InstancePlayback), {MEMBER(InstancePlayback, first), MEMBER(InstancePlayback, second), MEMBER(InstancePlayback, weight)}}},
-        {"ClipAxis", {sizeof(io::ClipAxis), {MEMBER(ClipAxis, first_time), MEMBER(ClipAxis, row_count), MEMBER(ClipAxis, column_count), MEMBER(ClipAxis, duration_s)}}},
+        {"ClipAxis", {sizeof(io::ClipAxis), {MEMBER(ClipAxis, first_time), MEMBER(ClipAxis, row_count), MEMBER(ClipAxis, row_stride), MEMBER(ClipAxis, first_row), MEMBER(ClipAxis, duration_s)}}},
         {"SlotCursor", {sizeof(io::SlotCursor), {MEMBER(SlotCursor, first_track), MEMBER(SlotCursor, earlier), MEMBER(SlotCursor, later), MEMBER(SlotCursor, fraction)}}},
         {"InstanceCursor", {sizeof(io::InstanceCursor), {MEMBER(InstanceCursor, first), MEMBER(InstanceCursor, second), MEMBER(InstanceCursor, weight)}}},
         {"ControlPush", {sizeof(io::ControlPush), {MEMBER(ControlPush, instance_count), MEMBER(ControlPush, joint_count), MEMBER(ControlPush, time_step_s)}}},

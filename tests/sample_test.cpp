@@ -21,8 +21,8 @@ io::SlotCursor cursor_at(const Character& character, uint32_t clip, double time_
     if (clip == character.clips.size()) return cursor;
     const Clip& c = character.clips[clip];
     const RowCursor rows = find_rows_reference(std::span(character.times_s).subspan(c.first_time, c.row_count), time_s);
-    cursor.earlier = rows.earlier * c.column_count;
-    cursor.later = rows.later * c.column_count;
+    cursor.earlier = rows.earlier * c.row_stride;
+    cursor.later = rows.later * c.row_stride;
     cursor.fraction = static_cast<float>(rows.fraction);
     return cursor;
 }
@@ -118,7 +118,7 @@ TEST(Sample, ArcsOfEverySize) {
     Random random(3);
     Character character;
     character.rig.parents.assign(joint_count, kNone);
-    character.clips.push_back({.duration_s = 1, .row_count = 2, .column_count = joint_count});
+    character.clips.push_back({.duration_s = 1, .row_count = 2, .row_stride = joint_count});
     character.times_s = {0, 1};
     character.keys.resize(2 * joint_count);
     const auto constants = static_cast<uint32_t>(character.keys.size());
@@ -160,7 +160,7 @@ TEST(Sample, ArcsOfEverySize) {
 TEST(Sample, StepLinearAndConstant) {
     Character character;
     character.rig.parents = {kNone};
-    character.clips.push_back({.duration_s = 1, .row_count = 3, .column_count = 2});
+    character.clips.push_back({.duration_s = 1, .row_count = 3, .row_stride = 2});
     character.times_s = {0, 0.5f, 1};
     character.keys = {{1, 0, 0, 0}, {1, 1, 1, 0}, {3, 0, 0, 0}, {2, 4, 6, 0}, {7, 0, 0, 0}, {9, 9, 9, 0}, {0, 0, 1, 0}};  // [row][column], then a constant
     character.tracks = {{.rotation = 6, .translation = 0 | kTrackAnimated | kTrackStep, .scale = 1 | kTrackAnimated}};

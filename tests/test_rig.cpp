@@ -168,7 +168,7 @@ Asset make_asset(const AssetSettings& settings) {
 }
 
 Character make_character(const AssetSettings& settings) {
-    Result<Character> character = compile_character(make_asset(settings));
+    Result<Character> character = compile_character(make_asset(settings), kExact);
     if (!character) {
         std::fprintf(stderr, "%s\n", character.error().text().c_str());
         std::abort();

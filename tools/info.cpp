@@ -22,7 +22,7 @@ nlohmann::json to_json(const Character& character) {
     nlohmann::json clips = nlohmann::json::array(), skins = nlohmann::json::array();
     for (const Clip& clip : character.clips)
         clips.push_back({{"name", clip.name}, {"duration_s", clip.duration_s}, {"channels", clip.channel_count}, {"rows", clip.row_count},
-                         {"animated_tracks", clip.column_count}, {"source_keys", clip.source_key_count}, {"refined_rows", clip.refined_row_count},
+                         {"animated_tracks", clip.animated_track_count}, {"source_keys", clip.source_key_count}, {"refined_rows", clip.refined_row_count},
                          {"dropped_rows", clip.dropped_row_count}, {"bytes", clip.size_bytes}});
     for (const Skin& skin : character.skins) skins.push_back({{"name", skin.name}, {"joints", skin.joint_count}});
     const Rig& rig = character.rig;
@@ -61,7 +61,7 @@ void print_text(const Character& character) {
     for (size_t i = 0; i < character.clips.size(); ++i) {
         const Clip& clip = character.clips[i];
         std::printf("  clip %-5zu %7.3f s  %4u channels  %5u rows x %4u tracks  %8.1f KiB  %s", i, static_cast<double>(clip.duration_s), clip.channel_count, clip.row_count,
-                    clip.column_count, static_cast<double>(clip.size_bytes) / 1024, clip.name.c_str());
+                    clip.animated_track_count, static_cast<double>(clip.size_bytes) / 1024, clip.name.c_str());
         if (clip.refined_row_count > 0) std::printf("  (%u rows added for cubic tracks)", clip.refined_row_count);
         if (clip.dropped_row_count > 0) std::printf("  (resampled: %u rows of the union left out)", clip.dropped_row_count);
         std::printf("\n");

@@ -23,7 +23,7 @@ uint32_t frame_count(const Clip& clip, double rate) {
     return clip.duration_s > 0 ? 1 + std::max(1u, static_cast<uint32_t>(std::ceil(clip.duration_s * rate - kRounding))) : 1;
 }
 
-// A matrix is three keys; Clip::column_count and the tracks, one a clip, count matrices.
+// A matrix is three keys; Clip::row_stride and the tracks, one a clip, count matrices.
 void append_frame(Character& baked, const Character& character, const ClipPlayback& slot) {
     const Result<ReferencePose> pose = reference_pose(character, {.first = slot});
     if (!pose) throw Failure(pose.error());
@@ -44,7 +44,7 @@ Character bake(const Character& character, const BakeSettings& settings) {
                   .duration_s = from.duration_s,
                   .first_time = static_cast<uint32_t>(baked.times_s.size()),
                   .row_count = frame_count(from, settings.rate),
-                  .column_count = palette_count};
+                  .row_stride = palette_count};
         clip.size_bytes = uint64_t{clip.row_count} * (palette_count * sizeof(Affine) + sizeof(float)) + sizeof(JointTracks);
         baked.tracks.push_back({.rotation = static_cast<uint32_t>(baked.keys.size() / 3)});
         for (uint32_t frame = 0; frame < clip.row_count; ++frame) {

@@ -49,8 +49,8 @@ BaselineCrowd::BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline,
       kernel_(gpu_, {.name = baseline.name, .spirv = gpu_->prefers_wide_words() ? baseline.wide : baseline.plain}),
       clock_(gpu_) {
     std::vector<io::ClipAxis> axes;
-    for (const Clip& clip : baked.clips) axes.push_back({clip.first_time, clip.row_count, clip.column_count, clip.duration_s});
-    axes.push_back({.first_time = 0, .row_count = 1, .column_count = 0, .duration_s = 0});  // the rest pose
+    for (const Clip& clip : baked.clips) axes.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});
+    axes.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0});  // the rest pose
     std::vector<uint32_t> joints;
     std::vector<Affine> binds;
     for (const PaletteEntry& entry : baked.palette) {

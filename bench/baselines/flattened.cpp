@@ -70,7 +70,7 @@ void append_clip(Character& flat, const Character& character, uint32_t clip_inde
     for (size_t track = 0; track < words.size(); track += 3) flat.tracks.push_back({.rotation = words[track], .translation = words[track + 1], .scale = words[track + 2]});
     for (uint32_t row = 0; row < clip.row_count; ++row)
         for (const size_t column : columns) flat.keys.push_back(rows[column][row]);
-    clip.column_count = static_cast<uint32_t>(columns.size());
+    clip.row_stride = static_cast<uint32_t>(columns.size());
     clip.size_bytes = (flat.keys.size() - first_key) * sizeof(Key) + clip.row_count * sizeof(float) + joint_count * sizeof(JointTracks);
 }
 

@@ -26,15 +26,39 @@ struct Rig {
     uint32_t joint_count() const { return static_cast<uint32_t>(parents.size()); }
 };
 
-// Where a joint's three tracks lie in Character::keys. Each word is a position in float4s, plus the flags:
-// kTrackAnimated: the key of row r is at position + r * Clip::column_count; without it, the position is the one value.
+// Where a joint's three tracks lie in Character::keys. Each word is a position in float4s; in a character of exact keys with the flags:
+// kTrackAnimated: the key of row r is at position + r * Clip::row_stride; without it, the position is the one value.
 // kTrackStep: the value of the earlier row holds until the next one.
+// In a packed character each word is the position of a PackedTrack, without flags.
 struct JointTracks {
     uint32_t rotation = 0, translation = 0, scale = 0, unused = 0;
 };
 inline constexpr uint32_t kTrackAnimated = 0x80000000u;
 inline constexpr uint32_t kTrackStep = 0x40000000u;
 inline constexpr uint32_t kTrackPosition = 0x3FFFFFFFu;
+
+// How a track of a packed character is decoded: two float4s of Character::keys; the second is left out where all bits are 0.
+// Component c (0, 1, 2, in full rotations 3) of row r lies in bits_c bits of Character::words, behind those of component c - 1, the first at
+// bit first_bit of the row, least significant bit of a word first; rows begin at word Clip::first_row + r * Clip::row_stride. Its value is
+// minimum[c] + step[c] * bits; without bits, minimum[c]. No more than kPackedComponentBits a component and, behind the start of
+// the word in which the first lies, 96 in all.
+// Translations and scales are x, y, z. Of a rotation (unit quaternion) the component `left_out` is not stored: it is
+// the non-negative root of 1 - the others' squares, and component c is the quaternion's (left_out + 1 + c) % 4. A full rotation stores all
+// four, each in kPackedFullBits with minimum -1 and step 2 / (2^kPackedFullBits - 1), the fourth being quaternion component `left_out`;
+// two neighbouring rows may then be in different hemispheres no more than exact keys may.
+// Between rows: lerp; rotations are normalised afterwards.
+struct PackedTrack {
+    std::array<float, 3> minimum{};
+    uint32_t layout = 0;  // bits of component 0, 1, 2: 5 bits each from bit 0; left_out: kPackedLeftOutShift; and the flags below
+    std::array<float, 3> step{};
+    uint32_t first_bit = 0;
+};
+static_assert(sizeof(PackedTrack) == 32);
+inline constexpr uint32_t kPackedComponentBits = 21;
+inline constexpr uint32_t kPackedFullBits = 16;
+inline constexpr uint32_t kPackedLeftOutShift = 15;
+inline constexpr uint32_t kPackedFull = 1u << 17;
+inline constexpr uint32_t kPackedStep = 1u << 18;  // the value of the earlier row holds until the next one
 
 // Keys of a clip are rows over one time axis, the union of the key times of its tracks; consecutive rotations of a
 // track lie in the same hemisphere. Between rows: slerp for rotations, lerp for translations and scales. Two keys half a turn
@@ -44,13 +68,17 @@ struct Clip {
     float duration_s = 0;
     uint32_t first_time = 0;    // of its times in Character::times_s
     uint32_t row_count = 0;     // at least 1
-    uint32_t column_count = 0;  // animated tracks
+    uint32_t row_stride = 0;    // from one row of keys to the next: float4s (animated tracks), in a packed character words
+    uint32_t first_row = 0;     // word in which a packed clip's rows begin; exact: 0
 
     uint32_t channel_count = 0;      // of the file: translation, rotation, scale
     uint64_t source_key_count = 0;   // keys of these channels
+    uint32_t animated_track_count = 0;  // that are not constant
     uint32_t refined_row_count = 0;  // rows added so that cubic tracks stay within 1e-6 of the character's size
     uint32_t dropped_row_count = 0;  // rows of the union left out, because the others reproduce them within that bound
     uint64_t size_bytes = 0;         // keys, times and track table
+    uint64_t raw_size_bytes = 0;     // of 10 floats (rotation, translation, scale) a joint at every row of exact keys
+    double error = 0;                // packed: largest displacement of a skinned point against exact keys, as a part of the character's size
 };
 
 // One skin matrix of a character: model_from_joint(joint) * joint_from_bind.
@@ -99,7 +127,9 @@ struct Character {
     Rig rig;
     std::vector<Clip> clips;
     std::vector<float> times_s;                  // of all clips, each clip's ascending
-    std::vector<std::array<float, 4>> keys;      // rest pose (3 * joint_count), then each clip's constants and rows
+    bool packed = false;                         // clips are compressed; the rest pose too is then read as PackedTracks
+    std::vector<std::array<float, 4>> keys;      // exact: rest pose (3 * joint_count), then each clip's constants and rows; packed: PackedTracks
+    std::vector<uint32_t> words;                 // packed: rows of bits, and 3 words behind the last
     std::vector<JointTracks> tracks;             // [clip_count + 1][joint_count]; the last row is the rest pose
     std::vector<Skin> skins;
     std::vector<PaletteEntry> palette;
@@ -118,10 +148,18 @@ struct Character {
     uint32_t find_clip(std::string_view clip_name) const;
 };
 
-// Limits: 65,535 joints; 65,536 palette entries; 256 MiB of keys. Errors: kUnsupported (nothing to animate), kLimit.
-Result<Character> compile_character(const Asset& asset);
+struct CompileSettings {
+    // How far a skinned point may be displaced by compressing the clips, as a part of the character's size: 1e-6 to
+    // 0.1; 0 keeps exact float keys.
+    double error = 1e-4;
+};
+inline constexpr CompileSettings kExact{.error = 0};
+
+// Limits: 65,535 joints; 65,536 palette entries; 256 MiB of keys. Errors: kInvalidArgument (the error bound), kUnsupported
+// (nothing to animate), kLimit.
+Result<Character> compile_character(const Asset& asset, const CompileSettings& settings = {});
 
 // load_asset() and compile_character() in one.
-Result<Character> load_character(const std::filesystem::path& path);
+Result<Character> load_character(const std::filesystem::path& path, const CompileSettings& settings = {});
 
 }  // namespace throng

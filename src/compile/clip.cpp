@@ -11,6 +11,7 @@ namespace {
 
 constexpr uint64_t kKeyLimit_bytes = uint64_t{256} << 20;
 constexpr uint64_t kKey_bytes = 16;
+constexpr uint64_t kRawPose_bytes = 10 * sizeof(float);  // rotation, translation, scale
 constexpr double kRelativeBound = 1e-6;  // of the character's size; a rotation by as many radians moves no point further
 
 constexpr size_t kRefinedKeyLimit = 4'000'000;  // of cubic tracks: seconds of work, tens of MiB
@@ -48,6 +49,7 @@ public:
         write_rows();
         clip_.size_bytes = (character_.keys.size() - keys_before) * kKey_bytes + times_s_.size() * sizeof(float) +
                            map_.rig.joint_count() * sizeof(JointTracks);
+        clip_.raw_size_bytes = uint64_t{clip_.row_count} * map_.rig.joint_count() * kRawPose_bytes;
         character_.clips.push_back(clip_);
     }
 
@@ -72,7 +74,7 @@ private:
                 columns_.push_back({source, &word});
             }
         }
-        clip_.column_count = static_cast<uint32_t>(columns_.size());
+        clip_.row_stride = clip_.animated_track_count = static_cast<uint32_t>(columns_.size());
     }
 
     void unite_times() {

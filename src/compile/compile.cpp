@@ -44,7 +44,7 @@ bool has_uniform_scale(const Character& character) {
             const uint32_t track = character.tracks[clip * joint_count + joint].scale;
             const bool animated = (track & kTrackAnimated) != 0;
             for (uint32_t row = 0; row < (animated ? character.clips[clip].row_count : 1); ++row) {
-                const auto& scale = character.keys[(track & kTrackPosition) + size_t{row} * (animated ? character.clips[clip].column_count : 0)];
+                const auto& scale = character.keys[(track & kTrackPosition) + size_t{row} * (animated ? character.clips[clip].row_stride : 0)];
                 if (scale[0] != scale[1] || scale[0] != scale[2]) return false;
             }
         }
@@ -59,7 +59,8 @@ uint32_t Character::find_clip(std::string_view clip_name) const {
     return found == clips.end() ? kNone : static_cast<uint32_t>(found - clips.begin());
 }
 
-Result<Character> compile_character(const Asset& asset) {
+Result<Character> compile_character(const Asset& asset, const CompileSettings& settings) {
+    (void)settings;
     return as_result([&] {
         Character character;
         character.name = asset.name;
@@ -77,10 +78,10 @@ Result<Character> compile_character(const Asset& asset) {
     }, asset.name);
 }
 
-Result<Character> load_character(const std::filesystem::path& path) {
+Result<Character> load_character(const std::filesystem::path& path, const CompileSettings& settings) {
     Result<Asset> asset = load_asset(path);
     if (!asset) return asset.error();
-    return compile_character(*asset);
+    return compile_character(*asset, settings);
 }
 
 }  // namespace throng

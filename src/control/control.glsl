@@ -22,5 +22,5 @@ SlotCursor find_rows(ClipAxis axis, float time_s) {
     const uint later = min(low + 1, axis.row_count - 1);
     const float from_s = times[axis.first_time + low], to_s = times[axis.first_time + later];
     const float fraction = later > low ? clamp((time_s - from_s) / (to_s - from_s), 0, 1) : 0;
-    return SlotCursor(0, low * axis.column_count, later * axis.column_count, fraction);
+    return SlotCursor(0, axis.first_row + low * axis.row_stride, axis.first_row + later * axis.row_stride, fraction);
 }

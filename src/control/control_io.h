@@ -23,14 +23,15 @@ struct InstancePlayback {
 struct ClipAxis {
     uint first_time;    // index into times
     uint row_count;     // >= 1
-    uint column_count;  // float4s from one row of keys to the next
+    uint row_stride;    // from one row of keys to the next
+    uint first_row;     // where the rows begin: not 0 only for packed keys
     float duration_s;
 };
 
 // Where the sample stage finds the keys of one clip for this frame: value = mix(row at `earlier`, row at `later`, fraction).
 struct SlotCursor {
     uint first_track;  // index into tracks: clip * joint_count
-    uint earlier, later;  // row * column_count
+    uint earlier, later;  // first_row + row * row_stride
     float fraction;    // 0..1
 };
 

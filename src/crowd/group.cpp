@@ -14,8 +14,8 @@ static_assert(sizeof(io::VertexRows) == sizeof(Vertex));
 // One axis per clip, and the rest pose's: a single row at time 0.
 std::vector<io::ClipAxis> clip_axes(const Character& character) {
     std::vector<io::ClipAxis> axes;
-    for (const Clip& clip : character.clips) axes.push_back({clip.first_time, clip.row_count, clip.column_count, clip.duration_s});
-    axes.push_back({.first_time = 0, .row_count = 1, .column_count = 0, .duration_s = 0});
+    for (const Clip& clip : character.clips) axes.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});
+    axes.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0});
     return axes;
 }
 

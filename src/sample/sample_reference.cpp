@@ -11,11 +11,11 @@ struct KeyPair {
     Key earlier, later;
 };
 
-KeyPair fetch(const Character& character, uint32_t track, uint32_t column_count, const RowCursor& rows) {
+KeyPair fetch(const Character& character, uint32_t track, uint32_t row_stride, const RowCursor& rows) {
     const uint32_t position = track & kTrackPosition;
     if (!(track & kTrackAnimated)) return {character.keys[position], character.keys[position]};
-    const Key& earlier = character.keys[position + rows.earlier * column_count];
-    return {earlier, track & kTrackStep ? earlier : character.keys[position + rows.later * column_count]};
+    const Key& earlier = character.keys[position + rows.earlier * row_stride];
+    return {earlier, track & kTrackStep ? earlier : character.keys[position + rows.later * row_stride]};
 }
 
 Quaternion<double> quaternion(const Key& key) { return normalized(Quaternion<double>{key[0], key[1], key[2], key[3]}); }
@@ -44,19 +44,19 @@ Quaternion<double> slerp_reference(Quaternion<double> a, Quaternion<double> b, d
 std::vector<Trs<double>> sample_reference(const Character& character, uint32_t clip, double local_time_s) {
     const uint32_t joint_count = character.rig.joint_count();
     RowCursor rows;
-    uint32_t column_count = 0;
+    uint32_t row_stride = 0;
     if (clip < character.clips.size()) {
         const Clip& c = character.clips[clip];
         rows = find_rows_reference(std::span(character.times_s).subspan(c.first_time, c.row_count), local_time_s);
-        column_count = c.column_count;
+        row_stride = c.row_stride;
     }
     std::vector<Trs<double>> pose(joint_count);
     for (uint32_t joint = 0; joint < joint_count; ++joint) {
         const JointTracks& tracks = character.tracks[size_t{clip} * joint_count + joint];
-        const KeyPair rotation = fetch(character, tracks.rotation, column_count, rows);
+        const KeyPair rotation = fetch(character, tracks.rotation, row_stride, rows);
         pose[joint].rotation = slerp_reference(quaternion(rotation.earlier), quaternion(rotation.later), rows.fraction);
-        pose[joint].translation = lerp_keys(fetch(character, tracks.translation, column_count, rows), rows.fraction);
-        pose[joint].scale = lerp_keys(fetch(character, tracks.scale, column_count, rows), rows.fraction);
+        pose[joint].translation = lerp_keys(fetch(character, tracks.translation, row_stride, rows), rows.fraction);
+        pose[joint].scale = lerp_keys(fetch(character, tracks.scale, row_stride, rows), rows.fraction);
     }
     return pose;
 }
