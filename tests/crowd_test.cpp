@@ -111,8 +111,9 @@ struct MixedCrowd {
     }
 };
 
-void expect_reference(const MixedCrowd& mixed, const ScanMethod& method) {
+void expect_reference(const MixedCrowd& mixed, const ScanMethod& method, UpdatePath path) {
     CrowdSettings settings = mixed.settings;
+    settings.path = path;
     settings.scan = method.name;
     Crowd crowd = create(settings);
     ASSERT_EQ(crowd.instance_count(), mixed.playbacks.size());

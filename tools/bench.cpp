@@ -17,6 +17,7 @@ struct BenchOptions {
     std::vector<std::string> files;
     CreatureSettings creature;
     std::string scan = "all", device;
+    UpdatePath path = UpdatePath::kAuto;
     uint32_t count = 10'000, samples = 15;
     uint64_t seed = 1;
     bool json = false;
@@ -55,7 +56,7 @@ double largest_error(Crowd& crowd, const Scatter& field) {
 nlohmann::json run_case(const Device& device, const std::vector<Character>& characters, const Scatter& field, const std::string& scan, const BenchOptions& options) {
     constexpr double kBound = 1e-4;  // far above float rounding at 120 levels, far below any mistake
     print_progress(scan + ": checking");
-    Result<Crowd> created = Crowd::create(device, {.groups = field.groups, .scan = scan});
+    Result<Crowd> created = Crowd::create(device, {.groups = field.groups, .path = options.path, .scan = scan});
     if (!created && created.error().code == ErrorCode::kUnsupported && options.scan == "all") return {{"bench", "update"}, {"scan", scan}, {"obstacle", created.error().message}};
     Crowd crowd = unwrap(std::move(created));
     unwrap(crowd.set_playback(0, field.playback));
@@ -143,6 +144,7 @@ void add_bench(CLI::App& app) {
     command.add_option("--seed", options->seed, "of clips, times and blends")->capture_default_str();
     command.add_option("--count", options->count, "characters in all")->check(CLI::Range(1u, 10'000'000u))->capture_default_str();
     command.add_option("--samples", options->samples, "updates timed")->check(CLI::Range(1u, 100'000u))->capture_default_str();
+    add_path_option(command, options->path);
     command.add_option("--scan", options->scan, "method of the Hierarchy-Scan, or all of them")->check(scan_name({"all", "auto"}))->capture_default_str();
     add_device_option(command, options->device);
     command.add_flag("--json", options->json, "a JSON record a line; its commit is taken from THRONG_COMMIT");

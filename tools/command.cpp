@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <unistd.h>
 
 namespace throng::tools {
@@ -37,6 +38,13 @@ CLI::Validator scan_name(const std::vector<std::string>& others) {
             return known ? std::string() : "'" + text + "' is no scan method; the methods are: " + list;
         },
         "METHOD[:LANES]:{" + list + "}");
+}
+
+void add_path_option(CLI::App& app, UpdatePath& path) {
+    static const std::map<std::string, UpdatePath> names{{"auto", UpdatePath::kAuto}, {"fused", UpdatePath::kFused}, {"staged", UpdatePath::kStaged}};
+    app.add_option("--path", path, "fused: sample, blend, scan and bind in one pass; staged: one after another; auto: fused where it applies")
+        ->transform(CLI::CheckedTransformer(names))
+        ->default_str("auto");
 }
 
 void add_scan_option(CLI::App& app, std::string& scan) {

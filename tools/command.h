@@ -29,11 +29,12 @@ T unwrap(Result<T> result) {
 }
 
 // The stages in their order, for everything that is printed about them.
-inline constexpr std::array<std::pair<const char*, double StageTimes::*>, 5> kStages{{{"control", &StageTimes::control},
+inline constexpr std::array<std::pair<const char*, double StageTimes::*>, 6> kStages{{{"control", &StageTimes::control},
                                                                                       {"sample", &StageTimes::sample},
                                                                                       {"blend", &StageTimes::blend},
                                                                                       {"scan", &StageTimes::scan},
-                                                                                      {"bind", &StageTimes::bind}}};
+                                                                                      {"bind", &StageTimes::bind},
+                                                                                      {"fused", &StageTimes::fused}}};
 
 // The whole text as a number.
 std::optional<uint32_t> parse_number(std::string_view text);
@@ -50,6 +51,9 @@ CLI::Validator scan_name(const std::vector<std::string>& others);
 
 // --scan
 void add_scan_option(CLI::App& app, std::string& scan);
+
+// --path
+void add_path_option(CLI::App& app, UpdatePath& path);
 
 std::vector<Character> load_characters(const std::vector<std::string>& files);
 

@@ -59,8 +59,8 @@ BaselineCrowd::BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline,
     }
     axes_ = upload(gpu_, "clip axes", axes);
     times_ = upload(gpu_, "key times", baked.times_s);
-    tracks_ = upload(gpu_, "tracks", baked.tracks);
-    keys_ = upload(gpu_, baked.name + ": keys", baked.keys);
+    tracks_ = upload_table(gpu_, "tracks", baked.tracks);
+    keys_ = upload_table(gpu_, baked.name + ": keys", baked.keys);
     palette_joints_ = upload(gpu_, "palette joints", joints);
     joint_from_bind_ = upload(gpu_, "inverse binds", binds);
 

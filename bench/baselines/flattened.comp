@@ -9,20 +9,21 @@
 //   differently in two clips comes apart and shrinks between them.   Measured: bench/README.md#baselines
 #include "baselines_io.h"
 #include "gpu/stored.glsl"
+#include "gpu/table.glsl"
 #include "blend/blend.glsl"
 
 layout(local_size_x = kBaselineWorkgroupSize) in;
 layout(set = 0, binding = 0, std430) readonly buffer Cursors { InstanceCursor cursors[]; };
-layout(set = 0, binding = 1, std430) readonly buffer Tracks { uvec4 tracks[]; };
-layout(set = 0, binding = 2, std430) readonly buffer Keys { vec4 keys[]; };
+TABLE_OF_ROWS(1, Tracks, tracks);
+TABLE_OF_ROWS(2, Keys, keys);
 layout(set = 0, binding = 3, std430) readonly buffer PaletteJoints { uint palette_joints[]; };
 layout(set = 0, binding = 4, std430) readonly buffer JointFromBind { StoredAffine joint_from_bind[]; };
 layout(set = 0, binding = 5, std430) writeonly buffer Skin { StoredAffine skin[]; };
 layout(push_constant) uniform Push { BaselinePush push; };
 
-#include "sample/sample.glsl"
+#include "sample/exact.glsl"
 
-JointPose sample_clip(SlotCursor slot, uint joint) { return sample_joint(tracks[slot.first_track + joint], slot); }
+JointPose sample_clip(SlotCursor slot, uint joint) { return sample_exact(ROW_AT(tracks, slot.first_track + joint), slot); }
 
 void main() {
     const uint instance = gl_WorkGroupID.x;

@@ -52,15 +52,34 @@ struct CrowdGroup {
     uint32_t instance_count = 0;
 };
 
+// How an update goes from clips to skin matrices. kStaged: sample, blend, scan and bind one after another, each through memory; any
+// character. kFused: all four in one kernel, intermediates in registers and shared memory, several times as fast; not for
+// characters too large for that. kAuto: fused where it applies, staged else.
+enum class UpdatePath { kAuto, kFused, kStaged };
+
+// Of skin matrices in OutputBlock::skin_buffer.
+enum class SkinFormat {
+    kAffine,      // 48 bytes: three rows of four floats
+    kHalfAffine,  // 24 bytes: three rows of four half floats; each within 2^-11 of its value, infinite beyond 65,504
+    kSimilarity,  // 32 bytes: rotation (unit quaternion x, y, z, w), then translation and uniform scale; within 1e-5 of the character's size. For
+                  // characters whose scales and inverse binds are uniform
+};
+// Bytes of one matrix.
+uint32_t skin_format_bytes(SkinFormat format);
+
 struct CrowdSettings {
     std::vector<CrowdGroup> groups;
+    UpdatePath path = UpdatePath::kAuto;
+    SkinFormat skin_format = SkinFormat::kAffine;
     std::string scan = "auto";         // "auto", a name of scan_methods(), or a name with its invocations a character: "subgroup:8"
     bool keep_model_matrices = false;  // else they live only within a frame, and read_model_matrices() is an error
+    bool keep_previous_matrices = false;  // skin matrices of the update before the last, for motion vectors; doubles their memory
     bool timestamps = true;            // measure the stages; costs two queries a stage
 };
 
-// Skin matrices of consecutive instances of one group, in one buffer: Affine[instance_count][palette_count], three float4
-// rows each, model space: skinned position = matrix * bind position. `model_buffer` likewise holds model_from_joint,
+// Skin matrices of consecutive instances of one group, in one buffer: [instance_count][palette_count] in CrowdSettings::skin_format,
+// model space: skinned position = matrix * bind position. `previous_skin_buffer` likewise holds those of the update before, where
+// CrowdSettings::keep_previous_matrices is set; the two change places with every record(). `model_buffer` holds model_from_joint,
 // Affine[instance_count][joint_count], where CrowdSettings::keep_model_matrices is set. `placement_buffer` holds
 // world_from_model, Affine[instance_count]. A block's buffers fit the device's storage-buffer range; offsets are 0.
 // Valid once the recorded commands have run, until the next record() runs; written by compute shaders, and made visible by
@@ -72,14 +91,16 @@ struct OutputBlock {
     uint32_t palette_count = 0;
     uint32_t joint_count = 0;
     VkBuffer skin_buffer = VK_NULL_HANDLE;
+    VkBuffer previous_skin_buffer = VK_NULL_HANDLE;
     VkBuffer model_buffer = VK_NULL_HANDLE;
     VkBuffer placement_buffer = VK_NULL_HANDLE;
 };
 
-// GPU time of each stage in the last finished update, summed over its dispatches, milliseconds.
+// GPU time of each stage in the last finished update, summed over its dispatches, milliseconds. `fused` is sample, blend, scan and
+// bind of the groups that are updated in one pass.
 struct StageTimes {
-    double control = 0, sample = 0, blend = 0, scan = 0, bind = 0;
-    double total() const { return control + sample + blend + scan + bind; }
+    double control = 0, sample = 0, blend = 0, scan = 0, bind = 0, fused = 0;
+    double total() const { return control + sample + blend + scan + bind + fused; }
 };
 
 struct CrowdState;  // internal
@@ -87,8 +108,8 @@ struct CrowdState;  // internal
 // Not thread-safe: one thread at a time per crowd. Different crowds are independent but for their device's queue.
 class Crowd {
 public:
-    // Errors: kInvalidArgument (unknown scan, no instances), kUnsupported (the scan
-    // method does not apply to a rig), kLimit (names what exceeds which limit of the device), kOutOfMemory.
+    // Errors: kInvalidArgument (unknown scan, no instances), kUnsupported (the scan method,
+    // the fused path or the skin format does not apply to a character), kLimit (names what exceeds which limit of the device), kOutOfMemory.
     static Result<Crowd> create(const Device& device, const CrowdSettings& settings);
     Crowd(Crowd&&) noexcept;
     Crowd& operator=(Crowd&&) noexcept;
@@ -97,6 +118,9 @@ public:
     uint32_t instance_count() const;
     // The method in use for a group, also where "auto" chose it, and why.
     ScanAdvice scan(uint32_t group) const;
+    // Whether a group is updated in one pass, and why or why not.
+    bool is_fused(uint32_t group) const;
+    std::string path_reason(uint32_t group) const;
 
     // Change what instances play, or where they stand (world_from_model); taken up by the next record(). New instances play the
     // rest pose and stand at the origin. Only changed instances are uploaded: 36 bytes each for a playback, 48 for a placement.
@@ -105,7 +129,7 @@ public:
     Result<void> set_placement(uint32_t first_instance, std::span<const Affine> world_from_model);
 
     // Records one update into the caller's command buffer (recording, outside a render pass, of the adopted queue's family):
-    // advances every instance by `time_step_s` times its speed, then control, sample, blend, scan, bind. A playback set since
+    // advances every instance by `time_step_s` times its speed, then control, and sample, blend, scan, bind or all four in one. A playback set since
     // the last record() starts at its time plus this step. The recorded commands must have finished before the crowd
     // is destroyed, and may be submitted once.
     Result<void> record(VkCommandBuffer commands, float time_step_s);

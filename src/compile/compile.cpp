@@ -4,6 +4,7 @@
 #include "bind/bind_reference.h"
 #include "compile/clip.h"
 #include "compile/mesh.h"
+#include "compile/pack.h"
 #include "compile/rig.h"
 #include "scan/scan_reference.h"
 #include "skin/skin_reference.h"
@@ -60,8 +61,8 @@ uint32_t Character::find_clip(std::string_view clip_name) const {
 }
 
 Result<Character> compile_character(const Asset& asset, const CompileSettings& settings) {
-    (void)settings;
     return as_result([&] {
+        check_error_bound(settings.error, asset.name);
         Character character;
         character.name = asset.name;
         character.warnings = asset.warnings;
@@ -71,6 +72,7 @@ Result<Character> compile_character(const Asset& asset, const CompileSettings& s
         measure(character);
         compile_clips(asset, map, character);
         character.rig.uniform_scale = has_uniform_scale(character);
+        if (settings.error > 0) pack_clips(character, settings.error);
         for (const AssetMesh& mesh : asset.meshes)
             for (const AssetPrimitive& primitive : mesh.primitives)
                 character.morph_target_count = std::max(character.morph_target_count, primitive.morph_target_count);

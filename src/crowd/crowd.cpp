@@ -2,6 +2,7 @@
 
 #include "base/failure.h"
 #include "crowd/crowd_state.h"
+#include "scan/scan_planner.h"
 
 namespace throng {
 
@@ -34,7 +35,17 @@ uint32_t Crowd::instance_count() const { return state_->instance_count; }
 ScanAdvice Crowd::scan(uint32_t group) const {
     assert(group < state_->groups.size());
     const Group& of = state_->groups[group];
-    return {name_of(of.scan.choice()), of.scan_reason};
+    return {name_of(of.scan_choice), of.scan_reason};
+}
+
+bool Crowd::is_fused(uint32_t group) const {
+    assert(group < state_->groups.size());
+    return state_->groups[group].fused.has_value();
+}
+
+std::string Crowd::path_reason(uint32_t group) const {
+    assert(group < state_->groups.size());
+    return state_->groups[group].path_reason;
 }
 
 Result<void> Crowd::set_playback(uint32_t first_instance, std::span<const Playback> playback) {

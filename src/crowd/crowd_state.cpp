@@ -1,14 +1,10 @@
 #include "crowd/crowd_state.h"
 
 #include "base/failure.h"
-#include "bind/bind.h"
-#include "blend/blend.h"
 #include "control/control.h"
 #include "control/control_reference.h"
 #include "control/playback.h"
 #include "gpu/barrier.h"
-#include "sample/sample.h"
-#include "scan/scan_planner.h"
 #include "skin/skin.h"
 
 #include <algorithm>
@@ -18,21 +14,13 @@ namespace throng {
 namespace {
 
 constexpr uint64_t kMatrix_bytes = sizeof(Affine);
-static_assert(sizeof(io::JointPose) == kMatrix_bytes);
 
-// Beyond this an arena saves no dispatches that would matter, and only costs memory.
-constexpr uint64_t kArenaBuffer_bytes = uint64_t{256} << 20;
-
-uint64_t arena_limit_bytes(const Gpu& gpu) {
-    return std::min({kArenaBuffer_bytes, uint64_t{gpu.properties.limits.maxStorageBufferRange}, gpu.max_allocation_bytes});
-}
-
-uint64_t align_up(uint64_t value, uint64_t alignment) { return (value + alignment - 1) / alignment * alignment; }
+bool blends(const io::InstancePlayback& playback) { return playback.weight > 0 && playback.weight < 1; }
 
 }  // namespace
 
 CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& settings)
-    : gpu(std::move(gpu_in)), control_(control_kernel(gpu)), sample_(sample_kernel(gpu)), bind_(bind_kernel(gpu)) {
+    : gpu(std::move(gpu_in)), control_(control_kernel(gpu)) {
     uint64_t total = 0;
     for (const CrowdGroup& group : settings.groups) {
         if (!group.character) throw Failure(ErrorCode::kInvalidArgument, "crowd", "a group has no character");
@@ -44,31 +32,23 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     check_memory(settings);
 
     groups.reserve(settings.groups.size());
-    const ScanLimits limits = scan_limits(*gpu);
-    const ScanCosts costs = scan_costs(*gpu);
     for (const CrowdGroup& group : settings.groups) {
-        const Rig& rig = group.character->rig;
-        groups.emplace_back(gpu, *group.character, choose_scan(settings.scan, ScanRig(rig.parents, rig.uniform_scale), group.instance_count, limits, costs));
-        blend_of(groups.back());
+        groups.emplace_back(gpu, *group.character, choose_path(*gpu, settings, group));
         make_batches(static_cast<uint32_t>(groups.size() - 1), group.instance_count, settings.keep_model_matrices);
         const auto rest = static_cast<uint32_t>(group.character->clips.size());
         const io::SlotPlayback rest_slot{.clip = rest, .loop = 0, .time_s = 0, .speed = 0};
         playbacks_.insert(playbacks_.end(), group.instance_count, {rest_slot, rest_slot, 1});
     }
-    make_waves();
-    bind_batches();
+    for (Batch& batch : batches) {
+        const Group& group = groups[batch.group];
+        batch.control = control_.bind(ControlBuffers{batch.playbacks, group.axes, group.times, batch.cursors});
+    }
+    fused.emplace(gpu, groups, batches, settings.keep_model_matrices);
+    staged.emplace(gpu, groups, batches);
     placements.resize(instance_count);
     dirty_playbacks_.add(0, instance_count);
     dirty_placements_.add(0, instance_count);
-    if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, static_cast<uint32_t>(waves.size()));
-}
-
-// Made when the first group needs it: not all crowds need both.
-const Kernel& CrowdState::blend_of(const Group& group) {
-    const bool similarity = group.scan.choice().method->format == ScanFormat::kSimilarity;
-    std::optional<Kernel>& kernel = similarity ? blend_similarities_ : blend_affines_;
-    if (!kernel) kernel = blend_kernel(gpu, similarity ? BlendOutput::kSimilarity : BlendOutput::kAffine);
-    return *kernel;
+    if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, 2 + 4 * staged->wave_count());  // control, fused, and four stages a wave
 }
 
 // Refuses at once what cannot fit, before gigabytes are allocated on the way to failing.
@@ -119,41 +99,6 @@ void CrowdState::make_batches(uint32_t group_index, uint32_t count, bool keep_mo
     instance_count += count;
 }
 
-void CrowdState::make_waves() {
-    const uint64_t limit_bytes = arena_limit_bytes(*gpu), alignment = gpu->properties.limits.minStorageBufferOffsetAlignment;
-    uint64_t used_bytes = 0, largest_bytes = 0;
-    for (uint32_t i = 0; i < batches.size(); ++i) {
-        const uint64_t needs_bytes = batches[i].instance_count * uint64_t{groups[batches[i].group].joint_count} * kMatrix_bytes;
-        if (waves.empty() || used_bytes + needs_bytes > limit_bytes) {
-            waves.push_back({.first_batch = i});
-            used_bytes = 0;
-        }
-        ++waves.back().batch_count;
-        arena_offsets_bytes_.push_back(used_bytes);
-        largest_bytes = std::max(largest_bytes, used_bytes + needs_bytes);
-        used_bytes = align_up(used_bytes + needs_bytes, alignment);
-    }
-    const auto storage = [&](const char* what) { return Buffer(gpu, what, largest_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT); };
-    arena_ = {storage("first poses"), storage("second poses"), storage("local matrices"), storage("model matrices")};
-}
-
-void CrowdState::bind_batches() {
-    for (size_t i = 0; i < batches.size(); ++i) {
-        Batch& batch = batches[i];
-        const Group& group = groups[batch.group];
-        const uint64_t size_bytes = batch.instance_count * uint64_t{group.joint_count} * kMatrix_bytes;
-        const auto slice = [&](const Buffer& buffer) { return BufferRange(buffer.handle(), arena_offsets_bytes_[i], size_bytes); };
-        const BufferRange first = slice(arena_.first_poses), second = slice(arena_.second_poses), local = slice(arena_.local);
-        const BufferRange model = batch.kept_model.handle() ? BufferRange(batch.kept_model) : slice(arena_.model);
-        batch.control = control_.bind(ControlBuffers{batch.playbacks, group.axes, group.times, batch.cursors});
-        batch.sample_first = sample_.bind(SampleBuffers{batch.cursors, group.tracks, group.keys, first});
-        batch.sample_second = sample_.bind(SampleBuffers{batch.cursors, group.tracks, group.keys, second});
-        batch.blend = blend_of(group).bind(BlendBuffers{batch.cursors, first, second, local});
-        batch.scan = group.scan.bind({.local = local, .links = group.scan.links(), .model = model, .scratch = second});
-        batch.bind = bind_.bind(BindBuffers{model, group.palette_joints, group.joint_from_bind, batch.skin});
-    }
-}
-
 void CrowdState::check_range(uint32_t first_instance, size_t count, const char* what) const {
     if (first_instance <= instance_count && count <= instance_count - first_instance) return;
     throw Failure(ErrorCode::kInvalidArgument, what, "instances " + std::to_string(first_instance) + " to " + std::to_string(first_instance + count) +
@@ -181,8 +126,16 @@ void CrowdState::set_playback(uint32_t first_instance, std::span<const Playback>
         };
         checked.push_back({slot(playback[i].first), slot(playback[i].second), playback[i].weight});
     }
+    count_blending(first_instance, checked);
     std::copy(checked.begin(), checked.end(), playbacks_.begin() + first_instance);
     dirty_playbacks_.add(first_instance, static_cast<uint32_t>(playback.size()));
+}
+
+void CrowdState::count_blending(uint32_t first_instance, std::span<const io::InstancePlayback> changed) {
+    for (uint32_t i = 0; i < changed.size(); ++i) {
+        const bool before = blends(playbacks_[first_instance + i]), after = blends(changed[i]);
+        if (before != after) batches[static_cast<size_t>(&batch_of(first_instance + i) - batches.data())].blending_count += after ? 1u : ~0u;
+    }
 }
 
 void CrowdState::set_placement(uint32_t first_instance, std::span<const Affine> world_from_model) {
@@ -223,33 +176,17 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s) {
     upload_changes(commands);
     memory_barrier(*gpu, commands, kTransferWrite, kShaderRead | kShaderWrite | kVertexRead);
     if (timer) timer->begin(commands);
-    for (const Wave& wave : waves) record_wave(commands, wave, time_step_s);
+    record_control(commands, time_step_s);
+    fused->record(commands, timer.get());
+    staged->record(commands, timer.get());
     memory_barrier(*gpu, commands, kShaderWrite, kConsumers);
 }
 
-// The pipeline: control, sample, blend, scan, bind.
-void CrowdState::record_wave(VkCommandBuffer commands, const Wave& wave, float time_step_s) {
-    const std::span<const Batch> members = std::span(batches).subspan(wave.first_batch, wave.batch_count);
-    const auto stage = [&](const auto& record_batch) {
-        for (const Batch& batch : members) record_batch(batch, groups[batch.group]);
-        memory_barrier(*gpu, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
-        if (timer) timer->end_stage(commands);
-    };
-    if (timer) timer->begin_wave(commands);
-    stage([&](const Batch& batch, const Group& group) {
-        control_.dispatch_invocations(commands, batch.control, io::ControlPush{batch.instance_count, group.joint_count, time_step_s}, batch.instance_count);
-    });
-    stage([&](const Batch& batch, const Group& group) {
-        sample_.dispatch_workgroups(commands, batch.sample_first, io::SamplePush{group.joint_count, 0}, batch.instance_count);
-        sample_.dispatch_workgroups(commands, batch.sample_second, io::SamplePush{group.joint_count, 1}, batch.instance_count);
-    });
-    stage([&](const Batch& batch, const Group& group) {
-        blend_of(group).dispatch_workgroups(commands, batch.blend, io::BlendPush{group.joint_count}, batch.instance_count);
-    });
-    stage([&](const Batch& batch, const Group& group) { group.scan.record(commands, batch.scan, batch.instance_count); });
-    stage([&](const Batch& batch, const Group& group) {
-        bind_.dispatch_workgroups(commands, batch.bind, io::BindPush{group.joint_count, group.palette_count}, batch.instance_count);
-    });
+void CrowdState::record_control(VkCommandBuffer commands, float time_step_s) {
+    for (const Batch& batch : batches)
+        control_.dispatch_invocations(commands, batch.control, io::ControlPush{batch.instance_count, groups[batch.group].joint_count, time_step_s}, batch.instance_count);
+    memory_barrier(*gpu, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    if (timer) timer->end_stage(commands, &StageTimes::control);
 }
 
 std::vector<Affine> CrowdState::read_matrices(uint32_t instance, bool model) const {
@@ -287,11 +224,10 @@ std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
 }
 
 uint64_t CrowdState::size_bytes() const {
-    uint64_t sum = 0;
+    uint64_t sum = staged->size_bytes();
     for (const Group& group : groups) sum += group.size_bytes();
     for (const Batch& batch : batches)
         for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.placements, &batch.skin, &batch.kept_model}) sum += buffer->size_bytes();
-    for (const Buffer* buffer : {&arena_.first_poses, &arena_.second_poses, &arena_.local, &arena_.model}) sum += buffer->size_bytes();
     return sum;
 }
 

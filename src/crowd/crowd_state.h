@@ -1,13 +1,12 @@
-// The inside of a Crowd: groups, batches, waves.
+// The inside of a Crowd: groups, batches, and the updates that they go through.
 //
-// A group is one character; a batch is a run of its instances whose buffers fit the device's limits; a wave is a run of batches whose
-// intermediate buffers (poses, local and model matrices) fit the arena together. A wave goes through the stages as a whole, so
-// that small groups share a dispatch's latency; then the next wave reuses the arena.
+// A group is one character; a batch is a run of its instances whose buffers fit the device's limits. control advances all batches;
+// then the fused ones go from cursors to skin matrices in one pass, the others stage by stage.
 #pragma once
 
 #include "crowd/dirty_ranges.h"
-#include "crowd/group.h"
-#include "crowd/stage_timer.h"
+#include "crowd/fused_update.h"
+#include "crowd/staged_update.h"
 #include "control/control_io.h"
 
 #include <throng/crowd.h>
@@ -16,23 +15,6 @@
 #include <optional>
 
 namespace throng {
-
-// Intermediates, reused by every wave. 48 bytes a joint each; second_poses serves the scan as scratch once blended.
-struct Arena {
-    Buffer first_poses, second_poses, local, model;
-};
-
-struct Batch {
-    uint32_t group = 0;
-    uint32_t first_instance = 0, instance_count = 0;
-    Buffer playbacks, cursors, placements, skin;
-    Buffer kept_model;  // where CrowdSettings::keep_model_matrices
-    Bindings control, sample_first, sample_second, blend, scan, bind;
-};
-
-struct Wave {
-    uint32_t first_batch = 0, batch_count = 0;
-};
 
 struct CrowdState {
     CrowdState(std::shared_ptr<Gpu> gpu, const CrowdSettings& settings);
@@ -48,27 +30,23 @@ struct CrowdState {
     uint32_t instance_count = 0;
     std::vector<Group> groups;
     std::vector<Batch> batches;
-    std::vector<Wave> waves;
     std::vector<OutputBlock> outputs;
     std::vector<Affine> placements;  // [instance_count], as last set
     std::unique_ptr<StageTimer> timer;
+    std::optional<FusedUpdate> fused;
+    std::optional<StagedUpdate> staged;
 
 private:
     void make_batches(uint32_t group, uint32_t count, bool keep_model);
-    void make_waves();
     void check_memory(const CrowdSettings& settings) const;
-    void bind_batches();
     void upload_changes(VkCommandBuffer commands);
-    void record_wave(VkCommandBuffer commands, const Wave& wave, float time_step_s);
+    void record_control(VkCommandBuffer commands, float time_step_s);
+    void count_blending(uint32_t first_instance, std::span<const io::InstancePlayback> changed);
     void check_range(uint32_t first_instance, size_t count, const char* what) const;
     const Batch& batch_of(uint32_t instance) const;
-    const Kernel& blend_of(const Group& group);
 
-    Kernel control_, sample_, bind_;
-    std::optional<Kernel> blend_affines_, blend_similarities_;  // as the scan methods of the groups take them
+    Kernel control_;
     std::optional<Kernel> skin_;  // made when positions are first read back
-    Arena arena_;
-    std::vector<uint64_t> arena_offsets_bytes_;      // [batch_count]
     std::vector<io::InstancePlayback> playbacks_;    // [instance_count], as last set
     DirtyRanges dirty_playbacks_, dirty_placements_;
 };

@@ -21,7 +21,7 @@ std::vector<io::ClipAxis> clip_axes(const Character& character) {
 
 }  // namespace
 
-Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const ExplainedChoice& explained)
+Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const PathChoice& choice)
     : name(character.name),
       joint_count(character.rig.joint_count()),
       palette_count(static_cast<uint32_t>(character.palette.size())),
@@ -31,8 +31,12 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
       images(character.images),
       bounds_min(character.bounds_min),
       bounds_max(character.bounds_max),
-      scan(gpu, explained.choice, ScanRig(character.rig.parents, character.rig.uniform_scale), scan_limits(*gpu)),
-      scan_reason(explained.reason) {
+      packed(character.packed),
+      scan_choice(choice.scan),
+      scan_reason(choice.scan_reason),
+      path_reason(choice.path_reason) {
+    if (choice.fused) fused.emplace(FusedGroup{*choice.fused, FusedTables(gpu, character, *choice.fused)});
+    else scan.emplace(gpu, scan_choice, ScanRig(character.rig.parents, character.rig.uniform_scale), scan_limits(*gpu));
     std::vector<uint32_t> joints;
     std::vector<Affine> binds;
     for (const PaletteEntry& entry : character.palette) {
@@ -42,8 +46,9 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
     for (const Clip& clip : character.clips) clip_durations_s.push_back(clip.duration_s);
     axes = upload(gpu, name + ": clip axes", clip_axes(character));
     times = upload(gpu, name + ": key times", character.times_s);
-    tracks = upload(gpu, name + ": tracks", character.tracks);
-    keys = upload(gpu, name + ": keys", character.keys);
+    tracks = upload_table(gpu, name + ": tracks", character.tracks);
+    keys = upload_table(gpu, name + ": keys", character.keys);
+    words = upload_table(gpu, name + ": key words", character.words);
     palette_joints = upload(gpu, name + ": palette joints", joints);
     joint_from_bind = upload(gpu, name + ": inverse binds", binds);
     vertices = upload(gpu, name + ": vertices", character.vertices);
@@ -52,8 +57,8 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
 }
 
 uint64_t Group::size_bytes() const {
-    uint64_t sum = scan.links().size_bytes();
-    for (const Buffer* buffer : {&axes, &times, &tracks, &keys, &palette_joints, &joint_from_bind, &vertices, &influences, &indices})
+    uint64_t sum = fused ? fused->tables.size_bytes() : scan->links().size_bytes();
+    for (const Buffer* buffer : {&axes, &times, &tracks, &keys, &words, &palette_joints, &joint_from_bind, &vertices, &influences, &indices})
         sum += buffer->size_bytes();
     return sum;
 }

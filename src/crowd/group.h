@@ -1,15 +1,21 @@
 // One character of a crowd, uploaded: what all of its instances share.
 #pragma once
 
+#include "crowd/path.h"
 #include "gpu/kernel.h"
-#include "scan/scan_planner.h"
 
 #include <throng/character.h>
 
 namespace throng {
 
+// What a group that is updated in one pass has beside its clips.
+struct FusedGroup {
+    FusedPlan plan;
+    FusedTables tables;
+};
+
 struct Group {
-    Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const ExplainedChoice& explained);
+    Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const PathChoice& choice);
 
     std::string name;
     uint32_t joint_count = 0;
@@ -22,12 +28,16 @@ struct Group {
     Vec3<float> bounds_min, bounds_max;
 
     Buffer axes, times;                    // control
-    Buffer tracks, keys;                   // sample
-    ScanStage scan;
-    std::string scan_reason;
+    bool packed = false;
+    Buffer tracks, keys, words;            // sample
+    ScanChoice scan_choice;
+    std::string scan_reason, path_reason;
+    std::optional<ScanStage> scan;         // where staged
+    std::optional<FusedGroup> fused;       // where fused
     Buffer palette_joints, joint_from_bind;  // bind
     Buffer vertices, influences, indices;  // skin, draw
 
+    bool takes_similarities() const { return scan_choice.method->format == ScanFormat::kSimilarity; }
     uint64_t size_bytes() const;
 };
 

@@ -1,33 +1,36 @@
-// GPU times of the stages of one update: a timestamp after each stage of each wave.
+// GPU times of the stages of one update: a timestamp at its beginning and after each stage.
 #pragma once
 
 #include "gpu/gpu.h"
 
 #include <throng/crowd.h>
 
+#include <vector>
+
 namespace throng {
 
 class StageTimer {
 public:
-    StageTimer(std::shared_ptr<Gpu> gpu, uint32_t wave_count);
+    StageTimer(std::shared_ptr<Gpu> gpu, uint32_t most_stages);
     ~StageTimer();
     StageTimer(const StageTimer&) = delete;
     StageTimer& operator=(const StageTimer&) = delete;
 
-    // begin() once an update, begin_wave() before each wave's first stage, end_stage() after each of its five stages.
+    // begin() once an update, then end_stage() after each stage, at most most_stages times; a stage may come several times.
     void begin(VkCommandBuffer commands);
-    void begin_wave(VkCommandBuffer commands) { write(commands); }
-    void end_stage(VkCommandBuffer commands) { write(commands); }
+    void end_stage(VkCommandBuffer commands, double StageTimes::*stage);
 
     // Throws kInvalidArgument where no update has finished.
     StageTimes read() const;
 
 private:
-    void write(VkCommandBuffer commands);
+    void write(VkCommandBuffer commands, uint32_t query);
 
     std::shared_ptr<Gpu> gpu_;
     VkQueryPool pool_ = VK_NULL_HANDLE;
-    uint32_t query_count_ = 0, next_ = 0;
+    uint32_t query_count_ = 0;
+    bool begun_ = false;
+    std::vector<double StageTimes::*> stages_;  // of the last update, in order
 };
 
 }  // namespace throng

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "draw/owned.h"
+#include "gpu/spirv_info.h"
 
 #include <array>
 
@@ -24,6 +25,6 @@ struct DrawPipelines {
     OwnedPipeline character_discards;  // of materials with a mask, and of batches with mirrored instances
 };
 
-inline constexpr std::array<uint32_t, 4> kBatchBindings{0, 1, 2, 3};  // vertices, influences, skin matrices, placements
+inline constexpr std::array<BindingInfo, 4> kBatchBindings{{{0}, {1}, {2}, {3}}};  // vertices, influences, skin matrices, placements
 
 }  // namespace throng

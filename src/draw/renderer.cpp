@@ -178,7 +178,7 @@ RenderResult RendererState::render(const Crowd& crowd, const Camera& camera) {
     for (const Batch& batch : state.batches) {
         const Group& group = state.groups[batch.group];
         const std::array<BufferRange, kBatchBindings.size()> ranges{group.vertices, group.influences, batch.skin, batch.placements};
-        frame.batches.emplace_back(gpu_, pipelines_.batch_set.get(), kBatchBindings, ranges);
+        frame.batches.emplace_back(gpu_, pipelines_.batch_set.get(), group.name, kBatchBindings, ranges);
     }
     gpu_->submit_and_wait([&](VkCommandBuffer commands) { record(commands, frame); });
 

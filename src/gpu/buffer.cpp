@@ -59,6 +59,7 @@ void Buffer::swap(Buffer& other) noexcept {
     std::swap(memory_, other.memory_);
     std::swap(size_bytes_, other.size_bytes_);
     std::swap(mapped_, other.mapped_);
+    std::swap(texel_bytes_, other.texel_bytes_);
 }
 
 Buffer upload_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data, VkBufferUsageFlags usage) {

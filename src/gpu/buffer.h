@@ -34,6 +34,9 @@ public:
     VkBuffer handle() const { return buffer_; }
     VkDeviceSize size_bytes() const { return size_bytes_; }
     std::byte* mapped() const { return mapped_; }
+    // 4 or 16: a kernel may read the buffer as texels of one or four components; 0: only as a storage buffer.
+    uint32_t texel_bytes() const { return texel_bytes_; }
+    void allow_texels(uint32_t texel_bytes) { texel_bytes_ = texel_bytes; }  // its usage has VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT
 
 private:
     void swap(Buffer& other) noexcept;
@@ -44,6 +47,7 @@ private:
     VkDeviceMemory memory_ = VK_NULL_HANDLE;
     VkDeviceSize size_bytes_ = 0;
     std::byte* mapped_ = nullptr;
+    uint32_t texel_bytes_ = 0;
 };
 
 // Part of a buffer, as a descriptor takes it.
@@ -51,9 +55,10 @@ struct BufferRange {
     VkBuffer buffer = VK_NULL_HANDLE;
     VkDeviceSize offset_bytes = 0;
     VkDeviceSize size_bytes = 0;
+    uint32_t texel_bytes = 0;  // as Buffer has it
 
     BufferRange() = default;
-    BufferRange(const Buffer& whole) : buffer(whole.handle()), size_bytes(whole.size_bytes()) {}
+    BufferRange(const Buffer& whole) : buffer(whole.handle()), size_bytes(whole.size_bytes()), texel_bytes(whole.texel_bytes()) {}
     BufferRange(VkBuffer handle, VkDeviceSize offset, VkDeviceSize size) : buffer(handle), offset_bytes(offset), size_bytes(size) {}
 };
 
@@ -64,6 +69,15 @@ template <class T>
 Buffer upload(const std::shared_ptr<Gpu>& gpu, std::string_view what, const std::vector<T>& data,
               VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT) {
     return upload_bytes(gpu, what, std::as_bytes(std::span(data)), usage);
+}
+
+// A table that shaders declare by gpu/table.glsl: words, or rows of four.
+template <class T>
+Buffer upload_table(const std::shared_ptr<Gpu>& gpu, std::string_view what, const std::vector<T>& data) {
+    static_assert(sizeof(T) == 4 || sizeof(T) % 16 == 0);
+    Buffer table = upload(gpu, what, data, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT);
+    table.allow_texels(sizeof(T) == 4 ? 4 : 16);
+    return table;
 }
 
 // Copies a range back. Submits and waits; sees all work submitted to the queue before.

@@ -6,45 +6,85 @@
 
 namespace throng {
 
-Bindings::Bindings(std::shared_ptr<Gpu> gpu, VkDescriptorSetLayout layout, std::span<const uint32_t> bindings, std::span<const BufferRange> ranges)
+namespace {
+
+VkDescriptorType descriptor_type(BindingKind kind) { return kind == BindingKind::kStorage ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER; }
+
+}  // namespace
+
+Bindings::Bindings(std::shared_ptr<Gpu> gpu, VkDescriptorSetLayout layout, std::string_view what, std::span<const BindingInfo> bindings, std::span<const BufferRange> ranges)
     : gpu_(std::move(gpu)) {
-    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, static_cast<uint32_t>(bindings.size())};
+    try {
+        write(layout, what, bindings, ranges);
+    } catch (...) {
+        destroy();
+        throw;
+    }
+}
+
+void Bindings::write(VkDescriptorSetLayout layout, std::string_view what, std::span<const BindingInfo> bindings, std::span<const BufferRange> ranges) {
+    const auto count = static_cast<uint32_t>(bindings.size());
+    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, count}, {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, count}};
     VkDescriptorPoolCreateInfo create{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
     create.maxSets = 1;
-    create.poolSizeCount = 1;
-    create.pPoolSizes = &size;
+    create.poolSizeCount = static_cast<uint32_t>(std::size(sizes));
+    create.pPoolSizes = sizes;
     check(gpu_->vk.vkCreateDescriptorPool(gpu_->device, &create, nullptr, &pool_), "vkCreateDescriptorPool");
     VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
     allocate.descriptorPool = pool_;
     allocate.descriptorSetCount = 1;
     allocate.pSetLayouts = &layout;
-    const VkResult result = gpu_->vk.vkAllocateDescriptorSets(gpu_->device, &allocate, &set_);
-    if (result != VK_SUCCESS) gpu_->vk.vkDestroyDescriptorPool(gpu_->device, pool_, nullptr);  // a destructor does not run here
-    check(result, "vkAllocateDescriptorSets");
+    check(gpu_->vk.vkAllocateDescriptorSets(gpu_->device, &allocate, &set_), "vkAllocateDescriptorSets");
 
     std::vector<VkDescriptorBufferInfo> infos;
     std::vector<VkWriteDescriptorSet> writes;
     infos.reserve(bindings.size());
-    for (const uint32_t binding : bindings) {
-        const BufferRange& range = ranges[binding];
-        infos.push_back({range.buffer, range.offset_bytes, range.size_bytes});
+    views_.reserve(bindings.size());
+    for (const BindingInfo& binding : bindings) {
+        const BufferRange& range = ranges[binding.binding];
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
         write.dstSet = set_;
-        write.dstBinding = binding;
+        write.dstBinding = binding.binding;
         write.descriptorCount = 1;
-        write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-        write.pBufferInfo = &infos.back();
+        write.descriptorType = descriptor_type(binding.kind);
+        if (binding.kind == BindingKind::kStorage) {
+            infos.push_back({range.buffer, range.offset_bytes, range.size_bytes});
+            write.pBufferInfo = &infos.back();
+        } else {
+            views_.push_back(texel_view(what, binding, range));
+            write.pTexelBufferView = &views_.back();
+        }
         writes.push_back(write);
     }
     gpu_->vk.vkUpdateDescriptorSets(gpu_->device, static_cast<uint32_t>(writes.size()), writes.data(), 0, nullptr);
 }
 
-Bindings::~Bindings() {
-    if (gpu_) gpu_->vk.vkDestroyDescriptorPool(gpu_->device, pool_, nullptr);
+VkBufferView Bindings::texel_view(std::string_view what, const BindingInfo& binding, const BufferRange& range) {
+    if (range.texel_bytes == 0) throw Failure(ErrorCode::kInvalidArgument, std::string(what), "binding " + std::to_string(binding.binding) + " is read as texels, and its buffer is no table");
+    const uint64_t texels = range.size_bytes / range.texel_bytes, limit = gpu_->properties.limits.maxTexelBufferElements;
+    if (texels > limit)
+        throw Failure(ErrorCode::kLimit, std::string(what), "a table of " + std::to_string(texels) + " elements exceeds the device's " + std::to_string(limit) + " (maxTexelBufferElements)");
+    const bool is_float = binding.kind == BindingKind::kFloatTexels;
+    VkBufferViewCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
+    create.buffer = range.buffer;
+    create.offset = range.offset_bytes;
+    create.range = range.size_bytes;
+    create.format = range.texel_bytes == 4 ? (is_float ? VK_FORMAT_R32_SFLOAT : VK_FORMAT_R32_UINT) : (is_float ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R32G32B32A32_UINT);
+    VkBufferView view = VK_NULL_HANDLE;
+    check(gpu_->vk.vkCreateBufferView(gpu_->device, &create, nullptr, &view), "vkCreateBufferView");
+    return view;
+}
+
+void Bindings::destroy() noexcept {
+    if (!gpu_) return;
+    for (VkBufferView view : views_) gpu_->vk.vkDestroyBufferView(gpu_->device, view, nullptr);
+    gpu_->vk.vkDestroyDescriptorPool(gpu_->device, pool_, nullptr);
+    gpu_.reset();
 }
 
 void Bindings::swap(Bindings& other) noexcept {
     std::swap(gpu_, other.gpu_);
+    std::swap(views_, other.views_);
     std::swap(pool_, other.pool_);
     std::swap(set_, other.set_);
 }
@@ -64,8 +104,8 @@ Kernel::Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings)
 
 void Kernel::create(const KernelSettings& settings) {
     std::vector<VkDescriptorSetLayoutBinding> bindings;
-    for (uint32_t binding : info_.storage_bindings)
-        bindings.push_back({binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+    for (const BindingInfo& binding : info_.bindings)
+        bindings.push_back({binding.binding, descriptor_type(binding.kind), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
     VkDescriptorSetLayoutCreateInfo set_create{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     set_create.bindingCount = static_cast<uint32_t>(bindings.size());
     set_create.pBindings = bindings.data();
@@ -128,9 +168,9 @@ void Kernel::swap(Kernel& other) noexcept {
 }
 
 Bindings Kernel::bind_ranges(std::span<const BufferRange> ranges) const {
-    if (info_.storage_bindings.empty() || info_.storage_bindings.back() >= ranges.size())
+    if (info_.bindings.empty() || info_.bindings.back().binding >= ranges.size())
         throw Failure(ErrorCode::kInvalidArgument, name_, "the shader's bindings and the " + std::to_string(ranges.size()) + " buffers given do not fit");
-    return Bindings(gpu_, set_layout_, info_.storage_bindings, ranges);
+    return Bindings(gpu_, set_layout_, name_, info_.bindings, ranges);
 }
 
 void Kernel::dispatch(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes, uint32_t workgroup_count) const {

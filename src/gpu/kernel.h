@@ -15,8 +15,9 @@ namespace throng {
 class Bindings {
 public:
     Bindings() = default;
-    Bindings(std::shared_ptr<Gpu> gpu, VkDescriptorSetLayout layout, std::span<const uint32_t> bindings, std::span<const BufferRange> ranges);
-    ~Bindings();
+    // `what` names the kernel in messages.
+    Bindings(std::shared_ptr<Gpu> gpu, VkDescriptorSetLayout layout, std::string_view what, std::span<const BindingInfo> bindings, std::span<const BufferRange> ranges);
+    ~Bindings() { destroy(); }
     Bindings(Bindings&& other) noexcept { swap(other); }
     Bindings& operator=(Bindings&& other) noexcept {
         swap(other);
@@ -25,9 +26,13 @@ public:
     VkDescriptorSet set() const { return set_; }
 
 private:
+    void write(VkDescriptorSetLayout layout, std::string_view what, std::span<const BindingInfo> bindings, std::span<const BufferRange> ranges);
+    VkBufferView texel_view(std::string_view what, const BindingInfo& binding, const BufferRange& range);
+    void destroy() noexcept;
     void swap(Bindings& other) noexcept;
 
     std::shared_ptr<Gpu> gpu_;
+    std::vector<VkBufferView> views_;
     VkDescriptorPool pool_ = VK_NULL_HANDLE;
     VkDescriptorSet set_ = VK_NULL_HANDLE;
 };

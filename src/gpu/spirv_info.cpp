@@ -10,16 +10,17 @@ namespace {
 
 // Numbers from the SPIR-V specification, version 1.6, section 3.
 enum Op : uint32_t {
-    kOpExecutionMode = 16, kOpTypeInt = 21, kOpTypeFloat = 22, kOpTypeVector = 23, kOpTypeStruct = 30, kOpTypePointer = 32,
+    kOpExecutionMode = 16, kOpTypeInt = 21, kOpTypeFloat = 22, kOpTypeVector = 23, kOpTypeImage = 25, kOpTypeSampledImage = 27, kOpTypeStruct = 30, kOpTypePointer = 32,
     kOpConstant = 43, kOpVariable = 59, kOpDecorate = 71, kOpMemberDecorate = 72, kOpExecutionModeId = 331
 };
 constexpr uint32_t kMagic = 0x07230203, kHeaderWords = 5;
 constexpr uint32_t kModeLocalSize = 17, kModeLocalSizeId = 38;
 constexpr uint32_t kDecorationSpecId = 1, kDecorationBinding = 33, kDecorationOffset = 35;
-constexpr uint32_t kStoragePushConstant = 9, kStorageBuffer = 12;
+constexpr uint32_t kStorageUniformConstant = 0, kStoragePushConstant = 9, kStorageBuffer = 12;
 
 struct Id {
     uint32_t binding = 0, spec_id = UINT32_MAX, constant = 0, pointee = 0, size_bytes = 0, last_offset = UINT32_MAX;
+    bool is_float = false;  // a scalar, or what an image gives
 };
 
 }  // namespace
@@ -50,7 +51,12 @@ SpirvInfo read_spirv(std::span<const uint32_t> words) {
                 if (arg[2] == kDecorationOffset) ids[arg[0]].last_offset = arg[3];  // members come in order
                 break;
             case kOpTypeInt:
-            case kOpTypeFloat: ids[arg[0]].size_bytes = arg[1] / 8; break;
+            case kOpTypeFloat:
+                ids[arg[0]].size_bytes = arg[1] / 8;
+                ids[arg[0]].is_float = op == kOpTypeFloat;
+                break;
+            case kOpTypeImage:
+            case kOpTypeSampledImage: ids[arg[0]].is_float = ids[arg[1]].is_float; break;
             case kOpTypeVector: ids[arg[0]].size_bytes = ids[arg[1]].size_bytes * arg[2]; break;
             case kOpTypeStruct:
                 if (arg.size() > 1 && ids[arg[0]].last_offset != UINT32_MAX) ids[arg[0]].size_bytes = ids[arg[0]].last_offset + ids[arg.back()].size_bytes;
@@ -58,7 +64,9 @@ SpirvInfo read_spirv(std::span<const uint32_t> words) {
             case kOpTypePointer: ids[arg[0]].pointee = arg[2]; break;
             case kOpConstant: ids[arg[1]].constant = arg[2]; break;
             case kOpVariable:
-                if (arg[2] == kStorageBuffer) info.storage_bindings.push_back(ids[arg[1]].binding);
+                if (arg[2] == kStorageBuffer) info.bindings.push_back({ids[arg[1]].binding, BindingKind::kStorage});
+                if (arg[2] == kStorageUniformConstant)
+                    info.bindings.push_back({ids[arg[1]].binding, ids[ids[arg[0]].pointee].is_float ? BindingKind::kFloatTexels : BindingKind::kUintTexels});
                 if (arg[2] == kStoragePushConstant) info.push_constant_bytes = ids[ids[arg[0]].pointee].size_bytes;
                 break;
             default: break;
@@ -69,7 +77,7 @@ SpirvInfo read_spirv(std::span<const uint32_t> words) {
         info.local_size_is_specialized = size.spec_id == 0;
         if (size.spec_id == UINT32_MAX) info.local_size_x = size.constant;
     }
-    std::sort(info.storage_bindings.begin(), info.storage_bindings.end());
+    std::sort(info.bindings.begin(), info.bindings.end(), [](const BindingInfo& a, const BindingInfo& b) { return a.binding < b.binding; });
     return info;
 }
 

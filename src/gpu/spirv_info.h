@@ -7,8 +7,15 @@
 
 namespace throng {
 
+enum class BindingKind { kStorage, kUintTexels, kFloatTexels };  // storage buffer; uniform texel buffers of usamplerBuffer and samplerBuffer
+
+struct BindingInfo {
+    uint32_t binding = 0;
+    BindingKind kind = BindingKind::kStorage;
+};
+
 struct SpirvInfo {
-    std::vector<uint32_t> storage_bindings;  // of set 0, ascending
+    std::vector<BindingInfo> bindings;       // of set 0, ascending
     uint32_t push_constant_bytes = 0;
     uint32_t local_size_x = 1;               // where it is not a specialization constant
     bool local_size_is_specialized = false;  // by constant_id 0

@@ -1,13 +1,17 @@
 #version 460
 // sample: the pose of every joint of one of the two clips of each instance. Skips instances whose clip has no weight.
-// One workgroup per instance, joints in strides. Reads 16 bytes of table and up to 6 keys of 16 bytes a joint, writes 48 bytes.
+// One workgroup per instance, joints in strides. Reads 16 bytes of table and up to 6 keys of 16 bytes a joint, packed ones fewer;
+// writes 48 bytes.
+#include "gpu/table.glsl"
 #include "sample/sample_io.h"
 
 layout(local_size_x = kSampleWorkgroupSize) in;
 layout(set = 0, binding = 0, std430) readonly buffer Cursors { InstanceCursor cursors[]; };
-layout(set = 0, binding = 1, std430) readonly buffer Tracks { uvec4 tracks[]; };
-layout(set = 0, binding = 2, std430) readonly buffer Keys { vec4 keys[]; };
-layout(set = 0, binding = 3, std430) writeonly buffer Poses { JointPose poses[]; };
+TABLE_OF_ROWS(1, Tracks, tracks);
+TABLE_OF_ROWS(2, Keys, keys);
+TABLE_OF_WORDS(3, Words, words);
+layout(set = 0, binding = 4, std430) writeonly buffer Poses { JointPose poses[]; };
+layout(constant_id = 1) const bool kPacked = false;
 layout(push_constant) uniform Push { SamplePush push; };
 
 #include "sample/sample.glsl"
@@ -19,5 +23,5 @@ void main() {
     if ((is_first ? cursor.weight : 1 - cursor.weight) <= 0) return;
     const SlotCursor slot = is_first ? cursor.first : cursor.second;
     for (uint joint = gl_LocalInvocationID.x; joint < push.joint_count; joint += kSampleWorkgroupSize)
-        poses[instance * push.joint_count + joint] = sample_joint(tracks[slot.first_track + joint], slot);
+        poses[instance * push.joint_count + joint] = sample_joint(ROW_AT(tracks, slot.first_track + joint), slot);
 }

@@ -10,6 +10,11 @@ THRONG_IO_CONSTANT kSampleWorkgroupSize = 64;
 THRONG_IO_CONSTANT kTrackAnimatedBit = 0x80000000u;
 THRONG_IO_CONSTANT kTrackStepBit = 0x40000000u;
 THRONG_IO_CONSTANT kTrackPositionMask = 0x3FFFFFFFu;
+THRONG_IO_CONSTANT kPackedBitsMask = 0x7FFFu;
+THRONG_IO_CONSTANT kPackedLeftOutShift = 15;
+THRONG_IO_CONSTANT kPackedFull = 1u << 17;
+THRONG_IO_CONSTANT kPackedStep = 1u << 18;
+THRONG_IO_CONSTANT kPackedFullBits = 16;
 
 // parent_from_joint before it becomes a matrix; w of translation and scale is unused.
 struct JointPose {
@@ -24,4 +29,7 @@ struct SamplePush {
 };
 
 THRONG_IO_END
+#ifndef __cplusplus
+const float kPackedFullStep = 2.0 / 65535.0;
+#endif
 #endif

@@ -16,7 +16,7 @@
 #include "scan/doubling.glsl"
 
 // The first ancestor outside the block: the row of links[] after those of the rounds.
-uint outside(uint joint) { return links[kRounds * push.joint_count + joint]; }
+uint outside(uint joint) { return link(kRounds * push.joint_count + joint); }
 
 void scan() {
     const uint instance = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x, lanes = gl_WorkGroupSize.x;

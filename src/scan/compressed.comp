@@ -20,7 +20,7 @@ const uint kParent = 0, kEighth = 1, kOutside = 2, kWords = 3;
 shared StoredAffine shared_strides[kSharedJoints];
 shared StoredAffine shared_blocks[kSharedJoints];
 
-uint link(uint joint, uint word) { return links[joint * kWords + word]; }
+uint link(uint joint, uint word) { return link(joint * kWords + word); }
 
 Affine load_stride(uint instance, uint joint) {
     if (kInShared) return unpack(shared_strides[joint]);

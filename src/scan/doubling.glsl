@@ -21,7 +21,7 @@ void store_product(uint instance, uint joint, bool last_slot, Affine product) {
     else DOUBLING_OTHER_SLOTS[at(instance, joint)] = pack(product);
 }
 
-uint doubling_word(uint round, uint joint) { return links[round * push.joint_count + joint]; }
+uint doubling_word(uint round, uint joint) { return link(round * push.joint_count + joint); }
 
 // The product after round 0.
 Affine first_product(uint instance, uint joint, uint word) {

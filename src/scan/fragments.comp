@@ -20,7 +20,7 @@ shared StoredTransform prefixes[2 * kLanes];
 void scan() {
     const uint instance = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
     Transform prefix = path_product(instance, lane);
-    const uint rounds = links[kRounds];
+    const uint rounds = link(kRounds);
     for (uint round = 0; round < rounds; ++round) {
         const uint half_first = (round & 1) * kLanes;  // the other half may still be read
         prefixes[half_first + lane] = pack(prefix);

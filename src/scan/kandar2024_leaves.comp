@@ -14,17 +14,17 @@ layout(constant_id = 1) const uint kCharacters = 1;  // in a workgroup
 
 // links[0] is the number of leaves; then for each: where in links[] its path begins, where the joints that it writes, where it ends.
 void scan() {
-    const uint leaves = links[0];
+    const uint leaves = link(0);
     for (uint item = gl_LocalInvocationID.x; item < kCharacters * leaves; item += gl_WorkGroupSize.x) {
         const uint instance = gl_WorkGroupID.x * kCharacters + item / leaves;
         if (instance >= push.instance_count) return;
         const uint entry = 1 + 3 * (item % leaves);
-        const uint first_owned = links[entry + 1], end = links[entry + 2];
-        uint word = links[entry], joint = links[word];
+        const uint first_owned = link(entry + 1), end = link(entry + 2);
+        uint word = link(entry), joint = link(word);
         Transform product = load_local(instance, joint);
         if (word >= first_owned) store_model(instance, joint, product);
         while (++word < end) {
-            joint = links[word];
+            joint = link(word);
             product = multiply(product, load_local(instance, joint));
             if (word >= first_owned) store_model(instance, joint, product);
         }

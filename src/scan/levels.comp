@@ -25,12 +25,12 @@ Affine load_parent(uint instance, uint level, uint parent) {
 // end of all items, then the items, by level, those with children first: the joint in the low half; in the high half its parent,
 // as the position in its level, or as a joint where shared memory does not hold the levels.
 void scan() {
-    const uint instance = gl_WorkGroupID.x, level_count = links[0], items = 2 + 2 * level_count;
+    const uint instance = gl_WorkGroupID.x, level_count = link(0), items = 2 + 2 * level_count;
     for (uint level = 0; level < level_count; ++level) {
         if (level > 0) scan_barrier(!kInShared);
-        const uint first = links[1 + 2 * level], parents_end = links[2 + 2 * level], end = links[3 + 2 * level];
+        const uint first = link(1 + 2 * level), parents_end = link(2 + 2 * level), end = link(3 + 2 * level);
         for (uint item = first + gl_LocalInvocationID.x; item < end; item += gl_WorkGroupSize.x) {
-            const uint word = links[items + item], joint = word & 0xFFFF;
+            const uint word = link(items + item), joint = word & 0xFFFF;
             Affine product = load_local(instance, joint);
             if (level > 0) product = affine_multiply(load_parent(instance, level, word >> 16), product);
             if (kInShared && item < parents_end) shared_models[level % 2 * kSharedJoints + item - first] = pack(product);

@@ -4,39 +4,60 @@
 layout(constant_id = 1) const uint kLanes = 1;            // pieces, and invocations of a character
 layout(constant_id = 2) const uint kSlotTransforms = 1;   // slots of the whole workgroup
 
+#ifdef GPU_WIDE
+// A software device has no fast shared memory; a register a slot costs it a select each.
+Transform slots[kSlotTransforms / gl_WorkGroupSize.x];
+Transform load_slot(uint slot, uint invocation, Transform otherwise) {
+    for (uint s = 0; s < slots.length(); ++s)
+        if (s == slot) otherwise = slots[s];
+    return otherwise;
+}
+void store_slot(uint slot, uint invocation, Transform transform) {
+    for (uint s = 0; s < slots.length(); ++s)
+        if (s == slot) slots[s] = transform;
+}
+#else
 shared StoredTransform slots[kSlotTransforms];  // [slot][invocation]
+Transform load_slot(uint slot, uint invocation, Transform otherwise) {
+    if (slot < kSlotTransforms) return unpack(slots[slot * gl_WorkGroupSize.x + invocation]);
+    return otherwise;
+}
+void store_slot(uint slot, uint invocation, Transform transform) {
+    if (slot < kSlotTransforms) slots[slot * gl_WorkGroupSize.x + invocation] = pack(transform);
+}
+#endif
 
 // The product from the top of the attachment's piece down to the attachment.
 Transform path_product(uint instance, uint lane) {
     Transform product = kIdentityTransform;
-    const uint rows = links[kPathRows];
+    const uint rows = link(kPathRows);
     uint word = kFirstRow + lane;
-    if (rows > 0 && links[word] != kIdle) product = load_local(instance, links[word]);
+    if (rows > 0 && link(word) != kIdle) product = load_local(instance, link(word));
     for (uint row = 1; row < rows; ++row) {
         word += kLanes;
-        const uint joint = links[word];
+        const uint joint = link(word);
         if (joint == kIdle) break;
         product = multiply(product, load_local(instance, joint));
     }
     return product;
 }
 
-uint ancestor_lane(uint lane, uint round) { return links[kFirstRow + (links[kPathRows] + round) * kLanes + lane]; }
+uint ancestor_lane(uint lane, uint round) { return link(kFirstRow + (link(kPathRows) + round) * kLanes + lane); }
 
 // Multiplies `prefix`, the attachment's model transform, down the piece.
 void walk_piece(uint instance, uint lane, uint invocation, Transform prefix) {
-    const uint rows = links[kWalkRows];
-    uint word = kFirstRow + (links[kPathRows] + links[kRounds]) * kLanes + lane;
+    const uint rows = link(kWalkRows);
+    uint word = kFirstRow + (link(kPathRows) + link(kRounds)) * kLanes + lane;
     Transform last = prefix;
     for (uint row = 0; row < rows; ++row) {
-        const uint step = links[word];
+        const uint step = link(word);
         if (step == kIdle) break;
         const uint joint = step & kWalkJointMask, parent = step >> kWalkParentShift & kWalkFieldMask, keep = step >> kWalkKeepShift & kWalkFieldMask;
         if (parent == kParentIsPrefix) last = prefix;
-        if (parent >= kParentInSlot) last = unpack(slots[(parent - kParentInSlot) * gl_WorkGroupSize.x + invocation]);
+        last = load_slot(parent - kParentInSlot, invocation, last);
         last = multiply(last, load_local(instance, joint));
         store_model(instance, joint, last);
-        if (keep > 0) slots[(keep - 1) * gl_WorkGroupSize.x + invocation] = pack(last);
+        store_slot(keep - 1, invocation, last);
         word += kLanes;
     }
 }

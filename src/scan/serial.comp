@@ -14,11 +14,11 @@
 void scan() {
     const uint instance = gl_GlobalInvocationID.x;
     if (instance >= push.instance_count) return;
-    for (uint word = 1, end = 1 + 3 * links[0]; word < end; word += 3) {
-        const uint end_joint = links[word + 1], parent = links[word + 2];
+    for (uint word = 1, end = 1 + 3 * link(0); word < end; word += 3) {
+        const uint end_joint = link(word + 1), parent = link(word + 2);
         Affine last = kIdentity;
         if (parent != kScanNoJoint) last = unpack(model[at(instance, parent)]);
-        for (uint joint = links[word]; joint < end_joint; ++joint) {
+        for (uint joint = link(word); joint < end_joint; ++joint) {
             last = affine_multiply(last, to_affine(load_local(instance, joint)));
             model[at(instance, joint)] = pack(last);
         }

@@ -1,0 +1,21 @@
+// One clip: which rows are kept, and how finely each track is quantised.
+#pragma once
+
+#include "compile/influence_boxes.h"
+#include "compile/packed_track.h"
+
+namespace throng {
+
+struct PackedClip {
+    std::vector<float> times_s;        // [row_count]
+    std::vector<PackedTrack> tracks;   // [joint_count][3], in the order of TrackTarget
+    std::vector<uint32_t> words;       // [row_count][row_stride]
+    uint32_t row_stride = 0;
+    uint32_t left_out_row_count = 0;   // of the exact rows
+    double error = 0;                  // largest displacement found, in the unit of the character
+};
+
+// Of a character with exact keys. `bound`: displacement in the unit of the character; where it cannot be kept, the finest.
+PackedClip pack_clip(const Character& character, uint32_t clip, std::span<const Box> boxes, double bound);
+
+}  // namespace throng

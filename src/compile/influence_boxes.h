@@ -1,0 +1,28 @@
+// Where the skin lies around each joint: what an error of the pose is measured at.
+#pragma once
+
+#include <throng/character.h>
+
+#include <vector>
+
+namespace throng {
+
+struct Box {
+    Vec3<double> low, high;
+    bool empty = true;
+
+    void add(const Vec3<double>& p);
+    void add(const Box& other);
+    Vec3<double> corner(size_t index) const;  // 0 to 7
+    double largest_distance() const;          // of a corner from the origin; 0 where it is empty
+};
+
+// [joint_count], in joint space: the vertices that the joint's palette entries move with a weight above 0. Where no joint has any, a
+// cube around each joint, its half diagonal a tenth of the character's size.
+std::vector<Box> influence_boxes(const Character& character);
+
+// The largest displacement of a point of the box (not empty) between two transforms of it, whose difference is given. It is a convex
+// function of the point, so a corner has it; and a vertex moves no further than the furthest of its joints takes it.
+double displacement(const AffineT<double>& difference, const Box& box);
+
+}  // namespace throng

@@ -1,0 +1,112 @@
+#include "compile/pack.h"
+
+#include "base/failure.h"
+#include "compile/clip_packer.h"
+
+#include <cstdio>
+#include <cstring>
+#include <map>
+
+namespace throng {
+namespace {
+
+constexpr uint64_t kKey_bytes = 16;
+constexpr uint32_t kWordsBehind = 3;  // decoding reads three words from the one in which a track begins
+
+// Headers, each once.
+class HeaderPool {
+public:
+    uint32_t add(const PackedTrack& track) {
+        std::array<uint32_t, 8> pattern;
+        std::memcpy(pattern.data(), &track, sizeof(track));
+        const bool constant = packed_row_bits(track) == 0;
+        if (constant) std::fill(pattern.begin() + 4, pattern.end(), 0);
+        const auto [at, is_new] = positions_.try_emplace(pattern, static_cast<uint32_t>(keys_.size()));
+        if (is_new) {
+            std::array<std::array<float, 4>, 2> both;
+            std::memcpy(both.data(), &track, sizeof(track));
+            keys_.insert(keys_.end(), both.begin(), both.end() - (constant ? 1 : 0));
+        }
+        return at->second;
+    }
+
+    size_t size_bytes() const { return keys_.size() * kKey_bytes; }
+    std::vector<std::array<float, 4>> take() { return std::move(keys_); }
+
+private:
+    std::map<std::array<uint32_t, 8>, uint32_t> positions_;
+    std::vector<std::array<float, 4>> keys_;
+};
+
+TrackKey key_of(const Quaternion<float>& q) {
+    const Quaternion<float> unit = normalized(q.as<double>()).as<float>();
+    return {unit.x, unit.y, unit.z, unit.w};
+}
+TrackKey key_of(const Vec3<float>& v) { return {v.x, v.y, v.z, 0}; }
+
+std::string percent(double part) {
+    char text[32];
+    std::snprintf(text, sizeof(text), "%.4g %%", part * 100);
+    return text;
+}
+
+}  // namespace
+
+void check_error_bound(double error, const std::string& place) {
+    if (error == 0 || (error >= 1e-6 && error <= 0.1)) return;
+    char text[32];
+    std::snprintf(text, sizeof(text), "%g", error);
+    throw Failure(ErrorCode::kInvalidArgument, place, std::string("an error bound of ") + text + "; it is 0 (exact) or 1e-6 to 0.1 of the character's size");
+}
+
+void pack_clips(Character& character, double error) {
+    const std::vector<Box> boxes = influence_boxes(character);
+    HeaderPool headers;
+    std::vector<JointTracks> rest;
+    for (const Trs<float>& joint : character.rig.rest)
+        rest.push_back({.rotation = headers.add(constant_track(TrackTarget::kRotation, key_of(joint.rotation))),
+                        .translation = headers.add(constant_track(TrackTarget::kTranslation, key_of(joint.translation))),
+                        .scale = headers.add(constant_track(TrackTarget::kScale, key_of(joint.scale)))});
+
+    std::vector<JointTracks> tracks;
+    std::vector<Clip> clips = character.clips;
+    std::vector<float> times_s;
+    std::vector<uint32_t> words;
+    for (uint32_t index = 0; index < clips.size(); ++index) {
+        Clip& clip = clips[index];
+        const PackedClip packed = pack_clip(character, index, boxes, error * double{character.size});
+        const size_t headers_before_bytes = headers.size_bytes();
+        clip.animated_track_count = 0;
+        for (const PackedTrack& track : packed.tracks) clip.animated_track_count += packed_row_bits(track) > 0;
+        for (uint32_t joint = 0; joint < character.rig.joint_count(); ++joint) {
+            const auto position = [&](TrackTarget target) { return headers.add(packed.tracks[joint * 3 + static_cast<size_t>(target)]); };
+            JointTracks& row = tracks.emplace_back();
+            row.rotation = position(TrackTarget::kRotation);
+            row.translation = position(TrackTarget::kTranslation);
+            row.scale = position(TrackTarget::kScale);
+        }
+        clip.first_time = static_cast<uint32_t>(times_s.size());
+        clip.row_count = static_cast<uint32_t>(packed.times_s.size());
+        clip.row_stride = packed.row_stride;
+        clip.first_row = static_cast<uint32_t>(words.size());
+        clip.dropped_row_count += packed.left_out_row_count;
+        clip.error = packed.error / double{character.size};
+        clip.size_bytes = packed.words.size() * sizeof(uint32_t) + packed.times_s.size() * sizeof(float) + headers.size_bytes() - headers_before_bytes +
+                          character.rig.joint_count() * sizeof(JointTracks);
+        times_s.insert(times_s.end(), packed.times_s.begin(), packed.times_s.end());
+        words.insert(words.end(), packed.words.begin(), packed.words.end());
+        if (clip.error > error)
+            character.warnings.push_back("clip '" + clip.name + "': the finest packed keys displace the skin by " + percent(clip.error) +
+                                         " of the character's size, not " + percent(error));
+    }
+    words.insert(words.end(), kWordsBehind, 0);
+    tracks.insert(tracks.end(), rest.begin(), rest.end());
+    character.packed = true;
+    character.clips = std::move(clips);
+    character.times_s = std::move(times_s);
+    character.words = std::move(words);
+    character.tracks = std::move(tracks);
+    character.keys = headers.take();
+}
+
+}  // namespace throng

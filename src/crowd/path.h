@@ -1,0 +1,21 @@
+// Whether a group is updated in one pass or stage by stage, and by which scan.
+#pragma once
+
+#include "fused/fused.h"
+
+#include <throng/crowd.h>
+
+#include <optional>
+
+namespace throng {
+
+struct PathChoice {
+    std::optional<FusedPlan> fused;  // none: staged
+    ScanChoice scan;
+    std::string scan_reason, path_reason;
+};
+
+// Throws kInvalidArgument for an unknown scan and kUnsupported where what is asked for does not apply.
+PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group);
+
+}  // namespace throng

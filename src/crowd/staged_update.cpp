@@ -1,0 +1,108 @@
+#include "crowd/staged_update.h"
+
+#include "bind/bind.h"
+#include "blend/blend.h"
+#include "gpu/barrier.h"
+#include "sample/sample.h"
+
+#include <throng/transform.h>
+
+#include <algorithm>
+
+namespace throng {
+namespace {
+
+static_assert(sizeof(io::JointPose) == sizeof(Affine));
+
+// Beyond this an arena saves no dispatches that would matter, and only costs memory.
+constexpr uint64_t kArenaBuffer_bytes = uint64_t{256} << 20;
+
+uint64_t align_up(uint64_t value, uint64_t alignment) { return (value + alignment - 1) / alignment * alignment; }
+
+}  // namespace
+
+uint64_t arena_limit_bytes(const Gpu& gpu) {
+    return std::min({kArenaBuffer_bytes, uint64_t{gpu.properties.limits.maxStorageBufferRange}, gpu.max_allocation_bytes});
+}
+
+StagedUpdate::StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches)
+    : gpu_(std::move(gpu)), groups_(groups), batches_(batches) {
+    for (uint32_t i = 0; i < batches_.size(); ++i)
+        if (!groups_[batches_[i].group].fused) members_.push_back({.batch = i});
+    if (members_.empty()) return;
+    for (const Group& group : groups_) {
+        if (group.fused) continue;
+        std::optional<Kernel>& sample = group.packed ? sample_packed_ : sample_exact_;
+        if (!sample) sample = sample_kernel(gpu_, group.packed);
+        std::optional<Kernel>& blend = group.takes_similarities() ? blend_similarities_ : blend_affines_;
+        if (!blend) blend = blend_kernel(gpu_, group.takes_similarities() ? BlendOutput::kSimilarity : BlendOutput::kAffine);
+    }
+    bind_ = bind_kernel(gpu_);
+    make_waves();
+    for (Member& member : members_) bind_member(member);
+}
+
+void StagedUpdate::make_waves() {
+    const uint64_t limit_bytes = arena_limit_bytes(*gpu_), alignment = gpu_->properties.limits.minStorageBufferOffsetAlignment;
+    uint64_t used_bytes = 0, largest_bytes = 0;
+    for (uint32_t i = 0; i < members_.size(); ++i) {
+        const Batch& batch = batches_[members_[i].batch];
+        const uint64_t needs_bytes = batch.instance_count * uint64_t{groups_[batch.group].joint_count} * sizeof(Affine);
+        if (waves_.empty() || used_bytes + needs_bytes > limit_bytes) {
+            waves_.push_back({.first_member = i});
+            used_bytes = 0;
+        }
+        ++waves_.back().member_count;
+        members_[i].arena_offset_bytes = used_bytes;
+        largest_bytes = std::max(largest_bytes, used_bytes + needs_bytes);
+        used_bytes = align_up(used_bytes + needs_bytes, alignment);
+    }
+    const auto storage = [&](const char* what) { return Buffer(gpu_, what, largest_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT); };
+    first_poses_ = storage("first poses");
+    second_poses_ = storage("second poses");
+    local_ = storage("local matrices");
+    model_ = storage("model matrices");
+}
+
+void StagedUpdate::bind_member(Member& member) {
+    const Batch& batch = batches_[member.batch];
+    const Group& group = groups_[batch.group];
+    const uint64_t size_bytes = batch.instance_count * uint64_t{group.joint_count} * sizeof(Affine);
+    const auto slice = [&](const Buffer& buffer) { return BufferRange(buffer.handle(), member.arena_offset_bytes, size_bytes); };
+    const BufferRange first = slice(first_poses_), second = slice(second_poses_), local = slice(local_);
+    const BufferRange model = batch.kept_model.handle() ? BufferRange(batch.kept_model) : slice(model_);
+    const Kernel& sample = sample_of(group);
+    member.sample_first = sample.bind(SampleBuffers{batch.cursors, group.tracks, group.keys, group.words, first});
+    member.sample_second = sample.bind(SampleBuffers{batch.cursors, group.tracks, group.keys, group.words, second});
+    member.blend = blend_of(group).bind(BlendBuffers{batch.cursors, first, second, local});
+    member.scan = group.scan->bind({.local = local, .links = group.scan->links(), .model = model, .scratch = second});
+    member.bind = bind_->bind(BindBuffers{model, group.palette_joints, group.joint_from_bind, batch.skin});
+}
+
+void StagedUpdate::record(VkCommandBuffer commands, StageTimer* timer) const {
+    for (const Wave& wave : waves_) record_wave(commands, wave, timer);
+}
+
+void StagedUpdate::record_wave(VkCommandBuffer commands, const Wave& wave, StageTimer* timer) const {
+    const std::span<const Member> members = std::span(members_).subspan(wave.first_member, wave.member_count);
+    const auto stage = [&](double StageTimes::*time, const auto& record_member) {
+        for (const Member& member : members) record_member(member, batches_[member.batch].instance_count, groups_[batches_[member.batch].group]);
+        memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+        if (timer) timer->end_stage(commands, time);
+    };
+    stage(&StageTimes::sample, [&](const Member& member, uint32_t instance_count, const Group& group) {
+        sample_of(group).dispatch_workgroups(commands, member.sample_first, io::SamplePush{group.joint_count, 0}, instance_count);
+        sample_of(group).dispatch_workgroups(commands, member.sample_second, io::SamplePush{group.joint_count, 1}, instance_count);
+    });
+    stage(&StageTimes::blend, [&](const Member& member, uint32_t instance_count, const Group& group) {
+        blend_of(group).dispatch_workgroups(commands, member.blend, io::BlendPush{group.joint_count}, instance_count);
+    });
+    stage(&StageTimes::scan, [&](const Member& member, uint32_t instance_count, const Group& group) { group.scan->record(commands, member.scan, instance_count); });
+    stage(&StageTimes::bind, [&](const Member& member, uint32_t instance_count, const Group& group) {
+        bind_->dispatch_workgroups(commands, member.bind, io::BindPush{group.joint_count, group.palette_count}, instance_count);
+    });
+}
+
+uint64_t StagedUpdate::size_bytes() const { return first_poses_.size_bytes() + second_poses_.size_bytes() + local_.size_bytes() + model_.size_bytes(); }
+
+}  // namespace throng

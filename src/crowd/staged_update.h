@@ -1,0 +1,54 @@
+// Cursors -> skin matrices, stage by stage: sample, blend, scan, bind, each through memory.
+//
+// A wave is a run of batches whose intermediates (poses, local and model matrices) fit the arena together. A wave goes through the
+// stages as a whole, so that small groups share a dispatch's latency; then the next wave reuses the arena.
+#pragma once
+
+#include "crowd/batch.h"
+#include "crowd/group.h"
+#include "crowd/stage_timer.h"
+
+#include <optional>
+
+namespace throng {
+
+// As large as a buffer of intermediates may be.
+uint64_t arena_limit_bytes(const Gpu& gpu);
+
+class StagedUpdate {
+public:
+    // Of those batches whose group is not fused; keeps references to both.
+    StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches);
+
+    uint32_t wave_count() const { return static_cast<uint32_t>(waves_.size()); }
+    void record(VkCommandBuffer commands, StageTimer* timer) const;
+    uint64_t size_bytes() const;
+
+private:
+    struct Member {
+        uint32_t batch = 0;
+        uint64_t arena_offset_bytes = 0;
+        Bindings sample_first, sample_second, blend, scan, bind;
+    };
+    struct Wave {
+        uint32_t first_member = 0, member_count = 0;
+    };
+
+    void make_waves();
+    void make_arena(uint64_t size_bytes);
+    void bind_member(Member& member);
+    void record_wave(VkCommandBuffer commands, const Wave& wave, StageTimer* timer) const;
+    const Kernel& sample_of(const Group& group) const { return *(group.packed ? sample_packed_ : sample_exact_); }
+    const Kernel& blend_of(const Group& group) const { return *(group.takes_similarities() ? blend_similarities_ : blend_affines_); }
+
+    std::shared_ptr<Gpu> gpu_;
+    const std::vector<Group>& groups_;
+    const std::vector<Batch>& batches_;
+    std::vector<Member> members_;
+    std::vector<Wave> waves_;
+    std::optional<Kernel> sample_exact_, sample_packed_, blend_affines_, blend_similarities_;  // those that the groups need
+    std::optional<Kernel> bind_;
+    Buffer first_poses_, second_poses_, local_, model_;  // the arena, 48 bytes a joint each; second_poses serves the scan as scratch once blended
+};
+
+}  // namespace throng

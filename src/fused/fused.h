@@ -1,0 +1,60 @@
+// The fused kernel: cursors -> skin matrices in one pass, by one scan method for one character.
+#pragma once
+
+#include "fused/fused_io.h"
+#include "gpu/kernel.h"
+#include "scan/scan.h"
+
+#include <throng/character.h>
+
+namespace throng {
+
+// In the order of the bindings.
+struct FusedBuffers {
+    BufferRange cursors;  // io::InstanceCursor[instance_count]
+    BufferRange tracks;   // JointTracks[clip_count + 1][joint_count]; all tables (gpu/table.glsl) up to `binds`
+    BufferRange keys;     // float4[]
+    BufferRange words;    // uint[], of packed keys
+    BufferRange links;    // FusedTables
+    BufferRange bind_ranges, bind_entries, binds;
+    BufferRange skin;     // Affine[instance_count][palette_count], model_from_bind, written
+    BufferRange model;    // Affine[instance_count][joint_count], model_from_joint, written where FusedSettings::keeps_model; else any buffer
+};
+
+struct FusedSettings {
+    bool packed = false;       // Character::packed
+    bool blends = true;        // false: no instance has two clips with weight
+    bool keeps_model = false;
+};
+
+// How a scan method goes about a character in one pass.
+struct FusedPlan {
+    std::string obstacle;  // why it does not; empty where it does
+    ScanChoice choice;
+    ScanPlan scan;
+    bool tiled = false;    // local transforms pass through shared memory
+};
+
+FusedPlan plan_fused(const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits, uint32_t palette_count);
+
+// For a device: the first plan without obstacle of those that are likely best, or the last one's obstacle.
+// `instance_count` instances are to keep the device busy.
+FusedPlan choose_fused(const ScanRig& rig, const ScanLimits& limits, uint32_t palette_count, uint32_t instance_count);
+
+// What the kernel reads of a character beside its clips.
+struct FusedTables {
+    FusedTables(const std::shared_ptr<Gpu>& gpu, const Character& character, const FusedPlan& plan);
+
+    Buffer links;         // of the plan
+    Buffer bind_ranges;   // uint[joint_count + 1]: where a joint's palette entries begin in the next two
+    Buffer bind_entries;  // uint[palette_count], palette entries sorted by joint
+    Buffer binds;         // Affine[palette_count], joint_from_bind of these
+
+    uint64_t size_bytes() const { return links.size_bytes() + bind_ranges.size_bytes() + bind_entries.size_bytes() + binds.size_bytes(); }
+};
+
+Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, uint32_t joint_count, const FusedSettings& settings);
+
+void record_fused(VkCommandBuffer commands, const Kernel& kernel, const Bindings& bindings, const FusedPlan& plan, const io::FusedPush& push);
+
+}  // namespace throng

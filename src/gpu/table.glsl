@@ -1,0 +1,19 @@
+// Read-only tables. GPUs read them as storage buffers. A software device (GPU_WIDE) reads them as uniform texel buffers: lavapipe
+// checks and branches for every lane and word of a storage buffer and gathers texels without, which is 10 to 30 times as fast
+// (docs/performance.md). On the host they are made by upload_table().
+#ifndef THRONG_GPU_TABLE_GLSL
+#define THRONG_GPU_TABLE_GLSL
+
+#ifdef GPU_WIDE
+#define TABLE_OF_WORDS(number, block, name) layout(set = 0, binding = number) uniform usamplerBuffer name
+#define TABLE_OF_ROWS(number, block, name) layout(set = 0, binding = number) uniform usamplerBuffer name
+#define WORD_AT(name, index) texelFetch(name, int(index)).x
+#define ROW_AT(name, index) texelFetch(name, int(index))
+#else
+#define TABLE_OF_WORDS(number, block, name) layout(set = 0, binding = number, std430) readonly buffer block { uint name[]; }
+#define TABLE_OF_ROWS(number, block, name) layout(set = 0, binding = number, std430) readonly buffer block { uvec4 name[]; }
+#define WORD_AT(name, index) name[index]
+#define ROW_AT(name, index) name[index]
+#endif
+
+#endif
