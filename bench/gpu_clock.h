@@ -5,6 +5,9 @@
 
 namespace throng::bench {
 
+// What to believe of work that took `gpu_ms` by timestamps, and `host_ms` from its submission until it was waited for.
+double believed_ms(const Gpu& gpu, double gpu_ms, double host_ms);
+
 class GpuClock {
 public:
     // Throws kUnsupported where the device has no timestamps.

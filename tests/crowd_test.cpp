@@ -1,8 +1,8 @@
 // The whole pipeline on the GPU against reference_pose(), and the promises of throng/crowd.h.
 #include "control/control_reference.h"
 #include "crowd/crowd_state.h"
+#include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
-#include "tests/test_rig.h"
 
 #include <cmath>
 #include <cstdio>
@@ -13,107 +13,9 @@ namespace {
 
 using namespace test;
 
-constexpr double kBound = 1e-5;  // of the character's size
-
-Crowd create(const CrowdSettings& settings) {
-    Result<Crowd> crowd = Crowd::create(test_device(), settings);
-    if (!crowd) {
-        ADD_FAILURE() << crowd.error().text();
-        std::abort();
-    }
-    return std::move(*crowd);
-}
-
-Character small_character() { return make_character({.name = "small", .joint_count = 20}); }
-
-ClipPlayback random_slot(Random& random, const Character& character) {
-    const auto clip_count = static_cast<uint32_t>(character.clips.size());
-    const uint32_t clip = random.below(clip_count + 1);
-    return {.clip = clip == clip_count ? kNone : clip, .time_s = random.between(-1, 5), .speed = static_cast<float>(random.between(-2, 2)), .loop = random.chance(0.5)};
-}
-
-// Weights 0 and 1 are frequent.
-Playback random_playback(Random& random, const Character& character) {
-    const std::array<float, 5> weights{0, 1, 0.5f, static_cast<float>(random.unit()), static_cast<float>(random.unit())};
-    return {.first = random_slot(random, character), .second = random_slot(random, character), .weight = weights[random.below(5)]};
-}
-
-std::vector<Playback> random_playbacks(Random& random, const Character& character, uint32_t count) {
-    std::vector<Playback> playbacks;
-    for (uint32_t i = 0; i < count; ++i) playbacks.push_back(random_playback(random, character));
-    return playbacks;
-}
-
-// The playback after an update: its times are wrapped or clamped when set, and again after the step.
-Playback advanced(Playback playback, const Character& character, double step_s) {
-    for (ClipPlayback* slot : {&playback.first, &playback.second}) {
-        if (slot->clip == kNone) continue;
-        const double duration_s = character.clips[slot->clip].duration_s;
-        slot->time_s = local_time_reference(slot->time_s, duration_s, slot->loop);
-        slot->time_s = local_time_reference(slot->time_s + step_s * slot->speed, duration_s, slot->loop);
-    }
-    return playback;
-}
-
-// Largest error of an instance as a fraction of the character's size.
-double instance_error(Crowd& crowd, uint32_t instance, const Character& character, const Playback& playback, bool with_model = false) {
-    const ReferencePose pose = *reference_pose(character, playback);
-    double worst = 0;
-    const auto compare = [&](const Result<std::vector<Affine>>& got, const std::vector<AffineT<double>>& wanted) {
-        if (!got || got->size() != wanted.size()) {
-            worst = std::numeric_limits<double>::infinity();
-            return;
-        }
-        for (size_t i = 0; i < wanted.size(); ++i) worst = std::max(worst, matrix_error((*got)[i], wanted[i], character.size));
-    };
-    compare(crowd.read_skin_matrices(instance), pose.model_from_bind);
-    if (with_model) compare(crowd.read_model_matrices(instance), pose.model_from_joint);
-    const std::vector<Vec3<double>> wanted = reference_positions(character, pose);
-    const std::vector<Vec3<float>> got = *crowd.read_positions(instance);
-    if (got.size() != wanted.size()) return std::numeric_limits<double>::infinity();
-    for (size_t i = 0; i < wanted.size(); ++i) {
-        const double distance = length(got[i].as<double>() - wanted[i]) / character.size;
-        worst = std::isnan(distance) ? std::numeric_limits<double>::infinity() : std::max(worst, distance);
-    }
-    return worst;
-}
-
-std::vector<Affine> skins_of(Crowd& crowd) {
-    std::vector<Affine> all;
-    for (uint32_t instance = 0; instance < crowd.instance_count(); ++instance) {
-        const std::vector<Affine> skin = *crowd.read_skin_matrices(instance);
-        all.insert(all.end(), skin.begin(), skin.end());
-    }
-    return all;
-}
-
-// Four characters and what each of their instances plays.
-struct MixedCrowd {
-    std::vector<Character> characters;
-    CrowdSettings settings{.keep_model_matrices = true};
-    std::vector<Playback> playbacks;
-    std::vector<const Character*> character_of;  // [instance]
-
-    explicit MixedCrowd(double scale_spread) {
-        for (const AssetSettings& asset : {AssetSettings{.name = "one", .joint_count = 1, .seed = 2}, AssetSettings{.name = "small", .seed = 6},
-                                           AssetSettings{.name = "cubic", .joint_count = 70, .seed = 3, .cubic = true}, AssetSettings{.name = "large", .joint_count = 300, .seed = 4}}) {
-            AssetSettings scaled = asset;
-            scaled.scale_spread = scale_spread;
-            characters.push_back(make_character(scaled));
-        }
-        Random random(5);
-        for (const Character& character : characters) {
-            const uint32_t count = 5 + 3 * static_cast<uint32_t>(settings.groups.size());
-            settings.groups.push_back({&character, count});
-            for (const Playback& playback : random_playbacks(random, character, count)) playbacks.push_back(playback);
-            character_of.insert(character_of.end(), count, &character);
-        }
-    }
-};
-
-void expect_reference(const MixedCrowd& mixed, const ScanMethod& method, UpdatePath path) {
+void expect_reference(const MixedCrowd& mixed, const ScanMethod& method) {
     CrowdSettings settings = mixed.settings;
-    settings.path = path;
+    settings.path = UpdatePath::kStaged;
     settings.scan = method.name;
     Crowd crowd = create(settings);
     ASSERT_EQ(crowd.instance_count(), mixed.playbacks.size());
@@ -126,7 +28,7 @@ void expect_reference(const MixedCrowd& mixed, const ScanMethod& method, UpdateP
         for (uint32_t i = 0; i < now.size(); ++i) {
             now[i] = advanced(now[i], *mixed.character_of[i], step_s);
             const double error = instance_error(crowd, i, *mixed.character_of[i], now[i], true);
-            EXPECT_LE(error, kBound) << method.name << ", instance " << i << ", " << mixed.character_of[i]->name << ", step " << step_s << " s";
+            EXPECT_LE(error, kPoseBound) << method.name << ", instance " << i << ", " << mixed.character_of[i]->name << ", step " << step_s << " s";
             worst = std::max(worst, error);
         }
     }
@@ -157,7 +59,7 @@ TEST(Crowd, AScanThatDoesNotApplyIsRefused) {
 
 TEST(Crowd, AutoChoosesAScanAndSaysWhy) {
     const Character character = small_character();
-    const ScanAdvice used = create({.groups = {{&character, 7}}}).scan(0);
+    const ScanAdvice used = create({.groups = {{&character, 7}}, .path = UpdatePath::kStaged}).scan(0);
     EXPECT_TRUE(find_scan_method(used.method.substr(0, used.method.find(':')))) << used.method;
     EXPECT_NE(used.reason.find("7 x 20 joints"), std::string::npos) << used.reason;
     const Result<ScanAdvice> advice = advise_scan(test_device(), character.rig, 7);
@@ -172,9 +74,9 @@ TEST(Crowd, ManyLargeCharactersAreSplitIntoBatchesAndWaves) {
     const Character small = small_character();
     const uint64_t range_bytes = std::min(test_device().info().storage_buffer_range_bytes, uint64_t{256} << 20);
     const auto large_count = static_cast<uint32_t>(range_bytes / (65535 * sizeof(Affine))) + 2;
-    Crowd crowd = create({.groups = {{&small, 3}, {&large, large_count}, {&small, 4}}});
+    Crowd crowd = create({.groups = {{&small, 3}, {&large, large_count}, {&small, 4}}, .path = UpdatePath::kStaged});
     EXPECT_GE(crowd.state().batches.size(), 4u);
-    EXPECT_GE(crowd.state().waves.size(), 2u);
+    EXPECT_GE(crowd.state().staged->wave_count(), 2u);
 
     Random random(9);
     std::vector<Playback> playbacks = random_playbacks(random, small, 3);
@@ -186,7 +88,7 @@ TEST(Crowd, ManyLargeCharactersAreSplitIntoBatchesAndWaves) {
     ASSERT_GT(second_batch, 3u);
     for (const uint32_t instance : {0u, 2u, 3u, second_batch - 1, second_batch, large_count + 2, large_count + 3, large_count + 6}) {
         const Character& character = instance >= 3 && instance < 3 + large_count ? large : small;
-        EXPECT_LE(instance_error(crowd, instance, character, playbacks[instance]), kBound) << "instance " << instance;
+        EXPECT_LE(instance_error(crowd, instance, character, playbacks[instance]), kPoseBound) << "instance " << instance;
     }
     uint32_t next = 0;
     for (const OutputBlock& block : crowd.outputs()) {
@@ -199,7 +101,7 @@ TEST(Crowd, ManyLargeCharactersAreSplitIntoBatchesAndWaves) {
         next += block.instance_count;
     }
     EXPECT_EQ(next, crowd.instance_count());
-    std::printf("  %u instances of 65,535 joints: %zu batches, %zu waves, %.0f MB\n", large_count, crowd.state().batches.size(), crowd.state().waves.size(), static_cast<double>(crowd.size_bytes()) * 1e-6);
+    std::printf("  %u instances of 65,535 joints: %zu batches, %u waves, %.0f MB\n", large_count, crowd.state().batches.size(), crowd.state().staged->wave_count(), static_cast<double>(crowd.size_bytes()) * 1e-6);
     const StageTimes times = *crowd.stage_times();
     EXPECT_GT(times.scan, 0);
 }
@@ -216,7 +118,7 @@ TEST(Crowd, ManySmallCharactersAreSplitIntoBatches) {
     ASSERT_TRUE(crowd.set_playback(0, playbacks));
     ASSERT_TRUE(crowd.update(0));
     const uint32_t edge = crowd.outputs()[1].first_instance;
-    for (const uint32_t instance : {0u, 1u, edge - 1, edge, limit + 4}) EXPECT_LE(instance_error(crowd, instance, one, playbacks[instance]), kBound) << instance;
+    for (const uint32_t instance : {0u, 1u, edge - 1, edge, limit + 4}) EXPECT_LE(instance_error(crowd, instance, one, playbacks[instance]), kPoseBound) << instance;
 }
 
 // 65,535 joints in one character: every method.
@@ -226,7 +128,7 @@ TEST(Crowd, TheLargestCharacterWorksWithEveryScan) {
     Random random(11);
     const std::vector<Playback> playbacks = random_playbacks(random, large, 2);
     for (const ScanMethod& method : scan_table()) {
-        const CrowdSettings settings{.groups = {{&large, 2}}, .scan = std::string(method.name), .keep_model_matrices = true};
+        const CrowdSettings settings{.groups = {{&large, 2}}, .path = UpdatePath::kStaged, .scan = std::string(method.name), .keep_model_matrices = true};
         const std::vector<uint32_t> lanes = method.lane_choices(scan_limits(*test_device().gpu()));
         const bool applies = method.layout == ScanLayout::kCharacterMajor && std::any_of(lanes.begin(), lanes.end(), [&](uint32_t choice) {
             return plan_scan(method, ScanRig(large.rig.parents, true), scan_limits(*test_device().gpu()), choice).obstacle.empty();
@@ -240,7 +142,7 @@ TEST(Crowd, TheLargestCharacterWorksWithEveryScan) {
         Crowd crowd = create(settings);
         ASSERT_TRUE(crowd.set_playback(0, playbacks));
         ASSERT_TRUE(crowd.update(0));
-        for (uint32_t i = 0; i < 2; ++i) EXPECT_LE(instance_error(crowd, i, large, playbacks[i], true), kBound) << method.name;
+        for (uint32_t i = 0; i < 2; ++i) EXPECT_LE(instance_error(crowd, i, large, playbacks[i], true), kPoseBound) << method.name;
     }
 }
 
@@ -259,7 +161,7 @@ TEST(Crowd, OnlyChangedInstancesAreSetAnew) {
         ASSERT_TRUE(crowd.update(static_cast<float>(step_s)));
         for (uint32_t i = 0; i < kCount; ++i) {
             ages_s[i] += step_s;
-            EXPECT_LE(instance_error(crowd, i, character, advanced(playbacks[i], character, ages_s[i])), kBound) << "instance " << i;
+            EXPECT_LE(instance_error(crowd, i, character, advanced(playbacks[i], character, ages_s[i])), kPoseBound) << "instance " << i;
         }
     };
     const auto change = [&](uint32_t first, uint32_t count, uint32_t clip) {
@@ -288,7 +190,7 @@ TEST(Crowd, TimeStaysInTheClip) {
     Crowd crowd = create({.groups = {{&character, 4}}});
     const auto play = [&](double time_s, float speed, bool loop) { return Playback{.first = {.clip = 0, .time_s = time_s, .speed = speed, .loop = loop}}; };
     ASSERT_TRUE(crowd.set_playback(0, std::vector{play(0, 1, true), play(0, 1, false), play(0, -1, true), play(1, -1, false)}));
-    const auto shows = [&](uint32_t instance, double time_s) { return instance_error(crowd, instance, character, play(time_s, 0, false)) <= kBound; };
+    const auto shows = [&](uint32_t instance, double time_s) { return instance_error(crowd, instance, character, play(time_s, 0, false)) <= kPoseBound; };
     ASSERT_TRUE(crowd.update(0.75f));
     EXPECT_TRUE(shows(0, 0.75) && shows(1, 0.75) && shows(2, 0.25) && shows(3, 0.25));
     ASSERT_TRUE(crowd.update(0.5f));
@@ -319,17 +221,17 @@ TEST(Crowd, WeightsAtTheEndsShowOneClip) {
     const ClipPlayback a{.clip = 0, .time_s = 0.3}, b{.clip = 1, .time_s = 0.8};
     ASSERT_TRUE(crowd.set_playback(0, std::vector{Playback{a, b, 1}, Playback{a, b, 0}, Playback{a, b, 0.25f}}));
     ASSERT_TRUE(crowd.update(0));
-    EXPECT_LE(instance_error(crowd, 0, character, Playback{a, {}, 1}), kBound);
-    EXPECT_LE(instance_error(crowd, 1, character, Playback{b, {}, 1}), kBound);
-    EXPECT_LE(instance_error(crowd, 2, character, Playback{b, a, 0.75f}), kBound) << "a quarter of a is three quarters of b";
-    EXPECT_GT(instance_error(crowd, 2, character, Playback{a, b, 0.75f}), kBound);
+    EXPECT_LE(instance_error(crowd, 0, character, Playback{a, {}, 1}), kPoseBound);
+    EXPECT_LE(instance_error(crowd, 1, character, Playback{b, {}, 1}), kPoseBound);
+    EXPECT_LE(instance_error(crowd, 2, character, Playback{b, a, 0.75f}), kPoseBound) << "a quarter of a is three quarters of b";
+    EXPECT_GT(instance_error(crowd, 2, character, Playback{a, b, 0.75f}), kPoseBound);
 }
 
 TEST(Crowd, NewInstancesShowTheRestPoseAtTheOrigin) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 2}}});
     ASSERT_TRUE(crowd.update(0.5f));
-    EXPECT_LE(instance_error(crowd, 1, character, Playback{}), kBound);
+    EXPECT_LE(instance_error(crowd, 1, character, Playback{}), kPoseBound);
     const BufferRange placements(crowd.outputs()[0].placement_buffer, 0, 2 * sizeof(Affine));
     EXPECT_EQ(download<Affine>(test_gpu(), placements), std::vector<Affine>(2));
 }
@@ -481,8 +383,8 @@ TEST(Crowd, RecordsIntoTheCallersCommandBuffer) {
     for (uint32_t i = 0; i < 3; ++i) {
         const ReferencePose pose = *reference_pose(character, advanced(playbacks[i], character, 0.2));
         for (size_t entry = 0; entry < pose.model_from_bind.size(); ++entry)
-            EXPECT_LE(matrix_error(between[i * pose.model_from_bind.size() + entry], pose.model_from_bind[entry], character.size), kBound);
-        EXPECT_LE(instance_error(crowd, i, character, advanced(playbacks[i], character, 0.5)), kBound);
+            EXPECT_LE(matrix_error(between[i * pose.model_from_bind.size() + entry], pose.model_from_bind[entry], character.size), kPoseBound);
+        EXPECT_LE(instance_error(crowd, i, character, advanced(playbacks[i], character, 0.5)), kPoseBound);
     }
     EXPECT_TRUE(crowd.stage_times());
 }
@@ -495,7 +397,7 @@ TEST(Crowd, MeasuresItsStages) {
     const Result<StageTimes> times = crowd.stage_times();
     if (!test_gpu()->has_timestamps()) GTEST_SKIP() << "the queue has no timestamps";
     ASSERT_TRUE(times) << times.error().text();
-    for (const double time_ms : {times->control, times->sample, times->blend, times->scan, times->bind}) {
+    for (const double time_ms : {times->control, times->sample, times->blend, times->scan, times->bind, times->fused}) {
         EXPECT_GE(time_ms, 0);
         EXPECT_LT(time_ms, 60'000);
     }
@@ -523,11 +425,11 @@ TEST(Crowd, CanBeMoved) {
     ASSERT_TRUE(first.set_playback(0, std::vector{playback, playback}));
     Crowd second = std::move(first);
     ASSERT_TRUE(second.update(0));
-    EXPECT_LE(instance_error(second, 1, character, playback), kBound);
+    EXPECT_LE(instance_error(second, 1, character, playback), kPoseBound);
     second = create({.groups = {{&character, 5}}});
     EXPECT_EQ(second.instance_count(), 5u);
     ASSERT_TRUE(second.update(0));
-    EXPECT_LE(instance_error(second, 4, character, Playback{}), kBound);
+    EXPECT_LE(instance_error(second, 4, character, Playback{}), kPoseBound);
 }
 
 // The character may go once the crowd is made.
@@ -537,14 +439,14 @@ TEST(Crowd, DoesNotKeepTheCharacter) {
     const Character copy = character;
     character = {};
     ASSERT_TRUE(crowd.update(0));
-    EXPECT_LE(instance_error(crowd, 0, copy, Playback{}), kBound);
+    EXPECT_LE(instance_error(crowd, 0, copy, Playback{}), kPoseBound);
 }
 
 TEST(Crowd, ACharacterWithoutClipsShowsItsRestPose) {
     const Character character = make_character({.clip_count = 0});
     Crowd crowd = create({.groups = {{&character, 1}}});
     ASSERT_TRUE(crowd.update(1));
-    EXPECT_LE(instance_error(crowd, 0, character, Playback{}), kBound);
+    EXPECT_LE(instance_error(crowd, 0, character, Playback{}), kPoseBound);
     EXPECT_FALSE(crowd.set_playback(0, std::vector{Playback{.first = {.clip = 0}}}));
 }
 

@@ -29,7 +29,8 @@ public:
     explicit Guarded(const std::vector<T>& values) : size_bytes_(values.size() * sizeof(T)) {
         std::vector<std::byte> bytes(size_bytes_ + kGuard_bytes, kGuard);
         if (size_bytes_ > 0) std::memcpy(bytes.data(), values.data(), size_bytes_);
-        buffer_ = upload(test_gpu(), "test", bytes);
+        buffer_ = upload(test_gpu(), "test", bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT);
+        if (sizeof(T) == 4 || sizeof(T) % 16 == 0) buffer_.allow_texels(sizeof(T) == 4 ? 4 : 16);
     }
     operator BufferRange() const { return BufferRange(buffer_); }
 

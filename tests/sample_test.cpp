@@ -21,8 +21,8 @@ io::SlotCursor cursor_at(const Character& character, uint32_t clip, double time_
     if (clip == character.clips.size()) return cursor;
     const Clip& c = character.clips[clip];
     const RowCursor rows = find_rows_reference(std::span(character.times_s).subspan(c.first_time, c.row_count), time_s);
-    cursor.earlier = rows.earlier * c.row_stride;
-    cursor.later = rows.later * c.row_stride;
+    cursor.earlier = c.first_row + rows.earlier * c.row_stride;
+    cursor.later = c.first_row + rows.later * c.row_stride;
     cursor.fraction = static_cast<float>(rows.fraction);
     return cursor;
 }
@@ -48,39 +48,54 @@ std::vector<io::JointPose> run_sample(const Character& character, const std::vec
     const Guarded<io::InstanceCursor> cursor_buffer(cursors);
     const Guarded<JointTracks> tracks(character.tracks);
     const Guarded<std::array<float, 4>> keys(character.keys);
-    run_workgroups(sample_kernel(test_gpu()), SampleBuffers{cursor_buffer, tracks, keys, poses}, io::SamplePush{character.rig.joint_count(), slot}, count);
+    const Guarded<uint32_t> words(character.words);
+    run_workgroups(sample_kernel(test_gpu(), character.packed), SampleBuffers{cursor_buffer, tracks, keys, words, poses}, io::SamplePush{character.rig.joint_count(), slot}, count);
     return poses.read();
 }
 
-TEST(Sample, CompiledClipsFollowTheReference) {
-    for (const uint32_t joint_count : {1u, 63u, 64u, 65u, 300u}) {
-        const Character character = make_character({.joint_count = joint_count, .seed = joint_count, .clip_count = 4, .cubic = joint_count == 65});
-        Random random(joint_count);
-        struct Shown {
-            uint32_t clip;
-            double time_s;
+void expect_reference(const Character& character) {
+    const uint32_t joint_count = character.rig.joint_count();
+    Random random(joint_count);
+    struct Shown {
+        uint32_t clip;
+        double time_s;
+    };
+    std::vector<std::array<Shown, 2>> shown;
+    std::vector<io::InstanceCursor> cursors;
+    for (int i = 0; i < 100; ++i) {
+        const auto any = [&] {
+            const uint32_t clip = random.below(static_cast<uint32_t>(character.clips.size() + 1));
+            const double duration_s = clip < character.clips.size() ? character.clips[clip].duration_s : 0;
+            return Shown{clip, i == 0 ? 0 : i == 1 ? duration_s : random.between(0, duration_s)};
         };
-        std::vector<std::array<Shown, 2>> shown;
-        std::vector<io::InstanceCursor> cursors;
-        for (int i = 0; i < 100; ++i) {
-            const auto any = [&] {
-                const uint32_t clip = random.below(static_cast<uint32_t>(character.clips.size() + 1));
-                const double duration_s = clip < character.clips.size() ? character.clips[clip].duration_s : 0;
-                return Shown{clip, i == 0 ? 0 : i == 1 ? duration_s : random.between(0, duration_s)};
-            };
-            shown.push_back({any(), any()});
-            cursors.push_back({cursor_at(character, shown.back()[0].clip, shown.back()[0].time_s), cursor_at(character, shown.back()[1].clip, shown.back()[1].time_s), 0.5f});
+        shown.push_back({any(), any()});
+        cursors.push_back({cursor_at(character, shown.back()[0].clip, shown.back()[0].time_s), cursor_at(character, shown.back()[1].clip, shown.back()[1].time_s), 0.5f});
+    }
+    double worst = 0;
+    for (const uint32_t slot : {0u, 1u}) {
+        const std::vector<io::JointPose> poses = run_sample(character, cursors, slot);
+        for (size_t i = 0; i < cursors.size(); ++i) {
+            const std::vector<Trs<double>> wanted = sample_reference(character, shown[i][slot].clip, shown[i][slot].time_s);
+            for (size_t joint = 0; joint < joint_count; ++joint) worst = std::max(worst, pose_error(poses[i * joint_count + joint], wanted[joint]));
         }
-        double worst = 0;
-        for (const uint32_t slot : {0u, 1u}) {
-            const std::vector<io::JointPose> poses = run_sample(character, cursors, slot);
-            for (size_t i = 0; i < cursors.size(); ++i) {
-                const std::vector<Trs<double>> wanted = sample_reference(character, shown[i][slot].clip, shown[i][slot].time_s);
-                for (size_t joint = 0; joint < joint_count; ++joint) worst = std::max(worst, pose_error(poses[i * joint_count + joint], wanted[joint]));
-            }
+    }
+    EXPECT_LE(worst, kBound) << joint_count << " joints";
+    std::printf("  %3u joints, 100 instances, both slots: largest error %.1e\n", joint_count, worst);
+}
+
+TEST(Sample, CompiledClipsFollowTheReference) {
+    for (const uint32_t joint_count : {1u, 63u, 64u, 65u, 300u})
+        expect_reference(make_character({.joint_count = joint_count, .seed = joint_count, .clip_count = 4, .cubic = joint_count == 65}));
+}
+
+TEST(Sample, PackedClipsFollowTheReference) {
+    for (const uint32_t joint_count : {1u, 63u, 65u, 300u}) {
+        for (const double error : {1e-2, 1e-4, 1e-6}) {
+            const Result<Character> packed = compile_character(make_asset({.joint_count = joint_count, .seed = joint_count, .clip_count = 4, .cubic = joint_count == 65}), {.error = error});
+            ASSERT_TRUE(packed) << packed.error().text();
+            ASSERT_TRUE(packed->packed);
+            expect_reference(*packed);
         }
-        EXPECT_LE(worst, kBound) << joint_count << " joints";
-        std::printf("  %3u joints, 100 instances, both slots: largest error %.1e\n", joint_count, worst);
     }
 }
 

@@ -58,7 +58,7 @@ Skinned run_skin(const Character& character, uint32_t instance, uint32_t instanc
     const Guarded<Influences> influences(character.influences);
     const Guarded<Affine> skin_matrices(matrices);
     const Guarded<io::vec4> positions(poison<io::vec4>(character.vertices.size()));
-    const Kernel kernel = skin_kernel(test_gpu());
+    const Kernel kernel = skin_kernel(test_gpu(), SkinFormat::kAffine);
     for (uint32_t s = 0; s < character.sections.size(); ++s) {
         const MeshSection& section = character.sections[s];
         if (s == left_out) continue;

@@ -3,12 +3,17 @@
 namespace throng {
 namespace {
 
-constexpr uint32_t kSpirv[] = {
+constexpr uint32_t kPlain[] = {
 #include "bind/bind.comp.inc"
+};
+constexpr uint32_t kWide[] = {
+#include "bind/bind.wide.inc"
 };
 
 }  // namespace
 
-Kernel bind_kernel(const std::shared_ptr<Gpu>& gpu) { return Kernel(gpu, {.name = "bind", .spirv = kSpirv}); }
+Kernel bind_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format) {
+    return Kernel(gpu, {.name = "bind", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWide) : kPlain, .constants = {static_cast<uint32_t>(format)}});
+}
 
 }  // namespace throng

@@ -1,6 +1,7 @@
 #include "compile/clip.h"
 
 #include "base/failure.h"
+#include "compile/limits.h"
 #include "compile/source_track.h"
 
 #include <algorithm>
@@ -9,7 +10,6 @@
 namespace throng {
 namespace {
 
-constexpr uint64_t kKeyLimit_bytes = uint64_t{256} << 20;
 constexpr uint64_t kKey_bytes = 16;
 constexpr uint64_t kRawPose_bytes = 10 * sizeof(float);  // rotation, translation, scale
 constexpr double kRelativeBound = 1e-6;  // of the character's size; a rotation by as many radians moves no point further

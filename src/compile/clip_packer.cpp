@@ -13,6 +13,11 @@ constexpr size_t kCachedModels = 1 << 19; // exact transforms that are kept: 48 
 constexpr size_t kSampledRows = 16;       // for the sensitivities
 constexpr size_t kUnvarying = ~size_t{0};
 
+struct Arms {
+    Vec3<double> sum;
+    AffineT<double> inverse_inertia;
+};
+
 class ClipPacker {
 public:
     ClipPacker(const Character& character, uint32_t clip, std::span<const Box> boxes, double bound)
@@ -30,6 +35,8 @@ public:
             track_of_[grid_.tracks[track].joint * 3 + static_cast<size_t>(grid_.tracks[track].target)] = track;
         models_.resize(joint_count_);
         exact_models_.resize(joint_count_);
+        peaks_.resize(joint_count_);
+        weigh_arms();
         if (grid_.point_count() * joint_count_ <= kCachedModels) {
             cache_.reserve(grid_.point_count() * joint_count_);
             for (size_t point = 0; point < grid_.point_count(); ++point) {
@@ -40,13 +47,15 @@ public:
     }
 
     PackedClip run() {
-        for (const double share : {0.1, 0.4}) {
+        double A1=getenv("A1")?atof(getenv("A1")):0.1, A2=getenv("A2")?atof(getenv("A2")):.4, A3=getenv("A3")?atof(getenv("A3")):A2;
+        for (const double share : {A1,A2,A3}) {
             const std::vector<size_t> rows = keep_rows(share * bound_);
             if (rows.size() == rows_.size()) continue;
             rows_ = rows;
             search();
         }
         if (!best_) finest();
+        if(getenv("DUMP")) for(size_t j=0;j<joint_count_;++j) for(size_t t=0;t<3;++t){ auto&k=best_->tracks[j*3+t]; auto&sh=shapes_[j*3+t]; if(packed_row_bits(k)) printf("%3zu parent %d t%zu bits %u %u %u range %.4f %.4f %.4f sens %.3f %.3f %.3f w %.2f peak %.3f full %d %s\n",j,(int)character_.rig.parents[j],t,packed_bit_count(k,0),packed_bit_count(k,1),packed_bit_count(k,2),sh.high[0]-sh.low[0],sh.high[1]-sh.low[1],sh.high[2]-sh.low[2],sh.sensitivity[0]/character_.size,sh.sensitivity[1]/character_.size,sh.sensitivity[2]/character_.size,weights_[j],peaks_[j]/bound_,sh.full,character_.rig.names[j].c_str()); }
         return std::move(*best_);
     }
 
@@ -214,6 +223,52 @@ private:
         return out;
     }
 
+    // The joint lies `off` (in its parent's space) from its place: the rotation that best brings what hangs on it back, in the sense of
+    // least squares.
+    Quaternion<double> turned(size_t joint, const Trs<double>& aimed, const Vec3<double>& off) const {
+        const Arms& arms = arms_[joint];
+        const Quaternion<double>& q = aimed.rotation;
+        const AffineT<double> joint_from_parent = to_affine(Trs<double>{.rotation = {-q.x, -q.y, -q.z, q.w}});
+        const Vec3<double> turn = transform_vector(arms.inverse_inertia, cross(transform_vector(joint_from_parent, off), arms.sum)) * (0.5 / aimed.scale.x);
+        if (!(dot(turn, turn) < 0.01)) return q;
+        return normalized(q * Quaternion<double>{turn.x, turn.y, turn.z, 1});
+    }
+
+    // What hangs on each joint, in its space: its own skin, and the joints below it.
+    void weigh_arms() {
+        arms_.resize(joint_count_);
+        std::vector<std::array<double, 6>> products(joint_count_);  // sums of xx yy zz xy xz yz
+        const auto add = [&](size_t joint, const Vec3<double>& arm, double weight) {
+            arms_[joint].sum = arms_[joint].sum + arm * weight;
+            const std::array<double, 6> p{arm.x * arm.x, arm.y * arm.y, arm.z * arm.z, arm.x * arm.y, arm.x * arm.z, arm.y * arm.z};
+            for (size_t i = 0; i < 6; ++i) products[joint][i] += weight * p[i];
+        };
+        static const double CW = getenv("CW") ? atof(getenv("CW")) : 1.0;
+        for (size_t joint = 0; joint < joint_count_; ++joint) {
+            if (!boxes_[joint].empty)
+                for (size_t i = 0; i < 8; ++i) add(joint, boxes_[joint].corner(i), 0.125);
+            const uint32_t parent = character_.rig.parents[joint];
+            if (parent != kNone) add(parent, poses_.front()[joint].translation, CW);
+        }
+        for (size_t joint = 0; joint < joint_count_; ++joint) {
+            const auto& [xx, yy, zz, xy, xz, yz] = products[joint];
+            const double least = 1e-3 * (xx + yy + zz);  // of arms all in one line
+            const std::array<std::array<double, 3>, 3> m{{{yy + zz + least, -xy, -xz}, {-xy, xx + zz + least, -yz}, {-xz, -yz, xx + yy + least}}};
+            arms_[joint].inverse_inertia = inverse3(m);
+        }
+    }
+    static AffineT<double> inverse3(const std::array<std::array<double, 3>, 3>& m) {
+        const auto cofactor = [&](size_t r, size_t c) {
+            const size_t r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
+            return m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1];
+        };
+        const double determinant = m[0][0] * cofactor(0, 0) + m[0][1] * cofactor(0, 1) + m[0][2] * cofactor(0, 2);
+        AffineT<double> out;
+        for (size_t r = 0; r < 3; ++r)
+            for (size_t c = 0; c < 3; ++c) out.row[r][c] = determinant > 0 ? cofactor(c, r) / determinant : 0;
+        return out;
+    }
+
     // Writes all kept rows. Returns the largest displacement in them.
     double encode() {
         const std::vector<uint32_t>& parents = character_.rig.parents;
@@ -242,11 +297,12 @@ private:
         Trs<double> local = grid_.still[joint];
         for (size_t slot = first; slot < first + 3; ++slot)
             if (moves(slot)) set_component(local, shapes_[slot].target, grid_.value(track_of_[slot], point));
-        const Trs<double> aimed = aim(joint, local, wanted);
+        Trs<double> aimed = aim(joint, local, wanted);
         for (size_t slot = first; slot < first + 3; ++slot) {
             if (!moves(slot)) continue;
             const PackedTrack& track = tracks_[slot];
             const TrackTarget target = shapes_[slot].target;
+            if (target == TrackTarget::kRotation) aimed.rotation = turned(joint, aimed, packed.translation - aimed.translation);
             TrackSample value = component(shapes_[slot].step ? local : aimed, target);
             if (target == TrackTarget::kRotation && !shapes_[slot].full && value[shapes_[slot].left_out] < 0)
                 for (double& v : value) v = -v;
@@ -342,6 +398,7 @@ private:
         double scale = 0.3, good = 0, bad = 0;
         for (int round = 0; round < 10; ++round) {
             const double error = evaluate(scale);
+            if(getenv("T")) printf("rows %zu round %d scale %.4f err %.3f stride %u tracks %zu size %zu between %.3f\n",rows_.size(),round,scale,error/bound_,row_stride_,moving_.size(),size_bytes(),measure_between()/bound_);
             if (error <= goal) keep(error);
             if (round < 3) {
                 reweight();
@@ -373,6 +430,7 @@ private:
     std::vector<AffineT<double>> cache_;           // [point][joint_count], exact; empty where that is too much
     std::vector<AffineT<double>> exact_models_, models_;
     std::vector<Trs<double>> pose_, packed_still_;
+    std::vector<Arms> arms_;                       // [joint_count]
 
     std::vector<size_t> rows_;                     // that are kept, of the grid's
     std::vector<TrackShape> shapes_;               // [joint_count][3]

@@ -1,6 +1,7 @@
 #include "compile/mesh.h"
 
 #include "base/failure.h"
+#include "compile/limits.h"
 #include "scan/scan_reference.h"
 
 #include <algorithm>
@@ -8,8 +9,6 @@
 
 namespace throng {
 namespace {
-
-constexpr size_t kPaletteLimit = 65'536;
 
 // Octahedral map of a unit vector to two signed 16-bit fractions.
 // Source: Cigolle et al., A Survey of Efficient Representations for Independent Unit Vectors, JCGT 2014.

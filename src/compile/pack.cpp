@@ -3,8 +3,8 @@
 #include "base/failure.h"
 #include "compile/clip_packer.h"
 
+#include <bit>
 #include <cstdio>
-#include <cstring>
 #include <map>
 
 namespace throng {
@@ -17,14 +17,12 @@ constexpr uint32_t kWordsBehind = 3;  // decoding reads three words from the one
 class HeaderPool {
 public:
     uint32_t add(const PackedTrack& track) {
-        std::array<uint32_t, 8> pattern;
-        std::memcpy(pattern.data(), &track, sizeof(track));
+        auto pattern = std::bit_cast<std::array<uint32_t, 8>>(track);
         const bool constant = packed_row_bits(track) == 0;
         if (constant) std::fill(pattern.begin() + 4, pattern.end(), 0);
         const auto [at, is_new] = positions_.try_emplace(pattern, static_cast<uint32_t>(keys_.size()));
         if (is_new) {
-            std::array<std::array<float, 4>, 2> both;
-            std::memcpy(both.data(), &track, sizeof(track));
+            const auto both = std::bit_cast<std::array<std::array<float, 4>, 2>>(track);
             keys_.insert(keys_.end(), both.begin(), both.end() - (constant ? 1 : 0));
         }
         return at->second;

@@ -1,14 +1,13 @@
 #include "compile/rig.h"
 
 #include "base/failure.h"
+#include "compile/limits.h"
 
 #include <algorithm>
 #include <optional>
 
 namespace throng {
 namespace {
-
-constexpr size_t kJointLimit = 65'535;
 
 // What the choice of joints needs to know of each node.
 struct NodeFacts {
@@ -46,7 +45,9 @@ std::optional<Similarity> as_similarity(const Trs<double>& trs) {
     return Similarity{trs.rotation, trs.translation, trs.scale.x};
 }
 
-void measure(Rig& rig) {
+}  // namespace
+
+void measure_rig(Rig& rig) {
     std::vector<uint32_t> depth(rig.joint_count());
     std::vector<bool> has_child(rig.joint_count());
     double depth_sum = 0;
@@ -60,8 +61,6 @@ void measure(Rig& rig) {
     rig.mean_depth = depth_sum / rig.joint_count();
     rig.leaf_count = static_cast<uint32_t>(std::count(has_child.begin(), has_child.end(), false));
 }
-
-}  // namespace
 
 Vec3<double> Similarity::vector(const Vec3<double>& v) const {
     const Vec3<double> axis{rotation.x, rotation.y, rotation.z};
@@ -121,7 +120,7 @@ RigMap build_rig(const Asset& asset) {
         const auto& below = children[visit.node];
         for (auto child = below.rbegin(); child != below.rend(); ++child) stack.push_back({*child, joint, prefix});
     }
-    measure(map.rig);
+    measure_rig(map.rig);
     return map;
 }
 

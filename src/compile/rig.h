@@ -29,6 +29,9 @@ struct RigMap {
 // Throws kUnsupported where the asset has neither skin nor mesh, kLimit beyond 65,535 joints.
 RigMap build_rig(const Asset& asset);
 
+// Fills level_count, mean_depth and leaf_count from `parents`.
+void measure_rig(Rig& rig);
+
 // A rigid mesh's place: the joint it hangs on and joint_from_mesh.
 struct RigidAnchor {
     uint32_t joint = 0;

@@ -1,6 +1,7 @@
 #include "crowd/crowd_state.h"
 
 #include "base/failure.h"
+#include "bind/skin_format.h"
 #include "control/control.h"
 #include "control/control_reference.h"
 #include "control/playback.h"
@@ -20,7 +21,7 @@ bool blends(const io::InstancePlayback& playback) { return playback.weight > 0 &
 }  // namespace
 
 CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& settings)
-    : gpu(std::move(gpu_in)), control_(control_kernel(gpu)) {
+    : gpu(std::move(gpu_in)), skin_format(settings.skin_format), control_(control_kernel(gpu)) {
     uint64_t total = 0;
     for (const CrowdGroup& group : settings.groups) {
         if (!group.character) throw Failure(ErrorCode::kInvalidArgument, "crowd", "a group has no character");
@@ -33,8 +34,10 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
 
     groups.reserve(settings.groups.size());
     for (const CrowdGroup& group : settings.groups) {
+        if (const std::string obstacle = skin_format_obstacle(skin_format, *group.character); !obstacle.empty())
+            throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin format", obstacle);
         groups.emplace_back(gpu, *group.character, choose_path(*gpu, settings, group));
-        make_batches(static_cast<uint32_t>(groups.size() - 1), group.instance_count, settings.keep_model_matrices);
+        make_batches(static_cast<uint32_t>(groups.size() - 1), settings);
         const auto rest = static_cast<uint32_t>(group.character->clips.size());
         const io::SlotPlayback rest_slot{.clip = rest, .loop = 0, .time_s = 0, .speed = 0};
         playbacks_.insert(playbacks_.end(), group.instance_count, {rest_slot, rest_slot, 1});
@@ -43,8 +46,8 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
         const Group& group = groups[batch.group];
         batch.control = control_.bind(ControlBuffers{batch.playbacks, group.axes, group.times, batch.cursors});
     }
-    fused.emplace(gpu, groups, batches, settings.keep_model_matrices);
-    staged.emplace(gpu, groups, batches);
+    fused.emplace(gpu, groups, batches, settings);
+    staged.emplace(gpu, groups, batches, skin_format);
     placements.resize(instance_count);
     dirty_playbacks_.add(0, instance_count);
     dirty_placements_.add(0, instance_count);
@@ -55,8 +58,9 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
 void CrowdState::check_memory(const CrowdSettings& settings) const {
     uint64_t needed_bytes = 0, largest_heap_bytes = 0;
     for (const CrowdGroup& group : settings.groups) {
-        const uint64_t matrices = group.character->palette.size() + 1 + (settings.keep_model_matrices ? group.character->rig.joint_count() : 0);
-        needed_bytes += group.instance_count * (matrices * kMatrix_bytes + sizeof(io::InstancePlayback) + sizeof(io::InstanceCursor));
+        const uint64_t matrices = 1 + (settings.keep_model_matrices ? group.character->rig.joint_count() : 0);
+        const uint64_t skin_bytes = group.character->palette.size() * uint64_t{skin_format_bytes(skin_format)} * (settings.keep_previous_matrices ? 2 : 1);
+        needed_bytes += group.instance_count * (matrices * kMatrix_bytes + skin_bytes + sizeof(io::InstancePlayback) + sizeof(io::InstanceCursor));
     }
     for (uint32_t heap = 0; heap < gpu->memory_properties.memoryHeapCount; ++heap)
         largest_heap_bytes = std::max<uint64_t>(largest_heap_bytes, gpu->memory_properties.memoryHeaps[heap].size);
@@ -65,8 +69,9 @@ void CrowdState::check_memory(const CrowdSettings& settings) const {
 }
 
 // As few batches as the device's limits allow, of nearly equal size.
-void CrowdState::make_batches(uint32_t group_index, uint32_t count, bool keep_model) {
+void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& settings) {
     const Group& group = groups[group_index];
+    const uint32_t count = settings.groups[group_index].instance_count;
     const uint64_t widest = std::max(group.joint_count, group.palette_count);
     const uint64_t capacity = std::min<uint64_t>(arena_limit_bytes(*gpu) / (widest * kMatrix_bytes), gpu->properties.limits.maxComputeWorkGroupCount[0]);
     if (capacity == 0)
@@ -84,14 +89,16 @@ void CrowdState::make_batches(uint32_t group_index, uint32_t count, bool keep_mo
         batch.playbacks = storage("playback states", n * sizeof(io::InstancePlayback));
         batch.cursors = storage("cursors", n * sizeof(io::InstanceCursor));
         batch.placements = storage("placements", n * kMatrix_bytes);
-        batch.skin = storage("skin matrices", n * std::max(group.palette_count, 1u) * kMatrix_bytes);
-        if (keep_model) batch.kept_model = storage("model matrices", n * group.joint_count * kMatrix_bytes);
+        for (size_t k = 0; k < (settings.keep_previous_matrices ? 2 : 1); ++k)
+            batch.skins[k] = storage("skin matrices", n * std::max(group.palette_count, 1u) * skin_format_bytes(skin_format));
+        if (settings.keep_model_matrices) batch.kept_model = storage("model matrices", n * group.joint_count * kMatrix_bytes);
         outputs.push_back({.group = group_index,
                            .first_instance = batch.first_instance,
                            .instance_count = batch.instance_count,
                            .palette_count = group.palette_count,
                            .joint_count = group.joint_count,
-                           .skin_buffer = batch.skin.handle(),
+                           .skin_buffer = batch.skins[0].handle(),
+                           .previous_skin_buffer = batch.skins[1].handle(),
                            .model_buffer = batch.kept_model.handle(),
                            .placement_buffer = batch.placements.handle()});
         batches.push_back(std::move(batch));
@@ -174,12 +181,35 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s) {
     // Whoever reads the last update's results must be done.
     memory_barrier(*gpu, commands, kConsumers | kShaderWrite | kTransferWrite, kShaderRead | kShaderWrite | kTransferWrite);
     upload_changes(commands);
+    take_turns();
     memory_barrier(*gpu, commands, kTransferWrite, kShaderRead | kShaderWrite | kVertexRead);
     if (timer) timer->begin(commands);
     record_control(commands, time_step_s);
     fused->record(commands, timer.get());
     staged->record(commands, timer.get());
-    memory_barrier(*gpu, commands, kShaderWrite, kConsumers);
+    if (!has_updated_) copy_to_previous(commands);
+    has_updated_ = true;
+    memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, kConsumers);
+}
+
+// What was current becomes previous.
+void CrowdState::take_turns() {
+    for (size_t i = 0; i < batches.size(); ++i) {
+        if (!batches[i].skins[1].handle()) continue;
+        batches[i].current_skin ^= 1;
+        std::swap(outputs[i].skin_buffer, outputs[i].previous_skin_buffer);
+    }
+}
+
+// The first update has none before it: nothing has moved.
+void CrowdState::copy_to_previous(VkCommandBuffer commands) const {
+    memory_barrier(*gpu, commands, kShaderWrite, kTransferRead);
+    for (const Batch& batch : batches) {
+        const Buffer& previous = batch.skins[1 - batch.current_skin];
+        if (!previous.handle()) continue;
+        const VkBufferCopy copy{0, 0, previous.size_bytes()};
+        gpu->vk.vkCmdCopyBuffer(commands, batch.skin().handle(), previous.handle(), 1, &copy);
+    }
 }
 
 void CrowdState::record_control(VkCommandBuffer commands, float time_step_s) {
@@ -195,8 +225,9 @@ std::vector<Affine> CrowdState::read_matrices(uint32_t instance, bool model) con
     const Group& group = groups[batch.group];
     if (model && !batch.kept_model.handle())
         throw Failure(ErrorCode::kInvalidArgument, "read-back", "model matrices are kept only with CrowdSettings::keep_model_matrices");
-    const uint64_t size_bytes = uint64_t{model ? group.joint_count : group.palette_count} * kMatrix_bytes;
-    return download<Affine>(gpu, BufferRange(model ? batch.kept_model.handle() : batch.skin.handle(), (instance - batch.first_instance) * size_bytes, size_bytes));
+    const uint64_t size_bytes = model ? group.joint_count * kMatrix_bytes : uint64_t{group.palette_count} * skin_format_bytes(skin_format);
+    const BufferRange range(model ? batch.kept_model.handle() : batch.skin().handle(), (instance - batch.first_instance) * size_bytes, size_bytes);
+    return unpack_skin(model ? SkinFormat::kAffine : skin_format, download<std::byte>(gpu, range));
 }
 
 std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
@@ -204,9 +235,9 @@ std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
     const Batch& batch = batch_of(instance);
     const Group& group = groups[batch.group];
     if (group.vertex_count == 0) return {};
-    if (!skin_) skin_ = skin_kernel(gpu);
+    if (!skin_) skin_ = skin_kernel(gpu, skin_format);
     const Buffer positions(gpu, group.name + ": skinned positions", group.vertex_count * uint64_t{sizeof(io::vec4)}, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    const Bindings bindings = skin_->bind(SkinBuffers{group.vertices, group.influences, batch.skin, positions});
+    const Bindings bindings = skin_->bind(SkinBuffers{group.vertices, group.influences, batch.skin(), positions});
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
         memory_barrier(*gpu, commands, kShaderWrite, kShaderRead);
         for (const MeshSection& section : group.sections)
@@ -227,7 +258,7 @@ uint64_t CrowdState::size_bytes() const {
     uint64_t sum = staged->size_bytes();
     for (const Group& group : groups) sum += group.size_bytes();
     for (const Batch& batch : batches)
-        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.placements, &batch.skin, &batch.kept_model}) sum += buffer->size_bytes();
+        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
     return sum;
 }
 

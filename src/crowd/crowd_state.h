@@ -28,6 +28,7 @@ struct CrowdState {
 
     std::shared_ptr<Gpu> gpu;
     uint32_t instance_count = 0;
+    SkinFormat skin_format = SkinFormat::kAffine;
     std::vector<Group> groups;
     std::vector<Batch> batches;
     std::vector<OutputBlock> outputs;
@@ -37,10 +38,12 @@ struct CrowdState {
     std::optional<StagedUpdate> staged;
 
 private:
-    void make_batches(uint32_t group, uint32_t count, bool keep_model);
+    void make_batches(uint32_t group, const CrowdSettings& settings);
+    void take_turns();
     void check_memory(const CrowdSettings& settings) const;
     void upload_changes(VkCommandBuffer commands);
     void record_control(VkCommandBuffer commands, float time_step_s);
+    void copy_to_previous(VkCommandBuffer commands) const;
     void count_blending(uint32_t first_instance, std::span<const io::InstancePlayback> changed);
     void check_range(uint32_t first_instance, size_t count, const char* what) const;
     const Batch& batch_of(uint32_t instance) const;
@@ -48,6 +51,7 @@ private:
     Kernel control_;
     std::optional<Kernel> skin_;  // made when positions are first read back
     std::vector<io::InstancePlayback> playbacks_;    // [instance_count], as last set
+    bool has_updated_ = false;
     DirtyRanges dirty_playbacks_, dirty_placements_;
 };
 

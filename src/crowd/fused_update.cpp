@@ -4,12 +4,12 @@
 
 namespace throng {
 
-FusedUpdate::FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, bool keeps_model)
+FusedUpdate::FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const CrowdSettings& settings)
     : gpu_(std::move(gpu)), groups_(groups), batches_(batches) {
     for (const Group& group : groups_) {
         Kernels& kernels = kernels_.emplace_back();
         if (!group.fused) continue;
-        const auto make = [&](bool blends) { return fused_kernel(gpu_, group.fused->plan, group.joint_count, {.packed = group.packed, .blends = blends, .keeps_model = keeps_model}); };
+        const auto make = [&](bool blends) { return fused_kernel(gpu_, group.fused->plan, group.joint_count, {.packed = group.packed, .blends = blends, .keeps_model = settings.keep_model_matrices, .skin_format = settings.skin_format}); };
         kernels = {make(true), make(false)};
     }
     for (uint32_t i = 0; i < batches_.size(); ++i) {
@@ -17,8 +17,13 @@ FusedUpdate::FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& gro
         const Group& group = groups_[batch.group];
         if (!group.fused) continue;
         const FusedTables& tables = group.fused->tables;
-        members_.push_back({i, kernels_[batch.group].blending.bind(FusedBuffers{batch.cursors, group.tracks, group.keys, group.words, tables.links, tables.bind_ranges, tables.bind_entries, tables.binds,
-                                                                                batch.skin, keeps_model ? batch.kept_model : batch.skin})});
+        Member& member = members_.emplace_back(Member{.batch = i, .bindings = {}});
+        for (size_t k = 0; k < batch.skins.size(); ++k) {
+            const Buffer& skin = batch.skins[k];
+            if (!skin.handle()) continue;
+            member.bindings[k] = kernels_[batch.group].blending.bind(FusedBuffers{batch.cursors, group.tracks, group.keys, group.words, tables.links, tables.bind_ranges, tables.bind_entries, tables.binds,
+                                                                                  skin, settings.keep_model_matrices ? batch.kept_model : skin});
+        }
     }
 }
 
@@ -28,7 +33,7 @@ void FusedUpdate::record(VkCommandBuffer commands, StageTimer* timer) const {
         const Batch& batch = batches_[member.batch];
         const Group& group = groups_[batch.group];
         const Kernels& kernels = kernels_[batch.group];
-        record_fused(commands, batch.blending_count > 0 ? kernels.blending : kernels.single, member.bindings, group.fused->plan,
+        record_fused(commands, batch.blending_count > 0 ? kernels.blending : kernels.single, member.bindings[batch.current_skin], group.fused->plan,
                      {.joint_count = group.joint_count, .instance_count = batch.instance_count, .palette_count = group.palette_count});
     }
     memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);

@@ -10,7 +10,7 @@ namespace throng {
 class FusedUpdate {
 public:
     // Of those batches whose group is fused; keeps references to both.
-    FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, bool keeps_model);
+    FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const CrowdSettings& settings);
 
     bool empty() const { return members_.empty(); }
     void record(VkCommandBuffer commands, StageTimer* timer) const;
@@ -22,7 +22,7 @@ private:
     };
     struct Member {
         uint32_t batch = 0;
-        Bindings bindings;
+        std::array<Bindings, 2> bindings;  // one for each of the batch's skin buffers
     };
 
     std::shared_ptr<Gpu> gpu_;

@@ -49,8 +49,8 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
     tracks = upload_table(gpu, name + ": tracks", character.tracks);
     keys = upload_table(gpu, name + ": keys", character.keys);
     words = upload_table(gpu, name + ": key words", character.words);
-    palette_joints = upload(gpu, name + ": palette joints", joints);
-    joint_from_bind = upload(gpu, name + ": inverse binds", binds);
+    palette_joints = upload_table(gpu, name + ": palette joints", joints);
+    joint_from_bind = upload_table(gpu, name + ": inverse binds", binds);
     vertices = upload(gpu, name + ": vertices", character.vertices);
     influences = upload(gpu, name + ": influences", character.influences);
     indices = upload(gpu, name + ": indices", character.indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);

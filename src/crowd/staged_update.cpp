@@ -25,7 +25,7 @@ uint64_t arena_limit_bytes(const Gpu& gpu) {
     return std::min({kArenaBuffer_bytes, uint64_t{gpu.properties.limits.maxStorageBufferRange}, gpu.max_allocation_bytes});
 }
 
-StagedUpdate::StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches)
+StagedUpdate::StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, SkinFormat skin_format)
     : gpu_(std::move(gpu)), groups_(groups), batches_(batches) {
     for (uint32_t i = 0; i < batches_.size(); ++i)
         if (!groups_[batches_[i].group].fused) members_.push_back({.batch = i});
@@ -37,7 +37,7 @@ StagedUpdate::StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& g
         std::optional<Kernel>& blend = group.takes_similarities() ? blend_similarities_ : blend_affines_;
         if (!blend) blend = blend_kernel(gpu_, group.takes_similarities() ? BlendOutput::kSimilarity : BlendOutput::kAffine);
     }
-    bind_ = bind_kernel(gpu_);
+    bind_ = bind_kernel(gpu_, skin_format);
     make_waves();
     for (Member& member : members_) bind_member(member);
 }
@@ -76,7 +76,8 @@ void StagedUpdate::bind_member(Member& member) {
     member.sample_second = sample.bind(SampleBuffers{batch.cursors, group.tracks, group.keys, group.words, second});
     member.blend = blend_of(group).bind(BlendBuffers{batch.cursors, first, second, local});
     member.scan = group.scan->bind({.local = local, .links = group.scan->links(), .model = model, .scratch = second});
-    member.bind = bind_->bind(BindBuffers{model, group.palette_joints, group.joint_from_bind, batch.skin});
+    for (size_t i = 0; i < batch.skins.size(); ++i)
+        if (batch.skins[i].handle()) member.bind[i] = bind_->bind(BindBuffers{model, group.palette_joints, group.joint_from_bind, batch.skins[i]});
 }
 
 void StagedUpdate::record(VkCommandBuffer commands, StageTimer* timer) const {
@@ -99,7 +100,7 @@ void StagedUpdate::record_wave(VkCommandBuffer commands, const Wave& wave, Stage
     });
     stage(&StageTimes::scan, [&](const Member& member, uint32_t instance_count, const Group& group) { group.scan->record(commands, member.scan, instance_count); });
     stage(&StageTimes::bind, [&](const Member& member, uint32_t instance_count, const Group& group) {
-        bind_->dispatch_workgroups(commands, member.bind, io::BindPush{group.joint_count, group.palette_count}, instance_count);
+        bind_->dispatch_workgroups(commands, member.bind[batches_[member.batch].current_skin], io::BindPush{group.joint_count, group.palette_count}, instance_count);
     });
 }
 

@@ -18,7 +18,7 @@ uint64_t arena_limit_bytes(const Gpu& gpu);
 class StagedUpdate {
 public:
     // Of those batches whose group is not fused; keeps references to both.
-    StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches);
+    StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, SkinFormat skin_format);
 
     uint32_t wave_count() const { return static_cast<uint32_t>(waves_.size()); }
     void record(VkCommandBuffer commands, StageTimer* timer) const;
@@ -28,7 +28,8 @@ private:
     struct Member {
         uint32_t batch = 0;
         uint64_t arena_offset_bytes = 0;
-        Bindings sample_first, sample_second, blend, scan, bind;
+        Bindings sample_first, sample_second, blend, scan;
+        std::array<Bindings, 2> bind;  // one for each of the batch's skin buffers
     };
     struct Wave {
         uint32_t first_member = 0, member_count = 0;

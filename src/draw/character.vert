@@ -5,11 +5,11 @@
 #include "skin/skin_io.h"
 
 layout(constant_id = 0) const bool kShadow = false;  // thrown onto the ground, along the light
+layout(constant_id = 1) const uint kSkinFormat = 0;  // throng::SkinFormat
 
 layout(set = 0, binding = 0, std140) uniform Scene { DrawScene scene; };
 layout(set = 1, binding = 0, std430) readonly buffer Vertices { VertexRows vertices[]; };
 layout(set = 1, binding = 1, std430) readonly buffer InfluenceWords { uvec2 influences[]; };
-layout(set = 1, binding = 2, std430) readonly buffer SkinMatrices { Affine skin_matrices[]; };
 layout(set = 1, binding = 3, std430) readonly buffer Placements { Affine world_from_model[]; };
 layout(push_constant) uniform Push { DrawPush push; };
 
@@ -19,6 +19,9 @@ layout(location = 2) out vec2 out_texcoord;
 layout(location = 3) out vec4 out_color;
 layout(location = 4) flat out uint out_mirrored;
 
+#define SKIN_SET 1
+#define SKIN_BINDING 2
+#include "bind/skin_format.glsl"
 #include "skin/skin.glsl"
 
 // The inverse of pack_normal() in compile/mesh.cpp.

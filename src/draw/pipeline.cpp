@@ -27,6 +27,7 @@ constexpr uint32_t kGroundFragment[] = {
 struct Program {
     std::span<const uint32_t> vertex, fragment;
     bool vertex_constant = false, fragment_constant = false;  // constant_id 0
+    SkinFormat skin_format = SkinFormat::kAffine;             // constant_id 1 of the vertex shader
     bool depth = false;
 };
 
@@ -48,10 +49,11 @@ OwnedShader make_shader(const std::shared_ptr<Gpu>& gpu, std::span<const uint32_
 
 OwnedPipeline make_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout layout, VkSampleCountFlagBits samples, const Program& program) {
     const OwnedShader vertex = make_shader(gpu, program.vertex), fragment = make_shader(gpu, program.fragment);
-    const VkBool32 vertex_constant = program.vertex_constant, fragment_constant = program.fragment_constant;
-    const VkSpecializationMapEntry entry{0, 0, sizeof(VkBool32)};
-    const VkSpecializationInfo vertex_constants{1, &entry, sizeof vertex_constant, &vertex_constant};
-    const VkSpecializationInfo fragment_constants{1, &entry, sizeof fragment_constant, &fragment_constant};
+    const std::array<uint32_t, 2> vertex_values{program.vertex_constant, static_cast<uint32_t>(program.skin_format)};
+    const uint32_t fragment_value = program.fragment_constant;
+    constexpr VkSpecializationMapEntry kEntries[] = {{0, 0, 4}, {1, 4, 4}};
+    const VkSpecializationInfo vertex_constants{2, kEntries, sizeof vertex_values, vertex_values.data()};
+    const VkSpecializationInfo fragment_constants{1, kEntries, sizeof fragment_value, &fragment_value};
     std::array<VkPipelineShaderStageCreateInfo, 2> stages{};
     stages[0] = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_VERTEX_BIT, vertex.get(), "main", &vertex_constants};
     stages[1] = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_FRAGMENT_BIT, fragment.get(), "main", &fragment_constants};
@@ -106,7 +108,7 @@ OwnedPipeline make_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout la
 
 }  // namespace
 
-DrawPipelines::DrawPipelines(const std::shared_ptr<Gpu>& gpu, VkSampleCountFlagBits samples) {
+DrawPipelines::DrawPipelines(const std::shared_ptr<Gpu>& gpu, VkSampleCountFlagBits samples, SkinFormat format) : skin_format(format) {
     constexpr VkShaderStageFlags kBothStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
     scene_set = make_set_layout(gpu, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, kBothStages);
     batch_set = make_set_layout(gpu, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kBatchBindings.size(), VK_SHADER_STAGE_VERTEX_BIT);
@@ -122,9 +124,9 @@ DrawPipelines::DrawPipelines(const std::shared_ptr<Gpu>& gpu, VkSampleCountFlagB
 
     const auto make = [&](const Program& program) { return make_pipeline(gpu, layout.get(), samples, program); };
     ground = make({.vertex = kGroundVertex, .fragment = kGroundFragment});
-    shadow = make({.vertex = kCharacterVertex, .fragment = kShadowFragment, .vertex_constant = true});
-    character = make({.vertex = kCharacterVertex, .fragment = kCharacterFragment, .depth = true});
-    character_discards = make({.vertex = kCharacterVertex, .fragment = kCharacterFragment, .fragment_constant = true, .depth = true});
+    shadow = make({.vertex = kCharacterVertex, .fragment = kShadowFragment, .vertex_constant = true, .skin_format = format});
+    character = make({.vertex = kCharacterVertex, .fragment = kCharacterFragment, .skin_format = format, .depth = true});
+    character_discards = make({.vertex = kCharacterVertex, .fragment = kCharacterFragment, .fragment_constant = true, .skin_format = format, .depth = true});
 }
 
 }  // namespace throng

@@ -4,6 +4,8 @@
 #include "draw/owned.h"
 #include "gpu/spirv_info.h"
 
+#include <throng/crowd.h>
+
 #include <array>
 
 namespace throng {
@@ -15,7 +17,10 @@ inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 // Cull mode, viewport and scissor are dynamic.
 struct DrawPipelines {
     DrawPipelines() = default;
-    DrawPipelines(const std::shared_ptr<Gpu>& gpu, VkSampleCountFlagBits samples);
+    // Of crowds whose skin matrices have this format.
+    DrawPipelines(const std::shared_ptr<Gpu>& gpu, VkSampleCountFlagBits samples, SkinFormat format);
+
+    SkinFormat skin_format = SkinFormat::kAffine;
 
     OwnedSetLayout scene_set, batch_set, material_set;
     OwnedPipelineLayout layout;

@@ -151,7 +151,7 @@ RendererState::RendererState(std::shared_ptr<Gpu> gpu, const RendererSettings& s
         resolved_ = Image(gpu_, {.what = "resolved picture", .width = width_, .height = height_, .format = kColorFormat,
                                  .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
     readback_ = Buffer(gpu_, "picture read-back", uint64_t{width_} * height_ * 4, 0, MemoryKind::kReadback);
-    pipelines_ = DrawPipelines(gpu_, samples_);
+    pipelines_ = DrawPipelines(gpu_, samples_, SkinFormat::kAffine);
     white_ = make_white_texture(gpu_);
 
     VkSamplerCreateInfo sampler{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
@@ -171,13 +171,14 @@ RendererState::RendererState(std::shared_ptr<Gpu> gpu, const RendererSettings& s
 RenderResult RendererState::render(const Crowd& crowd, const Camera& camera) {
     const CrowdState& state = crowd.state();
     if (state.gpu != gpu_) throw Failure(ErrorCode::kInvalidArgument, "render", "the crowd lives on another device");
+    if (pipelines_.skin_format != state.skin_format) pipelines_ = DrawPipelines(gpu_, samples_, state.skin_format);
     const float aspect_ratio = static_cast<float>(width_) / static_cast<float>(height_);
     Frame frame{state, SceneBinding(gpu_, pipelines_.scene_set.get(), make_scene(state, world_bounds(crowd), camera, aspect_ratio)), {}, {}};
     std::vector<std::string> warnings;
     for (const Group& group : state.groups) frame.materials.emplace_back(gpu_, group, pipelines_.material_set.get(), sampler_.get(), white_.view(), warnings);
     for (const Batch& batch : state.batches) {
         const Group& group = state.groups[batch.group];
-        const std::array<BufferRange, kBatchBindings.size()> ranges{group.vertices, group.influences, batch.skin, batch.placements};
+        const std::array<BufferRange, kBatchBindings.size()> ranges{group.vertices, group.influences, batch.skin(), batch.placements};
         frame.batches.emplace_back(gpu_, pipelines_.batch_set.get(), group.name, kBatchBindings, ranges);
     }
     gpu_->submit_and_wait([&](VkCommandBuffer commands) { record(commands, frame); });

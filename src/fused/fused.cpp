@@ -85,7 +85,7 @@ Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, uint
     constexpr size_t kMethodConstants = 7;
     std::vector<uint32_t> constants = plan.scan.constants;
     constants.resize(kMethodConstants);
-    for (const uint32_t value : {uint32_t{settings.packed}, uint32_t{settings.blends}, uint32_t{settings.keeps_model}, plan.tiled ? plan.scan.instances_per_workgroup : 1,
+    for (const uint32_t value : {uint32_t{settings.packed}, uint32_t{settings.blends}, uint32_t{settings.keeps_model}, static_cast<uint32_t>(settings.skin_format), plan.tiled ? plan.scan.instances_per_workgroup : 1,
                                  plan.tiled ? static_cast<uint32_t>(tile_transforms(plan.scan, joint_count)) : 1})
         constants.push_back(value);
     return Kernel(gpu, {.name = "fused",

@@ -3,7 +3,7 @@
 //   FUSED_TILED    a workgroup first computes the local transforms of its characters into shared memory, joints side by side; for
 //                  methods that load a joint more than once
 //   else           load_local() computes: for methods that load each joint once
-// Bytes a joint, 48-byte output: keys (once for all characters in the caches), 48 written; tiled also 48 through shared memory and back.
+// Bytes a joint: keys (once for all characters in the caches), 24 to 48 written; tiled also 48 through shared memory and back.
 #include "bind/bind.glsl"
 #include "blend/blend.glsl"
 #include "fused/fused_io.h"
@@ -18,16 +18,20 @@ TABLE_OF_WORDS(4, Links, link_words);
 TABLE_OF_WORDS(5, BindRanges, bind_ranges);    // [joint_count + 1]: where a joint's palette entries begin in the next two
 TABLE_OF_WORDS(6, BindEntries, bind_entries);  // palette entries, sorted by joint
 TABLE_OF_ROWS(7, Binds, binds);                // their inverse binds, three rows each
-layout(set = 0, binding = 8, std430) writeonly buffer Skin { StoredAffine skin[]; };
 layout(set = 0, binding = 9, std430) buffer Model { StoredAffine model[]; };
 #define scratch model  // named by methods that exchange through memory where shared memory is too small: no such plan is fused
 layout(constant_id = 8) const bool kPacked = false;
 layout(constant_id = 9) const bool kBlends = true;      // false: every instance plays one clip
 layout(constant_id = 10) const bool kKeepsModel = false;
-layout(constant_id = 11) const uint kTileInstances = 1;  // of a workgroup
-layout(constant_id = 12) const uint kTileTransforms = 1;  // of all of them
+layout(constant_id = 11) const uint kSkinFormat = kSkinAffine;
+layout(constant_id = 12) const uint kTileInstances = 1;  // of a workgroup
+layout(constant_id = 13) const uint kTileTransforms = 1;  // of all of them
 layout(push_constant) uniform Push { FusedPush push; };
 
+#define SKIN_SET 0
+#define SKIN_BINDING 8
+#define SKIN_STORES
+#include "bind/skin_format.glsl"
 #include "sample/sample.glsl"
 
 uint link(uint index) { return WORD_AT(link_words, index); }
@@ -61,8 +65,7 @@ void store_model(uint instance, uint joint, Transform transform) {
     if (kKeepsModel) model[at(instance, joint)] = pack(model_from_joint);
     const uint end = WORD_AT(bind_ranges, joint + 1);
     for (uint i = WORD_AT(bind_ranges, joint); i < end; ++i) {
-        const Affine joint_from_bind = Affine(uintBitsToFloat(ROW_AT(binds, 3 * i)), uintBitsToFloat(ROW_AT(binds, 3 * i + 1)), uintBitsToFloat(ROW_AT(binds, 3 * i + 2)));
-        skin[instance * push.palette_count + WORD_AT(bind_entries, i)] = pack(skin_matrix(model_from_joint, joint_from_bind));
+        store_skin(instance * push.palette_count + WORD_AT(bind_entries, i), skin_matrix(model_from_joint, AFFINE_AT(binds, i)));
     }
 }
 

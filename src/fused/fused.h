@@ -6,6 +6,7 @@
 #include "scan/scan.h"
 
 #include <throng/character.h>
+#include <throng/crowd.h>
 
 namespace throng {
 
@@ -17,7 +18,7 @@ struct FusedBuffers {
     BufferRange words;    // uint[], of packed keys
     BufferRange links;    // FusedTables
     BufferRange bind_ranges, bind_entries, binds;
-    BufferRange skin;     // Affine[instance_count][palette_count], model_from_bind, written
+    BufferRange skin;     // [instance_count][palette_count] in FusedSettings::skin_format, model_from_bind, written
     BufferRange model;    // Affine[instance_count][joint_count], model_from_joint, written where FusedSettings::keeps_model; else any buffer
 };
 
@@ -25,6 +26,7 @@ struct FusedSettings {
     bool packed = false;       // Character::packed
     bool blends = true;        // false: no instance has two clips with weight
     bool keeps_model = false;
+    SkinFormat skin_format = SkinFormat::kAffine;
 };
 
 // How a scan method goes about a character in one pass.

@@ -78,6 +78,8 @@ SpirvInfo read_spirv(std::span<const uint32_t> words) {
         if (size.spec_id == UINT32_MAX) info.local_size_x = size.constant;
     }
     std::sort(info.bindings.begin(), info.bindings.end(), [](const BindingInfo& a, const BindingInfo& b) { return a.binding < b.binding; });
+    // One buffer may be declared with several types.
+    info.bindings.erase(std::unique(info.bindings.begin(), info.bindings.end(), [](const BindingInfo& a, const BindingInfo& b) { return a.binding == b.binding; }), info.bindings.end());
     return info;
 }
 

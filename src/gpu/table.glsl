@@ -16,4 +16,7 @@
 #define ROW_AT(name, index) name[index]
 #endif
 
+// Of a table of matrices, three rows each.
+#define AFFINE_AT(name, index) Affine(uintBitsToFloat(ROW_AT(name, 3 * (index))), uintBitsToFloat(ROW_AT(name, 3 * (index) + 1)), uintBitsToFloat(ROW_AT(name, 3 * (index) + 2)))
+
 #endif

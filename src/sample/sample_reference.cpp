@@ -1,7 +1,7 @@
 #include "sample/sample_reference.h"
 
 #include <algorithm>
-#include <cstring>
+#include <bit>
 
 namespace throng {
 namespace {
@@ -38,6 +38,14 @@ struct PackedRows {
     double fraction = 0;
 };
 
+bool is_constant(const PackedTrack& track) { return packed_bit_count(track, 0) + packed_bit_count(track, 1) + packed_bit_count(track, 2) == 0; }
+
+PackedTrack packed_track(const Character& character, uint32_t position) {
+    std::array<Key, 2> keys{character.keys[position]};
+    if (!is_constant(std::bit_cast<PackedTrack>(keys))) keys[1] = character.keys[position + 1];
+    return std::bit_cast<PackedTrack>(keys);
+}
+
 std::array<double, 4> packed_row(const Character& character, const PackedTrack& track, TrackTarget target, size_t row_word) {
     PackedBits bits{};
     size_t first_bit = row_word * 32 + track.first_bit;
@@ -50,12 +58,9 @@ std::array<double, 4> packed_row(const Character& character, const PackedTrack& 
 }
 
 std::array<double, 4> sample_packed(const Character& character, uint32_t position, TrackTarget target, const PackedRows& rows) {
-    PackedTrack track;
-    std::memcpy(static_cast<void*>(&track), &character.keys[position], sizeof(character.keys[position]));
-    const bool constant = packed_bit_count(track, 0) + packed_bit_count(track, 1) + packed_bit_count(track, 2) == 0;
-    if (!constant) std::memcpy(static_cast<void*>(&track), &character.keys[position], sizeof(track));
+    const PackedTrack track = packed_track(character, position);
     std::array<double, 4> value = packed_row(character, track, target, rows.earlier);
-    if (constant || (track.layout & kPackedStep)) return value;
+    if (is_constant(track) || (track.layout & kPackedStep)) return value;
     const std::array<double, 4> later = packed_row(character, track, target, rows.later);
     for (size_t c = 0; c < 4; ++c) value[c] = value[c] * (1 - rows.fraction) + later[c] * rows.fraction;
     return value;

@@ -2,15 +2,18 @@
 // skin: positions of one instance's vertices in model space, for those who read them back; the draw skins in its vertex shader.
 // One invocation per vertex.
 #include "skin/skin_io.h"
-#include "gpu/affine.glsl"
+#include "bind/bind_io.h"
 
 layout(local_size_x = kSkinWorkgroupSize) in;
 layout(set = 0, binding = 0, std430) readonly buffer Vertices { VertexRows vertices[]; };
 layout(set = 0, binding = 1, std430) readonly buffer InfluenceWords { uvec2 influences[]; };
-layout(set = 0, binding = 2, std430) readonly buffer SkinMatrices { Affine skin_matrices[]; };
 layout(set = 0, binding = 3, std430) writeonly buffer Positions { vec4 positions[]; };
 layout(push_constant) uniform Push { SkinPush push; };
 
+layout(constant_id = 1) const uint kSkinFormat = kSkinAffine;
+#define SKIN_SET 0
+#define SKIN_BINDING 2
+#include "bind/skin_format.glsl"
 #include "skin/skin.glsl"
 
 void main() {

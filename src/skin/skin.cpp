@@ -9,6 +9,8 @@ constexpr uint32_t kSpirv[] = {
 
 }  // namespace
 
-Kernel skin_kernel(const std::shared_ptr<Gpu>& gpu) { return Kernel(gpu, {.name = "skin", .spirv = kSpirv}); }
+Kernel skin_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format) {
+    return Kernel(gpu, {.name = "skin", .spirv = kSpirv, .constants = {static_cast<uint32_t>(format)}});
+}
 
 }  // namespace throng

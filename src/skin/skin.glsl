@@ -1,12 +1,11 @@
 // Linear blend skinning. The includer declares `uvec2 influences[]` (throng::Influences as three 8-byte words: two of weights,
-// one of four 16-bit palette entries) and `Affine skin_matrices[]`.
-#include "gpu/affine.glsl"
+// one of four 16-bit palette entries) and includes bind/skin_format.glsl.
 #include "skin/skin_io.h"
 
 const uint kInfluenceWords = 3;
 
 Affine weighted(Affine sum, float weight, uint matrix) {
-    const Affine m = skin_matrices[matrix];
+    const Affine m = load_skin(matrix);
     return Affine(sum.row0 + weight * m.row0, sum.row1 + weight * m.row1, sum.row2 + weight * m.row2);
 }
 

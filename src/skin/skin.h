@@ -4,6 +4,8 @@
 #include "skin/skin_io.h"
 #include "gpu/kernel.h"
 
+#include <throng/crowd.h>
+
 namespace throng {
 
 // In the order of the bindings; dispatched with io::SkinPush, an invocation per vertex.
@@ -14,6 +16,7 @@ struct SkinBuffers {
     BufferRange positions;  // float4[], model space, written in the order of vertices
 };
 
-Kernel skin_kernel(const std::shared_ptr<Gpu>& gpu);
+// `format`: of the skin matrices.
+Kernel skin_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format);
 
 }  // namespace throng

@@ -1,0 +1,20 @@
+#version 460
+// fill: writes as many bytes as an update's skin matrices have, and reads nothing: the floor under every update.
+// Neighbouring invocations write neighbouring rows, which is what a GPU likes best; GPU_WIDE is what a software device likes best.
+#include "gpu/stored.glsl"
+
+#ifdef GPU_WIDE
+#define Row u64vec2
+#else
+#define Row uvec4
+#endif
+
+layout(local_size_x_id = 0) in;
+layout(constant_id = 1) const uint kRowsPerInvocation = 4;
+layout(set = 0, binding = 0, std430) writeonly buffer To { Row to[]; };
+layout(push_constant) uniform Push { uint row_count; };
+
+void main() {
+    uint row = gl_WorkGroupID.x * gl_WorkGroupSize.x * kRowsPerInvocation + gl_LocalInvocationID.x;
+    for (uint i = 0; i < kRowsPerInvocation && row < row_count; ++i, row += gl_WorkGroupSize.x) to[row] = Row(row);
+}

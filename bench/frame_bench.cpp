@@ -1,0 +1,240 @@
+#include "bench/frame_bench.h"
+
+#include "base/failure.h"
+#include "bench/frame_crowds.h"
+#include "bench/frame_floors.h"
+#include "bench/frame_traffic.h"
+#include "bench/record.h"
+#include "bench/skin_error.h"
+#include "bench/statistics.h"
+#include "scan/scan_planner.h"
+
+#include <algorithm>
+#include <array>
+
+namespace throng::bench {
+namespace {
+
+struct Variant {
+    const char* name;
+    UpdatePath path = UpdatePath::kFused;
+    bool one_clip = false;
+    SkinFormat format = SkinFormat::kAffine;
+    bool exact_keys = false;
+};
+constexpr std::array kVariants{Variant{.name = "staged", .path = UpdatePath::kStaged},
+                               Variant{.name = "fused"},
+                               Variant{.name = "fused, one clip", .one_clip = true},
+                               Variant{.name = "fused, 24 bytes", .format = SkinFormat::kHalfAffine},
+                               Variant{.name = "fused, 32 bytes", .format = SkinFormat::kSimilarity},
+                               Variant{.name = "fused, exact keys", .exact_keys = true}};
+constexpr std::array kFormats{std::pair{SkinFormat::kAffine, "affine"}, std::pair{SkinFormat::kHalfAffine, "half_affine"}, std::pair{SkinFormat::kSimilarity, "similarity"}};
+constexpr std::array kStages{std::pair{"control", &StageTimes::control}, std::pair{"sample", &StageTimes::sample}, std::pair{"blend", &StageTimes::blend},
+                             std::pair{"scan", &StageTimes::scan},       std::pair{"bind", &StageTimes::bind},     std::pair{"fused", &StageTimes::fused}};
+
+const char* name_of(SkinFormat format) {
+    return std::find_if(kFormats.begin(), kFormats.end(), [&](const auto& row) { return row.first == format; })->second;
+}
+
+// Half floats have 11 bits, and a translation may be as long as the character is large, or a few times that.
+double error_bound(SkinFormat format) { return format == SkinFormat::kHalfAffine ? 2e-3 : kSkinErrorBound; }
+
+template <class T>
+T value_of(Result<T> result) {
+    if (!result) throw Failure(result.error());
+    if constexpr (!std::is_void_v<T>) return std::move(*result);
+}
+
+struct Entrant {
+    const Variant* variant = nullptr;
+    const Character* character = nullptr;
+    const std::vector<Playback>* playback = nullptr;
+    std::shared_ptr<const FrameCrowd> made;
+    double max_error = 0;
+    std::vector<double> total_ms;
+    std::array<std::vector<double>, kStages.size()> stage_ms;
+
+    bool is_wrong() const { return !(max_error <= error_bound(variant->format)); }
+    Crowd* crowd() const { return made->crowd.get(); }
+    bool runs() const { return crowd() && !is_wrong(); }
+};
+
+struct Floor {
+    nlohmann::json record;  // what it is
+    std::function<void(VkCommandBuffer)> work;
+    std::vector<double> total_ms;
+};
+
+class FrameMeasurement {
+public:
+    FrameMeasurement(const Device& device, const FrameCase& frame, const SkinReference& reference)
+        : device_(device), gpu_(*device.gpu()), clock_(device.gpu()), frame_(frame), reference_(reference),
+          two_clips_(frame.playback.begin(), frame.playback.end()), one_clip_(two_clips_), crowds_(device, static_cast<uint32_t>(frame.playback.size())) {
+        for (Playback& playback : one_clip_) playback.weight = 1;
+    }
+
+    void check(const Progress& progress) {
+        for (const Variant& variant : kVariants) {
+            if (variant.exact_keys && !frame_.exact) continue;
+            progress(frame_.configuration + ": checking " + variant.name);
+            const Character* character = variant.exact_keys ? frame_.exact : frame_.character;
+            Entrant entrant{.variant = &variant, .character = character, .playback = variant.one_clip ? &one_clip_ : &two_clips_, .made = crowds_.get({character, variant.path, variant.format})};
+            if (entrant.crowd()) entrant.max_error = error_of(entrant);
+            entrants_.push_back(std::move(entrant));
+        }
+        progress(frame_.configuration + ": memory alone");
+        for (const auto& [format, name] : kFormats) add_fill(format);
+        add_copy();
+    }
+
+    void time(uint32_t samples, const Progress& progress) {
+        std::vector<Contestant> contestants;
+        for (Entrant& entrant : entrants_)
+            if (entrant.runs()) contestants.push_back({frame_.configuration + ": " + entrant.variant->name, [&] { take_sample(entrant); }});
+        for (Floor& floor : floors_)
+            if (floor.work) contestants.push_back({frame_.configuration + ": " + floor.record["variant"].get<std::string>(), [&] { floor.total_ms.push_back(clock_.time_ms(floor.work)); }});
+        run_rounds(contestants, {.samples = samples, .least_samples = samples}, 0, progress);
+    }
+
+    std::vector<nlohmann::json> records() const {
+        std::vector<nlohmann::json> records;
+        for (const Entrant& entrant : entrants_) records.push_back(record_of(entrant));
+        for (const Floor& floor : floors_) {
+            records.push_back(case_record());
+            records.back().update(floor.record);
+            add_times(records.back(), floor.total_ms);
+        }
+        for (nlohmann::json& record : records) add_times_fill_floor(record, records);
+        return records;
+    }
+
+private:
+    uint64_t instance_count() const { return frame_.playback.size(); }
+    uint64_t joint_count() const { return frame_.character->rig.joint_count(); }
+
+    // Of some instances, at the times that they were given.
+    double error_of(const Entrant& entrant) const {
+        constexpr uint64_t kChecked = 16;
+        value_of(entrant.crowd()->set_playback(0, *entrant.playback));
+        value_of(entrant.crowd()->update(0));
+        const uint64_t checked = std::min(kChecked, instance_count());
+        double worst = 0;
+        for (uint64_t i = 1; i <= checked; ++i) {
+            const auto instance = static_cast<uint32_t>(instance_count() * i / checked - 1);
+            const std::vector<Affine> skin = value_of(entrant.crowd()->read_skin_matrices(instance));
+            worst = std::max(worst, skin_error(skin, reference_(*entrant.character, (*entrant.playback)[instance]), entrant.character->size));
+        }
+        return worst;
+    }
+
+    // All variants begin at the same times in every round, and so do the same work.
+    void take_sample(Entrant& entrant) const {
+        value_of(entrant.crowd()->set_playback(0, *entrant.playback));
+        const Stopwatch watch;
+        value_of(entrant.crowd()->update(1.0f / 60));
+        const double host_ms = watch.elapsed_s() * 1e3;
+        const StageTimes times = value_of(entrant.crowd()->stage_times());
+        entrant.total_ms.push_back(believed_ms(gpu_, times.total(), host_ms));
+        for (size_t s = 0; s < kStages.size(); ++s) entrant.stage_ms[s].push_back(times.*kStages[s].second);
+    }
+
+    void add_fill(SkinFormat format) {
+        const auto written = std::find_if(entrants_.begin(), entrants_.end(), [&](const Entrant& entrant) { return entrant.runs() && entrant.variant->format == format; });
+        if (written == entrants_.end()) return;
+        const auto fill = std::make_shared<FillFloor>(device_.gpu(), *written->crowd(), format);
+        Floor floor{.record = {{"variant", "fill, " + std::to_string(skin_format_bytes(format)) + " bytes"}, {"path", "fill"}, {"skin_format", name_of(format)}, {"bytes", fill->size_bytes()}, {"by", "kernel"}},
+                    .work = [fill](VkCommandBuffer commands) { fill->record(commands); }};
+        clock_.time_ms(floor.work);  // compiles it
+        floors_.push_back(std::move(floor));
+    }
+
+    // Of the bytes that the staged update moves.
+    void add_copy() {
+        Floor floor{.record = {{"variant", "copy as staged"}, {"path", "copy"}, {"bytes", bytes_of(entrants_.front())}}};
+        if (const std::string obstacle = crowds_.memory_obstacle(2 * crowds_.arena_buffer_bytes(*frame_.character)); obstacle.empty()) {
+            const auto copy = std::make_shared<CopyFloor>(device_.gpu(), bytes_of(entrants_.front()), crowds_.arena_buffer_bytes(*frame_.character));
+            floor.record["by"] = copy->choose(clock_);
+            floor.work = [copy](VkCommandBuffer commands) { copy->record(commands); };
+        } else {
+            floor.record["obstacle"] = obstacle;
+        }
+        floors_.push_back(std::move(floor));
+    }
+
+    uint64_t bytes_of(const Entrant& entrant) const {
+        const bool staged = entrant.variant->path == UpdatePath::kStaged;
+        const bool similarities = staged && entrant.crowd() && parse_scan_request(entrant.crowd()->scan(0).method).method->format == ScanFormat::kSimilarity;
+        const FrameTraffic traffic{.fused = !staged,
+                                   .clip_count = entrant.variant->one_clip ? 1u : 2u,
+                                   .joint_count = entrant.character->rig.joint_count(),
+                                   .palette_count = static_cast<uint32_t>(entrant.character->palette.size()),
+                                   .local_bytes = similarities ? 32u : 48u,
+                                   .skin_bytes = skin_format_bytes(entrant.variant->format)};
+        return instance_count() * traffic.bytes_per_instance();
+    }
+
+    nlohmann::json case_record() const {
+        nlohmann::json record = where_and_when(device_.info());
+        const Rig& rig = frame_.character->rig;
+        record.update({{"bench", "frame"}, {"configuration", frame_.configuration}, {"characters", instance_count()}, {"joints", rig.joint_count()}, {"levels", rig.level_count},
+                       {"mean_depth", rig.mean_depth}, {"palette_entries", frame_.character->palette.size()}});
+        return record;
+    }
+
+    nlohmann::json record_of(const Entrant& entrant) const {
+        const Variant& variant = *entrant.variant;
+        nlohmann::json record = case_record();
+        record.update({{"variant", variant.name}, {"path", variant.path == UpdatePath::kStaged ? "staged" : "fused"}, {"clips", variant.one_clip ? 1 : 2},
+                       {"skin_format", name_of(variant.format)}, {"keys", variant.exact_keys ? "exact" : frame_.keys}, {"bytes", bytes_of(entrant)}});
+        if (!entrant.crowd()) {
+            record["obstacle"] = entrant.made->obstacle;
+            return record;
+        }
+        record["scan"] = entrant.crowd()->scan(0).method;
+        record["max_error"] = entrant.max_error;
+        if (entrant.is_wrong()) record["wrong"] = true;
+        for (size_t s = 0; s < kStages.size(); ++s)
+            if (const double ms = spread_of(entrant.stage_ms[s]).median; ms > 0) record["stages"][kStages[s].first] = ms;
+        add_times(record, entrant.total_ms);
+        return record;
+    }
+
+    void add_times(nlohmann::json& record, const std::vector<double>& total_ms) const {
+        if (total_ms.empty()) return;
+        const Spread ms = spread_of(total_ms);
+        record["samples"] = total_ms.size();
+        record["ms"] = {{"median", ms.median}, {"p5", ms.p5}, {"p95", ms.p95}};
+        record["ns_per_joint"] = ms.median * 1e6 / static_cast<double>(instance_count() * joint_count());
+        record["gb_per_s"] = record["bytes"].get<double>() / ms.median * 1e-6;
+    }
+
+    // Over writing the same result.
+    static void add_times_fill_floor(nlohmann::json& record, const std::vector<nlohmann::json>& records) {
+        if (!record.contains("ms") || !record.contains("clips")) return;
+        const auto fill = std::find_if(records.begin(), records.end(), [&](const nlohmann::json& other) { return other["path"] == "fill" && other["skin_format"] == record["skin_format"]; });
+        if (fill != records.end()) record["times_fill_floor"] = record["ms"]["median"].get<double>() / (*fill)["ms"]["median"].get<double>();
+    }
+
+    const Device& device_;
+    const Gpu& gpu_;
+    GpuClock clock_;
+    const FrameCase& frame_;
+    const SkinReference& reference_;
+    std::vector<Playback> two_clips_, one_clip_;
+    FrameCrowds crowds_;
+    std::vector<Entrant> entrants_;
+    std::vector<Floor> floors_;
+};
+
+}  // namespace
+
+std::vector<AffineT<double>> skin_reference_of(const Character& character, const Playback& playback) { return value_of(reference_pose(character, playback)).model_from_bind; }
+
+std::vector<nlohmann::json> measure_frame(const Device& device, const FrameCase& frame, uint32_t samples, const Progress& progress, const SkinReference& reference) {
+    FrameMeasurement measurement(device, frame, reference);
+    measurement.check(progress);
+    measurement.time(samples, progress);
+    return measurement.records();
+}
+
+}  // namespace throng::bench

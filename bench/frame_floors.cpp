@@ -1,0 +1,110 @@
+#include "bench/frame_floors.h"
+
+#include "gpu/barrier.h"
+
+#include <algorithm>
+
+namespace throng::bench {
+namespace {
+
+constexpr uint32_t kFillPlain[] = {
+#include "bench/fill.inc"
+};
+constexpr uint32_t kFillWide[] = {
+#include "bench/fill.wide.inc"
+};
+constexpr uint32_t kCopyPlain[] = {
+#include "bench/copy.inc"
+};
+constexpr uint32_t kCopyWide[] = {
+#include "bench/copy.wide.inc"
+};
+
+constexpr uint32_t kRow_bytes = 16;
+// 256 MiB, the largest buffer of a crowd, are 16,384 workgroups: every device dispatches as many.
+constexpr uint32_t kWorkgroupSize = 256, kRowsPerInvocation = 4;
+
+struct FillBuffers {
+    BufferRange to;
+};
+struct CopyBuffers {
+    BufferRange from, to;
+};
+
+Kernel row_kernel(const std::shared_ptr<Gpu>& gpu, std::string_view name, std::span<const uint32_t> plain, std::span<const uint32_t> wide) {
+    return Kernel(gpu, {.name = name, .spirv = gpu->prefers_wide_words() ? wide : plain, .workgroup_size = kWorkgroupSize, .constants = {kRowsPerInvocation}});
+}
+
+uint32_t rows_of(uint64_t size_bytes) { return static_cast<uint32_t>(size_bytes / kRow_bytes); }
+
+void dispatch_rows(VkCommandBuffer commands, const Kernel& kernel, const Bindings& bindings, uint32_t row_count) {
+    kernel.dispatch_invocations(commands, bindings, row_count, (row_count + kRowsPerInvocation - 1) / kRowsPerInvocation);
+}
+
+}  // namespace
+
+FillFloor::FillFloor(const std::shared_ptr<Gpu>& gpu, const Crowd& crowd, SkinFormat format) : kernel_(row_kernel(gpu, "fill", kFillPlain, kFillWide)) {
+    for (const OutputBlock& block : crowd.outputs()) {
+        const uint64_t size_bytes = uint64_t{block.instance_count} * block.palette_count * skin_format_bytes(format);
+        if (size_bytes < kRow_bytes) continue;
+        targets_.push_back({kernel_.bind(FillBuffers{BufferRange(block.skin_buffer, 0, size_bytes)}), rows_of(size_bytes)});
+    }
+}
+
+uint64_t FillFloor::size_bytes() const {
+    uint64_t sum = 0;
+    for (const Target& target : targets_) sum += uint64_t{target.row_count} * kRow_bytes;
+    return sum;
+}
+
+void FillFloor::record(VkCommandBuffer commands) const {
+    for (const Target& target : targets_) dispatch_rows(commands, kernel_, target.bindings, target.row_count);
+}
+
+CopyFloor::CopyFloor(std::shared_ptr<Gpu> gpu, uint64_t moved_bytes, uint64_t buffer_bytes)
+    : gpu_(std::move(gpu)), copied_bytes_(moved_bytes / 2), kernel_(row_kernel(gpu_, "copy", kCopyPlain, kCopyWide)) {
+    for (Buffer& buffer : buffers_) buffer = Buffer(gpu_, "bytes to copy", buffer_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    for (size_t from = 0; from < buffers_.size(); ++from) bindings_[from] = kernel_.bind(CopyBuffers{buffers_[from], buffers_[1 - from]});
+}
+
+const char* CopyFloor::choose(const GpuClock& clock) {
+    const auto least_ms = [&](bool by_kernel) {
+        by_kernel_ = by_kernel;
+        const auto run_ms = [&] { return clock.time_ms([&](VkCommandBuffer commands) { record(commands); }); };
+        run_ms();  // compiles the kernel, and touches the memory
+        return std::min(run_ms(), run_ms());
+    };
+    const double kernel_ms = least_ms(true), transfer_ms = least_ms(false);
+    by_kernel_ = kernel_ms <= transfer_ms;
+    return by_kernel_ ? "kernel" : "vkCmdCopyBuffer";
+}
+
+void CopyFloor::record(VkCommandBuffer commands) const {
+    if (by_kernel_) record_kernel(commands);
+    else record_transfer(commands);
+}
+
+template <class Copy>
+void CopyFloor::record_passes(VkCommandBuffer commands, const Copy& copy) const {
+    constexpr Access kAny = kShaderRead | kShaderWrite | kTransferRead | kTransferWrite;
+    size_t from = 0;
+    for (uint64_t left_bytes = copied_bytes_; left_bytes >= kRow_bytes; from = 1 - from) {
+        const uint64_t now_bytes = std::min<uint64_t>(left_bytes, buffers_[0].size_bytes());
+        memory_barrier(*gpu_, commands, kAny, kAny);
+        copy(from, now_bytes);
+        left_bytes -= now_bytes;
+    }
+}
+
+void CopyFloor::record_kernel(VkCommandBuffer commands) const {
+    record_passes(commands, [&](size_t from, uint64_t now_bytes) { dispatch_rows(commands, kernel_, bindings_[from], rows_of(now_bytes)); });
+}
+
+void CopyFloor::record_transfer(VkCommandBuffer commands) const {
+    record_passes(commands, [&](size_t from, uint64_t now_bytes) {
+        const VkBufferCopy region{.srcOffset = 0, .dstOffset = 0, .size = now_bytes};
+        gpu_->vk.vkCmdCopyBuffer(commands, buffers_[from].handle(), buffers_[1 - from].handle(), 1, &region);
+    });
+}
+
+}  // namespace throng::bench

@@ -1,0 +1,53 @@
+// What memory alone costs an update: writing its result, and moving the bytes that the stages move between them.
+#pragma once
+
+#include "bench/gpu_clock.h"
+#include "gpu/kernel.h"
+
+#include <throng/crowd.h>
+
+namespace throng::bench {
+
+// Writes over the skin matrices of a crowd: as many buffers of the same size. What they held has been checked by then.
+class FillFloor {
+public:
+    FillFloor(const std::shared_ptr<Gpu>& gpu, const Crowd& crowd, SkinFormat format);
+
+    uint64_t size_bytes() const;  // of what is written
+    void record(VkCommandBuffer commands) const;
+
+private:
+    struct Target {
+        Bindings bindings;
+        uint32_t row_count = 0;
+    };
+    Kernel kernel_;
+    std::vector<Target> targets_;
+};
+
+// Reads half of `moved_bytes` and writes the other half, to and fro between two buffers of `buffer_bytes`: each pass reads what the one
+// before it wrote, as stages do, so that caches help it as much as them.
+class CopyFloor {
+public:
+    CopyFloor(std::shared_ptr<Gpu> gpu, uint64_t moved_bytes, uint64_t buffer_bytes);
+
+    // Finds out whether a kernel or the device's own copy is faster here, which record() then is: its name.
+    const char* choose(const GpuClock& clock);
+    void record(VkCommandBuffer commands) const;
+
+private:
+    void record_kernel(VkCommandBuffer commands) const;
+    void record_transfer(VkCommandBuffer commands) const;
+    // `copy` gets the number of the buffer to read, and bytes.
+    template <class Copy>
+    void record_passes(VkCommandBuffer commands, const Copy& copy) const;
+
+    std::shared_ptr<Gpu> gpu_;
+    uint64_t copied_bytes_ = 0;
+    bool by_kernel_ = true;
+    std::array<Buffer, 2> buffers_;
+    Kernel kernel_;
+    std::array<Bindings, 2> bindings_;  // [buffer to read]
+};
+
+}  // namespace throng::bench

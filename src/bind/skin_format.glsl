@@ -1,0 +1,45 @@
+// Skin matrices as they lie in memory, in the crowd's format (throng::SkinFormat). The includer defines SKIN_SET and SKIN_BINDING, and
+// SKIN_STORES where it writes them; it declares the constant kSkinFormat. [instance][palette entry]
+#include "bind/bind_io.h"
+#include "gpu/stored.glsl"
+
+#ifdef SKIN_STORES
+#define SKIN_ACCESS writeonly
+#else
+#define SKIN_ACCESS readonly
+#endif
+
+layout(set = SKIN_SET, binding = SKIN_BINDING, std430) SKIN_ACCESS buffer SkinAffines { StoredAffine skin_affines[]; };
+layout(set = SKIN_SET, binding = SKIN_BINDING, std430) SKIN_ACCESS buffer SkinHalves { StoredPair skin_halves[]; };  // a row of four each
+layout(set = SKIN_SET, binding = SKIN_BINDING, std430) SKIN_ACCESS buffer SkinSimilarities { StoredSimilarity skin_similarities[]; };
+
+#ifdef SKIN_STORES
+
+StoredPair halves(vec4 row) { return pack(uvec2(packHalf2x16(row.xy), packHalf2x16(row.zw))); }
+
+void store_skin(uint index, Affine model_from_bind) {
+    if (kSkinFormat == kSkinHalfAffine) {
+        skin_halves[3 * index] = halves(model_from_bind.row0);
+        skin_halves[3 * index + 1] = halves(model_from_bind.row1);
+        skin_halves[3 * index + 2] = halves(model_from_bind.row2);
+    } else if (kSkinFormat == kSkinSimilarity) {
+        skin_similarities[index] = pack(similarity_from_affine(model_from_bind));
+    } else {
+        skin_affines[index] = pack(model_from_bind);
+    }
+}
+
+#else
+
+vec4 floats(StoredPair row) {
+    const uvec2 pair = unpack(row);
+    return vec4(unpackHalf2x16(pair.x), unpackHalf2x16(pair.y));
+}
+
+Affine load_skin(uint index) {
+    if (kSkinFormat == kSkinHalfAffine) return Affine(floats(skin_halves[3 * index]), floats(skin_halves[3 * index + 1]), floats(skin_halves[3 * index + 2]));
+    if (kSkinFormat == kSkinSimilarity) return affine_from_similarity(unpack(skin_similarities[index]));
+    return unpack(skin_affines[index]);
+}
+
+#endif

@@ -1,0 +1,20 @@
+// The formats of skin matrices, on the host.
+#pragma once
+
+#include <throng/character.h>
+#include <throng/crowd.h>
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace throng {
+
+// Why a character's skin matrices cannot be stored in this format; empty where they can.
+std::string skin_format_obstacle(SkinFormat format, const Character& character);
+
+// Of matrices read back: whole ones.
+std::vector<Affine> unpack_skin(SkinFormat format, std::span<const std::byte> bytes);
+
+}  // namespace throng

@@ -1,0 +1,128 @@
+#include "compile/character_file.h"
+
+#include "compile/character_layout.h"
+#include "compile/crc64.h"
+
+#include <cstddef>
+#include <cstring>
+
+namespace throng {
+namespace {
+
+using namespace file;
+
+ClipRecord record_of(const Clip& clip) {
+    return {.duration_s = clip.duration_s,
+            .first_time = clip.first_time,
+            .row_count = clip.row_count,
+            .row_stride = clip.row_stride,
+            .first_row = clip.first_row,
+            .channel_count = clip.channel_count,
+            .animated_track_count = clip.animated_track_count,
+            .refined_row_count = clip.refined_row_count,
+            .dropped_row_count = clip.dropped_row_count,
+            .source_key_count = clip.source_key_count,
+            .size_bytes = clip.size_bytes,
+            .raw_size_bytes = clip.raw_size_bytes,
+            .error = clip.error};
+}
+
+SkinRecord record_of(const Skin& skin) { return {.first_entry = skin.first_entry, .joint_count = skin.joint_count}; }
+
+MaterialRecord record_of(const AssetMaterial& material) {
+    return {.base_color = material.base_color,
+            .image = material.image,
+            .alpha_mode = static_cast<uint32_t>(material.alpha_mode),
+            .alpha_cutoff = material.alpha_cutoff,
+            .double_sided = material.double_sided};
+}
+
+ScalarsRecord scalars_of(const Character& character) {
+    return {.mean_depth = character.rig.mean_depth,
+            .level_count = character.rig.level_count,
+            .leaf_count = character.rig.leaf_count,
+            .uniform_scale = character.rig.uniform_scale,
+            .packed = character.packed,
+            .morph_target_count = character.morph_target_count,
+            .warning_count = static_cast<uint32_t>(character.warnings.size()),
+            .bounds_min = character.bounds_min,
+            .bounds_max = character.bounds_max,
+            .size = character.size};
+}
+
+class Writer {
+public:
+    std::vector<std::byte> run(const Character& character) {
+        bytes_.resize(sizeof(Header) + kSections.size() * sizeof(SectionEntry));
+        add(SectionId::kScalars, std::vector{scalars_of(character)});
+        add_records(SectionId::kClips, character.clips);
+        add_records(SectionId::kSkins, character.skins);
+        add_records(SectionId::kMaterials, character.materials);
+        add_text(character);
+        add_images(character);
+        visit_arrays(character, [&](SectionId id, const auto& array) { add(id, array); });
+
+        std::memcpy(bytes_.data() + sizeof(Header), entries_.data(), entries_.size() * sizeof(SectionEntry));
+        Header header{.section_count = static_cast<uint32_t>(entries_.size()), .size_bytes = bytes_.size()};
+        std::memcpy(bytes_.data(), &header, sizeof(header));
+        header.checksum = checksum_of(bytes_);
+        std::memcpy(bytes_.data(), &header, sizeof(header));
+        return std::move(bytes_);
+    }
+
+private:
+    template <class T>
+    void add(SectionId id, const std::vector<T>& array) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        bytes_.resize(aligned(bytes_.size()));
+        entries_.push_back({.id = static_cast<uint32_t>(id), .element_bytes = sizeof(T), .offset_bytes = bytes_.size(), .size_bytes = array.size() * sizeof(T), .element_count = array.size()});
+        const auto* first = reinterpret_cast<const std::byte*>(array.data());
+        bytes_.insert(bytes_.end(), first, first + array.size() * sizeof(T));
+    }
+
+    template <class T>
+    void add_records(SectionId id, const std::vector<T>& things) {
+        std::vector<decltype(record_of(std::declval<T>()))> records;
+        for (const T& thing : things) records.push_back(record_of(thing));
+        add(id, records);
+    }
+
+    void add_text(const Character& character) {
+        std::vector<uint64_t> ends;
+        std::vector<char> text;
+        visit_strings(character, [&](const std::string& string) {
+            text.insert(text.end(), string.begin(), string.end());
+            ends.push_back(text.size());
+        });
+        add(SectionId::kTextEnds, ends);
+        add(SectionId::kText, text);
+    }
+
+    void add_images(const Character& character) {
+        std::vector<uint64_t> ends;
+        std::vector<std::byte> encoded;
+        for (const AssetImage& image : character.images) {
+            encoded.insert(encoded.end(), image.encoded.begin(), image.encoded.end());
+            ends.push_back(encoded.size());
+        }
+        add(SectionId::kImageEnds, ends);
+        add(SectionId::kImages, encoded);
+    }
+
+    std::vector<std::byte> bytes_;
+    std::vector<SectionEntry> entries_;
+};
+
+}  // namespace
+
+std::vector<std::byte> write_character(const Character& character) {
+    check_character(character, character.name, ErrorCode::kInvalidArgument);
+    return Writer().run(character);
+}
+
+uint64_t checksum_of(std::span<const std::byte> file) {
+    constexpr size_t kAt = offsetof(Header, checksum), kEnd = kAt + sizeof(Header::checksum);
+    return crc64(file.subspan(kEnd), crc64(file.first(kAt)));
+}
+
+}  // namespace throng

@@ -1,0 +1,13 @@
+// The limits of a compiled character: the compiler keeps them, and a compiled file is checked against them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace throng {
+
+inline constexpr size_t kJointLimit = 65'535;
+inline constexpr size_t kPaletteLimit = 65'536;                       // an influence names its entry in 16 bits
+inline constexpr uint64_t kKeyLimit_bytes = uint64_t{256} << 20;      // of keys, of packed words, and of the track table
+
+}  // namespace throng

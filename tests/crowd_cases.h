@@ -1,0 +1,114 @@
+// Crowds and what their instances play, and how far they are from the reference.
+#pragma once
+
+#include "control/control_reference.h"
+#include "crowd/crowd_state.h"
+#include "tests/test_device.h"
+#include "tests/test_rig.h"
+
+#include <throng/reference.h>
+
+#include <cmath>
+#include <limits>
+
+namespace throng::test {
+
+inline constexpr double kPoseBound = 1e-5;  // of the character's size
+
+inline Crowd create(const CrowdSettings& settings) {
+    Result<Crowd> crowd = Crowd::create(test_device(), settings);
+    if (!crowd) {
+        ADD_FAILURE() << crowd.error().text();
+        std::abort();
+    }
+    return std::move(*crowd);
+}
+
+inline Character small_character() { return make_character({.name = "small", .joint_count = 20}); }
+
+inline ClipPlayback random_slot(Random& random, const Character& character) {
+    const auto clip_count = static_cast<uint32_t>(character.clips.size());
+    const uint32_t clip = random.below(clip_count + 1);
+    return {.clip = clip == clip_count ? kNone : clip, .time_s = random.between(-1, 5), .speed = static_cast<float>(random.between(-2, 2)), .loop = random.chance(0.5)};
+}
+
+// Weights 0 and 1 are frequent.
+inline Playback random_playback(Random& random, const Character& character) {
+    const std::array<float, 5> weights{0, 1, 0.5f, static_cast<float>(random.unit()), static_cast<float>(random.unit())};
+    return {.first = random_slot(random, character), .second = random_slot(random, character), .weight = weights[random.below(5)]};
+}
+
+inline std::vector<Playback> random_playbacks(Random& random, const Character& character, uint32_t count) {
+    std::vector<Playback> playbacks;
+    for (uint32_t i = 0; i < count; ++i) playbacks.push_back(random_playback(random, character));
+    return playbacks;
+}
+
+// The playback after an update: its times are wrapped or clamped when set, and again after the step.
+inline Playback advanced(Playback playback, const Character& character, double step_s) {
+    for (ClipPlayback* slot : {&playback.first, &playback.second}) {
+        if (slot->clip == kNone) continue;
+        const double duration_s = character.clips[slot->clip].duration_s;
+        slot->time_s = local_time_reference(slot->time_s, duration_s, slot->loop);
+        slot->time_s = local_time_reference(slot->time_s + step_s * slot->speed, duration_s, slot->loop);
+    }
+    return playback;
+}
+
+// Largest error of an instance as a fraction of the character's size.
+inline double instance_error(Crowd& crowd, uint32_t instance, const Character& character, const Playback& playback, bool with_model = false) {
+    const ReferencePose pose = *reference_pose(character, playback);
+    double worst = 0;
+    const auto compare = [&](const Result<std::vector<Affine>>& got, const std::vector<AffineT<double>>& wanted) {
+        if (!got || got->size() != wanted.size()) {
+            worst = std::numeric_limits<double>::infinity();
+            return;
+        }
+        for (size_t i = 0; i < wanted.size(); ++i) worst = std::max(worst, matrix_error((*got)[i], wanted[i], character.size));
+    };
+    compare(crowd.read_skin_matrices(instance), pose.model_from_bind);
+    if (with_model) compare(crowd.read_model_matrices(instance), pose.model_from_joint);
+    const std::vector<Vec3<double>> wanted = reference_positions(character, pose);
+    const std::vector<Vec3<float>> got = *crowd.read_positions(instance);
+    if (got.size() != wanted.size()) return std::numeric_limits<double>::infinity();
+    for (size_t i = 0; i < wanted.size(); ++i) {
+        const double distance = length(got[i].as<double>() - wanted[i]) / character.size;
+        worst = std::isnan(distance) ? std::numeric_limits<double>::infinity() : std::max(worst, distance);
+    }
+    return worst;
+}
+
+inline std::vector<Affine> skins_of(Crowd& crowd) {
+    std::vector<Affine> all;
+    for (uint32_t instance = 0; instance < crowd.instance_count(); ++instance) {
+        const std::vector<Affine> skin = *crowd.read_skin_matrices(instance);
+        all.insert(all.end(), skin.begin(), skin.end());
+    }
+    return all;
+}
+
+// Four characters and what each of their instances plays.
+struct MixedCrowd {
+    std::vector<Character> characters;
+    CrowdSettings settings{.keep_model_matrices = true};
+    std::vector<Playback> playbacks;
+    std::vector<const Character*> character_of;  // [instance]
+
+    explicit MixedCrowd(double scale_spread) {
+        for (const AssetSettings& asset : {AssetSettings{.name = "one", .joint_count = 1, .seed = 2}, AssetSettings{.name = "small", .seed = 6},
+                                           AssetSettings{.name = "cubic", .joint_count = 70, .seed = 3, .cubic = true}, AssetSettings{.name = "large", .joint_count = 300, .seed = 4}}) {
+            AssetSettings scaled = asset;
+            scaled.scale_spread = scale_spread;
+            characters.push_back(make_character(scaled));
+        }
+        Random random(5);
+        for (const Character& character : characters) {
+            const uint32_t count = 5 + 3 * static_cast<uint32_t>(settings.groups.size());
+            settings.groups.push_back({&character, count});
+            for (const Playback& playback : random_playbacks(random, character, count)) playbacks.push_back(playback);
+            character_of.insert(character_of.end(), count, &character);
+        }
+    }
+};
+
+}  // namespace throng::test

@@ -1,0 +1,334 @@
+// Packed clips: what decoding gives back, and how far the skin is from that of exact keys, measured here at the vertices.
+#include "compile/packed_track.h"
+#include "sample/sample_reference.h"
+#include "tests/test_device.h"
+#include "tests/test_rig.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace throng {
+namespace {
+
+using namespace test;
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kExactKeys = 1e-6;  // of the size: what rows added for cubic tracks leave
+
+Character compile(const Asset& asset, double error) {
+    Result<Character> character = compile_character(asset, {.error = error});
+    if (!character) {
+        ADD_FAILURE() << character.error().text();
+        return {};
+    }
+    return std::move(*character);
+}
+
+PackedTrack track_at(const Character& character, uint32_t position) {
+    std::array<std::array<float, 4>, 2> keys{character.keys[position]};
+    if (packed_row_bits(std::bit_cast<PackedTrack>(keys)) > 0) keys[1] = character.keys[position + 1];
+    return std::bit_cast<PackedTrack>(keys);
+}
+
+// Largest displacement of a vertex in a clip, as a part of the character's size: at every row of either, and between.
+double vertex_error(const Character& exact, const Character& packed, uint32_t clip, size_t most_times) {
+    std::vector<double> times_s;
+    for (const Character* c : {&exact, &packed})
+        for (uint32_t row = 0; row < c->clips[clip].row_count; ++row) {
+            const uint32_t at = c->clips[clip].first_time + row;
+            times_s.push_back(c->times_s[at]);
+            if (row + 1 == c->clips[clip].row_count) continue;
+            for (const double w : {0.21, 0.5, 0.8}) times_s.push_back(c->times_s[at] + w * (double{c->times_s[at + 1]} - c->times_s[at]));
+        }
+    const size_t stride = std::max<size_t>(1, times_s.size() / most_times);
+    double largest = 0;
+    for (size_t i = 0; i < times_s.size(); i += stride) {
+        const Playback playback{.first = {clip, times_s[i], 1, false}};
+        const std::vector<Vec3<double>> wanted = reference_positions(exact, *reference_pose(exact, playback));
+        const std::vector<Vec3<double>> got = reference_positions(packed, *reference_pose(packed, playback));
+        for (size_t v = 0; v < wanted.size(); ++v) {
+            const double distance = length(got[v] - wanted[v]);
+            if (!std::isfinite(distance)) return std::numeric_limits<double>::infinity();
+            largest = std::max(largest, distance);
+        }
+    }
+    return largest / double{exact.size};
+}
+
+void expect_within(const Asset& asset, double bound, size_t most_times) {
+    const Character exact = compile(asset, 0), packed = compile(asset, bound);
+    ASSERT_TRUE(packed.packed);
+    ASSERT_EQ(packed.clips.size(), exact.clips.size());
+    for (uint32_t clip = 0; clip < exact.clips.size(); ++clip) {
+        EXPECT_LE(packed.clips[clip].error, bound) << asset.name << ", " << packed.clips[clip].name;
+        EXPECT_LE(vertex_error(exact, packed, clip, most_times), bound + kExactKeys) << asset.name << ", " << packed.clips[clip].name << ", bound " << bound;
+        EXPECT_EQ(packed.clips[clip].raw_size_bytes, exact.clips[clip].raw_size_bytes);
+    }
+}
+
+// One joint that skins a triangle a metre and a half across, and a clip to fill.
+struct OneJoint {
+    Asset asset{.name = "one joint"};
+
+    OneJoint() {
+        asset.nodes.push_back({.name = "joint"});
+        asset.skins.push_back({.name = "skin", .joints = {0}, .inverse_binds = {Affine{}}});
+        AssetPrimitive primitive{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0.5f}}, .indices = {0, 1, 2}};
+        primitive.influence_count = 4;
+        for (int v = 0; v < 3; ++v) {
+            primitive.influence_joints.insert(primitive.influence_joints.end(), 4, 0);
+            primitive.influence_weights.insert(primitive.influence_weights.end(), {1, 0, 0, 0});
+        }
+        asset.meshes.push_back({.name = "mesh", .primitives = {primitive}});
+        asset.mesh_instances.push_back({.node = 0, .mesh = 0, .skin = 0});
+        asset.clips.push_back({.name = "clip"});
+    }
+    void track(TrackTarget target, const std::vector<float>& times_s, const std::vector<float>& values, Interpolation interpolation = Interpolation::kLinear) {
+        asset.clips[0].tracks.push_back({.node = 0, .target = target, .interpolation = interpolation, .times_s = times_s, .values = values});
+        asset.clips[0].duration_s = std::max(asset.clips[0].duration_s, double{times_s.back()});
+    }
+    // `turns` about an axis, a key every `key_degrees`.
+    void spin(double turns, double key_degrees, const Vec3<double>& axis) {
+        std::vector<float> times_s, values;
+        for (int key = 0; key * key_degrees <= turns * 360 + 0.1; ++key) {
+            const Quaternion<double> q = axis_angle(normalized(axis), key * key_degrees * kPi / 180);
+            times_s.push_back(static_cast<float>(key) / 30);
+            for (const double c : {q.x, q.y, q.z, q.w}) values.push_back(static_cast<float>(c));
+        }
+        track(TrackTarget::kRotation, times_s, values);
+    }
+};
+
+TEST(Pack, BitsComeBackAtEveryOffsetAndWidth) {
+    Random random(3);
+    for (uint32_t width = 0; width <= kPackedComponentBits; ++width)
+        for (size_t offset = 0; offset < 70; ++offset) {
+            const std::array<uint32_t, 3> written{random.below(1u << width), random.below(1u << width), random.below(1u << width)};
+            std::vector<uint32_t> words(8);
+            for (size_t i = 0; i < 3; ++i) write_bits(words, offset + i * width, written[i], width);
+            for (size_t i = 0; i < 3; ++i) ASSERT_EQ(read_bits(words, offset + i * width, width), written[i]) << width << " bits at " << offset;
+            uint32_t set_count = 0, wanted_count = 0;
+            for (const uint32_t word : words) set_count += static_cast<uint32_t>(__builtin_popcount(word));
+            for (const uint32_t bits : written) wanted_count += static_cast<uint32_t>(__builtin_popcount(bits));
+            ASSERT_EQ(set_count, wanted_count) << "bits beside those of the field";
+        }
+}
+
+TEST(Pack, EachComponentComesBackWithinHalfAStep) {
+    Random random(5);
+    for (uint32_t left_out = 0; left_out < 4; ++left_out) {
+        PackedTrack track{.minimum = {-0.4f, 0.1f, -0.2f}, .layout = 21u | 7u << 5 | 1u << 10 | left_out << kPackedLeftOutShift};
+        track.step = {0.8f / (1 << 21), 0.4f / (1 << 7), 0.4f};
+        for (int i = 0; i < 100; ++i) {
+            const std::array<double, 3> v{random.between(-0.4, 0.4), random.between(0.1, 0.5), random.between(-0.4, 0.4)};
+            TrackSample value{};
+            for (uint32_t c = 0; c < 3; ++c) value[(left_out + 1 + c) % 4] = v[c];
+            value[left_out] = std::sqrt(1 - v[0] * v[0] - v[1] * v[1] - v[2] * v[2]);
+            const TrackSample got = packed_value(track, TrackTarget::kRotation, quantised(track, TrackTarget::kRotation, value));
+            for (uint32_t c = 0; c < 3; ++c) EXPECT_LE(std::abs(got[(left_out + 1 + c) % 4] - v[c]), double{track.step[c]} * 0.501 + (c == 1 ? double{track.step[1]} / 2 : 0));
+            EXPECT_GE(got[left_out], 0);
+        }
+    }
+}
+
+TEST(Pack, BoundsOutsideTheRangeAreRefused) {
+    const Asset asset = make_asset({.joint_count = 3});
+    for (const double bad : {-1e-4, 1e-7, 0.2, 1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+        const Result<Character> character = compile_character(asset, {.error = bad});
+        ASSERT_FALSE(character) << bad;
+        EXPECT_EQ(character.error().code, ErrorCode::kInvalidArgument);
+        EXPECT_NE(character.error().message.find("1e-6 to 0.1"), std::string::npos) << character.error().text();
+    }
+    for (const double good : {1e-6, 0.1}) EXPECT_TRUE(compile_character(asset, {.error = good}));
+}
+
+TEST(Pack, TheRestPoseIsConstants) {
+    Asset asset = make_asset({.joint_count = 40, .clip_count = 0});
+    asset.nodes[7].parent_from_node.rotation = {0.6, 0, 0, -0.8};
+    const Character exact = compile(asset, 0), packed = compile(asset, 1e-4);
+    EXPECT_TRUE(packed.packed);
+    EXPECT_EQ(packed.words.size(), 3u);
+    for (const JointTracks& tracks : packed.tracks)
+        for (const uint32_t position : {tracks.rotation, tracks.translation, tracks.scale}) EXPECT_EQ(packed_row_bits(track_at(packed, position)), 0u);
+    const std::vector<Trs<double>> wanted = sample_reference(exact, 0, 0), got = sample_reference(packed, 0, 0);
+    for (size_t joint = 0; joint < wanted.size(); ++joint) {
+        EXPECT_NEAR(std::abs(dot(got[joint].rotation, wanted[joint].rotation)), 1, 1e-12);
+        EXPECT_EQ(got[joint].translation, wanted[joint].translation);
+        EXPECT_EQ(got[joint].scale, wanted[joint].scale);
+    }
+}
+
+TEST(Pack, EqualConstantsAreStoredOnce) {
+    OneJoint one;
+    one.track(TrackTarget::kTranslation, {0, 1}, {0.5f, 0, 0, 0.5f, 0, 0});
+    one.asset.clips.push_back(one.asset.clips[0]);
+    const Character packed = compile(one.asset, 1e-4);
+    EXPECT_EQ(packed.keys.size(), 4u) << "three of the rest pose, one of both clips";
+    EXPECT_EQ(packed.tracks[0].translation, packed.tracks[1].translation);
+    EXPECT_EQ(packed.tracks[0].rotation, packed.tracks[2].rotation) << "as in the rest pose";
+    EXPECT_EQ(packed.clips[0].size_bytes, 16u + 4 + 16) << "the constant, one time, the joint's row of the table";
+    EXPECT_EQ(packed.clips[1].size_bytes, 4u + 16);
+    EXPECT_EQ(packed.clips[1].row_count, 1u);
+    EXPECT_EQ(packed.clips[1].row_stride, 0u);
+}
+
+// A tremble below the bound is a constant; ten times above it, it is not.
+TEST(Pack, ATrackWithinTheToleranceBecomesAConstant) {
+    for (const double tremble : {1e-5, 1e-2}) {
+        OneJoint one;
+        std::vector<float> times_s, values;
+        for (int key = 0; key < 20; ++key) {
+            times_s.push_back(static_cast<float>(key));
+            values.insert(values.end(), {static_cast<float>(3 + tremble * std::sin(key)), 0, 0});
+        }
+        one.track(TrackTarget::kTranslation, times_s, values);
+        const Character packed = compile(one.asset, 1e-4);
+        EXPECT_EQ(packed.clips[0].animated_track_count, tremble > 1e-3 ? 1u : 0u);
+        EXPECT_EQ(packed.clips[0].row_count > 1, tremble > 1e-3);
+        expect_within(one.asset, 1e-4, 1000);
+    }
+}
+
+TEST(Pack, StepTracksHoldAndSwitchAtTheirKeys) {
+    OneJoint one;
+    std::vector<float> times_s, values;
+    for (int key = 0; key < 50; ++key) {
+        times_s.push_back(static_cast<float>(key) / 10);
+        values.insert(values.end(), {static_cast<float>(key), 0, 0});  // a straight line: no row of it is needed
+    }
+    one.track(TrackTarget::kTranslation, times_s, values);
+    one.track(TrackTarget::kRotation, {0.05f, 1.23f, 2.34f, 3.45f}, {0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 1, 0, 0.6f, 0, 0, 0.8f}, Interpolation::kStep);
+    const Character exact = compile(one.asset, 0), packed = compile(one.asset, 1e-4);
+    const PackedTrack rotation = track_at(packed, packed.tracks[0].rotation);
+    EXPECT_TRUE(rotation.layout & kPackedStep);
+    EXPECT_LE(packed.clips[0].row_count, 5u) << "two ends, and two switches";
+    for (const float switch_s : {1.23f, 3.45f})
+        for (const double offset_s : {-1e-6, 0.0, 1e-6}) {
+            const Quaternion<double> wanted = sample_reference(exact, 0, double{switch_s} + offset_s)[0].rotation, got = sample_reference(packed, 0, double{switch_s} + offset_s)[0].rotation;
+            EXPECT_NEAR(std::abs(dot(wanted, got)), 1, 1e-6) << switch_s << " " << offset_s;
+        }
+    expect_within(one.asset, 1e-4, 1000);
+}
+
+TEST(Pack, UniformScaleStaysUniform) {
+    OneJoint one;
+    std::vector<float> times_s, values;
+    Random random(9);
+    for (int key = 0; key < 40; ++key) {
+        times_s.push_back(static_cast<float>(key) / 7);
+        values.insert(values.end(), 3, static_cast<float>(random.between(0.3, 2)));
+    }
+    one.track(TrackTarget::kScale, times_s, values);
+    one.spin(0.3, 10, {1, 2, 3});
+    const Character packed = compile(one.asset, 1e-3);
+    ASSERT_TRUE(packed.rig.uniform_scale);
+    ASSERT_GT(packed_row_bits(track_at(packed, packed.tracks[0].scale)), 0u);
+    for (int i = 0; i < 600; ++i) {
+        const Vec3<double> scale = sample_reference(packed, 0, i / 100.0)[0].scale;
+        ASSERT_EQ(scale.x, scale.y);
+        ASSERT_EQ(scale.x, scale.z);
+    }
+    expect_within(one.asset, 1e-3, 1000);
+}
+
+TEST(Pack, RotationsThroughHalfAndWholeTurns) {
+    for (const double turns : {0.5, 1.0, 2.5})
+        for (const double key_degrees : {9.0, 36.0, 90.0, 179.0})
+            for (const Vec3<double>& axis : {Vec3<double>{0, 0, 1}, Vec3<double>{1, 0, 0}, Vec3<double>{1, -2, 0.5}}) {
+                OneJoint one;
+                one.spin(turns, key_degrees, axis);
+                SCOPED_TRACE(testing::Message() << turns << " turns, keys every " << key_degrees << " degrees");
+                expect_within(one.asset, 1e-4, 2000);
+                const Character packed = compile(one.asset, 1e-4);
+                const bool full = (track_at(packed, packed.tracks[0].rotation).layout & kPackedFull) != 0;
+                if (key_degrees > 100) continue;
+                EXPECT_EQ(full, turns >= 1) << "no component keeps its sign through a whole turn";
+            }
+}
+
+TEST(Pack, AnUnreachableBoundIsSaid) {
+    OneJoint one;
+    one.spin(2, 9, {1, 2, 3});  // full rotations have 16 bits
+    const Character exact = compile(one.asset, 0), packed = compile(one.asset, 1e-6);
+    EXPECT_GT(packed.clips[0].error, 1e-6);
+    EXPECT_LE(packed.clips[0].error, 1e-4);
+    EXPECT_LE(vertex_error(exact, packed, 0, 1000), packed.clips[0].error + kExactKeys);
+    ASSERT_EQ(packed.warnings.size(), 1u);
+    EXPECT_NE(packed.warnings[0].find("'clip'"), std::string::npos) << packed.warnings[0];
+    EXPECT_NE(packed.warnings[0].find("0.0001 %"), std::string::npos) << packed.warnings[0];
+}
+
+TEST(Pack, WithoutASkinTheJointsAreMeasured) {
+    Asset asset = make_asset({.joint_count = 30, .clip_count = 1});
+    asset.meshes.clear();
+    asset.mesh_instances.clear();
+    const Character exact = compile(asset, 0), packed = compile(asset, 1e-4);
+    EXPECT_LE(packed.clips[0].error, 1e-4);
+    EXPECT_GT(packed.clips[0].animated_track_count, 10u);
+    for (int i = 0; i <= 200; ++i) {
+        const Playback playback{.first = {0, i / 200.0, 1, false}};
+        const ReferencePose wanted = *reference_pose(exact, playback), got = *reference_pose(packed, playback);
+        for (size_t joint = 0; joint < 30; ++joint)
+            for (size_t r = 0; r < 3; ++r) EXPECT_NEAR(got.model_from_joint[joint].row[r][3], wanted.model_from_joint[joint].row[r][3], 1e-4 * double{exact.size});
+    }
+}
+
+TEST(Pack, TestRigsKeepTheBound) {
+    for (const double bound : {1e-3, 1e-4, 1e-5})
+        for (const bool cubic : {false, true})
+            for (const uint32_t joint_count : {1u, 65u, 300u}) {
+                SCOPED_TRACE(testing::Message() << joint_count << " joints, bound " << bound << (cubic ? ", cubic" : ""));
+                expect_within(make_asset({.joint_count = joint_count, .seed = joint_count, .cubic = cubic}), bound, 150);
+            }
+}
+
+TEST(Pack, ADeepChainKeepsTheBound) {
+    for (const double bound : {1e-3, 1e-4, 1e-5}) {
+        SCOPED_TRACE(bound);
+        expect_within(make_asset({.joint_count = 120, .shape = RigShape::kChain, .scale_spread = 0, .key_count = 20}), bound, 150);
+    }
+}
+
+std::vector<std::filesystem::path> shared_characters() {
+    std::vector<std::filesystem::path> files;
+    for (const auto& file : std::filesystem::recursive_directory_iterator(shared_folder("characters")))
+        if (file.path().extension() == ".glb" || file.path().extension() == ".gltf") files.push_back(file.path());
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+TEST(Pack, RealCharactersKeepTheBound) {
+    THRONG_SKIP_WITHOUT(shared_folder("characters"));
+    for (const auto& file : shared_characters()) {
+        const Result<Asset> asset = load_asset(file);
+        ASSERT_TRUE(asset) << asset.error().text();
+        for (const double bound : {1e-3, 1e-4, 1e-5}) expect_within(*asset, bound, 60);
+    }
+}
+
+TEST(Pack, RealCharactersShrinkTenfold) {
+    THRONG_SKIP_WITHOUT(shared_folder("characters"));
+    uint64_t size_bytes = 0, raw_bytes = 0;
+    for (const auto& file : shared_characters()) {
+        const Result<Character> packed = load_character(file, {.error = 1e-4});
+        ASSERT_TRUE(packed) << packed.error().text();
+        uint64_t of_clips_bytes = 0;
+        for (const Clip& clip : packed->clips) {
+            of_clips_bytes += clip.size_bytes;
+            raw_bytes += clip.raw_size_bytes;
+        }
+        size_bytes += of_clips_bytes;
+        // All that is uploaded, but for the rest pose and the words behind the last row.
+        const size_t joint_count = packed->rig.joint_count();
+        const size_t uploaded_bytes = packed->keys.size() * 16 + packed->words.size() * 4 + packed->times_s.size() * 4 + packed->tracks.size() * 16;
+        EXPECT_GE(uploaded_bytes, of_clips_bytes);
+        EXPECT_LE(uploaded_bytes, of_clips_bytes + joint_count * (16 + 3 * 16) + 12);
+    }
+    EXPECT_GE(static_cast<double>(raw_bytes) / static_cast<double>(size_bytes), 10.0);
+}
+
+}  // namespace
+}  // namespace throng
