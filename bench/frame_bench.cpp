@@ -4,6 +4,7 @@
 #include "bench/frame_crowds.h"
 #include "bench/frame_floors.h"
 #include "bench/frame_traffic.h"
+#include "bench/gpu_clock.h"
 #include "bench/record.h"
 #include "bench/skin_error.h"
 #include "bench/statistics.h"
@@ -31,6 +32,8 @@ constexpr std::array kVariants{Variant{.name = "staged", .path = UpdatePath::kSt
 constexpr std::array kFormats{std::pair{SkinFormat::kAffine, "affine"}, std::pair{SkinFormat::kHalfAffine, "half_affine"}, std::pair{SkinFormat::kSimilarity, "similarity"}};
 constexpr std::array kStages{std::pair{"control", &StageTimes::control}, std::pair{"sample", &StageTimes::sample}, std::pair{"blend", &StageTimes::blend},
                              std::pair{"scan", &StageTimes::scan},       std::pair{"bind", &StageTimes::bind},     std::pair{"fused", &StageTimes::fused}};
+
+constexpr const char* kByKernel = "kernel";
 
 const char* name_of(SkinFormat format) {
     return std::find_if(kFormats.begin(), kFormats.end(), [&](const auto& row) { return row.first == format; })->second;
@@ -78,7 +81,8 @@ public:
             if (variant.exact_keys && !frame_.exact) continue;
             progress(frame_.configuration + ": checking " + variant.name);
             const Character* character = variant.exact_keys ? frame_.exact : frame_.character;
-            Entrant entrant{.variant = &variant, .character = character, .playback = variant.one_clip ? &one_clip_ : &two_clips_, .made = crowds_.get({character, variant.path, variant.format})};
+            Entrant entrant{.variant = &variant, .character = character, .playback = variant.one_clip ? &one_clip_ : &two_clips_};
+            entrant.made = crowds_.get({character, variant.path, variant.format});
             if (entrant.crowd()) entrant.max_error = error_of(entrant);
             entrants_.push_back(std::move(entrant));
         }
@@ -92,7 +96,7 @@ public:
         for (Entrant& entrant : entrants_)
             if (entrant.runs()) contestants.push_back({frame_.configuration + ": " + entrant.variant->name, [&] { take_sample(entrant); }});
         for (Floor& floor : floors_)
-            if (floor.work) contestants.push_back({frame_.configuration + ": " + floor.record["variant"].get<std::string>(), [&] { floor.total_ms.push_back(clock_.time_ms(floor.work)); }});
+            if (floor.work) contestants.push_back({frame_.configuration + ": " + std::string(floor.record["variant"]), [&] { floor.total_ms.push_back(clock_.time_ms(floor.work)); }});
         run_rounds(contestants, {.samples = samples, .least_samples = samples}, 0, progress);
     }
 
@@ -142,10 +146,14 @@ private:
         const auto written = std::find_if(entrants_.begin(), entrants_.end(), [&](const Entrant& entrant) { return entrant.runs() && entrant.variant->format == format; });
         if (written == entrants_.end()) return;
         const auto fill = std::make_shared<FillFloor>(device_.gpu(), *written->crowd(), format);
-        Floor floor{.record = {{"variant", "fill, " + std::to_string(skin_format_bytes(format)) + " bytes"}, {"path", "fill"}, {"skin_format", name_of(format)}, {"bytes", fill->size_bytes()}, {"by", "kernel"}},
-                    .work = [fill](VkCommandBuffer commands) { fill->record(commands); }};
-        clock_.time_ms(floor.work);  // compiles it
-        floors_.push_back(std::move(floor));
+        const std::string bytes = std::to_string(skin_format_bytes(format)) + " bytes";
+        const auto add = [&](const std::string& variant, const char* by, std::function<void(VkCommandBuffer)> work) {
+            clock_.time_ms(work);  // compiles the kernel
+            floors_.push_back({.record = {{"variant", variant}, {"path", "fill"}, {"skin_format", name_of(format)}, {"bytes", fill->size_bytes()}, {"by", by}}, .work = std::move(work)});
+        };
+        add("fill, " + bytes, kByKernel, [fill](VkCommandBuffer commands) { fill->record_kernel(commands); });
+        // Shows how much of the kernel's time is memory's: on a software device the least of it.
+        if (format == SkinFormat::kAffine) add("vkCmdFillBuffer", "vkCmdFillBuffer", [fill](VkCommandBuffer commands) { fill->record_transfer(commands); });
     }
 
     // Of the bytes that the staged update moves.
@@ -211,7 +219,9 @@ private:
     // Over writing the same result.
     static void add_times_fill_floor(nlohmann::json& record, const std::vector<nlohmann::json>& records) {
         if (!record.contains("ms") || !record.contains("clips")) return;
-        const auto fill = std::find_if(records.begin(), records.end(), [&](const nlohmann::json& other) { return other["path"] == "fill" && other["skin_format"] == record["skin_format"]; });
+        const auto fill = std::find_if(records.begin(), records.end(), [&](const nlohmann::json& other) {
+            return other["path"] == "fill" && other["by"] == kByKernel && other["skin_format"] == record["skin_format"];
+        });
         if (fill != records.end()) record["times_fill_floor"] = record["ms"]["median"].get<double>() / (*fill)["ms"]["median"].get<double>();
     }
 
@@ -228,7 +238,9 @@ private:
 
 }  // namespace
 
-std::vector<AffineT<double>> skin_reference_of(const Character& character, const Playback& playback) { return value_of(reference_pose(character, playback)).model_from_bind; }
+std::vector<AffineT<double>> skin_reference_of(const Character& character, const Playback& playback) {
+    return value_of(reference_pose(character, playback)).model_from_bind;
+}
 
 std::vector<nlohmann::json> measure_frame(const Device& device, const FrameCase& frame, uint32_t samples, const Progress& progress, const SkinReference& reference) {
     FrameMeasurement measurement(device, frame, reference);

@@ -43,11 +43,11 @@ void dispatch_rows(VkCommandBuffer commands, const Kernel& kernel, const Binding
 
 }  // namespace
 
-FillFloor::FillFloor(const std::shared_ptr<Gpu>& gpu, const Crowd& crowd, SkinFormat format) : kernel_(row_kernel(gpu, "fill", kFillPlain, kFillWide)) {
+FillFloor::FillFloor(const std::shared_ptr<Gpu>& gpu, const Crowd& crowd, SkinFormat format) : gpu_(gpu), kernel_(row_kernel(gpu, "fill", kFillPlain, kFillWide)) {
     for (const OutputBlock& block : crowd.outputs()) {
         const uint64_t size_bytes = uint64_t{block.instance_count} * block.palette_count * skin_format_bytes(format);
         if (size_bytes < kRow_bytes) continue;
-        targets_.push_back({kernel_.bind(FillBuffers{BufferRange(block.skin_buffer, 0, size_bytes)}), rows_of(size_bytes)});
+        targets_.push_back({block.skin_buffer, kernel_.bind(FillBuffers{BufferRange(block.skin_buffer, 0, size_bytes)}), rows_of(size_bytes)});
     }
 }
 
@@ -57,8 +57,13 @@ uint64_t FillFloor::size_bytes() const {
     return sum;
 }
 
-void FillFloor::record(VkCommandBuffer commands) const {
+void FillFloor::record_kernel(VkCommandBuffer commands) const {
     for (const Target& target : targets_) dispatch_rows(commands, kernel_, target.bindings, target.row_count);
+}
+
+void FillFloor::record_transfer(VkCommandBuffer commands) const {
+    memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite | kTransferWrite, kTransferWrite);
+    for (const Target& target : targets_) gpu_->vk.vkCmdFillBuffer(commands, target.buffer, 0, uint64_t{target.row_count} * kRow_bytes, 0);
 }
 
 CopyFloor::CopyFloor(std::shared_ptr<Gpu> gpu, uint64_t moved_bytes, uint64_t buffer_bytes)

@@ -14,13 +14,16 @@ public:
     FillFloor(const std::shared_ptr<Gpu>& gpu, const Crowd& crowd, SkinFormat format);
 
     uint64_t size_bytes() const;  // of what is written
-    void record(VkCommandBuffer commands) const;
+    void record_kernel(VkCommandBuffer commands) const;
+    void record_transfer(VkCommandBuffer commands) const;  // vkCmdFillBuffer
 
 private:
     struct Target {
+        VkBuffer buffer = VK_NULL_HANDLE;
         Bindings bindings;
         uint32_t row_count = 0;
     };
+    std::shared_ptr<Gpu> gpu_;
     Kernel kernel_;
     std::vector<Target> targets_;
 };

@@ -1,6 +1,7 @@
 #include "bench/scan_report.h"
 
 #include "base/failure.h"
+#include "bench/frame_report.h"
 #include "bench/report/html.h"
 #include "bench/report/style.h"
 #include "bench/report/tables.h"
@@ -271,13 +272,15 @@ On software devices they move 64-bit words, which throng's sample, blend and bin
 std::string scan_report(std::span<const Json> records) {
     const Cells cells = scan_cells(records);
     int count = 0;
-    std::string body = "<h1>Hierarchy-Scan, every method</h1>\n";
+    const std::string frames = frame_section(records, count);
+    const char* title = cells.empty() && !frames.empty() ? "A frame of animation" : "Hierarchy-Scan, every method";
+    std::string body = std::string("<h1>") + title + "</h1>\n";
     if (!cells.empty()) body += facts(cells) + legend(cells);
     for (const Cells& device : grouped(cells, {"device", "driver"})) body += device_section(device, count);
-    body += baseline_section(records);
+    body += frames + baseline_section(records);
     if (!cells.empty()) body += methods_section(cells) + measuring_section(cells);
-    else body += "<p>There is no record of the scan benchmark here.</p>\n";
-    return html_page("throng: Hierarchy-Scan", body);
+    else if (frames.empty()) body += "<p>There is no record of the scan benchmark here.</p>\n";
+    return html_page(std::string("throng: ") + title, body);
 }
 
 std::string scan_levels_plot(std::span<const Json> records) {

@@ -1,4 +1,4 @@
-// The report of the scan benchmark: figures and tables from its records (bench/README.md), each device for itself.
+// The report of the benchmarks: figures and tables from its records (bench/README.md), each device for itself.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,7 +9,7 @@
 namespace throng::bench {
 
 // A page that stands alone. Where a case was measured again, its last record counts. Both throw kUnsupported where gnuplot is not
-// installed; records of other benchmarks are left out, but for "baseline".
+// installed; records of other benchmarks are left out, but for "frame" and "baseline".
 std::string scan_report(std::span<const nlohmann::json> records);
 
 // The paper's figure as SVG: the first device's time over levels. Throws kInvalidArgument where there are no such records.

@@ -1,4 +1,6 @@
 // The command line as a user meets it: what it prints, what it writes, and one clear line for whatever is wrong.
+#include "tests/tool_runner.h"
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -7,13 +9,10 @@
 #define STBI_ONLY_PNG
 #include <stb/stb_image.h>
 
-#include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -21,7 +20,6 @@
 #include <fstream>
 #include <limits>
 #include <map>
-#include <ostream>
 #include <set>
 #include <sstream>
 #include <string>
@@ -30,84 +28,10 @@
 namespace throng {
 namespace {
 
+using namespace test;
+
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
-
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool kAddressSanitizer = true;
-#elif defined(__has_feature)
-constexpr bool kAddressSanitizer = __has_feature(address_sanitizer);
-#else
-constexpr bool kAddressSanitizer = false;
-#endif
-
-struct RunSettings {
-    std::map<std::string, std::string> environment;
-    uint64_t memory_limit_bytes = 0;  // of the address space; 0: none
-    unsigned time_limit_s = 300;
-    const char* out_path = nullptr;   // where standard output goes; it is not captured then
-};
-
-struct Outcome {
-    int exit_code = -1;  // -1: a signal
-    int signal = 0;
-    std::string out, err;
-    double time_s = 0;
-
-    // Exit code 0 and not a word on stderr.
-    bool succeeded() const { return exit_code == 0 && err.empty(); }
-    // An exit code of its own and one line on stderr, which names the thing.
-    bool refused(const std::string& named) const {
-        return exit_code > 0 && err.starts_with("throng: ") && err.find('\n') == err.size() - 1 && err.find(named) != std::string::npos;
-    }
-    friend std::ostream& operator<<(std::ostream& stream, const Outcome& outcome) {
-        return stream << "exit code " << outcome.exit_code << ", signal " << outcome.signal << ", " << outcome.time_s << " s\nstdout: "
-                      << outcome.out.substr(0, 2000) << "\nstderr: " << outcome.err.substr(0, 2000);
-    }
-};
-
-std::string contents(std::FILE* file) {
-    std::string text;
-    std::rewind(file);
-    for (int c = std::fgetc(file); c != EOF; c = std::fgetc(file)) text += static_cast<char>(c);
-    std::fclose(file);
-    return text;
-}
-
-Outcome run_tool(const std::vector<std::string>& arguments, const RunSettings& settings = {}) {
-    std::FILE *out = std::tmpfile(), *err = std::tmpfile();
-    std::vector<const char*> words{THRONG_TOOL};
-    for (const std::string& argument : arguments) words.push_back(argument.c_str());
-    words.push_back(nullptr);
-    const auto start = std::chrono::steady_clock::now();
-    const pid_t child = fork();
-    if (child == 0) {
-        for (const auto& [name, value] : settings.environment) setenv(name.c_str(), value.c_str(), 1);
-        if (settings.out_path) out = std::fopen(settings.out_path, "w");
-        dup2(fileno(out), STDOUT_FILENO);
-        dup2(fileno(err), STDERR_FILENO);
-        const rlimit no_core{0, 0}, memory{settings.memory_limit_bytes, settings.memory_limit_bytes};
-        setrlimit(RLIMIT_CORE, &no_core);
-        if (settings.memory_limit_bytes > 0 && !kAddressSanitizer) setrlimit(RLIMIT_AS, &memory);
-        alarm(settings.time_limit_s);  // survives exec, and kills
-        execv(THRONG_TOOL, const_cast<char* const*>(words.data()));
-        _exit(127);
-    }
-    int status = 0;
-    waitpid(child, &status, 0);
-    Outcome run;
-    run.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (WIFEXITED(status)) run.exit_code = WEXITSTATUS(status);
-    if (WIFSIGNALED(status)) run.signal = WTERMSIG(status);
-    run.out = contents(out);
-    run.err = contents(err);
-    return run;
-}
-
-std::string read_file(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
 
 std::set<std::string> keys(const Json& object) {
     std::set<std::string> out;
@@ -171,7 +95,7 @@ double pose_difference(const Json& a, const Json& b) {
 TEST_F(Cli, HelpHasExamples) {
     const Outcome all = run_tool({"--help"});
     EXPECT_TRUE(all.succeeded()) << all;
-    for (const char* command : {"info", "pose", "render", "generate", "bench", "devices"}) {
+    for (const char* command : {"info", "compile", "pose", "render", "generate", "bench", "devices"}) {
         EXPECT_NE(all.out.find(command), std::string::npos) << command;
         const Outcome run = run_tool({command, "--help"});
         EXPECT_TRUE(run.succeeded()) << run;
@@ -360,7 +284,7 @@ TEST_F(Cli, BenchHasARecordForEachScanMethod) {
         EXPECT_EQ(record["commit"], "abc1234");
         EXPECT_LT(record["max_error"], 1e-4);
         EXPECT_GE(record["memory_bytes"], 50 * kJoints * 48);
-        EXPECT_EQ(keys(record["stages"]), (std::set<std::string>{"control", "sample", "blend", "scan", "bind"}));
+        EXPECT_EQ(keys(record["stages"]), (std::set<std::string>{"control", "sample", "blend", "scan", "bind", "fused"}));
         for (const Json& spread : {record["stages"]["scan"], record["total"]}) {
             EXPECT_EQ(keys(spread), (std::set<std::string>{"median_ms", "p5_ms", "p95_ms"}));
             EXPECT_LE(spread["p5_ms"], spread["median_ms"]);
@@ -449,6 +373,44 @@ TEST_F(Cli, BenchScanHasARecordForEachMethodAndCase) {
                                             "on_chip9serial", "on_chip9compressed"}));
     const std::string help = run_tool({"bench", "scan", "--help"}).out;
     EXPECT_NE(help.find("Examples:\n  throng bench scan"), std::string::npos) << help;
+}
+
+TEST_F(Cli, BenchFrameHasARecordForEachVariantOfEachConfiguration) {
+    const Outcome run = run_tool({"bench", "frame", "--quick", "--count", "20", "--samples", "2", "--json"}, {.environment = {{"THRONG_COMMIT", "abc1234"}}});
+    EXPECT_TRUE(run.succeeded()) << run;
+    std::map<std::string, std::set<std::string>> variants;  // of each configuration
+    std::istringstream lines(run.out);
+    for (std::string line; std::getline(lines, line);) {
+        const Json record = Json::parse(line);
+        std::set<std::string> wanted{"bench", "configuration", "variant", "path", "characters", "joints", "levels", "mean_depth", "palette_entries", "bytes", "device", "driver", "subgroup_size", "commit", "date"};
+        const bool is_copy = record["path"] == "copy", is_floor = is_copy || record["path"] == "fill";
+        if (is_floor) wanted.insert("by");
+        else wanted.merge(std::set<std::string>{"clips", "keys"});
+        if (!is_copy) wanted.insert("skin_format");
+        if (record.contains("obstacle")) wanted.insert("obstacle");
+        else wanted.merge(std::set<std::string>{"samples", "ms", "ns_per_joint", "gb_per_s"});
+        if (!is_floor && !record.contains("obstacle")) wanted.merge(std::set<std::string>{"scan", "max_error", "stages", "times_fill_floor"});
+        EXPECT_EQ(keys(record), wanted) << line;
+        EXPECT_EQ(record["bench"], "frame");
+        EXPECT_EQ(record["characters"], 20);
+        EXPECT_EQ(record["commit"], "abc1234");
+        EXPECT_TRUE(variants[record["configuration"]].insert(record["variant"]).second) << "twice: " << line;
+    }
+    ASSERT_EQ(variants.size(), 5u) << "two of the six differ in the number of characters alone";
+    for (const auto& [configuration, names] : variants)
+        for (const char* name : {"staged", "fused", "fused, one clip", "fused, 24 bytes", "fused, 32 bytes", "fill, 48 bytes", "vkCmdFillBuffer", "copy as staged"}) EXPECT_TRUE(names.contains(name)) << configuration << ": " << name;
+    EXPECT_TRUE(variants["20 x 300, 60 levels"].contains("fused, exact keys"));
+    const std::string help = run_tool({"bench", "frame", "--help"}).out;
+    EXPECT_NE(help.find("Examples:\n  throng bench frame"), std::string::npos) << help;
+}
+
+TEST_F(Cli, BenchFrameMeasuresAFileAndWritesAReport) {
+    const std::string page = file("frame.html");
+    const Outcome run = run_tool({"bench", "frame", creature(), "--count", "30", "--samples", "1", "--error", "exact", "--report", page});
+    EXPECT_TRUE(run.succeeded()) << run;
+    EXPECT_NE(run.out.find("30 x creature.glb, keys exact: 30 characters x 40 joints"), std::string::npos) << run;
+    EXPECT_NE(run.out.find("\ncopy as staged"), std::string::npos) << run;
+    EXPECT_NE(read_file(page).find("Whole updates"), std::string::npos);
 }
 
 TEST_F(Cli, BenchBaselinesComparesAllThree) {
@@ -576,6 +538,13 @@ TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
         {{"bench", "scan", "--samples", "-2"}, "--samples"},
         {{"bench", "scan", "--json", file("none/x.jsonl")}, "none"},
         {{"bench", "scan", creature()}, "creature.glb"},
+        {{"bench", "frame", "--count", "0"}, "--count"},
+        {{"bench", "frame", "--samples", "0"}, "--samples"},
+        {{"bench", "frame", "--error", "0"}, "--error"},
+        {{"bench", "frame", "--error", "nan"}, "--error"},
+        {{"bench", "frame", "--error", "1x"}, "--error"},
+        {{"bench", "frame", "--report", file("none/x.html")}, "none"},
+        {{"bench", "frame", file("none.glb")}, "none.glb"},
         {{"bench", "baselines", "--rate", "0"}, "--rate"},
         {{"bench", "baselines", "--levels", "15", "--rate", "10000", "--device", "cpu"}, "storage-buffer range"},
         {{"bench", "baselines", "--json", file("none/x.jsonl")}, "none"},

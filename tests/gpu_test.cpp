@@ -1,6 +1,7 @@
 // Buffers, kernels, SPIR-V, and the structs that C++ and the shaders share.
 #include "base/failure.h"
 #include "bind/bind_io.h"
+#include "fused/fused_io.h"
 #include "blend/blend_io.h"
 #include "control/control.h"
 #include "draw/draw_io.h"
@@ -187,6 +188,7 @@ std::map<std::string, Layout> layouts_in_cpp() {
         {"SamplePush", {sizeof(io::SamplePush), {MEMBER(SamplePush, joint_count), MEMBER(SamplePush, slot)}}},
         {"BlendPush", {sizeof(io::BlendPush), {MEMBER(BlendPush, joint_count)}}},
         {"ScanPush", {sizeof(io::ScanPush), {MEMBER(ScanPush, joint_count), MEMBER(ScanPush, instance_count), MEMBER(ScanPush, repeat_count)}}},
+        {"FusedPush", {sizeof(io::FusedPush), {MEMBER(FusedPush, joint_count), MEMBER(FusedPush, instance_count), MEMBER(FusedPush, palette_count), MEMBER(FusedPush, rest_track)}}},
         {"BindPush", {sizeof(io::BindPush), {MEMBER(BindPush, joint_count), MEMBER(BindPush, palette_count)}}},
         {"VertexRows", {sizeof(io::VertexRows), {MEMBER(VertexRows, position_normal), MEMBER(VertexRows, texcoord_color)}}},
         {"SkinPush", {sizeof(io::SkinPush), {MEMBER(SkinPush, first_vertex), MEMBER(SkinPush, vertex_count), MEMBER(SkinPush, first_influences), MEMBER(SkinPush, influence_sets), MEMBER(SkinPush, first_palette_entry)}}},

@@ -5,6 +5,7 @@
 #include "blend/blend_io.h"
 #include "control/control_io.h"
 #include "draw/draw_io.h"
+#include "fused/fused_io.h"
 #include "gpu/affine.glsl"
 #include "sample/sample_io.h"
 #include "scan/scan_io.h"
@@ -26,6 +27,7 @@ layout(set = 0, binding = 12, std430) buffer Buffer12 { SkinPush skin_pushes[]; 
 layout(set = 0, binding = 13, std430) buffer Buffer13 { DrawScene draw_scenes[]; };
 layout(set = 0, binding = 14, std430) buffer Buffer14 { DrawPush draw_pushes[]; };
 layout(set = 0, binding = 15, std430) buffer Buffer15 { Affine affines[]; };
+layout(set = 0, binding = 16, std430) buffer Buffer16 { FusedPush fused_pushes[]; };
 
 layout(local_size_x = 1) in;
 void main() {}

@@ -58,15 +58,31 @@ double vertex_error(const Character& exact, const Character& packed, uint32_t cl
     return largest / double{exact.size};
 }
 
+bool has_full_rotation(const Character& character, uint32_t clip) {
+    const size_t joint_count = character.rig.joint_count();
+    for (size_t joint = 0; joint < joint_count; ++joint)
+        if (track_at(character, character.tracks[clip * joint_count + joint].rotation).layout & kPackedFull) return true;
+    return false;
+}
+
+// The one thing whose bits are given, not chosen, are full rotations: clips with such may miss a small bound, and must say so.
 void expect_within(const Asset& asset, double bound, size_t most_times) {
     const Character exact = compile(asset, 0), packed = compile(asset, bound);
     ASSERT_TRUE(packed.packed);
     ASSERT_EQ(packed.clips.size(), exact.clips.size());
-    for (uint32_t clip = 0; clip < exact.clips.size(); ++clip) {
-        EXPECT_LE(packed.clips[clip].error, bound) << asset.name << ", " << packed.clips[clip].name;
-        EXPECT_LE(vertex_error(exact, packed, clip, most_times), bound + kExactKeys) << asset.name << ", " << packed.clips[clip].name << ", bound " << bound;
-        EXPECT_EQ(packed.clips[clip].raw_size_bytes, exact.clips[clip].raw_size_bytes);
+    size_t missed = 0;
+    for (uint32_t index = 0; index < exact.clips.size(); ++index) {
+        const Clip& clip = packed.clips[index];
+        SCOPED_TRACE(asset.name + ", " + clip.name + ", bound " + std::to_string(bound));
+        if (clip.error > bound) {
+            ++missed;
+            EXPECT_TRUE(has_full_rotation(packed, index));
+            EXPECT_LE(clip.error, 2e-4);
+        }
+        EXPECT_LE(vertex_error(exact, packed, index, most_times), std::max(bound, clip.error) + kExactKeys);
+        EXPECT_EQ(clip.raw_size_bytes, exact.clips[index].raw_size_bytes);
     }
+    EXPECT_EQ(packed.warnings.size() - exact.warnings.size(), missed);
 }
 
 // One joint that skins a triangle a metre and a half across, and a clip to fill.
@@ -235,7 +251,7 @@ TEST(Pack, UniformScaleStaysUniform) {
 }
 
 TEST(Pack, RotationsThroughHalfAndWholeTurns) {
-    for (const double turns : {0.5, 1.0, 2.5})
+    for (const double turns : {0.4, 0.5, 1.0, 2.5})
         for (const double key_degrees : {9.0, 36.0, 90.0, 179.0})
             for (const Vec3<double>& axis : {Vec3<double>{0, 0, 1}, Vec3<double>{1, 0, 0}, Vec3<double>{1, -2, 0.5}}) {
                 OneJoint one;
@@ -245,7 +261,7 @@ TEST(Pack, RotationsThroughHalfAndWholeTurns) {
                 const Character packed = compile(one.asset, 1e-4);
                 const bool full = (track_at(packed, packed.tracks[0].rotation).layout & kPackedFull) != 0;
                 if (key_degrees > 100) continue;
-                EXPECT_EQ(full, turns >= 1) << "no component keeps its sign through a whole turn";
+                EXPECT_EQ(full, turns >= 0.5) << "after half a turn no component is away from 0 throughout";
             }
 }
 
@@ -278,18 +294,16 @@ TEST(Pack, WithoutASkinTheJointsAreMeasured) {
 
 TEST(Pack, TestRigsKeepTheBound) {
     for (const double bound : {1e-3, 1e-4, 1e-5})
-        for (const bool cubic : {false, true})
-            for (const uint32_t joint_count : {1u, 65u, 300u}) {
-                SCOPED_TRACE(testing::Message() << joint_count << " joints, bound " << bound << (cubic ? ", cubic" : ""));
-                expect_within(make_asset({.joint_count = joint_count, .seed = joint_count, .cubic = cubic}), bound, 150);
-            }
+        for (const uint32_t joint_count : {1u, 65u, 300u}) {
+            SCOPED_TRACE(testing::Message() << joint_count << " joints");
+            expect_within(make_asset({.joint_count = joint_count, .seed = joint_count}), bound, 150);
+            if (joint_count < 300) expect_within(make_asset({.joint_count = joint_count, .seed = joint_count, .cubic = true}), bound, 150);
+        }
 }
 
 TEST(Pack, ADeepChainKeepsTheBound) {
-    for (const double bound : {1e-3, 1e-4, 1e-5}) {
-        SCOPED_TRACE(bound);
+    for (const double bound : {1e-3, 1e-4, 1e-5})
         expect_within(make_asset({.joint_count = 120, .shape = RigShape::kChain, .scale_spread = 0, .key_count = 20}), bound, 150);
-    }
 }
 
 std::vector<std::filesystem::path> shared_characters() {

@@ -1,14 +1,14 @@
 #include "bench/record.h"
+#include "bench/skin_error.h"
 #include "bench/statistics.h"
+#include "tools/bench_frame.h"
 #include "tools/command.h"
 #include "tools/creature.h"
 #include "tools/scatter.h"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdio>
-#include <limits>
 
 namespace throng::tools {
 namespace {
@@ -18,6 +18,7 @@ struct BenchOptions {
     CreatureSettings creature;
     std::string scan = "all", device;
     UpdatePath path = UpdatePath::kAuto;
+    CompileSettings compile;
     uint32_t count = 10'000, samples = 15;
     uint64_t seed = 1;
     bool json = false;
@@ -28,25 +29,16 @@ nlohmann::json spread_record(const std::vector<double>& values) {
     return {{"median_ms", spread.median}, {"p5_ms", spread.p5}, {"p95_ms", spread.p95}};
 }
 
-// Largest distance between the GPU's skin matrices and the reference's, of some instances of each group, as a fraction of the
-// character's size: rotation columns count as displacements of a point one size away.
+// Of some instances of each group.
 double largest_error(Crowd& crowd, const Scatter& field) {
     double worst = 0;
     uint32_t first = 0;
     for (const CrowdGroup& group : field.groups) {
         constexpr uint32_t kChecked = 16;
-        const double size = std::max(double{group.character->size}, 1e-30);
         for (uint32_t i = 0; i < std::min(kChecked, group.instance_count); ++i) {
             const auto instance = static_cast<uint32_t>(first + uint64_t{group.instance_count} * i / std::min(kChecked, group.instance_count));
-            const std::vector<Affine> skin = unwrap(crowd.read_skin_matrices(instance));
             const ReferencePose pose = unwrap(reference_pose(*group.character, field.playback[instance]));
-            for (size_t entry = 0; entry < skin.size(); ++entry)
-                for (size_t row = 0; row < 3; ++row)
-                    for (size_t column = 0; column < 4; ++column) {
-                        const double difference = std::abs(skin[entry].row[row][column] - pose.model_from_bind[entry].row[row][column]);
-                        if (!(difference >= 0)) return std::numeric_limits<double>::infinity();  // not a number
-                        worst = std::max(worst, column == 3 ? difference / size : difference);
-                    }
+            worst = std::max(worst, bench::skin_error(unwrap(crowd.read_skin_matrices(instance)), pose.model_from_bind, group.character->size));
         }
         first += group.instance_count;
     }
@@ -54,7 +46,6 @@ double largest_error(Crowd& crowd, const Scatter& field) {
 }
 
 nlohmann::json run_case(const Device& device, const std::vector<Character>& characters, const Scatter& field, const std::string& scan, const BenchOptions& options) {
-    constexpr double kBound = 1e-4;  // far above float rounding at 120 levels, far below any mistake
     print_progress(scan + ": checking");
     Result<Crowd> created = Crowd::create(device, {.groups = field.groups, .path = options.path, .scan = scan});
     if (!created && created.error().code == ErrorCode::kUnsupported && options.scan == "all") return {{"bench", "update"}, {"scan", scan}, {"obstacle", created.error().message}};
@@ -62,7 +53,7 @@ nlohmann::json run_case(const Device& device, const std::vector<Character>& char
     unwrap(crowd.set_playback(0, field.playback));
     unwrap(crowd.update(0));
     const double error = largest_error(crowd, field);
-    if (!(error <= kBound)) throw CommandError(scan + ": wrong result (error " + std::to_string(error) + " of the size); not timed");
+    if (!(error <= bench::kSkinErrorBound)) throw CommandError(scan + ": wrong result (error " + std::to_string(error) + " of the size); not timed");
 
     std::array<std::vector<double>, kStages.size()> stage_ms;
     std::vector<double> total_ms;
@@ -109,8 +100,8 @@ void print_row(const nlohmann::json& record) {
 }
 
 void run_bench(const BenchOptions& options) {
-    std::vector<Character> characters = load_characters(options.files);
-    if (characters.empty()) characters.push_back(unwrap(compile_character(unwrap(make_creature(options.creature)))));
+    std::vector<Character> characters = load_characters(options.files, options.compile);
+    if (characters.empty()) characters.push_back(unwrap(compile_character(unwrap(make_creature(options.creature)), options.compile)));
     const Device device = open_device(options.device);
     const Scatter field = scatter(characters, options.count, options.seed);
     std::vector<std::string> scans{options.scan};
@@ -145,10 +136,12 @@ void add_bench(CLI::App& app) {
     command.add_option("--count", options->count, "characters in all")->check(CLI::Range(1u, 10'000'000u))->capture_default_str();
     command.add_option("--samples", options->samples, "updates timed")->check(CLI::Range(1u, 100'000u))->capture_default_str();
     add_path_option(command, options->path);
+    add_error_option(command, options->compile);
     command.add_option("--scan", options->scan, "method of the Hierarchy-Scan, or all of them")->check(scan_name({"all", "auto"}))->capture_default_str();
     add_device_option(command, options->device);
     command.add_flag("--json", options->json, "a JSON record a line; its commit is taken from THRONG_COMMIT");
     command.footer("Examples:\n  throng bench\n  throng bench --joints 300 --levels 120 --count 1000 --scan serial\n  throng bench fox.glb --count 5000 --json");
+    add_bench_frame(command);
     add_bench_scan(command);
     add_bench_baselines(command);
     add_bench_report(command);

@@ -2,6 +2,7 @@
 #include "base/failure.h"
 #include "bench/baselines/baselines.h"
 #include "bench/record.h"
+#include "bench/skin_error.h"
 #include "bench/statistics.h"
 #include "tools/command.h"
 #include "tools/creature.h"
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <limits>
 #include <numeric>
 
 namespace throng::tools {
@@ -65,23 +65,13 @@ Method baseline_method(const Device& device, const bench::Baseline& baseline, co
     return {std::string(baseline.name), &baked, [&](const Playback& playback) { return baseline.skin_matrices(baked, playback); }, start};
 }
 
-// Largest difference of some instances' skin matrices from the method's own definition, as a fraction of the size: rotation
-// columns count as displacements of a point one size away.
+// Of some instances, from the method's own definition.
 double largest_error(const Method& method, const Running& running, std::span<const Playback> playbacks) {
     constexpr size_t kChecked = 16;
-    const double size = std::max(double{method.stored->size}, 1e-30);
     double worst = 0;
     for (size_t i = 0; i < std::min(kChecked, playbacks.size()); ++i) {
         const auto instance = static_cast<uint32_t>(playbacks.size() * i / std::min(kChecked, playbacks.size()));
-        const std::vector<Affine> got = running.skin_matrices(instance);
-        const std::vector<AffineT<double>> wanted = method.definition(playbacks[instance]);
-        for (size_t entry = 0; entry < wanted.size(); ++entry)
-            for (size_t row = 0; row < 3; ++row)
-                for (size_t column = 0; column < 4; ++column) {
-                    const double difference = std::abs(got[entry].row[row][column] - wanted[entry].row[row][column]) / (column == 3 ? size : 1);
-                    if (!(difference >= 0)) return std::numeric_limits<double>::infinity();  // not a number
-                    worst = std::max(worst, difference);
-                }
+        worst = std::max(worst, bench::skin_error(running.skin_matrices(instance), method.definition(playbacks[instance]), method.stored->size));
     }
     return worst;
 }
@@ -158,7 +148,6 @@ nlohmann::json record_of(const Method& method, const Character& character, const
 
 // Checks each method, then times them in turns: A B C A B C …; median_ms, p5_ms, p95_ms, max_error and stages.
 void time_methods(const std::vector<Method>& methods, const Character& character, const BaselineOptions& options, std::vector<nlohmann::json>& records) {
-    constexpr double kBound = 1e-4;  // as throng bench
     const std::vector<Playback> playbacks = scatter({&character, 1}, options.count, options.seed).playback;
     std::vector<Running> running;
     for (size_t m = 0; m < methods.size(); ++m) {
@@ -166,7 +155,7 @@ void time_methods(const std::vector<Method>& methods, const Character& character
         running.push_back(methods[m].start(playbacks));
         running[m].update_ms(0);
         const double error = largest_error(methods[m], running[m], playbacks);
-        if (!(error <= kBound)) throw CommandError(methods[m].name + ": wrong result (error " + std::to_string(error) + " of the size); not timed");
+        if (!(error <= bench::kSkinErrorBound)) throw CommandError(methods[m].name + ": wrong result (error " + std::to_string(error) + " of the size); not timed");
         records[m]["max_error"] = error;
     }
     std::vector<std::vector<double>> total_ms(methods.size());
@@ -233,10 +222,10 @@ void run_baselines(const BaselineOptions& options) {
         print_table(records);
         for (const nlohmann::json& record : records) lines += record.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
     };
-    for (const std::string& file : options.files) run(load_characters({file}).front(), file);
+    for (const std::string& file : options.files) run(load_characters({file}, kExact).front(), file);
     if (options.files.empty())
         for (const uint32_t level_count : options.levels)
-            run(unwrap(compile_character(unwrap(make_creature({.joint_count = options.joints, .level_count = level_count, .seed = options.seed})))), "creature");
+            run(unwrap(compile_character(unwrap(make_creature({.joint_count = options.joints, .level_count = level_count, .seed = options.seed})), kExact)), "creature");
     if (!options.json.empty()) write_file(options.json, std::as_bytes(std::span(lines)));
 }
 

@@ -24,7 +24,7 @@ void run_report(const ReportOptions& options) {
 }  // namespace
 
 void add_bench_report(CLI::App& bench_command) {
-    CLI::App& command = *bench_command.add_subcommand("report", "records of 'throng bench scan' and 'baselines' as an HTML page with figures, by gnuplot");
+    CLI::App& command = *bench_command.add_subcommand("report", "records of 'throng bench scan', 'baselines' and 'frame' as an HTML page with figures, by gnuplot");
     auto options = std::make_shared<ReportOptions>();
     command.add_option("records", options->files, "files of records, one a line; of a case measured twice the last counts")->required();
     add_out_option(command, options->out, "the .html file to write; it needs no other file");

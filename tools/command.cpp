@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
@@ -51,11 +52,28 @@ void add_scan_option(CLI::App& app, std::string& scan) {
     app.add_option("--scan", scan, "method of the Hierarchy-Scan, and its invocations a character")->check(scan_name({"auto"}))->capture_default_str();
 }
 
-std::vector<Character> load_characters(const std::vector<std::string>& files) {
+void add_error_option(CLI::App& app, CompileSettings& settings) {
+    constexpr double kLeast_percent = 1e-4, kMost_percent = 10;
+    const auto check = [](const std::string& text) -> std::string {
+        char* end = nullptr;
+        const double percent = std::strtod(text.c_str(), &end);
+        const bool is_number = end != text.c_str() && *end == '\0';
+        if (text == "exact" || (is_number && percent >= kLeast_percent && percent <= kMost_percent)) return {};
+        return "'" + text + "' is neither 'exact' nor a percentage from 0.0001 to 10";
+    };
+    const auto set = [&settings](const std::string& text) { settings.error = text == "exact" ? 0 : std::strtod(text.c_str(), nullptr) / 100; };
+    char by_default[16] = "exact";
+    if (settings.error > 0) std::snprintf(by_default, sizeof(by_default), "%g", settings.error * 100);
+    app.add_option_function<std::string>("--error", set, "how far compressed clips may displace the skin, in percent of the character's size; 'exact': not compressed")
+        ->check(CLI::Validator(check, "PERCENT|exact"))
+        ->default_str(by_default);
+}
+
+std::vector<Character> load_characters(const std::vector<std::string>& files, const CompileSettings& settings) {
     std::vector<Character> characters;
     for (const std::string& file : files) {
         print_progress("reading " + file);
-        characters.push_back(unwrap(load_character(file)));
+        characters.push_back(unwrap(load_character(file, settings)));
         print_warnings(characters.back().warnings);
     }
     print_progress("");
@@ -100,7 +118,7 @@ CLI::Validator writable_file() {
 }
 
 void add_out_option(CLI::App& app, std::string& out, const std::string& description) {
-    app.add_option("--out", out, description)->required()->check(writable_file());
+    app.add_option("-o,--out", out, description)->required()->check(writable_file());
 }
 
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {

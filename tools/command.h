@@ -55,7 +55,10 @@ void add_scan_option(CLI::App& app, std::string& scan);
 // --path
 void add_path_option(CLI::App& app, UpdatePath& path);
 
-std::vector<Character> load_characters(const std::vector<std::string>& files);
+// --error: PERCENT of the character's size, or 'exact'.
+void add_error_option(CLI::App& app, CompileSettings& settings);
+
+std::vector<Character> load_characters(const std::vector<std::string>& files, const CompileSettings& settings);
 
 // The clip with this name, or else with this number. Throws where there is none, naming those there are.
 uint32_t find_clip(const Character& character, const std::string& name_or_index);
@@ -71,7 +74,7 @@ void print_json(const nlohmann::json& json);
 // For files to write. Said before the work is done: the folder must be there and writable, and what stands there already a plain file.
 CLI::Validator writable_file();
 
-// --out, required.
+// -o and --out, required.
 void add_out_option(CLI::App& app, std::string& out, const std::string& description);
 
 // Writes to a temporary name beside `path`, then renames.
@@ -79,6 +82,7 @@ void write_file(const std::filesystem::path& path, std::span<const std::byte> by
 
 // Each adds one subcommand, which runs when it is parsed.
 void add_info(CLI::App& app);
+void add_compile(CLI::App& app);
 void add_pose(CLI::App& app);
 void add_render(CLI::App& app);
 void add_generate(CLI::App& app);

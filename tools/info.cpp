@@ -18,14 +18,37 @@ uint32_t largest_influence_count(const Character& character) {
     return sets * 4;
 }
 
+struct ClipTotals {
+    uint64_t size_bytes = 0, raw_size_bytes = 0;
+    double error = 0;  // largest
+
+    explicit ClipTotals(const Character& character) {
+        for (const Clip& clip : character.clips) {
+            size_bytes += clip.size_bytes;
+            raw_size_bytes += clip.raw_size_bytes;
+            error = std::max(error, clip.error);
+        }
+    }
+};
+
+// How many times smaller than 10 floats a joint and row, and the error where there is one.
+std::string compression_text(uint64_t size_bytes, uint64_t raw_size_bytes, double error, bool packed) {
+    char text[64];
+    const double ratio = static_cast<double>(raw_size_bytes) / static_cast<double>(size_bytes);
+    if (packed) std::snprintf(text, sizeof(text), "%8.1f KiB  %5.1f : 1  %8.5f %%", static_cast<double>(size_bytes) / 1024, ratio, error * 100);
+    else std::snprintf(text, sizeof(text), "%8.1f KiB  %5.1f : 1  exact", static_cast<double>(size_bytes) / 1024, ratio);
+    return text;
+}
+
 nlohmann::json to_json(const Character& character) {
     nlohmann::json clips = nlohmann::json::array(), skins = nlohmann::json::array();
     for (const Clip& clip : character.clips)
         clips.push_back({{"name", clip.name}, {"duration_s", clip.duration_s}, {"channels", clip.channel_count}, {"rows", clip.row_count},
                          {"animated_tracks", clip.animated_track_count}, {"source_keys", clip.source_key_count}, {"refined_rows", clip.refined_row_count},
-                         {"dropped_rows", clip.dropped_row_count}, {"bytes", clip.size_bytes}});
+                         {"dropped_rows", clip.dropped_row_count}, {"bytes", clip.size_bytes}, {"raw_bytes", clip.raw_size_bytes}, {"error_percent", clip.error * 100}});
     for (const Skin& skin : character.skins) skins.push_back({{"name", skin.name}, {"joints", skin.joint_count}});
     const Rig& rig = character.rig;
+    const ClipTotals totals(character);
     return {{"file", character.name},
             {"joints", rig.joint_count()},
             {"levels", rig.level_count},
@@ -35,6 +58,10 @@ nlohmann::json to_json(const Character& character) {
             {"skins", skins},
             {"palette_entries", character.palette.size()},
             {"clips", clips},
+            {"packed", character.packed},
+            {"clip_bytes", totals.size_bytes},
+            {"clip_raw_bytes", totals.raw_size_bytes},
+            {"error_percent", totals.error * 100},
             {"vertices", character.vertices.size()},
             {"faces", face_count(character)},
             {"sections", character.sections.size()},
@@ -42,7 +69,7 @@ nlohmann::json to_json(const Character& character) {
             {"influences", largest_influence_count(character)},
             {"morph_targets", character.morph_target_count},
             {"size", character.size},
-            {"bytes_per_character", character.keys.size() * 16 + character.times_s.size() * 4 + character.tracks.size() * sizeof(JointTracks)},
+            {"bytes_per_character", character.keys.size() * 16 + character.words.size() * 4 + character.times_s.size() * 4 + character.tracks.size() * sizeof(JointTracks)},
             {"bytes_per_instance", instance_bytes(character)},
             {"warnings", character.warnings}};
 }
@@ -60,11 +87,15 @@ void print_text(const Character& character) {
     std::printf("  memory     %zu skin matrices: %llu bytes an instance\n", character.palette.size(), static_cast<unsigned long long>(instance_bytes(character)));
     for (size_t i = 0; i < character.clips.size(); ++i) {
         const Clip& clip = character.clips[i];
-        std::printf("  clip %-5zu %7.3f s  %4u channels  %5u rows x %4u tracks  %8.1f KiB  %s", i, static_cast<double>(clip.duration_s), clip.channel_count, clip.row_count,
-                    clip.animated_track_count, static_cast<double>(clip.size_bytes) / 1024, clip.name.c_str());
+        std::printf("  clip %-5zu %7.3f s  %4u channels  %5u rows x %4u tracks  %s  %s", i, static_cast<double>(clip.duration_s), clip.channel_count, clip.row_count,
+                    clip.animated_track_count, compression_text(clip.size_bytes, clip.raw_size_bytes, clip.error, character.packed).c_str(), clip.name.c_str());
         if (clip.refined_row_count > 0) std::printf("  (%u rows added for cubic tracks)", clip.refined_row_count);
-        if (clip.dropped_row_count > 0) std::printf("  (resampled: %u rows of the union left out)", clip.dropped_row_count);
+        if (clip.dropped_row_count > 0) std::printf("  (%u rows left out)", clip.dropped_row_count);
         std::printf("\n");
+    }
+    if (!character.clips.empty()) {
+        const ClipTotals totals(character);
+        std::printf("  all clips  %s\n", compression_text(totals.size_bytes, totals.raw_size_bytes, totals.error, character.packed).c_str());
     }
     for (const std::string& warning : character.warnings) std::printf("  warning    %s\n", warning.c_str());
 }
@@ -73,10 +104,11 @@ struct InfoOptions {
     std::string file, device;
     uint32_t count = 10'000;
     bool json = false;
+    CompileSettings compile;
 };
 
 void run_info(const InfoOptions& options) {
-    const Character character = unwrap(load_character(options.file));
+    const Character character = unwrap(load_character(options.file, options.compile));
     nlohmann::json json = options.json ? to_json(character) : nlohmann::json();
     if (!options.json) print_text(character);
     // The file is of interest without a device too; one that was asked for must be there.
@@ -93,10 +125,11 @@ void run_info(const InfoOptions& options) {
 }  // namespace
 
 void add_info(CLI::App& app) {
-    CLI::App& command = *app.add_subcommand("info", "what is in a .glb or .gltf file, what it costs, and how a crowd of it would be scanned");
+    CLI::App& command = *app.add_subcommand("info", "what is in a .glb, .gltf or .throng file, what it costs, and how a crowd of it would be scanned");
     auto options = std::make_shared<InfoOptions>();
-    command.add_option("file", options->file, "a glTF 2.0 file")->required();
+    command.add_option("file", options->file, "a glTF 2.0 file, or one that 'throng compile' wrote")->required();
     command.add_option("--count", options->count, "characters of the crowd for which a scan method is chosen")->check(CLI::Range(1u, 10'000'000u))->capture_default_str();
+    add_error_option(command, options->compile);
     add_device_option(command, options->device);
     command.add_flag("--json", options->json, "as JSON");
     command.footer("Examples:\n  throng info fox.glb\n  throng info fox.glb --count 100\n  throng info fox.glb --json | jq .clips");

@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
     app.require_subcommand(0, 1);  // none is said below: with 1, a misspelt one would not be named
     app.footer("'throng COMMAND --help' has examples. Exit code: 0 done, 1 failed, more than 1 a wrong option.");
     add_info(app);
+    add_compile(app);
     add_pose(app);
     add_render(app);
     add_generate(app);

@@ -10,6 +10,7 @@ struct PoseOptions {
     std::string file, clip, blend, scan = "auto", vertices = "0", device;
     double time_s = 0, blend_time_s = 0, weight = 0.5;
     bool loop = false, reference = false, json = false;
+    CompileSettings compile = kExact;
 };
 
 // What either way of computing gives: the GPU's floats or the reference's doubles.
@@ -107,7 +108,7 @@ std::optional<uint32_t> parse_vertices(const std::string& text) {
 void run_pose(const PoseOptions& options) {
     const std::optional<uint32_t> vertex_limit = parse_vertices(options.vertices);
     if (options.clip.empty() && !options.blend.empty()) throw CommandError("--blend needs --clip: the two clips are blended");
-    const Character character = unwrap(load_character(options.file));
+    const Character character = unwrap(load_character(options.file, options.compile));
     print_warnings(character.warnings);
     const Playback playback = playback_of(options, character);
     const bool with_positions = vertex_limit != 0u;
@@ -121,13 +122,14 @@ void run_pose(const PoseOptions& options) {
 void add_pose(CLI::App& app) {
     CLI::App& command = *app.add_subcommand("pose", "joint matrices, skin matrices and skinned vertices of one character at one time");
     auto options = std::make_shared<PoseOptions>();
-    command.add_option("file", options->file, "a glTF 2.0 file")->required();
+    command.add_option("file", options->file, "a glTF 2.0 file, or one that 'throng compile' wrote")->required();
     command.add_option("--clip", options->clip, "name or number of a clip (default: the rest pose)");
     command.add_option("--time", options->time_s, "seconds into the clip")->check(finite())->capture_default_str();
     command.add_flag("--loop", options->loop, "wrap times beyond the clip's end, for both clips (else clamp)");
     command.add_option("--blend", options->blend, "name or number of a second clip to blend with");
     command.add_option("--blend-time", options->blend_time_s, "seconds into the second clip")->check(finite())->capture_default_str();
     command.add_option("--weight", options->weight, "weight of --clip; the second clip has the rest")->check(finite())->check(CLI::Range(0.0, 1.0))->capture_default_str();
+    add_error_option(command, options->compile);
     add_scan_option(command, options->scan);
     command.add_flag("--reference", options->reference, "compute on the CPU in double precision; needs no GPU");
     command.add_option("--vertices", options->vertices, "skinned vertices of each primitive to print: a number, spread evenly, or 'all'")->capture_default_str();

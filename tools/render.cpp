@@ -10,6 +10,7 @@ namespace {
 struct RenderOptions {
     std::vector<std::string> files;
     std::string size = "1920x1080", out, scan = "auto", device;
+    CompileSettings compile;
     uint32_t count = 1;
     double time_s = 0;
     uint64_t seed = 1;
@@ -39,7 +40,7 @@ void print_times(const RenderOptions& options, const Device& device, const Crowd
 
 void run_render(const RenderOptions& options) {
     const RendererSettings size = parse_size(options.size);
-    const std::vector<Character> characters = load_characters(options.files);
+    const std::vector<Character> characters = load_characters(options.files, options.compile);
     const Device device = open_device(options.device);
     print_progress("placing " + std::to_string(options.count) + " characters");
     const Scatter field = scatter(characters, options.count, options.seed);
@@ -65,13 +66,14 @@ void run_render(const RenderOptions& options) {
 void add_render(CLI::App& app) {
     CLI::App& command = *app.add_subcommand("render", "draw a crowd of one or several files to a picture");
     auto options = std::make_shared<RenderOptions>();
-    command.add_option("files", options->files, "glTF 2.0 files; several are mixed, scaled to one size")->required();
+    command.add_option("files", options->files, "glTF 2.0 or .throng files; several are mixed, scaled to one size")->required();
     command.add_option("--count", options->count, "characters in all")->check(CLI::Range(1u, 10'000'000u))->capture_default_str();
     command.add_option("--size", options->size, "of the picture")->capture_default_str();
     command.add_option("--time", options->time_s, "seconds after the start; every character starts at a time of its own")->check(finite())->capture_default_str();
     command.add_option("--seed", options->seed, "of clips, times, blends and places")->capture_default_str();
     add_out_option(command, options->out, "the .png file to write");
     add_scan_option(command, options->scan);
+    add_error_option(command, options->compile);
     add_device_option(command, options->device);
     command.add_flag("--json", options->json, "print the stage times as JSON");
     command.footer("Examples:\n  throng render fox.glb --out fox.png\n  throng render fox.glb knight.glb --count 1000 --size 1280x720 --time 2 --seed 3 --out crowd.png");

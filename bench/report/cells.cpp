@@ -24,17 +24,21 @@ const Json* smallest(const Cells& cells, const char* quantity) {
 
 }  // namespace
 
-Cells scan_cells(std::span<const Json> records) {
+Cells latest_cells(std::span<const Json> records, const char* bench, const char* name, std::vector<const char*> fields) {
+    fields.push_back(name);
     std::map<std::string, size_t> places;
     Cells cells;
     for (const Json& record : records) {
-        if (text(record, "bench") != "scan" || text(record, "method").empty()) continue;
-        const auto [place, is_new] = places.try_emplace(
-            key(record, {"device", "driver", "experiment", "method", "lanes", "shape", "seed", "characters", "joints", "levels"}), cells.size());
+        if (text(record, "bench") != bench || text(record, name).empty()) continue;
+        const auto [place, is_new] = places.try_emplace(key(record, fields), cells.size());
         if (is_new) cells.push_back(&record);
         else cells[place->second] = &record;
     }
     return cells;
+}
+
+Cells scan_cells(std::span<const Json> records) {
+    return latest_cells(records, "scan", "method", {"device", "driver", "experiment", "lanes", "shape", "seed", "characters", "joints", "levels"});
 }
 
 Cells having(const Cells& cells, const char* field, const std::string& value) {

@@ -1,4 +1,4 @@
-// Selecting and grouping the records of the scan benchmark.
+// Selecting and grouping the records of a benchmark.
 #pragma once
 
 #include "bench/report/records.h"
@@ -14,7 +14,8 @@ namespace throng::bench {
 // Records that agree in some fields, in their first one's order.
 using Cells = std::vector<const Json*>;
 
-// The benchmark's own records; of several of one case the last one.
+// A benchmark's own records that have a `name`; of several that agree in it and in `fields` the last one.
+Cells latest_cells(std::span<const Json> records, const char* bench, const char* name, std::vector<const char*> fields);
 Cells scan_cells(std::span<const Json> records);
 
 // Those whose `field` is `value`.

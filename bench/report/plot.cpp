@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <set>
@@ -261,19 +262,32 @@ std::string line_plot(const LinePlot& given) {
 }
 
 std::string bar_plot(const BarPlot& plot) {
-    double largest = 0;
-    for (const Bar& bar : plot.bars) largest = std::max({largest, bar.value, bar.high});
+    double smallest = std::numeric_limits<double>::infinity(), largest = 0;
+    for (const Bar& bar : plot.bars) {
+        largest = std::max({largest, bar.value, bar.high});
+        for (const double value : {bar.value, bar.low})
+            if (value > 0) smallest = std::min(smallest, value);
+    }
     if (!(largest > 0)) return {};
 
-    constexpr double kWidth = 560, kNames = 158, kNotes = 92, kRow = 25, kTop = 34, kBottom = 12;
-    const double height = kTop + kBottom + kRow * static_cast<double>(plot.bars.size());
-    const Axis x = axis(false, 0, largest, kNames, kWidth - kNotes, 0, 0);
+    constexpr double kWidth = 560, kNames = 158, kNotes = 92, kRow = 25, kTop = 34, kBegin = 30, kEnd = 26;
+    const double bottom_margin = plot.log_x ? 30 : 12, rows = static_cast<double>(plot.bars.size()), height = kTop + bottom_margin + kRow * rows;
+    const Axis x = plot.log_x ? axis(true, smallest, largest, kNames, kWidth - kNotes, kBegin, kEnd) : axis(false, 0, largest, kNames, kWidth - kNotes, 0, 0);
+    const double begin = x.value(x.start);
 
     Figure figure(plot.id, kWidth, height);
-    figure.margins(kNames, kNotes, kTop, kBottom);
-    figure.command("set xrange [0:" + number(largest) + "]\nset yrange [" + number(static_cast<double>(plot.bars.size())) + ":0]");
+    figure.margins(kNames, kNotes, kTop, bottom_margin);
+    figure.command("set xrange [" + number(begin) + ":" + number(x.value(x.end)) + "]\nset yrange [" + number(rows) + ":0]" + (plot.log_x ? "\nset logscale x" : ""));
     figure.caption(plot.title, kNames, 14, kTitle, "left", "Helvetica:Bold,14");
     figure.caption(plot.x_label, kWidth - 4, 14, kText, "right");
+    if (plot.log_x) {
+        std::vector<std::string> grid;
+        for (const double tic : logarithmic_tics(begin, x.value(x.end))) {
+            grid.insert(grid.end(), {row({tic, 0}), row({tic, rows}), ""});
+            figure.caption(tic_text(tic), x.pixel(tic), height - bottom_margin + 14, kText, "center");
+        }
+        if (!grid.empty()) figure.element("", grid, "with lines linewidth 1 linecolor " + rgb(figure, kGrid));
+    }
     for (size_t i = 0; i < plot.bars.size(); ++i) {
         const Bar& bar = plot.bars[i];
         const double top = static_cast<double>(i) + 0.16, bottom = static_cast<double>(i) + 0.84, middle = static_cast<double>(i) + 0.5;
@@ -283,14 +297,14 @@ std::string bar_plot(const BarPlot& plot) {
                 figure.element(bar.name, {row({from, middle, from, to, top, bottom})},
                                "using 1:2:3:4:5:6 with boxxyerror fillcolor " + rgb(figure, bar.ink) + " fillstyle transparent solid " + density + " noborder");
         };
-        box(0, split, "0.92");
+        box(begin, split, "0.92");
         box(split, bar.value, "0.38");
         if (bar.high > bar.low)
             figure.element(bar.name, {row({bar.low, middle}), row({bar.high, middle})}, "with lines linewidth 1.2 linecolor " + rgb(figure, kTitle));
         figure.caption(bar.name, kNames - 8, kTop + kRow * middle, kTitle, "right");
         figure.caption(bar.note, std::max(x.pixel(bar.value), x.pixel(bar.high)) + 7, kTop + kRow * middle, kText);
     }
-    figure.element("", {row({0, 0}), row({0, static_cast<double>(plot.bars.size())})}, "with lines linewidth 1 linecolor " + rgb(figure, kText));
+    figure.element("", {row({begin, 0}), row({begin, rows})}, "with lines linewidth 1 linecolor " + rgb(figure, kText));
     return figure.draw();
 }
 

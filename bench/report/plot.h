@@ -51,6 +51,7 @@ struct Bar {
 struct BarPlot {
     std::string id;
     std::string title, x_label;
+    bool log_x = false;     // bars then begin somewhat below the smallest value, and the axis has numbers
     std::vector<Bar> bars;  // from the top
 };
 std::string bar_plot(const BarPlot& plot);

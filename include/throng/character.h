@@ -159,7 +159,16 @@ inline constexpr CompileSettings kExact{.error = 0};
 // (nothing to animate), kLimit.
 Result<Character> compile_character(const Asset& asset, const CompileSettings& settings = {});
 
-// load_asset() and compile_character() in one.
+// load_asset() and compile_character() in one. A file that save_character() wrote, known by its first bytes, is read as it is: the settings
+// are not used then.
 Result<Character> load_character(const std::filesystem::path& path, const CompileSettings& settings = {});
+
+// Writes a compiled character to a file of its own (docs/file_format.md), bit for bit: under another name first, then renamed, so that nobody
+// sees half of it. Errors: kFile, and kInvalidArgument or kLimit for a Character that load_character() would refuse.
+Result<void> save_character(const Character& character, const std::filesystem::path& path);
+
+// The content of such a file, from memory; `name` stands in messages. Files are checked as those of strangers are: what is accepted leads no
+// stage out of its buffers. Errors: kInvalidFile (damaged, cut short, or not such a file), kUnsupported (another version), kLimit.
+Result<Character> load_compiled_character(std::span<const std::byte> bytes, std::string_view name);
 
 }  // namespace throng

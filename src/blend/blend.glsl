@@ -3,11 +3,14 @@
 #include "gpu/similarity.glsl"
 
 // weight * a + (1 - weight) * b: translation and scale linearly, rotation normalised on the shortest path.
+vec4 blend_rotation(vec4 a, vec4 b, float weight) {
+    const float side = dot(a, b) < 0 ? -1 : 1;
+    const vec4 rotation = mix(b * side, a, weight);
+    return rotation * inversesqrt(dot(rotation, rotation));
+}
+
 JointPose blend_joint(JointPose a, JointPose b, float weight) {
-    const float side = dot(a.rotation, b.rotation) < 0 ? -1 : 1;
-    const vec4 rotation = mix(b.rotation * side, a.rotation, weight);
-    return JointPose(rotation * inversesqrt(dot(rotation, rotation)), mix(b.translation, a.translation, weight),
-                     mix(b.scale, a.scale, weight));
+    return JointPose(blend_rotation(a.rotation, b.rotation, weight), mix(b.translation, a.translation, weight), mix(b.scale, a.scale, weight));
 }
 
 Affine parent_from_joint(JointPose pose) {

@@ -19,7 +19,7 @@ std::vector<std::byte> write_character(const Character& character);
 Character read_character(std::span<const std::byte> bytes, const std::string& place);
 
 // Whether a regular file of this name begins as a compiled character does.
-bool is_character_file(const std::filesystem::path& path);
+bool is_compiled_file(const std::filesystem::path& path);
 
 // Of a whole file, as its header has it.
 uint64_t checksum_of(std::span<const std::byte> file);

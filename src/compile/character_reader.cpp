@@ -4,6 +4,7 @@
 #include "compile/character_layout.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cstring>
 
 namespace throng {
@@ -11,7 +12,7 @@ namespace {
 
 using namespace file;
 
-constexpr const char* kNotWrittenSo = "; the file was not written by throng, compile it anew from its source";
+constexpr const char* kNotWrittenSo = "; throng writes no such file: compile it anew from its source";
 
 class Reader {
 public:
@@ -23,9 +24,9 @@ public:
     Character run() {
         Character character;
         const size_t warning_count = read_scalars(character);
-        for (const ClipRecord& record : array<ClipRecord>(SectionId::kClips)) character.clips.push_back(clip_of(record));
-        for (const SkinRecord& record : array<SkinRecord>(SectionId::kSkins)) character.skins.push_back({{}, record.first_entry, record.joint_count});
-        for (const MaterialRecord& record : array<MaterialRecord>(SectionId::kMaterials)) character.materials.push_back(material_of(record));
+        read_records<ClipRecord>(SectionId::kClips, character.clips, [&](const ClipRecord& record) { return clip_of(record); });
+        read_records<SkinRecord>(SectionId::kSkins, character.skins, [](const SkinRecord& record) { return Skin{{}, record.first_entry, record.joint_count}; });
+        read_records<MaterialRecord>(SectionId::kMaterials, character.materials, [&](const MaterialRecord& record) { return material_of(record); });
         visit_arrays(character, [&]<class T>(SectionId id, std::vector<T>& out) { out = array<T>(id); });
         read_images(character);
         read_text(character, warning_count);
@@ -42,17 +43,21 @@ private:
 
     void check_header() {
         const auto refuse = [&](ErrorCode code, const std::string& what) { throw Failure(code, place_, what); };
-        if (bytes_.size() < kMagic.size() || std::memcmp(bytes_.data(), kMagic.data(), kMagic.size()) != 0) refuse(ErrorCode::kInvalidFile, "is not a compiled character");
+        if (bytes_.size() < kMagic.size() || std::memcmp(bytes_.data(), kMagic.data(), kMagic.size()) != 0)
+            refuse(ErrorCode::kInvalidFile, "is not a compiled character");
         Header header;
         if (bytes_.size() < sizeof(header)) refuse(ErrorCode::kInvalidFile, "ends within its header; copy it again, or compile it anew");
         std::memcpy(&header, bytes_.data(), sizeof(header));
         if (header.version != kVersion)
-            refuse(ErrorCode::kUnsupported, "version " + std::to_string(header.version) + ", this throng reads version " + std::to_string(kVersion) + "; compile it anew from its source" +
-                                                (header.version > kVersion ? ", or update throng" : ""));
+            refuse(ErrorCode::kUnsupported, "version " + std::to_string(header.version) + ", this throng reads version " + std::to_string(kVersion) +
+                                                "; compile it anew from its source" + (header.version > kVersion ? ", or update throng" : ""));
         if (header.size_bytes != bytes_.size())
-            refuse(ErrorCode::kInvalidFile, "has " + std::to_string(bytes_.size()) + " bytes, but " + std::to_string(header.size_bytes) + " by its header; copy it again, or compile it anew");
-        if (header.checksum != checksum_of(bytes_)) refuse(ErrorCode::kInvalidFile, "is damaged: its checksum is another; copy it again, or compile it anew");
-        if (header.section_count != kSections.size()) fail("header", "has " + std::to_string(header.section_count) + " sections, not " + std::to_string(kSections.size()));
+            refuse(ErrorCode::kInvalidFile, "has " + std::to_string(bytes_.size()) + " bytes, but " + std::to_string(header.size_bytes) +
+                                                " by its header; copy it again, or compile it anew");
+        if (header.checksum != checksum_of(bytes_))
+            refuse(ErrorCode::kInvalidFile, "is damaged: its checksum is another; copy it again, or compile it anew");
+        if (header.section_count != kSections.size())
+            fail("header", "has " + std::to_string(header.section_count) + " sections, not " + std::to_string(kSections.size()));
     }
 
     // Sections follow one another without overlap, in the order of their ids, with nothing but padding zeros between: so no byte is read
@@ -66,10 +71,13 @@ private:
             const SectionEntry& entry = entries_[i];
             const auto id = static_cast<SectionId>(i);
             if (entry.id != i) fail(id, "has id " + std::to_string(entry.id) + ", not " + std::to_string(i));
-            if (entry.element_bytes != kSections[i].element_bytes) fail(id, "has elements of " + std::to_string(entry.element_bytes) + " bytes, not " + std::to_string(kSections[i].element_bytes));
+            if (entry.element_bytes != kSections[i].element_bytes)
+                fail(id, "has elements of " + std::to_string(entry.element_bytes) + " bytes, not " + std::to_string(kSections[i].element_bytes));
             const uint64_t begin = aligned(end);
-            if (begin > bytes_.size() || entry.offset_bytes != begin) fail(id, "begins at byte " + std::to_string(entry.offset_bytes) + ", not " + std::to_string(begin));
-            if (entry.size_bytes > bytes_.size() - begin) fail(id, "has " + std::to_string(entry.size_bytes) + " bytes, and " + std::to_string(bytes_.size() - begin) + " are left");
+            if (begin > bytes_.size() || entry.offset_bytes != begin)
+                fail(id, "begins at byte " + std::to_string(entry.offset_bytes) + ", not " + std::to_string(begin));
+            if (entry.size_bytes > bytes_.size() - begin)
+                fail(id, "has " + std::to_string(entry.size_bytes) + " bytes, and " + std::to_string(bytes_.size() - begin) + " are left");
             if (entry.size_bytes % entry.element_bytes != 0 || entry.element_count != entry.size_bytes / entry.element_bytes)
                 fail(id, std::to_string(entry.element_count) + " elements do not make " + std::to_string(entry.size_bytes) + " bytes");
             const auto padding = bytes_.subspan(end, begin - end);
@@ -85,10 +93,17 @@ private:
     std::vector<T> array(SectionId id) const {
         static_assert(std::is_trivially_copyable_v<T>);
         const SectionEntry& entry = entries_[static_cast<size_t>(id)];
-        if (entry.element_bytes != sizeof(T)) fail(id, "is read as another kind of element");
+        assert(entry.element_bytes == sizeof(T));
         std::vector<T> out(entry.element_count);
         if (!out.empty()) std::memcpy(static_cast<void*>(out.data()), bytes_.data() + entry.offset_bytes, entry.size_bytes);
         return out;
+    }
+
+    template <class Record, class T, class Convert>
+    void read_records(SectionId id, std::vector<T>& out, const Convert& convert) const {
+        const std::vector<Record> records = array<Record>(id);
+        out.reserve(records.size());
+        for (const Record& record : records) out.push_back(convert(record));
     }
 
     bool bool_of(SectionId id, const char* name, uint32_t value) const {
@@ -155,11 +170,16 @@ private:
         return ends;
     }
 
-    std::span<const std::byte> content(SectionId id) const { return bytes_.subspan(entries_[static_cast<size_t>(id)].offset_bytes, entries_[static_cast<size_t>(id)].size_bytes); }
+    std::span<const std::byte> content(SectionId id) const {
+        const SectionEntry& entry = entries_[static_cast<size_t>(id)];
+        return bytes_.subspan(entry.offset_bytes, entry.size_bytes);
+    }
 
     void read_images(Character& character) const {
+        const std::vector<uint64_t> image_ends = ends(SectionId::kImageEnds, SectionId::kImages);
+        character.images.reserve(image_ends.size());
         uint64_t begin = 0;
-        for (const uint64_t end : ends(SectionId::kImageEnds, SectionId::kImages)) {
+        for (const uint64_t end : image_ends) {
             const auto encoded = content(SectionId::kImages).subspan(begin, end - begin);
             character.images.push_back({{}, {encoded.begin(), encoded.end()}});
             begin = end;
@@ -169,7 +189,8 @@ private:
     // The strings' number is known from the arrays that have been read; it bounds what is allocated for them.
     void read_text(Character& character, uint64_t warning_count) const {
         const std::vector<uint64_t> string_ends = ends(SectionId::kTextEnds, SectionId::kText);
-        const uint64_t count = 1 + character.rig.parents.size() + character.clips.size() + character.skins.size() + character.materials.size() + character.images.size() + warning_count;
+        const uint64_t count = 1 + character.rig.parents.size() + character.clips.size() + character.skins.size() + character.materials.size() +
+                               character.images.size() + warning_count;
         if (string_ends.size() != count) fail(SectionId::kTextEnds, "has " + std::to_string(string_ends.size()) + " strings, not " + std::to_string(count));
         character.rig.names.resize(character.rig.parents.size());
         character.warnings.resize(warning_count);

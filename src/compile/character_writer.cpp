@@ -3,6 +3,7 @@
 #include "compile/character_layout.h"
 #include "compile/crc64.h"
 
+#include <cassert>
 #include <cstddef>
 #include <cstring>
 
@@ -74,8 +75,13 @@ private:
     template <class T>
     void add(SectionId id, const std::vector<T>& array) {
         static_assert(std::is_trivially_copyable_v<T>);
+        assert(entries_.size() == static_cast<size_t>(id) && sizeof(T) == kSections[entries_.size()].element_bytes);
         bytes_.resize(aligned(bytes_.size()));
-        entries_.push_back({.id = static_cast<uint32_t>(id), .element_bytes = sizeof(T), .offset_bytes = bytes_.size(), .size_bytes = array.size() * sizeof(T), .element_count = array.size()});
+        entries_.push_back({.id = static_cast<uint32_t>(id),
+                            .element_bytes = sizeof(T),
+                            .offset_bytes = bytes_.size(),
+                            .size_bytes = array.size() * sizeof(T),
+                            .element_count = array.size()});
         const auto* first = reinterpret_cast<const std::byte*>(array.data());
         bytes_.insert(bytes_.end(), first, first + array.size() * sizeof(T));
     }

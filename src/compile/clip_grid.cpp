@@ -52,8 +52,9 @@ public:
         for (double looser = 8; grid_.tracks.size() * row_count_of(halvings) > std::max(kGridLimit, grid_.tracks.size() * times_s_.size()); looser *= 8)
             halvings = halvings_by_interval(reaches, bound * looser);
         add_rows(halvings);
-        for (const uint32_t parts : {4u, 2u})
-            if (grid_.points_per_row == 1 && grid_.row_count() * parts * grid_.tracks.size() <= kGridLimit) grid_.points_per_row = parts;
+        // Between rows only arcs can be further off than in the rows; at 1/4 they nearly are as far as they get.
+        constexpr double kNegligible = 0.1;
+        if (largest_lag_ * character_.rig.level_count > kNegligible * bound && grid_.row_count() * 4 * grid_.tracks.size() <= kGridLimit) grid_.points_per_row = 4;
         evaluate();
         return std::move(grid_);
     }
@@ -64,8 +65,9 @@ private:
     }
 
     // A third power: each halving leaves an eighth.
-    std::vector<uint32_t> halvings_by_interval(std::span<const double> reaches, double bound) const {
+    std::vector<uint32_t> halvings_by_interval(std::span<const double> reaches, double bound) {
         std::vector<uint32_t> halvings(times_s_.size() - 1);
+        largest_lag_ = 0;
         for (size_t track = 0; track < grid_.tracks.size(); ++track) {
             if (grid_.tracks[track].target != TrackTarget::kRotation || grid_.tracks[track].step) continue;
             for (size_t row = 0; row + 1 < times_s_.size(); ++row) {
@@ -73,6 +75,7 @@ private:
                 uint32_t count = 0;
                 for (; lag > bound && count < kMostHalvings; lag /= 8) ++count;
                 halvings[row] = std::max(halvings[row], count);
+                largest_lag_ = std::max(largest_lag_, lag);
             }
         }
         return halvings;
@@ -132,6 +135,7 @@ private:
     const Clip& clip_;
     std::span<const float> times_s_;
     std::vector<uint32_t> words_;  // [track], of Character::tracks
+    double largest_lag_ = 0;       // displacement, of all intervals after their halvings
     ClipGrid grid_;
 };
 

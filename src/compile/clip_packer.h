@@ -11,11 +11,10 @@ struct PackedClip {
     std::vector<PackedTrack> tracks;   // [joint_count][3], in the order of TrackTarget
     std::vector<uint32_t> words;       // [row_count][row_stride]
     uint32_t row_stride = 0;
-    uint32_t left_out_row_count = 0;   // of the exact rows
     double error = 0;                  // largest displacement found, in the unit of the character
 };
 
-// Of a character with exact keys. `bound`: displacement in the unit of the character; where it cannot be kept, the finest.
+// Of a character with exact keys. `bound`: displacement in the unit of the character; where it cannot be kept, nearly the finest.
 PackedClip pack_clip(const Character& character, uint32_t clip, std::span<const Box> boxes, double bound);
 
 }  // namespace throng

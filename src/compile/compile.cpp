@@ -2,10 +2,13 @@
 
 #include "base/failure.h"
 #include "bind/bind_reference.h"
+#include "compile/character_file.h"
 #include "compile/clip.h"
 #include "compile/mesh.h"
 #include "compile/pack.h"
 #include "compile/rig.h"
+#include "import/json_view.h"
+#include "import/uri.h"
 #include "scan/scan_reference.h"
 #include "skin/skin_reference.h"
 
@@ -81,6 +84,10 @@ Result<Character> compile_character(const Asset& asset, const CompileSettings& s
 }
 
 Result<Character> load_character(const std::filesystem::path& path, const CompileSettings& settings) {
+    if (is_compiled_file(path)) {
+        const std::string place = gltf::printable(path.filename().string(), 120);
+        return as_result([&] { return read_character(gltf::read_file(path, gltf::kFileLimitBytes, place), place); }, place);
+    }
     Result<Asset> asset = load_asset(path);
     if (!asset) return asset.error();
     return compile_character(*asset, settings);

@@ -1,5 +1,7 @@
 #include "compile/influence_boxes.h"
 
+#include "scan/scan_reference.h"
+
 #include <algorithm>
 
 namespace throng {
@@ -23,6 +25,27 @@ double Box::largest_distance() const {
     return empty ? 0 : length(Vec3<double>{larger(low.x, high.x), larger(low.y, high.y), larger(low.z, high.z)});
 }
 
+namespace {
+
+// Joints that move no vertex may carry a sword: what hangs on them is measured at this distance, as ACL does at 3 cm of a person
+// (N. Frechette, Animation Compression Library, "Simulating the skinned mesh").
+void add_unskinned(const Character& character, std::vector<Box>& boxes) {
+    constexpr double kReach = 0.02, kReachWithoutMesh = 0.1;  // of the character's size
+    const bool has_mesh = std::any_of(boxes.begin(), boxes.end(), [](const Box& box) { return !box.empty; });
+    std::vector<AffineT<double>> parent_from_joint;
+    for (const Trs<float>& rest : character.rig.rest) parent_from_joint.push_back(to_affine(rest.as<double>()));
+    const std::vector<AffineT<double>> model_from_joint = scan_reference(character.rig.parents, parent_from_joint);
+    for (size_t joint = 0; joint < boxes.size(); ++joint) {
+        if (!boxes[joint].empty) continue;
+        const auto& row = model_from_joint[joint].row;
+        const double scale = length(Vec3<double>{row[0][0], row[1][0], row[2][0]});  // of lengths, from joint to model space
+        const double half = scale > 1e-9 ? character.size * (has_mesh ? kReach : kReachWithoutMesh) / (std::sqrt(3.0) * scale) : 0;
+        boxes[joint] = {{-half, -half, -half}, {half, half, half}, false};
+    }
+}
+
+}  // namespace
+
 std::vector<Box> influence_boxes(const Character& character) {
     std::vector<Box> boxes(character.rig.joint_count());
     for (const MeshSection& section : character.sections) {
@@ -38,10 +61,7 @@ std::vector<Box> influence_boxes(const Character& character) {
             }
         }
     }
-    if (std::all_of(boxes.begin(), boxes.end(), [](const Box& box) { return box.empty; })) {
-        const double half = double{character.size} * 0.1 / std::sqrt(3.0);
-        for (Box& box : boxes) box = {{-half, -half, -half}, {half, half, half}, false};
-    }
+    add_unskinned(character, boxes);
     return boxes;
 }
 

@@ -17,8 +17,8 @@ struct Box {
     double largest_distance() const;          // of a corner from the origin; 0 where it is empty
 };
 
-// [joint_count], in joint space: the vertices that the joint's palette entries move with a weight above 0. Where no joint has any, a
-// cube around each joint, its half diagonal a tenth of the character's size.
+// [joint_count], in joint space: the vertices that the joint's palette entries move with a weight above 0; for joints that move none, a
+// cube whose half diagonal is 2 % of the character's size, or 10 % where no joint moves any.
 std::vector<Box> influence_boxes(const Character& character);
 
 // The largest displacement of a point of the box (not empty) between two transforms of it, whose difference is given. It is a convex

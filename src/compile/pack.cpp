@@ -3,9 +3,13 @@
 #include "base/failure.h"
 #include "compile/clip_packer.h"
 
+#include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cstdio>
+#include <future>
 #include <map>
+#include <thread>
 
 namespace throng {
 namespace {
@@ -42,6 +46,23 @@ TrackKey key_of(const Quaternion<float>& q) {
 }
 TrackKey key_of(const Vec3<float>& v) { return {v.x, v.y, v.z, 0}; }
 
+// Clips do not depend on each other: the result is the same with any number of threads.
+std::vector<PackedClip> pack_all(const Character& character, double bound) {
+    constexpr size_t kMostThreads = 4;  // each may hold some 100 MiB
+    const std::vector<Box> boxes = influence_boxes(character);
+    std::vector<PackedClip> packed(character.clips.size());
+    std::atomic<uint32_t> next = 0;
+    const auto work = [&] {
+        for (uint32_t clip = next++; clip < packed.size(); clip = next++) packed[clip] = pack_clip(character, clip, boxes, bound);
+    };
+    std::vector<std::future<void>> threads;
+    const size_t thread_count = std::min({packed.size(), kMostThreads, size_t{std::max(1u, std::thread::hardware_concurrency())}});
+    for (size_t i = 0; i + 1 < thread_count; ++i) threads.push_back(std::async(std::launch::async, work));
+    work();
+    for (std::future<void>& thread : threads) thread.get();
+    return packed;
+}
+
 std::string percent(double part) {
     char text[32];
     std::snprintf(text, sizeof(text), "%.4g %%", part * 100);
@@ -58,7 +79,7 @@ void check_error_bound(double error, const std::string& place) {
 }
 
 void pack_clips(Character& character, double error) {
-    const std::vector<Box> boxes = influence_boxes(character);
+    const std::vector<PackedClip> packed_clips = pack_all(character, error * double{character.size});
     HeaderPool headers;
     std::vector<JointTracks> rest;
     for (const Trs<float>& joint : character.rig.rest)
@@ -72,7 +93,7 @@ void pack_clips(Character& character, double error) {
     std::vector<uint32_t> words;
     for (uint32_t index = 0; index < clips.size(); ++index) {
         Clip& clip = clips[index];
-        const PackedClip packed = pack_clip(character, index, boxes, error * double{character.size});
+        const PackedClip& packed = packed_clips[index];
         const size_t headers_before_bytes = headers.size_bytes();
         clip.animated_track_count = 0;
         for (const PackedTrack& track : packed.tracks) clip.animated_track_count += packed_row_bits(track) > 0;
@@ -83,19 +104,22 @@ void pack_clips(Character& character, double error) {
             row.translation = position(TrackTarget::kTranslation);
             row.scale = position(TrackTarget::kScale);
         }
+        const auto exact_times_s = std::span(character.times_s).subspan(clip.first_time, clip.row_count);
+        clip.dropped_row_count += static_cast<uint32_t>(std::count_if(exact_times_s.begin(), exact_times_s.end(), [&](float time_s) {
+            return !std::binary_search(packed.times_s.begin(), packed.times_s.end(), time_s);
+        }));
         clip.first_time = static_cast<uint32_t>(times_s.size());
         clip.row_count = static_cast<uint32_t>(packed.times_s.size());
         clip.row_stride = packed.row_stride;
         clip.first_row = static_cast<uint32_t>(words.size());
-        clip.dropped_row_count += packed.left_out_row_count;
         clip.error = packed.error / double{character.size};
         clip.size_bytes = packed.words.size() * sizeof(uint32_t) + packed.times_s.size() * sizeof(float) + headers.size_bytes() - headers_before_bytes +
                           character.rig.joint_count() * sizeof(JointTracks);
         times_s.insert(times_s.end(), packed.times_s.begin(), packed.times_s.end());
         words.insert(words.end(), packed.words.begin(), packed.words.end());
         if (clip.error > error)
-            character.warnings.push_back("clip '" + clip.name + "': the finest packed keys displace the skin by " + percent(clip.error) +
-                                         " of the character's size, not " + percent(error));
+            character.warnings.push_back("clip '" + clip.name + "': its packed keys displace the skin by " + percent(clip.error) +
+                                         " of the character's size, not " + percent(error) + "; they cannot be finer");
     }
     words.insert(words.end(), kWordsBehind, 0);
     tracks.insert(tracks.end(), rest.begin(), rest.end());

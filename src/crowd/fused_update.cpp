@@ -9,7 +9,7 @@ FusedUpdate::FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& gro
     for (const Group& group : groups_) {
         Kernels& kernels = kernels_.emplace_back();
         if (!group.fused) continue;
-        const auto make = [&](bool blends) { return fused_kernel(gpu_, group.fused->plan, group.joint_count, {.packed = group.packed, .blends = blends, .keeps_model = settings.keep_model_matrices, .skin_format = settings.skin_format}); };
+        const auto make = [&](bool blends) { return fused_kernel(gpu_, group.fused->plan, {.packed = group.packed, .blends = blends, .keeps_model = settings.keep_model_matrices, .skin_format = settings.skin_format}); };
         kernels = {make(true), make(false)};
     }
     for (uint32_t i = 0; i < batches_.size(); ++i) {
@@ -34,7 +34,7 @@ void FusedUpdate::record(VkCommandBuffer commands, StageTimer* timer) const {
         const Group& group = groups_[batch.group];
         const Kernels& kernels = kernels_[batch.group];
         record_fused(commands, batch.blending_count > 0 ? kernels.blending : kernels.single, member.bindings[batch.current_skin], group.fused->plan,
-                     {.joint_count = group.joint_count, .instance_count = batch.instance_count, .palette_count = group.palette_count});
+                     {.joint_count = group.joint_count, .instance_count = batch.instance_count, .palette_count = group.palette_count, .rest_track = static_cast<uint32_t>(group.clip_durations_s.size()) * group.joint_count});
     }
     memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
     if (timer) timer->end_stage(commands, &StageTimes::fused);

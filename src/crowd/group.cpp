@@ -19,6 +19,13 @@ std::vector<io::ClipAxis> clip_axes(const Character& character) {
     return axes;
 }
 
+// A packed track is read as two rows, also where the second is left out: the last one too.
+std::vector<std::array<float, 4>> readable_keys(const Character& character) {
+    std::vector<std::array<float, 4>> keys = character.keys;
+    if (character.packed) keys.emplace_back();
+    return keys;
+}
+
 }  // namespace
 
 Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const PathChoice& choice)
@@ -47,7 +54,7 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
     axes = upload(gpu, name + ": clip axes", clip_axes(character));
     times = upload(gpu, name + ": key times", character.times_s);
     tracks = upload_table(gpu, name + ": tracks", character.tracks);
-    keys = upload_table(gpu, name + ": keys", character.keys);
+    keys = upload_table(gpu, name + ": keys", readable_keys(character));
     words = upload_table(gpu, name + ": key words", character.words);
     palette_joints = upload_table(gpu, name + ": palette joints", joints);
     joint_from_bind = upload_table(gpu, name + ": inverse binds", binds);

@@ -7,12 +7,12 @@ namespace throng {
 namespace {
 
 // A method by name, with the lanes asked for or the first ones that apply.
-FusedPlan plan_named(const std::string& wanted, const ScanRig& rig, const ScanLimits& limits, uint32_t palette_count) {
+FusedPlan plan_named(const std::string& wanted, const FusedRig& rig, const ScanLimits& limits) {
     const ScanRequest request = parse_scan_request(wanted);
-    if (request.lanes) return plan_fused({request.method, *request.lanes}, rig, limits, palette_count);
+    if (request.lanes) return plan_fused({request.method, *request.lanes}, rig, limits);
     FusedPlan plan{.obstacle = wanted + " does not apply on this device"};
     for (const uint32_t lanes : request.method->lane_choices(limits)) {
-        plan = plan_fused({request.method, lanes}, rig, limits, palette_count);
+        plan = plan_fused({request.method, lanes}, rig, limits);
         if (plan.obstacle.empty()) break;
     }
     return plan;
@@ -22,13 +22,12 @@ FusedPlan plan_named(const std::string& wanted, const ScanRig& rig, const ScanLi
 
 PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
     const Character& character = *group.character;
-    const ScanRig rig(character.rig.parents, character.rig.uniform_scale);
     const ScanLimits limits = scan_limits(gpu);
-    const auto palette_count = static_cast<uint32_t>(character.palette.size());
     const bool any_scan = settings.scan == "auto";
     std::string obstacle = "asked for";
     if (settings.path != UpdatePath::kStaged) {
-        FusedPlan plan = any_scan ? choose_fused(rig, limits, palette_count, group.instance_count) : plan_named(settings.scan, rig, limits, palette_count);
+        const FusedRig rig(character);
+        FusedPlan plan = any_scan ? choose_fused(rig, limits) : plan_named(settings.scan, rig, limits);
         if (plan.obstacle.empty()) {
             const ScanChoice scan = plan.choice;
             return {.fused = std::move(plan), .scan = scan, .scan_reason = any_scan ? "the one that suits a fused update on this kind of device" : "asked for", .path_reason = "fused: all stages in one pass"};
@@ -36,7 +35,7 @@ PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
         if (settings.path == UpdatePath::kFused) throw Failure(ErrorCode::kUnsupported, character.name + ": fused update", plan.obstacle);
         obstacle = plan.obstacle;
     }
-    const ExplainedChoice staged = choose_scan(settings.scan, rig, group.instance_count, limits, scan_costs(gpu));
+    const ExplainedChoice staged = choose_scan(settings.scan, ScanRig(character.rig.parents, character.rig.uniform_scale), group.instance_count, limits, scan_costs(gpu));
     return {.fused = {}, .scan = staged.choice, .scan_reason = staged.reason, .path_reason = "staged: " + obstacle};
 }
 

@@ -1,6 +1,7 @@
 #include "fused/fused.h"
 
-#include "base/failure.h"
+#include "fused/fixed_joints.h"
+#include "fused/serial_plan.h"
 #include "scan/scan_shaders.h"
 
 #include <algorithm>
@@ -8,55 +9,60 @@
 namespace throng {
 namespace {
 
-uint64_t tile_transforms(const ScanPlan& plan, uint32_t joint_count) { return uint64_t{plan.instances_per_workgroup} * joint_count; }
+uint64_t transform_bytes(const ScanMethod& method) { return method.format == ScanFormat::kSimilarity ? 32 : 48; }
 
-uint64_t tile_bytes(const ScanPlan& plan, const ScanMethod& method, uint32_t joint_count) {
-    return tile_transforms(plan, joint_count) * (method.format == ScanFormat::kSimilarity ? 32 : 48);
+// The method's own plan in the shared memory that the tile leaves.
+ScanPlan plan_tiled(const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits) {
+    const ScanMethod& method = *choice.method;
+    const ScanPlan alone = plan_scan(method, rig, limits, choice.lanes);
+    if (!alone.obstacle.empty()) return alone;
+    const uint64_t tile_bytes = uint64_t{alone.instances_per_workgroup} * rig.joint_count() * transform_bytes(method);
+    const std::string tile = std::to_string(tile_bytes) + " bytes of shared memory for local transforms";
+    if (tile_bytes > limits.shared_memory_bytes) return {.obstacle = tile + " exceed the device's " + std::to_string(limits.shared_memory_bytes)};
+    ScanLimits rest = limits;
+    rest.shared_memory_bytes -= static_cast<uint32_t>(tile_bytes);
+    ScanPlan plan = plan_scan(method, rig, rest, choice.lanes);
+    if (!plan.obstacle.empty() || !plan.on_chip) return {.obstacle = tile + " and those that " + std::string(method.name) + " needs exceed the device's " + std::to_string(limits.shared_memory_bytes)};
+    return plan;
 }
 
 }  // namespace
 
-FusedPlan plan_fused(const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits, uint32_t palette_count) {
+FusedRig::FusedRig(const Character& character)
+    : rig(character.rig.parents, character.rig.uniform_scale), fixed(fixed_joints(character)), palette_count(static_cast<uint32_t>(character.palette.size())) {
+    std::vector<uint32_t> binds(rig.joint_count());
+    for (const PaletteEntry& entry : character.palette) most_binds = std::max(most_binds, ++binds[entry.joint]);
+}
+
+FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLimits& limits) {
     const ScanMethod& method = *choice.method;
     if (scan_shaders(method.name).fused.empty()) return {.obstacle = std::string(method.name) + " has no fused form"};
-    FusedPlan plan{.obstacle = {}, .choice = choice, .scan = plan_scan(method, rig, limits, choice.lanes)};
-    plan.tiled = !plan.scan.loads_once;
-    if (plan.scan.obstacle.empty() && plan.tiled) {
-        const uint64_t bytes = tile_bytes(plan.scan, method, rig.joint_count());
-        if (bytes > limits.shared_memory_bytes)
-            return {.obstacle = std::to_string(bytes) + " bytes of shared memory for local transforms exceed the device's " + std::to_string(limits.shared_memory_bytes)};
-        ScanLimits rest = limits;
-        rest.shared_memory_bytes -= static_cast<uint32_t>(bytes);
-        plan.scan = plan_scan(method, rig, rest, choice.lanes);
-        if (plan.scan.obstacle.empty() && !plan.scan.on_chip)
-            return {.obstacle = std::string(method.name) + " and " + std::to_string(bytes) + " bytes of local transforms together exceed the device's shared memory of " + std::to_string(limits.shared_memory_bytes)};
-    }
+    const bool serial = method.name == "serial";
+    FusedPlan plan{.obstacle = {}, .choice = choice, .scan = serial ? plan_fused_serial(rig.rig, rig.fixed, limits) : plan_tiled(choice, rig.rig, limits)};
     plan.obstacle = plan.scan.obstacle;
-    const uint64_t iterations = plan.scan.counts.loop_iterations + 2 * uint64_t{rig.joint_count()} + palette_count;
+    plan.tile_transforms = serial ? 0 : plan.scan.instances_per_workgroup * rig.rig.joint_count();
+    plan.one_bind = rig.most_binds <= 1;
+    const uint64_t iterations = plan.scan.counts.loop_iterations + 2 * uint64_t{rig.rig.joint_count()} + rig.palette_count;
     if (plan.obstacle.empty() && iterations > limits.loop_iterations)
         plan.obstacle = "up to " + std::to_string(iterations) + " loop iterations exceed the device's " + std::to_string(limits.loop_iterations);
     return plan;
 }
 
-FusedPlan choose_fused(const ScanRig& rig, const ScanLimits& limits, uint32_t palette_count, uint32_t instance_count) {
+FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits) {
     std::vector<ScanChoice> choices;
     const auto add = [&](std::string_view name, uint32_t lanes) { choices.push_back({find_scan_method(name), lanes}); };
     if (limits.is_cpu) {
-        // A character an invocation leaves no lane idle once there is one for each lane of each core.
-        const uint32_t busy = 2 * limits.subgroup_size;
-        uint32_t lanes = 1;
-        while (lanes < limits.subgroup_size && instance_count * lanes < busy) lanes *= 2;
-        for (; lanes > 1; lanes /= 2) add("subgroup", lanes);
-        add("subgroup", 1);
+        add("serial", 0);
     } else {
+        // A subgroup a character and no barrier; similarities need less shared memory. See docs/performance.md.
         const uint32_t lanes = std::min(32u, limits.subgroup_size);
-        if (rig.uniform_scale) add("subgroup_quaternion", lanes);
+        add("subgroup_quaternion", lanes);
         add("subgroup", lanes);
         add("fragments", 32);
     }
     FusedPlan plan;
     for (const ScanChoice& choice : choices) {
-        plan = plan_fused(choice, rig, limits, palette_count);
+        plan = plan_fused(choice, rig, limits);
         if (plan.obstacle.empty()) break;
     }
     return plan;
@@ -79,17 +85,14 @@ FusedTables::FusedTables(const std::shared_ptr<Gpu>& gpu, const Character& chara
     binds = upload_table(gpu, character.name + ": inverse binds by joint", sorted);
 }
 
-Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, uint32_t joint_count, const FusedSettings& settings) {
+Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, const FusedSettings& settings) {
     const ScanShaders& shaders = scan_shaders(plan.choice.method->name);
-    const bool wide = gpu->prefers_wide_words();
-    constexpr size_t kMethodConstants = 7;
+    const uint32_t tile_instances = plan.tile_transforms > 0 ? plan.scan.instances_per_workgroup : 1;
     std::vector<uint32_t> constants = plan.scan.constants;
-    constants.resize(kMethodConstants);
-    for (const uint32_t value : {uint32_t{settings.packed}, uint32_t{settings.blends}, uint32_t{settings.keeps_model}, static_cast<uint32_t>(settings.skin_format), plan.tiled ? plan.scan.instances_per_workgroup : 1,
-                                 plan.tiled ? static_cast<uint32_t>(tile_transforms(plan.scan, joint_count)) : 1})
-        constants.push_back(value);
+    constants.resize(io::kMethodConstants);
+    constants.insert(constants.end(), {settings.packed, settings.blends, settings.keeps_model, static_cast<uint32_t>(settings.skin_format), plan.one_bind, tile_instances, std::max(plan.tile_transforms, 1u)});
     return Kernel(gpu, {.name = "fused",
-                        .spirv = plan.tiled ? (wide ? shaders.tiled_wide : shaders.tiled) : (wide ? shaders.fused_wide : shaders.fused),
+                        .spirv = gpu->prefers_wide_words() ? shaders.fused_wide : shaders.fused,
                         .workgroup_size = plan.scan.workgroup_size,
                         .constants = std::move(constants),
                         .full_subgroups = plan.scan.full_subgroups});

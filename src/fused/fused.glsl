@@ -24,8 +24,9 @@ layout(constant_id = 8) const bool kPacked = false;
 layout(constant_id = 9) const bool kBlends = true;      // false: every instance plays one clip
 layout(constant_id = 10) const bool kKeepsModel = false;
 layout(constant_id = 11) const uint kSkinFormat = kSkinAffine;
-layout(constant_id = 12) const uint kTileInstances = 1;  // of a workgroup
-layout(constant_id = 13) const uint kTileTransforms = 1;  // of all of them
+layout(constant_id = 12) const bool kOneBind = false;    // no joint has two palette entries
+layout(constant_id = 13) const uint kTileInstances = 1;  // of a workgroup
+layout(constant_id = 14) const uint kTileTransforms = 1;  // of all of them
 layout(push_constant) uniform Push { FusedPush push; };
 
 #define SKIN_SET 0
@@ -37,22 +38,47 @@ layout(push_constant) uniform Push { FusedPush push; };
 uint link(uint index) { return WORD_AT(link_words, index); }
 uint at(uint instance, uint joint) { return instance * push.joint_count + joint; }
 
-JointPose sampled(SlotCursor slot, uint joint) { return sample_joint(ROW_AT(tracks, slot.first_track + joint), slot); }
+SlotCursor only_slot(InstanceCursor cursor) {
+    if (cursor.weight <= 0) return cursor.second;
+    return cursor.first;
+}
 
-Transform local_transform(InstanceCursor cursor, uint joint) {
-    JointPose pose;
+uvec4 tracks_of(SlotCursor slot, uint joint) { return ROW_AT(tracks, slot.first_track + joint); }
+
+JointPose local_pose(InstanceCursor cursor, uint joint) {
     if (!kBlends) {
-        SlotCursor slot = cursor.first;
-        if (cursor.weight <= 0) slot = cursor.second;
-        pose = sampled(slot, joint);
-    } else {
-        JointPose first, second;
-        if (cursor.weight > 0) first = sampled(cursor.first, joint);
-        if (cursor.weight < 1) second = sampled(cursor.second, joint);
-        if (cursor.weight >= 1) pose = first;
-        else if (cursor.weight <= 0) pose = second;
-        else pose = blend_joint(first, second, cursor.weight);
+        const SlotCursor slot = only_slot(cursor);
+        return sample_joint(tracks_of(slot, joint), slot);
     }
+    JointPose first, second;
+    if (cursor.weight > 0) first = sample_joint(tracks_of(cursor.first, joint), cursor.first);
+    if (cursor.weight < 1) second = sample_joint(tracks_of(cursor.second, joint), cursor.second);
+    if (cursor.weight >= 1) return first;
+    if (cursor.weight <= 0) return second;
+    return blend_joint(first, second, cursor.weight);
+}
+
+// Of a joint whose translation and scale are the rest pose's in every clip (fused/fixed_joints.h).
+JointPose local_pose_of_fixed(InstanceCursor cursor, uint joint) {
+    const uvec4 rest = ROW_AT(tracks, push.rest_track + joint) & kTrackPositionMask;
+    JointPose pose;
+    pose.translation = uintBitsToFloat(ROW_AT(keys, rest.y));
+    pose.scale = uintBitsToFloat(ROW_AT(keys, rest.z));
+    if (!kBlends) {
+        const SlotCursor slot = only_slot(cursor);
+        pose.rotation = sample_rotation(tracks_of(slot, joint).x, slot);
+        return pose;
+    }
+    vec4 first, second;
+    if (cursor.weight > 0) first = sample_rotation(tracks_of(cursor.first, joint).x, cursor.first);
+    if (cursor.weight < 1) second = sample_rotation(tracks_of(cursor.second, joint).x, cursor.second);
+    if (cursor.weight >= 1) pose.rotation = first;
+    else if (cursor.weight <= 0) pose.rotation = second;
+    else pose.rotation = blend_rotation(first, second, cursor.weight);
+    return pose;
+}
+
+Transform to_local(JointPose pose) {
 #ifdef SCAN_QUATERNION
     return similarity_parent_from_joint(pose);
 #else
@@ -60,12 +86,18 @@ Transform local_transform(InstanceCursor cursor, uint joint) {
 #endif
 }
 
+void bind_entry(uint instance, uint i, Affine model_from_joint) {
+    store_skin(instance * push.palette_count + WORD_AT(bind_entries, i), skin_matrix(model_from_joint, AFFINE_AT(binds, i)));
+}
+
 void store_model(uint instance, uint joint, Transform transform) {
     const Affine model_from_joint = to_affine(transform);
     if (kKeepsModel) model[at(instance, joint)] = pack(model_from_joint);
-    const uint end = WORD_AT(bind_ranges, joint + 1);
-    for (uint i = WORD_AT(bind_ranges, joint); i < end; ++i) {
-        store_skin(instance * push.palette_count + WORD_AT(bind_entries, i), skin_matrix(model_from_joint, AFFINE_AT(binds, i)));
+    const uint begin = WORD_AT(bind_ranges, joint), end = WORD_AT(bind_ranges, joint + 1);
+    if (kOneBind) {  // without a loop, of which a software device runs one round more than there is to do
+        if (begin < end) bind_entry(instance, begin, model_from_joint);
+    } else {
+        for (uint i = begin; i < end; ++i) bind_entry(instance, i, model_from_joint);
     }
 }
 
@@ -83,7 +115,7 @@ void main() {
     for (uint slot = 0; slot < kTileInstances && first_instance + slot < push.instance_count; ++slot) {
         const InstanceCursor cursor = cursors[first_instance + slot];
         for (uint joint = gl_LocalInvocationID.x; joint < push.joint_count; joint += gl_WorkGroupSize.x)
-            tile[slot * push.joint_count + joint] = pack(local_transform(cursor, joint));
+            tile[slot * push.joint_count + joint] = pack(to_local(local_pose(cursor, joint)));
     }
     barrier();
     scan();
@@ -94,7 +126,8 @@ void main() {
 InstanceCursor scan_cursor;
 
 void scan_begin(uint instance) { scan_cursor = cursors[instance]; }
-Transform load_local(uint instance, uint joint) { return local_transform(scan_cursor, joint); }
+Transform load_local(uint instance, uint joint) { return to_local(local_pose(scan_cursor, joint)); }
+Transform load_local_of_fixed(uint joint) { return to_local(local_pose_of_fixed(scan_cursor, joint)); }
 
 void main() { scan(); }
 

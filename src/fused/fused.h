@@ -29,19 +29,29 @@ struct FusedSettings {
     SkinFormat skin_format = SkinFormat::kAffine;
 };
 
+// What of a character decides how it is fused.
+struct FusedRig {
+    explicit FusedRig(const Character& character);
+
+    ScanRig rig;
+    std::vector<bool> fixed;     // [joint_count], fused/fixed_joints.h
+    uint32_t palette_count = 0;
+    uint32_t most_binds = 0;     // palette entries of one joint
+};
+
 // How a scan method goes about a character in one pass.
 struct FusedPlan {
     std::string obstacle;  // why it does not; empty where it does
     ScanChoice choice;
     ScanPlan scan;
-    bool tiled = false;    // local transforms pass through shared memory
+    uint32_t tile_transforms = 0;  // local transforms that pass through shared memory together; 0: none do
+    bool one_bind = false;         // no joint has two palette entries
 };
 
-FusedPlan plan_fused(const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits, uint32_t palette_count);
+FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLimits& limits);
 
 // For a device: the first plan without obstacle of those that are likely best, or the last one's obstacle.
-// `instance_count` instances are to keep the device busy.
-FusedPlan choose_fused(const ScanRig& rig, const ScanLimits& limits, uint32_t palette_count, uint32_t instance_count);
+FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits);
 
 // What the kernel reads of a character beside its clips.
 struct FusedTables {
@@ -55,7 +65,7 @@ struct FusedTables {
     uint64_t size_bytes() const { return links.size_bytes() + bind_ranges.size_bytes() + bind_entries.size_bytes() + binds.size_bytes(); }
 };
 
-Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, uint32_t joint_count, const FusedSettings& settings);
+Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, const FusedSettings& settings);
 
 void record_fused(VkCommandBuffer commands, const Kernel& kernel, const Bindings& bindings, const FusedPlan& plan, const io::FusedPush& push);
 

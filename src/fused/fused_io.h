@@ -4,10 +4,17 @@
 #include "gpu/shader_types.h"
 THRONG_IO_BEGIN
 
+THRONG_IO_CONSTANT kMethodConstants = 7;  // specialization constants 1 to 7 are the scan method's
+
+// links[] of fused/serial.comp: the number of segments, two counts for each, then the walk (scan/pieces_io.h).
+THRONG_IO_CONSTANT kSegmentCount = 0;
+THRONG_IO_CONSTANT kFirstSegment = 1;
+
 struct FusedPush {
     uint joint_count;
     uint instance_count;
     uint palette_count;
+    uint rest_track;  // of the rest pose in `tracks`: clip_count * joint_count
 };
 
 THRONG_IO_END

@@ -2,6 +2,11 @@
 #include "sample/exact.glsl"
 #include "sample/packed.glsl"
 
+vec4 sample_rotation(uint track, SlotCursor cursor) {
+    if (kPacked) return packed_rotation(track, cursor);
+    return exact_rotation(track, cursor);
+}
+
 JointPose sample_joint(uvec4 tracks, SlotCursor cursor) {
     if (kPacked) return sample_packed(tracks, cursor);
     return sample_exact(tracks, cursor);

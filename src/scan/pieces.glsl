@@ -2,30 +2,8 @@
 #include "scan/pieces_io.h"
 
 layout(constant_id = 1) const uint kLanes = 1;            // pieces, and invocations of a character
-layout(constant_id = 2) const uint kSlotTransforms = 1;   // slots of the whole workgroup
 
-#ifdef GPU_WIDE
-// A software device has no fast shared memory; a register a slot costs it a select each.
-Transform slots[kSlotTransforms / gl_WorkGroupSize.x];
-Transform load_slot(uint slot, uint invocation, Transform otherwise) {
-    for (uint s = 0; s < slots.length(); ++s)
-        if (s == slot) otherwise = slots[s];
-    return otherwise;
-}
-void store_slot(uint slot, uint invocation, Transform transform) {
-    for (uint s = 0; s < slots.length(); ++s)
-        if (s == slot) slots[s] = transform;
-}
-#else
-shared StoredTransform slots[kSlotTransforms];  // [slot][invocation]
-Transform load_slot(uint slot, uint invocation, Transform otherwise) {
-    if (slot < kSlotTransforms) return unpack(slots[slot * gl_WorkGroupSize.x + invocation]);
-    return otherwise;
-}
-void store_slot(uint slot, uint invocation, Transform transform) {
-    if (slot < kSlotTransforms) slots[slot * gl_WorkGroupSize.x + invocation] = pack(transform);
-}
-#endif
+#include "scan/slots.glsl"
 
 // The product from the top of the attachment's piece down to the attachment.
 Transform path_product(uint instance, uint lane) {

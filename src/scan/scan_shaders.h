@@ -13,8 +13,7 @@ struct ScanShaders {
     std::span<const uint32_t> wide;  // GPU_WIDE
     std::span<const uint32_t> on_chip;       // SCAN_ON_CHIP
     std::span<const uint32_t> on_chip_wide;  // both
-    std::span<const uint32_t> fused, fused_wide;  // SCAN_FUSED; empty where the method has no such form
-    std::span<const uint32_t> tiled, tiled_wide;  // SCAN_FUSED, FUSED_TILED
+    std::span<const uint32_t> fused, fused_wide;  // SCAN_FUSED, all but serial's FUSED_TILED; empty where the method has no such form
 };
 
 // Of the method with this name. Throws kInvalidArgument where the build has none.

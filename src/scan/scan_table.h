@@ -29,7 +29,6 @@ struct ScanPlan {
     std::vector<uint32_t> constants = {};   // specialization constants 1, 2, …, at most 7
     std::vector<uint32_t> links = {};       // the method's own table of the skeleton
     bool full_subgroups = false;            // it relies on subgroups without idle invocations
-    bool loads_once = false;                // each joint's local transform is loaded by one invocation, once
     bool on_chip = false;                   // nothing but local and model passes through memory, so that the on-chip variant runs
     ScanCounts counts = {};
 };

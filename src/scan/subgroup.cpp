@@ -30,7 +30,6 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes,
                   .constants = {lanes, slots * invocations},
                   .links = std::move(table.links),
                   .full_subgroups = true,
-                  .loads_once = lanes == 1,
                   .on_chip = true};
     const double subgroups = static_cast<double>(lanes) / limits.subgroup_size;
     plan.counts = {.multiplications = table.multiplications,

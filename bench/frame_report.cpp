@@ -1,0 +1,124 @@
+#include "bench/frame_report.h"
+
+#include "bench/report/cells.h"
+#include "bench/report/html.h"
+#include "bench/report/plot.h"
+
+#include <cmath>
+
+namespace throng::bench {
+namespace {
+
+const Ink kStaged{"#c4761a", "#ffb757"}, kFused{"#2f81f7", "#58a6ff"}, kFloor{"#98a0a9", "#6e7681"};
+
+Ink ink_of(const Json& record) {
+    const std::string path = text(record, "path");
+    return path == "staged" ? kStaged : path == "fused" ? kFused : kFloor;
+}
+
+// `ms` is an object of its own.
+double ms_of(const Json& record, const char* quantile) {
+    const auto ms = record.find("ms");
+    return ms != record.end() && ms->is_object() ? number(*ms, quantile) : std::nan("");
+}
+
+std::string td(const std::string& content) { return "<td>" + content + "</td>"; }
+
+std::string why_untimed(const Json& record) {
+    if (flag(record, "wrong")) return "<span class=\"bad\">wrong result, not timed</span>";
+    const std::string obstacle = text(record, "obstacle");
+    return obstacle.empty() ? "not timed" : "not measured: " + escape(obstacle);
+}
+
+std::string stages_of(const Json& record) {
+    const auto stages = record.find("stages");
+    std::string all;
+    if (stages == record.end() || !stages->is_object()) return all;
+    for (const char* stage : {"control", "sample", "blend", "scan", "bind", "fused"})
+        if (const double ms = number(*stages, stage); !std::isnan(ms)) all += (all.empty() ? "" : ", ") + std::string(stage) + " " + digits(ms);
+    return all;
+}
+
+std::string row_of(const Json& record) {
+    const Ink ink = ink_of(record);
+    std::string row = "<tr><td><span class=\"swatch\" style=\"--light:" + ink.light + ";--dark:" + ink.dark + "\"></span>" + escape(text(record, "variant")) + "</td>";
+    const double ms = ms_of(record, "median");
+    if (std::isnan(ms)) return row + "<td class=\"note\" colspan=\"8\">" + why_untimed(record) + "</td></tr>\n";
+    const std::string by = text(record, "by");
+    return row + td(digits(ms)) + td("<small>" + digits(ms_of(record, "p5")) + "–" + digits(ms_of(record, "p95")) + "</small>") + td(digits(number(record, "ns_per_joint"))) +
+           td(digits(number(record, "bytes") * 1e-6)) + td(digits(number(record, "gb_per_s"))) + td(digits(number(record, "times_fill_floor"))) + td(digits(number(record, "max_error"))) +
+           "<td class=\"note\"><small>" + (by.empty() ? stages_of(record) : "by " + escape(by)) + "</small></td></tr>\n";
+}
+
+std::string table_of(const Cells& cells) {
+    std::string rows;
+    for (const Json* record : cells) rows += row_of(*record);
+    return "<div class=\"scroll\"><table><thead><tr><th>variant</th><th>ms</th><th>p5–p95</th><th>ns a joint</th><th>MB moved</th><th>GB/s</th>"
+           "<th>× fill</th><th>error</th><th class=\"note\">stages, ms</th></tr></thead><tbody>\n" + rows + "</tbody></table></div>\n";
+}
+
+double median_of(const Cells& cells, const char* variant) {
+    const Cells found = having(cells, "variant", variant);
+    return found.empty() ? std::nan("") : ms_of(*found.front(), "median");
+}
+
+std::string summary_of(const Cells& cells) {
+    const double ratio = median_of(cells, "staged") / median_of(cells, "fused");
+    const Cells fused = having(cells, "variant", "fused");
+    const double times_fill = fused.empty() ? std::nan("") : number(*fused.front(), "times_fill_floor");
+    std::string sentence;
+    if (!std::isnan(ratio)) sentence = "Fused is " + digits(ratio) + " times as fast as staged";
+    if (!std::isnan(times_fill)) sentence += (sentence.empty() ? "Fused takes " : " and takes ") + digits(times_fill) + " times as long as writing its result";
+    return sentence.empty() ? sentence : sentence + ".";
+}
+
+std::string figure_of(const Cells& cells, int& figure_count) {
+    BarPlot plot{.id = "frame" + std::to_string(++figure_count), .title = text(*cells.front(), "configuration"), .x_label = "ms", .log_x = true, .bars = {}};
+    for (const Json* record : cells) {
+        const double ms = ms_of(*record, "median");
+        if (!(ms > 0)) continue;
+        const double times_fill = number(*record, "times_fill_floor");
+        plot.bars.push_back({.name = text(*record, "variant"),
+                             .ink = ink_of(*record),
+                             .value = ms,
+                             .low = ms_of(*record, "p5"),
+                             .high = ms_of(*record, "p95"),
+                             .note = digits(ms) + (std::isnan(times_fill) ? "" : " · " + digits(times_fill) + " ×")});
+    }
+    const std::string svg = bar_plot(plot), summary = summary_of(cells);
+    return svg.empty() ? "" : "<figure><div class=\"plot\">" + svg + "</div><figcaption>" + summary + "</figcaption></figure>\n";
+}
+
+std::string device_section(const Cells& cells, int& figure_count) {
+    std::string figures, tables;
+    for (const Cells& configuration : grouped(cells, {"configuration", "characters", "joints", "levels"})) {
+        const Json& first = *configuration.front();
+        figures += figure_of(configuration, figure_count);
+        tables += "<details open><summary>" + escape(text(first, "configuration")) + "<small>" + whole(number(first, "characters")) + " characters × " + whole(number(first, "joints")) +
+                  " joints · mean depth " + digits(number(first, "mean_depth")) + " · keys " + escape(text(first, "keys")) + "</small></summary>\n" + table_of(configuration) + "</details>\n";
+    }
+    const Json& any = *cells.front();
+    const std::string device = text(any, "device"), driver = text(any, "driver"), commit = text(any, "commit"), date = text(any, "date");
+    return "<section>\n<h2>Whole updates: " + (device.empty() ? "unnamed device" : escape(device)) + "</h2>\n<p class=\"soft\">" + escape(driver) +
+           (commit.empty() ? "" : ", commit " + escape(commit)) + (date.empty() ? "" : ", " + escape(date)) + "</p>\n<div class=\"pair\">" + figures + "</div>\n" + tables + "</section>\n";
+}
+
+constexpr const char* kMethod = R"(<p>An update takes every character from its clips' times to its skin matrices. <em>staged</em>: sample, blend, scan and bind one after another, each
+through memory; <em>fused</em>: all four in one pass. Unless said otherwise two clips are blended in each character, and a skin matrix has 48 bytes. Each is first compared with
+the double-precision reference: <em>error</em> is the largest difference, as a fraction of the character's size. Then all take turns with the floors, A B C A B C …; given
+are the median of the GPU's own times, and the 5th and 95th percentile.</p>
+<p><em>fill</em> is a kernel that writes as many bytes as the skin matrices have and computes nothing; <em>× fill</em> is an update's time over that. <em>copy as staged</em> moves the
+bytes that the staged update moves between its stages, and computes nothing. <em>MB moved</em> is predicted from the sizes of what passes through memory for each character;
+keys and tables, which all characters share, are not counted. Bars are logarithmic.</p>
+)";
+
+}  // namespace
+
+std::string frame_section(std::span<const Json> records, int& figure_count) {
+    const Cells cells = latest_cells(records, "frame", "variant", {"device", "driver", "configuration", "characters", "joints", "levels"});
+    std::string html;
+    for (const Cells& device : grouped(cells, {"device", "driver"})) html += device_section(device, figure_count);
+    return html.empty() ? html : html + kMethod;
+}
+
+}  // namespace throng::bench

@@ -1,0 +1,13 @@
+// Joints that only turn.
+#pragma once
+
+#include <throng/character.h>
+
+#include <vector>
+
+namespace throng {
+
+// [joint_count]: whether translation and scale are the rest pose's in every clip.
+std::vector<bool> fixed_joints(const Character& character);
+
+}  // namespace throng

@@ -1,0 +1,42 @@
+#version 460
+// serial, fused: one invocation a character samples, blends, multiplies and binds its joints in one walk.
+// Source: scan/serial.comp. Difference: a parent is not read back; the walk is that of scan/pieces.h with a single piece, largest subtree
+//   last, which keeps the few parents with a child still to come in slots. Its segments each have joints whose
+//   translation and scale stand still first, then the others: a software device cannot skip a branch, only leave a loop.
+// Input: cursors, keys.   Output: skin[instance][entry], model[instance][joint] where asked for.
+// Needs: a slot for each generation of branchings, at most log2(joints).   Cost: joints - roots multiplications and joints
+//   samples on the one thread; no barrier, no shared memory on a software device; the output is all that is stored.
+// Wins: software devices.   Loses: GPUs with fewer than some ten thousand characters.   Measured: docs/performance.md
+#include "scan/scan.glsl"
+#include "scan/pieces_io.h"
+#include "scan/slots.glsl"
+
+Transform walk_last;
+
+void walk(uint instance, uint step, uint invocation, Transform parent_from_joint) {
+    const uint parent = step >> kWalkParentShift & kWalkFieldMask, keep = step >> kWalkKeepShift & kWalkFieldMask;
+    if (parent == kParentIsPrefix) walk_last = kIdentityTransform;
+    walk_last = multiply(load_slot(parent - kParentInSlot, invocation, walk_last), parent_from_joint);
+    store_model(instance, step & kWalkJointMask, walk_last);
+    store_slot(keep - 1, invocation, walk_last);
+}
+
+void scan() {
+    const uint instance = gl_GlobalInvocationID.x, invocation = gl_LocalInvocationID.x;
+    if (instance >= push.instance_count) return;
+    scan_begin(instance);
+    walk_last = kIdentityTransform;
+    const uint segment_end = kFirstSegment + 2 * link(kSegmentCount);
+    uint word = segment_end;
+    for (uint segment = kFirstSegment; segment < segment_end; segment += 2) {
+        const uint fixed_end = word + link(segment), free_end = fixed_end + link(segment + 1);
+        for (; word < fixed_end; ++word) {
+            const uint step = link(word);
+            walk(instance, step, invocation, load_local_of_fixed(step & kWalkJointMask));
+        }
+        for (; word < free_end; ++word) {
+            const uint step = link(word);
+            walk(instance, step, invocation, load_local(instance, step & kWalkJointMask));
+        }
+    }
+}

@@ -1,0 +1,172 @@
+// `throng compile`, and the other commands with what it writes in place of its source.
+#include "tests/tool_runner.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+
+namespace throng {
+namespace {
+
+using namespace test;
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+// A folder of the test's own, with a creature in it.
+class CliCompile : public testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        folder_ = fs::path(testing::TempDir()) / ("throng_cli_compile_" + std::to_string(getpid()));
+        fs::create_directories(folder_);
+        const Outcome run = run_tool({"generate", "--joints", "30", "--levels", "9", "--faces", "400", "--out", source()});
+        ASSERT_TRUE(run.succeeded()) << run;
+    }
+    static void TearDownTestSuite() { fs::remove_all(folder_); }
+
+    static std::string file(const std::string& name) { return (folder_ / name).string(); }
+    static std::string source() { return file("creature.glb"); }
+    static std::set<fs::path> files() { return {fs::directory_iterator(folder_), {}}; }
+
+    static Json json_of(std::vector<std::string> arguments) {
+        arguments.push_back("--json");
+        const Outcome run = run_tool(arguments);
+        EXPECT_TRUE(run.succeeded()) << testing::PrintToString(arguments) << "\n" << run;
+        Json json = Json::parse(run.out, nullptr, false);
+        EXPECT_FALSE(json.is_discarded()) << run;
+        return json;
+    }
+
+    static inline fs::path folder_;
+};
+
+TEST_F(CliCompile, WhatIsWrittenGivesWhatItsSourceGives) {
+    const std::string compiled = file("creature.throng");
+    for (const std::string error : {"0.01", "0.5", "exact"}) {
+        const Outcome run = run_tool({"compile", source(), "-o", compiled, "--error", error});
+        ASSERT_TRUE(run.succeeded()) << run;
+        EXPECT_EQ(json_of({"info", compiled}), json_of({"info", source(), "--error", error}));
+        for (const std::vector<std::string>& of :
+             std::vector<std::vector<std::string>>{{"--reference"}, {}, {"--clip", "walk", "--time", "0.3", "--reference"}, {"--clip", "0", "--time", "1", "--blend", "fly", "--blend-time", "0.2"}}) {
+            std::vector<std::string> by_file{"pose", compiled, "--vertices", "all"}, by_source{"pose", source(), "--error", error, "--vertices", "all"};
+            by_file.insert(by_file.end(), of.begin(), of.end());
+            by_source.insert(by_source.end(), of.begin(), of.end());
+            EXPECT_TRUE(json_of(by_file) == json_of(by_source)) << error << ", " << testing::PrintToString(of);
+        }
+    }
+    fs::remove(compiled);
+}
+
+TEST_F(CliCompile, OtherCommandsTakeItToo) {
+    const std::string compiled = file("creature.throng");
+    ASSERT_TRUE(run_tool({"compile", source(), "-o", compiled}).succeeded());
+    const auto picture = [&](const std::string& of, const char* name) {
+        const Outcome run = run_tool({"render", of, "--count", "3", "--size", "64x48", "--time", "0.4", "--out", file(name)});
+        EXPECT_TRUE(run.succeeded()) << run;
+        const std::string bytes = read_file(file(name));
+        fs::remove(file(name));
+        return bytes;
+    };
+    EXPECT_EQ(picture(compiled, "compiled.png"), picture(source(), "source.png"));
+    const Outcome bench = run_tool({"bench", compiled, "--count", "20", "--samples", "2"});
+    EXPECT_EQ(bench.exit_code, 0) << bench;
+    fs::remove(compiled);
+}
+
+TEST_F(CliCompile, ItSaysWhatItWroteAndHowExactItIs) {
+    const std::string compiled = file("creature.throng");
+    double clip_bytes_before = 0;
+    for (const char* error : {"0.001", "0.01", "1"}) {
+        const Json json = json_of({"compile", source(), "--out", compiled, "--error", error});
+        EXPECT_EQ(json["file"], source());
+        EXPECT_EQ(json["out"], compiled);
+        EXPECT_EQ(json["source_bytes"], fs::file_size(source()));
+        EXPECT_EQ(json["bytes"], fs::file_size(compiled));
+        EXPECT_EQ(json["joints"], 30);
+        EXPECT_EQ(json["packed"], true);
+        EXPECT_NEAR(json["error_bound_percent"].get<double>(), std::stod(error), 1e-12);
+        EXPECT_GT(json["error_percent"], 0);
+        EXPECT_LE(json["error_percent"], std::stod(error));
+        double clip_bytes = 0, raw_clip_bytes = 0, largest_percent = 0;
+        ASSERT_EQ(json["clips"].size(), 3u);
+        for (const Json& clip : json["clips"]) {
+            clip_bytes += clip["bytes"].get<double>();
+            raw_clip_bytes += clip["raw_bytes"].get<double>();
+            largest_percent = std::max(largest_percent, clip["error_percent"].get<double>());
+        }
+        EXPECT_EQ(json["clip_bytes"], clip_bytes);
+        EXPECT_EQ(json["raw_clip_bytes"], raw_clip_bytes);
+        EXPECT_EQ(json["error_percent"], largest_percent);
+        EXPECT_NEAR(json["ratio"].get<double>(), raw_clip_bytes / clip_bytes, 1e-9);
+        EXPECT_TRUE(clip_bytes_before == 0 || clip_bytes < clip_bytes_before) << error;
+        EXPECT_TRUE(json["warnings"].empty());
+        clip_bytes_before = clip_bytes;
+    }
+    const Json exact = json_of({"compile", source(), "--out", compiled, "--error", "exact"});
+    EXPECT_EQ(exact["packed"], false);
+    EXPECT_EQ(exact["error_percent"], 0);
+
+    const Outcome packed = run_tool({"compile", source(), "-o", compiled}), text = run_tool({"compile", source(), "-o", compiled, "--error", "exact"});
+    EXPECT_TRUE(packed.succeeded() && packed.out.find("0.01 % allowed") != std::string::npos) << packed;
+    EXPECT_TRUE(text.succeeded() && text.out.find("exact keys") != std::string::npos) << text;
+    EXPECT_NE(text.out.find(std::to_string(fs::file_size(compiled)) + " bytes"), std::string::npos) << text;
+    fs::remove(compiled);
+}
+
+TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
+    const std::string compiled = file("sound.throng"), damaged = file("damaged.throng"), newer = file("newer.throng"), out = file("out.throng");
+    ASSERT_TRUE(run_tool({"compile", source(), "-o", compiled}).succeeded());
+    std::string bytes = read_file(compiled);
+    bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+    std::ofstream(damaged, std::ios::binary) << bytes;
+    bytes[8] = 2;
+    std::ofstream(newer, std::ios::binary) << bytes;
+    std::ofstream(file("cut.throng"), std::ios::binary) << bytes.substr(0, 5) << std::string(1, '\0');
+    std::ofstream(file("text.glb")) << "This is not glTF.\n";
+    fs::create_directory(file("folder"));
+    struct Case {
+        std::vector<std::string> arguments;
+        std::string named;
+    };
+    const std::set<fs::path> before = files();
+    const std::string source_before = read_file(source()), compiled_before = read_file(compiled);
+    for (const Case& c : std::vector<Case>{{{"compile"}, "file"},
+                                           {{"compile", source()}, "--out"},
+                                           {{"compile", file("missing.glb"), "-o", out}, "missing.glb"},
+                                           {{"compile", file("folder"), "-o", out}, "folder"},
+                                           {{"compile", file("text.glb"), "-o", out}, "text.glb"},
+                                           {{"compile", file("text.glb"), "-o", compiled}, "text.glb"},
+                                           {{"compile", source(), "-o", file("nowhere/out.throng")}, "nowhere"},
+                                           {{"compile", source(), "-o", file("folder")}, "folder"},
+                                           {{"compile", source(), "-o", "/dev/null"}, "/dev/null"},
+                                           {{"compile", source(), "-o", source()}, "the source itself"},
+                                           {{"compile", compiled, "-o", out}, "compiled already"},
+                                           {{"compile", damaged, "-o", out}, "damaged.throng"},
+                                           {{"compile", source(), "-o", out, "--error", "0"}, "--error"},
+                                           {{"compile", source(), "-o", out, "--error", "-1"}, "-1"},
+                                           {{"compile", source(), "-o", out, "--error", "11"}, "'11'"},
+                                           {{"compile", source(), "-o", out, "--error", "nan"}, "'nan'"},
+                                           {{"compile", source(), "-o", out, "--error", "1x"}, "'1x'"},
+                                           {{"compile", source(), "-o", out, "--error", ""}, "--error"},
+                                           {{"info", damaged}, "damaged.throng: is damaged"},
+                                           {{"pose", damaged}, "damaged.throng: is damaged"},
+                                           {{"render", damaged, "--out", file("picture.png")}, "damaged.throng: is damaged"},
+                                           {{"bench", damaged}, "damaged.throng: is damaged"},
+                                           {{"info", newer}, "newer.throng: version 2, this throng reads version 1"},
+                                           {{"info", file("cut.throng")}, "cut.throng"}}) {
+        const Outcome run = run_tool(c.arguments, {.time_limit_s = 20});
+        EXPECT_TRUE(run.refused(c.named)) << testing::PrintToString(c.arguments) << "\n" << run;
+        EXPECT_EQ(run.out, "") << testing::PrintToString(c.arguments);
+    }
+    EXPECT_EQ(files(), before) << "something was left behind";
+    EXPECT_EQ(read_file(source()), source_before);
+    EXPECT_EQ(read_file(compiled), compiled_before);
+    EXPECT_TRUE(fs::is_empty(file("folder")));
+}
+
+}  // namespace
+}  // namespace throng

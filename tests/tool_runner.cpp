@@ -1,0 +1,67 @@
+#include "tests/tool_runner.h"
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace throng::test {
+namespace {
+
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool kAddressSanitizer = true;
+#elif defined(__has_feature)
+constexpr bool kAddressSanitizer = __has_feature(address_sanitizer);
+#else
+constexpr bool kAddressSanitizer = false;
+#endif
+
+std::string contents(std::FILE* file) {
+    std::string text;
+    std::rewind(file);
+    for (int c = std::fgetc(file); c != EOF; c = std::fgetc(file)) text += static_cast<char>(c);
+    std::fclose(file);
+    return text;
+}
+
+}  // namespace
+
+Outcome run_tool(const std::vector<std::string>& arguments, const RunSettings& settings) {
+    std::FILE *out = std::tmpfile(), *err = std::tmpfile();
+    std::vector<const char*> words{THRONG_TOOL};
+    for (const std::string& argument : arguments) words.push_back(argument.c_str());
+    words.push_back(nullptr);
+    const auto start = std::chrono::steady_clock::now();
+    const pid_t child = fork();
+    if (child == 0) {
+        for (const auto& [name, value] : settings.environment) setenv(name.c_str(), value.c_str(), 1);
+        if (settings.out_path) out = std::fopen(settings.out_path, "w");
+        dup2(fileno(out), STDOUT_FILENO);
+        dup2(fileno(err), STDERR_FILENO);
+        const rlimit no_core{0, 0}, memory{settings.memory_limit_bytes, settings.memory_limit_bytes};
+        setrlimit(RLIMIT_CORE, &no_core);
+        if (settings.memory_limit_bytes > 0 && !kAddressSanitizer) setrlimit(RLIMIT_AS, &memory);
+        alarm(settings.time_limit_s);  // survives exec, and kills
+        execv(THRONG_TOOL, const_cast<char* const*>(words.data()));
+        _exit(127);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    Outcome run;
+    run.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (WIFEXITED(status)) run.exit_code = WEXITSTATUS(status);
+    if (WIFSIGNALED(status)) run.signal = WTERMSIG(status);
+    run.out = contents(out);
+    run.err = contents(err);
+    return run;
+}
+
+std::string read_file(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace throng::test

@@ -1,0 +1,42 @@
+// Runs the command line as a user does, in a process of its own.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace throng::test {
+
+struct RunSettings {
+    std::map<std::string, std::string> environment;
+    uint64_t memory_limit_bytes = 0;  // of the address space; 0: none
+    unsigned time_limit_s = 300;
+    const char* out_path = nullptr;   // where standard output goes; it is not captured then
+};
+
+struct Outcome {
+    int exit_code = -1;  // -1: a signal
+    int signal = 0;
+    std::string out, err;
+    double time_s = 0;
+
+    // Exit code 0 and not a word on stderr.
+    bool succeeded() const { return exit_code == 0 && err.empty(); }
+    // An exit code of its own and one line on stderr, which names the thing.
+    bool refused(const std::string& named) const {
+        return exit_code > 0 && err.starts_with("throng: ") && err.find('\n') == err.size() - 1 && err.find(named) != std::string::npos;
+    }
+    friend std::ostream& operator<<(std::ostream& stream, const Outcome& outcome) {
+        return stream << "exit code " << outcome.exit_code << ", signal " << outcome.signal << ", " << outcome.time_s << " s\nstdout: "
+                      << outcome.out.substr(0, 2000) << "\nstderr: " << outcome.err.substr(0, 2000);
+    }
+};
+
+Outcome run_tool(const std::vector<std::string>& arguments, const RunSettings& settings = {});
+
+std::string read_file(const std::filesystem::path& path);
+
+}  // namespace throng::test

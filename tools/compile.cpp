@@ -1,0 +1,103 @@
+#include "tools/command.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace throng::tools {
+namespace {
+
+struct CompileOptions {
+    std::string file, out;
+    CompileSettings settings;
+    bool json = false;
+};
+
+// Of all clips.
+struct ClipTotals {
+    uint64_t size_bytes = 0, raw_size_bytes = 0;
+    double error = 0;
+
+    explicit ClipTotals(const Character& character) {
+        for (const Clip& clip : character.clips) {
+            size_bytes += clip.size_bytes;
+            raw_size_bytes += clip.raw_size_bytes;
+            error = std::max(error, clip.error);
+        }
+    }
+    double ratio() const { return size_bytes == 0 ? 1 : static_cast<double>(raw_size_bytes) / static_cast<double>(size_bytes); }
+};
+
+Character compile(const CompileOptions& options) {
+    std::error_code unknown;
+    if (std::filesystem::equivalent(options.file, options.out, unknown)) throw CommandError(options.out + " is the source itself; give --out another name");
+    print_progress("reading " + options.file);
+    const Result<Asset> asset = load_asset(options.file);
+    if (!asset) {
+        if (load_character(options.file)) throw CommandError(options.file + " is compiled already; give its source, a glTF file");
+        throw CommandError(asset.error().text());
+    }
+    print_progress("compiling " + options.file);
+    Character character = unwrap(compile_character(*asset, options.settings));
+    print_warnings(character.warnings);
+    print_progress("writing " + options.out);
+    unwrap(save_character(character, options.out));
+    print_progress("");
+    return character;
+}
+
+nlohmann::json to_json(const CompileOptions& options, const Character& character, uint64_t source_bytes, uint64_t bytes) {
+    const ClipTotals totals(character);
+    nlohmann::json clips = nlohmann::json::array();
+    for (const Clip& clip : character.clips)
+        clips.push_back({{"name", clip.name}, {"rows", clip.row_count}, {"bytes", clip.size_bytes}, {"raw_bytes", clip.raw_size_bytes},
+                         {"error_percent", clip.error * 100}});
+    return {{"file", options.file},
+            {"out", options.out},
+            {"source_bytes", source_bytes},
+            {"bytes", bytes},
+            {"joints", character.rig.joint_count()},
+            {"packed", character.packed},
+            {"error_bound_percent", options.settings.error * 100},
+            {"error_percent", totals.error * 100},
+            {"clip_bytes", totals.size_bytes},
+            {"raw_clip_bytes", totals.raw_size_bytes},
+            {"ratio", totals.ratio()},
+            {"clips", clips},
+            {"warnings", character.warnings}};
+}
+
+void print_text(const CompileOptions& options, const Character& character, uint64_t source_bytes, uint64_t bytes) {
+    const ClipTotals totals(character);
+    std::printf("%s: %llu bytes, of %s of %llu\n", options.out.c_str(), static_cast<unsigned long long>(bytes),
+                options.file.c_str(), static_cast<unsigned long long>(source_bytes));
+    std::printf("  clips      %zu, %.1f KiB: %.1f times smaller than %.1f KiB of raw floats\n", character.clips.size(),
+                static_cast<double>(totals.size_bytes) / 1024, totals.ratio(), static_cast<double>(totals.raw_size_bytes) / 1024);
+    if (character.packed)
+        std::printf("  error      at most %.2g %% of the character's size, measured at the skin; %.4g %% allowed\n", totals.error * 100,
+                    options.settings.error * 100);
+    else
+        std::printf("  error      none: exact keys\n");
+}
+
+void run_compile(const CompileOptions& options) {
+    const Character character = compile(options);
+    const uint64_t source_bytes = std::filesystem::file_size(options.file), bytes = std::filesystem::file_size(options.out);
+    if (options.json) print_json(to_json(options, character, source_bytes, bytes));
+    else print_text(options, character, source_bytes, bytes);
+}
+
+}  // namespace
+
+void add_compile(CLI::App& app) {
+    CLI::App& command = *app.add_subcommand("compile", "compress a .glb or .gltf file's clips, and write what the GPU reads, to be loaded at once");
+    auto options = std::make_shared<CompileOptions>();
+    command.add_option("file", options->file, "a glTF 2.0 file")->required();
+    add_out_option(command, options->out, "the .throng file to write; every command takes it in place of its source");
+    add_error_option(command, options->settings);
+    command.add_flag("--json", options->json, "as JSON");
+    command.footer("Examples:\n  throng compile fox.glb -o fox.throng\n  throng compile fox.glb -o fox.throng --error 0.1\n"
+                   "  throng compile fox.glb -o fox.throng --error exact --json | jq .ratio\n  throng info fox.throng");
+    command.callback([options] { run_compile(*options); });
+}
+
+}  // namespace throng::tools
