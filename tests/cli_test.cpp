@@ -114,19 +114,33 @@ TEST_F(Cli, InfoCountsExactly) {
     EXPECT_EQ(info["skins"][0]["joints"], kJoints);
     ASSERT_EQ(info["clips"].size(), 3u);
     const char* names[] = {"idle", "walk", "fly"};
-    uint64_t clip_bytes = 0;
+    uint64_t clip_bytes = 0, raw_bytes = 0;
     for (size_t i = 0; i < 3; ++i) {
         const Json& clip = info["clips"][i];
         EXPECT_EQ(clip["name"], names[i]);
         EXPECT_GT(clip["duration_s"], 0);
         EXPECT_EQ(clip["channels"], kJoints + 1);
-        EXPECT_EQ(clip["bytes"].get<uint64_t>() >= clip["rows"].get<uint64_t>() * clip["animated_tracks"].get<uint64_t>() * 16, true);
+        EXPECT_GT(clip["error_percent"], 0);
+        EXPECT_LE(clip["error_percent"], 0.01);
+        EXPECT_GT(clip["raw_bytes"], clip["bytes"]);
         clip_bytes += clip["bytes"].get<uint64_t>();
+        raw_bytes += clip["raw_bytes"].get<uint64_t>();
     }
+    EXPECT_EQ(info["packed"], true);
+    EXPECT_EQ(info["clip_bytes"], clip_bytes);
+    EXPECT_EQ(info["clip_raw_bytes"], raw_bytes);
     EXPECT_GE(info["bytes_per_character"], clip_bytes);
     EXPECT_GE(info["bytes_per_instance"], kJoints * 48);
     EXPECT_LE(info["bytes_per_instance"], kJoints * 48 + 256);
     EXPECT_TRUE(info["warnings"].empty());
+
+    const Json exact = json_of({"info", creature(), "--error", "exact"}), coarse = json_of({"info", creature(), "--error", "1"});
+    EXPECT_EQ(exact["packed"], false);
+    EXPECT_EQ(exact["error_percent"], 0);
+    for (const Json& clip : exact["clips"]) EXPECT_GE(clip["bytes"].get<uint64_t>(), clip["rows"].get<uint64_t>() * clip["animated_tracks"].get<uint64_t>() * 16);
+    EXPECT_GT(exact["clip_bytes"], info["clip_bytes"]);
+    EXPECT_GT(info["clip_bytes"], coarse["clip_bytes"]);
+    EXPECT_GT(coarse["error_percent"], 0.01);
 
     const Outcome text = run_tool({"info", creature()});
     EXPECT_TRUE(text.succeeded()) << text;

@@ -229,6 +229,20 @@ TEST(Pack, StepTracksHoldAndSwitchAtTheirKeys) {
     expect_within(one.asset, 1e-4, 1000);
 }
 
+// Also a switch that is too small to be measured is where it was.
+TEST(Pack, RowsWhereAStepTrackChangesAreKept) {
+    OneJoint one;
+    std::vector<float> times_s, values;
+    for (int key = 0; key < 30; ++key) {
+        times_s.push_back(static_cast<float>(key) / 10);
+        values.insert(values.end(), {0, 0, 0, 1});
+    }
+    one.track(TrackTarget::kRotation, times_s, values);
+    one.track(TrackTarget::kTranslation, {0, 0.7f, 1.1f, 2.9f}, {0, 0, 0, 1, 0, 0, 1.00001f, 0, 0, 0, 0, 0}, Interpolation::kStep);
+    const Character packed = compile(one.asset, 1e-3);
+    EXPECT_EQ(packed.times_s, (std::vector<float>{0, 0.7f, 1.1f, 2.9f}));
+}
+
 TEST(Pack, UniformScaleStaysUniform) {
     OneJoint one;
     std::vector<float> times_s, values;

@@ -216,6 +216,7 @@ void run_baselines(const BaselineOptions& options) {
     const Device device = open_device(options.device);
     std::string lines;
     const auto run = [&](const Character& character, const std::string& file) {
+        if (character.packed) throw CommandError(file + ": its clips are compressed, and baselines bake exact keys; give the glTF file, or compile it with --error exact");
         const std::vector<nlohmann::json> records = compare(device, character, file, options);
         if (lines.empty())
             std::printf("%u characters on %s, two clips blended in each; medians of %u updates; baked at %g frames a second\n", options.count, device.info().name.c_str(), options.samples, options.rate);

@@ -86,15 +86,15 @@ private:
 
     // The largest scale that keeps the goal. Error goes about linearly with it, in small steps.
     void search(double goal) {
-        constexpr int kWeighings = 3, kRounds = 7;
+        constexpr int kWeighings = 3, kRounds = 5;
         for (int round = 0; round < kWeighings; ++round) {
             const double error = encode(scale_);
             weigh();
-            scale_ *= std::clamp(0.9 * goal / std::max(error, 1e-6 * goal), 0.05, 8.0);
+            scale_ *= std::clamp(0.8 * goal / std::max(error, 1e-6 * goal), 0.05, 8.0);
         }
         const size_t row_interval = std::max<size_t>(1, grid_.point_count() / kSearchPoints);
         double good = 0, bad = 0;
-        for (int round = 0; round < kRounds && !(good > 0 && bad > 0 && bad < 1.03 * good); ++round) {
+        for (int round = 0; round < kRounds && !(good > 0 && bad > 0 && bad < 1.05 * good); ++round) {
             const double error = evaluate(scale_, row_interval, good > 0 ? goal : 4 * goal);
             if (error <= goal && row_interval == 1) keep(error);
             (error <= goal ? good : bad) = scale_;

@@ -60,7 +60,8 @@ double RowEncoder::encode(std::span<const TrackShape> shapes, std::span<const si
     return largest;
 }
 
-Trs<double> RowEncoder::encode_joint(std::span<const TrackShape> shapes, std::span<const size_t> rows, size_t row, size_t joint, std::span<const AffineT<double>> wanted) {
+Trs<double> RowEncoder::encode_joint(std::span<const TrackShape> shapes, std::span<const size_t> rows, size_t row, size_t joint,
+                                     std::span<const AffineT<double>> wanted) {
     Trs<double> packed = still_[joint];
     const size_t first = joint * 3, point = rows[row] * grid_.points_per_row;
     if (!moves(first) && !moves(first + 1) && !moves(first + 2)) return packed;

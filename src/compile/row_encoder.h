@@ -26,7 +26,8 @@ public:
 
 private:
     Trs<double> aim(size_t joint, const Trs<double>& local, std::span<const AffineT<double>> wanted) const;
-    Trs<double> encode_joint(std::span<const TrackShape> shapes, std::span<const size_t> rows, size_t row, size_t joint, std::span<const AffineT<double>> wanted);
+    Trs<double> encode_joint(std::span<const TrackShape> shapes, std::span<const size_t> rows, size_t row, size_t joint,
+                             std::span<const AffineT<double>> wanted);
     bool moves(size_t slot) const { return bit_counts_[slot] > 0; }
 
     const Character& character_;
