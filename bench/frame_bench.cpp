@@ -9,6 +9,7 @@
 #include "bench/skin_error.h"
 #include "bench/statistics.h"
 #include "scan/scan_planner.h"
+#include "tools/stages.h"
 
 #include <algorithm>
 #include <array>
@@ -30,8 +31,8 @@ constexpr std::array kVariants{Variant{.name = "staged", .path = UpdatePath::kSt
                                Variant{.name = "fused, 32 bytes", .format = SkinFormat::kSimilarity},
                                Variant{.name = "fused, exact keys", .exact_keys = true}};
 constexpr std::array kFormats{std::pair{SkinFormat::kAffine, "affine"}, std::pair{SkinFormat::kHalfAffine, "half_affine"}, std::pair{SkinFormat::kSimilarity, "similarity"}};
-constexpr std::array kStages{std::pair{"control", &StageTimes::control}, std::pair{"sample", &StageTimes::sample}, std::pair{"blend", &StageTimes::blend},
-                             std::pair{"scan", &StageTimes::scan},       std::pair{"bind", &StageTimes::bind},     std::pair{"fused", &StageTimes::fused}};
+
+using tools::kStages;
 
 constexpr const char* kByKernel = "kernel";
 
@@ -54,7 +55,7 @@ struct Entrant {
     const std::vector<Playback>* playback = nullptr;
     std::shared_ptr<const FrameCrowd> made;
     double max_error = 0;
-    std::vector<double> total_ms;
+    std::vector<Reading> total;
     std::array<std::vector<double>, kStages.size()> stage_ms;
 
     bool is_wrong() const { return !(max_error <= error_bound(variant->format)); }
@@ -65,7 +66,7 @@ struct Entrant {
 struct Floor {
     nlohmann::json record;  // what it is
     std::function<void(VkCommandBuffer)> work;
-    std::vector<double> total_ms;
+    std::vector<Reading> total;
 };
 
 class FrameMeasurement {
@@ -96,7 +97,7 @@ public:
         for (Entrant& entrant : entrants_)
             if (entrant.runs()) contestants.push_back({frame_.configuration + ": " + entrant.variant->name, [&] { take_sample(entrant); }});
         for (Floor& floor : floors_)
-            if (floor.work) contestants.push_back({frame_.configuration + ": " + std::string(floor.record["variant"]), [&] { floor.total_ms.push_back(clock_.time_ms(floor.work)); }});
+            if (floor.work) contestants.push_back({frame_.configuration + ": " + std::string(floor.record["variant"]), [&] { floor.total.push_back(clock_.read(floor.work)); }});
         run_rounds(contestants, {.samples = samples, .least_samples = samples}, 0, progress);
     }
 
@@ -106,7 +107,7 @@ public:
         for (const Floor& floor : floors_) {
             records.push_back(case_record());
             records.back().update(floor.record);
-            add_times(records.back(), floor.total_ms);
+            add_times(records.back(), floor.total);
         }
         for (nlohmann::json& record : records) add_times_fill_floor(record, records);
         return records;
@@ -138,7 +139,7 @@ private:
         value_of(entrant.crowd()->update(1.0f / 60));
         const double host_ms = watch.elapsed_s() * 1e3;
         const StageTimes times = value_of(entrant.crowd()->stage_times());
-        entrant.total_ms.push_back(believed_ms(gpu_, times.total(), host_ms));
+        entrant.total.push_back(believed_reading(gpu_, times.total(), host_ms));
         for (size_t s = 0; s < kStages.size(); ++s) entrant.stage_ms[s].push_back(times.*kStages[s].second);
     }
 
@@ -203,14 +204,17 @@ private:
         if (entrant.is_wrong()) record["wrong"] = true;
         for (size_t s = 0; s < kStages.size(); ++s)
             if (const double ms = spread_of(entrant.stage_ms[s]).median; ms > 0) record["stages"][kStages[s].first] = ms;
-        add_times(record, entrant.total_ms);
+        add_times(record, entrant.total);
         return record;
     }
 
-    void add_times(nlohmann::json& record, const std::vector<double>& total_ms) const {
-        if (total_ms.empty()) return;
+    void add_times(nlohmann::json& record, const std::vector<Reading>& total) const {
+        if (total.empty()) return;
+        std::vector<double> total_ms;
+        for (const Reading& reading : total) total_ms.push_back(reading.ms);
         const Spread ms = spread_of(total_ms);
-        record["samples"] = total_ms.size();
+        record["samples"] = total.size();
+        record["host_samples"] = std::count_if(total.begin(), total.end(), [](const Reading& reading) { return reading.by_host; });
         record["ms"] = {{"median", ms.median}, {"p5", ms.p5}, {"p95", ms.p95}};
         record["ns_per_joint"] = ms.median * 1e6 / static_cast<double>(instance_count() * joint_count());
         record["gb_per_s"] = record["bytes"].get<double>() / ms.median * 1e-6;

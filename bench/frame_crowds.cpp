@@ -20,9 +20,8 @@ std::shared_ptr<const FrameCrowd> FrameCrowds::get(const FrameCrowdKey& key) {
 }
 
 std::string FrameCrowds::memory_obstacle(uint64_t needed_bytes) const {
-    const VkPhysicalDeviceMemoryProperties& memory = device_.gpu()->memory_properties;
-    uint64_t heap_bytes = 0, held_bytes = 0;
-    for (uint32_t heap = 0; heap < memory.memoryHeapCount; ++heap) heap_bytes = std::max<uint64_t>(heap_bytes, memory.memoryHeaps[heap].size);
+    const uint64_t heap_bytes = device_.gpu()->largest_heap_bytes();
+    uint64_t held_bytes = 0;
     for (const auto& there : crowds_)
         if (there->crowd) held_bytes += there->crowd->size_bytes();
     if (held_bytes + needed_bytes <= heap_bytes) return {};

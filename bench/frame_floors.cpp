@@ -67,9 +67,13 @@ void FillFloor::record_transfer(VkCommandBuffer commands) const {
 }
 
 CopyFloor::CopyFloor(std::shared_ptr<Gpu> gpu, uint64_t moved_bytes, uint64_t buffer_bytes)
-    : gpu_(std::move(gpu)), copied_bytes_(moved_bytes / 2), kernel_(row_kernel(gpu_, "copy", kCopyPlain, kCopyWide)) {
+    : gpu_(std::move(gpu)), kernel_(row_kernel(gpu_, "copy", kCopyPlain, kCopyWide)) {
     for (Buffer& buffer : buffers_) buffer = Buffer(gpu_, "bytes to copy", buffer_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     for (size_t from = 0; from < buffers_.size(); ++from) bindings_[from] = kernel_.bind(CopyBuffers{buffers_[from], buffers_[1 - from]});
+    for (uint64_t left_bytes = moved_bytes / 2; left_bytes >= kRow_bytes;) {
+        passes_.push_back({passes_.size() % 2, std::min(left_bytes, buffer_bytes) / kRow_bytes * kRow_bytes});
+        left_bytes -= passes_.back().size_bytes;
+    }
 }
 
 const char* CopyFloor::choose(const GpuClock& clock) {
@@ -89,27 +93,24 @@ void CopyFloor::record(VkCommandBuffer commands) const {
     else record_transfer(commands);
 }
 
-template <class Copy>
-void CopyFloor::record_passes(VkCommandBuffer commands, const Copy& copy) const {
+void CopyFloor::wait_for_pass_before(VkCommandBuffer commands) const {
     constexpr Access kAny = kShaderRead | kShaderWrite | kTransferRead | kTransferWrite;
-    size_t from = 0;
-    for (uint64_t left_bytes = copied_bytes_; left_bytes >= kRow_bytes; from = 1 - from) {
-        const uint64_t now_bytes = std::min<uint64_t>(left_bytes, buffers_[0].size_bytes());
-        memory_barrier(*gpu_, commands, kAny, kAny);
-        copy(from, now_bytes);
-        left_bytes -= now_bytes;
-    }
+    memory_barrier(*gpu_, commands, kAny, kAny);
 }
 
 void CopyFloor::record_kernel(VkCommandBuffer commands) const {
-    record_passes(commands, [&](size_t from, uint64_t now_bytes) { dispatch_rows(commands, kernel_, bindings_[from], rows_of(now_bytes)); });
+    for (const CopyPass& pass : passes_) {
+        wait_for_pass_before(commands);
+        dispatch_rows(commands, kernel_, bindings_[pass.from], rows_of(pass.size_bytes));
+    }
 }
 
 void CopyFloor::record_transfer(VkCommandBuffer commands) const {
-    record_passes(commands, [&](size_t from, uint64_t now_bytes) {
-        const VkBufferCopy region{.srcOffset = 0, .dstOffset = 0, .size = now_bytes};
-        gpu_->vk.vkCmdCopyBuffer(commands, buffers_[from].handle(), buffers_[1 - from].handle(), 1, &region);
-    });
+    for (const CopyPass& pass : passes_) {
+        wait_for_pass_before(commands);
+        const VkBufferCopy region{.srcOffset = 0, .dstOffset = 0, .size = pass.size_bytes};
+        gpu_->vk.vkCmdCopyBuffer(commands, buffers_[pass.from].handle(), buffers_[1 - pass.from].handle(), 1, &region);
+    }
 }
 
 }  // namespace throng::bench

@@ -30,23 +30,30 @@ private:
 
 // Reads half of `moved_bytes` and writes the other half, to and fro between two buffers of `buffer_bytes`: each pass reads what the one
 // before it wrote, as stages do, so that caches help it as much as them.
+struct CopyPass {
+    size_t from = 0;  // number of the buffer to read
+    uint64_t size_bytes = 0;
+};
+
 class CopyFloor {
 public:
+    // In whole rows of 16 bytes: `buffer_bytes` is one at least.
     CopyFloor(std::shared_ptr<Gpu> gpu, uint64_t moved_bytes, uint64_t buffer_bytes);
 
     // Finds out whether a kernel or the device's own copy is faster here, which record() then is: its name.
     const char* choose(const GpuClock& clock);
     void record(VkCommandBuffer commands) const;
-
-private:
     void record_kernel(VkCommandBuffer commands) const;
     void record_transfer(VkCommandBuffer commands) const;
-    // `copy` gets the number of the buffer to read, and bytes.
-    template <class Copy>
-    void record_passes(VkCommandBuffer commands, const Copy& copy) const;
+
+    const std::vector<CopyPass>& passes() const { return passes_; }
+    const std::array<Buffer, 2>& buffers() const { return buffers_; }
+
+private:
+    void wait_for_pass_before(VkCommandBuffer commands) const;
 
     std::shared_ptr<Gpu> gpu_;
-    uint64_t copied_bytes_ = 0;
+    std::vector<CopyPass> passes_;
     bool by_kernel_ = true;
     std::array<Buffer, 2> buffers_;
     Kernel kernel_;

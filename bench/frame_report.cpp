@@ -3,6 +3,7 @@
 #include "bench/report/cells.h"
 #include "bench/report/html.h"
 #include "bench/report/plot.h"
+#include "tools/stages.h"
 
 #include <cmath>
 
@@ -34,9 +35,15 @@ std::string stages_of(const Json& record) {
     const auto stages = record.find("stages");
     std::string all;
     if (stages == record.end() || !stages->is_object()) return all;
-    for (const char* stage : {"control", "sample", "blend", "scan", "bind", "fused"})
+    for (const auto& [stage, member] : tools::kStages)
         if (const double ms = number(*stages, stage); !std::isnan(ms)) all += (all.empty() ? "" : ", ") + std::string(stage) + " " + digits(ms);
     return all;
+}
+
+// Where rounds were timed by the host's clock; empty where none was.
+std::string host_share_of(const Json& record) {
+    const double by_host = number(record, "host_samples");
+    return by_host > 0 ? "; host's time in " + whole(by_host) + " of " + whole(number(record, "samples")) + " rounds" : "";
 }
 
 std::string row_of(const Json& record) {
@@ -47,7 +54,7 @@ std::string row_of(const Json& record) {
     const std::string by = text(record, "by");
     return row + td(digits(ms)) + td("<small>" + digits(ms_of(record, "p5")) + "–" + digits(ms_of(record, "p95")) + "</small>") + td(digits(number(record, "ns_per_joint"))) +
            td(digits(number(record, "bytes") * 1e-6)) + td(digits(number(record, "gb_per_s"))) + td(digits(number(record, "times_fill_floor"))) + td(digits(number(record, "max_error"))) +
-           "<td class=\"note\"><small>" + (by.empty() ? stages_of(record) : "by " + escape(by)) + "</small></td></tr>\n";
+           "<td class=\"note\"><small>" + (by.empty() ? stages_of(record) : "by " + escape(by)) + host_share_of(record) + "</small></td></tr>\n";
 }
 
 std::string table_of(const Cells& cells) {
@@ -106,7 +113,8 @@ std::string device_section(const Cells& cells, int& figure_count) {
 constexpr const char* kMethod = R"(<p>An update takes every character from its clips' times to its skin matrices. <em>staged</em>: sample, blend, scan and bind one after another, each
 through memory; <em>fused</em>: all four in one pass. Unless said otherwise two clips are blended in each character, and a skin matrix has 48 bytes. Each is first compared with
 the double-precision reference: <em>error</em> is the largest difference, as a fraction of the character's size. Then all take turns with the floors, A B C A B C …; given
-are the median of the GPU's own times, and the 5th and 95th percentile.</p>
+are the median, and the 5th and 95th percentile, of times by timestamps on the device. On a software device whose timestamps span less than half of the time that the host
+waited, the host's time counts instead; the last column says in how many rounds.</p>
 <p><em>fill</em> is a kernel that writes as many bytes as the skin matrices have and computes nothing; <em>× fill</em> is an update's time over that. <em>copy as staged</em> moves the
 bytes that the staged update moves between its stages, and computes nothing. <em>MB moved</em> is predicted from the sizes of what passes through memory for each character;
 keys and tables, which all characters share, are not counted. Bars are logarithmic.</p>

@@ -21,15 +21,16 @@ GpuClock::~GpuClock() { gpu_->vk.vkDestroyQueryPool(gpu_->device, pool_, nullptr
 // On a busy machine lavapipe's timestamps were seen to span a fifth of the host's time and less, probably because another thread writes
 // them than the one that computes. The host's clock counts then, which sees the submission too. Work is never submitted again for
 // another try: a step of a crowd moves it.
-double believed_ms(const Gpu& gpu, double gpu_ms, double host_ms) {
+Reading believed_reading(const Gpu& gpu, double gpu_ms, double host_ms) {
     constexpr double kSubmission_ms = 0.5;
-    return gpu.is_cpu() && gpu_ms < 0.5 * (host_ms - kSubmission_ms) ? host_ms : gpu_ms;
+    const bool by_host = gpu.is_cpu() && gpu_ms < 0.5 * (host_ms - kSubmission_ms);
+    return {by_host ? host_ms : gpu_ms, by_host};
 }
 
-double GpuClock::time_ms(const std::function<void(VkCommandBuffer)>& work) const {
+Reading GpuClock::read(const std::function<void(VkCommandBuffer)>& work) const {
     const Stopwatch watch;
     const double gpu_ms = timestamps_ms(work);
-    return believed_ms(*gpu_, gpu_ms, watch.elapsed_s() * 1e3);
+    return believed_reading(*gpu_, gpu_ms, watch.elapsed_s() * 1e3);
 }
 
 double GpuClock::timestamps_ms(const std::function<void(VkCommandBuffer)>& work) const {

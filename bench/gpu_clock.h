@@ -5,8 +5,13 @@
 
 namespace throng::bench {
 
+struct Reading {
+    double ms = 0;
+    bool by_host = false;  // timestamps were not to be believed
+};
+
 // What to believe of work that took `gpu_ms` by timestamps, and `host_ms` from its submission until it was waited for.
-double believed_ms(const Gpu& gpu, double gpu_ms, double host_ms);
+Reading believed_reading(const Gpu& gpu, double gpu_ms, double host_ms);
 
 class GpuClock {
 public:
@@ -17,7 +22,8 @@ public:
     GpuClock& operator=(const GpuClock&) = delete;
 
     // Submits what `work` records once, alone between two timestamps, and waits. It sees all work submitted before.
-    double time_ms(const std::function<void(VkCommandBuffer)>& work) const;
+    Reading read(const std::function<void(VkCommandBuffer)>& work) const;
+    double time_ms(const std::function<void(VkCommandBuffer)>& work) const { return read(work).ms; }
 
 private:
     double timestamps_ms(const std::function<void(VkCommandBuffer)>& work) const;

@@ -1,4 +1,5 @@
 // Compiled files: what is written comes back bit for bit, and nothing that is damaged or crafted comes through.
+#include "base/replace_file.h"
 #include "compile/character_file.h"
 #include "compile/character_layout.h"
 #include "compile/crc64.h"
@@ -47,7 +48,11 @@ Asset make_full_asset(const AssetSettings& settings) {
 
 // A file of a few kilobytes.
 Bytes small_file(double error) {
-    return write_character(compile(make_full_asset({.name = "small.glb", .joint_count = 4, .clip_count = 2, .axis_count = 2, .key_count = 3, .vertex_count = 6}), error));
+    Character character = compile(make_full_asset({.name = "small.glb", .joint_count = 4, .clip_count = 2, .axis_count = 2, .key_count = 3, .vertex_count = 6}), error);
+    character.root_rows = {{0, 0, 1, 0}, {0, 1, 0.8f, 0.6f}, {0, 0, 1, 0}, {1, 0, 0, -1}, {1, 2, -1, 0}};
+    character.clips[0].root_row_count = character.clips[1].first_root_row = 2;
+    character.clips[1].root_row_count = 3;
+    return write_character(character);
 }
 
 Result<Character> load(const Bytes& bytes) { return load_compiled_character(bytes, "small.throng"); }
@@ -55,8 +60,8 @@ Result<Character> load(const Bytes& bytes) { return load_compiled_character(byte
 // ---- Equality. A field that is added to one of these structures fails to compile here: write it to the file, and compare it.
 
 auto fields_of(const Clip& clip) {
-    const auto& [name, duration_s, first_time, row_count, row_stride, first_row, channels, source_keys, animated, refined, dropped, size_bytes, raw_size_bytes, error] = clip;
-    return std::tie(name, duration_s, first_time, row_count, row_stride, first_row, channels, source_keys, animated, refined, dropped, size_bytes, raw_size_bytes, error);
+    const auto& [name, duration_s, first_time, row_count, row_stride, first_row, channels, source_keys, animated, refined, dropped, size_bytes, raw_size_bytes, first_root_row, root_row_count, error] = clip;
+    return std::tie(name, duration_s, first_time, row_count, row_stride, first_row, channels, source_keys, animated, refined, dropped, size_bytes, raw_size_bytes, first_root_row, root_row_count, error);
 }
 auto fields_of(const Skin& skin) {
     const auto& [name, first_entry, joint_count] = skin;
@@ -91,7 +96,7 @@ bool same(const Rig& a, const Rig& b) {
 }
 
 void expect_same(const Character& a, const Character& b) {
-    const auto& [name, rig, clips, times_s, packed, keys, words, tracks, skins, palette, vertices, influences, indices, sections, materials, images, bounds_min, bounds_max,
+    const auto& [name, rig, clips, times_s, packed, keys, words, root_rows, tracks, skins, palette, vertices, influences, indices, sections, materials, images, bounds_min, bounds_max,
                  size, morph_target_count, warnings] = a;
     EXPECT_TRUE(same(name, b.name));
     EXPECT_TRUE(same(rig, b.rig));
@@ -100,6 +105,7 @@ void expect_same(const Character& a, const Character& b) {
     EXPECT_TRUE(same(packed, b.packed));
     EXPECT_TRUE(same(keys, b.keys));
     EXPECT_TRUE(same(words, b.words));
+    EXPECT_TRUE(same(root_rows, b.root_rows));
     EXPECT_TRUE(same(tracks, b.tracks));
     EXPECT_TRUE(same(skins, b.skins));
     EXPECT_TRUE(same(palette, b.palette));
@@ -172,6 +178,7 @@ bool leads_nowhere_else(const Character& c) {
         const bool is_rest = clip == c.clips.size();
         const uint32_t first_time = is_rest ? 0 : c.clips[clip].first_time, row_count = is_rest ? 1 : c.clips[clip].row_count;
         if (!is_rest) need(uint64_t{first_time} + row_count - 1, c.times_s.size());
+        if (!is_rest && c.clips[clip].root_row_count > 0) need(uint64_t{c.clips[clip].first_root_row} + c.clips[clip].root_row_count - 1, c.root_rows.size());
         for (uint32_t row = 0; good && row < row_count; ++row) {
             const uint64_t cursor = is_rest ? 0 : c.clips[clip].first_row + uint64_t{row} * c.clips[clip].row_stride;
             for (uint32_t joint = 0; joint < joint_count; ++joint) {
@@ -377,7 +384,7 @@ TEST(CharacterFile, ACraftedTableIsRefused) {
             {"no sections", [](Forged& f) { f.header().section_count = 0; }, "sections"},
             {"too many sections", [](Forged& f) { f.header().section_count = kMost; }, "sections"},
             {"a section's id twice", [](Forged& f) { f.entry(S::kKeys).id = static_cast<uint32_t>(S::kTimes); }, "keys"},
-            {"an unknown id", [](Forged& f) { f.entry(S::kMeshSections).id = 20; }, "mesh sections"},
+            {"an unknown id", [](Forged& f) { f.entry(S::kMeshSections).id = 21; }, "mesh sections"},
             {"elements of 0 bytes", [](Forged& f) { f.entry(S::kKeys).element_bytes = 0; }, "keys"},
             {"elements of other bytes", [](Forged& f) { f.entry(S::kKeys).element_bytes = 4; }, "keys"},
             {"a section in the header", [](Forged& f) { f.entry(S::kScalars).offset_bytes = 0; }, "scalars"},
@@ -450,6 +457,16 @@ TEST(CharacterFile, CraftedContentIsRefused) {
             {"a time without end", [](Forged& f) { f.at<float>(S::kTimes, -1) = kInfinity; }, "times["},
             {"two rows at one time", [](Forged& f) { f.at<float>(S::kTimes, 1) = f.at<float>(S::kTimes, 0); }, "times[1]"},
 
+            {"root motion behind its rows", [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).root_row_count += 1; }, "clips[1]"},
+            {"root motion of most rows", [](Forged& f) { f.at<ClipRecord>(S::kClips).root_row_count = kMost; }, "clips[0]"},
+            {"root motion of one row", [](Forged& f) { f.at<ClipRecord>(S::kClips).root_row_count = 1; }, "clips[0]"},
+            {"root motion left out", [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).root_row_count = f.at<ClipRecord>(S::kClips, 1).first_root_row = 0; }, "root rows"},
+            {"root motion of another clip", [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).first_root_row = 0; }, "clips[1]"},
+            {"the largest row of root motion", [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).first_root_row = kMost; }, "clips[1]"},
+            {"a place that is not finite", [](Forged& f) { f.at<std::array<float, 4>>(S::kRootRows, 1)[0] = kInfinity; }, "root rows[1]"},
+            {"a turn that is no number", [](Forged& f) { f.at<std::array<float, 4>>(S::kRootRows, 4)[3] = kNan; }, "root rows[4]"},
+            {"a turn of another length", [](Forged& f) { f.at<std::array<float, 4>>(S::kRootRows, 1)[2] = 0.802f; }, "root rows[1]"},
+
             {"a rest pose behind the keys", [](Forged& f) { f.at<JointTracks>(S::kTracks, -1).rotation = static_cast<uint32_t>(f.entry(S::kKeys).element_count); }, "tracks[11]"},
             {"the largest position", [](Forged& f) { f.at<JointTracks>(S::kTracks, 0).rotation = kTrackPosition; }, "tracks[0]"},
             {"all bits of a track", [](Forged& f) { f.at<JointTracks>(S::kTracks, 5).translation = kMost; }, "tracks[5]"},
@@ -483,6 +500,8 @@ TEST(CharacterFile, CraftedContentIsRefused) {
             {"a section of no skin", [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 0).skin = 1; }, "sections[0]"},
             {"a section of no material", [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 0).material = 3; }, "sections[0]"},
             {"a material of no image", [](Forged& f) { f.at<MaterialRecord>(S::kMaterials, 0).image = 2; }, "materials[0]"},
+            {"a name of two lines", [](Forged& f) { f.at<char>(S::kText, 0) = '\n'; }, "control characters"},
+            {"a warning that rewrites the terminal", [](Forged& f) { f.at<char>(S::kText, -1) = '\x1B'; }, "control characters"},
             {"an unknown alpha mode", [](Forged& f) { f.at<MaterialRecord>(S::kMaterials, 0).alpha_mode = 3; }, "alpha_mode"},
             {"a side too many", [](Forged& f) { f.at<MaterialRecord>(S::kMaterials, 0).double_sided = 2; }, "double_sided"},
             {"a colour that is not finite", [](Forged& f) { f.at<MaterialRecord>(S::kMaterials, 1).base_color[3] = kNan; }, "materials[1]"},
@@ -511,6 +530,7 @@ TEST(CharacterFile, CraftedExactTracksAreRefused) {
         {"rows of a track beyond the keys", [](Forged& f) { FirstTrack::tracks(f).rotation = static_cast<uint32_t>(f.entry(S::kKeys).element_count - 1) | kTrackAnimated; }, "tracks["},
         {"a stride of one more", [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).row_stride += static_cast<uint32_t>(f.entry(S::kKeys).element_count / 2); }, "[1]"},
         {"rows that begin later", [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).first_row = 1; }, "clips[1]"},
+        {"scales that are not uniform", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).uniform_scale = 1; }, "uniform"},
         {"a key that is no number", [](Forged& f) { f.at<std::array<float, 4>>(S::kKeys, 7)[3] = kNan; }, "keys[7]"},
         {"exact keys read as packed ones", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).packed = 1; }, "words"},
     });
@@ -534,12 +554,65 @@ TEST(CharacterFile, CraftedPackedTracksAreRefused) {
         {"a minimum that is not finite", [](Forged& f) { f.at<std::array<float, 4>>(S::kKeys, FirstTrack::tracks(f).rotation)[0] = kInfinity; }, "finite"},
         {"a step that is no number", [](Forged& f) { f.at<std::array<float, 4>>(S::kKeys, FirstTrack::tracks(f).rotation + int64_t{1})[2] = kNan; }, "finite"},
         {"a rest pose that is animated", [](Forged& f) { f.at<JointTracks>(S::kTracks, -1).rotation = FirstTrack::tracks(f).rotation; }, "rest pose"},
+        {"scales that are not uniform", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).uniform_scale = 1; }, "uniform"},
         {"two keys where one is left", [](Forged& f) {
              const auto last = static_cast<uint32_t>(f.entry(S::kKeys).element_count - 1);
              f.at<std::array<uint32_t, 4>>(S::kKeys, last) = {0, 0, 0, 5};
              FirstTrack::tracks(f).rotation = last;
          }, "takes two"},
     });
+}
+
+// The shader knows their minimum and step, and reads neither.
+TEST(CharacterFile, CraftedFullRotationsAreRefused) {
+    Asset asset = make_asset({.name = "turning.glb", .joint_count = 1, .clip_count = 1, .key_count = 2, .vertex_count = 6});
+    AssetTrack turn{.node = 0, .target = TrackTarget::kRotation};
+    for (int key = 0; key < 50; ++key) {
+        const Quaternion<double> q = axis_angle(normalized(Vec3<double>{1, 2, 3}), 0.2 * key);
+        turn.times_s.push_back(static_cast<float>(key));
+        for (const double c : {q.x, q.y, q.z, q.w}) turn.values.push_back(static_cast<float>(c));
+    }
+    asset.clips[0].tracks = {turn};
+    const Character good = compile(asset, 1e-4);
+    const uint32_t position = good.tracks[0].rotation;
+    uint32_t layout = 0;
+    std::memcpy(&layout, &good.keys[position][3], 4);
+    ASSERT_TRUE(layout & kPackedFull);
+    expect_round_trip(good);
+    for (const size_t c : {0, 1, 2})
+        for (const uint32_t half : {0u, 1u}) {
+            Character bad = good;
+            bad.keys[position + half][c] = std::nextafter(bad.keys[position + half][c], 1.0f);
+            const Result<void> saved = save_character(bad, "/nowhere/none.throng");
+            ASSERT_FALSE(saved);
+            EXPECT_NE(saved.error().text().find("a full rotation with a minimum or step of its own"), std::string::npos) << saved.error().text();
+        }
+}
+
+// Scans that keep rotations apart from scales believe it.
+TEST(CharacterFile, UniformScaleIsLookedAtInEveryRow) {
+    Asset asset = make_asset({.joint_count = 1, .scale_spread = 0, .clip_count = 1, .key_count = 2, .vertex_count = 6});
+    AssetTrack grow{.node = 0, .target = TrackTarget::kScale};
+    for (int key = 0; key < 20; ++key) {
+        grow.times_s.push_back(static_cast<float>(key));
+        grow.values.insert(grow.values.end(), 3, 1 + 0.3f * std::sin(static_cast<float>(key)));
+    }
+    asset.clips[0].tracks = {grow};
+    for (const double error : kErrors) {
+        const Character good = compile(asset, error);
+        ASSERT_TRUE(good.rig.uniform_scale);
+        expect_round_trip(good);
+        for (uint32_t row = 0; row < good.clips[0].row_count; ++row) {
+            Character bad = good;
+            if (bad.packed) bad.words[bad.clips[0].first_row + row * bad.clips[0].row_stride] ^= 1;
+            else bad.keys[(bad.tracks[0].scale & kTrackPosition) + row * bad.clips[0].row_stride][2] += 0.01f;
+            const Result<void> saved = save_character(bad, "/nowhere/none.throng");
+            ASSERT_FALSE(saved) << row;
+            EXPECT_NE(saved.error().text().find("not uniform"), std::string::npos) << saved.error().text();
+            bad.rig.uniform_scale = false;
+            expect_round_trip(bad);
+        }
+    }
 }
 
 // Every word of a file, changed to extremes: either it is refused, or nothing leads out of its array and poses can be computed.
@@ -608,6 +681,16 @@ TEST(CharacterFile, LimitsAreNamed) {
     };
     expect_limit("the limit is 65535", [](Character& c) { c.rig.parents.resize(65'536, kNone); });
     expect_limit("the limit is 65536", [](Character& c) { c.palette.resize(65'537); });
+    for (const Character& character : {good, compile(make_full_asset({}), 1e-4)}) {
+        const uint64_t size_bytes = write_character(character).size();
+        EXPECT_EQ(write_character(character, size_bytes).size(), size_bytes);
+        for (const uint64_t limit_bytes : {uint64_t{1000}, size_bytes / 2, size_bytes - 1}) {
+            const Result<Bytes> refused = as_result([&] { return write_character(character, limit_bytes); });
+            ASSERT_FALSE(refused);
+            EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
+            EXPECT_NE(refused.error().message.find("the limit is " + std::to_string(limit_bytes)), std::string::npos) << refused.error().text();
+        }
+    }
     expect_limit("the limit is 268435456", [](Character& c) { c.words.resize((size_t{64} << 20) + 1); });
 }
 
@@ -615,6 +698,38 @@ TEST(CharacterFile, MessagesStayOneLine) {
     const Result<Character> result = load_compiled_character(std::as_bytes(std::span("neither this nor that")), "a\nb");
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().text().find('\n'), std::string::npos) << result.error().text();
+
+    EXPECT_EQ(compile(make_full_asset({}), 0).materials[1].name, "a?b?");
+    Character character = compile(make_full_asset({}), 0);
+    character.name = "a\nb";
+    const Result<void> saved = save_character(character, "/nowhere/none.throng");
+    ASSERT_FALSE(saved);
+    EXPECT_EQ(saved.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_NE(saved.error().message.find("control characters"), std::string::npos) << saved.error().text();
+    EXPECT_EQ(saved.error().text().find('\n'), std::string::npos) << saved.error().text();
+}
+
+TEST(CharacterFile, FilesAreReplacedAsAWhole) {
+    const TemporaryFolder folder;
+    const std::filesystem::path path = folder.path() / "file", other = folder.path() / "other";
+    const auto write = [&](const std::filesystem::path& to, const std::string& text) { return as_result([&] { replace_file(to, std::as_bytes(std::span(text))); }); };
+    const auto content = [](const std::filesystem::path& of) { return std::string(std::istreambuf_iterator<char>(std::ifstream(of, std::ios::binary).rdbuf()), {}); };
+    // What stands under the temporary name, be it a link, is another's.
+    std::ofstream(other) << "other";
+    const std::filesystem::path taken = path.string() + ".part" + std::to_string(getpid()) + ".0";
+    std::filesystem::create_symlink(other, taken);
+    for (const std::string text : {"long text", "", "short"}) {
+        const Result<void> written = write(path, text);
+        ASSERT_TRUE(written) << written.error().text();
+        EXPECT_EQ(content(path), text);
+    }
+    EXPECT_EQ(content(other), "other");
+    EXPECT_TRUE(std::filesystem::is_symlink(taken));
+    const Result<void> nowhere = write(folder.path() / "nowhere" / "file", "text");
+    ASSERT_FALSE(nowhere);
+    EXPECT_EQ(nowhere.error().code, ErrorCode::kFile);
+    EXPECT_NE(nowhere.error().message.find("No such file or directory"), std::string::npos) << nowhere.error().text();
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 3);
 }
 
 }  // namespace

@@ -84,24 +84,23 @@ TEST_F(CliCompile, ItSaysWhatItWroteAndHowExactItIs) {
         const Json json = json_of({"compile", source(), "--out", compiled, "--error", error});
         EXPECT_EQ(json["file"], source());
         EXPECT_EQ(json["out"], compiled);
-        EXPECT_EQ(json["source_bytes"], fs::file_size(source()));
         EXPECT_EQ(json["bytes"], fs::file_size(compiled));
         EXPECT_EQ(json["joints"], 30);
         EXPECT_EQ(json["packed"], true);
         EXPECT_NEAR(json["error_bound_percent"].get<double>(), std::stod(error), 1e-12);
         EXPECT_GT(json["error_percent"], 0);
         EXPECT_LE(json["error_percent"], std::stod(error));
-        double clip_bytes = 0, raw_clip_bytes = 0, largest_percent = 0;
+        double clip_bytes = 0, clip_raw_bytes = 0, largest_percent = 0;
         ASSERT_EQ(json["clips"].size(), 3u);
         for (const Json& clip : json["clips"]) {
             clip_bytes += clip["bytes"].get<double>();
-            raw_clip_bytes += clip["raw_bytes"].get<double>();
+            clip_raw_bytes += clip["raw_bytes"].get<double>();
             largest_percent = std::max(largest_percent, clip["error_percent"].get<double>());
         }
         EXPECT_EQ(json["clip_bytes"], clip_bytes);
-        EXPECT_EQ(json["raw_clip_bytes"], raw_clip_bytes);
+        EXPECT_EQ(json["clip_raw_bytes"], clip_raw_bytes);
         EXPECT_EQ(json["error_percent"], largest_percent);
-        EXPECT_NEAR(json["ratio"].get<double>(), raw_clip_bytes / clip_bytes, 1e-9);
+        EXPECT_NEAR(json["ratio"].get<double>(), clip_raw_bytes / clip_bytes, 1e-9);
         EXPECT_TRUE(clip_bytes_before == 0 || clip_bytes < clip_bytes_before) << error;
         EXPECT_TRUE(json["warnings"].empty());
         clip_bytes_before = clip_bytes;
@@ -145,7 +144,9 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
                                            {{"compile", source(), "-o", "/dev/null"}, "/dev/null"},
                                            {{"compile", source(), "-o", source()}, "the source itself"},
                                            {{"compile", compiled, "-o", out}, "compiled already"},
-                                           {{"compile", damaged, "-o", out}, "damaged.throng"},
+                                           {{"compile", damaged, "-o", out}, "damaged.throng: is damaged"},
+                                           {{"compile", newer, "-o", out}, "newer.throng: version 2, this throng reads version 1"},
+                                           {{"compile", source(), "-o", file("text.glb")}, "text.glb is there, and not a compiled character"},
                                            {{"compile", source(), "-o", out, "--error", "0"}, "--error"},
                                            {{"compile", source(), "-o", out, "--error", "-1"}, "-1"},
                                            {{"compile", source(), "-o", out, "--error", "11"}, "'11'"},
@@ -156,6 +157,14 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
                                            {{"pose", damaged}, "damaged.throng: is damaged"},
                                            {{"render", damaged, "--out", file("picture.png")}, "damaged.throng: is damaged"},
                                            {{"bench", damaged}, "damaged.throng: is damaged"},
+                                           {{"info", compiled, "--error", "0.01"}, "sound.throng is compiled already"},
+                                           {{"pose", compiled, "--error", "exact"}, "sound.throng is compiled already"},
+                                           {{"render", source(), compiled, "--error", "1", "--out", file("picture.png")}, "sound.throng is compiled already"},
+                                           {{"bench", compiled, "--error", "1"}, "sound.throng is compiled already"},
+                                           {{"bench", "frame", compiled, "--error", "1"}, "sound.throng is compiled already"},
+                                           {{"compile", compiled, "-o", out, "--error", "1"}, "sound.throng is compiled already"},
+                                           {{"compile", source(), "-o", out, "--root-motion", "nobody"}, "there is no joint 'nobody'"},
+                                           {{"info", compiled, "--root-motion", "spine"}, "sound.throng is compiled already, with its own root motion"},
                                            {{"info", newer}, "newer.throng: version 2, this throng reads version 1"},
                                            {{"info", file("cut.throng")}, "cut.throng"}}) {
         const Outcome run = run_tool(c.arguments, {.time_limit_s = 20});

@@ -290,8 +290,11 @@ TEST_F(Cli, BenchHasARecordForEachScanMethod) {
     std::istringstream lines(run.out);
     for (std::string line; std::getline(lines, line);) {
         const Json record = Json::parse(line);
-        EXPECT_EQ(keys(record), (std::set<std::string>{"bench", "scan", "characters", "joints", "files", "clips_blended", "samples", "stages", "total", "ns_per_joint",
+        EXPECT_EQ(keys(record), (std::set<std::string>{"bench", "scan", "path", "characters", "joints", "files", "clips_blended", "samples", "stages", "total", "ns_per_joint",
                                                        "max_error", "memory_bytes", "device", "driver", "subgroup_size", "commit", "date"}));
+        EXPECT_EQ(record["path"], "staged");
+        EXPECT_EQ(record["stages"]["fused"]["median_ms"], 0);
+        EXPECT_GT(record["stages"]["sample"]["median_ms"], 0);
         EXPECT_EQ(record["characters"], 50);
         EXPECT_EQ(record["joints"], 50 * kJoints);
         EXPECT_EQ(record["samples"], 2);
@@ -305,10 +308,16 @@ TEST_F(Cli, BenchHasARecordForEachScanMethod) {
             EXPECT_LE(spread["median_ms"], spread["p95_ms"]);
         }
         ASSERT_EQ(record["files"].size(), 1u);
-        EXPECT_EQ(keys(record["files"][0]), (std::set<std::string>{"name", "joints", "levels", "mean_depth", "leaves", "palette_entries"}));
+        EXPECT_EQ(keys(record["files"][0]), (std::set<std::string>{"name", "joints", "levels", "mean_depth", "leaves", "palette_entries", "keys"}));
+        EXPECT_TRUE(record["files"][0]["keys"].get<std::string>().ends_with(" %"));
         EXPECT_TRUE(scans.insert(record["scan"]).second) << "twice: " << record["scan"];
         EXPECT_NE(text.out.find(record["scan"].get<std::string>()), std::string::npos);
     }
+    const Outcome fused = run_tool({"bench", creature(), "--count", "50", "--samples", "1", "--scan", "auto", "--path", "fused", "--error", "exact", "--json"});
+    EXPECT_TRUE(fused.succeeded()) << fused;
+    EXPECT_EQ(Json::parse(fused.out)["path"], "fused");
+    EXPECT_EQ(Json::parse(fused.out)["files"][0]["keys"], "exact");
+    EXPECT_NE(text.out.find(" staged "), std::string::npos) << text;
     // Every method that --help names.
     const std::string help = run_tool({"bench", "--help"}).out;
     EXPECT_GE(scans.size(), 2u);
@@ -402,7 +411,7 @@ TEST_F(Cli, BenchFrameHasARecordForEachVariantOfEachConfiguration) {
         else wanted.merge(std::set<std::string>{"clips", "keys"});
         if (!is_copy) wanted.insert("skin_format");
         if (record.contains("obstacle")) wanted.insert("obstacle");
-        else wanted.merge(std::set<std::string>{"samples", "ms", "ns_per_joint", "gb_per_s"});
+        else wanted.merge(std::set<std::string>{"samples", "host_samples", "ms", "ns_per_joint", "gb_per_s"});
         if (!is_floor && !record.contains("obstacle")) wanted.merge(std::set<std::string>{"scan", "max_error", "stages", "times_fill_floor"});
         EXPECT_EQ(keys(record), wanted) << line;
         EXPECT_EQ(record["bench"], "frame");

@@ -26,6 +26,11 @@ struct Axes {
         clips.push_back({static_cast<uint32_t>(times_s.size()), static_cast<uint32_t>(axis_s.size()), row_stride, static_cast<uint32_t>(1000 * clips.size()), duration_s});
         times_s.insert(times_s.end(), axis_s.begin(), axis_s.end());
     }
+    std::vector<uint32_t> words() const {
+        std::vector<uint32_t> out(clips.size() * io::kAxisWords);
+        std::memcpy(out.data(), clips.data(), out.size() * sizeof(uint32_t));
+        return out;
+    }
     std::span<const float> times_of(uint32_t clip) const { return std::span(times_s).subspan(clips[clip].first_time, clips[clip].row_count); }
 };
 
@@ -62,7 +67,7 @@ void check_cursor(const Axes& axes, const io::SlotPlayback& slot, const io::Slot
 class Runner {
 public:
     Runner(const Axes& axes, std::vector<io::InstancePlayback> playbacks)
-        : kernel_(control_kernel(test_gpu())), count_(static_cast<uint32_t>(playbacks.size())), state(std::move(playbacks)), playbacks_(state), axes_(axes.clips), times_(axes.times_s), cursors_(poison<io::InstanceCursor>(count_)) {}
+        : kernel_(control_kernel(test_gpu())), count_(static_cast<uint32_t>(playbacks.size())), state(std::move(playbacks)), playbacks_(state), axes_(axes.words()), times_(axes.times_s), cursors_(poison<io::InstanceCursor>(count_)) {}
 
     void step(float time_step_s) {
         run_invocations(kernel_, ControlBuffers{playbacks_, axes_, times_, cursors_}, io::ControlPush{count_, kJointCount, time_step_s}, count_);
@@ -80,7 +85,7 @@ public:
 
 private:
     Guarded<io::InstancePlayback> playbacks_;
-    Guarded<io::ClipAxis> axes_;
+    Guarded<uint32_t> axes_;
     Guarded<float> times_;
     Guarded<io::InstanceCursor> cursors_;
 };

@@ -65,6 +65,7 @@ TEST(FrameBench, EveryVariantIsMeasured) {
         EXPECT_FALSE(record.contains("wrong")) << record;
         ASSERT_TRUE(record.contains("ms")) << record;
         EXPECT_EQ(record["samples"], 2);
+        EXPECT_LE(record["host_samples"], 2);
         EXPECT_GT(record["ms"]["p5"], 0) << variant;
         EXPECT_LE(record["ms"]["p5"], record["ms"]["median"]);
         EXPECT_LE(record["ms"]["median"], record["ms"]["p95"]);
@@ -164,6 +165,49 @@ TEST(FrameBench, FillsWriteEveryRow) {
     for (const uint32_t word : download<uint32_t>(test::test_gpu(), target)) ASSERT_EQ(word, 0u);
 }
 
+// To and fro between two buffers of 1003 rows: thrice all of them, then five and a bit, which is no row.
+TEST(FrameBench, CopiesMoveEveryRowTheWayStagesDo) {
+    constexpr uint64_t kRows = 1003, kTailRows = 5, kRowBytes = 16;
+    const CopyFloor copy(test::test_gpu(), 2 * ((3 * kRows + kTailRows) * kRowBytes + 8), kRows * kRowBytes);
+    ASSERT_EQ(copy.passes().size(), 4u);
+    for (size_t pass = 0; pass < 4; ++pass) {
+        EXPECT_EQ(copy.passes()[pass].from, pass % 2);
+        EXPECT_EQ(copy.passes()[pass].size_bytes, (pass < 3 ? kRows : kTailRows) * kRowBytes);
+    }
+    const CopyFloor tail(test::test_gpu(), 2 * 777 * kRowBytes, kRows * kRowBytes);
+    ASSERT_EQ(tail.passes().size(), 1u);
+
+    std::vector<uint32_t> first(4 * kRows), second(4 * kRows, 7);
+    for (uint32_t i = 0; i < first.size(); ++i) first[i] = i * 2654435761u;
+    for (const bool by_kernel : {true, false})
+        for (const CopyFloor* floor : {&copy, &tail}) {
+            const auto put = [&](VkCommandBuffer commands, const Buffer& buffer, const std::vector<uint32_t>& words) {
+                test::test_gpu()->vk.vkCmdUpdateBuffer(commands, buffer.handle(), 0, words.size() * 4, words.data());
+            };
+            test::run_on_gpu([&](VkCommandBuffer commands) {
+                put(commands, floor->buffers()[0], first);
+                put(commands, floor->buffers()[1], second);
+            });
+            test::run_on_gpu([&](VkCommandBuffer commands) {
+                if (by_kernel) floor->record_kernel(commands);
+                else floor->record_transfer(commands);
+            });
+            std::vector<uint32_t> wanted = second;
+            std::copy_n(first.begin(), floor == &copy ? first.size() : 4 * 777, wanted.begin());
+            EXPECT_EQ(download<uint32_t>(test::test_gpu(), floor->buffers()[0]), first) << (by_kernel ? "kernel" : "transfer");
+            EXPECT_EQ(download<uint32_t>(test::test_gpu(), floor->buffers()[1]), wanted) << (by_kernel ? "kernel" : "transfer");
+        }
+}
+
+TEST(FrameBench, HostTimeCountsWhereASoftwareDevicesTimestampsAreTooShort) {
+    const Gpu& gpu = *test::test_gpu();
+    const Reading believed = believed_reading(gpu, 10, 12), doubted = believed_reading(gpu, 4, 12);
+    EXPECT_EQ(believed.ms, 10);
+    EXPECT_FALSE(believed.by_host);
+    EXPECT_EQ(doubted.by_host, gpu.is_cpu());
+    EXPECT_EQ(doubted.ms, gpu.is_cpu() ? 12 : 4);
+}
+
 Json frame_record(const char* variant, const char* path, double ms) {
     return {{"bench", "frame"}, {"configuration", kConfiguration}, {"variant", variant}, {"path", path}, {"characters", kCharacters}, {"joints", kJoints}, {"levels", kLevels},
             {"ms", {{"median", ms}, {"p5", 0.9 * ms}, {"p95", 1.2 * ms}}}, {"times_fill_floor", ms / 4}, {"device", "A GPU"}};
@@ -178,6 +222,9 @@ size_t count_of(const std::string& text, const std::string& part) {
 TEST(FrameBench, TheReportHasASectionOfIt) {
     std::vector<Json> records{frame_record("staged", "staged", 321), frame_record("fused", "fused", 55), frame_record("fill, 48 bytes", "fill", 4), frame_record("fused", "fused", 60),
                               frame_record("fused, 24 bytes", "fused", 30), frame_record("fused, 32 bytes", "fused", 30)};
+    records[3]["samples"] = 15;
+    records[3]["host_samples"] = 2;
+    records[0]["host_samples"] = 0;
     records[4]["wrong"] = true;
     records[4].erase("ms");
     records[5]["obstacle"] = "<a joint>";
@@ -190,6 +237,8 @@ TEST(FrameBench, TheReportHasASectionOfIt) {
         EXPECT_EQ(count_of(html, std::string("</span>") + variant + "</td>"), 1u) << variant;
     }
     EXPECT_NE(html.find("Fused is 5.35 times as fast as staged and takes 15.0 times as long as writing its result."), std::string::npos) << "of the last record of a variant";
+    EXPECT_EQ(count_of(html, "host's time in "), 1u);
+    EXPECT_NE(html.find("host's time in 2 of 15 rounds"), std::string::npos);
     EXPECT_NE(html.find("wrong result, not timed"), std::string::npos);
     EXPECT_NE(html.find("not measured: &lt;a joint&gt;"), std::string::npos);
     EXPECT_EQ(html.find("no record of the scan"), std::string::npos);

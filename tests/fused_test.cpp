@@ -1,6 +1,7 @@
 // The fused update against reference_pose(): every method that has one, packed and exact keys, formats of skin matrices, what is kept.
 #include "bind/skin_format.h"
 #include "fused/fused.h"
+#include "gpu/spirv_info.h"
 #include "scan/scan_planner.h"
 #include "scan/scan_shaders.h"
 #include "tests/crowd_cases.h"
@@ -69,13 +70,58 @@ TEST(Fused, EveryMethodFollowsTheReference) {
 // Few instances share a subgroup's lanes, many have one each, and more than a workgroup's leave the last one partly empty.
 TEST(Fused, AnyNumberOfInstances) {
     const Character character = packed_character({.joint_count = 70, .seed = 3});
-    for (const uint32_t count : {1u, 2u, 3u, 7u, 8u, 9u, 15u, 16u, 17u, 100u}) {
-        Crowd crowd = create({.groups = {{&character, count}}, .path = UpdatePath::kFused, .keep_model_matrices = true});
-        Random random(count);
-        const std::vector<Playback> playbacks = random_playbacks(random, character, count);
-        ASSERT_TRUE(crowd.set_playback(0, playbacks));
-        ASSERT_TRUE(crowd.update(0));
-        EXPECT_LE(crowd_error(crowd, character, playbacks), kPoseBound) << count << " instances by " << crowd.scan(0).method;
+    const ScanLimits limits = scan_limits(*test_gpu());
+    size_t scan_count = 0;
+    for (const char* scan : {"serial", "subgroup:1", "subgroup:8", "fragments"}) {
+        if (const std::string wanted = scan; wanted.find(':') != std::string::npos) {
+            const ScanRequest request = parse_scan_request(wanted);
+            if (!plan_fused({request.method, *request.lanes}, FusedRig(character), limits).obstacle.empty()) continue;
+        }
+        ++scan_count;
+        for (const uint32_t count : {1u, 2u, 3u, 7u, 8u, 9u, 15u, 16u, 17u, 100u}) {
+            Crowd crowd = create({.groups = {{&character, count}}, .path = UpdatePath::kFused, .scan = scan, .keep_model_matrices = true});
+            Random random(count);
+            const std::vector<Playback> playbacks = random_playbacks(random, character, count);
+            ASSERT_TRUE(crowd.set_playback(0, playbacks));
+            ASSERT_TRUE(crowd.update(0));
+            EXPECT_LE(crowd_error(crowd, character, playbacks), kPoseBound) << count << " instances by " << crowd.scan(0).method;
+        }
+    }
+    EXPECT_GE(scan_count, 2u);
+}
+
+// Joints that only turn are walked in a loop of their own. In the second asset half of them do.
+TEST(Fused, JointsThatOnlyTurn) {
+    constexpr uint32_t kJoints = 60, kInstances = 19;
+    const ScanChoice serial{find_scan_method("serial"), 0};
+    for (const uint32_t turning_count : {kJoints, kJoints / 2}) {
+        Asset asset = make_asset({.joint_count = kJoints, .shape = RigShape::kChain, .seed = 31});
+        for (AssetClip& clip : asset.clips)
+            std::erase_if(clip.tracks, [&](const AssetTrack& track) { return track.target != TrackTarget::kRotation && track.node < turning_count; });
+        for (const CompileSettings& compile : {kExact, CompileSettings{.error = 1e-4}}) {
+            const Result<Character> character = compile_character(asset, compile);
+            ASSERT_TRUE(character) << character.error().text();
+            const FusedPlan plan = plan_fused(serial, FusedRig(*character), scan_limits(*test_gpu()));
+            ASSERT_EQ(plan.obstacle, "");
+            uint32_t fixed = 0, free = 0;
+            for (uint32_t segment = 0; segment < plan.scan.links[io::kSegmentCount]; ++segment) {
+                fixed += plan.scan.links[io::kFirstSegment + 2 * segment];
+                free += plan.scan.links[io::kFirstSegment + 2 * segment + 1];
+            }
+            EXPECT_EQ(fixed + free, kJoints);
+            EXPECT_GE(fixed, turning_count);
+            EXPECT_EQ(free > 0, turning_count < kJoints);
+            Crowd crowd = create({.groups = {{&*character, kInstances}}, .path = UpdatePath::kFused, .scan = "serial", .keep_model_matrices = true});
+            Random random(turning_count);
+            std::vector<Playback> playbacks = random_playbacks(random, *character, kInstances);  // with weights of 0, 1 and between: one kernel
+            for (const bool blends : {true, false}) {                                            // 0 and 1 alone: the other
+                if (!blends)
+                    for (Playback& playback : playbacks) playback.weight = playback.weight < 0.5f ? 0.0f : 1.0f;
+                ASSERT_TRUE(crowd.set_playback(0, playbacks));
+                ASSERT_TRUE(crowd.update(0));
+                EXPECT_LE(crowd_error(crowd, *character, playbacks), 2 * kPoseBound) << turning_count << " joints only turn, " << (character->packed ? "packed" : "exact") << ", blends " << blends;
+            }
+        }
     }
 }
 
@@ -173,6 +219,101 @@ TEST(Fused, PreviousMatricesAreThoseOfTheUpdateBefore) {
         }
     }
     EXPECT_FALSE(create({.groups = {{&character, 1}}}).outputs()[0].previous_skin_buffer);
+}
+
+TEST(Fused, LanesThatAMethodDoesNotHaveAreRefusedOnEveryPath) {
+    const Character character = small_character();
+    for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kFused, UpdatePath::kStaged})
+        for (const char* scan : {"serial:7", "subgroup:3"}) {
+            const Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&character, 2}}, .path = path, .scan = scan});
+            ASSERT_FALSE(crowd) << scan;
+            EXPECT_EQ(crowd.error().code, ErrorCode::kUnsupported) << scan;
+            EXPECT_NE(crowd.error().text().find("invocations a character"), std::string::npos) << crowd.error().text();
+        }
+}
+
+// What a GPU would be given, with its 48 KiB of shared memory and subgroups of 32.
+constexpr ScanLimits kHardware{.shared_memory_bytes = 49152, .workgroup_size = 1024, .subgroup_size = 32, .shuffle = true, .is_cpu = false};
+
+Character character_of(uint32_t joint_count, double scale_spread) {
+    return make_character({.joint_count = joint_count, .scale_spread = scale_spread, .clip_count = 1, .axis_count = 1, .key_count = 2, .vertex_count = 3});
+}
+
+TEST(Fused, AGpuTakesTheFirstMethodThatFits) {
+    struct Case {
+        uint32_t joint_count;
+        double scale_spread;
+        const char* wanted;  // empty: none
+    };
+    // A tile of 2 characters, 64 lanes: 2 * joints * 32 bytes of similarities or 48 of affines, and slots of 64 lanes each beside it.
+    for (const Case& c : {Case{64, 0, "subgroup_quaternion:32"}, Case{64, 0.1, "subgroup:32"}, Case{700, 0, "subgroup_quaternion:32"}, Case{700, 0.1, "fragments:32"}, Case{1100, 0, ""}, Case{1100, 0.1, ""}}) {
+        const FusedPlan plan = choose_fused(FusedRig(character_of(c.joint_count, c.scale_spread)), kHardware);
+        const std::string where = std::to_string(c.joint_count) + " joints, scale spread " + std::to_string(c.scale_spread);
+        EXPECT_EQ(plan.obstacle.empty() ? name_of(plan.choice) : "", c.wanted) << where << ": " << plan.obstacle;
+        if (!plan.obstacle.empty()) { EXPECT_NE(plan.obstacle.find("49152"), std::string::npos) << plan.obstacle; }
+        if (plan.obstacle.empty()) { EXPECT_EQ(plan.tile_transforms, plan.scan.instances_per_workgroup * c.joint_count) << where; }
+    }
+}
+
+// To the byte: the tile, and at least an element of each array that the method declares.
+TEST(Fused, SharedMemoryIsTheTileAndTheMethodsOwn) {
+    const FusedRig rig(character_of(1, 0.1));
+    for (const char* name : {"doubling", "levels", "blocks64", "compressed"}) {
+        ScanLimits limits = kHardware;
+        limits.shared_memory_bytes = 48 + 96;
+        EXPECT_EQ(plan_fused({find_scan_method(name), 0}, rig, limits).obstacle, "") << name;
+        --limits.shared_memory_bytes;
+        EXPECT_NE(plan_fused({find_scan_method(name), 0}, rig, limits).obstacle.find("143"), std::string::npos) << name;
+    }
+}
+
+TEST(Fused, TooFewStorageBuffersAreAnObstacle) {
+    const Character character = small_character();
+    ScanLimits limits = kHardware;
+    const auto needed = static_cast<uint32_t>(read_spirv(scan_shaders("subgroup").fused).bindings.size());
+    EXPECT_GE(needed, 10u);
+    limits.storage_buffers = needed;
+    EXPECT_EQ(choose_fused(FusedRig(character), limits).obstacle, "");
+    --limits.storage_buffers;
+    EXPECT_EQ(choose_fused(FusedRig(character), limits).obstacle, std::to_string(needed) + " storage buffers in one kernel exceed the device's " + std::to_string(needed - 1));
+
+    Result<Device> device = Device::create({.select = test_device().info().name});  // its own, to pretend that it is smaller
+    ASSERT_TRUE(device) << device.error().text();
+    device->gpu()->properties.limits.maxPerStageDescriptorStorageBuffers = needed - 1;
+    const Result<Crowd> crowd = Crowd::create(*device, {.groups = {{&character, 2}}});
+    ASSERT_TRUE(crowd) << crowd.error().text();
+    EXPECT_FALSE(crowd->is_fused(0));
+    EXPECT_NE(crowd->path_reason(0).find("storage buffers"), std::string::npos) << crowd->path_reason(0);
+    const Result<Crowd> refused = Crowd::create(*device, {.groups = {{&character, 2}}, .path = UpdatePath::kFused});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kUnsupported);
+
+    device->gpu()->properties.limits.maxPerStageDescriptorStorageBuffers = 1;
+    const Result<Crowd> none = Crowd::create(*device, {.groups = {{&character, 2}}});
+    ASSERT_FALSE(none);
+    EXPECT_EQ(none.error().code, ErrorCode::kLimit);
+    EXPECT_NE(none.error().text().find("storage buffers exceed the device's 1 (maxPerStageDescriptorStorageBuffers)"), std::string::npos) << none.error().text();
+}
+
+TEST(Fused, TablesAreNamedWhereTheDeviceCannotReadThem) {
+    const Character character = make_character({.name = "Fox", .joint_count = 20, .key_count = 60});
+    const uint64_t keys = character.keys.size();
+    Result<Device> device = Device::create({.select = test_device().info().name});
+    ASSERT_TRUE(device) << device.error().text();
+    if (!device->gpu()->prefers_wide_words()) GTEST_SKIP() << "tables are storage buffers here";
+    VkPhysicalDeviceLimits& limits = device->gpu()->properties.limits;
+    limits.maxStorageBufferRange = static_cast<uint32_t>(keys * 16 - 16);  // which does not limit tables
+    Result<Crowd> crowd = Crowd::create(*device, {.groups = {{&character, 1}}});
+    ASSERT_TRUE(crowd) << crowd.error().text();
+    const Playback playback{.first = {.clip = 1, .time_s = 0.7}, .weight = 1};
+    ASSERT_TRUE(crowd->set_playback(0, std::span(&playback, 1)));
+    ASSERT_TRUE(crowd->update(0));
+    EXPECT_LE(instance_error(*crowd, 0, character, playback), kPoseBound);
+    limits.maxTexelBufferElements = static_cast<uint32_t>(keys - 1);
+    const Result<Crowd> refused = Crowd::create(*device, {.groups = {{&character, 1}}});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
+    EXPECT_EQ(refused.error().text(), "Fox: keys: a table of " + std::to_string(keys) + " elements exceeds the device's " + std::to_string(keys - 1) + " (maxTexelBufferElements)");
 }
 
 TEST(Fused, WhatDoesNotFitIsStagedUnlessAskedFor) {

@@ -3,6 +3,10 @@
 #include "bind/bind_io.h"
 #include "fused/fused_io.h"
 #include "blend/blend_io.h"
+#include "bind/sockets_io.h"
+#include "blend/inertia_io.h"
+#include "blend/layered_io.h"
+#include "control/controller_io.h"
 #include "control/control.h"
 #include "draw/draw_io.h"
 #include "sample/sample_io.h"
@@ -99,7 +103,7 @@ TEST(Gpu, AStorageBufferBeyondTheDevicesRangeIsRefusedWithBothNumbers) {
 TEST(Gpu, AWrongDispatchIsRefused) {
     const Kernel kernel = control_kernel(test_gpu());
     EXPECT_EQ(kernel.workgroup_size(), io::kControlWorkgroupSize);
-    const Buffer buffer = upload(test_gpu(), "test", std::vector<uint32_t>(64));
+    const Buffer buffer = make_table<uint32_t>(test_gpu(), "test", 64);
     const Bindings bindings = kernel.bind(ControlBuffers{buffer, buffer, buffer, buffer});
     const Error push = error_of([&] { run_on_gpu([&](VkCommandBuffer commands) { kernel.dispatch_invocations(commands, bindings, uint64_t{0}, 1); }); });
     EXPECT_EQ(push.code, ErrorCode::kInvalidArgument);
@@ -187,13 +191,37 @@ std::map<std::string, Layout> layouts_in_cpp() {
         {"JointPose", {sizeof(io::JointPose), {MEMBER(JointPose, rotation), MEMBER(JointPose, translation), MEMBER(JointPose, scale)}}},
         {"SamplePush", {sizeof(io::SamplePush), {MEMBER(SamplePush, joint_count), MEMBER(SamplePush, slot)}}},
         {"BlendPush", {sizeof(io::BlendPush), {MEMBER(BlendPush, joint_count)}}},
+        {"LayeredPush", {sizeof(io::LayeredPush), {MEMBER(LayeredPush, joint_count), MEMBER(LayeredPush, voice_limit)}}},
+        {"InertiaJoint", {sizeof(io::InertiaJoint), {MEMBER(InertiaJoint, rotation), MEMBER(InertiaJoint, translation), MEMBER(InertiaJoint, scale)}}},
         {"ScanPush", {sizeof(io::ScanPush), {MEMBER(ScanPush, joint_count), MEMBER(ScanPush, instance_count), MEMBER(ScanPush, repeat_count)}}},
-        {"FusedPush", {sizeof(io::FusedPush), {MEMBER(FusedPush, joint_count), MEMBER(FusedPush, instance_count), MEMBER(FusedPush, palette_count), MEMBER(FusedPush, rest_track)}}},
+        {"FusedPush", {sizeof(io::FusedPush), {MEMBER(FusedPush, joint_count), MEMBER(FusedPush, instance_count), MEMBER(FusedPush, palette_count), MEMBER(FusedPush, rest_track), MEMBER(FusedPush, voice_limit)}}},
         {"BindPush", {sizeof(io::BindPush), {MEMBER(BindPush, joint_count), MEMBER(BindPush, palette_count)}}},
         {"VertexRows", {sizeof(io::VertexRows), {MEMBER(VertexRows, position_normal), MEMBER(VertexRows, texcoord_color)}}},
         {"SkinPush", {sizeof(io::SkinPush), {MEMBER(SkinPush, first_vertex), MEMBER(SkinPush, vertex_count), MEMBER(SkinPush, first_influences), MEMBER(SkinPush, influence_sets), MEMBER(SkinPush, first_palette_entry)}}},
         {"DrawScene", {sizeof(io::DrawScene), {MEMBER(DrawScene, clip_from_world), MEMBER(DrawScene, eye), MEMBER(DrawScene, forward), MEMBER(DrawScene, right), MEMBER(DrawScene, down), MEMBER(DrawScene, to_light), MEMBER(DrawScene, ground), MEMBER(DrawScene, scale)}}},
         {"DrawPush", {sizeof(io::DrawPush), {MEMBER(DrawPush, first_vertex), MEMBER(DrawPush, first_influences), MEMBER(DrawPush, influence_sets), MEMBER(DrawPush, palette_count), MEMBER(DrawPush, base_color), MEMBER(DrawPush, alpha_cutoff), MEMBER(DrawPush, double_sided), MEMBER(DrawPush, unused0), MEMBER(DrawPush, unused1)}}},
+        {"ControlClip", {sizeof(io::ControlClip), {MEMBER(ControlClip, rate), MEMBER(ControlClip, first_event), MEMBER(ControlClip, event_count), MEMBER(ControlClip, first_root), MEMBER(ControlClip, root_count)}}},
+        {"ControlLayer", {sizeof(io::ControlLayer), {MEMBER(ControlLayer, first_state), MEMBER(ControlLayer, state_count), MEMBER(ControlLayer, mode), MEMBER(ControlLayer, mask), MEMBER(ControlLayer, weight), MEMBER(ControlLayer, weight_parameter)}}},
+        {"ControlState", {sizeof(io::ControlState), {MEMBER(ControlState, first_point), MEMBER(ControlState, point_count), MEMBER(ControlState, first_triangle), MEMBER(ControlState, triangle_count), MEMBER(ControlState, first_edge), MEMBER(ControlState, edge_count), MEMBER(ControlState, x_parameter), MEMBER(ControlState, y_parameter), MEMBER(ControlState, speed_parameter), MEMBER(ControlState, speed), MEMBER(ControlState, loop), MEMBER(ControlState, sync), MEMBER(ControlState, first_transition), MEMBER(ControlState, transition_count)}}},
+        {"ControlPoint", {sizeof(io::ControlPoint), {MEMBER(ControlPoint, clip), MEMBER(ControlPoint, x), MEMBER(ControlPoint, y), MEMBER(ControlPoint, inverse_span)}}},
+        {"ControlTriangle", {sizeof(io::ControlTriangle), {MEMBER(ControlTriangle, a), MEMBER(ControlTriangle, b), MEMBER(ControlTriangle, c), MEMBER(ControlTriangle, ax), MEMBER(ControlTriangle, ay), MEMBER(ControlTriangle, a0), MEMBER(ControlTriangle, bx), MEMBER(ControlTriangle, by), MEMBER(ControlTriangle, b0)}}},
+        {"ControlEdge", {sizeof(io::ControlEdge), {MEMBER(ControlEdge, a), MEMBER(ControlEdge, b), MEMBER(ControlEdge, dx), MEMBER(ControlEdge, dy)}}},
+        {"ControlTransition", {sizeof(io::ControlTransition), {MEMBER(ControlTransition, to), MEMBER(ControlTransition, first_condition), MEMBER(ControlTransition, condition_count), MEMBER(ControlTransition, exit_loops), MEMBER(ControlTransition, exit_phase), MEMBER(ControlTransition, fade_rate), MEMBER(ControlTransition, flags)}}},
+        {"ControlCondition", {sizeof(io::ControlCondition), {MEMBER(ControlCondition, parameter), MEMBER(ControlCondition, test), MEMBER(ControlCondition, value)}}},
+        {"ControlEvent", {sizeof(io::ControlEvent), {MEMBER(ControlEvent, phase), MEMBER(ControlEvent, event)}}},
+        {"ControllerLayout", {sizeof(io::ControllerLayout), {MEMBER(ControllerLayout, clips), MEMBER(ControllerLayout, layers), MEMBER(ControllerLayout, states), MEMBER(ControllerLayout, points), MEMBER(ControllerLayout, triangles), MEMBER(ControllerLayout, edges), MEMBER(ControllerLayout, transitions), MEMBER(ControllerLayout, conditions), MEMBER(ControllerLayout, events), MEMBER(ControllerLayout, layer_count), MEMBER(ControllerLayout, parameter_count), MEMBER(ControllerLayout, clip_count)}}},
+        {"LayerPlay", {sizeof(io::LayerPlay), {MEMBER(LayerPlay, motion), MEMBER(LayerPlay, phase), MEMBER(LayerPlay, loops), MEMBER(LayerPlay, fade), MEMBER(LayerPlay, fade_rate), MEMBER(LayerPlay, speed), MEMBER(LayerPlay, loop)}}},
+        {"LayerState", {sizeof(io::LayerState), {MEMBER(LayerState, plays), MEMBER(LayerState, play_count), MEMBER(LayerState, weight), MEMBER(LayerState, weight_goal), MEMBER(LayerState, weight_rate), MEMBER(LayerState, mode), MEMBER(LayerState, mask), MEMBER(LayerState, taken)}}},
+        {"Voice", {sizeof(io::Voice), {MEMBER(Voice, first_track), MEMBER(Voice, earlier), MEMBER(Voice, later), MEMBER(Voice, fraction), MEMBER(Voice, weight), MEMBER(Voice, layer_weight), MEMBER(Voice, reference_row), MEMBER(Voice, flags)}}},
+        {"InstanceInertia", {sizeof(io::InstanceInertia), {MEMBER(InstanceInertia, elapsed_s), MEMBER(InstanceInertia, duration_s), MEMBER(InstanceInertia, shown_step_s), MEMBER(InstanceInertia, shown_count), MEMBER(InstanceInertia, begins), MEMBER(InstanceInertia, time_step_s)}}},
+        {"RootState", {sizeof(io::RootState), {MEMBER(RootState, move), MEMBER(RootState, place), MEMBER(RootState, base)}}},
+        {"EventHead", {sizeof(io::EventHead), {MEMBER(EventHead, count), MEMBER(EventHead, unused0), MEMBER(EventHead, unused1), MEMBER(EventHead, unused2)}}},
+        {"EventRecord", {sizeof(io::EventRecord), {MEMBER(EventRecord, instance), MEMBER(EventRecord, event), MEMBER(EventRecord, layer), MEMBER(EventRecord, time_s)}}},
+        {"ControlCommand", {sizeof(io::ControlCommand), {MEMBER(ControlCommand, instance), MEMBER(ControlCommand, kind), MEMBER(ControlCommand, target), MEMBER(ControlCommand, motion), MEMBER(ControlCommand, phase), MEMBER(ControlCommand, loop), MEMBER(ControlCommand, value), MEMBER(ControlCommand, fade_rate)}}},
+        {"ControllerPush", {sizeof(io::ControllerPush), {MEMBER(ControllerPush, instance_count), MEMBER(ControllerPush, first_instance), MEMBER(ControllerPush, joint_count), MEMBER(ControllerPush, voice_limit), MEMBER(ControllerPush, event_capacity), MEMBER(ControllerPush, time_step_s), MEMBER(ControllerPush, flags)}}},
+        {"CommandPush", {sizeof(io::CommandPush), {MEMBER(CommandPush, command_count), MEMBER(CommandPush, layer_count), MEMBER(CommandPush, parameter_count)}}},
+        {"InertiaState", {sizeof(io::InertiaState), {MEMBER(InertiaState, shown), MEMBER(InertiaState, shown_before), MEMBER(InertiaState, offset)}}},
+        {"SocketPush", {sizeof(io::SocketPush), {MEMBER(SocketPush, instance_count), MEMBER(SocketPush, joint_count), MEMBER(SocketPush, socket_count), MEMBER(SocketPush, flags)}}},
         {"Affine", {sizeof(Affine), {{"row0", 0}, {"row1", sizeof(Affine::row) / 3}, {"row2", sizeof(Affine::row) / 3 * 2}}}},
     };
 }

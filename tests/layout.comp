@@ -2,8 +2,12 @@
 // Every struct that C++ and the shaders share, each in a buffer of its own: gpu_test reads from this module, compiled without
 // optimisation, where the members lie, and compares with offsetof. Keep in step with src/*/*_io.h; the test says what is missing.
 #include "bind/bind_io.h"
+#include "bind/sockets_io.h"
 #include "blend/blend_io.h"
+#include "blend/inertia_io.h"
+#include "blend/layered_io.h"
 #include "control/control_io.h"
+#include "control/controller_io.h"
 #include "draw/draw_io.h"
 #include "fused/fused_io.h"
 #include "gpu/affine.glsl"
@@ -28,6 +32,30 @@ layout(set = 0, binding = 13, std430) buffer Buffer13 { DrawScene draw_scenes[];
 layout(set = 0, binding = 14, std430) buffer Buffer14 { DrawPush draw_pushes[]; };
 layout(set = 0, binding = 15, std430) buffer Buffer15 { Affine affines[]; };
 layout(set = 0, binding = 16, std430) buffer Buffer16 { FusedPush fused_pushes[]; };
+layout(set = 0, binding = 17, std430) buffer Buffer17 { LayeredPush layered_pushes[]; };
+layout(set = 0, binding = 18, std430) buffer Buffer18 { InertiaJoint inertia_joints[]; };
+layout(set = 0, binding = 19, std430) buffer Buffer19 { ControlClip control_clips[]; };
+layout(set = 0, binding = 20, std430) buffer Buffer20 { ControlLayer control_layers[]; };
+layout(set = 0, binding = 21, std430) buffer Buffer21 { ControlState control_states[]; };
+layout(set = 0, binding = 22, std430) buffer Buffer22 { ControlPoint control_points[]; };
+layout(set = 0, binding = 23, std430) buffer Buffer23 { ControlTriangle control_triangles[]; };
+layout(set = 0, binding = 24, std430) buffer Buffer24 { ControlEdge control_edges[]; };
+layout(set = 0, binding = 25, std430) buffer Buffer25 { ControlTransition control_transitions[]; };
+layout(set = 0, binding = 26, std430) buffer Buffer26 { ControlCondition control_conditions[]; };
+layout(set = 0, binding = 27, std430) buffer Buffer27 { ControlEvent control_events[]; };
+layout(set = 0, binding = 28, std430) buffer Buffer28 { ControllerLayout controller_layouts[]; };
+layout(set = 0, binding = 29, std430) buffer Buffer29 { LayerPlay layer_plays[]; };
+layout(set = 0, binding = 30, std430) buffer Buffer30 { LayerState layer_states[]; };
+layout(set = 0, binding = 31, std430) buffer Buffer31 { Voice voices[]; };
+layout(set = 0, binding = 32, std430) buffer Buffer32 { InstanceInertia instance_inertias[]; };
+layout(set = 0, binding = 33, std430) buffer Buffer33 { RootState root_states[]; };
+layout(set = 0, binding = 34, std430) buffer Buffer34 { EventHead event_heads[]; };
+layout(set = 0, binding = 35, std430) buffer Buffer35 { EventRecord event_records[]; };
+layout(set = 0, binding = 36, std430) buffer Buffer36 { ControlCommand control_commands[]; };
+layout(set = 0, binding = 37, std430) buffer Buffer37 { ControllerPush controller_pushs[]; };
+layout(set = 0, binding = 38, std430) buffer Buffer38 { CommandPush command_pushs[]; };
+layout(set = 0, binding = 39, std430) buffer Buffer39 { InertiaState inertia_states[]; };
+layout(set = 0, binding = 40, std430) buffer Buffer40 { SocketPush socket_pushs[]; };
 
 layout(local_size_x = 1) in;
 void main() {}

@@ -52,7 +52,7 @@ TEST(ScanPlan, CountsOfSmallRigsAreThoseByHand) {
     compare("a star of 9", ScanRig(make_parents(RigShape::kStar, 9)),
             {{"gateau2012_walk", 8, 1, 0, 0, 2},  // 9 joints are two subgroups
              {"kandar2024_leaves", 8, 1, 0, 0, 1},
-             {"doubling", 8, 1, 0, 0, 2},
+             {"doubling", 8, 1, 0, 96, 2},  // of the array that it has no use for
              {"blocks64", 8, 1, 1, 9 * 96, 2},
              {"compressed", 8, 1, 2, 9 * 96, 2},
              {"levels", 8, 1, 1, 96, 1},
@@ -121,6 +121,23 @@ TEST(ScanPlan, APlanNamesItsObstacle) {
         const std::string scale = plan_scan(method, stretched, kSmallGpu, choices[0]).obstacle;
         EXPECT_EQ(scale.find("scale") != std::string::npos, method.format == ScanFormat::kSimilarity) << method.name << ": " << scale;
         EXPECT_NE(plan_scan(method, uniform, kSmallGpu, 7).obstacle.find("7 invocations"), std::string::npos) << method.name;
+        EXPECT_EQ(lanes_obstacle(method, kSmallGpu, choices[0]), "") << method.name;
+        EXPECT_NE(lanes_obstacle(method, kSmallGpu, 7).find("7 invocations"), std::string::npos) << method.name;
+    }
+}
+
+// A shared array has an element also where the rig needs none.
+TEST(ScanPlan, WhatIsDeclaredInSharedMemoryIsCounted) {
+    const ScanRig single(make_parents(RigShape::kChain, 1)), star(make_parents(RigShape::kStar, 9)), chain(make_parents(RigShape::kChain, 5));
+    ScanLimits limits = kSmallGpu;
+    for (const auto& [name, rig] : {std::pair{"doubling", single}, {"levels", single}, {"levels", star}, {"levels", chain}}) {
+        const ScanPlan plan = plan_scan(*find_scan_method(name), rig, kSmallGpu, 0);
+        EXPECT_EQ(plan.counts.shared_bytes, 96u) << name;
+        EXPECT_EQ(plan.constants[0], 1u) << name;
+        limits.shared_memory_bytes = 96;
+        EXPECT_TRUE(plan_scan(*find_scan_method(name), rig, limits, 0).on_chip) << name;
+        limits.shared_memory_bytes = 95;
+        EXPECT_FALSE(plan_scan(*find_scan_method(name), rig, limits, 0).on_chip) << name;
     }
 }
 

@@ -1,7 +1,6 @@
 #include "bench/record.h"
 #include "bench/skin_error.h"
 #include "bench/statistics.h"
-#include "tools/bench_frame.h"
 #include "tools/command.h"
 #include "tools/creature.h"
 #include "tools/scatter.h"
@@ -17,7 +16,7 @@ struct BenchOptions {
     std::vector<std::string> files;
     CreatureSettings creature;
     std::string scan = "all", device;
-    UpdatePath path = UpdatePath::kAuto;
+    UpdatePath path = UpdatePath::kStaged;  // which has a time for each stage
     CompileSettings compile;
     uint32_t count = 10'000, samples = 15;
     uint64_t seed = 1;
@@ -27,6 +26,13 @@ struct BenchOptions {
 nlohmann::json spread_record(const std::vector<double>& values) {
     const bench::Spread spread = bench::spread_of(values);
     return {{"median_ms", spread.median}, {"p5_ms", spread.p5}, {"p95_ms", spread.p95}};
+}
+
+// What its groups are updated by.
+const char* path_of(const Crowd& crowd, size_t group_count) {
+    size_t fused_count = 0;
+    for (uint32_t group = 0; group < group_count; ++group) fused_count += crowd.is_fused(group) ? 1 : 0;
+    return fused_count == 0 ? "staged" : fused_count == group_count ? "fused" : "both";
 }
 
 // Of some instances of each group.
@@ -71,11 +77,12 @@ nlohmann::json run_case(const Device& device, const std::vector<Character>& char
     nlohmann::json files = nlohmann::json::array();
     for (const Character& c : characters)
         files.push_back({{"name", c.name}, {"joints", c.rig.joint_count()}, {"levels", c.rig.level_count}, {"mean_depth", c.rig.mean_depth},
-                         {"leaves", c.rig.leaf_count}, {"palette_entries", c.palette.size()}});
+                         {"leaves", c.rig.leaf_count}, {"palette_entries", c.palette.size()}, {"keys", keys_text(c)}});
     const nlohmann::json total = spread_record(total_ms);
     nlohmann::json record = bench::where_and_when(device.info());
     record.update({{"bench", "update"},
                    {"scan", scan},
+                   {"path", path_of(crowd, field.groups.size())},
                    {"characters", options.count},
                    {"joints", joints},
                    {"files", files},
@@ -94,7 +101,7 @@ void print_row(const nlohmann::json& record) {
         std::printf("%-18s does not apply: %s\n", record["scan"].get<std::string>().c_str(), record["obstacle"].get<std::string>().c_str());
         return;
     }
-    std::printf("%-18s", record["scan"].get<std::string>().c_str());
+    std::printf("%-18s %-6s", record["scan"].get<std::string>().c_str(), record["path"].get<std::string>().c_str());
     for (const auto& [name, member] : kStages) std::printf(" %9.3f", record["stages"][name]["median_ms"].get<double>());
     std::printf(" %9.3f %9.2f  %.1e\n", record["total"]["median_ms"].get<double>(), record["ns_per_joint"].get<double>(), record["max_error"].get<double>());
 }
@@ -111,7 +118,9 @@ void run_bench(const BenchOptions& options) {
             if (method.in_crowds) scans.push_back(method.name);
     }
     if (!options.json) {
-        std::printf("%u characters on %s, two clips blended; medians of %u updates, ms\n%-18s", options.count, device.info().name.c_str(), options.samples, "scan method");
+        std::string keys;
+        for (const Character& character : characters) keys += (keys.empty() ? "" : ", ") + keys_text(character);
+        std::printf("%u characters on %s, two clips blended, keys %s; medians of %u updates, ms\n%-18s %-6s", options.count, device.info().name.c_str(), keys.c_str(), options.samples, "scan method", "path");
         for (const auto& [name, member] : kStages) std::printf(" %9s", name);
         std::printf(" %9s %9s  %s\n", "total", "ns/joint", "error");
     }
@@ -142,6 +151,7 @@ void add_bench(CLI::App& app) {
     command.add_flag("--json", options->json, "a JSON record a line; its commit is taken from THRONG_COMMIT");
     command.footer("Examples:\n  throng bench\n  throng bench --joints 300 --levels 120 --count 1000 --scan serial\n  throng bench fox.glb --count 5000 --json");
     add_bench_frame(command);
+    add_bench_control(command);
     add_bench_scan(command);
     add_bench_baselines(command);
     add_bench_report(command);

@@ -1,6 +1,4 @@
 // throng bench frame: whole updates, staged and fused, beside what memory alone costs.
-#include "tools/bench_frame.h"
-
 #include "bench/frame_bench.h"
 #include "bench/report/gnuplot.h"
 #include "bench/scan_report.h"
@@ -24,13 +22,6 @@ struct FrameOptions {
     std::string device, report;
     bool quick = false, json = false;
 
-    bool exact() const { return compile.error == 0; }
-    // As --error has it.
-    std::string keys() const {
-        std::array<char, 32> percent;
-        std::snprintf(percent.data(), percent.size(), "%g %%", compile.error * 100);
-        return exact() ? "exact" : percent.data();
-    }
     // Characters of a configuration that has so many.
     uint32_t characters(uint32_t usual) const { return count.value_or(quick ? usual / 10 : usual); }
 };
@@ -64,8 +55,10 @@ void print_table(std::span<const nlohmann::json> records) {
         const nlohmann::json& ms = record["ms"];
         std::printf("%9.3f %9.3f -%8.3f %9.3f ", real(ms, "median"), real(ms, "p5"), real(ms, "p95"), real(record, "ns_per_joint"));
         std::printf("%9.1f %8.1f ", real(record, "bytes") * 1e-6, real(record, "gb_per_s"));
-        if (record.contains("max_error")) std::printf("%7.2f  %.1e\n", real(record, "times_fill_floor"), real(record, "max_error"));
-        else std::printf("%7s  by %s\n", "", word(record, "by").c_str());
+        if (record.contains("max_error")) std::printf("%7.2f  %.1e", real(record, "times_fill_floor"), real(record, "max_error"));
+        else std::printf("%7s  by %s", "", word(record, "by").c_str());
+        if (const double by_host = real(record, "host_samples"); by_host > 0) std::printf(", %g of %g rounds by the host's clock", by_host, real(record, "samples"));
+        std::printf("\n");
     }
     std::fflush(stdout);
 }
@@ -76,9 +69,10 @@ public:
 
     // A run with other keys is another configuration, also where the records of both end in one report.
     void measure(std::string configuration, const Character& character, const Character* exact, uint32_t count) {
-        if (options_.keys() != FrameOptions().keys()) configuration += ", keys " + options_.keys();
+        const std::string keys = keys_text(character);
+        if (options_.compile.error != CompileSettings().error) configuration += ", keys " + keys;
         const Scatter field = scatter({&character, 1}, count, options_.seed);
-        const bench::FrameCase frame{.configuration = configuration, .character = &character, .keys = options_.keys(), .exact = exact, .playback = field.playback};
+        const bench::FrameCase frame{.configuration = configuration, .character = &character, .keys = keys, .exact = exact, .playback = field.playback};
         const std::vector<nlohmann::json> records = bench::measure_frame(device_, frame, options_.samples, print_progress);
         print_progress("");
         if (!options_.json) {
@@ -100,7 +94,7 @@ public:
         const Asset asset = unwrap(make_creature({.joint_count = generated.joints, .level_count = generated.levels, .seed = options_.seed}));
         const Character character = unwrap(compile_character(asset, options_.compile));
         std::optional<Character> exact;
-        if (generated.compares_exact && !options_.exact()) exact = unwrap(compile_character(asset, kExact));
+        if (generated.compares_exact && character.packed) exact = unwrap(compile_character(asset, kExact));
         measure(configuration, character, exact ? &*exact : nullptr, count);
     }
 

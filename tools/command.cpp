@@ -1,11 +1,12 @@
 #include "tools/command.h"
 
+#include "base/replace_file.h"
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <unistd.h>
@@ -45,7 +46,7 @@ void add_path_option(CLI::App& app, UpdatePath& path) {
     static const std::map<std::string, UpdatePath> names{{"auto", UpdatePath::kAuto}, {"fused", UpdatePath::kFused}, {"staged", UpdatePath::kStaged}};
     app.add_option("--path", path, "fused: sample, blend, scan and bind in one pass; staged: one after another; auto: fused where it applies")
         ->transform(CLI::CheckedTransformer(names))
-        ->default_str("auto");
+        ->default_str(std::find_if(names.begin(), names.end(), [&](const auto& name) { return name.second == path; })->first);
 }
 
 void add_scan_option(CLI::App& app, std::string& scan) {
@@ -67,6 +68,30 @@ void add_error_option(CLI::App& app, CompileSettings& settings) {
     app.add_option_function<std::string>("--error", set, "how far compressed clips may displace the skin, in percent of the character's size; 'exact': not compressed")
         ->check(CLI::Validator(check, "PERCENT|exact"))
         ->default_str(by_default);
+    app.parse_complete_callback([&app] {
+        const auto refuse_compiled = [&](const char* name, const std::string& what) {
+            const CLI::Option* option = app.get_option_no_throw(name);
+            if (!option || option->count() == 0) return;
+            for (const CLI::Option* files : app.get_options([](const CLI::Option* of) { return of->get_positional(); }))
+                for (const std::string& file : files->results())
+                    if (is_compiled_file(file)) throw CommandError(file + " is compiled already, " + what + ": leave " + name + " out, or give its source");
+        };
+        refuse_compiled("--error", "within an error of its own");
+        refuse_compiled("--root-motion", "with its own root motion or none");
+    });
+}
+
+void add_root_motion_option(CLI::App& app, CompileSettings& settings) {
+    app.add_option("--root-motion", settings.root_motion_joint, "a joint whose way over the ground is taken out of the clips, for characters with a controller to move by")->type_name("JOINT");
+}
+
+std::string keys_text(const Character& character) {
+    if (!character.packed) return "exact";
+    double largest_error = 0;
+    for (const Clip& clip : character.clips) largest_error = std::max(largest_error, clip.error);
+    std::array<char, 32> percent;
+    std::snprintf(percent.data(), percent.size(), "%.2g %%", largest_error * 100);
+    return percent.data();
 }
 
 std::vector<Character> load_characters(const std::vector<std::string>& files, const CompileSettings& settings) {
@@ -79,6 +104,23 @@ std::vector<Character> load_characters(const std::vector<std::string>& files, co
     print_progress("");
     return characters;
 }
+
+Cycle::Cycle(const Character& character, const Clip& clip) {
+    const auto& last = character.root_rows[clip.first_root_row + clip.root_row_count - 1];
+    x = last[0];
+    z = last[1];
+    turn_degrees = std::atan2(last[3], last[2]) * 180 / 3.14159265358979323846;
+}
+
+ClipTotals::ClipTotals(const Character& character) {
+    for (const Clip& clip : character.clips) {
+        size_bytes += clip.size_bytes;
+        raw_size_bytes += clip.raw_size_bytes;
+        error = std::max(error, clip.error);
+    }
+}
+
+double ClipTotals::ratio() const { return size_bytes == 0 ? 1 : static_cast<double>(raw_size_bytes) / static_cast<double>(size_bytes); }
 
 uint32_t find_clip(const Character& character, const std::string& name_or_index) {
     const uint32_t named = character.find_clip(name_or_index);
@@ -122,16 +164,11 @@ void add_out_option(CLI::App& app, std::string& out, const std::string& descript
 }
 
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-    const std::filesystem::path temporary = path.string() + ".part" + std::to_string(getpid());
-    std::ofstream out(temporary, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    out.close();
-    std::error_code error;
-    if (out) std::filesystem::rename(temporary, path, error);
-    if (out && !error) return;
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    throw CommandError(path.string() + ": cannot be written; has the disk room?");
+    try {
+        replace_file(path, bytes);
+    } catch (const Failure& failure) {
+        throw CommandError(failure.what());
+    }
 }
 
 }  // namespace throng::tools

@@ -1,6 +1,5 @@
 #include "tools/command.h"
 
-#include <algorithm>
 #include <cstdio>
 
 namespace throng::tools {
@@ -12,32 +11,20 @@ struct CompileOptions {
     bool json = false;
 };
 
-// Of all clips.
-struct ClipTotals {
-    uint64_t size_bytes = 0, raw_size_bytes = 0;
-    double error = 0;
-
-    explicit ClipTotals(const Character& character) {
-        for (const Clip& clip : character.clips) {
-            size_bytes += clip.size_bytes;
-            raw_size_bytes += clip.raw_size_bytes;
-            error = std::max(error, clip.error);
-        }
-    }
-    double ratio() const { return size_bytes == 0 ? 1 : static_cast<double>(raw_size_bytes) / static_cast<double>(size_bytes); }
-};
-
 Character compile(const CompileOptions& options) {
     std::error_code unknown;
     if (std::filesystem::equivalent(options.file, options.out, unknown)) throw CommandError(options.out + " is the source itself; give --out another name");
-    print_progress("reading " + options.file);
-    const Result<Asset> asset = load_asset(options.file);
-    if (!asset) {
-        if (load_character(options.file)) throw CommandError(options.file + " is compiled already; give its source, a glTF file");
-        throw CommandError(asset.error().text());
+    if (is_compiled_file(options.file)) {
+        unwrap(load_character(options.file));  // a damaged one says so
+        throw CommandError(options.file + " is compiled already; give its source, a glTF file");
     }
+    // It may be a glTF file's .bin.
+    if (std::filesystem::exists(options.out, unknown) && !is_compiled_file(options.out))
+        throw CommandError(options.out + " is there, and not a compiled character; give --out another name, or remove it");
+    print_progress("reading " + options.file);
+    const Asset asset = unwrap(load_asset(options.file));
     print_progress("compiling " + options.file);
-    Character character = unwrap(compile_character(*asset, options.settings));
+    Character character = unwrap(compile_character(asset, options.settings));
     print_warnings(character.warnings);
     print_progress("writing " + options.out);
     unwrap(save_character(character, options.out));
@@ -45,7 +32,7 @@ Character compile(const CompileOptions& options) {
     return character;
 }
 
-nlohmann::json to_json(const CompileOptions& options, const Character& character, uint64_t source_bytes, uint64_t bytes) {
+nlohmann::json to_json(const CompileOptions& options, const Character& character, uint64_t bytes) {
     const ClipTotals totals(character);
     nlohmann::json clips = nlohmann::json::array();
     for (const Clip& clip : character.clips)
@@ -53,23 +40,21 @@ nlohmann::json to_json(const CompileOptions& options, const Character& character
                          {"error_percent", clip.error * 100}});
     return {{"file", options.file},
             {"out", options.out},
-            {"source_bytes", source_bytes},
             {"bytes", bytes},
             {"joints", character.rig.joint_count()},
             {"packed", character.packed},
             {"error_bound_percent", options.settings.error * 100},
             {"error_percent", totals.error * 100},
             {"clip_bytes", totals.size_bytes},
-            {"raw_clip_bytes", totals.raw_size_bytes},
+            {"clip_raw_bytes", totals.raw_size_bytes},
             {"ratio", totals.ratio()},
             {"clips", clips},
             {"warnings", character.warnings}};
 }
 
-void print_text(const CompileOptions& options, const Character& character, uint64_t source_bytes, uint64_t bytes) {
+void print_text(const CompileOptions& options, const Character& character, uint64_t bytes) {
     const ClipTotals totals(character);
-    std::printf("%s: %llu bytes, of %s of %llu\n", options.out.c_str(), static_cast<unsigned long long>(bytes),
-                options.file.c_str(), static_cast<unsigned long long>(source_bytes));
+    std::printf("%s: %llu bytes, of %s\n", options.out.c_str(), static_cast<unsigned long long>(bytes), options.file.c_str());
     std::printf("  clips      %zu, %.1f KiB: %.1f times smaller than %.1f KiB of raw floats\n", character.clips.size(),
                 static_cast<double>(totals.size_bytes) / 1024, totals.ratio(), static_cast<double>(totals.raw_size_bytes) / 1024);
     if (character.packed)
@@ -81,9 +66,9 @@ void print_text(const CompileOptions& options, const Character& character, uint6
 
 void run_compile(const CompileOptions& options) {
     const Character character = compile(options);
-    const uint64_t source_bytes = std::filesystem::file_size(options.file), bytes = std::filesystem::file_size(options.out);
-    if (options.json) print_json(to_json(options, character, source_bytes, bytes));
-    else print_text(options, character, source_bytes, bytes);
+    const uint64_t bytes = std::filesystem::file_size(options.out);
+    if (options.json) print_json(to_json(options, character, bytes));
+    else print_text(options, character, bytes);
 }
 
 }  // namespace
@@ -94,9 +79,11 @@ void add_compile(CLI::App& app) {
     command.add_option("file", options->file, "a glTF 2.0 file")->required();
     add_out_option(command, options->out, "the .throng file to write; every command takes it in place of its source");
     add_error_option(command, options->settings);
+    add_root_motion_option(command, options->settings);
     command.add_flag("--json", options->json, "as JSON");
     command.footer("Examples:\n  throng compile fox.glb -o fox.throng\n  throng compile fox.glb -o fox.throng --error 0.1\n"
-                   "  throng compile fox.glb -o fox.throng --error exact --json | jq .ratio\n  throng info fox.throng");
+                   "  throng compile fox.glb -o fox.throng --error exact --json | jq .ratio\n"
+                   "  throng compile fox.glb -o fox.throng --root-motion hips\n  throng info fox.throng");
     command.callback([options] { run_compile(*options); });
 }
 

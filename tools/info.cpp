@@ -1,6 +1,7 @@
 #include "tools/command.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace throng::tools {
@@ -18,19 +19,6 @@ uint32_t largest_influence_count(const Character& character) {
     return sets * 4;
 }
 
-struct ClipTotals {
-    uint64_t size_bytes = 0, raw_size_bytes = 0;
-    double error = 0;  // largest
-
-    explicit ClipTotals(const Character& character) {
-        for (const Clip& clip : character.clips) {
-            size_bytes += clip.size_bytes;
-            raw_size_bytes += clip.raw_size_bytes;
-            error = std::max(error, clip.error);
-        }
-    }
-};
-
 // How many times smaller than 10 floats a joint and row, and the error where there is one.
 std::string compression_text(uint64_t size_bytes, uint64_t raw_size_bytes, double error, bool packed) {
     char text[64];
@@ -42,10 +30,14 @@ std::string compression_text(uint64_t size_bytes, uint64_t raw_size_bytes, doubl
 
 nlohmann::json to_json(const Character& character) {
     nlohmann::json clips = nlohmann::json::array(), skins = nlohmann::json::array();
-    for (const Clip& clip : character.clips)
+    for (const Clip& clip : character.clips) {
         clips.push_back({{"name", clip.name}, {"duration_s", clip.duration_s}, {"channels", clip.channel_count}, {"rows", clip.row_count},
                          {"animated_tracks", clip.animated_track_count}, {"source_keys", clip.source_key_count}, {"refined_rows", clip.refined_row_count},
                          {"dropped_rows", clip.dropped_row_count}, {"bytes", clip.size_bytes}, {"raw_bytes", clip.raw_size_bytes}, {"error_percent", clip.error * 100}});
+        if (clip.root_row_count == 0) continue;
+        const Cycle cycle(character, clip);
+        clips.back()["root_motion"] = {{"rows", clip.root_row_count}, {"x", cycle.x}, {"z", cycle.z}, {"turn_degrees", cycle.turn_degrees}};
+    }
     for (const Skin& skin : character.skins) skins.push_back({{"name", skin.name}, {"joints", skin.joint_count}});
     const Rig& rig = character.rig;
     const ClipTotals totals(character);
@@ -69,7 +61,7 @@ nlohmann::json to_json(const Character& character) {
             {"influences", largest_influence_count(character)},
             {"morph_targets", character.morph_target_count},
             {"size", character.size},
-            {"bytes_per_character", character.keys.size() * 16 + character.words.size() * 4 + character.times_s.size() * 4 + character.tracks.size() * sizeof(JointTracks)},
+            {"bytes_per_character", character.keys.size() * 16 + character.words.size() * 4 + character.times_s.size() * 4 + character.root_rows.size() * 16 + character.tracks.size() * sizeof(JointTracks)},
             {"bytes_per_instance", instance_bytes(character)},
             {"warnings", character.warnings}};
 }
@@ -89,9 +81,14 @@ void print_text(const Character& character) {
         const Clip& clip = character.clips[i];
         std::printf("  clip %-5zu %7.3f s  %4u channels  %5u rows x %4u tracks  %s  %s", i, static_cast<double>(clip.duration_s), clip.channel_count, clip.row_count,
                     clip.animated_track_count, compression_text(clip.size_bytes, clip.raw_size_bytes, clip.error, character.packed).c_str(), clip.name.c_str());
-        if (clip.refined_row_count > 0) std::printf("  (%u rows added for cubic tracks)", clip.refined_row_count);
+        if (clip.refined_row_count > 0) std::printf("  (%u rows added for cubic tracks%s)", clip.refined_row_count, clip.root_row_count > 0 ? " or root motion" : "");
         if (clip.dropped_row_count > 0) std::printf("  (%u rows left out)", clip.dropped_row_count);
         std::printf("\n");
+        if (clip.root_row_count > 0) {
+            const Cycle cycle(character, clip);
+            const auto rounded = [](double value, double unit) { return std::round(value / unit) * unit + 0.0; };  // no -0
+            std::printf("    moves    %.3f m a cycle, to x %.3f, z %.3f, and turns by %.1f degrees\n", std::hypot(cycle.x, cycle.z), rounded(cycle.x, 1e-3), rounded(cycle.z, 1e-3), rounded(cycle.turn_degrees, 0.1));
+        }
     }
     if (!character.clips.empty()) {
         const ClipTotals totals(character);
@@ -130,9 +127,10 @@ void add_info(CLI::App& app) {
     command.add_option("file", options->file, "a glTF 2.0 file, or one that 'throng compile' wrote")->required();
     command.add_option("--count", options->count, "characters of the crowd for which a scan method is chosen")->check(CLI::Range(1u, 10'000'000u))->capture_default_str();
     add_error_option(command, options->compile);
+    add_root_motion_option(command, options->compile);
     add_device_option(command, options->device);
     command.add_flag("--json", options->json, "as JSON");
-    command.footer("Examples:\n  throng info fox.glb\n  throng info fox.glb --count 100\n  throng info fox.glb --json | jq .clips");
+    command.footer("Examples:\n  throng info fox.glb\n  throng info fox.glb --count 100\n  throng info fox.glb --root-motion hips\n  throng info fox.glb --json | jq .clips");
     command.callback([options] { run_info(*options); });
 }
 

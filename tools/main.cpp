@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
     app.footer("'throng COMMAND --help' has examples. Exit code: 0 done, 1 failed, more than 1 a wrong option.");
     add_info(app);
     add_compile(app);
+    add_controller(app);
     add_pose(app);
     add_render(app);
     add_generate(app);

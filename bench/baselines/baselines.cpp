@@ -8,6 +8,7 @@
 #include "skin/skin_reference.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace throng::bench {
 namespace {
@@ -26,6 +27,14 @@ io::SlotPlayback slot_of(const Character& baked, const ClipPlayback& from) {
     if (from.clip == kNone) return {.clip = static_cast<uint32_t>(baked.clips.size()), .loop = 0, .time_s = 0, .speed = 0};
     const double time_s = local_time_reference(from.time_s, baked.clips[from.clip].duration_s, from.loop);
     return {.clip = from.clip, .loop = from.loop ? 1u : 0u, .time_s = static_cast<float>(time_s), .speed = from.speed};
+}
+
+// Read by `baked` as storage buffers, by `flattened` as tables (gpu/table.glsl).
+template <class T>
+Buffer upload_rows(const std::shared_ptr<Gpu>& gpu, std::string_view what, const std::vector<T>& data) {
+    Buffer rows = upload(gpu, what, data, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT);
+    rows.allow_texels(texel_bytes_of<T>());
+    return rows;
 }
 
 }  // namespace
@@ -57,10 +66,12 @@ BaselineCrowd::BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline,
         joints.push_back(entry.joint);
         binds.push_back(entry.joint_from_bind);
     }
-    axes_ = upload(gpu_, "clip axes", axes);
-    times_ = upload(gpu_, "key times", baked.times_s);
-    tracks_ = upload_table(gpu_, "tracks", baked.tracks);
-    keys_ = upload_table(gpu_, baked.name + ": keys", baked.keys);
+    std::vector<uint32_t> axis_words(axes.size() * io::kAxisWords);
+    std::memcpy(axis_words.data(), axes.data(), axis_words.size() * sizeof(uint32_t));
+    axes_ = upload_table(gpu_, "clip axes", axis_words);
+    times_ = upload_table(gpu_, "key times", baked.times_s);
+    tracks_ = upload_rows(gpu_, "tracks", baked.tracks);
+    keys_ = upload_rows(gpu_, baked.name + ": keys", baked.keys);
     palette_joints_ = upload(gpu_, "palette joints", joints);
     joint_from_bind_ = upload(gpu_, "inverse binds", binds);
 

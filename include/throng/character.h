@@ -44,7 +44,7 @@ inline constexpr uint32_t kTrackPosition = 0x3FFFFFFFu;
 // the word in which the first lies, 96 in all.
 // Translations and scales are x, y, z. Of a rotation (unit quaternion) the component `left_out` is not stored: it is
 // the non-negative root of 1 - the others' squares, and component c is the quaternion's (left_out + 1 + c) % 4. A full rotation stores all
-// four, each in kPackedFullBits with minimum -1 and step 2 / (2^kPackedFullBits - 1), the fourth being quaternion component `left_out`;
+// four, each in kPackedFullBits with minimum -1 and step kPackedFullStep, the fourth being quaternion component `left_out`;
 // two neighbouring rows may then be in different hemispheres no more than exact keys may.
 // Between rows: lerp; rotations are normalised afterwards.
 struct PackedTrack {
@@ -56,13 +56,17 @@ struct PackedTrack {
 static_assert(sizeof(PackedTrack) == 32);
 inline constexpr uint32_t kPackedComponentBits = 21;
 inline constexpr uint32_t kPackedFullBits = 16;
+inline constexpr float kPackedFullStep = 2.0f / ((1u << kPackedFullBits) - 1);
 inline constexpr uint32_t kPackedLeftOutShift = 15;
+inline constexpr uint32_t kPackedBitsMask = (1u << kPackedLeftOutShift) - 1;  // 0 under it: a constant
 inline constexpr uint32_t kPackedFull = 1u << 17;
 inline constexpr uint32_t kPackedStep = 1u << 18;  // the value of the earlier row holds until the next one
+inline constexpr uint32_t kPackedWordsBehind = 3;   // decoding reads three words from the one in which a track begins
 
-// Keys of a clip are rows over one time axis, the union of the key times of its tracks; consecutive rotations of a
-// track lie in the same hemisphere. Between rows: slerp for rotations, lerp for translations and scales. Two keys half a turn
-// apart have a row between them, so that rounding cannot change the side on which the arc runs.
+// Keys of a clip are rows over one time axis. Exact keys: the union of the key times of its tracks, without those that the others
+// reproduce; consecutive rotations of a track lie in the same hemisphere; between rows slerp for rotations, lerp for translations and scales.
+// Two keys half a turn apart have a row between them, so that rounding cannot change the side on which the arc runs. Packed keys: rows chosen
+// so that the skin stays within the error bound, and read as PackedTrack says.
 struct Clip {
     std::string name;
     float duration_s = 0;
@@ -74,10 +78,11 @@ struct Clip {
     uint32_t channel_count = 0;      // of the file: translation, rotation, scale
     uint64_t source_key_count = 0;   // keys of these channels
     uint32_t animated_track_count = 0;  // that are not constant
-    uint32_t refined_row_count = 0;  // rows added so that cubic tracks stay within 1e-6 of the character's size
-    uint32_t dropped_row_count = 0;  // rows of the union left out, because the others reproduce them within that bound
-    uint64_t size_bytes = 0;         // keys, times and track table
+    uint32_t refined_row_count = 0;  // rows added so that cubic tracks stay within 1e-6 of the character's size, and what root motion leaves within 1e-4
+    uint32_t dropped_row_count = 0;  // rows of the union left out: exact, the others reproduce them within 1e-6 too; packed, within the error bound
+    uint64_t size_bytes = 0;         // keys, words, times and track table
     uint64_t raw_size_bytes = 0;     // of 10 floats (rotation, translation, scale) a joint at every row of exact keys
+    uint32_t first_root_row = 0, root_row_count = 0;  // of Character::root_rows, evenly spaced over the duration, both ends included; 0: none
     double error = 0;                // packed: largest displacement of a skinned point against exact keys, as a part of the character's size
 };
 
@@ -129,7 +134,8 @@ struct Character {
     std::vector<float> times_s;                  // of all clips, each clip's ascending
     bool packed = false;                         // clips are compressed; the rest pose too is then read as PackedTracks
     std::vector<std::array<float, 4>> keys;      // exact: rest pose (3 * joint_count), then each clip's constants and rows; packed: PackedTracks
-    std::vector<uint32_t> words;                 // packed: rows of bits, and 3 words behind the last
+    std::vector<uint32_t> words;                 // packed: rows of bits, and kPackedWordsBehind words behind the last
+    std::vector<std::array<float, 4>> root_rows;  // root motion of clips: x, z, cosine and sine of the turn about +y, model space, relative to the clip's begin
     std::vector<JointTracks> tracks;             // [clip_count + 1][joint_count]; the last row is the rest pose
     std::vector<Skin> skins;
     std::vector<PaletteEntry> palette;
@@ -152,12 +158,19 @@ struct CompileSettings {
     // How far a skinned point may be displaced by compressing the clips, as a part of the character's size: 1e-6 to
     // 0.1; 0 keeps exact float keys.
     double error = 1e-4;
+    // The joint (of the rig, by name) whose way over the ground, a shift and a turn about +y, is taken out of each clip and kept as
+    // Character::root_rows, for instances with a controller to move by. Empty: none. Joints above it must not be animated.
+    std::string root_motion_joint{};
 };
-inline constexpr CompileSettings kExact{.error = 0};
+inline const CompileSettings kExact{.error = 0};
 
-// Limits: 65,535 joints; 65,536 palette entries; 256 MiB of keys. Errors: kInvalidArgument (the error bound), kUnsupported
-// (nothing to animate), kLimit.
+// Limits: 65,535 joints; 65,536 palette entries; 256 MiB each of keys, of packed words and of the track table; to be packed, 2^28 poses of a
+// joint (rows of exact keys, of all clips, times joints). Control characters of names become '?'. Errors: kInvalidArgument (the error bound, no joint of that
+// name for root motion), kInvalidFile (poses that are not finite), kUnsupported (nothing to animate; an animated or unevenly scaled joint above that of root motion), kLimit.
 Result<Character> compile_character(const Asset& asset, const CompileSettings& settings = {});
+
+// Whether a regular file of this name begins as one that save_character() wrote.
+bool is_compiled_file(const std::filesystem::path& path);
 
 // load_asset() and compile_character() in one. A file that save_character() wrote, known by its first bytes, is read as it is: the settings
 // are not used then.

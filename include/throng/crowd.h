@@ -2,6 +2,7 @@
 #pragma once
 
 #include <throng/character.h>
+#include <throng/controller.h>
 #include <throng/device.h>
 
 #include <array>
@@ -46,10 +47,32 @@ struct Playback {
     float weight = 1;
 };
 
-// Instances of one character. Instances of a crowd are numbered group after group.
+// A clip on a layer without states, above what the layer plays already: fades in within `fade_s` seconds.
+struct LayerPlayback {
+    ClipPlayback clip;
+    float fade_s = 0;
+};
+
+// How a layer without states lies on those below it. The weight is reached in `fade_s` seconds, the rest changes at once.
+struct LayerBlend {
+    float weight = 1;
+    float fade_s = 0;
+    LayerMode mode = LayerMode::kOverride;
+    uint32_t mask = kNone;  // index of Controller::masks; kNone: all joints
+};
+
+// Of what is written of sockets: model_from_joint, or world_from_joint by the instance's placement.
+enum class SocketSpace { kModel, kWorld };
+
+// Instances of one character. Instances of a crowd are numbered group after group. Without a controller each plays what set_playback()
+// says, two clips at most; with one, its layers (docs/controller.md). Both are read by Crowd::create() and not kept.
 struct CrowdGroup {
-    const Character* character = nullptr;  // read by Crowd::create() and not kept
+    const Character* character = nullptr;
     uint32_t instance_count = 0;
+    const Controller* controller = nullptr;
+    bool moves_placements = true;  // root motion, if the character has it, moves the placements; else it is only reported
+    std::vector<uint32_t> sockets;  // joints, at most 64, whose transforms are written in each update, for attachments
+    SocketSpace socket_space = SocketSpace::kWorld;
 };
 
 // How an update goes from clips to skin matrices. kStaged: sample, blend, scan and bind one after another, each through memory; any
@@ -74,14 +97,18 @@ struct CrowdSettings {
     std::string scan = "auto";         // "auto", a name of scan_methods(), or a name with its invocations a character: "subgroup:8"
     bool keep_model_matrices = false;  // else they live only within a frame, and read_model_matrices() is an error
     bool keep_previous_matrices = false;  // skin matrices of the update before the last, for motion vectors; doubles their memory
-    bool timestamps = true;            // measure the stages; costs two queries a stage
+    bool timestamps = true;            // measure the stages; costs one query a stage and one more
+    uint32_t event_capacity = 16384;   // events of one update that feedback() can hold; the others are counted
+    uint32_t watch_capacity = 64;      // instances that watch() takes
 };
 
 // Skin matrices of consecutive instances of one group, in one buffer: [instance_count][palette_count] in CrowdSettings::skin_format,
 // model space: skinned position = matrix * bind position. `previous_skin_buffer` likewise holds those of the update before, where
 // CrowdSettings::keep_previous_matrices is set; the two change places with every record(). `model_buffer` holds model_from_joint,
 // Affine[instance_count][joint_count], where CrowdSettings::keep_model_matrices is set. `placement_buffer` holds
-// world_from_model, Affine[instance_count]. A block's buffers fit the device's storage-buffer range; offsets are 0.
+// world_from_model, Affine[instance_count]. `socket_buffer`, where the group has sockets, holds
+// Affine[instance_count][socket_count], in CrowdGroup::socket_space. `parameter_buffer`, where the group has a controller, holds float[instance_count][parameter_count] and may be written
+// by the application's own shaders or copies between two updates. A block's buffers fit the device's storage-buffer range; offsets are 0.
 // Valid once the recorded commands have run, until the next record() runs; written by compute shaders, and made visible by
 // record() to later compute, vertex and transfer reads on the same queue.
 struct OutputBlock {
@@ -94,6 +121,10 @@ struct OutputBlock {
     VkBuffer previous_skin_buffer = VK_NULL_HANDLE;
     VkBuffer model_buffer = VK_NULL_HANDLE;
     VkBuffer placement_buffer = VK_NULL_HANDLE;
+    uint32_t socket_count = 0;
+    VkBuffer socket_buffer = VK_NULL_HANDLE;
+    uint32_t parameter_count = 0;
+    VkBuffer parameter_buffer = VK_NULL_HANDLE;
 };
 
 // GPU time of each stage in the last finished update, summed over its dispatches, milliseconds. `fused` is sample, blend, scan and
@@ -101,6 +132,28 @@ struct OutputBlock {
 struct StageTimes {
     double control = 0, sample = 0, blend = 0, scan = 0, bind = 0, fused = 0;
     double total() const { return control + sample + blend + scan + bind + fused; }
+};
+
+// An event of a controller's clip that an instance passed.
+struct CharacterEvent {
+    uint32_t instance = 0;
+    uint32_t event = 0;  // index into Controller::events
+    uint32_t layer = 0;
+    float time_s = 0;    // after the beginning of the update's time step
+};
+
+// Sockets of a watched instance: [socket_count] of its group, in its CrowdGroup::socket_space.
+struct WatchedSockets {
+    uint32_t instance = 0;
+    std::vector<Affine> transforms;
+};
+
+// What came back from one update.
+struct Feedback {
+    uint64_t update = 0;                 // counted from 1
+    std::vector<CharacterEvent> events;  // by instance, then layer, then time
+    uint64_t lost_event_count = 0;       // that found no room
+    std::vector<WatchedSockets> sockets; // of watch(), in its order
 };
 
 struct CrowdState;  // internal
@@ -123,10 +176,26 @@ public:
     std::string path_reason(uint32_t group) const;
 
     // Change what instances play, or where they stand (world_from_model); taken up by the next record(). New instances play the
-    // rest pose and stand at the origin. Only changed instances are uploaded: 36 bytes each for a playback, 48 for a placement.
-    // Errors: kInvalidArgument (instance or clip out of range, value not finite, weight outside 0..1).
+    // rest pose and stand at the origin. Only changed instances are uploaded: 36 bytes each for a playback, 48 for a placement (80 with root motion).
+    // Errors: kInvalidArgument (instance or clip out of range, value not finite, weight outside 0..1, set_playback() where there is a controller).
     Result<void> set_playback(uint32_t first_instance, std::span<const Playback> playback);
     Result<void> set_placement(uint32_t first_instance, std::span<const Affine> world_from_model);
+
+    // Of instances whose group has a controller; taken up by the next record(), in the order of the calls. 32 bytes are uploaded for each, and applied on the GPU.
+    // Parameters: their numbers from `parameter` on, for one instance. Errors: kInvalidArgument (no controller, layer with states, clip, mask or parameter out
+    // of range, value not finite, negative fade, weight outside 0..1).
+    Result<void> play(uint32_t instance, uint32_t layer, const LayerPlayback& playback);
+    Result<void> set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend);
+    Result<void> set_parameters(uint32_t instance, uint32_t parameter, std::span<const float> values);
+
+    // From the next record() on, the sockets of these instances come back with the feedback. Replaces the ones before. Errors: kInvalidArgument (instance out of range, or
+    // of a group without sockets), kLimit (more than CrowdSettings::watch_capacity).
+    Result<void> watch(std::span<const uint32_t> instances);
+
+    // What the updates that have finished since the last call reported, oldest first; does not wait. An update's feedback is kept until the fourth
+    // record() after it: with fewer than four updates in flight, one call between two record()s misses nothing. Empty where no group
+    // has a controller or sockets.
+    Result<std::vector<Feedback>> feedback();
 
     // Records one update into the caller's command buffer (recording, outside a render pass, of the adopted queue's family):
     // advances every instance by `time_step_s` times its speed, then control, and sample, blend, scan, bind or all four in one. A playback set since

@@ -4,6 +4,8 @@
 
 #include <throng/crowd.h>
 
+#include <memory>
+#include <span>
 #include <vector>
 
 namespace throng {
@@ -16,6 +18,35 @@ struct ReferencePose {
 
 // The pose that `playback` shows at its times (speeds do not matter). Errors: kInvalidArgument, as Crowd::set_playback.
 Result<ReferencePose> reference_pose(const Character& character, const Playback& playback);
+
+// One character with a controller on the CPU. Given the same parameters, commands and time steps as an instance of a Crowd it is in the same states at the same
+// times, bit for bit (docs/controller.md), so a server that has no GPU knows what the clients see. Not thread-safe.
+class ReferenceCharacter {
+public:
+    // Both are referred to as long as this lives. Errors: as check_controller().
+    static Result<ReferenceCharacter> create(const Character& character, const Controller& controller);
+    ReferenceCharacter(ReferenceCharacter&&) noexcept;
+    ReferenceCharacter& operator=(ReferenceCharacter&&) noexcept;
+    ~ReferenceCharacter();
+
+    // As Crowd's functions of these names.
+    Result<void> play(uint32_t layer, const LayerPlayback& playback);
+    Result<void> set_layer(uint32_t layer, const LayerBlend& blend);
+    Result<void> set_parameters(uint32_t parameter, std::span<const float> values);
+    Result<void> update(float time_step_s);
+
+    // After the last update (before the first: the rest pose).
+    ReferencePose pose() const;
+    // Of the last update; their instance is 0. `move` is root motion: world_from_model * move is where a character that stood at world_from_model stands now.
+    std::span<const CharacterEvent> events() const;
+    AffineT<double> move() const;
+    std::span<const float> parameters() const;
+
+private:
+    struct State;
+    explicit ReferenceCharacter(std::unique_ptr<State> state);
+    std::unique_ptr<State> state_;
+};
 
 // Positions of all vertices in model space, in the order of Character::vertices.
 std::vector<Vec3<double>> reference_positions(const Character& character, const ReferencePose& pose);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <throng/character.h>
+#include <throng/controller.h>
 #include <throng/crowd.h>
 #include <throng/device.h>
 #include <throng/draw.h>

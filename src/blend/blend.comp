@@ -1,15 +1,17 @@
 #version 460
 // blend: two poses per joint, weighted per instance, to parent_from_joint. Reads only the poses that have weight.
 // One workgroup per instance, joints in strides. Reads 48 or 96 bytes a joint, writes 48, or 32 as similarities.
-#include "blend/blend.glsl"
+#include "blend/blend_io.h"
 
 layout(local_size_x = kBlendWorkgroupSize) in;
 layout(set = 0, binding = 0, std430) readonly buffer Cursors { InstanceCursor cursors[]; };
 layout(set = 0, binding = 1, std430) readonly buffer FirstPoses { JointPose first_poses[]; };
 layout(set = 0, binding = 2, std430) readonly buffer SecondPoses { JointPose second_poses[]; };
-layout(set = 0, binding = 3, std430) writeonly buffer Local { vec4 local[]; };  // rows: three of an Affine, two of a Similarity
+layout(set = 0, binding = 3, std430) writeonly buffer Local { vec4 local[]; };
 layout(constant_id = 1) const bool kSimilarity = false;
 layout(push_constant) uniform Push { BlendPush push; };
+
+#include "blend/local.glsl"
 
 void main() {
     const uint instance = gl_WorkGroupID.x;
@@ -20,15 +22,6 @@ void main() {
         if (weight >= 1) pose = first_poses[i];
         else if (weight <= 0) pose = second_poses[i];
         else pose = blend_joint(first_poses[i], second_poses[i], weight);
-        if (kSimilarity) {
-            const Similarity similarity = similarity_parent_from_joint(pose);
-            local[2 * i] = similarity.rotation;
-            local[2 * i + 1] = similarity.translation_scale;
-        } else {
-            const Affine affine = parent_from_joint(pose);
-            local[3 * i] = affine.row0;
-            local[3 * i + 1] = affine.row1;
-            local[3 * i + 2] = affine.row2;
-        }
+        store_local(i, pose);
     }
 }

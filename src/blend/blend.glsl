@@ -1,4 +1,6 @@
 // Two poses of a joint -> one; and the pose's matrix.
+#ifndef THRONG_BLEND_GLSL
+#define THRONG_BLEND_GLSL
 #include "blend/blend_io.h"
 #include "gpu/similarity.glsl"
 
@@ -21,3 +23,5 @@ Affine parent_from_joint(JointPose pose) {
 Similarity similarity_parent_from_joint(JointPose pose) {
     return Similarity(pose.rotation, vec4(pose.translation.xyz, pose.scale.x));
 }
+
+#endif

@@ -1,9 +1,12 @@
 #include "compile/character_file.h"
 
 #include "base/failure.h"
+#include "compile/character_layout.h"
 #include "compile/limits.h"
 #include "compile/packed_track.h"
 #include "compile/rig.h"
+#include "compile/uniform_scale.h"
+#include "import/json_view.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +15,7 @@
 namespace throng {
 namespace {
 
-constexpr uint64_t kWordsBehind = 3;          // decoding reads three words from the one in which a track begins, and one behind them
-constexpr uint32_t kPackedLayoutBits = 0x7FFFu | 3u << kPackedLeftOutShift | kPackedFull | kPackedStep;
+constexpr uint32_t kPackedLayoutBits = kPackedBitsMask | 3u << kPackedLeftOutShift | kPackedFull | kPackedStep;
 
 template <class Floats>
 bool all_finite(const Floats& floats) {
@@ -33,11 +35,14 @@ public:
         check_scalars();
         check_sizes();
         check_times();
+        check_root_rows();
         if (!c_.packed) check_exact_keys();
         for (size_t clip = 0; clip <= c_.clips.size(); ++clip) check_clip(clip);
+        if (c_.rig.uniform_scale && !has_uniform_scale(c_)) fail("rig", "its scales are not uniform, which it claims");
         check_palette();
         check_mesh();
         check_materials();
+        check_text();
     }
 
 private:
@@ -81,11 +86,12 @@ private:
         };
         limit("keys", c_.keys.size() * sizeof(c_.keys[0]));
         limit("words", c_.words.size() * sizeof(c_.words[0]));
+        limit("root rows", c_.root_rows.size() * sizeof(c_.root_rows[0]));
         limit("tracks", c_.tracks.size() * sizeof(c_.tracks[0]));
         const uint64_t track_count = (c_.clips.size() + uint64_t{1}) * c_.rig.joint_count();
         if (c_.tracks.size() != track_count) fail("tracks", "are " + text(c_.tracks.size()) + ", not " + text(track_count));
-        if (c_.packed && c_.words.size() < kWordsBehind)
-            fail("words", "are " + text(c_.words.size()) + ", fewer than the " + text(kWordsBehind) + " behind the last row");
+        if (c_.packed && c_.words.size() < kPackedWordsBehind)
+            fail("words", "are " + text(c_.words.size()) + ", fewer than the " + text(kPackedWordsBehind) + " behind the last row");
     }
 
     // Clip after clip, with no gap: so each time is looked at once.
@@ -108,13 +114,32 @@ private:
         if (next != c_.times_s.size()) fail("times", "are " + text(c_.times_s.size()) + ", and the clips have " + text(next));
     }
 
+    // Clip after clip too, of those that have any.
+    void check_root_rows() const {
+        uint64_t next = 0;
+        for (size_t i = 0; i < c_.clips.size(); ++i) {
+            const Clip& clip = c_.clips[i];
+            if (clip.root_row_count == 1) fail(at("clips", i), "one row of root motion; there are none, or one at each end and those between");
+            if (clip.first_root_row != (clip.root_row_count > 0 ? next : 0)) fail(at("clips", i), "its root motion begins at row " + text(clip.first_root_row) + ", not " + text(clip.root_row_count > 0 ? next : 0));
+            next += clip.root_row_count;
+            if (next > c_.root_rows.size()) fail(at("clips", i), "its root motion ends at row " + text(next) + " of " + text(c_.root_rows.size()));
+        }
+        if (next != c_.root_rows.size()) fail("root rows", "are " + text(c_.root_rows.size()) + ", and the clips have " + text(next));
+        constexpr float kUnit = 1e-3f;
+        for (size_t i = 0; i < c_.root_rows.size(); ++i) {
+            const auto& [x, z, cosine, sine] = c_.root_rows[i];
+            if (!all_finite(c_.root_rows[i])) fail(at("root rows", i), "is not finite");
+            if (!(std::abs(std::hypot(cosine, sine) - 1) <= kUnit)) fail(at("root rows", i), "its cosine and sine are of no turn");
+        }
+    }
+
     // `clip` may be the number of clips: the rest pose, which has constants only.
     void check_clip(size_t clip) const {
         const bool is_rest = clip == c_.clips.size();
         const Clip none{.row_count = 1};
         const Clip& of = is_rest ? none : c_.clips[clip];
         const uint64_t rows_end = of.first_row + uint64_t{of.row_count} * of.row_stride;
-        const uint64_t room = c_.packed ? c_.words.size() - kWordsBehind : c_.keys.size();
+        const uint64_t room = c_.packed ? c_.words.size() - kPackedWordsBehind : c_.keys.size();
         if (rows_end > room) fail(at("clips", clip), "its rows end at " + text(rows_end) + " of " + text(room));
         if (!c_.packed && of.first_row != 0) fail(at("clips", clip), "its rows begin at word " + text(of.first_row) + ", but its keys are not packed");
         for (size_t joint = 0; joint < c_.rig.joint_count(); ++joint) {
@@ -158,6 +183,8 @@ private:
         if (position + uint64_t{1} >= c_.keys.size()) refuse("is at key " + text(position) + " of " + text(c_.keys.size()) + ", and takes two");
         std::memcpy(static_cast<void*>(&track), &c_.keys[position], sizeof(track));
         if (!all_finite(track.step)) refuse("is not finite");
+        for (size_t c = 0; full && c < 3; ++c)
+            if (track.minimum[c] != -1 || track.step[c] != kPackedFullStep) refuse("is a full rotation with a minimum or step of its own");
         bits = packed_row_bits(track);
         static_assert(31 + std::max(3 * kPackedComponentBits, 4 * kPackedFullBits) <= 96, "three words hold a track, wherever it begins in the first");
         const uint64_t end = uint64_t{track.first_bit} + bits, row_bits = uint64_t{clip.row_stride} * 32;
@@ -219,6 +246,13 @@ private:
                 fail(at("materials", i), "image " + text(material.image) + " of " + text(c_.images.size()));
             if (!all_finite(material.base_color) || !std::isfinite(material.alpha_cutoff)) fail(at("materials", i), "is not finite");
         }
+    }
+
+    // Names and warnings are printed: none rewrites a terminal, or looks like another line.
+    void check_text() const {
+        file::visit_strings(c_, [&](const std::string& string) {
+            if (gltf::printable(string, std::string::npos) != string) fail("text", "'" + gltf::printable(string) + "' has control characters in it");
+        });
     }
 
     const Character& c_;

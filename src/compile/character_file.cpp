@@ -1,37 +1,13 @@
 #include "compile/character_file.h"
 
-#include "base/failure.h"
+#include "base/replace_file.h"
 #include "compile/character_layout.h"
 #include "import/json_view.h"
 
-#include <cstring>
 #include <fstream>
-#include <unistd.h>
 
 namespace throng {
-namespace {
-
 namespace fs = std::filesystem;
-
-// A reader of `path` sees the old file or the new one, never half of it.
-void replace_file(const fs::path& path, std::span<const std::byte> bytes) {
-    std::error_code error;
-    const fs::file_type type = fs::status(path, error).type();
-    if (type != fs::file_type::not_found && type != fs::file_type::regular) throw Failure(ErrorCode::kFile, path.string(), "is there, and not a plain file");
-    fs::path unfinished = path;
-    unfinished += ".part" + std::to_string(getpid());
-    std::ofstream file(unfinished, std::ios::binary | std::ios::trunc);
-    if (!file) throw Failure(ErrorCode::kFile, path.string(), "cannot be written; is its folder there?");
-    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    file.close();
-    if (file) fs::rename(unfinished, path, error);
-    if (file && !error) return;
-    std::error_code ignored;
-    fs::remove(unfinished, ignored);
-    throw Failure(ErrorCode::kFile, path.string(), "cannot be written; has the disk room?");
-}
-
-}  // namespace
 
 bool is_compiled_file(const fs::path& path) {
     std::error_code error;

@@ -38,7 +38,7 @@ static_assert(sizeof(SectionEntry) == 32);
 
 enum class SectionId : uint32_t {
     kScalars, kClips, kSkins, kMaterials, kTextEnds, kText, kImageEnds, kImages,  // records of their own
-    kParents, kNodes, kRest, kTimes, kKeys, kWords, kTracks, kPalette, kVertices, kInfluences, kIndices, kMeshSections,  // as the Character has them
+    kParents, kNodes, kRest, kTimes, kKeys, kWords, kRootRows, kTracks, kPalette, kVertices, kInfluences, kIndices, kMeshSections,  // as the Character has them
 };
 
 struct ScalarsRecord {
@@ -58,11 +58,12 @@ struct ClipRecord {
     float duration_s = 0;
     uint32_t first_time = 0, row_count = 0, row_stride = 0, first_row = 0;
     uint32_t channel_count = 0, animated_track_count = 0, refined_row_count = 0, dropped_row_count = 0;
+    uint32_t first_root_row = 0, root_row_count = 0;
     uint32_t reserved = 0;
     uint64_t source_key_count = 0, size_bytes = 0, raw_size_bytes = 0;
     double error = 0;
 };
-static_assert(sizeof(ClipRecord) == 72);
+static_assert(sizeof(ClipRecord) == 80);
 
 struct SkinRecord {
     uint32_t first_entry = 0, joint_count = 0;
@@ -84,7 +85,7 @@ struct SectionKind {
     std::string_view name;
     uint32_t element_bytes;
 };
-inline constexpr std::array<SectionKind, 20> kSections{{{"scalars", sizeof(ScalarsRecord)},
+inline constexpr std::array<SectionKind, 21> kSections{{{"scalars", sizeof(ScalarsRecord)},
                                                         {"clips", sizeof(ClipRecord)},
                                                         {"skins", sizeof(SkinRecord)},
                                                         {"materials", sizeof(MaterialRecord)},
@@ -98,6 +99,7 @@ inline constexpr std::array<SectionKind, 20> kSections{{{"scalars", sizeof(Scala
                                                         {"times", 4},
                                                         {"keys", 16},
                                                         {"words", 4},
+                                                        {"root rows", 16},
                                                         {"tracks", sizeof(JointTracks)},
                                                         {"palette", sizeof(PaletteEntry)},
                                                         {"vertices", sizeof(Vertex)},
@@ -117,6 +119,7 @@ void visit_arrays(C& character, const Visit& visit) {
     visit(SectionId::kTimes, character.times_s);
     visit(SectionId::kKeys, character.keys);
     visit(SectionId::kWords, character.words);
+    visit(SectionId::kRootRows, character.root_rows);
     visit(SectionId::kTracks, character.tracks);
     visit(SectionId::kPalette, character.palette);
     visit(SectionId::kVertices, character.vertices);

@@ -144,6 +144,8 @@ private:
                 .dropped_row_count = record.dropped_row_count,
                 .size_bytes = record.size_bytes,
                 .raw_size_bytes = record.raw_size_bytes,
+                .first_root_row = record.first_root_row,
+                .root_row_count = record.root_row_count,
                 .error = record.error};
     }
 

@@ -1,7 +1,9 @@
 #include "compile/character_file.h"
 
+#include "base/failure.h"
 #include "compile/character_layout.h"
 #include "compile/crc64.h"
+#include "import/json_view.h"
 
 #include <cassert>
 #include <cstddef>
@@ -22,6 +24,8 @@ ClipRecord record_of(const Clip& clip) {
             .animated_track_count = clip.animated_track_count,
             .refined_row_count = clip.refined_row_count,
             .dropped_row_count = clip.dropped_row_count,
+            .first_root_row = clip.first_root_row,
+            .root_row_count = clip.root_row_count,
             .source_key_count = clip.source_key_count,
             .size_bytes = clip.size_bytes,
             .raw_size_bytes = clip.raw_size_bytes,
@@ -53,6 +57,8 @@ ScalarsRecord scalars_of(const Character& character) {
 
 class Writer {
 public:
+    Writer(const std::string& place, uint64_t limit_bytes) : place_(place), limit_bytes_(limit_bytes) {}
+
     std::vector<std::byte> run(const Character& character) {
         bytes_.resize(sizeof(Header) + kSections.size() * sizeof(SectionEntry));
         add(SectionId::kScalars, std::vector{scalars_of(character)});
@@ -76,7 +82,10 @@ private:
     void add(SectionId id, const std::vector<T>& array) {
         static_assert(std::is_trivially_copyable_v<T>);
         assert(entries_.size() == static_cast<size_t>(id) && sizeof(T) == kSections[entries_.size()].element_bytes);
-        bytes_.resize(aligned(bytes_.size()));
+        const uint64_t offset_bytes = aligned(bytes_.size()), end_bytes = offset_bytes + array.size() * sizeof(T);
+        if (end_bytes > limit_bytes_)
+            throw Failure(ErrorCode::kLimit, place_, "a compiled file of " + std::to_string(end_bytes) + " bytes and more; the limit is " + std::to_string(limit_bytes_));
+        bytes_.resize(offset_bytes);
         entries_.push_back({.id = static_cast<uint32_t>(id),
                             .element_bytes = sizeof(T),
                             .offset_bytes = bytes_.size(),
@@ -115,15 +124,18 @@ private:
         add(SectionId::kImages, encoded);
     }
 
+    const std::string& place_;
+    const uint64_t limit_bytes_;
     std::vector<std::byte> bytes_;
     std::vector<SectionEntry> entries_;
 };
 
 }  // namespace
 
-std::vector<std::byte> write_character(const Character& character) {
-    check_character(character, character.name, ErrorCode::kInvalidArgument);
-    return Writer().run(character);
+std::vector<std::byte> write_character(const Character& character, uint64_t limit_bytes) {
+    const std::string place = gltf::printable(character.name, 120);
+    check_character(character, place, ErrorCode::kInvalidArgument);
+    return Writer(place, limit_bytes).run(character);
 }
 
 uint64_t checksum_of(std::span<const std::byte> file) {

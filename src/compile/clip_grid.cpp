@@ -5,7 +5,6 @@
 namespace throng {
 namespace {
 
-constexpr size_t kGridLimit = 4'000'000;   // of added values: tens of MiB
 constexpr uint32_t kMostHalvings = 8;
 
 uint32_t track_word(const JointTracks& tracks, TrackTarget target) {
@@ -33,6 +32,7 @@ class GridBuilder {
 public:
     GridBuilder(const Character& character, uint32_t clip) : character_(character), clip_(character.clips[clip]) {
         const uint32_t joint_count = character.rig.joint_count();
+        grid_.clip = clip;
         times_s_ = std::span(character.times_s).subspan(clip_.first_time, clip_.row_count);
         grid_.still.resize(joint_count);
         for (uint32_t joint = 0; joint < joint_count; ++joint) {
@@ -47,14 +47,14 @@ public:
         }
     }
 
-    ClipGrid run(std::span<const double> reaches, double bound) {
-        std::vector<uint32_t> halvings = halvings_by_interval(reaches, bound);
-        for (double looser = 8; grid_.tracks.size() * row_count_of(halvings) > std::max(kGridLimit, grid_.tracks.size() * times_s_.size()); looser *= 8)
-            halvings = halvings_by_interval(reaches, bound * looser);
+    ClipGrid run(std::span<const double> reaches, const GridSettings& settings) {
+        const uint64_t most_rows = std::max<uint64_t>(settings.joint_rows / grid_.still.size(), times_s_.size());
+        std::vector<uint32_t> halvings = halvings_by_interval(reaches, settings.bound);
+        for (double looser = 8; row_count_of(halvings) > most_rows; looser *= 8) halvings = halvings_by_interval(reaches, settings.bound * looser);
         add_rows(halvings);
         // Between rows only arcs can be further off than in the rows; at 1/4 they nearly are as far as they get.
         constexpr double kNegligible = 0.1;
-        if (largest_lag_ * character_.rig.level_count > kNegligible * bound && grid_.row_count() * 4 * grid_.tracks.size() <= kGridLimit) grid_.points_per_row = 4;
+        if (!(largest_lag_ * character_.rig.level_count <= kNegligible * settings.bound)) grid_.points_per_row = 4;
         evaluate();
         return std::move(grid_);
     }
@@ -108,14 +108,14 @@ private:
     }
 
     void evaluate() {
-        const size_t points = grid_.point_count();
+        const size_t row_count = grid_.row_count();
         std::vector<RowCursor> cursors;
-        for (size_t point = 0; point < points; ++point) cursors.push_back(find_rows_reference(times_s_, grid_.time_s(point)));
-        grid_.values.resize(grid_.tracks.size() * points);
+        for (const float time_s : grid_.times_s) cursors.push_back(find_rows_reference(times_s_, double{time_s}));
+        grid_.values.resize(grid_.tracks.size() * row_count);
         for (size_t track = 0; track < grid_.tracks.size(); ++track) {
             const GridTrack& of = grid_.tracks[track];
-            for (size_t point = 0; point < points; ++point) {
-                const RowCursor& rows = cursors[point];
+            for (size_t row = 0; row < row_count; ++row) {
+                const RowCursor& rows = cursors[row];
                 TrackSample value = key(track, rows.earlier);
                 if (!of.step && rows.fraction > 0) {
                     const TrackSample later = key(track, rows.later);
@@ -126,7 +126,7 @@ private:
                         for (size_t c = 0; c < 3; ++c) value[c] = value[c] * (1 - rows.fraction) + later[c] * rows.fraction;
                     }
                 }
-                for (size_t c = 0; c < 4; ++c) grid_.values[track * points + point][c] = static_cast<float>(value[c]);
+                for (size_t c = 0; c < 4; ++c) grid_.values[track * row_count + row][c] = static_cast<float>(value[c]);
             }
         }
     }
@@ -147,8 +147,8 @@ double ClipGrid::time_s(size_t point) const {
     return times_s[row] + (double{times_s[row + 1]} - times_s[row]) * static_cast<double>(part) / points_per_row;
 }
 
-TrackSample ClipGrid::value(size_t track, size_t point) const {
-    const TrackKey& key = values[track * point_count() + point];
+TrackSample ClipGrid::value(size_t track, size_t row) const {
+    const TrackKey& key = values[track * row_count() + row];
     return {key[0], key[1], key[2], key[3]};
 }
 
@@ -163,8 +163,8 @@ TrackSample component(const Trs<double>& trs, TrackTarget target) {
     return {v.x, v.y, v.z, 0};
 }
 
-ClipGrid make_clip_grid(const Character& character, uint32_t clip, std::span<const double> reaches, double bound) {
-    return GridBuilder(character, clip).run(reaches, bound);
+ClipGrid make_clip_grid(const Character& character, uint32_t clip, std::span<const double> reaches, const GridSettings& settings) {
+    return GridBuilder(character, clip).run(reaches, settings);
 }
 
 }  // namespace throng

@@ -1,5 +1,5 @@
-// The exact tracks of a clip, evaluated on a grid of times: the rows, rows added where straight lines would not follow the arcs of
-// rotations, and points between them at which the error of a packed clip is measured.
+// The exact tracks of a clip on a grid of times: its rows, and rows added where straight lines would not follow the arcs of rotations.
+// Points between rows are where the error of a packed clip is measured too.
 #pragma once
 
 #include "compile/packed_track.h"
@@ -15,22 +15,27 @@ struct GridTrack {
 };
 
 struct ClipGrid {
+    uint32_t clip = 0;
     std::vector<float> times_s;      // [row_count]
     std::vector<bool> fixed;         // [row_count], rows where a STEP track changes
     uint32_t points_per_row = 1;     // from one row to the next; point p is of row p / points_per_row
     std::vector<GridTrack> tracks;   // that vary, by joint, each joint's translation, rotation, scale
-    std::vector<TrackKey> values;    // [track][point_count()]; rotations of unit length, neighbours in one hemisphere
+    std::vector<TrackKey> values;    // [track][row_count]; rotations of unit length, neighbours in one hemisphere
     std::vector<Trs<double>> still;  // [joint_count], of the tracks that do not vary
 
     size_t row_count() const { return times_s.size(); }
     size_t point_count() const { return (row_count() - 1) * points_per_row + 1; }
     double time_s(size_t point) const;
-    TrackSample value(size_t track, size_t point) const;
+    TrackSample value(size_t track, size_t row) const;
 };
 
-// Of a character with exact keys. `reaches[joint_count]`: how far a rotation of the joint by 1 rad moves a point at most, `bound` the
-// displacement that straight lines instead of arcs may cause: both in model space.
-ClipGrid make_clip_grid(const Character& character, uint32_t clip, std::span<const double> reaches, double bound);
+struct GridSettings {
+    double bound = 0;                   // displacement in model space that straight lines instead of arcs may cause
+    uint64_t joint_rows = 4'000'000;    // rows * joints at most, as far as the clip's own rows leave room: no more than 192 MiB of values
+};
+
+// Of a character with exact keys. `reaches[joint_count]`: how far in model space a rotation of the joint by 1 rad moves a point at most.
+ClipGrid make_clip_grid(const Character& character, uint32_t clip, std::span<const double> reaches, const GridSettings& settings);
 
 // The component of a joint's transform which a track animates.
 void set_component(Trs<double>& trs, TrackTarget target, const TrackSample& value);

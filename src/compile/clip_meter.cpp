@@ -31,8 +31,10 @@ ClipMeter::ClipMeter(const Character& character, const ClipGrid& grid, std::span
 }
 
 std::span<const AffineT<double>> ClipMeter::compute_exact(size_t point) {
-    for (size_t track = 0; track < grid_.tracks.size(); ++track)
-        set_component(exact_pose_[grid_.tracks[track].joint], grid_.tracks[track].target, grid_.value(track, point));
+    if (point % grid_.points_per_row != 0) exact_pose_ = sample_reference(character_, grid_.clip, grid_.time_s(point));
+    else
+        for (size_t track = 0; track < grid_.tracks.size(); ++track)
+            set_component(exact_pose_[grid_.tracks[track].joint], grid_.tracks[track].target, grid_.value(track, point / grid_.points_per_row));
     const std::vector<uint32_t>& parents = character_.rig.parents;
     for (size_t joint = 0; joint < parents.size(); ++joint) {
         const AffineT<double> parent_from_joint = to_affine(exact_pose_[joint]);
@@ -50,7 +52,6 @@ double ClipMeter::place(size_t joint, const Trs<double>& trs, std::span<const Af
     const AffineT<double> parent_from_joint = to_affine(trs);
     AffineT<double>& model = models_[joint];
     model = parent == kNone ? parent_from_joint : models_[parent] * parent_from_joint;
-    if (boxes_[joint].empty) return 0;
     AffineT<double> difference;
     for (size_t r = 0; r < 3; ++r)
         for (size_t c = 0; c < 4; ++c) difference.row[r][c] = model.row[r][c] - wanted[joint].row[r][c];
@@ -81,13 +82,13 @@ std::vector<size_t> ClipMeter::keep_rows(double bound) {
 }
 
 bool ClipMeter::reproduces(size_t from_row, size_t to_row, double bound) {
-    const size_t points = grid_.point_count(), parts = grid_.points_per_row;
+    const size_t parts = grid_.points_per_row;
     pose_ = grid_.still;
     for (size_t row = from_row + 1; row < to_row; ++row) {
         const double w = fraction(from_row, to_row, row * parts);
         for (size_t track = 0; track < grid_.tracks.size(); ++track) {
-            const TrackKey* values = &grid_.values[track * points];
-            mix(pose_[grid_.tracks[track].joint], grid_.tracks[track], values[from_row * parts], values[to_row * parts], w);
+            const TrackKey* values = &grid_.values[track * grid_.row_count()];
+            mix(pose_[grid_.tracks[track].joint], grid_.tracks[track], values[from_row], values[to_row], w);
         }
         const std::span<const AffineT<double>> wanted = exact(row * parts);
         for (size_t joint = 0; joint < boxes_.size(); ++joint)

@@ -1,6 +1,8 @@
 #include "compile/clip_packer.h"
 
+#include "base/failure.h"
 #include "compile/row_encoder.h"
+#include "import/json_view.h"
 
 #include <algorithm>
 #include <limits>
@@ -9,6 +11,7 @@
 namespace throng {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr size_t kSampledRows = 16;          // for sensitivities
 constexpr size_t kSearchPoints = 1024;       // at which the search measures between rows; its result is measured at all
 constexpr double kArcShare = 0.1;            // of the bound, for arcs as straight lines where all rows are kept
@@ -16,6 +19,27 @@ constexpr std::array kRowShares{0.4, 0.75};  // of the bound, for leaving out ro
 constexpr double kMargin = 0.99;             // the points of the grid may miss the largest displacement by a little
 constexpr double kAboveFinest = 1.2;         // where a bound cannot be kept: this much more than the finest saves most of its bits
 
+// Each joint with the largest components of scale and translation in all rows: nothing reaches further, and what is hidden by a scale of 0
+// in the sampled rows is there.
+std::vector<Trs<double>> extended_pose(const Character& character, uint32_t index) {
+    const Clip& clip = character.clips[index];
+    std::vector<Trs<double>> pose = sample_reference(character, index, 0);
+    const auto larger = [](double a, double b) { return std::abs(a) < std::abs(b) ? b : a; };
+    const auto extend = [&](Vec3<double>& value, uint32_t word) {
+        for (uint32_t row = 0; word & kTrackAnimated && row < clip.row_count; ++row) {
+            const auto& key = character.keys[(word & kTrackPosition) + size_t{row} * clip.row_stride];
+            value = {larger(value.x, key[0]), larger(value.y, key[1]), larger(value.z, key[2])};
+        }
+    };
+    for (size_t joint = 0; joint < pose.size(); ++joint) {
+        const JointTracks& tracks = character.tracks[index * pose.size() + joint];
+        extend(pose[joint].translation, tracks.translation);
+        extend(pose[joint].scale, tracks.scale);
+    }
+    return pose;
+}
+
+// The last is the extended one.
 std::vector<std::vector<Trs<double>>> sample_poses(const Character& character, uint32_t index) {
     const Clip& clip = character.clips[index];
     const size_t count = std::min<size_t>(clip.row_count, kSampledRows);
@@ -24,22 +48,15 @@ std::vector<std::vector<Trs<double>>> sample_poses(const Character& character, u
         const size_t row = count == 1 ? 0 : i * (clip.row_count - 1) / (count - 1);
         poses.push_back(sample_reference(character, index, double{character.times_s[clip.first_time + row]}));
     }
+    poses.push_back(extended_pose(character, index));
     return poses;
-}
-
-ClipGrid make_grid(const Character& character, uint32_t clip, std::span<const Box> boxes, std::span<const std::vector<Trs<double>>> poses, double bound) {
-    std::vector<double> reaches(boxes.size());
-    for (const auto& pose : poses) {
-        const std::vector<double> of_pose = joint_reaches(character, boxes, pose);
-        for (size_t joint = 0; joint < boxes.size(); ++joint) reaches[joint] = std::max(reaches[joint], of_pose[joint]);
-    }
-    return make_clip_grid(character, clip, reaches, kArcShare * bound);
 }
 
 class ClipPacker {
 public:
-    ClipPacker(const Character& character, uint32_t clip, std::span<const Box> boxes, double bound)
-        : character_(character), boxes_(boxes), bound_(bound), poses_(sample_poses(character, clip)), grid_(make_grid(character, clip, boxes, poses_, bound)),
+    ClipPacker(const Character& character, uint32_t clip, std::span<const Box> boxes, const PackSettings& settings)
+        : character_(character), boxes_(boxes), bound_(settings.bound), poses_(sample_poses(character, clip)),
+          grid_(make_clip_grid(character, clip, joint_reaches(character, boxes, poses_.back()), {kArcShare * bound_, settings.joint_rows})),
           meter_(character, grid_, boxes), encoder_(character, grid_, meter_) {}
 
     PackedClip run() {
@@ -51,9 +68,13 @@ public:
         }
         if (!best_) {
             take(meter_.keep_rows(kArcShare * bound_));
-            const double finest = evaluate(0, 1, std::numeric_limits<double>::infinity());
+            const double finest = evaluate(0, 1, kInfinity);
+            if (!(finest < kInfinity)) {
+                const std::string name = gltf::printable(character_.clips[grid_.clip].name);
+                throw Failure(ErrorCode::kInvalidFile, gltf::printable(character_.name, 120), "clip '" + name + "': its poses are not finite");
+            }
             keep(finest);
-            search(kAboveFinest * finest);
+            search(finest <= bound_ ? std::max(kMargin * bound_, finest) : kAboveFinest * finest);
         }
         return std::move(*best_);
     }
@@ -61,9 +82,7 @@ public:
 private:
     void take(std::vector<size_t> rows) {
         rows_ = std::move(rows);
-        std::vector<size_t> points;
-        for (const size_t row : rows_) points.push_back(row * grid_.points_per_row);
-        shapes_ = track_shapes(character_, grid_, points);
+        shapes_ = track_shapes(character_, grid_, rows_);
         for (const auto& pose : poses_) add_sensitivity(shapes_, character_, boxes_, pose, bound_);
         weights_.assign(boxes_.size(), 1);
     }
@@ -118,6 +137,7 @@ private:
             if (parent != kNone) below[parent] = std::max(below[parent], below[joint]);
         }
         const double largest = *std::max_element(below.begin(), below.end());
+        if (!(largest < kInfinity)) return;
         for (size_t joint = 0; joint < below.size(); ++joint)
             if (below[joint] > 0) weights_[joint] *= std::min(std::sqrt(largest / below[joint]), 4.0);
     }
@@ -158,8 +178,8 @@ private:
 
 }  // namespace
 
-PackedClip pack_clip(const Character& character, uint32_t clip, std::span<const Box> boxes, double bound) {
-    return ClipPacker(character, clip, boxes, bound).run();
+PackedClip pack_clip(const Character& character, uint32_t clip, std::span<const Box> boxes, const PackSettings& settings) {
+    return ClipPacker(character, clip, boxes, settings).run();
 }
 
 }  // namespace throng

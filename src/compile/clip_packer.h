@@ -14,7 +14,12 @@ struct PackedClip {
     double error = 0;                  // largest displacement found, in the unit of the character
 };
 
-// Of a character with exact keys. `bound`: displacement in the unit of the character; where it cannot be kept, nearly the finest.
-PackedClip pack_clip(const Character& character, uint32_t clip, std::span<const Box> boxes, double bound);
+struct PackSettings {
+    double bound = 0;         // displacement in the unit of the character; where it cannot be kept, the keys are nearly the finest
+    uint64_t joint_rows = 0;  // of GridSettings
+};
+
+// Of a character with exact keys. Throws kInvalidFile where poses of the clip are not finite.
+PackedClip pack_clip(const Character& character, uint32_t clip, std::span<const Box> boxes, const PackSettings& settings);
 
 }  // namespace throng

@@ -3,10 +3,13 @@
 #include "base/failure.h"
 #include "bind/bind_reference.h"
 #include "compile/character_file.h"
+#include "compile/character_layout.h"
 #include "compile/clip.h"
 #include "compile/mesh.h"
 #include "compile/pack.h"
 #include "compile/rig.h"
+#include "compile/root_motion.h"
+#include "compile/uniform_scale.h"
 #include "import/json_view.h"
 #include "import/uri.h"
 #include "scan/scan_reference.h"
@@ -40,22 +43,6 @@ void measure(Character& character) {
     if (!std::isfinite(character.size)) throw Failure(ErrorCode::kInvalidFile, character.name, "the rest pose is not finite");
 }
 
-// Blends of uniform scales are uniform too.
-bool has_uniform_scale(const Character& character) {
-    const size_t joint_count = character.rig.joint_count();
-    for (size_t clip = 0; clip <= character.clips.size(); ++clip) {  // the last is the rest pose
-        for (size_t joint = 0; joint < joint_count; ++joint) {
-            const uint32_t track = character.tracks[clip * joint_count + joint].scale;
-            const bool animated = (track & kTrackAnimated) != 0;
-            for (uint32_t row = 0; row < (animated ? character.clips[clip].row_count : 1); ++row) {
-                const auto& scale = character.keys[(track & kTrackPosition) + size_t{row} * (animated ? character.clips[clip].row_stride : 0)];
-                if (scale[0] != scale[1] || scale[0] != scale[2]) return false;
-            }
-        }
-    }
-    return true;
-}
-
 }  // namespace
 
 uint32_t Character::find_clip(std::string_view clip_name) const {
@@ -74,11 +61,13 @@ Result<Character> compile_character(const Asset& asset, const CompileSettings& s
         compile_mesh(asset, map, character);
         measure(character);
         compile_clips(asset, map, character);
-        character.rig.uniform_scale = has_uniform_scale(character);
+        if (!settings.root_motion_joint.empty()) extract_root_motion(character, settings.root_motion_joint);
         if (settings.error > 0) pack_clips(character, settings.error);
+        character.rig.uniform_scale = has_uniform_scale(character);
         for (const AssetMesh& mesh : asset.meshes)
             for (const AssetPrimitive& primitive : mesh.primitives)
                 character.morph_target_count = std::max(character.morph_target_count, primitive.morph_target_count);
+        file::visit_strings(character, [](std::string& text) { text = gltf::printable(text, std::string::npos); });
         return character;
     }, asset.name);
 }
@@ -86,7 +75,7 @@ Result<Character> compile_character(const Asset& asset, const CompileSettings& s
 Result<Character> load_character(const std::filesystem::path& path, const CompileSettings& settings) {
     if (is_compiled_file(path)) {
         const std::string place = gltf::printable(path.filename().string(), 120);
-        return as_result([&] { return read_character(gltf::read_file(path, gltf::kFileLimitBytes, place), place); }, place);
+        return as_result([&] { return read_character(gltf::read_file(path, kCompiledFileLimit_bytes, place), place); }, place);
     }
     Result<Asset> asset = load_asset(path);
     if (!asset) return asset.error();

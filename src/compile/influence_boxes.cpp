@@ -3,6 +3,7 @@
 #include "scan/scan_reference.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace throng {
 
@@ -12,17 +13,11 @@ void Box::add(const Vec3<double>& p) {
     empty = false;
 }
 
-void Box::add(const Box& other) {
-    if (other.empty) return;
-    add(other.low);
-    add(other.high);
-}
-
 Vec3<double> Box::corner(size_t index) const { return {index & 1 ? high.x : low.x, index & 2 ? high.y : low.y, index & 4 ? high.z : low.z}; }
 
 double Box::largest_distance() const {
     const auto larger = [](double a, double b) { return std::max(std::abs(a), std::abs(b)); };
-    return empty ? 0 : length(Vec3<double>{larger(low.x, high.x), larger(low.y, high.y), larger(low.z, high.z)});
+    return length(Vec3<double>{larger(low.x, high.x), larger(low.y, high.y), larger(low.z, high.z)});
 }
 
 namespace {
@@ -31,6 +26,7 @@ namespace {
 // (N. Frechette, Animation Compression Library, "Simulating the skinned mesh").
 void add_unskinned(const Character& character, std::vector<Box>& boxes) {
     constexpr double kReach = 0.02, kReachWithoutMesh = 0.1;  // of the character's size
+    constexpr double kHidden = 1e-9;                          // a scale of the rest pose; clips may show the joint
     const bool has_mesh = std::any_of(boxes.begin(), boxes.end(), [](const Box& box) { return !box.empty; });
     std::vector<AffineT<double>> parent_from_joint;
     for (const Trs<float>& rest : character.rig.rest) parent_from_joint.push_back(to_affine(rest.as<double>()));
@@ -39,7 +35,7 @@ void add_unskinned(const Character& character, std::vector<Box>& boxes) {
         if (!boxes[joint].empty) continue;
         const auto& row = model_from_joint[joint].row;
         const double scale = length(Vec3<double>{row[0][0], row[1][0], row[2][0]});  // of lengths, from joint to model space
-        const double half = scale > 1e-9 ? character.size * (has_mesh ? kReach : kReachWithoutMesh) / (std::sqrt(3.0) * scale) : 0;
+        const double half = character.size * (has_mesh ? kReach : kReachWithoutMesh) / (std::sqrt(3.0) * (scale > kHidden ? scale : 1));
         boxes[joint] = {{-half, -half, -half}, {half, half, half}, false};
     }
 }
@@ -71,10 +67,10 @@ double displacement(const AffineT<double>& difference, const Box& box) {
         return Vec3<double>{difference.row[0][column], difference.row[1][column], difference.row[2][column]} * extent;
     };
     const Vec3<double> x = axis(0, half.x), y = axis(1, half.y), z = axis(2, half.z), a = x + y, b = x - y;
-    double largest = 0;
+    double largest = -1;  // no comparison with what is no number is true
     for (const Vec3<double>& edge : {a + z, a - z, b + z, b - z})  // a corner and its opposite
         largest = std::max(largest, dot(middle, middle) + dot(edge, edge) + 2 * std::abs(dot(middle, edge)));
-    return std::sqrt(largest);
+    return largest >= 0 ? std::sqrt(largest) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace throng

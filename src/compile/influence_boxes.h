@@ -9,20 +9,19 @@ namespace throng {
 
 struct Box {
     Vec3<double> low, high;
-    bool empty = true;
+    bool empty = true;  // while it is made
 
     void add(const Vec3<double>& p);
-    void add(const Box& other);
     Vec3<double> corner(size_t index) const;  // 0 to 7
-    double largest_distance() const;          // of a corner from the origin; 0 where it is empty
+    double largest_distance() const;          // of a corner from the origin
 };
 
 // [joint_count], in joint space: the vertices that the joint's palette entries move with a weight above 0; for joints that move none, a
 // cube whose half diagonal is 2 % of the character's size, or 10 % where no joint moves any.
 std::vector<Box> influence_boxes(const Character& character);
 
-// The largest displacement of a point of the box (not empty) between two transforms of it, whose difference is given. It is a convex
-// function of the point, so a corner has it; and a vertex moves no further than the furthest of its joints takes it.
+// The largest displacement of a point of the box between two transforms of it, whose difference is given; infinity where that is no number.
+// It is a convex function of the point, so a corner has it; and a vertex moves no further than the furthest of its joints takes it.
 double displacement(const AffineT<double>& difference, const Box& box);
 
 }  // namespace throng

@@ -63,11 +63,11 @@ double RowEncoder::encode(std::span<const TrackShape> shapes, std::span<const si
 Trs<double> RowEncoder::encode_joint(std::span<const TrackShape> shapes, std::span<const size_t> rows, size_t row, size_t joint,
                                      std::span<const AffineT<double>> wanted) {
     Trs<double> packed = still_[joint];
-    const size_t first = joint * 3, point = rows[row] * grid_.points_per_row;
+    const size_t first = joint * 3;
     if (!moves(first) && !moves(first + 1) && !moves(first + 2)) return packed;
     Trs<double> local = packed;
     for (size_t slot = first; slot < first + 3; ++slot)
-        if (moves(slot)) set_component(local, shapes[slot].target, grid_.value(track_of_[slot], point));
+        if (moves(slot)) set_component(local, shapes[slot].target, grid_.value(track_of_[slot], rows[row]));
     const Trs<double> aimed = aim(joint, local, wanted);
     for (size_t slot = first; slot < first + 3; ++slot) {
         if (!moves(slot)) continue;

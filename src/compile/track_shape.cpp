@@ -23,24 +23,20 @@ std::vector<double> parent_scales(const Character& character, std::span<const Tr
 // Distance from each joint, in its own space, within which all lies that it moves.
 std::vector<double> joint_radii(const Character& character, std::span<const Box> boxes, std::span<const Trs<double>> pose) {
     std::vector<double> radii(pose.size());
-    std::vector<bool> moves_skin(pose.size());
     for (size_t joint = pose.size(); joint-- > 0;) {
         radii[joint] = std::max(radii[joint], boxes[joint].largest_distance());
-        if (!boxes[joint].empty) moves_skin[joint] = true;
         const uint32_t parent = character.rig.parents[joint];
-        if (parent == kNone || !moves_skin[joint]) continue;
-        radii[parent] = std::max(radii[parent], length(pose[joint].translation) + largest(pose[joint].scale) * radii[joint]);
-        moves_skin[parent] = true;
+        if (parent != kNone) radii[parent] = std::max(radii[parent], length(pose[joint].translation) + largest(pose[joint].scale) * radii[joint]);
     }
     return radii;
 }
 
 // The component that is best left out, and how small it gets.
-std::pair<uint32_t, double> choose_left_out(const ClipGrid& grid, size_t track, std::span<const size_t> points) {
+std::pair<uint32_t, double> choose_left_out(const ClipGrid& grid, size_t track, std::span<const size_t> rows) {
     std::array<double, 4> low, high, nearest;
     low.fill(1), high.fill(-1), nearest.fill(1);
-    for (const size_t point : points) {
-        const TrackSample value = grid.value(track, point);
+    for (const size_t row : rows) {
+        const TrackSample value = grid.value(track, row);
         for (size_t c = 0; c < 4; ++c) {
             low[c] = std::min(low[c], value[c]);
             high[c] = std::max(high[c], value[c]);
@@ -89,7 +85,7 @@ std::array<double, 3> half_range(const TrackShape& shape) {
 PackedTrack full_rotation() {
     PackedTrack track;
     track.minimum.fill(-1);
-    track.step.fill(2.0f / ((1u << kPackedFullBits) - 1));
+    track.step.fill(kPackedFullStep);
     track.layout = kPackedFull | 3u << kPackedLeftOutShift | kPackedFullBits | kPackedFullBits << 5 | kPackedFullBits << 10;
     return track;
 }
@@ -103,7 +99,7 @@ PackedTrack middle_of(const TrackShape& shape) {
 
 }  // namespace
 
-std::vector<TrackShape> track_shapes(const Character& character, const ClipGrid& grid, std::span<const size_t> points) {
+std::vector<TrackShape> track_shapes(const Character& character, const ClipGrid& grid, std::span<const size_t> rows) {
     std::vector<TrackShape> shapes(grid.still.size() * 3);
     const auto begin = [&](uint32_t joint, TrackTarget target) -> TrackShape& {
         TrackShape& shape = shapes[joint * 3 + static_cast<size_t>(target)];
@@ -132,14 +128,14 @@ std::vector<TrackShape> track_shapes(const Character& character, const ClipGrid&
         TrackShape& shape = begin(of.joint, of.target);
         shape.step = of.step;
         if (of.target == TrackTarget::kRotation) {
-            const auto [left_out, smallest] = choose_left_out(grid, track, points);
+            const auto [left_out, smallest] = choose_left_out(grid, track, rows);
             shape.left_out = left_out;
             shape.full = smallest < kSmallestLeftOut;
         }
-        begin_shape(shape, grid.value(track, points.front()));
+        begin_shape(shape, grid.value(track, rows.front()));
         shape.rest_deviation = {};
         finish(shape, [&](auto&& add) {
-            for (const size_t point : points) add(grid.value(track, point));
+            for (const size_t row : rows) add(grid.value(track, row));
         });
     }
     return shapes;
@@ -160,7 +156,6 @@ void add_sensitivity(std::vector<TrackShape>& shapes, const Character& character
         const auto raise = [&](TrackTarget target, size_t c, double value) {
             shape(target).sensitivity[c] = std::max(shape(target).sensitivity[c], value);
         };
-        if (levers[joint].empty) continue;  // moves no skin
         const AffineT<double> parent_from_joint = to_affine(pose[joint]);
         std::array<Vec3<double>, 8> arms;  // from the joint to the corners, in the space of its parent
         for (size_t i = 0; i < 8; ++i) arms[i] = transform_vector(parent_from_joint, levers[joint].corner(i));

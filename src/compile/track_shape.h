@@ -23,12 +23,12 @@ struct TrackShape {
     bool varies() const { return low != high; }
 };
 
-// [joint_count][3], in the order of TrackTarget. `points` are the grid points of the rows that are kept.
-std::vector<TrackShape> track_shapes(const Character& character, const ClipGrid& grid, std::span<const size_t> points);
+// [joint_count][3], in the order of TrackTarget. `rows` are those of the grid that are kept.
+std::vector<TrackShape> track_shapes(const Character& character, const ClipGrid& grid, std::span<const size_t> rows);
 
 // Fills `sensitivity` for a pose; called for several, the largest remains. An error of a joint's rotation moves its own skin and the
 // joints below it, but what hangs on these in turn only as far as their own rotations move the skin less than `bound`: the others make up
-// for it (ClipPacker::aim).
+// for it (RowEncoder::aim).
 void add_sensitivity(std::vector<TrackShape>& shapes, const Character& character, std::span<const Box> boxes, std::span<const Trs<double>> pose, double bound);
 
 // [joint_count]: how far a rotation of the joint by 1 rad, or a scale by 1 more, moves any point below it at most.

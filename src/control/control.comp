@@ -2,18 +2,19 @@
 // control: advances each instance's clips by the time step and finds the rows of keys that the sample stage interpolates.
 // One invocation per instance; cost: a binary search per clip.
 #include "control/control_io.h"
+#include "gpu/table.glsl"
 
 layout(local_size_x = kControlWorkgroupSize) in;
 layout(set = 0, binding = 0, std430) buffer Playbacks { InstancePlayback playbacks[]; };
-layout(set = 0, binding = 1, std430) readonly buffer Axes { ClipAxis axes[]; };
-layout(set = 0, binding = 2, std430) readonly buffer Times { float times[]; };
+TABLE_OF_WORDS(1, Axes, axes);
+TABLE_OF_WORDS(2, Times, times);
 layout(set = 0, binding = 3, std430) writeonly buffer Cursors { InstanceCursor cursors[]; };
 layout(push_constant) uniform Push { ControlPush push; };
 
 #include "control/control.glsl"
 
 SlotCursor advance(inout SlotPlayback slot) {
-    const ClipAxis axis = axes[slot.clip];
+    const ClipAxis axis = load_axis(slot.clip);
     slot.time_s = local_time(slot.time_s + push.time_step_s * slot.speed, axis.duration_s, slot.loop != 0);
     SlotCursor cursor = find_rows(axis, slot.time_s);
     cursor.first_track = slot.clip * push.joint_count;

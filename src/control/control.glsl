@@ -1,5 +1,12 @@
-// Playback state -> time -> rows of keys. The includer declares `float times[]`.
+// Playback state -> time -> rows of keys. The includer declares the tables `axes` and `times`, words both.
 #include "control/control_io.h"
+
+ClipAxis load_axis(uint clip) {
+    const uint w = kAxisWords * clip;
+    return ClipAxis(WORD_AT(axes, w), WORD_AT(axes, w + 1), WORD_AT(axes, w + 2), WORD_AT(axes, w + 3), uintBitsToFloat(WORD_AT(axes, w + 4)));
+}
+
+float time_at(uint index) { return uintBitsToFloat(WORD_AT(times, index)); }
 
 // Looping: t - floor(t / D) * D, so that t = D wraps to 0. Division is not exact on GPUs, hence the two mends; what an
 // overflow made infinite or NaN wraps to 0 as well, or it would stay for good.
@@ -16,11 +23,11 @@ SlotCursor find_rows(ClipAxis axis, float time_s) {
     uint low = 0, high = axis.row_count;  // times[low] <= time_s < times[high], but for the ends
     while (high - low > 1) {
         const uint middle = (low + high) / 2;
-        if (times[axis.first_time + middle] <= time_s) low = middle;
+        if (time_at(axis.first_time + middle) <= time_s) low = middle;
         else high = middle;
     }
     const uint later = min(low + 1, axis.row_count - 1);
-    const float from_s = times[axis.first_time + low], to_s = times[axis.first_time + later];
+    const float from_s = time_at(axis.first_time + low), to_s = time_at(axis.first_time + later);
     const float fraction = later > low ? clamp((time_s - from_s) / (to_s - from_s), 0, 1) : 0;
     return SlotCursor(0, axis.first_row + low * axis.row_stride, axis.first_row + later * axis.row_stride, fraction);
 }

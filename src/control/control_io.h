@@ -19,7 +19,8 @@ struct InstancePlayback {
     float weight;  // of first, 0..1; the second clip has the rest
 };
 
-// The time axis of a clip.
+// The time axis of a clip: as many words of a table as it has members.
+THRONG_IO_CONSTANT kAxisWords = 5;
 struct ClipAxis {
     uint first_time;    // index into times
     uint row_count;     // >= 1

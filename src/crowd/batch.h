@@ -9,10 +9,14 @@ struct Batch {
     uint32_t group = 0;
     uint32_t first_instance = 0, instance_count = 0;
     uint32_t blending_count = 0;  // instances in which both clips have weight
-    Buffer playbacks, cursors, placements;
+    Buffer placements;
+    Buffer playbacks, cursors;                    // two clips an instance
+    Buffer layers, parameters, voices, roots;     // layers, where the group has a controller; roots where it has root motion
     std::array<Buffer, 2> skins;  // the second only where CrowdSettings::keep_previous_matrices; then they take turns
     uint32_t current_skin = 0;    // written by the last update
     Buffer kept_model;  // where CrowdSettings::keep_model_matrices
+    Buffer inertias, inertia_states;              // where the controller has inertial transitions
+    Buffer sockets;    // Affine[instance_count][socket_count]
     Bindings control;
 
     const Buffer& skin() const { return skins[current_skin]; }

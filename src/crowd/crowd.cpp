@@ -56,6 +56,26 @@ Result<void> Crowd::set_placement(uint32_t first_instance, std::span<const Affin
     return as_result([&] { state_->set_placement(first_instance, world_from_model); });
 }
 
+Result<void> Crowd::play(uint32_t instance, uint32_t layer, const LayerPlayback& playback) {
+    return as_result([&] { state_->play(instance, layer, playback); });
+}
+
+Result<void> Crowd::set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend) {
+    return as_result([&] { state_->set_layer(instance, layer, blend); });
+}
+
+Result<void> Crowd::set_parameters(uint32_t instance, uint32_t parameter, std::span<const float> values) {
+    return as_result([&] { state_->set_parameters(instance, parameter, values); });
+}
+
+Result<void> Crowd::watch(std::span<const uint32_t> instances) {
+    return as_result([&] { state_->watch(instances); });
+}
+
+Result<std::vector<Feedback>> Crowd::feedback() {
+    return as_result([&] { return state_->take_feedback(); });
+}
+
 Result<void> Crowd::record(VkCommandBuffer commands, float time_step_s) {
     return as_result([&] { state_->record(commands, time_step_s); }, "crowd");
 }

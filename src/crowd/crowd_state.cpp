@@ -2,14 +2,17 @@
 
 #include "base/failure.h"
 #include "bind/skin_format.h"
+#include "blend/inertia_io.h"
 #include "control/control.h"
 #include "control/control_reference.h"
+#include "control/layer_commands.h"
 #include "control/playback.h"
 #include "gpu/barrier.h"
 #include "skin/skin.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace throng {
 namespace {
@@ -17,6 +20,13 @@ namespace {
 constexpr uint64_t kMatrix_bytes = sizeof(Affine);
 
 bool blends(const io::InstancePlayback& playback) { return playback.weight > 0 && playback.weight < 1; }
+
+// Nothing has moved yet.
+io::RootState standing_at(const Affine& world_from_model) {
+    io::RootState root{.move = {0, 0, 1, 0}, .place = {0, 0, 1, 0}, .base = {}};
+    std::memcpy(root.base, &world_from_model, sizeof root.base);
+    return root;
+}
 
 }  // namespace
 
@@ -36,7 +46,7 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     for (const CrowdGroup& group : settings.groups) {
         if (const std::string obstacle = skin_format_obstacle(skin_format, *group.character); !obstacle.empty())
             throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin format", obstacle);
-        groups.emplace_back(gpu, *group.character, choose_path(*gpu, settings, group));
+        groups.emplace_back(gpu, group, choose_path(*gpu, settings, group));
         make_batches(static_cast<uint32_t>(groups.size() - 1), settings);
         const auto rest = static_cast<uint32_t>(group.character->clips.size());
         const io::SlotPlayback rest_slot{.clip = rest, .loop = 0, .time_s = 0, .speed = 0};
@@ -44,10 +54,12 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     }
     for (Batch& batch : batches) {
         const Group& group = groups[batch.group];
-        batch.control = control_.bind(ControlBuffers{batch.playbacks, group.axes, group.times, batch.cursors});
+        if (!group.controller) batch.control = control_.bind(ControlBuffers{batch.playbacks, group.axes, group.times, batch.cursors});
     }
     fused.emplace(gpu, groups, batches, settings);
     staged.emplace(gpu, groups, batches, skin_format);
+    make_feedback(settings);
+    controllers.emplace(gpu, groups, batches, feedback ? &*feedback : nullptr);
     placements.resize(instance_count);
     dirty_playbacks_.add(0, instance_count);
     dirty_placements_.add(0, instance_count);
@@ -72,10 +84,11 @@ void CrowdState::check_memory(const CrowdSettings& settings) const {
 void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& settings) {
     const Group& group = groups[group_index];
     const uint32_t count = settings.groups[group_index].instance_count;
-    const uint64_t widest = std::max(group.joint_count, group.palette_count);
-    const uint64_t capacity = std::min<uint64_t>(arena_limit_bytes(*gpu) / (widest * kMatrix_bytes), gpu->properties.limits.maxComputeWorkGroupCount[0]);
+    const uint64_t joint_bytes = group.controller && group.controller->is_inertial ? sizeof(io::InertiaState) : kMatrix_bytes;
+    const uint64_t instance_bytes = std::max(group.joint_count * joint_bytes, group.palette_count * kMatrix_bytes);
+    const uint64_t capacity = std::min<uint64_t>(arena_limit_bytes(*gpu) / instance_bytes, gpu->properties.limits.maxComputeWorkGroupCount[0]);
     if (capacity == 0)
-        throw Failure(ErrorCode::kLimit, group.name, "the matrices of one instance (" + std::to_string(widest * kMatrix_bytes) +
+        throw Failure(ErrorCode::kLimit, group.name, "the matrices of one instance (" + std::to_string(instance_bytes) +
                                                          " bytes) exceed the device's storage-buffer range of " + std::to_string(arena_limit_bytes(*gpu)));
     const uint64_t batch_count = (count + capacity - 1) / capacity;
     for (uint64_t i = 0; i < batch_count; ++i) {
@@ -86,11 +99,16 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
         batch.first_instance = instance_count + first;
         batch.instance_count = end - first;
         const auto storage = [&](const char* what, uint64_t size_bytes) { return Buffer(gpu, group.name + ": " + what, size_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT); };
-        batch.playbacks = storage("playback states", n * sizeof(io::InstancePlayback));
-        batch.cursors = storage("cursors", n * sizeof(io::InstanceCursor));
+        if (group.controller) {
+            make_layers(batch);
+        } else {
+            batch.playbacks = storage("playback states", n * sizeof(io::InstancePlayback));
+            batch.cursors = storage("cursors", n * sizeof(io::InstanceCursor));
+        }
         batch.placements = storage("placements", n * kMatrix_bytes);
         for (size_t k = 0; k < (settings.keep_previous_matrices ? 2 : 1); ++k)
             batch.skins[k] = storage("skin matrices", n * std::max(group.palette_count, 1u) * skin_format_bytes(skin_format));
+        if (group.sockets) batch.sockets = storage("sockets", n * group.socket_count() * kMatrix_bytes);
         if (settings.keep_model_matrices) batch.kept_model = storage("model matrices", n * group.joint_count * kMatrix_bytes);
         outputs.push_back({.group = group_index,
                            .first_instance = batch.first_instance,
@@ -100,10 +118,60 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
                            .skin_buffer = batch.skins[0].handle(),
                            .previous_skin_buffer = batch.skins[1].handle(),
                            .model_buffer = batch.kept_model.handle(),
-                           .placement_buffer = batch.placements.handle()});
+                           .placement_buffer = batch.placements.handle(),
+                           .socket_count = group.socket_count(),
+                           .socket_buffer = batch.sockets.handle(),
+                           .parameter_count = group.controller ? group.controller->parameter_count : 0,
+                           .parameter_buffer = batch.parameters.handle()});
         batches.push_back(std::move(batch));
     }
     instance_count += count;
+}
+
+void CrowdState::make_feedback(const CrowdSettings& settings) {
+    watch_capacity_ = settings.watch_capacity;
+    bool any = false;
+    uint64_t most_sockets = 0;
+    for (const Group& group : groups) {
+        any = any || group.controller || group.sockets;
+        most_sockets = std::max<uint64_t>(most_sockets, group.socket_count());
+    }
+    if (any) feedback.emplace(gpu, settings.event_capacity, watch_capacity_ * most_sockets * kMatrix_bytes);
+}
+
+void CrowdState::watch(std::span<const uint32_t> instances) {
+    if (instances.size() > watch_capacity_)
+        throw Failure(ErrorCode::kLimit, "watch", std::to_string(instances.size()) + " instances; CrowdSettings::watch_capacity is " + std::to_string(watch_capacity_));
+    std::vector<Watched> watched;
+    for (const uint32_t instance : instances) {
+        check_range(instance, 1, "watch");
+        const Batch& batch = batch_of(instance);
+        const uint64_t size_bytes = groups[batch.group].socket_count() * kMatrix_bytes;
+        if (size_bytes == 0) throw Failure(ErrorCode::kInvalidArgument, "watch of instance " + std::to_string(instance), groups[batch.group].name + " has no sockets");
+        watched.push_back({instance, BufferRange(batch.sockets.handle(), (instance - batch.first_instance) * size_bytes, size_bytes)});
+    }
+    watched_ = std::move(watched);
+}
+
+std::vector<Feedback> CrowdState::take_feedback() { return feedback ? feedback->take() : std::vector<Feedback>(); }
+
+// As its instances begin.
+void CrowdState::make_layers(Batch& batch) const {
+    const Group& group = groups[batch.group];
+    const GroupController& controller = *group.controller;
+    const auto repeated = [&](const auto& one) {
+        std::remove_cvref_t<decltype(one)> all;
+        for (uint32_t i = 0; i < batch.instance_count; ++i) all.insert(all.end(), one.begin(), one.end());
+        return all;
+    };
+    batch.layers = upload(gpu, group.name + ": layers", repeated(controller.initial_layers));
+    batch.parameters = upload(gpu, group.name + ": parameters", repeated(controller.initial_parameters));
+    batch.voices = make_table<io::Voice>(gpu, group.name + ": voices", batch.instance_count * uint64_t{controller.voice_limit});
+    if (controller.is_inertial) {
+        batch.inertias = upload(gpu, group.name + ": inertial transitions", std::vector<io::InstanceInertia>(batch.instance_count));
+        batch.inertia_states = Buffer(gpu, group.name + ": poses of inertial transitions", batch.instance_count * uint64_t{group.joint_count} * sizeof(io::InertiaState), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    }
+    if (group.has_root_motion()) batch.roots = upload(gpu, group.name + ": root motion", std::vector<io::RootState>(batch.instance_count, standing_at(Affine{})));
 }
 
 void CrowdState::check_range(uint32_t first_instance, size_t count, const char* what) const {
@@ -122,7 +190,10 @@ void CrowdState::set_playback(uint32_t first_instance, std::span<const Playback>
     std::vector<io::InstancePlayback> checked;
     checked.reserve(playback.size());
     for (uint32_t i = 0; i < playback.size(); ++i) {
-        const auto& durations_s = groups[batch_of(first_instance + i).group].clip_durations_s;
+        const Group& group = groups[batch_of(first_instance + i).group];
+        const auto& durations_s = group.clip_durations_s;
+        if (group.controller)
+            throw Failure(ErrorCode::kInvalidArgument, "playback of instance " + std::to_string(first_instance + i), "it has a controller: use play() or its parameters");
         const auto clip_count = static_cast<uint32_t>(durations_s.size());
         check_playback(playback[i], clip_count, "playback of instance " + std::to_string(first_instance + i));
         // Wrapped in double precision here, so that a late time costs no digits on the GPU.
@@ -155,24 +226,66 @@ void CrowdState::set_placement(uint32_t first_instance, std::span<const Affine> 
     dirty_placements_.add(first_instance, static_cast<uint32_t>(world_from_model.size()));
 }
 
+const GroupController& CrowdState::controller_of(uint32_t instance, const char* what) const {
+    check_range(instance, 1, what);
+    const Group& group = groups[batch_of(instance).group];
+    if (!group.controller) throw Failure(ErrorCode::kInvalidArgument, std::string(what) + " of instance " + std::to_string(instance), group.name + " has no controller");
+    return *group.controller;
+}
+
+void CrowdState::send(uint32_t instance, io::ControlCommand command) {
+    const Batch& batch = batch_of(instance);
+    command.instance = instance - batch.first_instance;
+    controllers->add(static_cast<uint32_t>(&batch - batches.data()), command);
+}
+
+void CrowdState::play(uint32_t instance, uint32_t layer, const LayerPlayback& playback) {
+    const GroupController& controller = controller_of(instance, "play");
+    const auto& durations_s = groups[batch_of(instance).group].clip_durations_s;
+    send(instance, play_command(controller.has_states, durations_s, layer, playback, "play of instance " + std::to_string(instance)));
+}
+
+void CrowdState::set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend) {
+    const GroupController& controller = controller_of(instance, "layer");
+    send(instance, layer_command(controller.has_states, controller.mask_count, layer, blend, "layer of instance " + std::to_string(instance)));
+}
+
+void CrowdState::set_parameters(uint32_t instance, uint32_t parameter, std::span<const float> values) {
+    const GroupController& controller = controller_of(instance, "parameter");
+    const std::string place = "parameter of instance " + std::to_string(instance);
+    check_parameters(controller.parameter_count, parameter, values, place);
+    for (uint32_t i = 0; i < values.size(); ++i) send(instance, {.kind = io::kCommandParameter, .target = parameter + i, .value = values[i]});
+}
+
 // The changes travel inside the command buffer, so that no staging memory has to outlive the call.
 void CrowdState::upload_changes(VkCommandBuffer commands) {
     constexpr uint64_t kUpdateLimit_bytes = 65536;  // of vkCmdUpdateBuffer
-    const auto upload_ranges = [&](DirtyRanges& dirty, const auto& values, Buffer Batch::*buffer) {
-        constexpr uint64_t kItem_bytes = sizeof(values[0]), kItems = kUpdateLimit_bytes / kItem_bytes;
+    const auto upload_ranges = [&](DirtyRanges& dirty, uint64_t item_bytes, const auto& upload_part) {
+        const uint64_t items = kUpdateLimit_bytes / item_bytes;
         for (auto [first, count] : dirty.take()) {
             while (count > 0) {
                 const Batch& batch = batch_of(first);
-                const uint64_t end = std::min<uint64_t>({first + uint64_t{count}, batch.first_instance + uint64_t{batch.instance_count}, first + kItems});
+                const uint64_t end = std::min<uint64_t>({first + uint64_t{count}, batch.first_instance + uint64_t{batch.instance_count}, first + items});
                 const auto n = static_cast<uint32_t>(end - first);
-                gpu->vk.vkCmdUpdateBuffer(commands, (batch.*buffer).handle(), (first - batch.first_instance) * kItem_bytes, n * kItem_bytes, &values[first]);
+                upload_part(batch, first, n);
                 first += n;
                 count -= n;
             }
         }
     };
-    upload_ranges(dirty_playbacks_, playbacks_, &Batch::playbacks);
-    upload_ranges(dirty_placements_, placements, &Batch::placements);
+    const auto update = [&](const Buffer& buffer, const Batch& batch, uint32_t first, const auto* items, uint32_t count) {
+        gpu->vk.vkCmdUpdateBuffer(commands, buffer.handle(), (first - batch.first_instance) * sizeof *items, count * sizeof *items, items);
+    };
+    upload_ranges(dirty_playbacks_, sizeof(io::InstancePlayback), [&](const Batch& batch, uint32_t first, uint32_t count) {
+        if (batch.playbacks.handle()) update(batch.playbacks, batch, first, &playbacks_[first], count);
+    });
+    upload_ranges(dirty_placements_, sizeof(io::RootState), [&](const Batch& batch, uint32_t first, uint32_t count) {
+        update(batch.placements, batch, first, &placements[first], count);
+        if (!batch.roots.handle()) return;
+        std::vector<io::RootState> roots;
+        for (uint32_t i = first; i < first + count; ++i) roots.push_back(standing_at(placements[i]));
+        update(batch.roots, batch, first, roots.data(), count);
+    });
 }
 
 void CrowdState::record(VkCommandBuffer commands, float time_step_s) {
@@ -181,12 +294,15 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s) {
     // Whoever reads the last update's results must be done.
     memory_barrier(*gpu, commands, kConsumers | kShaderWrite | kTransferWrite, kShaderRead | kShaderWrite | kTransferWrite);
     upload_changes(commands);
+    if (feedback) feedback->begin(commands);
+    controllers->record_commands(commands);
     take_turns();
     memory_barrier(*gpu, commands, kTransferWrite, kShaderRead | kShaderWrite | kVertexRead);
     if (timer) timer->begin(commands);
     record_control(commands, time_step_s);
     fused->record(commands, timer.get());
     staged->record(commands, timer.get());
+    if (feedback) feedback->end(commands, watched_);
     if (!has_updated_) copy_to_previous(commands);
     has_updated_ = true;
     memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, kConsumers);
@@ -213,8 +329,9 @@ void CrowdState::copy_to_previous(VkCommandBuffer commands) const {
 }
 
 void CrowdState::record_control(VkCommandBuffer commands, float time_step_s) {
+    controllers->record(commands, time_step_s);
     for (const Batch& batch : batches)
-        control_.dispatch_invocations(commands, batch.control, io::ControlPush{batch.instance_count, groups[batch.group].joint_count, time_step_s}, batch.instance_count);
+        if (batch.playbacks.handle()) control_.dispatch_invocations(commands, batch.control, io::ControlPush{batch.instance_count, groups[batch.group].joint_count, time_step_s}, batch.instance_count);
     memory_barrier(*gpu, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
     if (timer) timer->end_stage(commands, &StageTimes::control);
 }
@@ -255,10 +372,10 @@ std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
 }
 
 uint64_t CrowdState::size_bytes() const {
-    uint64_t sum = staged->size_bytes();
+    uint64_t sum = staged->size_bytes() + controllers->size_bytes() + (feedback ? feedback->size_bytes() : 0);
     for (const Group& group : groups) sum += group.size_bytes();
     for (const Batch& batch : batches)
-        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
+        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.inertias, &batch.inertia_states, &batch.sockets, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
     return sum;
 }
 

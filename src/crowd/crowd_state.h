@@ -4,6 +4,7 @@
 // then the fused ones go from cursors to skin matrices in one pass, the others stage by stage.
 #pragma once
 
+#include "crowd/controller_stage.h"
 #include "crowd/dirty_ranges.h"
 #include "crowd/fused_update.h"
 #include "crowd/staged_update.h"
@@ -21,6 +22,11 @@ struct CrowdState {
 
     void set_playback(uint32_t first_instance, std::span<const Playback> playback);
     void set_placement(uint32_t first_instance, std::span<const Affine> world_from_model);
+    void play(uint32_t instance, uint32_t layer, const LayerPlayback& playback);
+    void set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend);
+    void set_parameters(uint32_t instance, uint32_t parameter, std::span<const float> values);
+    void watch(std::span<const uint32_t> instances);
+    std::vector<Feedback> take_feedback();
     void record(VkCommandBuffer commands, float time_step_s);
     std::vector<Affine> read_matrices(uint32_t instance, bool model) const;
     std::vector<Vec3<float>> read_positions(uint32_t instance);
@@ -36,10 +42,16 @@ struct CrowdState {
     std::unique_ptr<StageTimer> timer;
     std::optional<FusedUpdate> fused;
     std::optional<StagedUpdate> staged;
+    std::optional<FeedbackRing> feedback;
+    std::optional<ControllerStage> controllers;
 
 private:
     void make_batches(uint32_t group, const CrowdSettings& settings);
     void take_turns();
+    void make_feedback(const CrowdSettings& settings);
+    void make_layers(Batch& batch) const;
+    void send(uint32_t instance, io::ControlCommand command);
+    const GroupController& controller_of(uint32_t instance, const char* what) const;
     void check_memory(const CrowdSettings& settings) const;
     void upload_changes(VkCommandBuffer commands);
     void record_control(VkCommandBuffer commands, float time_step_s);
@@ -52,6 +64,8 @@ private:
     std::optional<Kernel> skin_;  // made when positions are first read back
     std::vector<io::InstancePlayback> playbacks_;    // [instance_count], as last set
     bool has_updated_ = false;
+    std::vector<Watched> watched_;
+    uint32_t watch_capacity_ = 0;
     DirtyRanges dirty_playbacks_, dirty_placements_;
 };
 

@@ -23,12 +23,16 @@ private:
     struct Member {
         uint32_t batch = 0;
         std::array<Bindings, 2> bindings;  // one for each of the batch's skin buffers
+        Bindings sockets;                  // where they go to world space
     };
 
     std::shared_ptr<Gpu> gpu_;
     const std::vector<Group>& groups_;
     const std::vector<Batch>& batches_;
+    void record_sockets(VkCommandBuffer commands) const;
+
     std::vector<Kernels> kernels_;  // [group]
+    std::optional<Kernel> sockets_;
     std::vector<Member> members_;
 };
 

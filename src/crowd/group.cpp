@@ -1,6 +1,7 @@
 #include "crowd/group.h"
 
-#include "control/control_io.h"
+#include "base/failure.h"
+#include "control/controller_tables.h"
 #include "sample/sample_io.h"
 #include "skin/skin_io.h"
 
@@ -8,15 +9,22 @@ namespace throng {
 namespace {
 
 static_assert(io::kTrackAnimatedBit == kTrackAnimated && io::kTrackStepBit == kTrackStep && io::kTrackPositionMask == kTrackPosition);
+static_assert(io::kPackedBitsMask == kPackedBitsMask && io::kPackedLeftOutShift == kPackedLeftOutShift && io::kPackedFull == kPackedFull &&
+              io::kPackedStep == kPackedStep && io::kPackedFullBits == kPackedFullBits);
 static_assert(io::kScanNoJoint == kNone);
 static_assert(sizeof(io::VertexRows) == sizeof(Vertex));
 
-// One axis per clip, and the rest pose's: a single row at time 0.
-std::vector<io::ClipAxis> clip_axes(const Character& character) {
+constexpr size_t kSocketLimit = 64;  // as include/throng/crowd.h says
+
+// One axis per clip, and the rest pose's: a single row at time 0. As words.
+std::vector<uint32_t> clip_axes(const Character& character) {
+    static_assert(sizeof(io::ClipAxis) == io::kAxisWords * sizeof(uint32_t));
     std::vector<io::ClipAxis> axes;
     for (const Clip& clip : character.clips) axes.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});
     axes.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0});
-    return axes;
+    std::vector<uint32_t> words(axes.size() * io::kAxisWords);
+    std::memcpy(words.data(), axes.data(), words.size() * sizeof(uint32_t));
+    return words;
 }
 
 // A packed track is read as two rows, also where the second is left out: the last one too.
@@ -26,7 +34,39 @@ std::vector<std::array<float, 4>> readable_keys(const Character& character) {
     return keys;
 }
 
+// Those of clips by clip, and one that nothing reads.
+std::vector<io::vec4> readable_root_rows(const Character& character) {
+    std::vector<io::vec4> rows;
+    for (const auto& [x, z, cosine, sine] : character.root_rows) rows.push_back({x, z, cosine, sine});
+    rows.push_back({0, 0, 1, 0});
+    return rows;
+}
+
 }  // namespace
+
+GroupController::GroupController(const std::shared_ptr<Gpu>& gpu, const Controller& controller, const Character& character, bool moves)
+    : layer_count(static_cast<uint32_t>(controller.layers.size())),
+      parameter_count(static_cast<uint32_t>(controller.parameters.size())),
+      mask_count(static_cast<uint32_t>(controller.masks.size())),
+      moves_placements(moves) {
+    const ControllerTables made = make_controller_tables(controller, character);
+    voice_limit = made.voice_limit;
+    initial_layers = made.initial_layers;
+    initial_parameters = made.initial_parameters;
+    for (const ControllerLayer& layer : controller.layers) {
+        has_states.push_back(!layer.states.empty());
+        for (const ControllerTransition& transition : layer.transitions) is_inertial = is_inertial || transition.fade == FadeKind::kInertial;
+    }
+    tables = upload_table(gpu, character.name + ": controller", made.words);
+    masks = upload_table(gpu, character.name + ": joint masks", made.masks);
+}
+
+Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice)
+    : Group(gpu, *group.character, choice) {
+    if (group.controller) controller.emplace(gpu, *group.controller, *group.character, group.moves_placements);
+    socket_space = group.socket_space;
+    if (!group.sockets.empty()) make_sockets(gpu, group.sockets);
+}
 
 Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const PathChoice& choice)
     : name(character.name),
@@ -51,8 +91,9 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
         binds.push_back(entry.joint_from_bind);
     }
     for (const Clip& clip : character.clips) clip_durations_s.push_back(clip.duration_s);
-    axes = upload(gpu, name + ": clip axes", clip_axes(character));
-    times = upload(gpu, name + ": key times", character.times_s);
+    axes = upload_table(gpu, name + ": clip axes", clip_axes(character));
+    times = upload_table(gpu, name + ": key times", character.times_s);
+    root_rows = upload_table(gpu, name + ": root motion", readable_root_rows(character));
     tracks = upload_table(gpu, name + ": tracks", character.tracks);
     keys = upload_table(gpu, name + ": keys", readable_keys(character));
     words = upload_table(gpu, name + ": key words", character.words);
@@ -63,9 +104,23 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
     indices = upload(gpu, name + ": indices", character.indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
 }
 
+void Group::make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint32_t>& joints) {
+    const std::string place = name + ": sockets";
+    if (joints.size() > kSocketLimit) throw Failure(ErrorCode::kLimit, place, std::to_string(joints.size()) + " of them; at most " + std::to_string(kSocketLimit));
+    std::vector<uint32_t> slots(joint_count);
+    for (uint32_t i = 0; i < joints.size(); ++i) {
+        if (joints[i] >= joint_count) throw Failure(ErrorCode::kInvalidArgument, place, "joint " + std::to_string(joints[i]) + " of a character that has " + std::to_string(joint_count));
+        if (slots[joints[i]] != 0) throw Failure(ErrorCode::kInvalidArgument, place, "joint " + std::to_string(joints[i]) + " is there twice");
+        slots[joints[i]] = i + 1;
+    }
+    sockets.emplace(GroupSockets{joints, upload_table(gpu, place, joints), upload_table(gpu, place + " by joint", slots)});
+}
+
 uint64_t Group::size_bytes() const {
     uint64_t sum = fused ? fused->tables.size_bytes() : scan->links().size_bytes();
-    for (const Buffer* buffer : {&axes, &times, &tracks, &keys, &words, &palette_joints, &joint_from_bind, &vertices, &influences, &indices})
+    if (sockets) sum += sockets->table.size_bytes() + sockets->slots.size_bytes();
+    if (controller) sum += controller->tables.size_bytes() + controller->masks.size_bytes();
+    for (const Buffer* buffer : {&axes, &times, &root_rows, &tracks, &keys, &words, &palette_joints, &joint_from_bind, &vertices, &influences, &indices})
         sum += buffer->size_bytes();
     return sum;
 }

@@ -1,6 +1,8 @@
 // One character of a crowd, uploaded: what all of its instances share.
 #pragma once
 
+#include "bind/sockets_io.h"
+#include "control/controller_io.h"
 #include "crowd/path.h"
 #include "gpu/kernel.h"
 
@@ -14,8 +16,28 @@ struct FusedGroup {
     FusedTables tables;
 };
 
+// What a group that is driven by a controller has.
+struct GroupController {
+    GroupController(const std::shared_ptr<Gpu>& gpu, const Controller& controller, const Character& character, bool moves_placements);
+
+    uint32_t layer_count = 0, parameter_count = 0, mask_count = 0, voice_limit = 0;
+    bool moves_placements = false;
+    bool is_inertial = false;      // has inertial transitions
+    std::vector<bool> has_states;  // [layer_count]
+    std::vector<io::LayerState> initial_layers;
+    std::vector<float> initial_parameters;
+    Buffer tables, masks;
+};
+
+// Joints that things are attached to.
+struct GroupSockets {
+    std::vector<uint32_t> joints;
+    Buffer table;  // joints
+    Buffer slots;  // uint[joint_count], 1 + the joint's place in joints, or 0
+};
+
 struct Group {
-    Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const PathChoice& choice);
+    Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice);
 
     std::string name;
     uint32_t joint_count = 0;
@@ -28,6 +50,10 @@ struct Group {
     Vec3<float> bounds_min, bounds_max;
 
     Buffer axes, times;                    // control
+    std::optional<GroupController> controller;
+    std::optional<GroupSockets> sockets;
+    SocketSpace socket_space = SocketSpace::kWorld;
+    Buffer root_rows;                      // (x, z, cos, sin) of clips with root motion
     bool packed = false;
     Buffer tracks, keys, words;            // sample
     ScanChoice scan_choice;
@@ -37,8 +63,15 @@ struct Group {
     Buffer palette_joints, joint_from_bind;  // bind
     Buffer vertices, influences, indices;  // skin, draw
 
+    bool has_root_motion() const { return controller && root_rows.size_bytes() > sizeof(io::vec4); }
+    uint32_t socket_flags() const { return socket_space == SocketSpace::kWorld ? io::kSocketsToWorld : 0; }
+    uint32_t socket_count() const { return sockets ? static_cast<uint32_t>(sockets->joints.size()) : 0; }
     bool takes_similarities() const { return scan_choice.method->format == ScanFormat::kSimilarity; }
     uint64_t size_bytes() const;
+
+private:
+    void make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint32_t>& joints);
+    Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const PathChoice& choice);
 };
 
 }  // namespace throng

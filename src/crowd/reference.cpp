@@ -1,5 +1,5 @@
 // The pipeline sentence in double precision: sample, blend, scan, bind, skin.
-#include <throng/reference.h>
+#include "crowd/reference.h"
 
 #include "base/failure.h"
 #include "bind/bind_reference.h"
@@ -20,6 +20,14 @@ std::vector<Trs<double>> sample(const Character& character, const ClipPlayback& 
 
 }  // namespace
 
+ReferencePose pose_from_local(const Character& character, std::span<const Trs<double>> parent_from_joint) {
+    ReferencePose pose;
+    for (const Trs<double>& joint : parent_from_joint) pose.parent_from_joint.push_back(to_affine(joint));
+    pose.model_from_joint = scan_reference(character.rig.parents, pose.parent_from_joint);
+    pose.model_from_bind = bind_reference(character.palette, pose.model_from_joint);
+    return pose;
+}
+
 Result<ReferencePose> reference_pose(const Character& character, const Playback& playback) {
     return as_result([&] {
         check_playback(playback, static_cast<uint32_t>(character.clips.size()), character.name);
@@ -28,11 +36,7 @@ Result<ReferencePose> reference_pose(const Character& character, const Playback&
             const std::vector<Trs<double>> second = sample(character, playback.second);
             for (size_t joint = 0; joint < pose.size(); ++joint) pose[joint] = blend_reference(pose[joint], second[joint], playback.weight);
         }
-        ReferencePose result;
-        for (const Trs<double>& joint : pose) result.parent_from_joint.push_back(to_affine(joint));
-        result.model_from_joint = scan_reference(character.rig.parents, result.parent_from_joint);
-        result.model_from_bind = bind_reference(character.palette, result.model_from_joint);
-        return result;
+        return pose_from_local(character, pose);
     });
 }
 

@@ -1,7 +1,8 @@
 #include "crowd/staged_update.h"
 
 #include "bind/bind.h"
-#include "blend/blend.h"
+#include "bind/sockets.h"
+#include "blend/layered.h"
 #include "gpu/barrier.h"
 #include "sample/sample.h"
 
@@ -32,10 +33,16 @@ StagedUpdate::StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& g
     if (members_.empty()) return;
     for (const Group& group : groups_) {
         if (group.fused) continue;
+        const BlendOutput output = group.takes_similarities() ? BlendOutput::kSimilarity : BlendOutput::kAffine;
+        if (group.controller) {
+            std::optional<Kernel>& layered = layered_[group.packed][group.takes_similarities()][group.controller->is_inertial];
+            if (!layered) layered = layered_kernel(gpu_, {.packed = group.packed, .output = output, .inertial = group.controller->is_inertial});
+            continue;
+        }
         std::optional<Kernel>& sample = group.packed ? sample_packed_ : sample_exact_;
         if (!sample) sample = sample_kernel(gpu_, group.packed);
         std::optional<Kernel>& blend = group.takes_similarities() ? blend_similarities_ : blend_affines_;
-        if (!blend) blend = blend_kernel(gpu_, group.takes_similarities() ? BlendOutput::kSimilarity : BlendOutput::kAffine);
+        if (!blend) blend = blend_kernel(gpu_, output);
     }
     bind_ = bind_kernel(gpu_, skin_format);
     make_waves();
@@ -71,13 +78,21 @@ void StagedUpdate::bind_member(Member& member) {
     const auto slice = [&](const Buffer& buffer) { return BufferRange(buffer.handle(), member.arena_offset_bytes, size_bytes); };
     const BufferRange first = slice(first_poses_), second = slice(second_poses_), local = slice(local_);
     const BufferRange model = batch.kept_model.handle() ? BufferRange(batch.kept_model) : slice(model_);
+    member.scan = group.scan->bind({.local = local, .links = group.scan->links(), .model = model, .scratch = second});
+    for (size_t i = 0; i < batch.skins.size(); ++i)
+        if (batch.skins[i].handle()) member.bind[i] = bind_->bind(BindBuffers{model, group.palette_joints, group.joint_from_bind, batch.skins[i]});
+    if (group.sockets) {
+        if (!sockets_) sockets_ = socket_kernel(gpu_);
+        member.sockets = sockets_->bind(SocketBuffers{model, group.sockets->table, batch.placements, batch.sockets});
+    }
+    if (group.controller) {
+        member.layered = layered_of(group).bind(LayeredBuffers{batch.voices, group.controller->masks, group.tracks, group.keys, group.words, local, batch.inertias.or_else(batch.layers), batch.inertia_states.or_else(batch.layers)});
+        return;
+    }
     const Kernel& sample = sample_of(group);
     member.sample_first = sample.bind(SampleBuffers{batch.cursors, group.tracks, group.keys, group.words, first});
     member.sample_second = sample.bind(SampleBuffers{batch.cursors, group.tracks, group.keys, group.words, second});
     member.blend = blend_of(group).bind(BlendBuffers{batch.cursors, first, second, local});
-    member.scan = group.scan->bind({.local = local, .links = group.scan->links(), .model = model, .scratch = second});
-    for (size_t i = 0; i < batch.skins.size(); ++i)
-        if (batch.skins[i].handle()) member.bind[i] = bind_->bind(BindBuffers{model, group.palette_joints, group.joint_from_bind, batch.skins[i]});
 }
 
 void StagedUpdate::record(VkCommandBuffer commands, StageTimer* timer) const {
@@ -92,14 +107,21 @@ void StagedUpdate::record_wave(VkCommandBuffer commands, const Wave& wave, Stage
         if (timer) timer->end_stage(commands, time);
     };
     stage(&StageTimes::sample, [&](const Member& member, uint32_t instance_count, const Group& group) {
+        if (group.controller) {
+            layered_of(group).dispatch_workgroups(commands, member.layered, io::LayeredPush{group.joint_count, group.controller->voice_limit}, instance_count);
+            return;
+        }
         sample_of(group).dispatch_workgroups(commands, member.sample_first, io::SamplePush{group.joint_count, 0}, instance_count);
         sample_of(group).dispatch_workgroups(commands, member.sample_second, io::SamplePush{group.joint_count, 1}, instance_count);
     });
     stage(&StageTimes::blend, [&](const Member& member, uint32_t instance_count, const Group& group) {
-        blend_of(group).dispatch_workgroups(commands, member.blend, io::BlendPush{group.joint_count}, instance_count);
+        if (!group.controller) blend_of(group).dispatch_workgroups(commands, member.blend, io::BlendPush{group.joint_count}, instance_count);
     });
     stage(&StageTimes::scan, [&](const Member& member, uint32_t instance_count, const Group& group) { group.scan->record(commands, member.scan, instance_count); });
     stage(&StageTimes::bind, [&](const Member& member, uint32_t instance_count, const Group& group) {
+        if (group.sockets)
+            sockets_->dispatch_invocations(commands, member.sockets, io::SocketPush{instance_count, group.joint_count, group.socket_count(), io::kSocketsGather | group.socket_flags()},
+                                           instance_count * group.socket_count());
         bind_->dispatch_workgroups(commands, member.bind[batches_[member.batch].current_skin], io::BindPush{group.joint_count, group.palette_count}, instance_count);
     });
 }

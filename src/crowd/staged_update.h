@@ -1,4 +1,5 @@
-// Cursors -> skin matrices, stage by stage: sample, blend, scan, bind, each through memory.
+// Cursors -> skin matrices, stage by stage: sample, blend, scan, bind, each through memory. Layers are sampled and blended in one: their
+// time counts as sample.
 //
 // A wave is a run of batches whose intermediates (poses, local and model matrices) fit the arena together. A wave goes through the
 // stages as a whole, so that small groups share a dispatch's latency; then the next wave reuses the arena.
@@ -28,7 +29,9 @@ private:
     struct Member {
         uint32_t batch = 0;
         uint64_t arena_offset_bytes = 0;
-        Bindings sample_first, sample_second, blend, scan;
+        Bindings sample_first, sample_second, blend;  // of two clips
+        Bindings layered;                             // of layers
+        Bindings scan, sockets;
         std::array<Bindings, 2> bind;  // one for each of the batch's skin buffers
     };
     struct Wave {
@@ -40,6 +43,7 @@ private:
     void bind_member(Member& member);
     void record_wave(VkCommandBuffer commands, const Wave& wave, StageTimer* timer) const;
     const Kernel& sample_of(const Group& group) const { return *(group.packed ? sample_packed_ : sample_exact_); }
+    const Kernel& layered_of(const Group& group) const { return *layered_[group.packed][group.takes_similarities()][group.controller->is_inertial]; }
     const Kernel& blend_of(const Group& group) const { return *(group.takes_similarities() ? blend_similarities_ : blend_affines_); }
 
     std::shared_ptr<Gpu> gpu_;
@@ -48,7 +52,8 @@ private:
     std::vector<Member> members_;
     std::vector<Wave> waves_;
     std::optional<Kernel> sample_exact_, sample_packed_, blend_affines_, blend_similarities_;  // those that the groups need
-    std::optional<Kernel> bind_;
+    std::optional<Kernel> layered_[2][2][2];  // [packed][similarities][inertial]
+    std::optional<Kernel> bind_, sockets_;
     Buffer first_poses_, second_poses_, local_, model_;  // the arena, 48 bytes a joint each; second_poses serves the scan as scratch once blended
 };
 

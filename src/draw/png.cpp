@@ -1,8 +1,7 @@
 #include <throng/draw.h>
 
-#include "base/failure.h"
+#include "base/replace_file.h"
 
-#include <fstream>
 #include <limits>
 
 // Static, so that an application may have an stb of its own.
@@ -36,25 +35,7 @@ std::vector<char> encode_png(const std::string& place, const Picture& picture) {
 Result<void> write_png(const std::filesystem::path& path, const Picture& picture) {
     return as_result([&] {
         const std::vector<char> encoded = encode_png(path.string(), picture);
-        std::filesystem::path unfinished = path;
-        unfinished += ".part";
-        std::error_code error;
-        {
-            std::ofstream file(unfinished, std::ios::binary | std::ios::trunc);
-            if (!file) throw Failure(ErrorCode::kFile, unfinished.string(), "cannot be written");
-            file.write(encoded.data(), static_cast<std::streamsize>(encoded.size()));
-            file.close();
-            if (!file) {
-                std::filesystem::remove(unfinished, error);
-                throw Failure(ErrorCode::kFile, unfinished.string(), "writing failed; is the disk full?");
-            }
-        }
-        std::filesystem::rename(unfinished, path, error);
-        if (error) {
-            const std::string reason = error.message();
-            std::filesystem::remove(unfinished, error);
-            throw Failure(ErrorCode::kFile, path.string(), "cannot be replaced: " + reason);
-        }
+        replace_file(path, std::as_bytes(std::span(encoded)));
     });
 }
 

@@ -5,11 +5,9 @@
 namespace throng {
 namespace {
 
-constexpr uint32_t kPackedBits = (1u << kPackedLeftOutShift) - 1;
-
 bool is_animated(const Character& character, uint32_t track) {
     if (!character.packed) return (track & kTrackAnimated) != 0;
-    return (std::bit_cast<uint32_t>(character.keys[track][3]) & kPackedBits) != 0;
+    return (std::bit_cast<uint32_t>(character.keys[track][3]) & kPackedBitsMask) != 0;
 }
 
 bool is_same(const Character& character, uint32_t a, uint32_t b) {

@@ -36,7 +36,13 @@ FusedRig::FusedRig(const Character& character)
 
 FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLimits& limits) {
     const ScanMethod& method = *choice.method;
-    if (scan_shaders(method.name).fused.empty()) return {.obstacle = std::string(method.name) + " has no fused form"};
+    if (std::string obstacle = lanes_obstacle(method, limits, choice.lanes); !obstacle.empty()) return {.obstacle = std::move(obstacle)};
+    const std::span<const uint32_t> shader = scan_shaders(method.name).fused;
+    if (shader.empty()) return {.obstacle = std::string(method.name) + " has no fused form"};
+    // On a software device tables are texels, and fewer storage buffers are bound: none has too few of them.
+    const std::vector<BindingInfo> bindings = read_spirv(shader).bindings;
+    if (bindings.size() > limits.storage_buffers)
+        return {.obstacle = std::to_string(bindings.size()) + " storage buffers in one kernel exceed the device's " + std::to_string(limits.storage_buffers)};
     const bool serial = method.name == "serial";
     FusedPlan plan{.obstacle = {}, .choice = choice, .scan = serial ? plan_fused_serial(rig.rig, rig.fixed, limits) : plan_tiled(choice, rig.rig, limits)};
     plan.obstacle = plan.scan.obstacle;
@@ -54,7 +60,7 @@ FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits) {
     if (limits.is_cpu) {
         add("serial", 0);
     } else {
-        // A subgroup a character and no barrier; similarities need less shared memory. See docs/performance.md.
+        // A subgroup a character, no barrier but the one after the tile; similarities need less shared memory. See docs/performance.md.
         const uint32_t lanes = std::min(32u, limits.subgroup_size);
         add("subgroup_quaternion", lanes);
         add("subgroup", lanes);
@@ -90,7 +96,7 @@ Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, cons
     const uint32_t tile_instances = plan.tile_transforms > 0 ? plan.scan.instances_per_workgroup : 1;
     std::vector<uint32_t> constants = plan.scan.constants;
     constants.resize(io::kMethodConstants);
-    constants.insert(constants.end(), {settings.packed, settings.blends, settings.keeps_model, static_cast<uint32_t>(settings.skin_format), plan.one_bind, tile_instances, std::max(plan.tile_transforms, 1u)});
+    constants.insert(constants.end(), {settings.packed, settings.blends, settings.keeps_model, static_cast<uint32_t>(settings.skin_format), plan.one_bind, tile_instances, std::max(plan.tile_transforms, 1u), settings.layered, settings.socket_count, settings.inertial});
     return Kernel(gpu, {.name = "fused",
                         .spirv = gpu->prefers_wide_words() ? shaders.fused_wide : shaders.fused,
                         .workgroup_size = plan.scan.workgroup_size,

@@ -6,6 +6,8 @@
 // Bytes a joint: keys (once for all characters in the caches), 24 to 48 written; tiled also 48 through shared memory and back.
 #include "bind/bind.glsl"
 #include "blend/blend.glsl"
+#include "blend/inertia_io.h"
+#include "control/controller_io.h"
 #include "fused/fused_io.h"
 #include "gpu/table.glsl"
 
@@ -19,6 +21,12 @@ TABLE_OF_WORDS(5, BindRanges, bind_ranges);    // [joint_count + 1]: where a joi
 TABLE_OF_WORDS(6, BindEntries, bind_entries);  // palette entries, sorted by joint
 TABLE_OF_ROWS(7, Binds, binds);                // their inverse binds, three rows each
 layout(set = 0, binding = 9, std430) buffer Model { StoredAffine model[]; };
+TABLE_OF_ROWS(10, Voices, voices);  // of layers, in place of cursors
+TABLE_OF_WORDS(11, Masks, masks);
+TABLE_OF_WORDS(12, SocketSlots, socket_slots);  // [joint_count]: 1 + the joint's place in sockets, or 0
+layout(set = 0, binding = 13, std430) writeonly buffer Sockets { StoredAffine sockets[]; };
+layout(set = 0, binding = 14, std430) readonly buffer Inertias { InstanceInertia inertias[]; };
+layout(set = 0, binding = 15, std430) buffer InertiaStates { InertiaState inertia_states[]; };
 #define scratch model  // named by methods that exchange through memory where shared memory is too small: no such plan is fused
 layout(constant_id = 8) const bool kPacked = false;
 layout(constant_id = 9) const bool kBlends = true;      // false: every instance plays one clip
@@ -27,16 +35,28 @@ layout(constant_id = 11) const uint kSkinFormat = kSkinAffine;
 layout(constant_id = 12) const bool kOneBind = false;    // no joint has two palette entries
 layout(constant_id = 13) const uint kTileInstances = 1;  // of a workgroup
 layout(constant_id = 14) const uint kTileTransforms = 1;  // of all of them
+layout(constant_id = 15) const bool kLayered = false;    // instances play voices in layers, not two clips
+layout(constant_id = 16) const uint kSocketCount = 0;
+layout(constant_id = 17) const bool kInertial = false;   // of layers
 layout(push_constant) uniform Push { FusedPush push; };
 
 #define SKIN_SET 0
 #define SKIN_BINDING 8
 #define SKIN_STORES
 #include "bind/skin_format.glsl"
+#include "blend/inertial.glsl"
+#include "blend/voices.glsl"
 #include "sample/sample.glsl"
 
 uint link(uint index) { return WORD_AT(link_words, index); }
 uint at(uint instance, uint joint) { return instance * push.joint_count + joint; }
+
+// Layers have none.
+InstanceCursor cursor_of(uint instance) {
+    InstanceCursor cursor;
+    if (!kLayered) cursor = cursors[instance];
+    return cursor;
+}
 
 SlotCursor only_slot(InstanceCursor cursor) {
     if (cursor.weight <= 0) return cursor.second;
@@ -45,7 +65,9 @@ SlotCursor only_slot(InstanceCursor cursor) {
 
 uvec4 tracks_of(SlotCursor slot, uint joint) { return ROW_AT(tracks, slot.first_track + joint); }
 
-JointPose local_pose(InstanceCursor cursor, uint joint) {
+JointPose local_pose(uint instance, InstanceCursor cursor, uint joint) {
+    if (kInertial) return inertial_pose(instance, at(instance, joint), voices_pose(instance, joint));
+    if (kLayered) return voices_pose(instance, joint);
     if (!kBlends) {
         const SlotCursor slot = only_slot(cursor);
         return sample_joint(tracks_of(slot, joint), slot);
@@ -59,11 +81,16 @@ JointPose local_pose(InstanceCursor cursor, uint joint) {
 }
 
 // Of a joint whose translation and scale are the rest pose's in every clip (fused/fixed_joints.h).
-JointPose local_pose_of_fixed(InstanceCursor cursor, uint joint) {
+JointPose local_pose_of_fixed(uint instance, InstanceCursor cursor, uint joint) {
+    if (kInertial) return local_pose(instance, cursor, joint);
     const uvec4 rest = ROW_AT(tracks, push.rest_track + joint) & kTrackPositionMask;
     JointPose pose;
     pose.translation = uintBitsToFloat(ROW_AT(keys, rest.y));
     pose.scale = uintBitsToFloat(ROW_AT(keys, rest.z));
+    if (kLayered) {
+        pose.rotation = voices_rotation(instance, joint);
+        return pose;
+    }
     if (!kBlends) {
         const SlotCursor slot = only_slot(cursor);
         pose.rotation = sample_rotation(tracks_of(slot, joint).x, slot);
@@ -93,6 +120,10 @@ void bind_entry(uint instance, uint i, Affine model_from_joint) {
 void store_model(uint instance, uint joint, Transform transform) {
     const Affine model_from_joint = to_affine(transform);
     if (kKeepsModel) model[at(instance, joint)] = pack(model_from_joint);
+    if (kSocketCount > 0) {
+        const uint slot = WORD_AT(socket_slots, joint);
+        if (slot > 0) sockets[instance * kSocketCount + slot - 1] = pack(model_from_joint);
+    }
     const uint begin = WORD_AT(bind_ranges, joint), end = WORD_AT(bind_ranges, joint + 1);
     if (kOneBind) {  // without a loop, of which a software device runs one round more than there is to do
         if (begin < end) bind_entry(instance, begin, model_from_joint);
@@ -107,15 +138,14 @@ void scan_barrier(bool through_buffers) { barrier(); }
 
 shared StoredTransform tile[kTileTransforms];  // [instance of the workgroup][joint]
 
-void scan_begin(uint instance) {}
 Transform load_local(uint instance, uint joint) { return unpack(tile[instance % kTileInstances * push.joint_count + joint]); }
 
 void main() {
     const uint first_instance = gl_WorkGroupID.x * kTileInstances;
     for (uint slot = 0; slot < kTileInstances && first_instance + slot < push.instance_count; ++slot) {
-        const InstanceCursor cursor = cursors[first_instance + slot];
+        const InstanceCursor cursor = cursor_of(first_instance + slot);
         for (uint joint = gl_LocalInvocationID.x; joint < push.joint_count; joint += gl_WorkGroupSize.x)
-            tile[slot * push.joint_count + joint] = pack(to_local(local_pose(cursor, joint)));
+            tile[slot * push.joint_count + joint] = pack(to_local(local_pose(first_instance + slot, cursor, joint)));
     }
     barrier();
     scan();
@@ -123,11 +153,10 @@ void main() {
 
 #else
 
-InstanceCursor scan_cursor;
+InstanceCursor scan_cursor;  // of the instance that the invocation walks, which its scan() sets
 
-void scan_begin(uint instance) { scan_cursor = cursors[instance]; }
-Transform load_local(uint instance, uint joint) { return to_local(local_pose(scan_cursor, joint)); }
-Transform load_local_of_fixed(uint joint) { return to_local(local_pose_of_fixed(scan_cursor, joint)); }
+Transform load_local(uint instance, uint joint) { return to_local(local_pose(instance, scan_cursor, joint)); }
+Transform load_local_of_fixed(uint instance, uint joint) { return to_local(local_pose_of_fixed(instance, scan_cursor, joint)); }
 
 void main() { scan(); }
 

@@ -12,7 +12,7 @@ namespace throng {
 
 // In the order of the bindings.
 struct FusedBuffers {
-    BufferRange cursors;  // io::InstanceCursor[instance_count]
+    BufferRange cursors;  // io::InstanceCursor[instance_count]; of layers, any buffer
     BufferRange tracks;   // JointTracks[clip_count + 1][joint_count]; all tables (gpu/table.glsl) up to `binds`
     BufferRange keys;     // float4[]
     BufferRange words;    // uint[], of packed keys
@@ -20,6 +20,12 @@ struct FusedBuffers {
     BufferRange bind_ranges, bind_entries, binds;
     BufferRange skin;     // [instance_count][palette_count] in FusedSettings::skin_format, model_from_bind, written
     BufferRange model;    // Affine[instance_count][joint_count], model_from_joint, written where FusedSettings::keeps_model; else any buffer
+    BufferRange voices;   // of layers: io::Voice[instance_count][voice_limit]; else any table of rows
+    BufferRange masks;    // of layers: float[mask_count][joint_count]; else any table of words
+    BufferRange socket_slots;  // of sockets: uint[joint_count], 1 + the joint's place in the next, or 0; else any table of words
+    BufferRange sockets;       // of sockets: Affine[instance_count][socket_count], model_from_joint, written; else any buffer
+    BufferRange inertias;        // of inertial transitions: io::InstanceInertia[instance_count]; else any buffer
+    BufferRange inertia_states;  // of inertial transitions: io::InertiaState[instance_count][joint_count], read and written; else any buffer
 };
 
 struct FusedSettings {
@@ -27,6 +33,9 @@ struct FusedSettings {
     bool blends = true;        // false: no instance has two clips with weight
     bool keeps_model = false;
     SkinFormat skin_format = SkinFormat::kAffine;
+    bool layered = false;      // instances play voices, not the two clips of cursors
+    uint32_t socket_count = 0;
+    bool inertial = false;     // layered, with inertial transitions
 };
 
 // What of a character decides how it is fused.

@@ -14,7 +14,8 @@ struct FusedPush {
     uint joint_count;
     uint instance_count;
     uint palette_count;
-    uint rest_track;  // of the rest pose in `tracks`: clip_count * joint_count
+    uint rest_track;   // of the rest pose in `tracks`: clip_count * joint_count
+    uint voice_limit;  // of layers: voices kept for each instance
 };
 
 THRONG_IO_END

@@ -4,8 +4,8 @@
 //   last, which keeps the few parents with a child still to come in slots. Its segments each have joints whose
 //   translation and scale stand still first, then the others: a software device cannot skip a branch, only leave a loop.
 // Input: cursors, keys.   Output: skin[instance][entry], model[instance][joint] where asked for.
-// Needs: a slot for each generation of branchings, at most log2(joints).   Cost: joints - roots multiplications and joints
-//   samples on the one thread; no barrier, no shared memory on a software device; the output is all that is stored.
+// Needs: a slot for each generation of branchings, at most log2(joints).   Cost: a multiplication and a
+//   sample a joint on the one thread; no barrier, no shared memory on a software device; the output is all that is stored.
 // Wins: software devices.   Loses: GPUs with fewer than some ten thousand characters.   Measured: docs/performance.md
 #include "scan/scan.glsl"
 #include "scan/pieces_io.h"
@@ -24,7 +24,7 @@ void walk(uint instance, uint step, uint invocation, Transform parent_from_joint
 void scan() {
     const uint instance = gl_GlobalInvocationID.x, invocation = gl_LocalInvocationID.x;
     if (instance >= push.instance_count) return;
-    scan_begin(instance);
+    scan_cursor = cursor_of(instance);
     walk_last = kIdentityTransform;
     const uint segment_end = kFirstSegment + 2 * link(kSegmentCount);
     uint word = segment_end;
@@ -32,7 +32,7 @@ void scan() {
         const uint fixed_end = word + link(segment), free_end = fixed_end + link(segment + 1);
         for (; word < fixed_end; ++word) {
             const uint step = link(word);
-            walk(instance, step, invocation, load_local_of_fixed(step & kWalkJointMask));
+            walk(instance, step, invocation, load_local_of_fixed(instance, step & kWalkJointMask));
         }
         for (; word < free_end; ++word) {
             const uint step = link(word);

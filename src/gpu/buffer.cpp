@@ -6,6 +6,18 @@
 #include <utility>
 
 namespace throng {
+namespace {
+
+// How shaders read a table (gpu/table.glsl): a software device as texels alone, since its storage buffers are smaller.
+VkBufferUsageFlags table_usage(const Gpu& gpu, std::string_view what, uint64_t size_bytes, uint32_t texel_bytes) {
+    if (!gpu.prefers_wide_words()) return VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    const uint64_t count = size_bytes / texel_bytes, limit = gpu.properties.limits.maxTexelBufferElements;
+    if (count > limit)
+        throw Failure(ErrorCode::kLimit, std::string(what), "a table of " + std::to_string(count) + " elements exceeds the device's " + std::to_string(limit) + " (maxTexelBufferElements)");
+    return VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
+}
+
+}  // namespace
 
 Buffer::Buffer(std::shared_ptr<Gpu> gpu, std::string_view what, VkDeviceSize size_bytes, VkBufferUsageFlags usage, MemoryKind kind)
     : gpu_(std::move(gpu)), size_bytes_(size_bytes) {
@@ -73,6 +85,20 @@ Buffer upload_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std:
         gpu->vk.vkCmdCopyBuffer(commands, staging.handle(), buffer.handle(), 1, &copy);
     });
     return buffer;
+}
+
+Buffer upload_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data, uint32_t texel_bytes) {
+    const VkBufferUsageFlags usage = table_usage(*gpu, what, data.size(), texel_bytes);
+    Buffer table = upload_bytes(gpu, what, data, usage);
+    if (usage & VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT) table.allow_texels(texel_bytes);
+    return table;
+}
+
+Buffer make_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, uint64_t size_bytes, uint32_t texel_bytes) {
+    const VkBufferUsageFlags usage = table_usage(*gpu, what, size_bytes, texel_bytes);
+    Buffer table(gpu, what, size_bytes, usage | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    if (usage & VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT) table.allow_texels(texel_bytes);
+    return table;
 }
 
 void download_bytes(const std::shared_ptr<Gpu>& gpu, const BufferRange& range, std::span<std::byte> out) {

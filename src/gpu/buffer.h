@@ -32,6 +32,8 @@ public:
     }
 
     VkBuffer handle() const { return buffer_; }
+    // This buffer where there is one, else another: a binding that a kernel does not use must have some.
+    const Buffer& or_else(const Buffer& other) const { return buffer_ ? *this : other; }
     VkDeviceSize size_bytes() const { return size_bytes_; }
     std::byte* mapped() const { return mapped_; }
     // 4 or 16: a kernel may read the buffer as texels of one or four components; 0: only as a storage buffer.
@@ -71,13 +73,27 @@ Buffer upload(const std::shared_ptr<Gpu>& gpu, std::string_view what, const std:
     return upload_bytes(gpu, what, std::as_bytes(std::span(data)), usage);
 }
 
-// A table that shaders declare by gpu/table.glsl: words, or rows of four.
+// Tables that shaders declare by gpu/table.glsl, of words (4 bytes) or rows of four (16). They throw kLimit where the device cannot read
+// so many.
+Buffer upload_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data, uint32_t texel_bytes);
+Buffer make_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, uint64_t size_bytes, uint32_t texel_bytes);
+
+template <class T>
+constexpr uint32_t texel_bytes_of() {
+    static_assert(sizeof(T) == 4 || sizeof(T) % 16 == 0);
+    return sizeof(T) == 4 ? 4 : 16;
+}
+
+// Only shaders that declare it by gpu/table.glsl may read it: on a software device it is no storage buffer.
 template <class T>
 Buffer upload_table(const std::shared_ptr<Gpu>& gpu, std::string_view what, const std::vector<T>& data) {
-    static_assert(sizeof(T) == 4 || sizeof(T) % 16 == 0);
-    Buffer table = upload(gpu, what, data, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT);
-    table.allow_texels(sizeof(T) == 4 ? 4 : 16);
-    return table;
+    return upload_table_bytes(gpu, what, std::as_bytes(std::span(data)), texel_bytes_of<T>());
+}
+
+// A table of `count` elements that a kernel writes, as a storage buffer, and later ones read. Its contents are undefined.
+template <class T>
+Buffer make_table(const std::shared_ptr<Gpu>& gpu, std::string_view what, uint64_t count) {
+    return make_table_bytes(gpu, what, count * sizeof(T), texel_bytes_of<T>());
 }
 
 // Copies a range back. Submits and waits; sees all work submitted to the queue before.

@@ -347,6 +347,12 @@ uint32_t Gpu::memory_type(uint32_t type_bits, VkMemoryPropertyFlags required, Vk
     throw Failure(ErrorCode::kVulkan, {}, "the device has no memory type that fits a buffer of throng");
 }
 
+uint64_t Gpu::largest_heap_bytes() const {
+    uint64_t largest_bytes = 0;
+    for (uint32_t heap = 0; heap < memory_properties.memoryHeapCount; ++heap) largest_bytes = std::max<uint64_t>(largest_bytes, memory_properties.memoryHeaps[heap].size);
+    return largest_bytes;
+}
+
 Result<std::vector<DeviceInfo>> Device::list() {
     return as_result([] { return Gpu::list(); });
 }

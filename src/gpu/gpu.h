@@ -31,6 +31,7 @@ public:
     bool has_graphics() const { return (queue_flags & VK_QUEUE_GRAPHICS_BIT) != 0; }
     // Whether transforms should move as 64-bit words (gpu/stored.glsl).
     bool prefers_wide_words() const { return is_cpu() && has_int64; }
+    uint64_t largest_heap_bytes() const;
     bool has_timestamps() const { return timestamp_valid_bits != 0 && properties.limits.timestampPeriod > 0; }
 
     VkPhysicalDevice physical_device = VK_NULL_HANDLE;

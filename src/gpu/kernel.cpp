@@ -2,6 +2,7 @@
 
 #include "base/failure.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace throng {
@@ -61,15 +62,11 @@ void Bindings::write(VkDescriptorSetLayout layout, std::string_view what, std::s
 
 VkBufferView Bindings::texel_view(std::string_view what, const BindingInfo& binding, const BufferRange& range) {
     if (range.texel_bytes == 0) throw Failure(ErrorCode::kInvalidArgument, std::string(what), "binding " + std::to_string(binding.binding) + " is read as texels, and its buffer is no table");
-    const uint64_t texels = range.size_bytes / range.texel_bytes, limit = gpu_->properties.limits.maxTexelBufferElements;
-    if (texels > limit)
-        throw Failure(ErrorCode::kLimit, std::string(what), "a table of " + std::to_string(texels) + " elements exceeds the device's " + std::to_string(limit) + " (maxTexelBufferElements)");
-    const bool is_float = binding.kind == BindingKind::kFloatTexels;
     VkBufferViewCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
     create.buffer = range.buffer;
     create.offset = range.offset_bytes;
     create.range = range.size_bytes;
-    create.format = range.texel_bytes == 4 ? (is_float ? VK_FORMAT_R32_SFLOAT : VK_FORMAT_R32_UINT) : (is_float ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R32G32B32A32_UINT);
+    create.format = range.texel_bytes == 4 ? VK_FORMAT_R32_UINT : VK_FORMAT_R32G32B32A32_UINT;
     VkBufferView view = VK_NULL_HANDLE;
     check(gpu_->vk.vkCreateBufferView(gpu_->device, &create, nullptr, &view), "vkCreateBufferView");
     return view;
@@ -94,6 +91,9 @@ Kernel::Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings)
     workgroup_size_ = settings.workgroup_size != 0 ? settings.workgroup_size : info_.local_size_x;
     if (info_.local_size_is_specialized != (settings.workgroup_size != 0))
         throw Failure(ErrorCode::kInvalidArgument, name_, "the workgroup size must be given exactly where the shader leaves it open");
+    const auto storage_buffers = std::count_if(info_.bindings.begin(), info_.bindings.end(), [](const BindingInfo& binding) { return binding.kind == BindingKind::kStorage; });
+    if (const uint32_t limit = gpu_->properties.limits.maxPerStageDescriptorStorageBuffers; storage_buffers > limit)
+        throw Failure(ErrorCode::kLimit, name_, std::to_string(storage_buffers) + " storage buffers exceed the device's " + std::to_string(limit) + " (maxPerStageDescriptorStorageBuffers)");
     try {
         create(settings);
     } catch (...) {

@@ -10,8 +10,7 @@ namespace {
 
 // Numbers from the SPIR-V specification, version 1.6, section 3.
 enum Op : uint32_t {
-    kOpExecutionMode = 16, kOpTypeInt = 21, kOpTypeFloat = 22, kOpTypeVector = 23, kOpTypeImage = 25, kOpTypeSampledImage = 27, kOpTypeStruct = 30, kOpTypePointer = 32,
-    kOpConstant = 43, kOpVariable = 59, kOpDecorate = 71, kOpMemberDecorate = 72, kOpExecutionModeId = 331
+    kOpExecutionMode = 16, kOpTypeInt = 21, kOpTypeFloat = 22, kOpTypeVector = 23, kOpTypeStruct = 30, kOpTypePointer = 32, kOpConstant = 43, kOpVariable = 59, kOpDecorate = 71, kOpMemberDecorate = 72, kOpExecutionModeId = 331
 };
 constexpr uint32_t kMagic = 0x07230203, kHeaderWords = 5;
 constexpr uint32_t kModeLocalSize = 17, kModeLocalSizeId = 38;
@@ -20,7 +19,6 @@ constexpr uint32_t kStorageUniformConstant = 0, kStoragePushConstant = 9, kStora
 
 struct Id {
     uint32_t binding = 0, spec_id = UINT32_MAX, constant = 0, pointee = 0, size_bytes = 0, last_offset = UINT32_MAX;
-    bool is_float = false;  // a scalar, or what an image gives
 };
 
 }  // namespace
@@ -53,10 +51,7 @@ SpirvInfo read_spirv(std::span<const uint32_t> words) {
             case kOpTypeInt:
             case kOpTypeFloat:
                 ids[arg[0]].size_bytes = arg[1] / 8;
-                ids[arg[0]].is_float = op == kOpTypeFloat;
                 break;
-            case kOpTypeImage:
-            case kOpTypeSampledImage: ids[arg[0]].is_float = ids[arg[1]].is_float; break;
             case kOpTypeVector: ids[arg[0]].size_bytes = ids[arg[1]].size_bytes * arg[2]; break;
             case kOpTypeStruct:
                 if (arg.size() > 1 && ids[arg[0]].last_offset != UINT32_MAX) ids[arg[0]].size_bytes = ids[arg[0]].last_offset + ids[arg.back()].size_bytes;
@@ -65,8 +60,7 @@ SpirvInfo read_spirv(std::span<const uint32_t> words) {
             case kOpConstant: ids[arg[1]].constant = arg[2]; break;
             case kOpVariable:
                 if (arg[2] == kStorageBuffer) info.bindings.push_back({ids[arg[1]].binding, BindingKind::kStorage});
-                if (arg[2] == kStorageUniformConstant)
-                    info.bindings.push_back({ids[arg[1]].binding, ids[ids[arg[0]].pointee].is_float ? BindingKind::kFloatTexels : BindingKind::kUintTexels});
+                if (arg[2] == kStorageUniformConstant) info.bindings.push_back({ids[arg[1]].binding, BindingKind::kTexels});
                 if (arg[2] == kStoragePushConstant) info.push_constant_bytes = ids[ids[arg[0]].pointee].size_bytes;
                 break;
             default: break;

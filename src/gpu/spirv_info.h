@@ -7,7 +7,7 @@
 
 namespace throng {
 
-enum class BindingKind { kStorage, kUintTexels, kFloatTexels };  // storage buffer; uniform texel buffers of usamplerBuffer and samplerBuffer
+enum class BindingKind { kStorage, kTexels };  // storage buffer; uniform texel buffer of a usamplerBuffer
 
 struct BindingInfo {
     uint32_t binding = 0;

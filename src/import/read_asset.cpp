@@ -110,7 +110,7 @@ Asset read_asset(std::span<const std::byte> bytes, const std::filesystem::path& 
     return in_file(name, [&] {
         Warnings warnings(name);
         Asset asset = read_parts(bytes, origin.parent_path(), warnings);
-        asset.name = origin.filename().string();
+        asset.name = printable(origin.filename().string(), std::string::npos);
         asset.warnings = warnings.take();
         return asset;
     });

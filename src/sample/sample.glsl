@@ -1,4 +1,6 @@
 // Keys -> the pose of one joint. The includer declares the tables `keys` (rows) and `words`, and the constant kPacked.
+#ifndef THRONG_SAMPLE_GLSL
+#define THRONG_SAMPLE_GLSL
 #include "sample/exact.glsl"
 #include "sample/packed.glsl"
 
@@ -11,3 +13,5 @@ JointPose sample_joint(uvec4 tracks, SlotCursor cursor) {
     if (kPacked) return sample_packed(tracks, cursor);
     return sample_exact(tracks, cursor);
 }
+
+#endif

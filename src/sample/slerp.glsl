@@ -1,4 +1,6 @@
 // Spherical interpolation, of functions whose precision is known.
+#ifndef THRONG_SLERP_GLSL
+#define THRONG_SLERP_GLSL
 
 // atan(r) for 0 <= r <= 1. Source: Abramowitz and Stegun, Handbook of Mathematical Functions, 1964, 4.4.49; error 2e-8.
 // Vulkan promises too little of its own atan, sin and cos for poses that must hold to 2e-5 of the character's size.
@@ -40,3 +42,5 @@ vec4 slerp(vec4 a, vec4 b, float w) {
     }
     return q * inversesqrt(dot(q, q));
 }
+
+#endif

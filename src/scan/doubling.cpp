@@ -6,11 +6,11 @@ namespace {
 
 ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     DoublingTable table = doubling_table(rig.parents);
-    const uint32_t rounds = table.round_count, shared_joints = rounds > 1 ? rig.joint_count() : 0;
+    const uint32_t rounds = table.round_count, shared_joints = rounds > 1 ? rig.joint_count() : 1;  // GLSL has no empty arrays
     const bool fits = uint64_t{shared_joints} * kDoublingBytesPerJoint <= limits.shared_memory_bytes;
     ScanPlan plan{.workgroup_size = strided_workgroup_size(rig.joint_count(), limits), .on_chip = fits};
     const bool reloads = rig.joint_count() > plan.workgroup_size;
-    plan.constants = {fits ? std::max(shared_joints, 1u) : 1u, fits ? 1u : 0u, reloads ? 1u : 0u, rounds};
+    plan.constants = {fits ? shared_joints : 1u, fits ? 1u : 0u, reloads ? 1u : 0u, rounds};
 
     ScanCounter counter(plan.workgroup_size, limits.subgroup_size);
     for (uint32_t round = 0; round < rounds; ++round) {

@@ -23,11 +23,11 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
         parent_counts.push_back(static_cast<uint32_t>(std::count_if(level.begin(), level.end(), [&](uint32_t joint) { return has_child[joint]; })));
         widest = std::max(widest, static_cast<uint32_t>(level.size()));
     }
-    const uint32_t shared_joints = *std::max_element(parent_counts.begin(), parent_counts.end());
+    const uint32_t shared_joints = std::max(*std::max_element(parent_counts.begin(), parent_counts.end()), 1u);  // GLSL has no empty arrays
     const bool fits = uint64_t{shared_joints} * kBytesPerJoint <= limits.shared_memory_bytes;
 
     ScanPlan plan{.workgroup_size = strided_workgroup_size(widest, limits), .links = {rig.level_count}, .on_chip = fits};
-    plan.constants = {fits ? std::max(shared_joints, 1u) : 1u, fits ? 1u : 0u};
+    plan.constants = {fits ? shared_joints : 1u, fits ? 1u : 0u};
     uint32_t first = 0;
     for (uint32_t level = 0; level < rig.level_count; ++level) {
         plan.links.insert(plan.links.end(), {first, first + parent_counts[level]});

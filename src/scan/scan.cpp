@@ -19,7 +19,8 @@ ScanLimits scan_limits(const Gpu& gpu) {
             .subgroup_size = gpu.smallest_subgroup,
             .shuffle = gpu.has_shuffle,
             .is_cpu = gpu.is_cpu(),
-            .loop_iterations = gpu.is_cpu() ? kLlvmpipeLoopIterations : 0xFFFFFFFF};
+            .loop_iterations = gpu.is_cpu() ? kLlvmpipeLoopIterations : 0xFFFFFFFF,
+            .storage_buffers = limits.maxPerStageDescriptorStorageBuffers};
 }
 
 ScanStage::ScanStage(const std::shared_ptr<Gpu>& gpu, const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits)

@@ -7,7 +7,7 @@
 // and with one of these hosts:
 //   in_memory.glsl    the stage
 //   SCAN_ON_CHIP      scan/on_chip.glsl, the benchmark of a method's cost without memory
-//   SCAN_FUSED        fused/fused.glsl, all stages in one pass; for methods that touch no model[] and scratch[]
+//   SCAN_FUSED        fused/fused.glsl, all stages in one pass; in plans that use no model[] and scratch[]
 // A method whose invocations exchange transforms through model[] or scratch[] (same shape) defines SCAN_EXCHANGE as coherent; one
 // that exchanges through shared memory defines SCAN_SHARES.
 #extension GL_KHR_memory_scope_semantics : require
@@ -33,9 +33,6 @@ const Transform kIdentityTransform = kIdentity;
 #endif
 
 void scan();
-
-// Called before the first load_local() of an instance by methods in which an invocation stays with one.
-void scan_begin(uint instance);
 
 // Everything that the workgroup wrote to shared memory (and `through_buffers`, to model and scratch) can be read after it.
 void scan_barrier(bool through_buffers);

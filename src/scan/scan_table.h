@@ -19,6 +19,7 @@ struct ScanLimits {
     bool shuffle = false;          // subgroups can exchange registers
     bool is_cpu = false;
     uint32_t loop_iterations = 0xFFFFFFFF;  // of an invocation, all loops together, after which the device silently ends them
+    uint32_t storage_buffers = 0xFFFFFFFF;  // that one kernel can bind
 };
 
 // How a method goes about one skeleton on one device.
@@ -54,6 +55,9 @@ std::span<const ScanMethod> scan_table();
 
 // The row with this name, or null.
 const ScanMethod* find_scan_method(std::string_view name);
+
+// Why the method cannot use so many invocations a character; empty where it can.
+std::string lanes_obstacle(const ScanMethod& method, const ScanLimits& limits, uint32_t lanes);
 
 // The plan, or why there is none: also where the rig's scales or the lanes do not fit the method.
 ScanPlan plan_scan(const ScanMethod& method, const ScanRig& rig, const ScanLimits& limits, uint32_t lanes);

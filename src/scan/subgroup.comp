@@ -28,7 +28,6 @@ void scan() {
     const bool exists = instance < push.instance_count;  // the same for all lanes of a character
 
     Transform prefix = kIdentityTransform;
-    if (exists) scan_begin(instance);
     if (exists) prefix = path_product(instance, lane);
     const uint rounds = link(kRounds);
     for (uint round = 0; round < rounds; ++round) {

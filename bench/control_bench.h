@@ -1,0 +1,27 @@
+// What minds cost: crowds whose characters are driven by a controller of twelve states in three layers, a hundredth of them told something new in each update.
+#pragma once
+
+#include <throng/crowd.h>
+
+#include <nlohmann/json.hpp>
+
+#include <functional>
+#include <string>
+
+namespace throng::bench {
+
+// For creatures (tools/creature.h): six states and a blend space of two parameters in the lowest layer, three in a masked one, three in an additive one.
+Controller control_bench_controller(const Character& character);
+
+struct ControlCase {
+    const Character* character = nullptr;
+    uint32_t count = 0;
+    uint32_t samples = 0;
+    uint64_t seed = 1;
+};
+
+// One record: ms of the control stage and of the whole update, checked against the reference before it is timed (else the record has "wrong").
+// `progress` is told what runs.
+nlohmann::json measure_control(const Device& device, const ControlCase& control, const std::function<void(const std::string&)>& progress);
+
+}  // namespace throng::bench

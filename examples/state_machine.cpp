@@ -1,0 +1,94 @@
+// Minds and things in hands: characters that stand, walk, run and strike as two parameters say, decided on the GPU; a lantern at each one's head; and the
+// events of three of them, printed as they come back.
+//   state_machine creature.glb guard.json picture.png
+// (./run throng generate makes such a creature, with the clips idle, walk and fly; examples/controllers has the controller)
+#include <throng/throng.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <vector>
+
+namespace {
+
+// throng reports expected failures as values. This program has no better idea than to stop at the first one.
+template <class T>
+T need(throng::Result<T> result) {
+    if (!result) {
+        std::fprintf(stderr, "state_machine: %s\n", result.error().text().c_str());
+        std::exit(1);
+    }
+    if constexpr (!std::is_void_v<T>) return *std::move(result);
+}
+
+throng::Affine standing_at(float x, float y, float z, float scale = 1) {
+    throng::Affine world_from_model;
+    world_from_model.row = {{{scale, 0, 0, x}, {0, scale, 0, y}, {0, 0, scale, z}}};
+    return world_from_model;
+}
+
+// The highest joint of the rest pose: where a lantern hangs best.
+uint32_t highest_joint(const throng::Character& character) {
+    const throng::ReferencePose rest = need(throng::reference_pose(character, {}));
+    const auto height = [](const auto& model_from_joint) { return model_from_joint.row[1][3]; };
+    const auto highest = std::max_element(rest.model_from_joint.begin(), rest.model_from_joint.end(), [&](const auto& a, const auto& b) { return height(a) < height(b); });
+    return static_cast<uint32_t>(highest - rest.model_from_joint.begin());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc != 4) {
+        std::fprintf(stderr, "usage: state_machine creature.glb controller.json picture.png\n");
+        return 2;
+    }
+    const throng::Character guard = need(throng::load_character(argv[1]));
+    const throng::Controller controller = need(throng::load_controller(argv[2]));
+    const throng::Device device = need(throng::Device::create());
+
+    // 100 guards that decide for themselves; and what they carry: small creatures that hang where their sockets are.
+    constexpr uint32_t kSide = 10, kCount = kSide * kSide;
+    throng::Crowd crowd = need(throng::Crowd::create(device, {.groups = {{.character = &guard, .instance_count = kCount, .controller = &controller, .sockets = {highest_joint(guard)}},
+                                                                         {.character = &guard, .instance_count = kCount}},
+                                                              .watch_capacity = kCount}));
+    std::vector<throng::Affine> places;
+    std::vector<uint32_t> guards;
+    for (uint32_t i = 0; i < kCount; ++i) {
+        places.push_back(standing_at(3.0f * static_cast<float>(i % kSide), 0, 6.0f * static_cast<float>(i / kSide)));
+        guards.push_back(i);
+    }
+    need(crowd.set_placement(0, places));
+    need(crowd.watch(guards));
+
+    const uint32_t speed = controller.find_parameter("speed"), attack = controller.find_parameter("attack");
+    if (speed == throng::kNone || attack == throng::kNone) {
+        std::fprintf(stderr, "state_machine: %s: has no parameters 'speed' and 'attack'\n", argv[2]);
+        return 1;
+    }
+
+    // Four seconds. Everyone gets up to a pace of its own; now and then somebody strikes. Only what changes is sent.
+    constexpr uint32_t kFrames = 240;
+    uint32_t steps = 0, strikes = 0;
+    for (uint32_t frame = 0; frame < kFrames; ++frame) {
+        if (frame < kCount) need(crowd.set_parameters(frame, speed, std::vector<float>{static_cast<float>(frame % 5)}));
+        if (frame % 10 == 0) need(crowd.set_parameters((frame * 7) % kCount, attack, std::vector<float>{1}));
+        need(crowd.update(1.0f / 60));
+
+        for (const throng::Feedback& feedback : need(crowd.feedback())) {
+            for (const throng::CharacterEvent& event : feedback.events) {
+                const std::string& name = controller.events[event.event].name;
+                ++(name == "strike" ? strikes : steps);
+                if (event.instance < 3) std::printf("%.3f s: guard %u: %s\n", (static_cast<double>(feedback.update) - 1) / 60 + static_cast<double>(event.time_s), event.instance, name.c_str());
+            }
+            // Lanterns follow on the CPU here; a renderer of one's own reads OutputBlock::socket_buffer and need not wait for anything.
+            for (const throng::WatchedSockets& sockets : feedback.sockets)
+                need(crowd.set_placement(kCount + sockets.instance, std::vector<throng::Affine>{sockets.transforms[0] * standing_at(0, 0, 0, 0.15f)}));
+        }
+    }
+    std::printf("%u steps and %u strikes of %u guards in %u updates\n", steps, strikes, kCount, kFrames);
+
+    throng::Renderer renderer = need(throng::Renderer::create(device, {.width = 1280, .height = 720}));
+    const throng::RenderResult result = need(renderer.render(crowd, throng::fit_camera(throng::world_bounds(crowd), 1280.0f / 720)));
+    need(throng::write_png(argv[3], result.picture));
+    return steps > 0 && strikes > 0 ? 0 : 1;
+}

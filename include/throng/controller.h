@@ -1,0 +1,118 @@
+// Controllers: state machines as data. docs/controller.md says how they are written and evaluated.
+#pragma once
+
+#include <throng/character.h>
+
+#include <filesystem>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace throng {
+
+// A number of each character that conditions, blend spaces, speeds and weights read. A bool is 0 or 1; a trigger is set (not 0) until an update
+// in which a transition that asks for it was taken.
+enum class ParameterType { kFloat, kBool, kTrigger };
+struct ControllerParameter {
+    std::string name;
+    ParameterType type = ParameterType::kFloat;
+    float initial = 0;
+};
+
+// Happens whenever a clip passes this time while it leads its layer (docs/controller.md).
+struct ControllerEvent {
+    std::string name;
+    std::string clip;
+    double time_s = 0;
+};
+
+// Weights of joints, 0..1. An item sets its joint and all below it; later items win. With a ramp, the first `ramp` generations, the joint's own included,
+// rise towards the weight in equal steps: generation g has weight * (g + 1) / (ramp + 1), the joint's own being 0.
+struct MaskItem {
+    std::string joint;
+    float weight = 1;
+    uint32_t ramp = 0;
+};
+struct JointMask {
+    std::string name;
+    std::vector<MaskItem> items;  // joints of none have weight 0
+};
+
+// A clip within a state, at a place of its blend space: x, y are of no use in a state without parameters.
+struct BlendPoint {
+    std::string clip;
+    float x = 0, y = 0;
+};
+
+// One clip; or a blend space: of one parameter (points ascending in x; between two points their clips are mixed), or of two (points
+// triangulated; within a triangle its three clips, outside the nearest edge's two). Clips of a blend space keep the same phase.
+struct ControllerState {
+    std::string name;
+    std::vector<BlendPoint> points;
+    std::string x_parameter, y_parameter;  // empty: none
+    bool loop = true;
+    float speed = 1;
+    std::string speed_parameter;           // multiplies speed
+    std::string sync;                      // states of a layer with the same word keep phase when one follows the other
+};
+
+struct ControllerCondition {
+    enum class Test { kAbove, kBelow, kIsTrue, kIsFalse, kTriggered };
+    std::string parameter;
+    Test test = Test::kIsTrue;
+    float value = 0;  // of kAbove and kBelow
+};
+
+enum class FadeKind { kCross, kInertial };
+
+// Taken where all conditions hold and the leading state has played `exit` cycles since it was entered. The first in the list that can be taken is.
+struct ControllerTransition {
+    std::string from;          // empty: any state but `to`
+    std::string to;
+    std::vector<ControllerCondition> conditions;
+    float exit = 0;            // cycles
+    float fade_s = 0;
+    FadeKind fade = FadeKind::kCross;
+    bool interrupts = false;   // may be taken before the fade of the one before has ended
+};
+
+enum class LayerMode { kOverride, kAdditive };
+
+// Without states: plays what Crowd::play() says.
+struct ControllerLayer {
+    std::string name;
+    LayerMode mode = LayerMode::kOverride;
+    std::string mask;              // empty: all joints
+    float weight = 1;
+    std::string weight_parameter;  // multiplies weight; the product is clamped to 0..1
+    std::vector<ControllerState> states;  // the first one is the one that it starts in
+    std::vector<ControllerTransition> transitions;
+};
+
+struct Controller {
+    std::string name;
+    std::vector<ControllerParameter> parameters;
+    std::vector<ControllerEvent> events;
+    std::vector<JointMask> masks;
+    std::vector<ControllerLayer> layers;  // lowest first
+
+    // Index of the parameter, layer or mask with this name, or kNone.
+    uint32_t find_parameter(std::string_view parameter_name) const;
+    uint32_t find_layer(std::string_view layer_name) const;
+    uint32_t find_mask(std::string_view mask_name) const;
+};
+
+// A controller without states: `count` layers (at least 1) that play what they are told, lowest first.
+Controller direct_layers(uint32_t count, std::vector<JointMask> masks = {});
+
+// From JSON (docs/controller.schema.json). Errors name file and line: kFile, kInvalidFile (not JSON, unknown or missing fields, wrong types, names that
+// are not there, numbers out of range).
+Result<Controller> load_controller(const std::filesystem::path& path);
+Result<Controller> parse_controller(std::string_view json, std::string_view name);
+
+// Whether the controller can drive the character: clips and joints are there. Errors: kInvalidArgument, naming what is missing and what there is.
+Result<void> check_controller(const Controller& controller, const Character& character);
+
+}  // namespace throng

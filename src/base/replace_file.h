@@ -1,0 +1,45 @@
+// Writing a file as a whole.
+#pragma once
+
+#include "base/failure.h"
+
+#include <cerrno>
+#include <cstddef>
+#include <fcntl.h>
+#include <filesystem>
+#include <span>
+#include <system_error>
+#include <unistd.h>
+
+namespace throng {
+
+// Writes a new file beside `path`, then renames it: who reads `path` sees the old file or the new one, never half of it. Throws kFile with
+// the system's reason, and leaves nothing behind.
+inline void replace_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+    namespace fs = std::filesystem;
+    const auto fail = [&](const std::string& what) { throw Failure(ErrorCode::kFile, path.string(), what); };
+    std::error_code error;
+    const fs::file_type type = fs::status(path, error).type();
+    if (type != fs::file_type::not_found && type != fs::file_type::regular) fail("is there, and not a plain file");
+
+    fs::path unfinished;
+    int file = -1;
+    for (unsigned attempt = 0; file < 0; ++attempt) {  // O_EXCL: no two calls write to one file, and no link of that name is followed
+        unfinished = path.string() + ".part" + std::to_string(getpid()) + "." + std::to_string(attempt);
+        file = ::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (file < 0 && errno != EEXIST) fail("cannot be written: " + std::generic_category().message(errno));
+    }
+    int reason = 0;
+    while (!bytes.empty() && reason == 0) {
+        const ssize_t count = ::write(file, bytes.data(), bytes.size());
+        if (count >= 0) bytes = bytes.subspan(static_cast<size_t>(count));
+        else if (errno != EINTR) reason = errno;
+    }
+    if (::close(file) != 0 && reason == 0) reason = errno;
+    if (reason == 0 && ::rename(unfinished.c_str(), path.c_str()) != 0) reason = errno;
+    if (reason == 0) return;
+    ::unlink(unfinished.c_str());
+    fail("cannot be written: " + std::generic_category().message(reason));
+}
+
+}  // namespace throng

@@ -1,0 +1,19 @@
+// What the sockets kernel is told. Shared by C++ and GLSL.
+#ifndef THRONG_SOCKETS_IO_H
+#define THRONG_SOCKETS_IO_H
+#include "gpu/shader_types.h"
+THRONG_IO_BEGIN
+
+THRONG_IO_CONSTANT kSocketWorkgroupSize = 64;
+
+struct SocketPush {
+    uint instance_count;
+    uint joint_count;
+    uint socket_count;
+    uint flags;
+};
+THRONG_IO_CONSTANT kSocketsGather = 1;   // from the model matrices; else they are in place
+THRONG_IO_CONSTANT kSocketsToWorld = 2;  // world_from_joint
+
+THRONG_IO_END
+#endif

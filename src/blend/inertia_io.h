@@ -1,0 +1,21 @@
+// What a joint keeps of the motion it left. Shared by C++ and GLSL.
+#ifndef THRONG_INERTIA_IO_H
+#define THRONG_INERTIA_IO_H
+#include "sample/sample_io.h"
+THRONG_IO_BEGIN
+
+// Of each: in xyz the offset when the transition began, in w its speed along itself, per second; not above 0: it shrinks.
+struct InertiaJoint {
+    vec4 rotation;     // axis times angle, radians
+    vec4 translation;
+    vec4 scale;
+};
+
+// A joint of an instance with inertial transitions, from update to update.
+struct InertiaState {
+    JointPose shown, shown_before;  // by the last two updates
+    InertiaJoint offset;            // as the last inertial transition began
+};
+
+THRONG_IO_END
+#endif

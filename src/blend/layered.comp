@@ -1,0 +1,36 @@
+#version 460
+// layered: the voices of each instance to parent_from_joint: sample and blend in one, for characters that play in layers.
+// One workgroup per instance, joints in strides. Reads 32 bytes a voice, and for each joint and voice 16 bytes of table and up to 6 keys
+// of 16 bytes, packed ones fewer, additive voices twice that; writes 48 bytes a joint, or 32 as similarities.
+#include "blend/inertia_io.h"
+#include "blend/layered_io.h"
+#include "control/controller_io.h"
+#include "gpu/table.glsl"
+
+layout(local_size_x = kLayeredWorkgroupSize) in;
+TABLE_OF_ROWS(0, Voices, voices);
+TABLE_OF_WORDS(1, Masks, masks);
+TABLE_OF_ROWS(2, Tracks, tracks);
+TABLE_OF_ROWS(3, Keys, keys);
+TABLE_OF_WORDS(4, Words, words);
+layout(set = 0, binding = 5, std430) writeonly buffer Local { vec4 local[]; };
+layout(set = 0, binding = 6, std430) readonly buffer Inertias { InstanceInertia inertias[]; };
+layout(set = 0, binding = 7, std430) buffer InertiaStates { InertiaState inertia_states[]; };
+layout(constant_id = 1) const bool kPacked = false;
+layout(constant_id = 2) const bool kSimilarity = false;
+layout(constant_id = 3) const bool kInertial = false;
+layout(push_constant) uniform Push { LayeredPush push; };
+
+#include "blend/local.glsl"
+#include "blend/inertial.glsl"
+#include "blend/voices.glsl"
+
+void main() {
+    const uint instance = gl_WorkGroupID.x;
+    for (uint joint = gl_LocalInvocationID.x; joint < push.joint_count; joint += kLayeredWorkgroupSize) {
+        const uint index = instance * push.joint_count + joint;
+        JointPose pose = voices_pose(instance, joint);
+        if (kInertial) pose = inertial_pose(instance, index, pose);
+        store_local(index, pose);
+    }
+}

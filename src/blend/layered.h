@@ -1,0 +1,30 @@
+// The layered stage: the voices of each instance -> its local transforms; sample and blend in one, for characters that play in layers.
+#pragma once
+
+#include "blend/blend.h"
+#include "blend/layered_io.h"
+#include "control/controller_io.h"
+
+namespace throng {
+
+// In the order of the bindings; dispatched with io::LayeredPush, a workgroup per instance. All up to `words` are tables (gpu/table.glsl);
+// that of the voices, which a kernel writes, is made by make_table().
+struct LayeredBuffers {
+    BufferRange voices;  // io::Voice[instance_count][voice_limit]; what lies behind an instance's last one is not read
+    BufferRange masks;   // float[mask_count][joint_count], 0..1
+    BufferRange tracks;  // JointTracks[clip_count + 1][joint_count]
+    BufferRange keys;    // float4[]
+    BufferRange words;   // uint[], of packed keys
+    BufferRange local;   // [instance_count][joint_count], parent_from_joint, written: Affine, or Similarity (gpu/similarity.glsl)
+    BufferRange inertias;        // of inertial transitions: io::InstanceInertia[instance_count]; else any buffer
+    BufferRange inertia_states;  // of inertial transitions: io::InertiaState[instance_count][joint_count], read and written; else any buffer
+};
+
+struct LayeredSettings {
+    bool packed = false;  // Character::packed
+    BlendOutput output = BlendOutput::kAffine;
+    bool inertial = false;
+};
+Kernel layered_kernel(const std::shared_ptr<Gpu>& gpu, const LayeredSettings& settings);
+
+}  // namespace throng

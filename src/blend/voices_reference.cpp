@@ -1,0 +1,54 @@
+#include "blend/voices_reference.h"
+
+#include "blend/blend_reference.h"
+
+namespace throng {
+namespace {
+
+constexpr double kCancelled = 1e-6;  // length of a sum of rotations that has no direction
+constexpr double kNoScale = 1e-8;
+
+Quaternion<double> operator+(const Quaternion<double>& a, const Quaternion<double>& b) { return {a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w}; }
+Quaternion<double> operator*(const Quaternion<double>& q, double s) { return {q.x * s, q.y * s, q.z * s, q.w * s}; }
+
+double ratio(double to, double from) { return std::abs(from) < kNoScale ? 1 : to / from; }
+
+Trs<double> sum_of(const ReferenceLayer& layer) {
+    Trs<double> sum{.rotation = {0, 0, 0, 0}, .translation = {}, .scale = {0, 0, 0}}, part;
+    for (const ReferenceVoice& voice : layer.voices) {
+        part = layer.is_additive ? pose_difference_reference(voice.pose, voice.first) : voice.pose;
+        const bool is_far_side = !layer.is_additive && dot(part.rotation, sum.rotation) < 0;
+        sum.rotation = sum.rotation + (is_far_side ? -part.rotation : part.rotation) * voice.weight;
+        sum.translation = sum.translation + part.translation * voice.weight;
+        sum.scale = sum.scale + part.scale * voice.weight;
+    }
+    const bool has_direction = std::sqrt(dot(sum.rotation, sum.rotation)) >= kCancelled;
+    sum.rotation = has_direction ? normalized(sum.rotation) : part.rotation;
+    return sum;
+}
+
+Trs<double> add(const Trs<double>& difference, const Trs<double>& pose) {
+    return {difference.rotation * pose.rotation, pose.translation + difference.translation,
+            {pose.scale.x * difference.scale.x, pose.scale.y * difference.scale.y, pose.scale.z * difference.scale.z}};
+}
+
+}  // namespace
+
+Trs<double> pose_difference_reference(const Trs<double>& to, const Trs<double>& from) {
+    const Quaternion<double>& r = from.rotation;
+    const Quaternion<double> turn = to.rotation * Quaternion<double>{-r.x, -r.y, -r.z, r.w};
+    return {turn.w < 0 ? -turn : turn, to.translation - from.translation,
+            {ratio(to.scale.x, from.scale.x), ratio(to.scale.y, from.scale.y), ratio(to.scale.z, from.scale.z)}};
+}
+
+Trs<double> voices_reference(std::span<const ReferenceLayer> layers) {
+    Trs<double> result;
+    for (const ReferenceLayer& layer : layers) {
+        const double weight = &layer == layers.data() ? 1 : layer.weight;
+        const Trs<double> sum = sum_of(layer);
+        result = layer.is_additive ? add(blend_reference(sum, {}, weight), result) : blend_reference(sum, result, weight);
+    }
+    return result;
+}
+
+}  // namespace throng

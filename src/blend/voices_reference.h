@@ -1,0 +1,32 @@
+// The definition of poses made of layers of voices.
+#pragma once
+
+#include <throng/transform.h>
+
+#include <span>
+#include <vector>
+
+namespace throng {
+
+// One clip as part of a joint's pose.
+struct ReferenceVoice {
+    Trs<double> pose;
+    Trs<double> first;  // in the clip's first row; of additive layers only
+    double weight = 1;  // those of a layer sum to 1
+};
+
+struct ReferenceLayer {
+    bool is_additive = false;
+    double weight = 1;  // at this joint: the layer's times the mask's. The lowest layer counts as 1.
+    std::vector<ReferenceVoice> voices;
+};
+
+// What leads from `from` to `to`, in the space of the parent: the shorter rotation, the way, the ratio of each scale (1 where there is none).
+Trs<double> pose_difference_reference(const Trs<double>& to, const Trs<double>& from);
+
+// parent_from_joint of a joint, from its layers, the lowest first. An override layer is the weighted sum of its voices, blended over what
+// lies below; an additive one the weighted sum of their differences from their first rows, applied to it. Where rotations cancel
+// each other, the layer turns as its last voice does.
+Trs<double> voices_reference(std::span<const ReferenceLayer> layers);
+
+}  // namespace throng

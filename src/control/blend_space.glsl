@@ -1,0 +1,83 @@
+// The clips of a play and their weights: step 4 of docs/controller.md. The includer declares parameter_at(index).
+#include "control/rounded.glsl"
+#include "control/tables.glsl"
+
+// Up to three clips of one phase. Weights of those beyond are 0.
+struct ClipMix {
+    uvec3 clips;
+    vec3 weights;
+    float rate;  // cycles a second
+    uint loop;
+    uint sync;
+};
+
+void mix_line(inout ClipMix clip_mix, ControlState state, float x) {
+    uint i = 0;
+    for (uint k = 1; k < state.point_count; ++k)
+        if (load_point(state.first_point + k).x <= x) i = k;
+    const ControlPoint point = load_point(state.first_point + i);
+    const float t = clamp(product(difference(x, point.x), point.inverse_span), 0, 1);
+    clip_mix.clips = uvec3(i, min(i + 1, state.point_count - 1), 0);
+    clip_mix.weights = vec3(difference(1, t), t, 0);
+}
+
+const float kCrack = 1.0 / 65536;  // rounding must open no crack between two triangles
+
+// The first triangle around (x, y), if there is one.
+bool mix_triangle(inout ClipMix clip_mix, ControlState state, float x, float y) {
+    for (uint k = 0; k < state.triangle_count; ++k) {
+        const ControlTriangle triangle = load_triangle(state.first_triangle + k);
+        const float u = sum(sum(product(triangle.ax, x), product(triangle.ay, y)), triangle.a0);
+        const float v = sum(sum(product(triangle.bx, x), product(triangle.by, y)), triangle.b0);
+        const float w = difference(difference(1, u), v);
+        if (u >= -kCrack && v >= -kCrack && w >= -kCrack) {
+            clip_mix.clips = uvec3(triangle.a, triangle.b, triangle.c);
+            clip_mix.weights = max(vec3(u, v, w), vec3(0));
+            return true;
+        }
+    }
+    return false;
+}
+
+// The nearest place on the hull.
+void mix_edge(inout ClipMix clip_mix, ControlState state, float x, float y) {
+    float nearest = uintBitsToFloat(0x7F800000u);
+    for (uint k = 0; k < state.edge_count; ++k) {
+        const ControlEdge edge = load_edge(state.first_edge + k);
+        const ControlPoint a = load_point(state.first_point + edge.a), b = load_point(state.first_point + edge.b);
+        const float dx = difference(x, a.x), dy = difference(y, a.y);
+        const float t = clamp(sum(product(dx, edge.dx), product(dy, edge.dy)), 0, 1);
+        const float ex = difference(dx, product(t, difference(b.x, a.x)));
+        const float ey = difference(dy, product(t, difference(b.y, a.y)));
+        const float squared = sum(product(ex, ex), product(ey, ey));
+        if (squared < nearest) {
+            nearest = squared;
+            clip_mix.clips = uvec3(edge.a, edge.b, 0);
+            clip_mix.weights = vec3(difference(1, t), t, 0);
+        }
+    }
+}
+
+ClipMix mix_of_state(ControlState state) {
+    ClipMix clip_mix = ClipMix(uvec3(0), vec3(1, 0, 0), 0, state.loop, state.sync);
+    if (state.y_parameter != kAbsent) {
+        const float x = parameter_at(state.x_parameter), y = parameter_at(state.y_parameter);
+        if (!mix_triangle(clip_mix, state, x, y)) mix_edge(clip_mix, state, x, y);
+    } else if (state.x_parameter != kAbsent) {
+        mix_line(clip_mix, state, parameter_at(state.x_parameter));
+    }
+    float rate = 0;
+    for (uint k = 0; k < 3; ++k) {
+        clip_mix.clips[k] = load_point(state.first_point + clip_mix.clips[k]).clip;
+        rate = sum(rate, product(clip_mix.weights[k], load_clip(clip_mix.clips[k]).rate));
+    }
+    rate = product(rate, state.speed);
+    if (state.speed_parameter != kAbsent) rate = product(rate, parameter_at(state.speed_parameter));
+    clip_mix.rate = rate;
+    return clip_mix;
+}
+
+ClipMix mix_of_play(ControlLayer layer, LayerPlay play) {
+    if (layer.state_count > 0) return mix_of_state(load_state(layer.first_state + play.motion));
+    return ClipMix(uvec3(play.motion, 0, 0), vec3(1, 0, 0), product(play.speed, load_clip(play.motion).rate), play.loop, kAbsent);
+}

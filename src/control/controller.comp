@@ -1,0 +1,115 @@
+#version 460
+// controller: one update of each instance's layers: transitions, fades, times, events, root motion; writes the clips that its pose is made of.
+// One invocation per instance. Defined in docs/controller.md; nothing that decides a state is divided or fused, so that all devices agree.
+#include "gpu/table.glsl"
+#include "control/controller_io.h"
+
+layout(local_size_x = kControllerWorkgroupSize) in;
+TABLE_OF_WORDS(0, Tables, tables);
+TABLE_OF_WORDS(1, Axes, axes);
+TABLE_OF_WORDS(2, Times, times);
+TABLE_OF_ROWS(3, RootRows, root_rows);
+layout(set = 0, binding = 4, std430) buffer Layers { LayerState layers[]; };         // [instance][layer]
+layout(set = 0, binding = 5, std430) buffer Parameters { float parameters[]; };      // [instance][parameter]
+layout(set = 0, binding = 6, std430) writeonly buffer Voices { Voice voices[]; };    // [instance][voice_limit]
+layout(set = 0, binding = 7, std430) buffer Events { EventHead event_head; EventRecord events[]; };
+layout(set = 0, binding = 8, std430) buffer Roots { RootState roots[]; };
+layout(set = 0, binding = 9, std430) writeonly buffer Placements { vec4 placements[]; };  // world_from_model, three rows each
+layout(set = 0, binding = 10, std430) buffer Inertias { InstanceInertia inertias[]; };
+layout(push_constant) uniform Push { ControllerPush push; };
+
+uint instance, first_parameter;
+
+// What is not finite counts as 0.
+float parameter_at(uint index) {
+    const float value = parameters[first_parameter + index];
+    return (floatBitsToUint(value) & 0x7F800000u) == 0x7F800000u ? 0 : value;
+}
+
+#include "control/control.glsl"
+#include "control/plays.glsl"
+#include "control/inertia_clock.glsl"
+#include "control/root_motion.glsl"
+#include "control/voices.glsl"
+#include "control/events.glsl"
+
+// A layer's weight; a direct one's goes towards its goal.
+float advance_weight(inout LayerState state, ControlLayer layer) {
+    const float way = product(max(push.time_step_s, 0), state.weight_rate);
+    state.weight = state.weight < state.weight_goal ? min(sum(state.weight, way), state.weight_goal) : max(difference(state.weight, way), state.weight_goal);
+    return clamp(layer.weight_parameter == kAbsent ? state.weight : product(state.weight, parameter_at(layer.weight_parameter)), 0, 1);
+}
+
+bool is_in_step(ClipMix leading, ClipMix other) { return leading.sync != kAbsent && other.sync == leading.sync; }
+
+void add_clips(ClipMix clip_mix, PhaseStep phase_step, float play_weight, bool moves) {
+    for (uint point = 0; point < 3; ++point) {
+        const float weight = product(play_weight, clip_mix.weights[point]);
+        if (weight <= 0) continue;
+        add_voice(clip_mix.clips[point], phase_step.after, weight);
+        if (moves) add_move(load_clip(clip_mix.clips[point]), phase_step, weight);
+    }
+}
+
+void update_layer(uint index) {
+    const ControlLayer layer = load_layer(index);
+    LayerState state = layers[instance * layout_of_group.layer_count + index];
+    if (layer.state_count > 0) {
+        follow_transitions(state, layer);
+        note_transition(state);
+    }
+    advance_fades(state, push.time_step_s);
+    const vec3 weights = weights_of_plays(state);
+    const float layer_weight = advance_weight(state, layer);
+
+    ClipMix mixes[kStackSize];
+    float common_rate = 0;  // of the leading play's sync group
+    for (uint k = 0; k < state.play_count; ++k) {
+        mixes[k] = mix_of_play(layer, state.plays[k]);
+        common_rate = sum(common_rate, product(weights[k], mixes[is_in_step(mixes[0], mixes[k]) ? k : 0].rate));
+    }
+    begin_layer(state, layer_weight);
+    PhaseStep leading;
+    for (uint k = 0; k < state.play_count; ++k) {
+        const bool in_step = is_in_step(mixes[0], mixes[k]);
+        PhaseStep phase_step = leading;
+        if (k > 0 && in_step) {
+            state.plays[k].phase = state.plays[0].phase;
+            state.plays[k].loops = state.plays[0].loops;
+        } else {
+            phase_step = step_phase(state.plays[k], in_step ? common_rate : mixes[k].rate, mixes[k].loop != 0, push.time_step_s);
+        }
+        if (k == 0) leading = phase_step;
+        if (layer_weight > 0) add_clips(mixes[k], phase_step, weights[k], index == 0);
+    }
+    if (layer_weight > 0 && state.play_count > 0) emit_events(heaviest(mixes[0]), leading, index);
+    layers[instance * layout_of_group.layer_count + index] = state;
+}
+
+// Those that transitions taken in this update asked for.
+void reset_triggers() {
+    for (uint index = 0; index < layout_of_group.layer_count; ++index) {
+        const uint taken = layers[instance * layout_of_group.layer_count + index].taken;
+        if (taken == kAbsent) continue;
+        const ControlTransition transition = load_transition(taken);
+        for (uint k = 0; k < transition.condition_count; ++k) {
+            const ControlCondition condition = load_condition(transition.first_condition + k);
+            if (condition.test == kTestTriggered) parameters[first_parameter + condition.parameter] = 0;
+        }
+    }
+}
+
+void main() {
+    instance = gl_GlobalInvocationID.x;
+    if (instance >= push.instance_count) return;
+    layout_of_group = load_layout();
+    first_parameter = instance * layout_of_group.parameter_count;
+    begin_voices();
+    begin_move();
+    begin_inertia();
+    for (uint index = 0; index < layout_of_group.layer_count; ++index) update_layer(index);
+    reset_triggers();
+    end_voices();
+    end_move();
+    end_inertia();
+}

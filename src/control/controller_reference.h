@@ -1,0 +1,72 @@
+// The definition of the controller stage (docs/controller.md): one instance, on the CPU, with nothing fused and nothing fast. What decides a state is
+// computed in float as the definition says, so that a device must agree bit for bit; what nothing follows from, in double.
+#pragma once
+
+#include "control/clip_mix_reference.h"
+#include "control/controller_tables.h"
+#include "control/play_reference.h"
+#include "control/root_motion_reference.h"
+
+#include <span>
+#include <vector>
+
+namespace throng {
+
+// One clip as part of the instance's pose.
+struct ControllerVoice {
+    uint32_t clip = 0;             // clip_count: the rest pose
+    uint32_t phase = 0;
+    double time_s = 0;
+    float weight = 1;              // within its layer
+    uint32_t layer = io::kAbsent;  // kAbsent: the rest pose below all layers
+    float layer_weight = 1;
+    uint32_t mode = io::kModeOverride;
+    uint32_t mask = io::kAbsent;
+};
+
+struct ControllerEventAt {
+    uint32_t event;  // index into Controller::events
+    uint32_t layer;
+    double time_s;   // 0..|time step|
+};
+
+struct ControllerUpdate {
+    std::vector<ControllerVoice> voices;    // lowest layer first; at least one
+    std::vector<ControllerEventAt> events;  // of each layer in the order in which they happened
+    GroundMove move;                        // in model space before the update
+    float inertial_s = 0;                   // how long an inertial transition takes that begins; 0: none does
+};
+
+class ControllerReference {
+public:
+    // Throws what check_controller() finds. Both are referred to as long as this lives.
+    ControllerReference(const Controller& controller, const Character& character);
+
+    void apply(const io::ControlCommand& command);
+    ControllerUpdate update(float time_step_s);
+
+    // As the kernel keeps them, bit for bit but for plays that have been dropped.
+    std::vector<float> parameters;
+    std::vector<io::LayerState> layers;
+
+private:
+    MixedClips mix_of(const io::ControlLayer& layer, const io::LayerPlay& play) const;
+    uint32_t transition_of(const io::ControlLayer& layer, const io::LayerState& state) const;
+    bool can_be_taken(const io::ControlTransition& transition, const io::LayerState& state) const;
+    void push_state(const io::ControlLayer& layer, io::LayerState& state, uint32_t motion, io::LayerPlay play) const;
+    void follow_transitions(const io::ControlLayer& layer, io::LayerState& state) const;
+    float advance_weight(const io::ControlLayer& layer, io::LayerState& state, float time_step_s) const;
+    void update_layer(uint32_t index, float time_step_s, ControllerUpdate& update);
+    void add_voices(uint32_t index, float layer_weight, const io::LayerPlay& play, const MixedClips& mix, float play_weight, ControllerUpdate& update) const;
+    void add_rest_pose(std::vector<ControllerVoice>& voices) const;
+    void reset_triggers();
+    RootRows root_rows(uint32_t clip) const;
+
+    const Character& character_;
+    ControllerArrays arrays_;
+};
+
+// The voices of an instance as the sample and blend stages read them.
+std::vector<io::Voice> to_io(std::span<const ControllerVoice> voices, const Character& character);
+
+}  // namespace throng

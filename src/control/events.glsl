@@ -1,0 +1,35 @@
+// Events that a clip passed in an update: step 7 of docs/controller.md. The includer declares `events`, `event_head` and `instance`.
+
+// The first of equals.
+uint heaviest(ClipMix clip_mix) {
+    uint k = 0;
+    if (clip_mix.weights.y > clip_mix.weights[k]) k = 1;
+    if (clip_mix.weights.z > clip_mix.weights[k]) k = 2;
+    return clip_mix.clips[k];
+}
+
+// How often an event is passed: positions are phase + 2^32 * loops; forwards it is passed by [before, after), backwards by [after, before).
+uint times_passed(uint phase, PhaseStep phase_step) {
+    const int passed_before = phase < phase_step.before ? 1 : 0, passed_after = phase < phase_step.after || phase_step.reached_end ? 1 : 0;
+    return uint(abs(phase_step.crossed + passed_after - passed_before));
+}
+
+// Counts them all, and keeps those that there is room for.
+void emit_event(ControlEvent event, PhaseStep phase_step, uint layer) {
+    const uint count = times_passed(event.phase, phase_step);
+    if (count == 0) return;
+    const bool forwards = phase_step.cycles > 0;
+    const uint distance = forwards ? event.phase - phase_step.before : phase_step.before - event.phase - 1;  // backwards the place where it stands lies a cycle ahead
+    const uint first = atomicAdd(event_head.count, count);
+    const uint end = min(count, push.event_capacity - min(first, push.event_capacity));
+    for (uint k = 0; k < end; ++k) {
+        const float cycles = (float(distance) + (forwards ? 0 : 1)) * (1.0 / 4294967296.0) + float(k);
+        const float time_s = clamp(cycles / abs(phase_step.cycles), 0, 1) * abs(push.time_step_s);
+        events[first + k] = EventRecord(push.first_instance + instance, event.event, layer, time_s);
+    }
+}
+
+void emit_events(uint clip, PhaseStep phase_step, uint layer) {
+    const ControlClip from = load_clip(clip);
+    for (uint i = 0; i < from.event_count; ++i) emit_event(load_event(from.first_event + i), phase_step, layer);
+}

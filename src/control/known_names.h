@@ -1,0 +1,39 @@
+// Names of one kind (states, parameters, clips, …), to look up what refers to them, and to say what there is where nothing does.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+namespace throng {
+
+inline constexpr size_t kNameLimit = 256;  // bytes
+
+class KnownNames {
+public:
+    explicit KnownNames(std::string kind) : kind_(std::move(kind)) {}
+
+    // The name's index is how many were added before. Where it was added already, it keeps that index, and false is returned. The string
+    // must outlive this.
+    bool add(std::string_view name);
+
+    // Index, or kNone.
+    uint32_t find(std::string_view name) const;
+
+    // Index. Throws at `place` where there is none, with unknown().
+    uint32_t require(std::string_view name, const std::string& place) const;
+
+    // "there is no state 'mvoe'; did you mean 'move'? There are: idle, move, jump"
+    std::string unknown(std::string_view name) const;
+
+private:
+    std::string_view nearest(std::string_view name) const;  // empty where none is near
+
+    std::string kind_;
+    std::vector<std::string_view> names_;
+    std::unordered_map<std::string_view, uint32_t> indices_;
+};
+
+}  // namespace throng

@@ -1,0 +1,63 @@
+#include "control/layer_commands.h"
+
+#include "base/failure.h"
+#include "control/controller_arrays.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace throng {
+namespace {
+
+[[noreturn]] void refuse(const std::string& place, std::string why) { throw Failure(ErrorCode::kInvalidArgument, place, std::move(why)); }
+
+void check_layer(const std::vector<bool>& has_states, uint32_t layer, const std::string& place) {
+    if (layer >= has_states.size()) refuse(place, "layer " + std::to_string(layer) + " of a controller that has " + std::to_string(has_states.size()));
+    if (has_states[layer]) refuse(place, "layer " + std::to_string(layer) + " has states: set the controller's parameters");
+}
+
+float rate_of(float fade_s, const std::string& place) {
+    if (!(fade_s >= 0 && std::isfinite(fade_s))) refuse(place, "the fade must be finite, and not negative");
+    return fade_s > 0 ? std::min(1 / fade_s, 1e6f) : 0;
+}
+
+}  // namespace
+
+io::ControlCommand play_command(const std::vector<bool>& has_states, std::span<const float> clip_durations_s, uint32_t layer, const LayerPlayback& playback, const std::string& place) {
+    const auto clip_count = static_cast<uint32_t>(clip_durations_s.size());
+    const ClipPlayback& clip = playback.clip;
+    check_layer(has_states, layer, place);
+    if (clip.clip != kNone && clip.clip >= clip_count) refuse(place, "clip " + std::to_string(clip.clip) + " of a character that has " + std::to_string(clip_count));
+    if (!std::isfinite(clip.time_s) || !std::isfinite(clip.speed)) refuse(place, "time and speed must be finite");
+    const bool rests = clip.clip == kNone;
+    return {.instance = 0,
+            .kind = io::kCommandPlay,
+            .target = layer,
+            .motion = rests ? clip_count : clip.clip,
+            .phase = rests ? 0 : phase_at(clip.time_s, clip_durations_s[clip.clip], clip.loop),
+            .loop = clip.loop ? 1u : 0u,
+            .value = clip.speed,
+            .fade_rate = rate_of(playback.fade_s, place)};
+}
+
+io::ControlCommand layer_command(const std::vector<bool>& has_states, uint32_t mask_count, uint32_t layer, const LayerBlend& blend, const std::string& place) {
+    check_layer(has_states, layer, place);
+    if (!(blend.weight >= 0 && blend.weight <= 1)) refuse(place, "weight must lie within 0..1");
+    if (blend.mask != kNone && blend.mask >= mask_count) refuse(place, "mask " + std::to_string(blend.mask) + " of a controller that has " + std::to_string(mask_count));
+    return {.instance = 0,
+            .kind = io::kCommandLayer,
+            .target = layer,
+            .motion = blend.mask,
+            .phase = blend.mode == LayerMode::kAdditive ? io::kModeAdditive : io::kModeOverride,
+            .loop = 0,
+            .value = blend.weight,
+            .fade_rate = rate_of(blend.fade_s, place)};
+}
+
+void check_parameters(uint32_t parameter_count, uint32_t first, std::span<const float> values, const std::string& place) {
+    if (first > parameter_count || values.size() > parameter_count - first)
+        refuse(place, "parameters " + std::to_string(first) + " to " + std::to_string(first + values.size()) + " of a controller that has " + std::to_string(parameter_count));
+    if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); })) refuse(place, "a number is not finite");
+}
+
+}  // namespace throng

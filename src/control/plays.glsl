@@ -1,0 +1,112 @@
+// The stack of a layer's plays: steps 2, 3, 5 and 6 of docs/controller.md.
+#include "control/blend_space.glsl"
+#include "control/stack.glsl"
+
+bool holds(ControlCondition condition) {
+    const float value = parameter_at(condition.parameter);
+    if (condition.test == kTestAbove) return value > condition.value;
+    if (condition.test == kTestBelow) return value < condition.value;
+    return condition.test == kTestFalse ? value == 0 : value != 0;
+}
+
+bool can_be_taken(ControlTransition transition, LayerPlay leading, bool fading) {
+    bool can = (!fading || (transition.flags & kTransitionInterrupts) != 0) &&
+               (leading.loops > transition.exit_loops || (leading.loops == transition.exit_loops && leading.phase >= transition.exit_phase));
+    for (uint k = 0; k < transition.condition_count && can; ++k) can = holds(load_condition(transition.first_condition + k));
+    return can;
+}
+
+// The first transition that can be taken, or kAbsent.
+uint choose_transition(LayerState state, ControlLayer layer) {
+    const ControlState leading = load_state(layer.first_state + state.plays[0].motion);
+    const bool fading = state.play_count > 1 && state.plays[0].fade < 1;
+    const uint end = leading.first_transition + leading.transition_count;
+    uint chosen = kAbsent;
+    for (uint i = leading.first_transition; i < end && chosen == kAbsent; ++i)
+        if (can_be_taken(load_transition(i), state.plays[0], fading)) chosen = i;
+    return chosen;
+}
+
+LayerPlay play_of_state(uint motion, float fade_rate, bool at_once) {
+    return LayerPlay(motion, 0, 0, at_once ? 1 : 0, fade_rate, 0, 0);
+}
+
+void follow_transitions(inout LayerState state, ControlLayer layer) {
+    state.taken = kAbsent;
+    if (state.play_count == 0) {
+        push_play(state, play_of_state(0, 0, true));
+        return;
+    }
+    state.taken = choose_transition(state, layer);
+    if (state.taken == kAbsent) return;
+    const ControlTransition transition = load_transition(state.taken);
+    LayerPlay play = play_of_state(transition.to, transition.fade_rate, transition.fade_rate == 0 || (transition.flags & kTransitionInertial) != 0);
+    const uint sync = load_state(layer.first_state + transition.to).sync;
+    for (uint k = state.play_count; sync != kAbsent && k-- > 0;)
+        if (load_state(layer.first_state + state.plays[k].motion).sync == sync) play.phase = state.plays[k].phase;
+    push_play(state, play);
+}
+
+// Fades go on; what is covered is dropped.
+void advance_fades(inout LayerState state, float time_step_s) {
+    uint count = state.play_count;
+    for (uint k = kStackSize; k-- > 0;) {
+        if (k + 1 >= state.play_count) continue;  // the oldest is there whole
+        const float fade = min(sum(state.plays[k].fade, product(max(time_step_s, 0), state.plays[k].fade_rate)), 1);
+        state.plays[k].fade = fade;
+        if (fade >= 1) count = k + 1;
+    }
+    state.play_count = count;
+}
+
+// How much of each play is seen.
+vec3 weights_of_plays(LayerState state) {
+    vec3 weights = vec3(0);
+    float remaining = 1;
+    for (uint k = 0; k < kStackSize; ++k) {
+        if (k >= state.play_count) break;
+        const float fade = state.plays[k].fade;
+        const float eased = k + 1 == state.play_count ? 1 : product(product(fade, fade), difference(3, 2 * fade));
+        weights[k] = product(remaining, eased);
+        remaining = product(remaining, difference(1, eased));
+    }
+    return weights;
+}
+
+const float kMostCycles = 1e9;  // of an update, and loops of a play: sums of two fit an int
+
+// What one update did to a play's time.
+struct PhaseStep {
+    uint before, after;
+    int crossed;       // ends of the clip, forwards counted positive; 0 of what does not loop
+    bool reached_end;  // of what does not loop
+    float cycles;      // x
+};
+
+PhaseStep step_phase(inout LayerPlay play, float rate, bool loop, float time_step_s) {
+    PhaseStep phase_step;
+    phase_step.before = play.phase;
+    phase_step.reached_end = false;
+    const float asked = product(time_step_s, rate);
+    const float x = isnan(asked) ? 0 : clamp(asked, -kMostCycles, kMostCycles);
+    phase_step.cycles = x;
+    float whole = floor(x), part = difference(x, whole);
+    if (part >= 1) {
+        part = 0;
+        whole = whole + 1;
+    }
+    const uint after = play.phase + uint(part * 4294967296.0);
+    const int crossed = int(whole) + (after < play.phase ? 1 : 0);
+    if (loop) {
+        play.phase = after;
+        play.loops = uint(clamp(int(play.loops) + crossed, 0, int(kMostCycles)));
+        phase_step.crossed = crossed;
+    } else {
+        if (crossed != 0) play.phase = crossed > 0 ? kLastPhase : 0;
+        else play.phase = after;
+        phase_step.crossed = 0;
+        phase_step.reached_end = play.phase == kLastPhase && phase_step.before != kLastPhase;
+    }
+    phase_step.after = play.phase;
+    return phase_step;
+}

@@ -1,0 +1,62 @@
+// How far a clip moves its character: step 8 of docs/controller.md. A place on the ground is (x, z, cos, sin): a turn about +y, then a shift.
+// The includer declares the table `root_rows`.
+
+// b, then a.
+vec4 compose_places(vec4 a, vec4 b) {
+    return vec4(a.z * b.x + a.w * b.y + a.x, a.z * b.y - a.w * b.x + a.y, a.z * b.z - a.w * b.w, a.z * b.w + a.w * b.z);
+}
+
+vec4 inverse_place(vec4 a) {
+    return vec4(a.w * a.y - a.z * a.x, -(a.z * a.y + a.w * a.x), a.z, -a.w);
+}
+
+vec4 turned_to_length_one(vec4 a) {
+    const float squared = dot(a.zw, a.zw);
+    return vec4(a.xy, squared > 1e-12 ? a.zw * inversesqrt(squared) : vec2(1, 0));
+}
+
+// Relative to where the clip begins.
+vec4 place_at(ControlClip clip, uint phase) {
+    uint row, fraction;
+    umulExtended(phase, clip.root_count - 1, row, fraction);
+    const uint at = clip.first_root + row;
+    const vec4 a = uintBitsToFloat(ROW_AT(root_rows, at)), b = uintBitsToFloat(ROW_AT(root_rows, min(at + 1, clip.first_root + clip.root_count - 1)));
+    return turned_to_length_one(mix(a, b, float(fraction) * (1.0 / 4294967296.0)));
+}
+
+vec4 cycles_of(ControlClip clip, int count) {
+    vec4 cycle = uintBitsToFloat(ROW_AT(root_rows, clip.first_root + clip.root_count - 1));
+    if (count < 0) cycle = inverse_place(cycle);
+    vec4 all = vec4(0, 0, 1, 0);
+    for (uint rest = uint(abs(count)); rest > 0; rest >>= 1) {
+        if ((rest & 1) != 0) all = compose_places(all, cycle);
+        cycle = compose_places(cycle, cycle);
+    }
+    return all;
+}
+
+// From one phase to another, over whole cycles between.
+vec4 move_of(ControlClip clip, PhaseStep phase_step) {
+    if (clip.root_count == 0) return vec4(0, 0, 1, 0);
+    return compose_places(inverse_place(place_at(clip, phase_step.before)), compose_places(cycles_of(clip, phase_step.crossed), place_at(clip, phase_step.after)));
+}
+
+vec4 move_sum;  // of this update, by weight
+
+void begin_move() { move_sum = vec4(0); }
+
+void add_move(ControlClip clip, PhaseStep phase_step, float weight) { move_sum += weight * move_of(clip, phase_step); }
+
+// The move is reported, and where it is applied the instance stands at base * place.
+void end_move() {
+    if ((push.flags & kPushHasRootMotion) == 0) return;
+    const vec4 move = move_sum == vec4(0) ? vec4(0, 0, 1, 0) : turned_to_length_one(move_sum);
+    roots[instance].move = move;
+    if ((push.flags & kPushMovesPlacements) == 0) return;
+    const vec4 place = turned_to_length_one(compose_places(roots[instance].place, move));
+    roots[instance].place = place;
+    for (uint row = 0; row < 3; ++row) {
+        const vec4 base = roots[instance].base[row];
+        placements[3 * instance + row] = vec4(base.x * place.z - base.z * place.w, base.y, base.x * place.w + base.z * place.z, base.x * place.x + base.z * place.y + base.w);
+    }
+}

@@ -1,0 +1,99 @@
+#include "crowd/controller_stage.h"
+
+#include "control/controller_kernel.h"
+#include "gpu/barrier.h"
+
+#include <algorithm>
+
+namespace throng {
+namespace {
+
+constexpr size_t kRound = 16384;                                                // commands of a batch that are applied by one dispatch
+constexpr size_t kUpdateLimit = 65536 / sizeof(io::ControlCommand);             // of vkCmdUpdateBuffer
+
+}  // namespace
+
+ControllerStage::ControllerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const FeedbackRing* feedback)
+    : gpu_(std::move(gpu)), groups_(groups), batches_(batches), member_of_batch_(batches.size(), kNone), feedback_(feedback) {
+    for (uint32_t i = 0; i < batches_.size(); ++i) {
+        const Batch& batch = batches_[i];
+        const Group& group = groups_[batch.group];
+        if (!group.controller) continue;
+        if (members_.empty()) {
+            command_kernel_ = command_kernel(gpu_);
+            controller_kernel_ = controller_kernel(gpu_);
+        }
+        member_of_batch_[i] = static_cast<uint32_t>(members_.size());
+        Member& member = members_.emplace_back(Member{.batch = i, .pending = {}, .uploaded = {}, .commands = {}, .controller = {}});
+        member.controller = controller_kernel_.bind(ControllerBuffers{group.controller->tables, group.axes, group.times, group.root_rows, batch.layers, batch.parameters, batch.voices, feedback_->events(),
+                                                                      batch.roots.or_else(batch.layers), batch.placements, batch.inertias.or_else(batch.layers)});
+    }
+}
+
+void ControllerStage::add(uint32_t batch, const io::ControlCommand& command) { members_[member_of_batch_[batch]].pending.push_back(command); }
+
+void ControllerStage::make_uploads(Member& member) {
+    const Batch& batch = batches_[member.batch];
+    member.uploaded = Buffer(gpu_, groups_[batch.group].name + ": commands", kRound * sizeof(io::ControlCommand), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    member.commands = command_kernel_.bind(CommandBuffers{member.uploaded, batch.layers, batch.parameters});
+}
+
+// One dispatch a batch of those commands that follow the first `first`. False where there were none.
+bool ControllerStage::record_round(VkCommandBuffer commands, size_t first) {
+    const auto count_of = [&](const Member& member) { return std::min(kRound, member.pending.size() - std::min(first, member.pending.size())); };
+    bool any = false;
+    for (Member& member : members_) {
+        const size_t count = count_of(member);
+        for (size_t at = 0; at < count; at += kUpdateLimit) {
+            const size_t part = std::min(kUpdateLimit, count - at);
+            gpu_->vk.vkCmdUpdateBuffer(commands, member.uploaded.handle(), at * sizeof(io::ControlCommand), part * sizeof(io::ControlCommand), &member.pending[first + at]);
+        }
+        any = any || count > 0;
+    }
+    if (!any) return false;
+    memory_barrier(*gpu_, commands, kTransferWrite, kShaderRead | kShaderWrite);
+    for (const Member& member : members_) {
+        const auto count = static_cast<uint32_t>(count_of(member));
+        const GroupController& controller = *groups_[batches_[member.batch].group].controller;
+        if (count > 0) command_kernel_.dispatch_invocations(commands, member.commands, io::CommandPush{count, controller.layer_count, controller.parameter_count}, count);
+    }
+    memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite | kTransferWrite);
+    return true;
+}
+
+void ControllerStage::record_commands(VkCommandBuffer commands) {
+    if (members_.empty()) return;
+    for (Member& member : members_) {
+        if (!member.pending.empty() && !member.uploaded.handle()) make_uploads(member);
+        std::stable_sort(member.pending.begin(), member.pending.end(), [](const io::ControlCommand& a, const io::ControlCommand& b) { return a.instance < b.instance; });
+    }
+    for (size_t first = 0; record_round(commands, first); first += kRound) {}
+    for (Member& member : members_) member.pending.clear();
+    memory_barrier(*gpu_, commands, kTransferWrite, kShaderRead | kShaderWrite);
+}
+
+void ControllerStage::record(VkCommandBuffer commands, float time_step_s) const {
+    for (const Member& member : members_) {
+        const Batch& batch = batches_[member.batch];
+        const Group& group = groups_[batch.group];
+        const uint32_t inertia_flags = group.controller->is_inertial ? io::kPushIsInertial : 0;
+        const uint32_t root_flags = batch.roots.handle() ? io::kPushHasRootMotion | (group.controller->moves_placements ? io::kPushMovesPlacements : 0) : 0;
+        controller_kernel_.dispatch_invocations(commands, member.controller,
+                                                io::ControllerPush{.instance_count = batch.instance_count,
+                                                                   .first_instance = batch.first_instance,
+                                                                   .joint_count = group.joint_count,
+                                                                   .voice_limit = group.controller->voice_limit,
+                                                                   .event_capacity = feedback_->event_capacity(),
+                                                                   .time_step_s = time_step_s,
+                                                                   .flags = root_flags | inertia_flags},
+                                                batch.instance_count);
+    }
+}
+
+uint64_t ControllerStage::size_bytes() const {
+    uint64_t sum = 0;
+    for (const Member& member : members_) sum += member.uploaded.size_bytes();
+    return sum;
+}
+
+}  // namespace throng

@@ -1,0 +1,43 @@
+// The control stage of groups with a controller: commands of the CPU, then parameters and layers -> voices, events and root motion.
+#pragma once
+
+#include "crowd/batch.h"
+#include "crowd/feedback.h"
+#include "crowd/group.h"
+
+#include <optional>
+
+namespace throng {
+
+class ControllerStage {
+public:
+    // Of those batches whose group has a controller; keeps references to all. Events go to the feedback, which is there where a group has a controller.
+    ControllerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const FeedbackRing* feedback);
+
+    // Queues what the next record_commands() hands to the GPU; `command.instance` is of the batch.
+    void add(uint32_t batch, const io::ControlCommand& command);
+
+    void record_commands(VkCommandBuffer commands);
+    void record(VkCommandBuffer commands, float time_step_s) const;
+    uint64_t size_bytes() const;
+
+private:
+    struct Member {
+        uint32_t batch = 0;
+        std::vector<io::ControlCommand> pending;
+        Buffer uploaded;  // kRound commands at a time; made when there are any
+        Bindings commands, controller;
+    };
+    void make_uploads(Member& member);
+    bool record_round(VkCommandBuffer commands, size_t first);
+
+    std::shared_ptr<Gpu> gpu_;
+    const std::vector<Group>& groups_;
+    const std::vector<Batch>& batches_;
+    Kernel command_kernel_, controller_kernel_;
+    std::vector<Member> members_;
+    std::vector<uint32_t> member_of_batch_;
+    const FeedbackRing* feedback_;
+};
+
+}  // namespace throng

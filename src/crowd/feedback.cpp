@@ -1,0 +1,99 @@
+#include "crowd/feedback.h"
+
+#include "base/failure.h"
+#include "control/controller_io.h"
+#include "gpu/barrier.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace throng {
+
+FeedbackRing::FeedbackRing(std::shared_ptr<Gpu> gpu, uint32_t event_capacity, uint64_t watch_bytes) : gpu_(std::move(gpu)), event_capacity_(event_capacity) {
+    const uint64_t size_bytes = sizeof(io::EventHead) + event_capacity * uint64_t{sizeof(io::EventRecord)};
+    events_ = Buffer(gpu_, "events", size_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    for (Slot& slot : slots_) {
+        slot.copy = Buffer(gpu_, "feedback", size_bytes + watch_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::kReadback);
+        const VkEventCreateInfo info{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO};
+        check(gpu_->vk.vkCreateEvent(gpu_->device, &info, nullptr, &slot.done), "creating an event");
+    }
+}
+
+FeedbackRing::~FeedbackRing() {
+    for (const Slot& slot : slots_) gpu_->vk.vkDestroyEvent(gpu_->device, slot.done, nullptr);
+}
+
+bool FeedbackRing::is_done(const Slot& slot) const { return gpu_->vk.vkGetEventStatus(gpu_->device, slot.done) == VK_EVENT_SET; }
+
+void FeedbackRing::begin(VkCommandBuffer commands) {
+    Slot& slot = slots_[update_count_ % slots_.size()];
+    if (update_count_ >= slots_.size() && !is_done(slot))
+        throw Failure(ErrorCode::kInvalidArgument, "crowd", "the update recorded " + std::to_string(slots_.size()) + " record()s ago has not finished: at most " +
+                                                                std::to_string(slots_.size()) + " may be in flight");
+    check(gpu_->vk.vkResetEvent(gpu_->device, slot.done), "resetting an event");
+    slot.update = ++update_count_;
+    gpu_->vk.vkCmdFillBuffer(commands, events_.handle(), 0, sizeof(io::EventHead), 0);
+}
+
+void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watched) {
+    Slot& slot = slots_[(update_count_ - 1) % slots_.size()];
+    memory_barrier(*gpu_, commands, kShaderWrite, kTransferRead | kTransferWrite);
+    const VkBufferCopy copy{0, 0, events_.size_bytes()};
+    gpu_->vk.vkCmdCopyBuffer(commands, events_.handle(), slot.copy.handle(), 1, &copy);
+    VkDeviceSize at = events_.size_bytes();
+    for (const Watched& one : watched) {
+        const VkBufferCopy part{one.sockets.offset_bytes, at, one.sockets.size_bytes};
+        gpu_->vk.vkCmdCopyBuffer(commands, one.sockets.buffer, slot.copy.handle(), 1, &part);
+        at += part.size;
+    }
+    slot.watched.assign(watched.begin(), watched.end());
+    memory_barrier(*gpu_, commands, kTransferWrite, kHostRead);
+    VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+    barrier.srcStageMask = kTransferWrite.stage;
+    barrier.srcAccessMask = kTransferWrite.access;
+    barrier.dstStageMask = kHostRead.stage;
+    barrier.dstAccessMask = kHostRead.access;
+    VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    dependency.memoryBarrierCount = 1;
+    dependency.pMemoryBarriers = &barrier;
+    gpu_->vk.vkCmdSetEvent2(commands, slot.done, &dependency);
+}
+
+std::vector<Feedback> FeedbackRing::take() {
+    std::vector<Feedback> taken;
+    for (Slot& slot : slots_) {
+        if (slot.update == 0 || !is_done(slot)) continue;
+        taken.push_back(read(slot));
+        slot.update = 0;
+    }
+    std::sort(taken.begin(), taken.end(), [](const Feedback& a, const Feedback& b) { return a.update < b.update; });
+    return taken;
+}
+
+// Invocations append in any order; sorted, the same update always reports the same.
+Feedback FeedbackRing::read(const Slot& slot) const {
+    io::EventHead head;
+    std::memcpy(&head, slot.copy.mapped(), sizeof head);
+    std::vector<io::EventRecord> records(std::min(head.count, event_capacity_));
+    if (!records.empty()) std::memcpy(records.data(), slot.copy.mapped() + sizeof head, records.size() * sizeof(io::EventRecord));
+    std::sort(records.begin(), records.end(), [](const io::EventRecord& a, const io::EventRecord& b) {
+        return std::tie(a.instance, a.layer, a.time_s, a.event) < std::tie(b.instance, b.layer, b.time_s, b.event);
+    });
+    Feedback feedback{.update = slot.update, .events = {}, .lost_event_count = head.count - records.size(), .sockets = {}};
+    const std::byte* at = slot.copy.mapped() + events_.size_bytes();
+    for (const Watched& one : slot.watched) {
+        WatchedSockets& sockets = feedback.sockets.emplace_back(WatchedSockets{one.instance, std::vector<Affine>(one.sockets.size_bytes / sizeof(Affine))});
+        std::memcpy(static_cast<void*>(sockets.transforms.data()), at, one.sockets.size_bytes);
+        at += one.sockets.size_bytes;
+    }
+    for (const io::EventRecord& record : records) feedback.events.push_back({record.instance, record.event, record.layer, record.time_s});
+    return feedback;
+}
+
+uint64_t FeedbackRing::size_bytes() const {
+    uint64_t sum = events_.size_bytes();
+    for (const Slot& slot : slots_) sum += slot.copy.size_bytes();
+    return sum;
+}
+
+}  // namespace throng

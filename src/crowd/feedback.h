@@ -1,0 +1,54 @@
+// What updates report to the CPU: copied into one of a few host-visible slots in turn, and read when the device says that it is there. Nothing waits.
+#pragma once
+
+#include "gpu/buffer.h"
+
+#include <throng/crowd.h>
+
+#include <array>
+
+namespace throng {
+
+// Sockets of an instance, where they lie on the device.
+struct Watched {
+    uint32_t instance = 0;  // of the crowd
+    BufferRange sockets;
+};
+
+class FeedbackRing {
+public:
+    // watch_bytes: of the transforms that end() copies at most.
+    FeedbackRing(std::shared_ptr<Gpu> gpu, uint32_t event_capacity, uint64_t watch_bytes);
+    ~FeedbackRing();
+    FeedbackRing(const FeedbackRing&) = delete;
+    FeedbackRing& operator=(const FeedbackRing&) = delete;
+
+    const Buffer& events() const { return events_; }  // io::EventHead, then io::EventRecord[event_capacity]
+    uint32_t event_capacity() const { return event_capacity_; }
+
+    // Before the first kernel of an update that writes events, and behind the last. Throws kInvalidArgument where the update whose slot comes next is
+    // still under way.
+    void begin(VkCommandBuffer commands);
+    void end(VkCommandBuffer commands, std::span<const Watched> watched);
+    // Of the updates that have finished and have not been read, oldest first.
+    std::vector<Feedback> take();
+    uint64_t size_bytes() const;
+
+private:
+    struct Slot {
+        Buffer copy;
+        VkEvent done = VK_NULL_HANDLE;
+        uint64_t update = 0;  // 0: none, or read
+        std::vector<Watched> watched;
+    };
+    bool is_done(const Slot& slot) const;
+    Feedback read(const Slot& slot) const;
+
+    std::shared_ptr<Gpu> gpu_;
+    uint32_t event_capacity_;
+    Buffer events_;
+    std::array<Slot, 4> slots_;
+    uint64_t update_count_ = 0;
+};
+
+}  // namespace throng

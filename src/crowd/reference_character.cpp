@@ -1,0 +1,137 @@
+// The pipeline sentence in double precision for a character with a controller: control, sample, blend, scan, bind.
+#include "base/failure.h"
+#include "blend/inertia_reference.h"
+#include "blend/voices_reference.h"
+#include "control/controller_reference.h"
+#include "control/joint_mask.h"
+#include "control/layer_commands.h"
+#include "crowd/reference.h"
+#include "sample/sample_reference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace throng {
+
+struct ReferenceCharacter::State {
+    State(const Character& of, const Controller& by) : character(of), controller(by, of) {
+        for (const Clip& clip : of.clips) clip_durations_s.push_back(clip.duration_s);
+        for (const ControllerLayer& layer : by.layers) has_states.push_back(!layer.states.empty());
+        for (const JointMask& mask : by.masks) masks.push_back(mask_weights(mask, of.rig));
+        for (const ControllerLayer& layer : by.layers)
+            for (const ControllerTransition& transition : layer.transitions) is_inertial = is_inertial || transition.fade == FadeKind::kInertial;
+        last.voices.push_back({.clip = static_cast<uint32_t>(of.clips.size())});
+    }
+
+    std::vector<Trs<double>> poses_of(const ControllerVoice& voice) const { return sample_reference(character, voice.clip, voice.time_s); }
+    // What an additive voice is compared with.
+    std::vector<Trs<double>> first_poses_of(const ControllerVoice& voice) const {
+        if (voice.mode != io::kModeAdditive) return std::vector<Trs<double>>(character.rig.joint_count());
+        const double first_s = voice.clip < character.clips.size() ? double{character.times_s[character.clips[voice.clip].first_time]} : 0;
+        return sample_reference(character, voice.clip, first_s);
+    }
+
+    std::vector<Trs<double>> mix() const;
+    void show(std::vector<Trs<double>> target, double step_s);
+
+    const Character& character;
+    ControllerReference controller;
+    std::vector<float> clip_durations_s;
+    std::vector<bool> has_states;
+    std::vector<std::vector<float>> masks;  // [mask][joint]
+    ControllerUpdate last;
+    std::vector<CharacterEvent> events;
+    bool is_inertial = false;
+    std::vector<Trs<double>> shown, shown_before;  // poses of the last two updates, of controllers with inertial transitions; empty: none yet
+    double step_s = 0;                             // between these two
+    std::vector<ReferenceInertia> offsets;         // [joint]
+    double elapsed_s = 0, duration_s = 0;
+};
+
+// What the voices make of each joint.
+std::vector<Trs<double>> ReferenceCharacter::State::mix() const {
+    std::vector<std::vector<Trs<double>>> poses, first_poses;
+    for (const ControllerVoice& voice : last.voices) {
+        poses.push_back(poses_of(voice));
+        first_poses.push_back(first_poses_of(voice));
+    }
+    std::vector<Trs<double>> local;
+    for (uint32_t joint = 0; joint < character.rig.joint_count(); ++joint) {
+        std::vector<ReferenceLayer> layers;
+        for (size_t i = 0; i < last.voices.size(); ++i) {
+            const ControllerVoice& voice = last.voices[i];
+            if (i == 0 || last.voices[i - 1].layer != voice.layer)
+                layers.push_back({.is_additive = voice.mode == io::kModeAdditive, .weight = voice.layer_weight * (voice.mask == io::kAbsent ? 1.0 : double{masks[voice.mask][joint]}), .voices = {}});
+            layers.back().voices.push_back({poses[i][joint], first_poses[i][joint], voice.weight});
+        }
+        local.push_back(voices_reference(layers));
+    }
+    return local;
+}
+
+// Step 10 of docs/controller.md.
+void ReferenceCharacter::State::show(std::vector<Trs<double>> target, double new_step_s) {
+    const bool begins = last.inertial_s > 0 && !shown.empty();
+    if (begins) {
+        const bool knows_speed = !shown_before.empty() && step_s > 0;
+        offsets.clear();
+        for (size_t joint = 0; joint < target.size(); ++joint)
+            offsets.push_back(inertia_begin_reference({shown[joint], knows_speed ? shown_before[joint] : shown[joint], target[joint], target[joint]}, knows_speed ? step_s : 1));
+        duration_s = last.inertial_s;
+    }
+    elapsed_s = begins ? new_step_s : elapsed_s + new_step_s;
+    if (elapsed_s < duration_s)
+        for (size_t joint = 0; joint < target.size(); ++joint) target[joint] = inertia_apply_reference(offsets[joint], elapsed_s, duration_s, target[joint]);
+    shown_before = std::exchange(shown, std::move(target));
+    step_s = new_step_s;
+}
+
+ReferenceCharacter::ReferenceCharacter(std::unique_ptr<State> state) : state_(std::move(state)) {}
+ReferenceCharacter::ReferenceCharacter(ReferenceCharacter&&) noexcept = default;
+ReferenceCharacter& ReferenceCharacter::operator=(ReferenceCharacter&&) noexcept = default;
+ReferenceCharacter::~ReferenceCharacter() = default;
+
+Result<ReferenceCharacter> ReferenceCharacter::create(const Character& character, const Controller& controller) {
+    return as_result([&] { return ReferenceCharacter(std::make_unique<State>(character, controller)); });
+}
+
+Result<void> ReferenceCharacter::play(uint32_t layer, const LayerPlayback& playback) {
+    return as_result([&] { state_->controller.apply(play_command(state_->has_states, state_->clip_durations_s, layer, playback, "play")); });
+}
+
+Result<void> ReferenceCharacter::set_layer(uint32_t layer, const LayerBlend& blend) {
+    return as_result([&] { state_->controller.apply(layer_command(state_->has_states, static_cast<uint32_t>(state_->masks.size()), layer, blend, "layer")); });
+}
+
+Result<void> ReferenceCharacter::set_parameters(uint32_t parameter, std::span<const float> values) {
+    return as_result([&] {
+        check_parameters(static_cast<uint32_t>(state_->controller.parameters.size()), parameter, values, "parameter");
+        std::copy(values.begin(), values.end(), state_->controller.parameters.begin() + parameter);
+    });
+}
+
+Result<void> ReferenceCharacter::update(float time_step_s) {
+    return as_result([&] {
+        if (!std::isfinite(time_step_s)) throw Failure(ErrorCode::kInvalidArgument, "time step", "must be finite");
+        state_->last = state_->controller.update(time_step_s);
+        if (state_->is_inertial) state_->show(state_->mix(), std::max(time_step_s, 0.0f));
+        state_->events.clear();
+        for (const ControllerEventAt& event : state_->last.events) state_->events.push_back({0, event.event, event.layer, static_cast<float>(event.time_s)});
+    });
+}
+
+ReferencePose ReferenceCharacter::pose() const { return pose_from_local(state_->character, state_->shown.empty() ? state_->mix() : state_->shown); }
+
+std::span<const CharacterEvent> ReferenceCharacter::events() const { return state_->events; }
+
+AffineT<double> ReferenceCharacter::move() const {
+    const GroundMove& move = state_->last.move;
+    AffineT<double> affine;
+    affine.row = {{{move.cos, 0, move.sin, move.x}, {0, 1, 0, 0}, {-move.sin, 0, move.cos, move.z}}};
+    return affine;
+}
+
+std::span<const float> ReferenceCharacter::parameters() const { return state_->controller.parameters; }
+
+}  // namespace throng

@@ -1,0 +1,158 @@
+// `throng controller`: check and graph.
+#include "tests/tool_runner.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <unistd.h>
+
+#include <fstream>
+#include <set>
+
+namespace throng {
+namespace {
+
+using namespace test;
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+// A folder of the test's own, with a creature in it.
+class CliController : public testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        folder_ = fs::path(testing::TempDir()) / ("throng_cli_controller_" + std::to_string(getpid()));
+        fs::create_directories(folder_);
+        const Outcome run = run_tool({"generate", "--joints", "40", "--levels", "12", "--faces", "200", "--out", file("creature.glb")});
+        ASSERT_TRUE(run.succeeded()) << run;
+    }
+    static void TearDownTestSuite() { fs::remove_all(folder_); }
+
+    static std::string file(const std::string& name) { return (folder_ / name).string(); }
+    static std::set<fs::path> files() { return {fs::directory_iterator(folder_), {}}; }
+    static std::string example(const std::string& name) { return std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" + name + ".json"; }
+    static std::string write(const std::string& name, const std::string& text) {
+        std::ofstream(file(name), std::ios::binary) << text;
+        return file(name);
+    }
+    static size_t count_of(const std::string& what, const std::string& text) {
+        size_t count = 0;
+        for (size_t at = text.find(what); at != text.npos; at = text.find(what, at + 1)) ++count;
+        return count;
+    }
+
+    static inline fs::path folder_;
+};
+
+TEST_F(CliController, CheckSaysWhatThereIs) {
+    for (const std::string name : {"walker", "flyer", "dragon"}) {
+        const Outcome text = run_tool({"controller", "check", example(name), "--character", file("creature.glb")});
+        EXPECT_TRUE(text.succeeded()) << text;
+        EXPECT_NE(text.out.find("drives     " + file("creature.glb")), std::string::npos) << text;
+    }
+    const Outcome text = run_tool({"controller", "check", example("dragon")});
+    for (const char* said : {"9 parameters, 2 masks, 3 layers, 12 states, 17 transitions, 3 events", "pace           float, 1 at first", "grounded       bool, true at first", "jump           trigger\n", "layer 1    front: override, mask front, weight watch; 3 states",
+                             "tail: additive, mask tail, weight 0.6 * pace", "fly at (0, 3) by side and forward", "(any)          -> take off: jump triggered, grounded; 0.2 s; interrupts",
+                             "fidget         idle, once", "wing beat      fly at 0.25 s"})
+        EXPECT_NE(text.out.find(said), std::string::npos) << said << "\n" << text.out;
+
+    const Outcome run = run_tool({"controller", "check", example("dragon"), "--json"});
+    ASSERT_TRUE(run.succeeded()) << run;
+    const Json json = Json::parse(run.out, nullptr, false);
+    EXPECT_EQ(json["parameters"].size(), 9u);
+    EXPECT_EQ(json["parameters"][3], Json::parse(R"({"name": "pace", "type": "float", "initial": 1.0})"));
+    EXPECT_EQ(json["masks"], Json::parse(R"(["front", "tail"])"));
+    EXPECT_EQ(json["events"][2]["at_s"], 0.25);
+    EXPECT_EQ(json["layers"][0]["states"][0]["name"], "stand");
+    EXPECT_EQ(json["layers"][0]["transitions"][0]["from"], "*");
+    EXPECT_EQ(json["layers"][2]["mode"], "additive");
+    EXPECT_TRUE(json["warnings"].empty());
+}
+
+TEST_F(CliController, AStateThatNothingLeadsToIsAWarning) {
+    const std::string lonely = write("lonely.json", R"({"layers": [{"name": "body", "states": {"a": {"clip": "idle"}, "b": {"clip": "walk"}, "c": {"clip": "fly"}},
+      "transitions": [{"from": "b", "to": "c"}, {"to": "a", "exit": 2}]}]})");
+    const Outcome run = run_tool({"controller", "check", lonely});
+    EXPECT_EQ(run.exit_code, 0);
+    EXPECT_EQ(run.err, "throng: warning: lonely.json: layer 'body': no transitions lead to state 'b'\nthrong: warning: lonely.json: layer 'body': no transitions lead to state 'c'\n");
+}
+
+TEST_F(CliController, GraphHasEveryStateAndTransition) {
+    const Outcome run = run_tool({"controller", "graph", example("dragon"), "-o", file("dragon.dot")});
+    ASSERT_TRUE(run.succeeded()) << run;
+    const std::string dot = read_file(file("dragon.dot"));
+    EXPECT_EQ(count_of("subgraph cluster_", dot), 3u);
+    EXPECT_EQ(count_of("_any [", dot), 3u);
+    EXPECT_EQ(count_of("fillcolor", dot), 1u);
+    EXPECT_EQ(count_of("_state", dot), 12 + 17 * 2 - 3u) << "12 nodes; 17 edges with two ends, of which 3 are any state";
+    EXPECT_EQ(count_of(" -> ", dot), 17u);
+    EXPECT_EQ(count_of("style=dashed];", dot), 3 + 3u) << "inertial fades, and any state";
+    for (const char* said : {"label=\"tail (additive, mask tail, weight 0.6 * pace)\"", "layer0_state0 [label=\"stand\\nidle\", penwidth=2.5]", "label=\"fidget\\nidle\\nonce, speed 1.5\"",
+                             "layer0_any -> layer0_state3 [label=\" jump triggered, grounded \\n 0.2 s, interrupts \"]",
+                             "layer0_state2 -> layer0_state0 [label=\" forward > -0.05, forward < 0.05 \\n 0.3 s, interrupts \"]", "5 clips by side and forward"})
+        EXPECT_NE(dot.find(said), std::string::npos) << said << "\n" << dot;
+    fs::remove(file("dragon.dot"));
+
+    const std::string odd = write("odd.json", R"({"layers": [{"name": "a \" \\ é", "states": {"<s> \\N": {"clip": "\"]"}}}, {"name": "b"}]})");
+    EXPECT_TRUE(run_tool({"controller", "graph", odd, "-o", file("odd.dot")}).succeeded());
+    const std::string odd_dot = read_file(file("odd.dot"));
+    EXPECT_NE(odd_dot.find(R"x(label="a \" \\ é (override)")x"), std::string::npos) << odd_dot;
+    EXPECT_NE(odd_dot.find(R"([label="<s> \\N\n\"]")"), std::string::npos) << odd_dot;
+    EXPECT_NE(odd_dot.find("plays what it is told"), std::string::npos) << odd_dot;
+    fs::remove(file("odd.dot"));
+}
+
+TEST_F(CliController, GraphIsDrawnByGraphviz) {
+    if (std::system("command -v dot > /dev/null") != 0) GTEST_SKIP() << "no Graphviz here (Debian: apt-get install graphviz)";
+    for (const std::string name : {"walker", "flyer", "dragon"}) {
+        const Outcome run = run_tool({"controller", "graph", example(name), "--out", file("drawn.svg")});
+        ASSERT_TRUE(run.succeeded()) << run;
+        const std::string svg = read_file(file("drawn.svg"));
+        EXPECT_TRUE(svg.starts_with("<?xml") && svg.find("</svg>") != svg.npos) << svg.substr(0, 200);
+        if (name == "walker") {
+            EXPECT_EQ(count_of("class=\"node\"", svg), 2u);
+            EXPECT_EQ(count_of("class=\"edge\"", svg), 2u);
+        }
+    }
+    fs::remove(file("drawn.svg"));
+}
+
+TEST_F(CliController, WithoutGraphvizThatIsSaidAndADotFileIsStillWritten) {
+    const std::set<fs::path> before = files();
+    const RunSettings nowhere{.environment = {{"PATH", "/nowhere"}}};
+    const Outcome run = run_tool({"controller", "graph", example("walker"), "-o", file("walker.svg")}, nowhere);
+    EXPECT_TRUE(run.refused("Graphviz is not installed")) << run;
+    EXPECT_EQ(files(), before);
+    EXPECT_TRUE(run_tool({"controller", "graph", example("walker"), "-o", file("walker.dot")}, nowhere).succeeded());
+    fs::remove(file("walker.dot"));
+}
+
+TEST_F(CliController, WrongInputIsRefusedAndNothingIsLeftBehind) {
+    const std::string wrong = write("wrong.json", "{\"layers\": [\n{\"name\": \"body\", \"states\": {\"swim\": {\"clip\": \"swim\"}},\n\"transitions\": [{\"to\": \"swin\", \"exit\": 1}]}]}");
+    const std::string swimmer = write("swimmer.json", "{\"layers\": [{\"name\": \"body\", \"states\": {\"swim\": {\"clip\": \"swim\"}}}]}"), creature = file("creature.glb");
+    struct Case {
+        std::vector<std::string> arguments;
+        std::string named;
+    };
+    const std::set<fs::path> before = files();
+    for (const Case& c : std::vector<Case>{{{"controller"}, "check or graph"},
+                                           {{"controller", "chekc", swimmer}, "chekc"},
+                                           {{"controller", "check"}, "file"},
+                                           {{"controller", "check", file("missing.json")}, "missing.json: no such file"},
+                                           {{"controller", "check", folder_.string()}, "not a regular file"},
+                                           {{"controller", "check", creature}, "creature.glb:1: not JSON"},
+                                           {{"controller", "check", wrong}, "wrong.json:3: layers[0].transitions[0].to: there is no state 'swin'; did you mean 'swim'?"},
+                                           {{"controller", "check", swimmer, "--character", creature}, "swimmer.json with creature.glb: layers[0].states.swim.clip: there is no clip 'swim'. There are: idle, walk, fly"},
+                                           {{"controller", "check", swimmer, "--character", swimmer}, "swimmer.json"},
+                                           {{"controller", "graph", swimmer}, "--out"},
+                                           {{"controller", "graph", swimmer, "-o", file("a.png")}, "neither in .svg nor in .dot"},
+                                           {{"controller", "graph", swimmer, "-o", file("nowhere/a.svg")}, "nowhere"},
+                                           {{"controller", "graph", wrong, "-o", file("a.dot")}, "wrong.json:3"}}) {
+        const Outcome run = run_tool(c.arguments, {.time_limit_s = 20});
+        EXPECT_TRUE(run.refused(c.named)) << testing::PrintToString(c.arguments) << "\n" << run;
+        EXPECT_EQ(run.out, "");
+    }
+    EXPECT_EQ(files(), before) << "something was left behind";
+}
+
+}  // namespace
+}  // namespace throng

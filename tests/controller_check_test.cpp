@@ -1,0 +1,91 @@
+// Controllers made in code, and whether they can drive a character.
+#include "tools/creature.h"
+
+#include <throng/controller.h>
+
+#include <gtest/gtest.h>
+
+namespace throng {
+namespace {
+
+Character creature() { return *compile_character(*make_creature({.joint_count = 40, .level_count = 12, .face_count = 100}), {.error = 0}); }
+
+Controller two_states() {
+    Controller controller;
+    controller.name = "made";
+    controller.events = {{"step", "walk", 1.2f}};
+    controller.masks = {{"tail", {{.joint = "tail_0_0"}}}};
+    controller.layers = {{.name = "body",
+                          .states = {{.name = "a", .points = {{"idle"}}}, {.name = "b", .points = {{"walk"}}}},
+                          .transitions = {{.from = "a", .to = "b"}}}};
+    return controller;
+}
+
+std::string error_of(const Controller& controller) {
+    static const Character character = creature();
+    const Result<void> fits = check_controller(controller, character);
+    EXPECT_TRUE(fits || fits.error().code == ErrorCode::kInvalidArgument || fits.error().code == ErrorCode::kLimit);
+    return fits ? "" : fits.error().text();
+}
+
+TEST(CheckController, TakesWhatTheCharacterHas) {
+    EXPECT_EQ(error_of(two_states()), "");
+    EXPECT_EQ(error_of(direct_layers(1)), "");
+    EXPECT_EQ(error_of(direct_layers(16, {{"tail", {{.joint = "tail_0_0"}}}})), "");
+    for (const char* name : {"walker", "flyer", "dragon"}) {
+        const Result<Controller> example = load_controller(THRONG_SOURCE_DIR "/examples/controllers/" + std::string(name) + ".json");
+        ASSERT_TRUE(example) << example.error().text();
+        EXPECT_EQ(error_of(*example), "");
+    }
+}
+
+TEST(CheckController, NamesWhatIsMissingAndWhatThereIs) {
+    const auto after = [](auto change) {
+        Controller controller = two_states();
+        change(controller);
+        return error_of(controller);
+    };
+    const std::string start = "made with creature: ";
+    EXPECT_EQ(after([](Controller& c) { c.layers[0].states[1].points[0].clip = "Wlk"; }),
+              start + "layers[0].states.b.clip: there is no clip 'Wlk'; did you mean 'walk'? There are: idle, walk, fly");
+    EXPECT_EQ(after([](Controller& c) { c.events[0].clip = "swim"; }), start + "events[0].clip: there is no clip 'swim'. There are: idle, walk, fly");
+    EXPECT_EQ(after([](Controller& c) { c.events[0].time_s = 1.3; }), start + "events[0].at_s: 1.3 s is beyond the end of clip 'walk', which lasts 1.2 s");
+    const std::string joint = after([](Controller& c) { c.masks[0].items[0].joint = "tail_0"; });
+    EXPECT_TRUE(joint.starts_with(start + "masks.tail[0].joint: there is no joint 'tail_0'; did you mean 'tail_0_0'? There are: root, tail_0_0, ")) << joint;
+    EXPECT_TRUE(joint.ends_with(", … (40)")) << joint;
+}
+
+TEST(CheckController, KeepsTheRulesOfFiles) {
+    const auto after = [](auto change) {
+        Controller controller = two_states();
+        change(controller);
+        return error_of(controller);
+    };
+    const std::string start = "made with creature: ";
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_EQ(error_of(Controller{.name = "made"}), start + "layers: a controller has at least one layer");
+    EXPECT_EQ(after([](Controller& c) { c.layers.push_back(c.layers[0]); }), start + "layers[1].name: the name 'body' is taken; rename one");
+    EXPECT_EQ(after([](Controller& c) { c.layers[0].states[1].name = "a"; }), start + "layers[0].states.a: the name 'a' is taken; rename one");
+    EXPECT_EQ(after([](Controller& c) { c.layers[0].states[1].points.clear(); }), start + "layers[0].states.b.clips: a state has at least one clip");
+    EXPECT_EQ(after([](Controller& c) { c.layers[0].states[1].points.push_back({"fly"}); }),
+              start + "layers[0].states.b.blend: a state of several clips needs the parameter that chooses between them");
+    EXPECT_EQ(after([&](Controller& c) { c.layers[0].states[1].speed = nan; }), start + "layers[0].states.b.speed: must be a finite number");
+    EXPECT_EQ(after([&](Controller& c) { c.layers[0].transitions[0].fade_s = nan; }), start + "layers[0].transitions[0].fade_s: nan is not between 0.0001 and 1000");
+    EXPECT_EQ(after([&](Controller& c) { c.masks[0].items[0].weight = nan; }), start + "masks.tail[0].weight: nan is not between 0 and 1");
+    EXPECT_EQ(after([](Controller& c) { c.parameters = {{"p", ParameterType::kBool, 2}}; }), start + "parameters.p: must begin with 0 or 1");
+    EXPECT_EQ(after([](Controller& c) { c.layers.resize(17, {.name = "x"}); }), start + "layers: 17 layers, more than the limit of 16");
+}
+
+TEST(CheckController, DirectLayersPlayWhatTheyAreTold) {
+    const Controller direct = direct_layers(3, {{"tail", {}}});
+    ASSERT_EQ(direct.layers.size(), 3u);
+    EXPECT_EQ(direct.masks.size(), 1u);
+    for (uint32_t i = 0; i < 3; ++i) {
+        EXPECT_TRUE(direct.layers[i].states.empty());
+        EXPECT_EQ(direct.layers[i].weight, 1);
+        EXPECT_EQ(direct.find_layer(direct.layers[i].name), i);
+    }
+}
+
+}  // namespace
+}  // namespace throng

@@ -1,0 +1,145 @@
+// What must hold for any controller and any steps.
+#include "tests/controller_instance.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace throng {
+namespace {
+
+using namespace test;
+using When = ControllerCondition::Test;
+
+// Times, rates and speeds whose products are exact, so that the way does not depend on how it is divided into steps.
+struct Exact {
+    Controller controller;
+    std::vector<float> durations_s;
+};
+Exact random_controller(Random& random) {
+    Exact exact{.durations_s = {0.5f, 1, 2, 4}};
+    exact.controller = {.name = "random", .parameters = {{"x"}, {"y"}}};
+    for (int i = 0; i < 12; ++i) {
+        const uint32_t clip = random.below(4);
+        const double place = random.chance(0.3) ? random.below(9) / 8.0 : random.unit();
+        exact.controller.events.push_back({"event " + std::to_string(i), std::string(1, static_cast<char>('a' + clip)), place * exact.durations_s[clip]});
+    }
+    const uint32_t layer_count = 1 + random.below(3);
+    for (uint32_t layer = 0; layer < layer_count; ++layer) {
+        ControllerState state{.name = "only", .loop = random.chance(0.7), .speed = (static_cast<float>(random.below(33)) - 16) / 8};
+        const uint32_t kind = random.below(3);
+        for (uint32_t i = 0; i < (kind == 0 ? 1 : 4); ++i) state.points.push_back({std::string(1, static_cast<char>('a' + random.below(4))), static_cast<float>(kind == 1 ? i : i % 2), static_cast<float>(i / 2)});
+        if (kind > 0) state.x_parameter = "x";
+        if (kind > 1) state.y_parameter = "y";
+        exact.controller.layers.push_back({.name = std::to_string(layer), .states = {state}});
+    }
+    return exact;
+}
+
+using EventCounts = std::map<std::pair<uint32_t, uint32_t>, size_t>;  // of (event, layer)
+void count(EventCounts& counts, const Instance& instance) {
+    for (const ControllerEventAt& event : instance.last.events) {
+        EXPECT_GE(event.time_s, 0);
+        ++counts[{event.event, event.layer}];
+    }
+}
+
+TEST(AnyController, HowTimeIsDividedIntoStepsChangesNoEvent) {
+    Random random(4);
+    size_t total = 0, voices = 0;
+    for (int round = 0; round < 300; ++round) {
+        const Exact exact = random_controller(random);
+        Instance whole(exact.controller, exact.durations_s), divided(exact.controller, exact.durations_s);
+        for (Instance* instance : {&whole, &divided}) {
+            instance->set("x", static_cast<float>(round % 5) / 4);
+            instance->set("y", static_cast<float>(round % 9) / 8);
+        }
+        EventCounts of_whole, of_divided;
+        for (int step = 0; step < 20; ++step) {
+            const float long_s = static_cast<float>(random.below(1024)) / 64 * (round % 4 == 3 ? -1.0f : 1.0f);
+            const float first_s = std::trunc(long_s * static_cast<float>(random.unit()) * 64) / 64;
+            whole.update(long_s);
+            count(of_whole, whole);
+            for (const float part_s : {first_s, long_s - first_s}) {
+                divided.update(part_s);
+                count(of_divided, divided);
+            }
+            for (uint32_t layer = 0; layer < exact.controller.layers.size(); ++layer) ASSERT_EQ(whole.leading(layer).phase, divided.leading(layer).phase);
+            voices = std::max(voices, whole.last.voices.size());
+        }
+        ASSERT_EQ(of_whole, of_divided) << "round " << round;
+        for (const auto& [event, times] : of_whole) total += times;
+    }
+    EXPECT_GT(total, 50'000u);
+    std::printf("  300 controllers, %zu events, at most %zu voices\n", total, voices);
+}
+
+TEST(AnyController, AsManyEventsAsLoops) {
+    Random random(5);
+    for (int round = 0; round < 100; ++round) {
+        std::vector<ControllerEvent> events;
+        for (int i = 0; i < 8; ++i) events.push_back({std::to_string(i), "a", random.unit() * 2});
+        Controller controller{.name = "test", .events = events};
+        controller.layers = {{.name = "base", .states = {{.name = "only", .points = {{"a"}}, .speed = random.chance(0.5) ? 1.0f : -1.0f}}}};
+        Instance instance(controller, {2});
+        EventCounts counts;
+        const uint32_t loops = 1 + random.below(50);
+        for (uint32_t left = loops * 128; left > 0;) {  // 64ths of a second
+            const uint32_t step = std::min(left, 1 + random.below(300));
+            left -= step;
+            instance.update(static_cast<float>(step) / 64);
+            count(counts, instance);
+        }
+        ASSERT_EQ(counts.size(), 8u);
+        for (const auto& [event, times] : counts) EXPECT_EQ(times, loops);
+    }
+}
+
+// Any controller, any step: weights of a layer sum to 1, no more voices than the tables promise, and the state stays a state.
+TEST(AnyController, WhateverHappensLayersAreWhole) {
+    Random random(6);
+    size_t most = 0, taken = 0;
+    for (int round = 0; round < 100; ++round) {
+        Exact exact = random_controller(random);
+        for (ControllerLayer& layer : exact.controller.layers) {
+            for (const char* name : {"second", "third"}) {
+                layer.states.push_back(layer.states[0]);
+                layer.states.back().name = name;
+            }
+            for (ControllerState& state : layer.states) state.sync = random.chance(0.5) ? "feet" : "";
+            for (int i = 0; i < 6; ++i)
+                layer.transitions.push_back({.to = layer.states[random.below(3)].name, .conditions = {{random.chance(0.5) ? "x" : "y", random.chance(0.5) ? When::kAbove : When::kBelow, static_cast<float>(random.unit())}},
+                                             .exit = random.chance(0.3) ? static_cast<float>(random.unit()) : 0, .fade_s = random.chance(0.7) ? static_cast<float>(random.between(0.05, 0.5)) : 0,
+                                             .interrupts = random.chance(0.7)});
+        }
+        Instance instance(exact.controller, exact.durations_s);
+        const uint32_t limit = make_controller_tables(instance.controller, instance.character).voice_limit;
+        for (int step = 0; step < 200; ++step) {
+            instance.set(random.chance(0.5) ? "x" : "y", static_cast<float>(random.between(-0.5, 1.5)));
+            instance.update(static_cast<float>(random.between(-0.01, 0.1)));
+            ASSERT_LE(instance.last.voices.size(), limit);
+            most = std::max(most, instance.last.voices.size());
+            for (uint32_t layer = 0; layer < exact.controller.layers.size(); ++layer) {
+                double sum = 0;
+                for (const ControllerVoice& voice : instance.last.voices)
+                    if (voice.layer == layer) {
+                        ASSERT_GT(voice.weight, 0);
+                        sum += voice.weight;
+                    }
+                ASSERT_NEAR(sum, 1, 1e-4);
+                taken += instance.reference.layers[layer].taken != io::kAbsent;
+                const io::LayerState& state = instance.reference.layers[layer];
+                for (uint32_t k = 0; k < state.play_count; ++k) {
+                    ASSERT_LE(state.plays[k].fade, 1);
+                    ASSERT_TRUE(k == 0 || exact.controller.layers[layer].states[state.plays[k].motion].sync.empty() ||
+                                exact.controller.layers[layer].states[state.plays[0].motion].sync.empty() || state.plays[k].phase == state.plays[0].phase);
+                }
+            }
+        }
+    }
+    EXPECT_GT(taken, 5'000u);
+    std::printf("  at most %zu voices, %zu transitions\n", most, taken);
+}
+
+}  // namespace
+}  // namespace throng

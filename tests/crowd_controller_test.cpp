@@ -1,0 +1,195 @@
+// Crowds whose instances have controllers, against the reference of one character: poses, events, sockets, commands.
+#include "tests/crowd_cases.h"
+#include "tools/creature.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+namespace throng::test {
+namespace {
+
+Character creature(uint32_t joints = 60, double error = 1e-4) {
+    Result<Character> character = compile_character(*make_creature({.joint_count = joints, .level_count = 15}), {.error = error});
+    EXPECT_TRUE(character);
+    return std::move(*character);
+}
+
+Controller example(const char* name) {
+    Result<Controller> controller = load_controller(std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" + name + ".json");
+    EXPECT_TRUE(controller) << (controller ? "" : controller.error().text());
+    return std::move(*controller);
+}
+
+std::vector<ReferenceCharacter> references(const Character& character, const Controller& controller, uint32_t count) {
+    std::vector<ReferenceCharacter> all;
+    for (uint32_t i = 0; i < count; ++i) all.push_back(std::move(*ReferenceCharacter::create(character, controller)));
+    return all;
+}
+
+double matrix_error(std::span<const Affine> matrices, std::span<const AffineT<double>> wanted, double size) {
+    EXPECT_EQ(matrices.size(), wanted.size());
+    double worst = 0;
+    for (size_t i = 0; i < std::min(matrices.size(), wanted.size()); ++i)
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) worst = std::max(worst, std::abs(double{matrices[i].row[row][column]} - wanted[i].row[row][column]) / (column == 3 ? size : 1));
+    return worst;
+}
+
+// Random parameters over many updates; poses of all instances at the end, events in every update.
+void follow(UpdatePath path, const char* name, double error) {
+    constexpr uint32_t kInstances = 40, kUpdates = 60;
+    const Character character = creature(60, error);
+    const Controller controller = example(name);
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}}, .path = path, .keep_model_matrices = true});
+    EXPECT_EQ(crowd.is_fused(0), path == UpdatePath::kFused);
+    std::vector<ReferenceCharacter> wanted = references(character, controller, kInstances);
+    Random random(11);
+    for (uint32_t update = 1; update <= kUpdates; ++update) {
+        for (uint32_t i = 0; i < kInstances; ++i) {
+            const uint32_t parameter = random.below(static_cast<uint32_t>(controller.parameters.size()));
+            const std::array value{controller.parameters[parameter].type == ParameterType::kFloat ? static_cast<float>(random.between(-2, 3)) : static_cast<float>(random.below(2))};
+            ASSERT_TRUE(crowd.set_parameters(i, parameter, value));
+            ASSERT_TRUE(wanted[i].set_parameters(parameter, value));
+        }
+        const auto step_s = static_cast<float>(random.between(0, 0.1));
+        ASSERT_TRUE(crowd.update(step_s));
+        const Result<std::vector<Feedback>> feedback = crowd.feedback();
+        ASSERT_TRUE(feedback && feedback->size() == 1);
+        EXPECT_EQ((*feedback)[0].update, update);
+        std::map<std::pair<uint32_t, uint32_t>, int> seen;
+        for (const CharacterEvent& event : (*feedback)[0].events) ++seen[{event.instance, event.event}];
+        for (uint32_t i = 0; i < kInstances; ++i) {
+            ASSERT_TRUE(wanted[i].update(step_s));
+            for (const CharacterEvent& event : wanted[i].events()) --seen[{i, event.event}];
+        }
+        for (const auto& [key, count] : seen) EXPECT_EQ(count, 0) << "instance " << key.first << ", event " << key.second << ", update " << update;
+    }
+    for (uint32_t i = 0; i < kInstances; ++i) {
+        const ReferencePose pose = wanted[i].pose();
+        EXPECT_LE(matrix_error(*crowd.read_model_matrices(i), pose.model_from_joint, character.size), 1e-4) << "instance " << i;
+        EXPECT_LE(matrix_error(*crowd.read_skin_matrices(i), pose.model_from_bind, character.size), 1e-4) << "instance " << i;
+    }
+}
+
+TEST(CrowdController, PosesFollowTheReferenceFused) {
+    for (const char* name : {"walker", "flyer", "dragon", "guard"}) follow(UpdatePath::kFused, name, 1e-4);
+    follow(UpdatePath::kFused, "dragon", 0);
+}
+
+TEST(CrowdController, PosesFollowTheReferenceStaged) {
+    for (const char* name : {"walker", "dragon"}) follow(UpdatePath::kStaged, name, 1e-4);
+    follow(UpdatePath::kStaged, "dragon", 0);
+}
+
+// More commands than one round takes, for instances in any order; the last of a kind holds.
+TEST(CrowdController, ThousandsOfCommandsAreAppliedInTheirOrder) {
+    const Character character = creature(20);
+    const Controller controller = direct_layers(2, {{.name = "tail", .items = {{.joint = character.rig.names[1]}}}});
+    constexpr uint32_t kInstances = 3000;
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 10}, {.character = &character, .instance_count = kInstances, .controller = &controller}}, .keep_model_matrices = true});
+    std::vector<ReferenceCharacter> wanted = references(character, controller, kInstances);
+    Random random(5);
+    for (int round = 0; round < 5; ++round) {
+        for (int k = 0; k < 9000; ++k) {
+            const uint32_t i = random.below(kInstances), layer = random.below(2);
+            const LayerPlayback playback{.clip = {.clip = random.below(4) == 0 ? kNone : random.below(3), .time_s = random.between(-1, 3), .speed = static_cast<float>(random.between(-2, 2)), .loop = random.chance(0.5)},
+                                         .fade_s = random.chance(0.3) ? 0 : static_cast<float>(random.between(0, 0.5))};
+            const LayerBlend blend{.weight = static_cast<float>(random.unit()), .fade_s = playback.fade_s, .mode = random.chance(0.5) ? LayerMode::kAdditive : LayerMode::kOverride, .mask = random.chance(0.5) ? 0 : kNone};
+            ASSERT_TRUE(crowd.play(10 + i, layer, playback));
+            ASSERT_TRUE(wanted[i].play(layer, playback));
+            ASSERT_TRUE(crowd.set_layer(10 + i, layer, blend));
+            ASSERT_TRUE(wanted[i].set_layer(layer, blend));
+        }
+        ASSERT_TRUE(crowd.update(0.07f));
+        for (ReferenceCharacter& one : wanted) ASSERT_TRUE(one.update(0.07f));
+    }
+    for (uint32_t i = 0; i < kInstances; i += 37)
+        EXPECT_LE(matrix_error(*crowd.read_model_matrices(10 + i), wanted[i].pose().model_from_joint, character.size), 1e-4) << "instance " << i;
+}
+
+TEST(CrowdController, SocketsAreTheJointsInModelOrWorldSpace) {
+    const Character character = creature();
+    const Controller controller = example("walker");
+    for (const UpdatePath path : {UpdatePath::kFused, UpdatePath::kStaged})
+        for (const SocketSpace space : {SocketSpace::kModel, SocketSpace::kWorld}) {
+            const std::vector<uint32_t> joints{3, 0, character.rig.joint_count() - 1};
+            Crowd crowd = create({.groups = {{.character = &character, .instance_count = 5},
+                                             {.character = &character, .instance_count = 70, .controller = &controller, .sockets = joints, .socket_space = space},
+                                             {.character = &character, .instance_count = 3, .sockets = {1}, .socket_space = space}},
+                                  .path = path,
+                                  .keep_model_matrices = true});
+            Affine place;
+            place.row[0] = {0, 0, 2, 10};
+            place.row[2] = {-2, 0, 0, 20};
+            place.row[1] = {0, 2, 0, 30};
+            ASSERT_TRUE(crowd.set_placement(40, {&place, 1}));
+            ASSERT_TRUE(crowd.set_placement(77, {&place, 1}));
+            const std::vector<uint32_t> watched{77, 40, 5};
+            ASSERT_TRUE(crowd.watch(watched));
+            ASSERT_TRUE(crowd.update(0.3f));
+            const std::vector<Feedback> feedback = *crowd.feedback();
+            ASSERT_EQ(feedback.size(), 1u);
+            ASSERT_EQ(feedback[0].sockets.size(), 3u);
+            for (size_t k = 0; k < 3; ++k) {
+                const WatchedSockets& sockets = feedback[0].sockets[k];
+                ASSERT_EQ(sockets.instance, watched[k]);
+                const std::vector<uint32_t> of = watched[k] == 77 ? std::vector<uint32_t>{1} : joints;
+                ASSERT_EQ(sockets.transforms.size(), of.size());
+                const std::vector<Affine> model = *crowd.read_model_matrices(watched[k]);
+                for (size_t s = 0; s < of.size(); ++s) {
+                    const Affine wanted = space == SocketSpace::kWorld && watched[k] != 5 ? place * model[of[s]] : model[of[s]];
+                    for (size_t row = 0; row < 3; ++row)
+                        for (size_t column = 0; column < 4; ++column) EXPECT_NEAR(sockets.transforms[s].row[row][column], wanted.row[row][column], 1e-4);
+                }
+            }
+        }
+}
+
+TEST(CrowdController, FeedbackCountsWhatFindsNoRoomAndKeepsFourUpdates) {
+    const Character character = creature(20);
+    const Controller controller = example("guard");
+    constexpr uint32_t kInstances = 50;
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}}, .event_capacity = 7});
+    for (uint32_t i = 0; i < kInstances; ++i) ASSERT_TRUE(crowd.set_parameters(i, controller.find_parameter("speed"), std::array{1.0f}));
+    for (int update = 0; update < 6; ++update) ASSERT_TRUE(crowd.update(0.5f));
+    const std::vector<Feedback> feedback = *crowd.feedback();
+    ASSERT_EQ(feedback.size(), 4u);
+    uint64_t kept = 0, lost = 0;
+    for (const Feedback& one : feedback) {
+        EXPECT_LE(one.events.size(), 7u);
+        kept += one.events.size();
+        lost += one.lost_event_count;
+    }
+    EXPECT_GT(lost, 0u);
+    EXPECT_EQ((kept + lost) % kInstances, 0u);
+    EXPECT_EQ(feedback.front().update, 3u);
+    EXPECT_TRUE(crowd.feedback()->empty());
+}
+
+TEST(CrowdController, WrongCallsAreRefused) {
+    const Character character = creature(20);
+    const Controller controller = example("guard"), direct = direct_layers(1);
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1}, {.character = &character, .instance_count = 1, .controller = &controller}, {.character = &character, .instance_count = 1, .controller = &direct}}});
+    const auto refusal = [](const auto& result) { return result ? std::string() : result.error().text(); };
+    const Playback playback;
+    EXPECT_NE(refusal(crowd.set_playback(1, {&playback, 1})).find("controller"), std::string::npos);
+    EXPECT_NE(refusal(crowd.play(0, 0, {})).find("no controller"), std::string::npos);
+    EXPECT_NE(refusal(crowd.play(1, 0, {})).find("has states"), std::string::npos);
+    EXPECT_NE(refusal(crowd.play(2, 1, {})).find("layer 1 of a controller that has 1"), std::string::npos);
+    EXPECT_NE(refusal(crowd.play(2, 0, {.clip = {.clip = 9}})).find("clip 9"), std::string::npos);
+    EXPECT_NE(refusal(crowd.play(2, 0, {.clip = {.clip = 0}, .fade_s = -1})).find("fade"), std::string::npos);
+    EXPECT_NE(refusal(crowd.play(2, 0, {.clip = {.clip = 0, .speed = std::numeric_limits<float>::infinity()}})).find("finite"), std::string::npos);
+    EXPECT_NE(refusal(crowd.set_layer(2, 0, {.weight = 2})).find("weight"), std::string::npos);
+    EXPECT_NE(refusal(crowd.set_layer(2, 0, {.mask = 0})).find("mask 0"), std::string::npos);
+    EXPECT_NE(refusal(crowd.set_parameters(1, 1, std::array{0.0f, 0.0f})).find("parameters 1 to 3"), std::string::npos);
+    EXPECT_NE(refusal(crowd.set_parameters(1, 0, std::array{std::numeric_limits<float>::quiet_NaN()})).find("finite"), std::string::npos);
+    EXPECT_NE(refusal(crowd.play(3, 0, {})).find("of a crowd of 3"), std::string::npos);
+    EXPECT_NE(refusal(crowd.watch(std::array{0u})).find("no sockets"), std::string::npos);
+    EXPECT_NE(refusal(Crowd::create(test_device(), {.groups = {{.character = &character, .instance_count = 1, .sockets = {2, 2}}}})).find("twice"), std::string::npos);
+    EXPECT_NE(refusal(Crowd::create(test_device(), {.groups = {{.character = &character, .instance_count = 1, .sockets = {99}}}})).find("joint 99"), std::string::npos);
+    ASSERT_TRUE(crowd.update(0.1f));
+}
+
+}  // namespace
+}  // namespace throng::test

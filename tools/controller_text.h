@@ -1,0 +1,31 @@
+// Controllers in words, for people: what 'throng controller' prints and draws.
+#pragma once
+
+#include <throng/controller.h>
+
+#include <string>
+#include <vector>
+
+namespace throng::tools {
+
+std::string number_text(float value);
+
+// "idle"; "walk at 1.4, run at 4 by speed"
+std::string motion_text(const ControllerState& state);
+
+// "speed > 0.1, alert, not tired, jump triggered"; empty without conditions
+std::string conditions_text(const ControllerTransition& transition);
+
+// "after 0.9 cycles", "0.2 s inertial", "interrupts": those that apply
+std::vector<std::string> timing_text(const ControllerTransition& transition);
+
+// What a number is multiplied by: "0.5", "pace", "0.5 * pace"
+std::string factor_text(float number, const std::string& parameter);
+
+// States that no transitions lead to, a line each.
+std::vector<std::string> controller_warnings(const Controller& controller);
+
+// A graph in Graphviz's language: a cluster a layer, a node a state, an edge a transition.
+std::string controller_graph(const Controller& controller);
+
+}  // namespace throng::tools

@@ -1,0 +1,18 @@
+// The stages of an update in their order, for everything that is printed about them.
+#pragma once
+
+#include <throng/crowd.h>
+
+#include <array>
+#include <utility>
+
+namespace throng::tools {
+
+inline constexpr std::array<std::pair<const char*, double StageTimes::*>, 6> kStages{{{"control", &StageTimes::control},
+                                                                                      {"sample", &StageTimes::sample},
+                                                                                      {"blend", &StageTimes::blend},
+                                                                                      {"scan", &StageTimes::scan},
+                                                                                      {"bind", &StageTimes::bind},
+                                                                                      {"fused", &StageTimes::fused}}};
+
+}  // namespace throng::tools
