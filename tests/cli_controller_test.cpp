@@ -50,9 +50,11 @@ TEST_F(CliController, CheckSaysWhatThereIs) {
         EXPECT_NE(text.out.find("drives     " + file("creature.glb")), std::string::npos) << text;
     }
     const Outcome text = run_tool({"controller", "check", example("dragon")});
-    for (const char* said : {"9 parameters, 2 masks, 3 layers, 12 states, 17 transitions, 3 events", "pace           float, 1 at first", "grounded       bool, true at first", "jump           trigger\n", "layer 1    front: override, mask front, weight watch; 3 states",
-                             "tail: additive, mask tail, weight 0.6 * pace", "fly at (0, 3) by side and forward", "(any)          -> take off: jump triggered, grounded; 0.2 s; interrupts",
-                             "fidget         idle, once", "wing beat      fly at 0.25 s"})
+    for (const char* said :
+         {"9 parameters, 2 masks, 3 layers, 12 states, 17 transitions, 3 events", "pace           float, 1 at first", "grounded       bool, true at first",
+          "jump           trigger\n", "layer 1    front: override, mask front, weight watch; 3 states", "tail: additive, mask tail, weight 0.6 * pace",
+          "fly at (0, 3) by side and forward", "(any)          -> take off: jump triggered, grounded; 0.2 s; interrupts", "fidget         idle, once",
+          "wing beat      fly at 0.25 s"})
         EXPECT_NE(text.out.find(said), std::string::npos) << said << "\n" << text.out;
 
     const Outcome run = run_tool({"controller", "check", example("dragon"), "--json"});
@@ -69,11 +71,13 @@ TEST_F(CliController, CheckSaysWhatThereIs) {
 }
 
 TEST_F(CliController, AStateThatNothingLeadsToIsAWarning) {
-    const std::string lonely = write("lonely.json", R"({"layers": [{"name": "body", "states": {"a": {"clip": "idle"}, "b": {"clip": "walk"}, "c": {"clip": "fly"}},
+    const std::string lonely = write("lonely.json", R"({"layers": [{"name": "body",
+      "states": {"a": {"clip": "idle"}, "b": {"clip": "walk"}, "c": {"clip": "fly"}},
       "transitions": [{"from": "b", "to": "c"}, {"to": "a", "exit": 2}]}]})");
     const Outcome run = run_tool({"controller", "check", lonely});
     EXPECT_EQ(run.exit_code, 0);
-    EXPECT_EQ(run.err, "throng: warning: lonely.json: layer 'body': no transitions lead to state 'b'\nthrong: warning: lonely.json: layer 'body': no transitions lead to state 'c'\n");
+    EXPECT_EQ(run.err, "throng: warning: lonely.json: layer 'body': no transitions lead to state 'b'\n"
+                       "throng: warning: lonely.json: layer 'body': no transitions lead to state 'c'\n");
 }
 
 TEST_F(CliController, GraphHasEveryStateAndTransition) {
@@ -86,9 +90,10 @@ TEST_F(CliController, GraphHasEveryStateAndTransition) {
     EXPECT_EQ(count_of("_state", dot), 12 + 17 * 2 - 3u) << "12 nodes; 17 edges with two ends, of which 3 are any state";
     EXPECT_EQ(count_of(" -> ", dot), 17u);
     EXPECT_EQ(count_of("style=dashed];", dot), 3 + 3u) << "inertial fades, and any state";
-    for (const char* said : {"label=\"tail (additive, mask tail, weight 0.6 * pace)\"", "layer0_state0 [label=\"stand\\nidle\", penwidth=2.5]", "label=\"fidget\\nidle\\nonce, speed 1.5\"",
-                             "layer0_any -> layer0_state3 [label=\" jump triggered, grounded \\n 0.2 s, interrupts \"]",
-                             "layer0_state2 -> layer0_state0 [label=\" forward > -0.05, forward < 0.05 \\n 0.3 s, interrupts \"]", "5 clips by side and forward"})
+    for (const char* said :
+         {"label=\"tail (additive, mask tail, weight 0.6 * pace)\"", "layer0_state0 [label=\"stand\\nidle\", penwidth=2.5]",
+          "label=\"fidget\\nidle\\nonce, speed 1.5\"", "layer0_any -> layer0_state3 [label=\" jump triggered, grounded \\n 0.2 s, interrupts \"]",
+          "layer0_state2 -> layer0_state0 [label=\" forward > -0.05, forward < 0.05 \\n 0.3 s, interrupts \"]", "5 clips by side and forward"})
         EXPECT_NE(dot.find(said), std::string::npos) << said << "\n" << dot;
     fs::remove(file("dragon.dot"));
 
@@ -127,8 +132,8 @@ TEST_F(CliController, WithoutGraphvizThatIsSaidAndADotFileIsStillWritten) {
 }
 
 TEST_F(CliController, WrongInputIsRefusedAndNothingIsLeftBehind) {
-    const std::string wrong = write("wrong.json", "{\"layers\": [\n{\"name\": \"body\", \"states\": {\"swim\": {\"clip\": \"swim\"}},\n\"transitions\": [{\"to\": \"swin\", \"exit\": 1}]}]}");
-    const std::string swimmer = write("swimmer.json", "{\"layers\": [{\"name\": \"body\", \"states\": {\"swim\": {\"clip\": \"swim\"}}}]}"), creature = file("creature.glb");
+    const std::string creature = file("creature.glb"), swim = "{\"layers\": [\n{\"name\": \"body\", \"states\": {\"swim\": {\"clip\": \"swim\"}}";
+    const std::string swimmer = write("swimmer.json", swim + "}]}"), wrong = write("wrong.json", swim + ",\n\"transitions\": [{\"to\": \"swin\", \"exit\": 1}]}]}");
     struct Case {
         std::vector<std::string> arguments;
         std::string named;
@@ -140,8 +145,10 @@ TEST_F(CliController, WrongInputIsRefusedAndNothingIsLeftBehind) {
                                            {{"controller", "check", file("missing.json")}, "missing.json: no such file"},
                                            {{"controller", "check", folder_.string()}, "not a regular file"},
                                            {{"controller", "check", creature}, "creature.glb:1: not JSON"},
-                                           {{"controller", "check", wrong}, "wrong.json:3: layers[0].transitions[0].to: there is no state 'swin'; did you mean 'swim'?"},
-                                           {{"controller", "check", swimmer, "--character", creature}, "swimmer.json with creature.glb: layers[0].states.swim.clip: there is no clip 'swim'. There are: idle, walk, fly"},
+                                           {{"controller", "check", wrong},
+                                            "wrong.json:3: layers[0].transitions[0].to: there is no state 'swin'; did you mean 'swim'? There is: swim"},
+                                           {{"controller", "check", swimmer, "--character", creature},
+                                            "swimmer.json with creature.glb: layers[0].states.swim.clip: there is no clip 'swim'. There are: idle, walk, fly"},
                                            {{"controller", "check", swimmer, "--character", swimmer}, "swimmer.json"},
                                            {{"controller", "graph", swimmer}, "--out"},
                                            {{"controller", "graph", swimmer, "-o", file("a.png")}, "neither in .svg nor in .dot"},

@@ -32,7 +32,7 @@ public:
           axes_(axis_words(character)),
           times_(character.times_s),
           root_rows_(std::vector<io::vec4>{{0, 0, 1, 0}}),
-          layers_(repeated(made_.initial_layers)),
+          layers_(as_words(repeated(made_.initial_layers))),
           parameters_(repeated(made_.initial_parameters)),
           voices_(poison<io::Voice>(count * size_t{made_.voice_limit})),
           events_(poison<uint32_t>(sizeof(io::EventHead) / 4 + kEventCapacity * sizeof(io::EventRecord) / 4)),
@@ -40,7 +40,7 @@ public:
           placements_(std::vector<Affine>(count)),
           inertias_(std::vector<io::InstanceInertia>(count)),
           commands_(std::vector<io::ControlCommand>(count * size_t{kCommandsEach})),
-          controller_bindings_(controller_.bind(ControllerBuffers{tables_, axes_, times_, root_rows_, layers_, parameters_, voices_, events_, roots_, placements_, inertias_})),
+          controller_bindings_(controller_.bind(ControllerBuffers{tables_, axes_, times_, root_rows_, layers_, parameters_, voices_, events_, roots_, placements_, inertias_, layers_, parameters_})),
           command_bindings_(command_.bind(CommandBuffers{commands_, layers_, parameters_})) {}
 
     static constexpr uint32_t kCommandsEach = 3;
@@ -58,7 +58,12 @@ public:
             controller_.dispatch_invocations(buffer, controller_bindings_, io::ControllerPush{count_, 1000, joint_count_, made_.voice_limit, kEventCapacity, time_step_s, 0}, count_);
         });
     }
-    std::vector<io::LayerState> layers() const { return layers_.read(); }
+    std::vector<io::LayerState> layers() const {
+        const std::vector<uint32_t> words = layers_.read();
+        std::vector<io::LayerState> states(words.size() / io::kLayerStateWords);
+        std::memcpy(states.data(), words.data(), words.size() * sizeof(uint32_t));
+        return states;
+    }
     std::vector<float> parameters() const { return parameters_.read(); }
     std::vector<io::Voice> voices() const { return voices_.read(); }
     EventBlock events() const {
@@ -76,9 +81,7 @@ private:
         std::vector<io::ClipAxis> axes;
         for (const Clip& clip : character.clips) axes.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});
         axes.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0});
-        std::vector<uint32_t> words(axes.size() * io::kAxisWords);
-        std::memcpy(words.data(), axes.data(), words.size() * sizeof(uint32_t));
-        return words;
+        return as_words(axes);
     }
     template <class T>
     std::vector<T> repeated(const std::vector<T>& one) const {
@@ -93,7 +96,7 @@ private:
     Guarded<uint32_t> tables_, axes_;
     Guarded<float> times_;
     Guarded<io::vec4> root_rows_;
-    Guarded<io::LayerState> layers_;
+    Guarded<uint32_t> layers_;
     Guarded<float> parameters_;
     Guarded<io::Voice> voices_;
     Guarded<uint32_t> events_;

@@ -135,6 +135,17 @@ TEST(ControllerJson, TheLeastControllerIsALayer) {
     EXPECT_TRUE(error_of("").starts_with("guard.json:1: not JSON: ")) << error_of("");
 }
 
+TEST(ControllerJson, TheDocumentsExampleIsOne) {
+    std::ifstream file(THRONG_SOURCE_DIR "/docs/controller.md");
+    const std::string page(std::istreambuf_iterator<char>(file), {}), fence = "```json\n";
+    const size_t begin = page.find(fence) + fence.size();
+    std::string example = page.substr(begin, page.find("```", begin) - begin);
+    EXPECT_EQ(error_of(example), "");
+    const std::string to = "\"to\": \"move\"";
+    const std::string error = error_of(example.replace(example.find(to), to.size(), "\"to\": \"mvoe\""));
+    EXPECT_TRUE(!error.empty() && page.find(error) != page.npos) << "the page shows another message: " << error;
+}
+
 TEST(ControllerJson, WhatIsBrokenIsNamedWithItsLine) {
     EXPECT_GE(kBrokenControllers.size(), 50u);
     for (const BrokenController& how : kBrokenControllers) {

@@ -87,10 +87,8 @@ void add_root_motion_option(CLI::App& app, CompileSettings& settings) {
 
 std::string keys_text(const Character& character) {
     if (!character.packed) return "exact";
-    double largest_error = 0;
-    for (const Clip& clip : character.clips) largest_error = std::max(largest_error, clip.error);
     std::array<char, 32> percent;
-    std::snprintf(percent.data(), percent.size(), "%.2g %%", largest_error * 100);
+    std::snprintf(percent.data(), percent.size(), "%.2g %%", ClipTotals(character).error * 100);
     return percent.data();
 }
 

@@ -17,6 +17,7 @@ constexpr size_t kSearchPoints = 1024;       // at which the search measures bet
 constexpr double kArcShare = 0.1;            // of the bound, for arcs as straight lines where all rows are kept
 constexpr std::array kRowShares{0.4, 0.75};  // of the bound, for leaving out rows; what is left is for quantising. The smaller result counts
 constexpr double kMargin = 0.99;             // the points of the grid may miss the largest displacement by a little
+constexpr double kFirstScale = 0.3;          // of tolerances, where a search begins
 constexpr double kAboveFinest = 1.2;         // where a bound cannot be kept: this much more than the finest saves most of its bits
 
 // Each joint with the largest components of scale and translation in all rows: nothing reaches further, and what is hidden by a scale of 0
@@ -67,13 +68,15 @@ public:
             search(kMargin * bound_);
         }
         if (!best_) {
-            take(meter_.keep_rows(kArcShare * bound_));
-            const double finest = evaluate(0, 1, kInfinity);
+            double finest = take_finest(kArcShare * bound_);
+            if (finest > bound_) finest = take_finest(0);
+            if (finest > bound_) finest = take_finest(kArcShare * bound_);  // all rows do not help either
             if (!(finest < kInfinity)) {
                 const std::string name = gltf::printable(character_.clips[grid_.clip].name);
                 throw Failure(ErrorCode::kInvalidFile, gltf::printable(character_.name, 120), "clip '" + name + "': its poses are not finite");
             }
             keep(finest);
+            scale_ = kFirstScale;  // the searches that failed left it where all bits are used
             search(finest <= bound_ ? std::max(kMargin * bound_, finest) : kAboveFinest * finest);
         }
         return std::move(*best_);
@@ -85,6 +88,12 @@ private:
         shapes_ = track_shapes(character_, grid_, rows_);
         for (const auto& pose : poses_) add_sensitivity(shapes_, character_, boxes_, pose, bound_);
         weights_.assign(boxes_.size(), 1);
+    }
+
+    // With the finest keys; rows are left out within `row_bound`.
+    double take_finest(double row_bound) {
+        take(meter_.keep_rows(row_bound));
+        return evaluate(0, 1, kInfinity);
     }
 
     // The largest displacement in the rows where every track may cost scale * weight * bound.
@@ -171,7 +180,7 @@ private:
     std::vector<size_t> rows_;         // of the grid's, that are kept
     std::vector<TrackShape> shapes_;   // [joint_count][3]
     std::vector<double> weights_;      // [joint_count]
-    double scale_ = 0.3;
+    double scale_ = kFirstScale;
     std::optional<PackedClip> best_;
     size_t best_bytes_ = 0;
 };

@@ -119,7 +119,8 @@ private:
 
     void check_limit(const char* of, uint64_t size_bytes) const {
         if (size_bytes > kKeyLimit_bytes)
-            throw Failure(ErrorCode::kLimit, gltf::printable(character_.name, 120), std::to_string(size_bytes) + " bytes of " + of + "; the limit is " + std::to_string(kKeyLimit_bytes));
+            throw Failure(ErrorCode::kLimit, gltf::printable(character_.name, 120),
+                          std::to_string(size_bytes) + " bytes of " + of + "; the limit is " + std::to_string(kKeyLimit_bytes));
     }
 
     Character& character_;

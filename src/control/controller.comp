@@ -15,6 +15,8 @@ layout(set = 0, binding = 6, std430) writeonly buffer Voices { Voice voices[]; }
 layout(set = 0, binding = 7, std430) buffer Events { EventHead event_head; EventRecord events[]; };
 layout(set = 0, binding = 8, std430) buffer Roots { RootState roots[]; };
 layout(set = 0, binding = 9, std430) writeonly buffer Placements { vec4 placements[]; };  // world_from_model, three rows each
+TABLE_OF_WORDS(11, LayersBefore, layers_before);          // the same as layers and parameters: to read them, which a software device does
+TABLE_OF_WORDS(12, ParametersBefore, parameters_before);  // faster as tables
 layout(set = 0, binding = 10, std430) buffer Inertias { InstanceInertia inertias[]; };
 layout(push_constant) uniform Push { ControllerPush push; };
 
@@ -22,8 +24,27 @@ uint instance, first_parameter;
 
 // What is not finite counts as 0.
 float parameter_at(uint index) {
-    const float value = parameters[first_parameter + index];
+    const float value = uintBitsToFloat(WORD_AT(parameters_before, first_parameter + index));
     return (floatBitsToUint(value) & 0x7F800000u) == 0x7F800000u ? 0 : value;
+}
+
+LayerPlay load_play(uint w) {
+    return LayerPlay(WORD_AT(layers_before, w), WORD_AT(layers_before, w + 1), WORD_AT(layers_before, w + 2), uintBitsToFloat(WORD_AT(layers_before, w + 3)),
+                     uintBitsToFloat(WORD_AT(layers_before, w + 4)), uintBitsToFloat(WORD_AT(layers_before, w + 5)), WORD_AT(layers_before, w + 6));
+}
+
+LayerState load_layer_state(uint index) {
+    const uint w = index * kLayerStateWords, rest = w + kStackSize * kLayerPlayWords;
+    LayerState state;
+    for (uint k = 0; k < kStackSize; ++k) state.plays[k] = load_play(w + k * kLayerPlayWords);
+    state.play_count = WORD_AT(layers_before, rest);
+    state.weight = uintBitsToFloat(WORD_AT(layers_before, rest + 1));
+    state.weight_goal = uintBitsToFloat(WORD_AT(layers_before, rest + 2));
+    state.weight_rate = uintBitsToFloat(WORD_AT(layers_before, rest + 3));
+    state.mode = WORD_AT(layers_before, rest + 4);
+    state.mask = WORD_AT(layers_before, rest + 5);
+    state.taken = kAbsent;  // in this update, so far
+    return state;
 }
 
 #include "control/control.glsl"
@@ -53,7 +74,7 @@ void add_clips(ClipMix clip_mix, PhaseStep phase_step, float play_weight, bool m
 
 void update_layer(uint index) {
     const ControlLayer layer = load_layer(index);
-    LayerState state = layers[instance * layout_of_group.layer_count + index];
+    LayerState state = load_layer_state(instance * layout_of_group.layer_count + index);
     if (layer.state_count > 0) {
         follow_transitions(state, layer);
         note_transition(state);

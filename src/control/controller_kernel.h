@@ -19,6 +19,7 @@ struct ControllerBuffers {
     BufferRange roots;       // io::RootState[instance_count], read and written where there is root motion; else any buffer
     BufferRange placements;  // world_from_model, Affine[instance_count], written where root motion is applied
     BufferRange inertias;    // io::InstanceInertia[instance_count], read and written where there are inertial transitions; else any buffer
+    BufferRange layers_before, parameters_before;  // layers and parameters once more, as tables of words
 };
 Kernel controller_kernel(const std::shared_ptr<Gpu>& gpu);
 

@@ -32,7 +32,6 @@ LayerPlay play_of_state(uint motion, float fade_rate, bool at_once) {
 }
 
 void follow_transitions(inout LayerState state, ControlLayer layer) {
-    state.taken = kAbsent;
     if (state.play_count == 0) {
         push_play(state, play_of_state(0, 0, true));
         return;

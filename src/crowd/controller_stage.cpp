@@ -26,7 +26,7 @@ ControllerStage::ControllerStage(std::shared_ptr<Gpu> gpu, const std::vector<Gro
         member_of_batch_[i] = static_cast<uint32_t>(members_.size());
         Member& member = members_.emplace_back(Member{.batch = i, .pending = {}, .uploaded = {}, .commands = {}, .controller = {}});
         member.controller = controller_kernel_.bind(ControllerBuffers{group.controller->tables, group.axes, group.times, group.root_rows, batch.layers, batch.parameters, batch.voices, feedback_->events(),
-                                                                      batch.roots.or_else(batch.layers), batch.placements, batch.inertias.or_else(batch.layers)});
+                                                                      batch.roots.or_else(batch.layers), batch.placements, batch.inertias.or_else(batch.layers), batch.layers, batch.parameters});
     }
 }
 

@@ -68,16 +68,14 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
 
 // Refuses at once what cannot fit, before gigabytes are allocated on the way to failing.
 void CrowdState::check_memory(const CrowdSettings& settings) const {
-    uint64_t needed_bytes = 0, largest_heap_bytes = 0;
+    uint64_t needed_bytes = 0;
     for (const CrowdGroup& group : settings.groups) {
         const uint64_t matrices = 1 + (settings.keep_model_matrices ? group.character->rig.joint_count() : 0);
         const uint64_t skin_bytes = group.character->palette.size() * uint64_t{skin_format_bytes(skin_format)} * (settings.keep_previous_matrices ? 2 : 1);
         needed_bytes += group.instance_count * (matrices * kMatrix_bytes + skin_bytes + sizeof(io::InstancePlayback) + sizeof(io::InstanceCursor));
     }
-    for (uint32_t heap = 0; heap < gpu->memory_properties.memoryHeapCount; ++heap)
-        largest_heap_bytes = std::max<uint64_t>(largest_heap_bytes, gpu->memory_properties.memoryHeaps[heap].size);
-    if (needed_bytes > largest_heap_bytes)
-        throw Failure(ErrorCode::kLimit, "crowd", std::to_string(needed_bytes >> 20) + " MiB of matrices and state exceed the device's memory of " + std::to_string(largest_heap_bytes >> 20) + " MiB");
+    if (needed_bytes > gpu->largest_heap_bytes())
+        throw Failure(ErrorCode::kLimit, "crowd", std::to_string(needed_bytes >> 20) + " MiB of matrices and state exceed the device's memory of " + std::to_string(gpu->largest_heap_bytes() >> 20) + " MiB");
 }
 
 // As few batches as the device's limits allow, of nearly equal size.
@@ -164,8 +162,9 @@ void CrowdState::make_layers(Batch& batch) const {
         for (uint32_t i = 0; i < batch.instance_count; ++i) all.insert(all.end(), one.begin(), one.end());
         return all;
     };
-    batch.layers = upload(gpu, group.name + ": layers", repeated(controller.initial_layers));
-    batch.parameters = upload(gpu, group.name + ": parameters", repeated(controller.initial_parameters));
+    static_assert(sizeof(io::LayerState) == io::kLayerStateWords * sizeof(uint32_t) && sizeof(io::LayerPlay) == io::kLayerPlayWords * sizeof(uint32_t));
+    batch.layers = upload_writable_table(gpu, group.name + ": layers", as_words(repeated(controller.initial_layers)));
+    batch.parameters = upload_writable_table(gpu, group.name + ": parameters", as_words(repeated(controller.initial_parameters)));
     batch.voices = make_table<io::Voice>(gpu, group.name + ": voices", batch.instance_count * uint64_t{controller.voice_limit});
     if (controller.is_inertial) {
         batch.inertias = upload(gpu, group.name + ": inertial transitions", std::vector<io::InstanceInertia>(batch.instance_count));

@@ -22,9 +22,7 @@ std::vector<uint32_t> clip_axes(const Character& character) {
     std::vector<io::ClipAxis> axes;
     for (const Clip& clip : character.clips) axes.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});
     axes.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0});
-    std::vector<uint32_t> words(axes.size() * io::kAxisWords);
-    std::memcpy(words.data(), axes.data(), words.size() * sizeof(uint32_t));
-    return words;
+    return as_words(axes);
 }
 
 // A packed track is read as two rows, also where the second is left out: the last one too.

@@ -87,8 +87,8 @@ Buffer upload_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std:
     return buffer;
 }
 
-Buffer upload_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data, uint32_t texel_bytes) {
-    const VkBufferUsageFlags usage = table_usage(*gpu, what, data.size(), texel_bytes);
+Buffer upload_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data, uint32_t texel_bytes, VkBufferUsageFlags more_usage) {
+    const VkBufferUsageFlags usage = table_usage(*gpu, what, data.size(), texel_bytes) | more_usage;
     Buffer table = upload_bytes(gpu, what, data, usage);
     if (usage & VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT) table.allow_texels(texel_bytes);
     return table;

@@ -73,9 +73,18 @@ Buffer upload(const std::shared_ptr<Gpu>& gpu, std::string_view what, const std:
     return upload_bytes(gpu, what, std::as_bytes(std::span(data)), usage);
 }
 
+// Structures as the words of a table.
+template <class T>
+std::vector<uint32_t> as_words(const std::vector<T>& items) {
+    static_assert(sizeof(T) % sizeof(uint32_t) == 0 && std::is_trivially_copyable_v<T>);
+    std::vector<uint32_t> words(items.size() * sizeof(T) / sizeof(uint32_t));
+    if (!items.empty()) std::memcpy(words.data(), items.data(), words.size() * sizeof(uint32_t));
+    return words;
+}
+
 // Tables that shaders declare by gpu/table.glsl, of words (4 bytes) or rows of four (16). They throw kLimit where the device cannot read
 // so many.
-Buffer upload_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data, uint32_t texel_bytes);
+Buffer upload_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data, uint32_t texel_bytes, VkBufferUsageFlags more_usage = 0);
 Buffer make_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, uint64_t size_bytes, uint32_t texel_bytes);
 
 template <class T>
@@ -94,6 +103,11 @@ Buffer upload_table(const std::shared_ptr<Gpu>& gpu, std::string_view what, cons
 template <class T>
 Buffer make_table(const std::shared_ptr<Gpu>& gpu, std::string_view what, uint64_t count) {
     return make_table_bytes(gpu, what, count * sizeof(T), texel_bytes_of<T>());
+}
+
+// A table with contents, of words, that kernels also write.
+inline Buffer upload_writable_table(const std::shared_ptr<Gpu>& gpu, std::string_view what, const std::vector<uint32_t>& words) {
+    return upload_table_bytes(gpu, what, std::as_bytes(std::span(words)), sizeof(uint32_t), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
 }
 
 // Copies a range back. Submits and waits; sees all work submitted to the queue before.
