@@ -9,6 +9,7 @@
 #include "control/controller_io.h"
 #include "control/control.h"
 #include "draw/draw_io.h"
+#include "procedural/procedural_io.h"
 #include "sample/sample_io.h"
 #include "scan/scan.h"
 #include "scan/scan_shaders.h"
@@ -222,6 +223,15 @@ std::map<std::string, Layout> layouts_in_cpp() {
         {"CommandPush", {sizeof(io::CommandPush), {MEMBER(CommandPush, command_count), MEMBER(CommandPush, layer_count), MEMBER(CommandPush, parameter_count)}}},
         {"InertiaState", {sizeof(io::InertiaState), {MEMBER(InertiaState, shown), MEMBER(InertiaState, shown_before), MEMBER(InertiaState, offset)}}},
         {"SocketPush", {sizeof(io::SocketPush), {MEMBER(SocketPush, instance_count), MEMBER(SocketPush, joint_count), MEMBER(SocketPush, socket_count), MEMBER(SocketPush, flags)}}},
+        {"ProceduralChain", {sizeof(io::ProceduralChain), {MEMBER(ProceduralChain, kind), MEMBER(ProceduralChain, rule), MEMBER(ProceduralChain, first_joint), MEMBER(ProceduralChain, joint_count), MEMBER(ProceduralChain, first_generation), MEMBER(ProceduralChain, first_spring)}}},
+        {"ProceduralJoint", {sizeof(io::ProceduralJoint), {MEMBER(ProceduralJoint, joint), MEMBER(ProceduralJoint, bone_x), MEMBER(ProceduralJoint, bone_y), MEMBER(ProceduralJoint, bone_z)}}},
+        {"WindSettings", {sizeof(io::WindSettings), {MEMBER(WindSettings, bend_rad), MEMBER(WindSettings, sway_rad), MEMBER(WindSettings, sway_hz)}}},
+        {"SpringSettings", {sizeof(io::SpringSettings), {MEMBER(SpringSettings, stiffness), MEMBER(SpringSettings, damping), MEMBER(SpringSettings, gravity_x), MEMBER(SpringSettings, gravity_y), MEMBER(SpringSettings, gravity_z), MEMBER(SpringSettings, drag), MEMBER(SpringSettings, radius), MEMBER(SpringSettings, first_collider), MEMBER(SpringSettings, collider_count)}}},
+        {"ColliderShape", {sizeof(io::ColliderShape), {MEMBER(ColliderShape, joint), MEMBER(ColliderShape, ax), MEMBER(ColliderShape, ay), MEMBER(ColliderShape, az), MEMBER(ColliderShape, bx), MEMBER(ColliderShape, by), MEMBER(ColliderShape, bz), MEMBER(ColliderShape, radius)}}},
+        {"LookAtSettings", {sizeof(io::LookAtSettings), {MEMBER(LookAtSettings, forward_x), MEMBER(LookAtSettings, forward_y), MEMBER(LookAtSettings, forward_z), MEMBER(LookAtSettings, limit_rad), MEMBER(LookAtSettings, weight), MEMBER(LookAtSettings, target)}}},
+        {"ReachSettings", {sizeof(io::ReachSettings), {MEMBER(ReachSettings, pole_x), MEMBER(ReachSettings, pole_y), MEMBER(ReachSettings, pole_z), MEMBER(ReachSettings, weight), MEMBER(ReachSettings, target)}}},
+        {"SpringState", {sizeof(io::SpringState), {MEMBER(SpringState, place), MEMBER(SpringState, velocity), MEMBER(SpringState, origin)}}},
+        {"ProceduralPush", {sizeof(io::ProceduralPush), {MEMBER(ProceduralPush, instance_count), MEMBER(ProceduralPush, first_instance), MEMBER(ProceduralPush, joint_count), MEMBER(ProceduralPush, spring_count), MEMBER(ProceduralPush, target_count), MEMBER(ProceduralPush, first_chain), MEMBER(ProceduralPush, workgroups), MEMBER(ProceduralPush, time_step_s), MEMBER(ProceduralPush, sway_time_s), MEMBER(ProceduralPush, wind_speed), MEMBER(ProceduralPush, wind_x), MEMBER(ProceduralPush, wind_y), MEMBER(ProceduralPush, wind_z), MEMBER(ProceduralPush, gust), MEMBER(ProceduralPush, gust_rate), MEMBER(ProceduralPush, gust_phase0), MEMBER(ProceduralPush, gust_phase1), MEMBER(ProceduralPush, gust_phase2)}}},
         {"Affine", {sizeof(Affine), {{"row0", 0}, {"row1", sizeof(Affine::row) / 3}, {"row2", sizeof(Affine::row) / 3 * 2}}}},
     };
 }

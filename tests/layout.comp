@@ -11,6 +11,7 @@
 #include "draw/draw_io.h"
 #include "fused/fused_io.h"
 #include "gpu/affine.glsl"
+#include "procedural/procedural_io.h"
 #include "sample/sample_io.h"
 #include "scan/scan_io.h"
 #include "skin/skin_io.h"
@@ -56,6 +57,15 @@ layout(set = 0, binding = 37, std430) buffer Buffer37 { ControllerPush controlle
 layout(set = 0, binding = 38, std430) buffer Buffer38 { CommandPush command_pushs[]; };
 layout(set = 0, binding = 39, std430) buffer Buffer39 { InertiaState inertia_states[]; };
 layout(set = 0, binding = 40, std430) buffer Buffer40 { SocketPush socket_pushs[]; };
+layout(set = 0, binding = 41, std430) buffer Buffer41 { ProceduralChain procedural_chains[]; };
+layout(set = 0, binding = 42, std430) buffer Buffer42 { ProceduralJoint procedural_joints[]; };
+layout(set = 0, binding = 43, std430) buffer Buffer43 { WindSettings wind_settings[]; };
+layout(set = 0, binding = 44, std430) buffer Buffer44 { SpringSettings spring_settings[]; };
+layout(set = 0, binding = 45, std430) buffer Buffer45 { ColliderShape collider_shapes[]; };
+layout(set = 0, binding = 46, std430) buffer Buffer46 { LookAtSettings look_at_settings[]; };
+layout(set = 0, binding = 47, std430) buffer Buffer47 { ReachSettings reach_settings[]; };
+layout(set = 0, binding = 48, std430) buffer Buffer48 { SpringState spring_states[]; };
+layout(set = 0, binding = 49, std430) buffer Buffer49 { ProceduralPush procedural_pushs[]; };
 
 layout(local_size_x = 1) in;
 void main() {}

@@ -8,9 +8,10 @@
 
 namespace throng::tools {
 
-inline constexpr std::array<std::pair<const char*, double StageTimes::*>, 6> kStages{{{"control", &StageTimes::control},
+inline constexpr std::array<std::pair<const char*, double StageTimes::*>, 7> kStages{{{"control", &StageTimes::control},
                                                                                       {"sample", &StageTimes::sample},
                                                                                       {"blend", &StageTimes::blend},
+                                                                                      {"procedural", &StageTimes::procedural},
                                                                                       {"scan", &StageTimes::scan},
                                                                                       {"bind", &StageTimes::bind},
                                                                                       {"fused", &StageTimes::fused}}};

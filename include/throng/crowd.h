@@ -4,6 +4,7 @@
 #include <throng/character.h>
 #include <throng/controller.h>
 #include <throng/device.h>
+#include <throng/procedural.h>
 
 #include <array>
 #include <cstdint>
@@ -65,7 +66,7 @@ struct LayerBlend {
 enum class SocketSpace { kModel, kWorld };
 
 // Instances of one character. Instances of a crowd are numbered group after group. Without a controller each plays what set_playback()
-// says, two clips at most; with one, its layers (docs/controller.md). Both are read by Crowd::create() and not kept.
+// says, two clips at most; with one, its layers (docs/controller.md). All are read by Crowd::create() and not kept.
 struct CrowdGroup {
     const Character* character = nullptr;
     uint32_t instance_count = 0;
@@ -73,6 +74,7 @@ struct CrowdGroup {
     bool moves_placements = true;  // root motion, if the character has it, moves the placements; else it is only reported
     std::vector<uint32_t> sockets;  // joints, at most 64, whose transforms are written in each update, for attachments
     SocketSpace socket_space = SocketSpace::kWorld;
+    const ProceduralRules* procedural = nullptr;  // moves joints after the blend; such groups are updated stage by stage
 };
 
 // How an update goes from clips to skin matrices. kStaged: sample, blend, scan and bind one after another, each through memory; any
@@ -108,7 +110,8 @@ struct CrowdSettings {
 // Affine[instance_count][joint_count], where CrowdSettings::keep_model_matrices is set. `placement_buffer` holds
 // world_from_model, Affine[instance_count]. `socket_buffer`, where the group has sockets, holds
 // Affine[instance_count][socket_count], in CrowdGroup::socket_space. `parameter_buffer`, where the group has a controller, holds float[instance_count][parameter_count] and may be written
-// by the application's own shaders or copies between two updates. A block's buffers fit the device's storage-buffer range; offsets are 0.
+// by the application's own shaders or copies between two updates. `target_buffer`, where the group has procedural rules with targets, holds
+// float4[instance_count][target_count], a place of the world and in w the weight, and may be written likewise. A block's buffers fit the device's storage-buffer range; offsets are 0.
 // Valid once the recorded commands have run, until the next record() runs; written by compute shaders, and made visible by
 // record() to later compute, vertex and transfer reads on the same queue.
 struct OutputBlock {
@@ -125,13 +128,15 @@ struct OutputBlock {
     VkBuffer socket_buffer = VK_NULL_HANDLE;
     uint32_t parameter_count = 0;
     VkBuffer parameter_buffer = VK_NULL_HANDLE;
+    uint32_t target_count = 0;
+    VkBuffer target_buffer = VK_NULL_HANDLE;
 };
 
 // GPU time of each stage in the last finished update, summed over its dispatches, milliseconds. `fused` is sample, blend, scan and
 // bind of the groups that are updated in one pass.
 struct StageTimes {
-    double control = 0, sample = 0, blend = 0, scan = 0, bind = 0, fused = 0;
-    double total() const { return control + sample + blend + scan + bind + fused; }
+    double control = 0, sample = 0, blend = 0, procedural = 0, scan = 0, bind = 0, fused = 0;
+    double total() const { return control + sample + blend + procedural + scan + bind + fused; }
 };
 
 // An event of a controller's clip that an instance passed.
@@ -162,7 +167,7 @@ struct CrowdState;  // internal
 class Crowd {
 public:
     // Errors: kInvalidArgument (unknown scan, no instances), kUnsupported (the scan method,
-    // the fused path or the skin format does not apply to a character), kLimit (names what exceeds which limit of the device), kOutOfMemory.
+    // the fused path or the skin format does not apply to a character), what controllers, sockets and procedural rules have wrong, kLimit (names what exceeds which limit of the device), kOutOfMemory.
     static Result<Crowd> create(const Device& device, const CrowdSettings& settings);
     Crowd(Crowd&&) noexcept;
     Crowd& operator=(Crowd&&) noexcept;
@@ -187,6 +192,11 @@ public:
     Result<void> play(uint32_t instance, uint32_t layer, const LayerPlayback& playback);
     Result<void> set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend);
     Result<void> set_parameters(uint32_t instance, uint32_t parameter, std::span<const float> values);
+
+    // Of the procedural rules, from the next record() on. Until it is set a target has weight 0, and does nothing. Errors: kInvalidArgument (no such instance or
+    // target, value not finite, weight outside 0..1; wind: velocity not finite, gust outside 0..1, wavelength not above 0).
+    Result<void> set_target(uint32_t instance, uint32_t target, const Vec3<float>& world_place, float weight);
+    Result<void> set_wind(const Wind& wind);
 
     // From the next record() on, the sockets of these instances come back with the feedback. Replaces the ones before. Errors: kInvalidArgument (instance out of range, or
     // of a group without sockets), kLimit (more than CrowdSettings::watch_capacity).

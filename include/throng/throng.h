@@ -6,4 +6,5 @@
 #include <throng/crowd.h>
 #include <throng/device.h>
 #include <throng/draw.h>
+#include <throng/procedural.h>
 #include <throng/reference.h>

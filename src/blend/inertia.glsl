@@ -3,11 +3,9 @@
 // offset counts the motion of the target too, so that a still character does not jerk into a run; and scales decay as translations do.
 // Defined by inertia_reference.h.
 #include "blend/inertia_io.h"
+#include "gpu/angles.glsl"
 #include "gpu/similarity.glsl"
 #include "sample/sample_io.h"
-#include "sample/slerp.glsl"
-
-const float kHalfPi = 1.57079632679;
 
 // A quintic from offset x (>= 0) and speed v (<= 0) that reaches 0, with speed and acceleration 0, after `duration_s`; or sooner, where it
 // would otherwise swing to the other side.

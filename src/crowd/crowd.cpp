@@ -68,6 +68,14 @@ Result<void> Crowd::set_parameters(uint32_t instance, uint32_t parameter, std::s
     return as_result([&] { state_->set_parameters(instance, parameter, values); });
 }
 
+Result<void> Crowd::set_target(uint32_t instance, uint32_t target, const Vec3<float>& world_place, float weight) {
+    return as_result([&] { state_->set_target(instance, target, world_place, weight); });
+}
+
+Result<void> Crowd::set_wind(const Wind& wind) {
+    return as_result([&] { state_->procedural->set_wind(wind); });
+}
+
 Result<void> Crowd::watch(std::span<const uint32_t> instances) {
     return as_result([&] { state_->watch(instances); });
 }

@@ -56,14 +56,15 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
         const Group& group = groups[batch.group];
         if (!group.controller) batch.control = control_.bind(ControlBuffers{batch.playbacks, group.axes, group.times, batch.cursors});
     }
+    procedural.emplace(gpu, groups, batches);
     fused.emplace(gpu, groups, batches, settings);
-    staged.emplace(gpu, groups, batches, skin_format);
+    staged.emplace(gpu, groups, batches, skin_format, *procedural);
     make_feedback(settings);
     controllers.emplace(gpu, groups, batches, feedback ? &*feedback : nullptr);
     placements.resize(instance_count);
     dirty_playbacks_.add(0, instance_count);
     dirty_placements_.add(0, instance_count);
-    if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, 2 + 4 * staged->wave_count());  // control, fused, and four stages a wave
+    if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, 2 + 5 * staged->wave_count());  // control, fused, and five stages a wave
 }
 
 // Refuses at once what cannot fit, before gigabytes are allocated on the way to failing.
@@ -83,7 +84,8 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
     const Group& group = groups[group_index];
     const uint32_t count = settings.groups[group_index].instance_count;
     const uint64_t joint_bytes = group.controller && group.controller->is_inertial ? sizeof(io::InertiaState) : kMatrix_bytes;
-    const uint64_t instance_bytes = std::max(group.joint_count * joint_bytes, group.palette_count * kMatrix_bytes);
+    const uint64_t spring_bytes = group.procedural ? group.procedural->spring_count * sizeof(io::SpringState) : 0;
+    const uint64_t instance_bytes = std::max({group.joint_count * joint_bytes, group.palette_count * kMatrix_bytes, spring_bytes});
     const uint64_t capacity = std::min<uint64_t>(arena_limit_bytes(*gpu) / instance_bytes, gpu->properties.limits.maxComputeWorkGroupCount[0]);
     if (capacity == 0)
         throw Failure(ErrorCode::kLimit, group.name, "the matrices of one instance (" + std::to_string(instance_bytes) +
@@ -103,6 +105,7 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
             batch.playbacks = storage("playback states", n * sizeof(io::InstancePlayback));
             batch.cursors = storage("cursors", n * sizeof(io::InstanceCursor));
         }
+        if (group.procedural) make_springs(batch);
         batch.placements = storage("placements", n * kMatrix_bytes);
         for (size_t k = 0; k < (settings.keep_previous_matrices ? 2 : 1); ++k)
             batch.skins[k] = storage("skin matrices", n * std::max(group.palette_count, 1u) * skin_format_bytes(skin_format));
@@ -120,7 +123,9 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
                            .socket_count = group.socket_count(),
                            .socket_buffer = batch.sockets.handle(),
                            .parameter_count = group.controller ? group.controller->parameter_count : 0,
-                           .parameter_buffer = batch.parameters.handle()});
+                           .parameter_buffer = batch.parameters.handle(),
+                           .target_count = group.procedural ? group.procedural->target_count : 0,
+                           .target_buffer = batch.targets.handle()});
         batches.push_back(std::move(batch));
     }
     instance_count += count;
@@ -171,6 +176,13 @@ void CrowdState::make_layers(Batch& batch) const {
         batch.inertia_states = Buffer(gpu, group.name + ": poses of inertial transitions", batch.instance_count * uint64_t{group.joint_count} * sizeof(io::InertiaState), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     }
     if (group.has_root_motion()) batch.roots = upload(gpu, group.name + ": root motion", std::vector<io::RootState>(batch.instance_count, standing_at(Affine{})));
+}
+
+// At rest, and without aims.
+void CrowdState::make_springs(Batch& batch) const {
+    const Group& group = groups[batch.group];
+    if (group.procedural->target_count > 0) batch.targets = upload(gpu, group.name + ": targets", std::vector<io::vec4>(batch.instance_count * size_t{group.procedural->target_count}));
+    if (group.procedural->spring_count > 0) batch.springs = upload(gpu, group.name + ": springs", std::vector<io::SpringState>(batch.instance_count * size_t{group.procedural->spring_count}));
 }
 
 void CrowdState::check_range(uint32_t first_instance, size_t count, const char* what) const {
@@ -256,6 +268,18 @@ void CrowdState::set_parameters(uint32_t instance, uint32_t parameter, std::span
     for (uint32_t i = 0; i < values.size(); ++i) send(instance, {.kind = io::kCommandParameter, .target = parameter + i, .value = values[i]});
 }
 
+void CrowdState::set_target(uint32_t instance, uint32_t target, const Vec3<float>& world_place, float weight) {
+    check_range(instance, 1, "target");
+    const Batch& batch = batch_of(instance);
+    const Group& group = groups[batch.group];
+    const std::string place = "target of instance " + std::to_string(instance);
+    const uint32_t count = group.procedural ? group.procedural->target_count : 0;
+    if (target >= count) throw Failure(ErrorCode::kInvalidArgument, place, "number " + std::to_string(target) + "; " + group.name + " has " + std::to_string(count));
+    if (!std::isfinite(world_place.x) || !std::isfinite(world_place.y) || !std::isfinite(world_place.z)) throw Failure(ErrorCode::kInvalidArgument, place, "it must be finite");
+    if (!(weight >= 0 && weight <= 1)) throw Failure(ErrorCode::kInvalidArgument, place, "its weight must be within 0..1");
+    procedural->set_target(static_cast<uint32_t>(&batch - batches.data()), (instance - batch.first_instance) * count + target, {world_place.x, world_place.y, world_place.z, weight});
+}
+
 // The changes travel inside the command buffer, so that no staging memory has to outlive the call.
 void CrowdState::upload_changes(VkCommandBuffer commands) {
     constexpr uint64_t kUpdateLimit_bytes = 65536;  // of vkCmdUpdateBuffer
@@ -293,6 +317,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s) {
     // Whoever reads the last update's results must be done.
     memory_barrier(*gpu, commands, kConsumers | kShaderWrite | kTransferWrite, kShaderRead | kShaderWrite | kTransferWrite);
     upload_changes(commands);
+    procedural->begin_update(commands, time_step_s);
     if (feedback) feedback->begin(commands);
     controllers->record_commands(commands);
     take_turns();
@@ -374,7 +399,7 @@ uint64_t CrowdState::size_bytes() const {
     uint64_t sum = staged->size_bytes() + controllers->size_bytes() + (feedback ? feedback->size_bytes() : 0);
     for (const Group& group : groups) sum += group.size_bytes();
     for (const Batch& batch : batches)
-        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.inertias, &batch.inertia_states, &batch.sockets, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
+        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.inertias, &batch.inertia_states, &batch.targets, &batch.springs, &batch.sockets, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
     return sum;
 }
 

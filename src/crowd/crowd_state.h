@@ -7,6 +7,7 @@
 #include "crowd/controller_stage.h"
 #include "crowd/dirty_ranges.h"
 #include "crowd/fused_update.h"
+#include "crowd/procedural_stage.h"
 #include "crowd/staged_update.h"
 #include "control/control_io.h"
 
@@ -25,6 +26,7 @@ struct CrowdState {
     void play(uint32_t instance, uint32_t layer, const LayerPlayback& playback);
     void set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend);
     void set_parameters(uint32_t instance, uint32_t parameter, std::span<const float> values);
+    void set_target(uint32_t instance, uint32_t target, const Vec3<float>& world_place, float weight);
     void watch(std::span<const uint32_t> instances);
     std::vector<Feedback> take_feedback();
     void record(VkCommandBuffer commands, float time_step_s);
@@ -40,6 +42,7 @@ struct CrowdState {
     std::vector<OutputBlock> outputs;
     std::vector<Affine> placements;  // [instance_count], as last set
     std::unique_ptr<StageTimer> timer;
+    std::optional<ProceduralStage> procedural;
     std::optional<FusedUpdate> fused;
     std::optional<StagedUpdate> staged;
     std::optional<FeedbackRing> feedback;
@@ -50,6 +53,7 @@ private:
     void take_turns();
     void make_feedback(const CrowdSettings& settings);
     void make_layers(Batch& batch) const;
+    void make_springs(Batch& batch) const;
     void send(uint32_t instance, io::ControlCommand command);
     const GroupController& controller_of(uint32_t instance, const char* what) const;
     void check_memory(const CrowdSettings& settings) const;

@@ -64,6 +64,7 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const Pat
     if (group.controller) controller.emplace(gpu, *group.controller, *group.character, group.moves_placements);
     socket_space = group.socket_space;
     if (!group.sockets.empty()) make_sockets(gpu, group.sockets);
+    if (group.procedural) make_procedural(gpu, *group.procedural, *group.character);
 }
 
 Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const PathChoice& choice)
@@ -102,6 +103,11 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
     indices = upload(gpu, name + ": indices", character.indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
 }
 
+void Group::make_procedural(const std::shared_ptr<Gpu>& gpu, const ProceduralRules& rules, const Character& character) {
+    const ProceduralTables made = make_procedural_tables(rules, character);
+    procedural.emplace(GroupProcedural{made.ranks, made.spring_count, made.target_count, upload_table(gpu, name + ": procedural rules", made.words)});
+}
+
 void Group::make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint32_t>& joints) {
     const std::string place = name + ": sockets";
     if (joints.size() > kSocketLimit) throw Failure(ErrorCode::kLimit, place, std::to_string(joints.size()) + " of them; at most " + std::to_string(kSocketLimit));
@@ -117,6 +123,7 @@ void Group::make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint
 uint64_t Group::size_bytes() const {
     uint64_t sum = fused ? fused->tables.size_bytes() : scan->links().size_bytes();
     if (sockets) sum += sockets->table.size_bytes() + sockets->slots.size_bytes();
+    if (procedural) sum += procedural->tables.size_bytes();
     if (controller) sum += controller->tables.size_bytes() + controller->masks.size_bytes();
     for (const Buffer* buffer : {&axes, &times, &root_rows, &tracks, &keys, &words, &palette_joints, &joint_from_bind, &vertices, &influences, &indices})
         sum += buffer->size_bytes();

@@ -5,6 +5,7 @@
 #include "control/controller_io.h"
 #include "crowd/path.h"
 #include "gpu/kernel.h"
+#include "procedural/procedural_tables.h"
 
 #include <throng/character.h>
 
@@ -36,6 +37,13 @@ struct GroupSockets {
     Buffer slots;  // uint[joint_count], 1 + the joint's place in joints, or 0
 };
 
+// Rules that move joints.
+struct GroupProcedural {
+    std::vector<ProceduralTables::Rank> ranks;
+    uint32_t spring_count = 0, target_count = 0;  // of an instance
+    Buffer tables;
+};
+
 struct Group {
     Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice);
 
@@ -53,6 +61,7 @@ struct Group {
     std::optional<GroupController> controller;
     std::optional<GroupSockets> sockets;
     SocketSpace socket_space = SocketSpace::kWorld;
+    std::optional<GroupProcedural> procedural;
     Buffer root_rows;                      // (x, z, cos, sin) of clips with root motion
     bool packed = false;
     Buffer tracks, keys, words;            // sample
@@ -70,6 +79,7 @@ struct Group {
     uint64_t size_bytes() const;
 
 private:
+    void make_procedural(const std::shared_ptr<Gpu>& gpu, const ProceduralRules& rules, const Character& character);
     void make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint32_t>& joints);
     Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const PathChoice& choice);
 };

@@ -27,7 +27,7 @@ PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
     std::string obstacle = "asked for";
     if (settings.path != UpdatePath::kStaged) {
         const FusedRig rig(character);
-        FusedPlan plan = any_scan ? choose_fused(rig, limits) : plan_named(settings.scan, rig, limits);
+        FusedPlan plan = group.procedural ? FusedPlan{.obstacle = "procedural rules need the local transforms in memory"} : any_scan ? choose_fused(rig, limits) : plan_named(settings.scan, rig, limits);
         if (plan.obstacle.empty()) {
             const ScanChoice scan = plan.choice;
             return {.fused = std::move(plan), .scan = scan, .scan_reason = any_scan ? "the one that suits a fused update on this kind of device" : "asked for", .path_reason = "fused: all stages in one pass"};

@@ -26,8 +26,8 @@ uint64_t arena_limit_bytes(const Gpu& gpu) {
     return std::min({kArenaBuffer_bytes, uint64_t{gpu.properties.limits.maxStorageBufferRange}, gpu.max_allocation_bytes});
 }
 
-StagedUpdate::StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, SkinFormat skin_format)
-    : gpu_(std::move(gpu)), groups_(groups), batches_(batches) {
+StagedUpdate::StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, SkinFormat skin_format, const ProceduralStage& procedural)
+    : gpu_(std::move(gpu)), groups_(groups), batches_(batches), procedural_(procedural) {
     for (uint32_t i = 0; i < batches_.size(); ++i)
         if (!groups_[batches_[i].group].fused) members_.push_back({.batch = i});
     if (members_.empty()) return;
@@ -78,6 +78,7 @@ void StagedUpdate::bind_member(Member& member) {
     const auto slice = [&](const Buffer& buffer) { return BufferRange(buffer.handle(), member.arena_offset_bytes, size_bytes); };
     const BufferRange first = slice(first_poses_), second = slice(second_poses_), local = slice(local_);
     const BufferRange model = batch.kept_model.handle() ? BufferRange(batch.kept_model) : slice(model_);
+    if (group.procedural) member.procedural = procedural_.bind(member.batch, local);
     member.scan = group.scan->bind({.local = local, .links = group.scan->links(), .model = model, .scratch = second});
     for (size_t i = 0; i < batch.skins.size(); ++i)
         if (batch.skins[i].handle()) member.bind[i] = bind_->bind(BindBuffers{model, group.palette_joints, group.joint_from_bind, batch.skins[i]});
@@ -117,6 +118,7 @@ void StagedUpdate::record_wave(VkCommandBuffer commands, const Wave& wave, Stage
     stage(&StageTimes::blend, [&](const Member& member, uint32_t instance_count, const Group& group) {
         if (!group.controller) blend_of(group).dispatch_workgroups(commands, member.blend, io::BlendPush{group.joint_count}, instance_count);
     });
+    record_procedural(commands, members, timer);
     stage(&StageTimes::scan, [&](const Member& member, uint32_t instance_count, const Group& group) { group.scan->record(commands, member.scan, instance_count); });
     stage(&StageTimes::bind, [&](const Member& member, uint32_t instance_count, const Group& group) {
         if (group.sockets)
@@ -124,6 +126,19 @@ void StagedUpdate::record_wave(VkCommandBuffer commands, const Wave& wave, Stage
                                            instance_count * group.socket_count());
         bind_->dispatch_workgroups(commands, member.bind[batches_[member.batch].current_skin], io::BindPush{group.joint_count, group.palette_count}, instance_count);
     });
+}
+
+// Rank by rank; batches have theirs side by side.
+void StagedUpdate::record_procedural(VkCommandBuffer commands, std::span<const Member> members, StageTimer* timer) const {
+    uint32_t rank_count = 0;
+    for (const Member& member : members) rank_count = std::max(rank_count, procedural_.rank_count(member.batch));
+    if (rank_count == 0) return;
+    for (uint32_t rank = 0; rank < rank_count; ++rank) {
+        for (const Member& member : members)
+            if (rank < procedural_.rank_count(member.batch)) procedural_.record_rank(commands, member.procedural, member.batch, rank);
+        memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    }
+    if (timer) timer->end_stage(commands, &StageTimes::procedural);
 }
 
 uint64_t StagedUpdate::size_bytes() const { return first_poses_.size_bytes() + second_poses_.size_bytes() + local_.size_bytes() + model_.size_bytes(); }

@@ -1,4 +1,4 @@
-// Cursors -> skin matrices, stage by stage: sample, blend, scan, bind, each through memory. Layers are sampled and blended in one: their
+// Cursors -> skin matrices, stage by stage: sample, blend, procedural rules, scan, bind, each through memory. Layers are sampled and blended in one: their
 // time counts as sample.
 //
 // A wave is a run of batches whose intermediates (poses, local and model matrices) fit the arena together. A wave goes through the
@@ -7,6 +7,7 @@
 
 #include "crowd/batch.h"
 #include "crowd/group.h"
+#include "crowd/procedural_stage.h"
 #include "crowd/stage_timer.h"
 
 #include <optional>
@@ -18,8 +19,8 @@ uint64_t arena_limit_bytes(const Gpu& gpu);
 
 class StagedUpdate {
 public:
-    // Of those batches whose group is not fused; keeps references to both.
-    StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, SkinFormat skin_format);
+    // Of those batches whose group is not fused; keeps references to all.
+    StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, SkinFormat skin_format, const ProceduralStage& procedural);
 
     uint32_t wave_count() const { return static_cast<uint32_t>(waves_.size()); }
     void record(VkCommandBuffer commands, StageTimer* timer) const;
@@ -31,7 +32,7 @@ private:
         uint64_t arena_offset_bytes = 0;
         Bindings sample_first, sample_second, blend;  // of two clips
         Bindings layered;                             // of layers
-        Bindings scan, sockets;
+        Bindings procedural, scan, sockets;
         std::array<Bindings, 2> bind;  // one for each of the batch's skin buffers
     };
     struct Wave {
@@ -42,6 +43,7 @@ private:
     void make_arena(uint64_t size_bytes);
     void bind_member(Member& member);
     void record_wave(VkCommandBuffer commands, const Wave& wave, StageTimer* timer) const;
+    void record_procedural(VkCommandBuffer commands, std::span<const Member> members, StageTimer* timer) const;
     const Kernel& sample_of(const Group& group) const { return *(group.packed ? sample_packed_ : sample_exact_); }
     const Kernel& layered_of(const Group& group) const { return *layered_[group.packed][group.takes_similarities()][group.controller->is_inertial]; }
     const Kernel& blend_of(const Group& group) const { return *(group.takes_similarities() ? blend_similarities_ : blend_affines_); }
@@ -49,6 +51,7 @@ private:
     std::shared_ptr<Gpu> gpu_;
     const std::vector<Group>& groups_;
     const std::vector<Batch>& batches_;
+    const ProceduralStage& procedural_;
     std::vector<Member> members_;
     std::vector<Wave> waves_;
     std::optional<Kernel> sample_exact_, sample_packed_, blend_affines_, blend_similarities_;  // those that the groups need

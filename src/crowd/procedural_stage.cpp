@@ -1,0 +1,77 @@
+#include "crowd/procedural_stage.h"
+
+#include <algorithm>
+
+namespace throng {
+
+ProceduralStage::ProceduralStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches)
+    : gpu_(std::move(gpu)), groups_(groups), batches_(batches), targets_(batches.size()) {
+    for (size_t i = 0; i < batches_.size(); ++i) {
+        const Group& group = groups_[batches_[i].group];
+        if (!group.procedural) continue;
+        std::optional<Kernel>& kernel = kernels_[group.takes_similarities()];
+        if (!kernel) kernel = procedural_kernel(gpu_, group.takes_similarities());
+        targets_[i].last.resize(batches_[i].instance_count * size_t{group.procedural->target_count});
+    }
+}
+
+void ProceduralStage::set_target(uint32_t batch, uint32_t index, const io::vec4& place_and_weight) {
+    targets_[batch].last[index] = place_and_weight;
+    targets_[batch].dirty.add(index, 1);
+}
+
+void ProceduralStage::begin_update(VkCommandBuffer commands, float time_step_s) {
+    constexpr uint32_t kUpdateLimit = 65536 / sizeof(io::vec4);  // of vkCmdUpdateBuffer
+    for (size_t i = 0; i < batches_.size(); ++i)
+        for (auto [first, count] : targets_[i].dirty.take())
+            for (const uint32_t end = first + count; first < end; first += kUpdateLimit)
+                gpu_->vk.vkCmdUpdateBuffer(commands, batches_[i].targets.handle(), first * sizeof(io::vec4), std::min(kUpdateLimit, end - first) * sizeof(io::vec4), &targets_[i].last[first]);
+    time_step_s_ = time_step_s;
+    wind_.advance(time_step_s);
+}
+
+Bindings ProceduralStage::bind(uint32_t batch_index, const BufferRange& local) const {
+    const Batch& batch = batches_[batch_index];
+    const Group& group = groups_[batch.group];
+    return kernel_of(group).bind(ProceduralBuffers{group.procedural->tables, batch.placements, batch.targets.or_else(batch.placements), batch.springs.or_else(batch.skins[0]), local});
+}
+
+uint32_t ProceduralStage::rank_count(uint32_t batch) const {
+    const std::optional<GroupProcedural>& procedural = groups_[batches_[batch].group].procedural;
+    return procedural ? static_cast<uint32_t>(procedural->ranks.size()) : 0;
+}
+
+void ProceduralStage::record_rank(VkCommandBuffer commands, const Bindings& bindings, uint32_t batch_index, uint32_t rank) const {
+    const Batch& batch = batches_[batch_index];
+    const Group& group = groups_[batch.group];
+    const WindClock::Moment& wind = wind_.moment();
+    const uint32_t workgroups = (batch.instance_count + io::kProceduralWorkgroupSize - 1) / io::kProceduralWorkgroupSize;
+    io::ProceduralPush push{.instance_count = batch.instance_count,
+                            .first_instance = batch.first_instance,
+                            .joint_count = group.joint_count,
+                            .spring_count = group.procedural->spring_count,
+                            .target_count = group.procedural->target_count,
+                            .first_chain = group.procedural->ranks[rank].first_chain,
+                            .workgroups = workgroups,
+                            .time_step_s = time_step_s_,
+                            .sway_time_s = static_cast<float>(wind.sway_time_s),
+                            .wind_speed = static_cast<float>(wind.speed),
+                            .wind_x = static_cast<float>(wind.direction.x),
+                            .wind_y = static_cast<float>(wind.direction.y),
+                            .wind_z = static_cast<float>(wind.direction.z),
+                            .gust = static_cast<float>(wind.gust),
+                            .gust_rate = static_cast<float>(wind.gust_rate),
+                            .gust_phase0 = static_cast<float>(wind.gust_phases[0]),
+                            .gust_phase1 = static_cast<float>(wind.gust_phases[1]),
+                            .gust_phase2 = static_cast<float>(wind.gust_phases[2])};
+    // As many chains at once as the device dispatches.
+    const uint32_t chains = std::max(gpu_->properties.limits.maxComputeWorkGroupCount[0] / workgroups, 1u);
+    for (uint32_t left = group.procedural->ranks[rank].chain_count; left > 0;) {
+        const uint32_t count = std::min(left, chains);
+        kernel_of(group).dispatch_workgroups(commands, bindings, push, count * workgroups);
+        push.first_chain += count * io::kChainWords;
+        left -= count;
+    }
+}
+
+}  // namespace throng

@@ -1,0 +1,47 @@
+// The procedural stage of groups with rules: targets and wind of the application; local transforms -> the same, moved.
+#pragma once
+
+#include "crowd/batch.h"
+#include "crowd/dirty_ranges.h"
+#include "crowd/group.h"
+#include "procedural/procedural.h"
+#include "procedural/wind_clock.h"
+
+#include <optional>
+
+namespace throng {
+
+class ProceduralStage {
+public:
+    // Of those batches whose group has rules; keeps references to both.
+    ProceduralStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches);
+
+    // `index` is that of instance and target in the batch's buffer.
+    void set_target(uint32_t batch, uint32_t index, const io::vec4& place_and_weight);
+    void set_wind(const Wind& wind) { wind_.set(wind); }
+
+    // Uploads what changed, and lets time go on.
+    void begin_update(VkCommandBuffer commands, float time_step_s);
+    // `local` is where the staged update has the batch's local transforms.
+    Bindings bind(uint32_t batch, const BufferRange& local) const;
+    uint32_t rank_count(uint32_t batch) const;
+    // Ranks of a batch come one after the other, with a barrier between.
+    void record_rank(VkCommandBuffer commands, const Bindings& bindings, uint32_t batch, uint32_t rank) const;
+
+private:
+    struct Targets {
+        std::vector<io::vec4> last;  // as set
+        DirtyRanges dirty;
+    };
+    const Kernel& kernel_of(const Group& group) const { return *kernels_[group.takes_similarities()]; }
+
+    std::shared_ptr<Gpu> gpu_;
+    const std::vector<Group>& groups_;
+    const std::vector<Batch>& batches_;
+    std::optional<Kernel> kernels_[2];  // [similarities]
+    std::vector<Targets> targets_;      // [batch]
+    WindClock wind_;
+    float time_step_s_ = 0;
+};
+
+}  // namespace throng

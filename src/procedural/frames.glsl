@@ -1,0 +1,81 @@
+// Where joints are in the world, and how they are turned there. "World" here has the world's axes, but its origin is the instance's: floats keep their
+// digits far from the middle of the world, where springs would otherwise shiver. The includer declares the buffers `local` (rows of four floats, [instance][joint])
+// and `placements`, the table `tables`, the constant kSimilarity, and `instance`.
+#include "gpu/affine.glsl"
+#include "gpu/angles.glsl"
+#include "gpu/similarity.glsl"
+
+float table_float(uint word) { return uintBitsToFloat(WORD_AT(tables, word)); }
+vec3 table_vector(uint word) { return vec3(table_float(word), table_float(word + 1), table_float(word + 2)); }
+
+Affine load_local(uint joint) {
+    const uint index = instance * push.joint_count + joint;
+    if (kSimilarity) return affine_from_similarity(Similarity(local[2 * index], local[2 * index + 1]));
+    return Affine(local[3 * index], local[3 * index + 1], local[3 * index + 2]);
+}
+
+vec3 origin_of(Affine m) { return vec3(m.row0.w, m.row1.w, m.row2.w); }
+
+// The instance's, in the true world.
+vec3 instance_origin() { return origin_of(placements[instance]); }
+
+// Of a joint's parent: all above it, and the placement.
+Affine world_from_parent_of(uint joint) {
+    Affine model_from_parent = kIdentity;
+    for (uint above = WORD_AT(tables, joint); above != kNoParent; above = WORD_AT(tables, above))
+        model_from_parent = affine_multiply(load_local(above), model_from_parent);
+    Affine placement = placements[instance];
+    placement.row0.w = placement.row1.w = placement.row2.w = 0;
+    return affine_multiply(placement, model_from_parent);
+}
+
+Affine world_from_joint_of(uint joint) { return affine_multiply(world_from_parent_of(joint), load_local(joint)); }
+
+// A turn of the world as one of a space that lies turned in it: its axis seen from there. Skewed axes are made orthogonal, x first.
+vec4 turn_within(Affine world_from_space, vec4 turn) {
+    const mat3 columns = transpose(mat3(world_from_space.row0.xyz, world_from_space.row1.xyz, world_from_space.row2.xyz));
+    const vec3 x = normalize(columns[0]), y = normalize(columns[1] - x * dot(x, columns[1])), z = cross(x, y);
+    const float side = dot(z, columns[2]) < 0 ? -1 : 1;
+    return vec4(dot(x, turn.xyz) * side, dot(y, turn.xyz) * side, dot(z, turn.xyz), turn.w);
+}
+
+// parent_from_joint after a turn of the world about the joint's origin; stored.
+Affine turn_joint(uint joint, Affine world_from_parent, Affine parent_from_joint, vec4 turn) {
+    const vec4 q = turn_within(world_from_parent, turn);
+    const Affine rotation = affine_from_trs(q, vec3(0), vec3(1)), m = parent_from_joint;
+    const vec3 r0 = rotation.row0.xyz, r1 = rotation.row1.xyz, r2 = rotation.row2.xyz;
+    const Affine turned = Affine(vec4(r0.x * m.row0.xyz + r0.y * m.row1.xyz + r0.z * m.row2.xyz, m.row0.w),
+                                 vec4(r1.x * m.row0.xyz + r1.y * m.row1.xyz + r1.z * m.row2.xyz, m.row1.w),
+                                 vec4(r2.x * m.row0.xyz + r2.y * m.row1.xyz + r2.z * m.row2.xyz, m.row2.w));
+    const uint index = instance * push.joint_count + joint;
+    if (kSimilarity) {
+        local[2 * index] = quaternion_multiply(q, local[2 * index]);
+    } else {
+        local[3 * index] = turned.row0;
+        local[3 * index + 1] = turned.row1;
+        local[3 * index + 2] = turned.row2;
+    }
+    return turned;
+}
+
+const float kParallel = 1e-6;  // sine of an angle below which two directions span no plane
+
+// The shortest turn from one direction to another, both of length 1.
+vec4 arc(vec3 from, vec3 to) {
+    const vec4 q = vec4(cross(from, to), 1 + dot(from, to));
+    const vec3 across = cross(from, abs(from.x) < 0.7 ? vec3(1, 0, 0) : vec3(0, 1, 0));
+    return q.w < kParallel ? vec4(normalize(across), 0) : q * inversesqrt(dot(q, q));
+}
+
+// 0..pi, of its sine (not negative) and cosine.
+float angle_of(float sine, float cosine) {
+    const float across = atan_unit(min(sine, abs(cosine)) / max(max(sine, abs(cosine)), 1e-30));
+    const float acute = abs(cosine) < sine ? kHalfPi - across : across;
+    return cosine < 0 ? kPi - acute : acute;
+}
+
+// About an axis of length 1, by -pi..pi.
+vec4 turn_about(vec3 axis, float angle_rad) {
+    const float half_rad = min(0.5 * abs(angle_rad), kHalfPi);
+    return vec4(axis * (angle_rad < 0 ? -sin_quarter(half_rad) : sin_quarter(half_rad)), sin_quarter(kHalfPi - half_rad));
+}

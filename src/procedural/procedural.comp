@@ -1,0 +1,45 @@
+#version 460
+// procedural: rules that move joints after the blend and before the scan; defined in docs/procedural.md.
+// One invocation per instance and chain; the chains of a dispatch touch nothing of each other. Reads 48 bytes a joint of the chain and of all above it,
+// writes 48 a joint (32 each as similarities), and reads and writes 48 a spring.
+#include "gpu/table.glsl"
+#include "gpu/affine.glsl"
+#include "procedural/procedural_io.h"
+
+layout(local_size_x = kProceduralWorkgroupSize) in;
+TABLE_OF_WORDS(0, Tables, tables);
+layout(set = 0, binding = 1, std430) readonly buffer Placements { Affine placements[]; };  // [instance], world_from_model
+layout(set = 0, binding = 2, std430) readonly buffer Targets { vec4 targets[]; };          // [instance][target], world; w: weight
+layout(set = 0, binding = 3, std430) buffer Springs { SpringState springs[]; };            // [instance][push.spring_count]
+layout(set = 0, binding = 4, std430) buffer Local { vec4 local[]; };                       // [instance][joint], parent_from_joint
+layout(constant_id = 1) const bool kSimilarity = false;
+layout(push_constant) uniform Push { ProceduralPush push; };
+
+uint instance;
+
+ProceduralChain load_chain(uint word) {
+    return ProceduralChain(WORD_AT(tables, word), WORD_AT(tables, word + 1), WORD_AT(tables, word + 2), WORD_AT(tables, word + 3), WORD_AT(tables, word + 4), WORD_AT(tables, word + 5));
+}
+
+uint first_joint_of(ProceduralChain chain) { return WORD_AT(tables, chain.first_joint); }
+
+#include "procedural/frames.glsl"
+
+ProceduralJoint load_joint(ProceduralChain chain, uint k) {
+    const uint word = chain.first_joint + k * kProceduralJointWords;
+    return ProceduralJoint(WORD_AT(tables, word), table_float(word + 1), table_float(word + 2), table_float(word + 3));
+}
+
+#include "procedural/wind.glsl"
+#include "procedural/springs.glsl"
+#include "procedural/aims.glsl"
+
+void main() {
+    instance = gl_WorkGroupID.x % push.workgroups * kProceduralWorkgroupSize + gl_LocalInvocationID.x;
+    if (instance >= push.instance_count) return;
+    const ProceduralChain chain = load_chain(push.first_chain + gl_WorkGroupID.x / push.workgroups * kChainWords);
+    if (chain.kind == kChainWind) bend_in_wind(chain);
+    else if (chain.kind == kChainSpring) swing(chain);
+    else if (chain.kind == kChainLookAt) look_at(chain);
+    else reach(chain);
+}

@@ -1,0 +1,149 @@
+#include "procedural/procedural_plan.h"
+
+#include "base/failure.h"
+#include "procedural/procedural_io.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace throng {
+namespace {
+
+// Looks at one rule after the other and cuts what it moves into chains.
+class Planner {
+public:
+    Planner(const ProceduralRules& rules, const Character& character) : rules_(rules), character_(character), rig_(character.rig), read_(rig_.joint_count()), written_(rig_.joint_count()), chain_below_(rig_.joint_count(), kNone) {
+        // The longest way down, so that few chains have to climb far to find where they hang.
+        std::vector<uint32_t> heights(rig_.joint_count());
+        for (uint32_t joint = rig_.joint_count(); joint-- > 0;) {
+            const uint32_t parent = rig_.parents[joint];
+            if (parent == kNone || (chain_below_[parent] != kNone && heights[joint] + 1 < heights[parent])) continue;
+            heights[parent] = heights[joint] + 1;
+            chain_below_[parent] = joint;
+        }
+    }
+
+    ProceduralPlan plan() {
+        for (rule_ = 0; rule_ < rules_.rules.size(); ++rule_) std::visit([&](const auto& rule) { add(rule); }, rules_.rules[rule_]);
+        return std::move(plan_);
+    }
+
+private:
+    [[noreturn]] void fail(const std::string& what) const { throw Failure(ErrorCode::kInvalidArgument, place(), what); }
+    std::string place() const { return character_.name + ": procedural rule " + std::to_string(rule_); }
+
+    void require(bool holds, const char* what) const {
+        if (!holds) fail(what);
+    }
+
+    static bool is_finite(const Vec3<float>& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+    uint32_t joint_named(const std::string& name) const {
+        const auto found = std::ranges::find(rig_.names, name);
+        if (found == rig_.names.end()) fail("there is no joint '" + name + "'");
+        return static_cast<uint32_t>(found - rig_.names.begin());
+    }
+
+    void check_target(const std::string& name) const {
+        if (std::ranges::find(rules_.targets, name) == rules_.targets.end()) fail("there is no target '" + name + "'");
+    }
+
+    void add(const WindRule& rule) {
+        require(std::isfinite(rule.bend_rad) && std::isfinite(rule.sway_rad), "bend_rad and sway_rad must be finite");
+        require(rule.sway_hz >= 0 && rule.sway_hz <= 64, "sway_hz must be within 0..64");
+        add_below(joint_named(rule.joint), {});
+    }
+
+    void add(const SpringRule& rule) {
+        require(rule.frequency_hz >= 0 && rule.frequency_hz <= 1000, "frequency_hz must be within 0..1000");
+        require(rule.damping >= 0 && rule.damping <= 1000, "damping must be within 0..1000");
+        require(is_finite(rule.gravity) && std::isfinite(rule.drag), "gravity and drag must be finite");
+        require(std::isfinite(rule.radius) && rule.radius >= 0, "radius must be 0 or more");
+        if (rule.colliders.size() > io::kColliderLimit)
+            throw Failure(ErrorCode::kLimit, place(), std::to_string(rule.colliders.size()) + " colliders; at most " + std::to_string(io::kColliderLimit));
+        std::vector<uint32_t> read;
+        for (const Collider& collider : rule.colliders) {
+            require(is_finite(collider.a) && is_finite(collider.b) && std::isfinite(collider.radius) && collider.radius >= 0, "a collider's places must be finite and its radius 0 or more");
+            read.push_back(joint_named(collider.joint));
+        }
+        const size_t first = plan_.chains.size();
+        add_below(joint_named(rule.joint), read);
+        for (size_t i = first; i < plan_.chains.size(); ++i) {
+            plan_.chains[i].first_spring = plan_.spring_count;
+            plan_.spring_count += static_cast<uint32_t>(plan_.chains[i].joints.size());
+        }
+    }
+
+    void add(const LookAtRule& rule) {
+        require(is_finite(rule.forward) && length(rule.forward) > 0, "forward must be finite and not zero");
+        require(rule.limit_rad >= 0 && rule.limit_rad <= std::numbers::pi_v<float>, "limit_rad must be within 0..pi");
+        require(rule.weight >= 0 && rule.weight <= 1, "weight must be within 0..1");
+        check_target(rule.target);
+        add_chain({joint_named(rule.joint)}, 0, {});
+    }
+
+    void add(const ReachRule& rule) {
+        require(is_finite(rule.pole) && length(rule.pole) > 0, "pole must be finite and not zero");
+        require(rule.weight >= 0 && rule.weight <= 1, "weight must be within 0..1");
+        check_target(rule.target);
+        const uint32_t joint = joint_named(rule.joint), parent = rig_.parents[joint];
+        if (parent == kNone || rig_.parents[parent] == kNone) fail("joint '" + rule.joint + "' has no parent and grandparent to bend");
+        add_chain({rig_.parents[parent], parent, joint}, 0, {});
+    }
+
+    // A joint and all below it: from each joint the longest way down is one chain, and the other ways begin chains of their own.
+    void add_below(uint32_t top, const std::vector<uint32_t>& read) {
+        std::vector<uint32_t> generations(rig_.joint_count(), kNone);
+        for (uint32_t joint = top; joint < rig_.joint_count(); ++joint) {  // parents come first
+            const uint32_t parent = rig_.parents[joint];
+            const bool is_below = joint != top && parent != kNone && generations[parent] != kNone;
+            if (joint != top && !is_below) continue;
+            generations[joint] = is_below ? generations[parent] + 1 : 0;
+            if (is_below && chain_below_[parent] == joint) continue;
+            std::vector<uint32_t> joints{joint};
+            while (chain_below_[joints.back()] != kNone) joints.push_back(chain_below_[joints.back()]);
+            add_chain(std::move(joints), generations[joint], read);
+        }
+    }
+
+    void add_chain(std::vector<uint32_t> joints, uint32_t generation, const std::vector<uint32_t>& also_read) {
+        PlannedChain chain{.rule = rule_, .rank = 0, .joints = std::move(joints), .bones = {}, .first_generation = generation};
+        for (size_t k = 0; k < chain.joints.size(); ++k) chain.bones.push_back(bone_of(chain, k));
+        const auto for_each_read = [&](const auto& visit) {
+            const auto upwards = [&](uint32_t joint) {
+                for (; joint != kNone; joint = rig_.parents[joint]) visit(joint);
+            };
+            upwards(chain.joints.back());
+            for (const uint32_t joint : also_read) upwards(joint);
+        };
+        for_each_read([&](uint32_t joint) { chain.rank = std::max(chain.rank, written_[joint]); });
+        for (const uint32_t joint : chain.joints) chain.rank = std::max(chain.rank, read_[joint]);
+        for_each_read([&](uint32_t joint) { read_[joint] = std::max(read_[joint], chain.rank + 1); });
+        for (const uint32_t joint : chain.joints) written_[joint] = chain.rank + 1;
+        plan_.rank_count = std::max(plan_.rank_count, chain.rank + 1);
+        plan_.chains.push_back(std::move(chain));
+    }
+
+    // To the next joint; on in the direction of the one before where there is none.
+    Vec3<float> bone_of(const PlannedChain& chain, size_t k) const {
+        if (k + 1 < chain.joints.size()) return rig_.rest[chain.joints[k + 1]].translation;
+        const Trs<float>& rest = rig_.rest[chain.joints[k]];
+        const Quaternion<float> back{-rest.rotation.x, -rest.rotation.y, -rest.rotation.z, rest.rotation.w};
+        return transform_vector(to_affine(Trs<float>{.rotation = back}), rest.translation);
+    }
+
+    const ProceduralRules& rules_;
+    const Character& character_;
+    const Rig& rig_;
+    uint32_t rule_ = 0;
+    std::vector<uint32_t> read_, written_;  // [joint], the first rank behind the last that does
+    std::vector<uint32_t> chain_below_;     // [joint], the child that its chain goes on with
+    ProceduralPlan plan_;
+};
+
+}  // namespace
+
+ProceduralPlan plan_procedural(const ProceduralRules& rules, const Character& character) { return Planner(rules, character).plan(); }
+
+}  // namespace throng

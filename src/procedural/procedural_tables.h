@@ -1,0 +1,21 @@
+// A plan as the kernel reads it (procedural_io.h).
+#pragma once
+
+#include "procedural/procedural_plan.h"
+
+namespace throng {
+
+struct ProceduralTables {
+    struct Rank {
+        uint32_t first_chain = 0;  // word
+        uint32_t chain_count = 0;
+    };
+    std::vector<uint32_t> words;
+    std::vector<Rank> ranks;
+    uint32_t spring_count = 0, target_count = 0;  // of an instance
+};
+
+// Throws what plan_procedural() does.
+ProceduralTables make_procedural_tables(const ProceduralRules& rules, const Character& character);
+
+}  // namespace throng

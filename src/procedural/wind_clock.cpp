@@ -1,0 +1,35 @@
+#include "procedural/wind_clock.h"
+
+#include "base/failure.h"
+
+#include <cmath>
+
+namespace throng {
+namespace {
+
+constexpr std::array kGustRates{1.0, 2.7, 7.1};  // of the three waves of which gusts are made (wind.glsl)
+constexpr double kSwayPeriod_s = 64;
+
+double wrapped(double value, double period) { return value - std::floor(value / period) * period; }
+
+}  // namespace
+
+void WindClock::set(const Wind& wind) {
+    const auto fail = [](const char* what) { throw Failure(ErrorCode::kInvalidArgument, "wind", what); };
+    const Vec3<double> velocity = wind.velocity.as<double>();
+    if (!std::isfinite(length(velocity))) fail("its velocity must be finite");
+    if (!(wind.gust >= 0 && wind.gust <= 1)) fail("its gust must be within 0..1");
+    if (!(std::isfinite(wind.wavelength) && wind.wavelength > 0)) fail("its wavelength must be more than 0");
+    moment_.speed = length(velocity);
+    if (moment_.speed > 0) moment_.direction = normalized(velocity);
+    moment_.gust = wind.gust;
+    moment_.gust_rate = 1.0 / wind.wavelength;
+}
+
+void WindClock::advance(double time_step_s) {
+    for (size_t i = 0; i < kGustRates.size(); ++i)
+        moment_.gust_phases[i] = wrapped(moment_.gust_phases[i] + time_step_s * moment_.speed * moment_.gust_rate * kGustRates[i], 1);
+    moment_.sway_time_s = wrapped(moment_.sway_time_s + time_step_s, kSwayPeriod_s);
+}
+
+}  // namespace throng

@@ -1,0 +1,30 @@
+// The wind of a crowd as time goes on.
+#pragma once
+
+#include <throng/procedural.h>
+
+#include <array>
+
+namespace throng {
+
+class WindClock {
+public:
+    // Throws kInvalidArgument for numbers that are not finite or out of range. Gusts go on where they are.
+    void set(const Wind& wind);
+    void advance(double time_step_s);
+
+    struct Moment {
+        Vec3<double> direction{1, 0, 0};  // unit length, world
+        double speed = 0;                 // units a second
+        double gust = 0;
+        double gust_rate = 0;             // 1 / wavelength
+        std::array<double, 3> gust_phases{};  // cycles, 0..1
+        double sway_time_s = 0;           // 0..64: rules sway in multiples of 1/64 Hz, so that floats keep their digits at any time
+    };
+    const Moment& moment() const { return moment_; }
+
+private:
+    Moment moment_;
+};
+
+}  // namespace throng
