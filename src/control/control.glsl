@@ -21,11 +21,11 @@ float local_time(float time_s, float duration_s, bool loop) {
 // The rows around time_s: the last one at or before it and the next; before the first and after the last, that row alone.
 SlotCursor find_rows(ClipAxis axis, float time_s) {
     uint low = 0, high = axis.row_count;  // times[low] <= time_s < times[high], but for the ends
-    while (high - low > 1) {
+    do {  // not while: a software device would go round once more; a single row may be looked at
         const uint middle = (low + high) / 2;
         if (time_at(axis.first_time + middle) <= time_s) low = middle;
         else high = middle;
-    }
+    } while (high - low > 1);
     const uint later = min(low + 1, axis.row_count - 1);
     const float from_s = time_at(axis.first_time + low), to_s = time_at(axis.first_time + later);
     const float fraction = later > low ? clamp((time_s - from_s) / (to_s - from_s), 0, 1) : 0;

@@ -1,6 +1,7 @@
 #version 460
 // controller: one update of each instance's layers: transitions, fades, times, events, root motion; writes the clips that its pose is made of.
 // One invocation per instance. Defined in docs/controller.md; nothing that decides a state is divided or fused, so that all devices agree.
+#include "gpu/stored.glsl"
 #include "gpu/table.glsl"
 #include "control/controller_io.h"
 
@@ -11,7 +12,7 @@ TABLE_OF_WORDS(2, Times, times);
 TABLE_OF_ROWS(3, RootRows, root_rows);
 layout(set = 0, binding = 4, std430) buffer Layers { LayerState layers[]; };         // [instance][layer]
 layout(set = 0, binding = 5, std430) buffer Parameters { float parameters[]; };      // [instance][parameter]
-layout(set = 0, binding = 6, std430) writeonly buffer Voices { Voice voices[]; };    // [instance][voice_limit]
+layout(set = 0, binding = 6, std430) writeonly buffer Voices { StoredPair voices[]; };  // [instance][voice_limit], four pairs of words each
 layout(set = 0, binding = 7, std430) buffer Events { EventHead event_head; EventRecord events[]; };
 layout(set = 0, binding = 8, std430) buffer Roots { RootState roots[]; };
 layout(set = 0, binding = 9, std430) writeonly buffer Placements { vec4 placements[]; };  // world_from_model, three rows each
@@ -63,18 +64,42 @@ float advance_weight(inout LayerState state, ControlLayer layer) {
 
 bool is_in_step(ClipMix leading, ClipMix other) { return leading.sync != kAbsent && other.sync == leading.sync; }
 
-void add_clips(ClipMix clip_mix, PhaseStep phase_step, float play_weight, bool moves) {
-    for (uint point = 0; point < 3; ++point) {
-        const float weight = product(play_weight, clip_mix.weights[point]);
-        if (weight <= 0) continue;
-        add_voice(clip_mix.clips[point], phase_step.after, weight);
-        if (moves) add_move(load_clip(clip_mix.clips[point]), phase_step, weight);
+// The clips of a layer, one after the other: an invocation goes on to its next one at once, where a software device would step through all plays and points.
+void add_clips(LayerState state, ClipMix mixes[kStackSize], PhaseStep steps[kStackSize], vec3 weights, float layer_weight, bool moves) {
+    uint heard = 0;  // a bit for each clip of each play
+    for (uint k = 0; k < kStackSize; ++k)
+        for (uint point = 0; point < 3; ++point)
+            if (k < state.play_count && product(weights[k], mixes[k].weights[point]) > 0) heard |= 1 << (3 * k + point);
+    if (layer_weight <= 0 || heard == 0) return;
+    begin_layer(state, layer_weight);
+    do {
+        const uint bit = findLSB(heard), k = bit / 3, point = bit % 3;
+        const float weight = product(weights[k], mixes[k].weights[point]);
+        heard &= heard - 1;
+        add_voice(mixes[k].clips[point], steps[k].after, weight, heard == 0);
+        if (moves) add_move(load_clip(mixes[k].clips[point]), steps[k], weight);
+    } while (heard != 0);
+}
+
+// Only what an update may change: each word stored costs a software device more than what computes it.
+void store_layer_state(uint index, LayerState state) {
+    for (uint k = 0; k < kStackSize; ++k) {
+        if (k >= state.play_count) continue;
+        layers[index].plays[k].motion = state.plays[k].motion;
+        layers[index].plays[k].phase = state.plays[k].phase;
+        layers[index].plays[k].loops = state.plays[k].loops;
+        layers[index].plays[k].fade = state.plays[k].fade;
+        layers[index].plays[k].fade_rate = state.plays[k].fade_rate;
     }
+    layers[index].play_count = state.play_count;
+    layers[index].weight = state.weight;
+    layers[index].taken = state.taken;
 }
 
 void update_layer(uint index) {
     const ControlLayer layer = load_layer(index);
-    LayerState state = load_layer_state(instance * layout_of_group.layer_count + index);
+    const uint at = instance * layout_of_group.layer_count + index;
+    LayerState state = load_layer_state(at);
     if (layer.state_count > 0) {
         follow_transitions(state, layer);
         note_transition(state);
@@ -85,26 +110,25 @@ void update_layer(uint index) {
 
     ClipMix mixes[kStackSize];
     float common_rate = 0;  // of the leading play's sync group
-    for (uint k = 0; k < state.play_count; ++k) {
-        mixes[k] = mix_of_play(layer, state.plays[k]);
-        common_rate = sum(common_rate, product(weights[k], mixes[is_in_step(mixes[0], mixes[k]) ? k : 0].rate));
-    }
-    begin_layer(state, layer_weight);
-    PhaseStep leading;
-    for (uint k = 0; k < state.play_count; ++k) {
+    uint count = 0;
+    do {  // not for: a software device would go round once more; of a layer that plays nothing, nothing of this is kept
+        mixes[count] = mix_of_play(layer, state.plays[count]);
+        common_rate = sum(common_rate, product(weights[count], mixes[is_in_step(mixes[0], mixes[count]) ? count : 0].rate));
+    } while (++count < state.play_count);
+    PhaseStep steps[kStackSize];  // from play_count on of no meaning, as mixes are: neither heard nor stored
+    for (uint k = 0; k < kStackSize; ++k) {
         const bool in_step = is_in_step(mixes[0], mixes[k]);
-        PhaseStep phase_step = leading;
         if (k > 0 && in_step) {
             state.plays[k].phase = state.plays[0].phase;
             state.plays[k].loops = state.plays[0].loops;
+            steps[k] = steps[0];
         } else {
-            phase_step = step_phase(state.plays[k], in_step ? common_rate : mixes[k].rate, mixes[k].loop != 0, push.time_step_s);
+            steps[k] = step_phase(state.plays[k], in_step ? common_rate : mixes[k].rate, mixes[k].loop != 0, push.time_step_s);
         }
-        if (k == 0) leading = phase_step;
-        if (layer_weight > 0) add_clips(mixes[k], phase_step, weights[k], index == 0);
     }
-    if (layer_weight > 0 && state.play_count > 0) emit_events(heaviest(mixes[0]), leading, index);
-    layers[instance * layout_of_group.layer_count + index] = state;
+    add_clips(state, mixes, steps, weights, layer_weight, index == 0);
+    if (layer_weight > 0 && state.play_count > 0) emit_events(heaviest(mixes[0]), steps[0], index);
+    store_layer_state(at, state);
 }
 
 // Those that transitions taken in this update asked for.

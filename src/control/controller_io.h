@@ -108,7 +108,7 @@ struct LayerPlay {
 // What a layer of an instance keeps from update to update.
 THRONG_IO_CONSTANT kLayerStateWords = 28;
 struct LayerState {
-    LayerPlay plays[kStackSize];  // newest first: 0 leads
+    LayerPlay plays[kStackSize];  // newest first: 0 leads; those from play_count on are left as they were
     uint play_count;              // 0: nothing yet
     float weight, weight_goal, weight_rate;  // direct layers: weight moves towards the goal by weight_rate a second
     uint mode, mask;              // direct layers

@@ -1,21 +1,14 @@
 // The voices of an instance, written as they come: step 9 of docs/controller.md. The includer declares `voices`, `instance` and find_rows().
 
-// One voice waits until it is known what follows it.
-Voice waiting;
-uint voice_count;  // the waiting one included
+uint voice_count;    // the rest pose included
+bool has_rest_pose;  // below the others
+Voice newest;
 uint layer_flags;
 float voices_layer_weight;
-bool layer_begins, layer_is_lowest, layer_covers;
 
 void begin_voices() {
     voice_count = 0;
-    layer_is_lowest = true;
-}
-
-void append_voice(Voice voice) {
-    if (voice_count > 0) voices[instance * push.voice_limit + voice_count - 1] = waiting;
-    waiting = voice;
-    ++voice_count;
+    has_rest_pose = false;
 }
 
 Voice voice_of(uint clip, uint phase, float weight) {
@@ -24,30 +17,42 @@ Voice voice_of(uint clip, uint phase, float weight) {
     return Voice(clip * push.joint_count, cursor.earlier, cursor.later, cursor.fraction, weight, 1, axis.first_row, kVoiceBeginsLayer | kVoiceEndsLayer);
 }
 
-void append_rest_pose() {
-    append_voice(voice_of(layout_of_group.clip_count, 0, 1));
+uint place_of_voice(uint index) { return (instance * push.voice_limit + index) * 4; }
+
+void store_end(uint index, Voice voice) { voices[place_of_voice(index) + 3] = pack(uvec2(voice.reference_row, voice.flags)); }
+
+void store_voice(uint index, Voice voice) {
+    const uint at = place_of_voice(index);
+    voices[at] = pack(uvec2(voice.first_track, voice.earlier));
+    voices[at + 1] = pack(uvec2(voice.later, floatBitsToUint(voice.fraction)));
+    voices[at + 2] = pack(floatBitsToUint(vec2(voice.weight, voice.layer_weight)));
+    store_end(index, voice);
 }
 
+// Of a layer that has voices.
 void begin_layer(LayerState state, float weight) {
-    layer_flags = (state.mode == kModeAdditive ? kVoiceAdditive : 0) | (state.mask == kAbsent ? 0 : kVoiceMasked | state.mask << kVoiceMaskShift);
-    layer_covers = layer_flags == 0 && weight >= 1;
+    layer_flags = (state.mode == kModeAdditive ? kVoiceAdditive : 0) | (state.mask == kAbsent ? 0 : kVoiceMasked | state.mask << kVoiceMaskShift) | kVoiceBeginsLayer;
     voices_layer_weight = weight;
-    layer_begins = true;
+    const bool covers = layer_flags == kVoiceBeginsLayer && weight >= 1;
+    if (voice_count > 0 || covers) return;
+    has_rest_pose = true;
+    voice_count = 1;
 }
 
-void add_voice(uint clip, uint phase, float weight) {
-    if (layer_is_lowest && !layer_covers) append_rest_pose();
-    Voice voice = voice_of(clip, phase, weight);
-    voice.layer_weight = voices_layer_weight;
-    voice.flags = layer_flags | kVoiceEndsLayer | (layer_begins ? kVoiceBeginsLayer : 0);
-    if (!layer_begins) waiting.flags &= ~kVoiceEndsLayer;
-    append_voice(voice);
-    layer_begins = false;
-    layer_is_lowest = false;
+void add_voice(uint clip, uint phase, float weight, bool ends_layer) {
+    newest = voice_of(clip, phase, weight);
+    newest.layer_weight = voices_layer_weight;
+    newest.flags = layer_flags | (ends_layer ? kVoiceEndsLayer : 0);
+    store_voice(voice_count, newest);
+    layer_flags &= ~kVoiceBeginsLayer;
+    ++voice_count;
 }
 
+// Only now is it known which voice is the last; and the rest pose is written here once, instead of once a layer.
 void end_voices() {
-    if (voice_count == 0) append_rest_pose();
-    waiting.flags |= kVoiceEnds;
-    voices[instance * push.voice_limit + voice_count - 1] = waiting;
+    Voice rest_pose = voice_of(layout_of_group.clip_count, 0, 1);
+    if (voice_count == 0) rest_pose.flags |= kVoiceEnds;
+    if (voice_count == 0 || has_rest_pose) store_voice(0, rest_pose);
+    newest.flags |= kVoiceEnds;
+    if (voice_count > 0) store_end(voice_count - 1, newest);
 }
