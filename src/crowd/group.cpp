@@ -105,7 +105,7 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
 
 void Group::make_procedural(const std::shared_ptr<Gpu>& gpu, const ProceduralRules& rules, const Character& character) {
     const ProceduralTables made = make_procedural_tables(rules, character);
-    procedural.emplace(GroupProcedural{made.ranks, made.spring_count, made.target_count, upload_table(gpu, name + ": procedural rules", made.words)});
+    procedural.emplace(GroupProcedural{made.dispatches, made.spring_count, made.target_count, upload_table(gpu, name + ": procedural rules", made.words)});
 }
 
 void Group::make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint32_t>& joints) {

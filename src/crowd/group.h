@@ -39,7 +39,7 @@ struct GroupSockets {
 
 // Rules that move joints.
 struct GroupProcedural {
-    std::vector<ProceduralTables::Rank> ranks;
+    std::vector<ProceduralTables::Dispatch> dispatches;
     uint32_t spring_count = 0, target_count = 0;  // of an instance
     Buffer tables;
 };

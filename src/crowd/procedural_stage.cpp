@@ -9,8 +9,10 @@ ProceduralStage::ProceduralStage(std::shared_ptr<Gpu> gpu, const std::vector<Gro
     for (size_t i = 0; i < batches_.size(); ++i) {
         const Group& group = groups_[batches_[i].group];
         if (!group.procedural) continue;
-        std::optional<Kernel>& kernel = kernels_[group.takes_similarities()];
-        if (!kernel) kernel = procedural_kernel(gpu_, group.takes_similarities());
+        for (const ProceduralTables::Dispatch& dispatch : group.procedural->dispatches) {
+            std::optional<Kernel>& kernel = kernels_[group.takes_similarities()][dispatch.kind];
+            if (!kernel) kernel = procedural_kernel(gpu_, dispatch.kind, group.takes_similarities());
+        }
         targets_[i].last.resize(batches_[i].instance_count * size_t{group.procedural->target_count});
     }
 }
@@ -30,19 +32,28 @@ void ProceduralStage::begin_update(VkCommandBuffer commands, float time_step_s) 
     wind_.advance(time_step_s);
 }
 
-Bindings ProceduralStage::bind(uint32_t batch_index, const BufferRange& local) const {
+ProceduralStage::KindBindings ProceduralStage::bind(uint32_t batch_index, const BufferRange& local) const {
     const Batch& batch = batches_[batch_index];
     const Group& group = groups_[batch.group];
-    return kernel_of(group).bind(ProceduralBuffers{group.procedural->tables, batch.placements, batch.targets.or_else(batch.placements), batch.springs.or_else(batch.skins[0]), local});
+    KindBindings bindings;
+    for (const ProceduralTables::Dispatch& dispatch : group.procedural->dispatches)
+        if (!bindings[dispatch.kind].set())
+            bindings[dispatch.kind] = kernels_[group.takes_similarities()][dispatch.kind]->bind(
+                ProceduralBuffers{group.procedural->tables, batch.placements, batch.targets.or_else(batch.placements), batch.springs.or_else(batch.placements), local});
+    return bindings;
 }
 
 uint32_t ProceduralStage::rank_count(uint32_t batch) const {
     const std::optional<GroupProcedural>& procedural = groups_[batches_[batch].group].procedural;
-    return procedural ? static_cast<uint32_t>(procedural->ranks.size()) : 0;
+    return procedural && !procedural->dispatches.empty() ? procedural->dispatches.back().rank + 1 : 0;
 }
 
-void ProceduralStage::record_rank(VkCommandBuffer commands, const Bindings& bindings, uint32_t batch_index, uint32_t rank) const {
-    const Batch& batch = batches_[batch_index];
+void ProceduralStage::record_rank(VkCommandBuffer commands, const KindBindings& bindings, uint32_t batch, uint32_t rank) const {
+    for (const ProceduralTables::Dispatch& dispatch : groups_[batches_[batch].group].procedural->dispatches)
+        if (dispatch.rank == rank) record_dispatch(commands, bindings, batches_[batch], dispatch);
+}
+
+void ProceduralStage::record_dispatch(VkCommandBuffer commands, const KindBindings& bindings, const Batch& batch, const ProceduralTables::Dispatch& dispatch) const {
     const Group& group = groups_[batch.group];
     const WindClock::Moment& wind = wind_.moment();
     const uint32_t workgroups = (batch.instance_count + io::kProceduralWorkgroupSize - 1) / io::kProceduralWorkgroupSize;
@@ -51,7 +62,7 @@ void ProceduralStage::record_rank(VkCommandBuffer commands, const Bindings& bind
                             .joint_count = group.joint_count,
                             .spring_count = group.procedural->spring_count,
                             .target_count = group.procedural->target_count,
-                            .first_chain = group.procedural->ranks[rank].first_chain,
+                            .first_chain = dispatch.first_chain,
                             .workgroups = workgroups,
                             .time_step_s = time_step_s_,
                             .sway_time_s = static_cast<float>(wind.sway_time_s),
@@ -66,9 +77,9 @@ void ProceduralStage::record_rank(VkCommandBuffer commands, const Bindings& bind
                             .gust_phase2 = static_cast<float>(wind.gust_phases[2])};
     // As many chains at once as the device dispatches.
     const uint32_t chains = std::max(gpu_->properties.limits.maxComputeWorkGroupCount[0] / workgroups, 1u);
-    for (uint32_t left = group.procedural->ranks[rank].chain_count; left > 0;) {
+    for (uint32_t left = dispatch.chain_count; left > 0;) {
         const uint32_t count = std::min(left, chains);
-        kernel_of(group).dispatch_workgroups(commands, bindings, push, count * workgroups);
+        kernels_[group.takes_similarities()][dispatch.kind]->dispatch_workgroups(commands, bindings[dispatch.kind], push, count * workgroups);
         push.first_chain += count * io::kChainWords;
         left -= count;
     }

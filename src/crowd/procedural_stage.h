@@ -23,22 +23,25 @@ public:
     // Uploads what changed, and lets time go on.
     void begin_update(VkCommandBuffer commands, float time_step_s);
     // `local` is where the staged update has the batch's local transforms.
-    Bindings bind(uint32_t batch, const BufferRange& local) const;
+    // By kind of chains.
+    using KindBindings = std::array<Bindings, io::kChainKindCount>;
+    KindBindings bind(uint32_t batch, const BufferRange& local) const;
     uint32_t rank_count(uint32_t batch) const;
     // Ranks of a batch come one after the other, with a barrier between.
-    void record_rank(VkCommandBuffer commands, const Bindings& bindings, uint32_t batch, uint32_t rank) const;
+    void record_rank(VkCommandBuffer commands, const KindBindings& bindings, uint32_t batch, uint32_t rank) const;
 
 private:
     struct Targets {
         std::vector<io::vec4> last;  // as set
         DirtyRanges dirty;
     };
-    const Kernel& kernel_of(const Group& group) const { return *kernels_[group.takes_similarities()]; }
+    using Kernels = std::array<std::optional<Kernel>, io::kChainKindCount>;
+    void record_dispatch(VkCommandBuffer commands, const KindBindings& bindings, const Batch& batch, const ProceduralTables::Dispatch& dispatch) const;
 
     std::shared_ptr<Gpu> gpu_;
     const std::vector<Group>& groups_;
     const std::vector<Batch>& batches_;
-    std::optional<Kernel> kernels_[2];  // [similarities]
+    Kernels kernels_[2];  // [similarities][kind], those that the groups need
     std::vector<Targets> targets_;      // [batch]
     WindClock wind_;
     float time_step_s_ = 0;

@@ -32,7 +32,8 @@ private:
         uint64_t arena_offset_bytes = 0;
         Bindings sample_first, sample_second, blend;  // of two clips
         Bindings layered;                             // of layers
-        Bindings procedural, scan, sockets;
+        ProceduralStage::KindBindings procedural;
+        Bindings scan, sockets;
         std::array<Bindings, 2> bind;  // one for each of the batch's skin buffers
     };
     struct Wave {

@@ -14,6 +14,7 @@ struct StoredSimilarity {
     u64vec2 rotation, translation_scale;
 };
 #define StoredPair uint64_t
+#define StoredRow u64vec2
 
 vec4 unpack(u64vec2 v) { return uintBitsToFloat(uvec4(unpackUint2x32(v.x), unpackUint2x32(v.y))); }
 u64vec2 pack(vec4 v) { return u64vec2(packUint2x32(floatBitsToUint(v.xy)), packUint2x32(floatBitsToUint(v.zw))); }
@@ -30,6 +31,9 @@ StoredPair pack(uvec2 pair) { return packUint2x32(pair); }
 #define StoredAffine Affine
 #define StoredSimilarity Similarity
 #define StoredPair uvec2
+#define StoredRow vec4
+vec4 unpack(vec4 row) { return row; }
+vec4 pack(vec4 row) { return row; }
 Affine unpack(Affine m) { return m; }
 Affine pack(Affine m) { return m; }
 Similarity unpack(Similarity s) { return s; }

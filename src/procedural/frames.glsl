@@ -1,6 +1,6 @@
 // Where joints are in the world, and how they are turned there. "World" here has the world's axes, but its origin is the instance's: floats keep their
 // digits far from the middle of the world, where springs would otherwise shiver. The includer declares the buffers `local` (rows of four floats, [instance][joint])
-// and `placements`, the table `tables`, the constant kSimilarity, and `instance`.
+// and `placements`, in the words of gpu/stored.glsl, the table `tables`, the constant kSimilarity, and `instance`.
 #include "gpu/affine.glsl"
 #include "gpu/angles.glsl"
 #include "gpu/similarity.glsl"
@@ -10,21 +10,21 @@ vec3 table_vector(uint word) { return vec3(table_float(word), table_float(word +
 
 Affine load_local(uint joint) {
     const uint index = instance * push.joint_count + joint;
-    if (kSimilarity) return affine_from_similarity(Similarity(local[2 * index], local[2 * index + 1]));
-    return Affine(local[3 * index], local[3 * index + 1], local[3 * index + 2]);
+    if (kSimilarity) return affine_from_similarity(Similarity(unpack(local[2 * index]), unpack(local[2 * index + 1])));
+    return Affine(unpack(local[3 * index]), unpack(local[3 * index + 1]), unpack(local[3 * index + 2]));
 }
 
 vec3 origin_of(Affine m) { return vec3(m.row0.w, m.row1.w, m.row2.w); }
 
 // The instance's, in the true world.
-vec3 instance_origin() { return origin_of(placements[instance]); }
+vec3 instance_origin() { return origin_of(unpack(placements[instance])); }
 
 // Of a joint's parent: all above it, and the placement.
 Affine world_from_parent_of(uint joint) {
     Affine model_from_parent = kIdentity;
     for (uint above = WORD_AT(tables, joint); above != kNoParent; above = WORD_AT(tables, above))
         model_from_parent = affine_multiply(load_local(above), model_from_parent);
-    Affine placement = placements[instance];
+    Affine placement = unpack(placements[instance]);
     placement.row0.w = placement.row1.w = placement.row2.w = 0;
     return affine_multiply(placement, model_from_parent);
 }
@@ -49,11 +49,11 @@ Affine turn_joint(uint joint, Affine world_from_parent, Affine parent_from_joint
                                  vec4(r2.x * m.row0.xyz + r2.y * m.row1.xyz + r2.z * m.row2.xyz, m.row2.w));
     const uint index = instance * push.joint_count + joint;
     if (kSimilarity) {
-        local[2 * index] = quaternion_multiply(q, local[2 * index]);
+        local[2 * index] = pack(quaternion_multiply(q, unpack(local[2 * index])));
     } else {
-        local[3 * index] = turned.row0;
-        local[3 * index + 1] = turned.row1;
-        local[3 * index + 2] = turned.row2;
+        local[3 * index] = pack(turned.row0);
+        local[3 * index + 1] = pack(turned.row1);
+        local[3 * index + 2] = pack(turned.row2);
     }
     return turned;
 }

@@ -15,6 +15,7 @@ struct ProceduralBuffers {
     BufferRange local;       // [instance_count][joint_count], parent_from_joint, read and written: Affine, or Similarity (gpu/similarity.glsl)
 };
 
-Kernel procedural_kernel(const std::shared_ptr<Gpu>& gpu, bool similarities);
+// For chains of one kind.
+Kernel procedural_kernel(const std::shared_ptr<Gpu>& gpu, uint32_t kind, bool similarities);
 
 }  // namespace throng

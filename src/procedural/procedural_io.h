@@ -12,9 +12,8 @@ THRONG_IO_CONSTANT kColliderLimit = 16;       // of a spring rule
 THRONG_IO_CONSTANT kNoParent = 0xFFFFFFFFu;
 
 // Joints each of which is the parent of the next, moved by one rule.
-THRONG_IO_CONSTANT kChainWords = 6;
+THRONG_IO_CONSTANT kChainWords = 5;
 struct ProceduralChain {
-    uint kind;
     uint rule;              // word
     uint first_joint;       // word, of a ProceduralJoint
     uint joint_count;
@@ -25,6 +24,7 @@ THRONG_IO_CONSTANT kChainWind = 0;
 THRONG_IO_CONSTANT kChainSpring = 1;
 THRONG_IO_CONSTANT kChainLookAt = 2;  // one joint
 THRONG_IO_CONSTANT kChainReach = 3;   // grandparent, parent, joint
+THRONG_IO_CONSTANT kChainKindCount = 4;
 
 THRONG_IO_CONSTANT kProceduralJointWords = 4;
 struct ProceduralJoint {

@@ -66,7 +66,7 @@ struct RuleWriter {
 
 ProceduralTables make_procedural_tables(const ProceduralRules& rules, const Character& character) {
     const ProceduralPlan plan = plan_procedural(rules, character);
-    ProceduralTables tables{.words = {}, .ranks = {}, .spring_count = plan.spring_count, .target_count = static_cast<uint32_t>(rules.targets.size())};
+    ProceduralTables tables{.words = {}, .dispatches = {}, .spring_count = plan.spring_count, .target_count = static_cast<uint32_t>(rules.targets.size())};
     Words words;
     words.add(std::span<const uint32_t>(character.rig.parents));
     std::vector<std::pair<uint32_t, uint32_t>> kinds_and_rules;
@@ -77,17 +77,18 @@ ProceduralTables make_procedural_tables(const ProceduralRules& rules, const Char
             const uint32_t word = words.add(io::ProceduralJoint{chain.joints[k], chain.bones[k].x, chain.bones[k].y, chain.bones[k].z});
             if (k == 0) first_joints.push_back(word);
         }
-    for (uint32_t rank = 0; rank < plan.rank_count; ++rank) {
-        ProceduralTables::Rank made;
-        for (size_t i = 0; i < plan.chains.size(); ++i) {
-            const PlannedChain& chain = plan.chains[i];
-            if (chain.rank != rank) continue;
-            const auto [kind, rule] = kinds_and_rules[chain.rule];
-            const uint32_t word = words.add(io::ProceduralChain{kind, rule, first_joints[i], static_cast<uint32_t>(chain.joints.size()), chain.first_generation, chain.first_spring});
-            if (made.chain_count++ == 0) made.first_chain = word;
+    for (uint32_t rank = 0; rank < plan.rank_count; ++rank)
+        for (uint32_t kind = 0; kind < io::kChainKindCount; ++kind) {
+            ProceduralTables::Dispatch dispatch{.rank = rank, .kind = kind};
+            for (size_t i = 0; i < plan.chains.size(); ++i) {
+                const PlannedChain& chain = plan.chains[i];
+                const auto [chain_kind, rule] = kinds_and_rules[chain.rule];
+                if (chain.rank != rank || chain_kind != kind) continue;
+                const uint32_t word = words.add(io::ProceduralChain{rule, first_joints[i], static_cast<uint32_t>(chain.joints.size()), chain.first_generation, chain.first_spring});
+                if (dispatch.chain_count++ == 0) dispatch.first_chain = word;
+            }
+            if (dispatch.chain_count > 0) tables.dispatches.push_back(dispatch);
         }
-        tables.ranks.push_back(made);
-    }
     tables.words = words.take();
     return tables;
 }

@@ -6,12 +6,15 @@
 namespace throng {
 
 struct ProceduralTables {
-    struct Rank {
+    // Chains of one rank and kind. Ranks ascend.
+    struct Dispatch {
+        uint32_t rank = 0;
+        uint32_t kind = 0;
         uint32_t first_chain = 0;  // word
         uint32_t chain_count = 0;
     };
     std::vector<uint32_t> words;
-    std::vector<Rank> ranks;
+    std::vector<Dispatch> dispatches;
     uint32_t spring_count = 0, target_count = 0;  // of an instance
 };
 

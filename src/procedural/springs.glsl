@@ -60,10 +60,12 @@ void swing(ProceduralChain chain) {
         const vec3 from = origin_of(world_from_joint), rest = affine_point(world_from_joint, vec3(joint.bone_x, joint.bone_y, joint.bone_z));
         const float size = distance(from, rest);
         if (size > 0) {
-            const uint index = instance * push.spring_count + chain.first_spring + k;
-            SpringState spring = springs[index];
+            const uint row = 3 * (instance * push.spring_count + chain.first_spring + k);
+            SpringState spring = SpringState(unpack(springs[row]), unpack(springs[row + 1]), unpack(springs[row + 2]));
             const vec3 place = step_spring(spring, settings, from, rest);
-            springs[index] = spring;
+            springs[row] = pack(spring.place);
+            springs[row + 1] = pack(spring.velocity);
+            springs[row + 2] = pack(spring.origin);
             parent_from_joint = turn_joint(joint.joint, world_from_parent, parent_from_joint, arc((rest - from) / size, normalize(place - from)));
         }
         world_from_parent = affine_multiply(world_from_parent, parent_from_joint);
