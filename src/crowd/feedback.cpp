@@ -48,6 +48,7 @@ void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watche
     }
     slot.watched.assign(watched.begin(), watched.end());
     memory_barrier(*gpu_, commands, kTransferWrite, kHostRead);
+    // The barrier before makes the copy visible to the host, which looks at the event and never waits for it; this one says behind what the event is set.
     VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
     barrier.srcStageMask = kTransferWrite.stage;
     barrier.srcAccessMask = kTransferWrite.access;

@@ -12,7 +12,6 @@ public:
     // Of those batches whose group is fused; keeps references to both.
     FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const CrowdSettings& settings);
 
-    bool empty() const { return members_.empty(); }
     void record(VkCommandBuffer commands, StageTimer* timer) const;
 
 private:
