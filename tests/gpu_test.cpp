@@ -6,6 +6,7 @@
 #include "bind/sockets_io.h"
 #include "blend/inertia_io.h"
 #include "blend/layered_io.h"
+#include "blend/posed_io.h"
 #include "control/controller_io.h"
 #include "control/control.h"
 #include "draw/draw_io.h"
@@ -222,6 +223,7 @@ std::map<std::string, Layout> layouts_in_cpp() {
         {"CommandPush", {sizeof(io::CommandPush), {MEMBER(CommandPush, command_count), MEMBER(CommandPush, layer_count), MEMBER(CommandPush, parameter_count)}}},
         {"InertiaState", {sizeof(io::InertiaState), {MEMBER(InertiaState, shown), MEMBER(InertiaState, shown_before), MEMBER(InertiaState, offset)}}},
         {"SocketPush", {sizeof(io::SocketPush), {MEMBER(SocketPush, instance_count), MEMBER(SocketPush, joint_count), MEMBER(SocketPush, socket_count), MEMBER(SocketPush, flags)}}},
+        {"InstancePose", {sizeof(io::InstancePose), {MEMBER(InstancePose, slot), MEMBER(InstancePose, weight)}}},
         {"Affine", {sizeof(Affine), {{"row0", 0}, {"row1", sizeof(Affine::row) / 3}, {"row2", sizeof(Affine::row) / 3 * 2}}}},
     };
 }

@@ -6,6 +6,7 @@
 #include "blend/blend_io.h"
 #include "blend/inertia_io.h"
 #include "blend/layered_io.h"
+#include "blend/posed_io.h"
 #include "control/control_io.h"
 #include "control/controller_io.h"
 #include "draw/draw_io.h"
@@ -56,6 +57,7 @@ layout(set = 0, binding = 37, std430) buffer Buffer37 { ControllerPush controlle
 layout(set = 0, binding = 38, std430) buffer Buffer38 { CommandPush command_pushs[]; };
 layout(set = 0, binding = 39, std430) buffer Buffer39 { InertiaState inertia_states[]; };
 layout(set = 0, binding = 40, std430) buffer Buffer40 { SocketPush socket_pushs[]; };
+layout(set = 0, binding = 41, std430) buffer Buffer41 { InstancePose instance_poses[]; };
 
 layout(local_size_x = 1) in;
 void main() {}

@@ -18,12 +18,15 @@ struct LayeredBuffers {
     BufferRange local;   // [instance_count][joint_count], parent_from_joint, written: Affine, or Similarity (gpu/similarity.glsl)
     BufferRange inertias;        // of inertial transitions: io::InstanceInertia[instance_count]; else any buffer
     BufferRange inertia_states;  // of inertial transitions: io::InertiaState[instance_count][joint_count], read and written; else any buffer
+    BufferRange posed;  // of poses that may be set: io::InstancePose[instance_count], a table of words; else any
+    BufferRange poses;  // of poses that may be set: io::JointPose[pose_capacity][joint_count], a table of rows; else any
 };
 
 struct LayeredSettings {
     bool packed = false;  // Character::packed
     BlendOutput output = BlendOutput::kAffine;
     bool inertial = false;
+    bool posed = false;  // poses may be set
 };
 Kernel layered_kernel(const std::shared_ptr<Gpu>& gpu, const LayeredSettings& settings);
 

@@ -17,6 +17,7 @@ struct Batch {
     Buffer kept_model;  // where CrowdSettings::keep_model_matrices
     Buffer inertias, inertia_states;              // where the controller has inertial transitions
     Buffer sockets;    // Affine[instance_count][socket_count]
+    Buffer posed;      // where the group has room for poses: io::InstancePose[instance_count], a table of words
     Bindings control;
 
     const Buffer& skin() const { return skins[current_skin]; }

@@ -68,6 +68,14 @@ Result<void> Crowd::set_parameters(uint32_t instance, uint32_t parameter, std::s
     return as_result([&] { state_->set_parameters(instance, parameter, values); });
 }
 
+Result<void> Crowd::set_pose(uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s) {
+    return as_result([&] { state_->set_pose(instance, parent_from_joint, fade_s); });
+}
+
+Result<void> Crowd::clear_pose(uint32_t instance, float fade_s) {
+    return as_result([&] { state_->clear_pose(instance, fade_s); });
+}
+
 Result<void> Crowd::watch(std::span<const uint32_t> instances) {
     return as_result([&] { state_->watch(instances); });
 }

@@ -5,6 +5,8 @@
 #include "sample/sample_io.h"
 #include "skin/skin_io.h"
 
+#include <algorithm>
+
 namespace throng {
 namespace {
 
@@ -64,6 +66,9 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const Pat
     if (group.controller) controller.emplace(gpu, *group.controller, *group.character, group.moves_placements);
     socket_space = group.socket_space;
     if (!group.sockets.empty()) make_sockets(gpu, group.sockets);
+    uniform_scale = group.character->rig.uniform_scale;
+    pose_capacity = std::min(group.pose_capacity, group.instance_count);
+    if (pose_capacity > 0) poses = make_table<io::JointPose>(gpu, name + ": poses of CrowdGroup::pose_capacity", uint64_t{pose_capacity} * joint_count);
 }
 
 Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const PathChoice& choice)
@@ -118,7 +123,7 @@ uint64_t Group::size_bytes() const {
     uint64_t sum = fused ? fused->tables.size_bytes() : scan->links().size_bytes();
     if (sockets) sum += sockets->table.size_bytes() + sockets->slots.size_bytes();
     if (controller) sum += controller->tables.size_bytes() + controller->masks.size_bytes();
-    for (const Buffer* buffer : {&axes, &times, &root_rows, &tracks, &keys, &words, &palette_joints, &joint_from_bind, &vertices, &influences, &indices})
+    for (const Buffer* buffer : {&axes, &times, &root_rows, &tracks, &keys, &words, &palette_joints, &joint_from_bind, &poses, &vertices, &influences, &indices})
         sum += buffer->size_bytes();
     return sum;
 }

@@ -61,6 +61,9 @@ struct Group {
     std::optional<ScanStage> scan;         // where staged
     std::optional<FusedGroup> fused;       // where fused
     Buffer palette_joints, joint_from_bind;  // bind
+    bool uniform_scale = false;            // Rig::uniform_scale
+    uint32_t pose_capacity = 0;
+    Buffer poses;                          // io::JointPose[pose_capacity][joint_count], as set by the application
     Buffer vertices, influences, indices;  // skin, draw
 
     bool has_root_motion() const { return controller && root_rows.size_bytes() > sizeof(io::vec4); }

@@ -35,14 +35,14 @@ StagedUpdate::StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& g
         if (group.fused) continue;
         const BlendOutput output = group.takes_similarities() ? BlendOutput::kSimilarity : BlendOutput::kAffine;
         if (group.controller) {
-            std::optional<Kernel>& layered = layered_[group.packed][group.takes_similarities()][group.controller->is_inertial];
-            if (!layered) layered = layered_kernel(gpu_, {.packed = group.packed, .output = output, .inertial = group.controller->is_inertial});
+            std::optional<Kernel>& layered = layered_[group.packed][group.takes_similarities()][group.controller->is_inertial][group.pose_capacity > 0];
+            if (!layered) layered = layered_kernel(gpu_, {.packed = group.packed, .output = output, .inertial = group.controller->is_inertial, .posed = group.pose_capacity > 0});
             continue;
         }
         std::optional<Kernel>& sample = group.packed ? sample_packed_ : sample_exact_;
         if (!sample) sample = sample_kernel(gpu_, group.packed);
-        std::optional<Kernel>& blend = group.takes_similarities() ? blend_similarities_ : blend_affines_;
-        if (!blend) blend = blend_kernel(gpu_, output);
+        std::optional<Kernel>& blend = blend_[group.takes_similarities()][group.pose_capacity > 0];
+        if (!blend) blend = blend_kernel(gpu_, {.output = output, .posed = group.pose_capacity > 0});
     }
     bind_ = bind_kernel(gpu_, skin_format);
     make_waves();
@@ -85,14 +85,15 @@ void StagedUpdate::bind_member(Member& member) {
         if (!sockets_) sockets_ = socket_kernel(gpu_);
         member.sockets = sockets_->bind(SocketBuffers{model, group.sockets->table, batch.placements, batch.sockets});
     }
+    const BufferRange posed = batch.posed.or_else(group.words), poses = group.poses.or_else(group.keys);
     if (group.controller) {
-        member.layered = layered_of(group).bind(LayeredBuffers{batch.voices, group.controller->masks, group.tracks, group.keys, group.words, local, batch.inertias.or_else(batch.layers), batch.inertia_states.or_else(batch.layers)});
+        member.layered = layered_of(group).bind(LayeredBuffers{batch.voices, group.controller->masks, group.tracks, group.keys, group.words, local, batch.inertias.or_else(batch.layers), batch.inertia_states.or_else(batch.layers), posed, poses});
         return;
     }
     const Kernel& sample = sample_of(group);
     member.sample_first = sample.bind(SampleBuffers{batch.cursors, group.tracks, group.keys, group.words, first});
     member.sample_second = sample.bind(SampleBuffers{batch.cursors, group.tracks, group.keys, group.words, second});
-    member.blend = blend_of(group).bind(BlendBuffers{batch.cursors, first, second, local});
+    member.blend = blend_of(group).bind(BlendBuffers{batch.cursors, first, second, local, posed, poses});
 }
 
 void StagedUpdate::record(VkCommandBuffer commands, StageTimer* timer) const {

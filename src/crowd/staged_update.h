@@ -43,16 +43,17 @@ private:
     void bind_member(Member& member);
     void record_wave(VkCommandBuffer commands, const Wave& wave, StageTimer* timer) const;
     const Kernel& sample_of(const Group& group) const { return *(group.packed ? sample_packed_ : sample_exact_); }
-    const Kernel& layered_of(const Group& group) const { return *layered_[group.packed][group.takes_similarities()][group.controller->is_inertial]; }
-    const Kernel& blend_of(const Group& group) const { return *(group.takes_similarities() ? blend_similarities_ : blend_affines_); }
+    const Kernel& layered_of(const Group& group) const { return *layered_[group.packed][group.takes_similarities()][group.controller->is_inertial][group.pose_capacity > 0]; }
+    const Kernel& blend_of(const Group& group) const { return *blend_[group.takes_similarities()][group.pose_capacity > 0]; }
 
     std::shared_ptr<Gpu> gpu_;
     const std::vector<Group>& groups_;
     const std::vector<Batch>& batches_;
     std::vector<Member> members_;
     std::vector<Wave> waves_;
-    std::optional<Kernel> sample_exact_, sample_packed_, blend_affines_, blend_similarities_;  // those that the groups need
-    std::optional<Kernel> layered_[2][2][2];  // [packed][similarities][inertial]
+    std::optional<Kernel> sample_exact_, sample_packed_;  // those that the groups need
+    std::optional<Kernel> blend_[2][2];          // [similarities][posed]
+    std::optional<Kernel> layered_[2][2][2][2];  // [packed][similarities][inertial][posed]
     std::optional<Kernel> bind_, sockets_;
     Buffer first_poses_, second_poses_, local_, model_;  // the arena, 48 bytes a joint each; second_poses serves the scan as scratch once blended
 };
