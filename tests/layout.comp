@@ -58,6 +58,8 @@ layout(set = 0, binding = 38, std430) buffer Buffer38 { CommandPush command_push
 layout(set = 0, binding = 39, std430) buffer Buffer39 { InertiaState inertia_states[]; };
 layout(set = 0, binding = 40, std430) buffer Buffer40 { SocketPush socket_pushs[]; };
 layout(set = 0, binding = 41, std430) buffer Buffer41 { InstancePose instance_poses[]; };
+layout(set = 0, binding = 42, std430) buffer Buffer42 { LayeredInOrderPush layered_in_order_pushs[]; };
+layout(set = 0, binding = 43, std430) buffer Buffer43 { ModelRotations model_rotations[]; };
 
 layout(local_size_x = 1) in;
 void main() {}

@@ -89,7 +89,7 @@ void update_layer(uint index) {
         mixes[k] = mix_of_play(layer, state.plays[k]);
         common_rate = sum(common_rate, product(weights[k], mixes[is_in_step(mixes[0], mixes[k]) ? k : 0].rate));
     }
-    begin_layer(state, layer_weight);
+    begin_layer(state, layer, layer_weight);
     PhaseStep leading;
     for (uint k = 0; k < state.play_count; ++k) {
         const bool in_step = is_in_step(mixes[0], mixes[k]);

@@ -28,9 +28,10 @@ void append_rest_pose() {
     append_voice(voice_of(layout_of_group.clip_count, 0, 1));
 }
 
-void begin_layer(LayerState state, float weight) {
+void begin_layer(LayerState state, ControlLayer layer, float weight) {
     layer_flags = (state.mode == kModeAdditive ? kVoiceAdditive : 0) | (state.mask == kAbsent ? 0 : kVoiceMasked | state.mask << kVoiceMaskShift);
     layer_covers = layer_flags == 0 && weight >= 1;
+    if (layer.model_rotations != 0 && state.mode == kModeOverride) layer_flags |= kVoiceModelRotations;
     voices_layer_weight = weight;
     layer_begins = true;
 }

@@ -3,6 +3,7 @@
 #include "base/failure.h"
 #include "bind/skin_format.h"
 #include "blend/inertia_io.h"
+#include "blend/layered_io.h"
 #include "blend/posed_io.h"
 #include "control/control.h"
 #include "control/control_reference.h"
@@ -85,7 +86,8 @@ void CrowdState::check_memory(const CrowdSettings& settings) const {
 void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& settings) {
     const Group& group = groups[group_index];
     const uint32_t count = settings.groups[group_index].instance_count;
-    const uint64_t joint_bytes = group.controller && group.controller->is_inertial ? sizeof(io::InertiaState) : kMatrix_bytes;
+    const uint64_t joint_bytes = std::max(group.controller && group.controller->is_inertial ? sizeof(io::InertiaState) : kMatrix_bytes,
+                                          group.controller ? group.controller->model_layer_count * sizeof(io::ModelRotations) : 0);
     const uint64_t instance_bytes = std::max(group.joint_count * joint_bytes, group.palette_count * kMatrix_bytes);
     const uint64_t capacity = std::min<uint64_t>(arena_limit_bytes(*gpu) / instance_bytes, gpu->properties.limits.maxComputeWorkGroupCount[0]);
     if (capacity == 0)
@@ -174,6 +176,8 @@ void CrowdState::make_layers(Batch& batch) const {
         batch.inertias = upload(gpu, group.name + ": inertial transitions", std::vector<io::InstanceInertia>(batch.instance_count));
         batch.inertia_states = Buffer(gpu, group.name + ": poses of inertial transitions", batch.instance_count * uint64_t{group.joint_count} * sizeof(io::InertiaState), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     }
+    if (controller.model_layer_count > 0)
+        batch.rotations = Buffer(gpu, group.name + ": rotations in model space", batch.instance_count * uint64_t{group.joint_count} * controller.model_layer_count * sizeof(io::ModelRotations), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     if (group.has_root_motion()) batch.roots = upload(gpu, group.name + ": root motion", std::vector<io::RootState>(batch.instance_count, standing_at(Affine{})));
 }
 
@@ -391,7 +395,7 @@ uint64_t CrowdState::size_bytes() const {
     uint64_t sum = staged->size_bytes() + controllers->size_bytes() + (feedback ? feedback->size_bytes() : 0);
     for (const Group& group : groups) sum += group.size_bytes();
     for (const Batch& batch : batches)
-        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.inertias, &batch.inertia_states, &batch.sockets, &batch.posed, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
+        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.inertias, &batch.inertia_states, &batch.rotations, &batch.sockets, &batch.posed, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
     return sum;
 }
 

@@ -13,7 +13,7 @@ namespace {
 static_assert(io::kTrackAnimatedBit == kTrackAnimated && io::kTrackStepBit == kTrackStep && io::kTrackPositionMask == kTrackPosition);
 static_assert(io::kPackedBitsMask == kPackedBitsMask && io::kPackedLeftOutShift == kPackedLeftOutShift && io::kPackedFull == kPackedFull &&
               io::kPackedStep == kPackedStep && io::kPackedFullBits == kPackedFullBits);
-static_assert(io::kScanNoJoint == kNone);
+static_assert(io::kScanNoJoint == kNone && io::kAbsent == kNone);
 static_assert(sizeof(io::VertexRows) == sizeof(Vertex));
 
 constexpr size_t kSocketLimit = 64;  // as include/throng/crowd.h says
@@ -55,10 +55,12 @@ GroupController::GroupController(const std::shared_ptr<Gpu>& gpu, const Controll
     initial_parameters = made.initial_parameters;
     for (const ControllerLayer& layer : controller.layers) {
         has_states.push_back(!layer.states.empty());
+        model_layer_count += layer.model_space_rotations ? 1 : 0;
         for (const ControllerTransition& transition : layer.transitions) is_inertial = is_inertial || transition.fade == FadeKind::kInertial;
     }
     tables = upload_table(gpu, character.name + ": controller", made.words);
     masks = upload_table(gpu, character.name + ": joint masks", made.masks);
+    if (model_layer_count > 0) parents = upload_table(gpu, character.name + ": parents", character.rig.parents);
 }
 
 Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice)
@@ -122,7 +124,7 @@ void Group::make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint
 uint64_t Group::size_bytes() const {
     uint64_t sum = fused ? fused->tables.size_bytes() : scan->links().size_bytes();
     if (sockets) sum += sockets->table.size_bytes() + sockets->slots.size_bytes();
-    if (controller) sum += controller->tables.size_bytes() + controller->masks.size_bytes();
+    if (controller) sum += controller->tables.size_bytes() + controller->masks.size_bytes() + controller->parents.size_bytes();
     for (const Buffer* buffer : {&axes, &times, &root_rows, &tracks, &keys, &words, &palette_joints, &joint_from_bind, &poses, &vertices, &influences, &indices})
         sum += buffer->size_bytes();
     return sum;

@@ -23,10 +23,12 @@ struct GroupController {
     uint32_t layer_count = 0, parameter_count = 0, mask_count = 0, voice_limit = 0;
     bool moves_placements = false;
     bool is_inertial = false;      // has inertial transitions
+    uint32_t model_layer_count = 0;  // layers that blend rotations in model space
     std::vector<bool> has_states;  // [layer_count]
     std::vector<io::LayerState> initial_layers;
     std::vector<float> initial_parameters;
     Buffer tables, masks;
+    Buffer parents;  // of joints, where there are such layers
 };
 
 // Joints that things are attached to.

@@ -61,17 +61,20 @@ std::vector<Trs<double>> ReferenceCharacter::State::mix() const {
         poses.push_back(poses_of(voice));
         first_poses.push_back(first_poses_of(voice));
     }
-    std::vector<Trs<double>> local;
+    std::vector<ReferenceJoint> joints;
     for (uint32_t joint = 0; joint < character.rig.joint_count(); ++joint) {
         std::vector<ReferenceLayer> layers;
         for (size_t i = 0; i < last.voices.size(); ++i) {
             const ControllerVoice& voice = last.voices[i];
             if (i == 0 || last.voices[i - 1].layer != voice.layer)
-                layers.push_back({.is_additive = voice.mode == io::kModeAdditive, .weight = voice.layer_weight * (voice.mask == io::kAbsent ? 1.0 : double{masks[voice.mask][joint]}), .voices = {}});
+                layers.push_back({.is_additive = voice.mode == io::kModeAdditive, .weight = voice.layer_weight * (voice.mask == io::kAbsent ? 1.0 : double{masks[voice.mask][joint]}), .voices = {}, .in_model_space = voice.model_rotations});
             layers.back().voices.push_back({poses[i][joint], first_poses[i][joint], voice.weight});
         }
-        local.push_back(voices_reference(layers));
+        const uint32_t parent = character.rig.parents[joint];
+        joints.push_back(joint_reference(layers, parent == kNone ? nullptr : &joints[parent]));
     }
+    std::vector<Trs<double>> local;
+    for (const ReferenceJoint& joint : joints) local.push_back(joint.pose);
     return local;
 }
 
