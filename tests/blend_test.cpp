@@ -30,7 +30,7 @@ std::vector<Affine> run_blend(const std::vector<float>& weights, const std::vect
     const Guarded<io::InstanceCursor> cursor_buffer(cursors);
     const Guarded<io::JointPose> first_poses(first), second_poses(second);
     const Guarded<Affine> local(poison<Affine>(first.size()));
-    run_workgroups(blend_kernel(test_gpu(), BlendOutput::kAffine), BlendBuffers{cursor_buffer, first_poses, second_poses, local}, io::BlendPush{joint_count}, static_cast<uint32_t>(weights.size()));
+    run_workgroups(blend_kernel(test_gpu(), {.output = BlendOutput::kAffine}), BlendBuffers{cursor_buffer, first_poses, second_poses, local, Guarded<uint32_t>({}), first_poses}, io::BlendPush{joint_count}, static_cast<uint32_t>(weights.size()));
     EXPECT_TRUE(same_bits(first_poses.read(), first) && same_bits(second_poses.read(), second)) << "the stage wrote its input";
     return local.read();
 }
@@ -53,7 +53,7 @@ TEST(Blend, SimilaritiesAreTheSameTransforms) {
     const Guarded<io::InstanceCursor> cursor_buffer(cursors);
     const Guarded<io::JointPose> first_poses(first), second_poses(second);
     const Guarded<io::vec4> local(poison<io::vec4>(2 * first.size()));  // rotation; translation and scale
-    run_workgroups(blend_kernel(test_gpu(), BlendOutput::kSimilarity), BlendBuffers{cursor_buffer, first_poses, second_poses, local}, io::BlendPush{kJoints}, static_cast<uint32_t>(weights.size()));
+    run_workgroups(blend_kernel(test_gpu(), {.output = BlendOutput::kSimilarity}), BlendBuffers{cursor_buffer, first_poses, second_poses, local, Guarded<uint32_t>({}), first_poses}, io::BlendPush{kJoints}, static_cast<uint32_t>(weights.size()));
     const std::vector<io::vec4> rows = local.read();
     for (size_t i = 0; i < first.size(); ++i) {
         const io::vec4 q = rows[2 * i], t = rows[2 * i + 1];

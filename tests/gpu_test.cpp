@@ -6,6 +6,7 @@
 #include "bind/sockets_io.h"
 #include "blend/inertia_io.h"
 #include "blend/layered_io.h"
+#include "blend/posed_io.h"
 #include "control/controller_io.h"
 #include "control/control.h"
 #include "draw/draw_io.h"
@@ -202,7 +203,7 @@ std::map<std::string, Layout> layouts_in_cpp() {
         {"DrawScene", {sizeof(io::DrawScene), {MEMBER(DrawScene, clip_from_world), MEMBER(DrawScene, eye), MEMBER(DrawScene, forward), MEMBER(DrawScene, right), MEMBER(DrawScene, down), MEMBER(DrawScene, to_light), MEMBER(DrawScene, ground), MEMBER(DrawScene, scale)}}},
         {"DrawPush", {sizeof(io::DrawPush), {MEMBER(DrawPush, first_vertex), MEMBER(DrawPush, first_influences), MEMBER(DrawPush, influence_sets), MEMBER(DrawPush, palette_count), MEMBER(DrawPush, base_color), MEMBER(DrawPush, alpha_cutoff), MEMBER(DrawPush, double_sided), MEMBER(DrawPush, unused0), MEMBER(DrawPush, unused1)}}},
         {"ControlClip", {sizeof(io::ControlClip), {MEMBER(ControlClip, rate), MEMBER(ControlClip, first_event), MEMBER(ControlClip, event_count), MEMBER(ControlClip, first_root), MEMBER(ControlClip, root_count)}}},
-        {"ControlLayer", {sizeof(io::ControlLayer), {MEMBER(ControlLayer, first_state), MEMBER(ControlLayer, state_count), MEMBER(ControlLayer, mode), MEMBER(ControlLayer, mask), MEMBER(ControlLayer, weight), MEMBER(ControlLayer, weight_parameter)}}},
+        {"ControlLayer", {sizeof(io::ControlLayer), {MEMBER(ControlLayer, first_state), MEMBER(ControlLayer, state_count), MEMBER(ControlLayer, mode), MEMBER(ControlLayer, mask), MEMBER(ControlLayer, weight), MEMBER(ControlLayer, weight_parameter), MEMBER(ControlLayer, model_rotations)}}},
         {"ControlState", {sizeof(io::ControlState), {MEMBER(ControlState, first_point), MEMBER(ControlState, point_count), MEMBER(ControlState, first_triangle), MEMBER(ControlState, triangle_count), MEMBER(ControlState, first_edge), MEMBER(ControlState, edge_count), MEMBER(ControlState, x_parameter), MEMBER(ControlState, y_parameter), MEMBER(ControlState, speed_parameter), MEMBER(ControlState, speed), MEMBER(ControlState, loop), MEMBER(ControlState, sync), MEMBER(ControlState, first_transition), MEMBER(ControlState, transition_count)}}},
         {"ControlPoint", {sizeof(io::ControlPoint), {MEMBER(ControlPoint, clip), MEMBER(ControlPoint, x), MEMBER(ControlPoint, y), MEMBER(ControlPoint, inverse_span)}}},
         {"ControlTriangle", {sizeof(io::ControlTriangle), {MEMBER(ControlTriangle, a), MEMBER(ControlTriangle, b), MEMBER(ControlTriangle, c), MEMBER(ControlTriangle, ax), MEMBER(ControlTriangle, ay), MEMBER(ControlTriangle, a0), MEMBER(ControlTriangle, bx), MEMBER(ControlTriangle, by), MEMBER(ControlTriangle, b0)}}},
@@ -232,6 +233,9 @@ std::map<std::string, Layout> layouts_in_cpp() {
         {"ReachSettings", {sizeof(io::ReachSettings), {MEMBER(ReachSettings, pole_x), MEMBER(ReachSettings, pole_y), MEMBER(ReachSettings, pole_z), MEMBER(ReachSettings, weight), MEMBER(ReachSettings, target)}}},
         {"SpringState", {sizeof(io::SpringState), {MEMBER(SpringState, place), MEMBER(SpringState, velocity), MEMBER(SpringState, origin)}}},
         {"ProceduralPush", {sizeof(io::ProceduralPush), {MEMBER(ProceduralPush, instance_count), MEMBER(ProceduralPush, first_instance), MEMBER(ProceduralPush, joint_count), MEMBER(ProceduralPush, spring_count), MEMBER(ProceduralPush, target_count), MEMBER(ProceduralPush, first_chain), MEMBER(ProceduralPush, workgroups), MEMBER(ProceduralPush, time_step_s), MEMBER(ProceduralPush, sway_time_s), MEMBER(ProceduralPush, wind_speed), MEMBER(ProceduralPush, wind_x), MEMBER(ProceduralPush, wind_y), MEMBER(ProceduralPush, wind_z), MEMBER(ProceduralPush, gust), MEMBER(ProceduralPush, gust_rate), MEMBER(ProceduralPush, gust_phase0), MEMBER(ProceduralPush, gust_phase1), MEMBER(ProceduralPush, gust_phase2)}}},
+        {"InstancePose", {sizeof(io::InstancePose), {MEMBER(InstancePose, slot), MEMBER(InstancePose, weight)}}},
+        {"LayeredInOrderPush", {sizeof(io::LayeredInOrderPush), {MEMBER(LayeredInOrderPush, instance_count), MEMBER(LayeredInOrderPush, joint_count), MEMBER(LayeredInOrderPush, voice_limit), MEMBER(LayeredInOrderPush, first_joint), MEMBER(LayeredInOrderPush, joint_end)}}},
+        {"ModelRotations", {sizeof(io::ModelRotations), {MEMBER(ModelRotations, below), MEMBER(ModelRotations, layer), MEMBER(ModelRotations, blended)}}},
         {"Affine", {sizeof(Affine), {{"row0", 0}, {"row1", sizeof(Affine::row) / 3}, {"row2", sizeof(Affine::row) / 3 * 2}}}},
     };
 }

@@ -6,6 +6,7 @@
 #include "blend/blend_io.h"
 #include "blend/inertia_io.h"
 #include "blend/layered_io.h"
+#include "blend/posed_io.h"
 #include "control/control_io.h"
 #include "control/controller_io.h"
 #include "draw/draw_io.h"
@@ -66,6 +67,9 @@ layout(set = 0, binding = 46, std430) buffer Buffer46 { LookAtSettings look_at_s
 layout(set = 0, binding = 47, std430) buffer Buffer47 { ReachSettings reach_settings[]; };
 layout(set = 0, binding = 48, std430) buffer Buffer48 { SpringState spring_states[]; };
 layout(set = 0, binding = 49, std430) buffer Buffer49 { ProceduralPush procedural_pushs[]; };
+layout(set = 0, binding = 50, std430) buffer Buffer50 { InstancePose instance_poses[]; };
+layout(set = 0, binding = 51, std430) buffer Buffer51 { LayeredInOrderPush layered_in_order_pushs[]; };
+layout(set = 0, binding = 52, std430) buffer Buffer52 { ModelRotations model_rotations[]; };
 
 layout(local_size_x = 1) in;
 void main() {}

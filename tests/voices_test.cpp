@@ -105,7 +105,7 @@ public:
     std::vector<Local> run(const BufferRange& voices, size_t count, uint32_t voice_limit) const {
         constexpr BlendOutput kOutput = sizeof(Local) == sizeof(Affine) ? BlendOutput::kAffine : BlendOutput::kSimilarity;
         const Guarded<Local> local(poison<Local>(count * joint_count()));
-        run_workgroups(layered_kernel(test_gpu(), {.packed = character_.packed, .output = kOutput}), LayeredBuffers{voices, mask_buffer_, tracks_, keys_, words_, local, local, local}, io::LayeredPush{joint_count(), voice_limit}, static_cast<uint32_t>(count));
+        run_workgroups(layered_kernel(test_gpu(), {.packed = character_.packed, .output = kOutput}), LayeredBuffers{voices, mask_buffer_, tracks_, keys_, words_, local, local, local, words_, keys_}, io::LayeredPush{joint_count(), voice_limit}, static_cast<uint32_t>(count));
         return local.read();
     }
     std::vector<Affine> run(const std::vector<Layers>& instances, uint32_t voice_limit = 12) const { return run(voices(instances, voice_limit), voice_limit); }

@@ -38,6 +38,7 @@ nlohmann::json to_json(const Controller& controller, const CheckOptions& options
                 {{"from", transition.from.empty() ? "*" : transition.from}, {"to", transition.to}, {"when", conditions_text(transition)}});
         layers.push_back({{"name", layer.name},
                           {"mode", mode_name(layer.mode)},
+                          {"rotations", layer.model_space_rotations ? "model" : "local"},
                           {"mask", layer.mask},
                           {"weight", factor_text(layer.weight, layer.weight_parameter)},
                           {"states", states},
@@ -48,7 +49,7 @@ nlohmann::json to_json(const Controller& controller, const CheckOptions& options
 }
 
 void print_layer(const ControllerLayer& layer, size_t index) {
-    const std::string mask = layer.mask.empty() ? "" : ", mask " + layer.mask;
+    const std::string mask = (layer.model_space_rotations ? ", rotations in model space" : "") + (layer.mask.empty() ? "" : ", mask " + layer.mask);
     std::printf("  layer %-4zu %s: %s%s, weight %s", index, layer.name.c_str(), mode_name(layer.mode), mask.c_str(),
                 factor_text(layer.weight, layer.weight_parameter).c_str());
     if (layer.states.empty()) std::printf("; plays what it is told\n");

@@ -23,6 +23,7 @@ std::string label(const std::vector<std::string>& lines) {
 
 std::string layer_label(const ControllerLayer& layer) {
     std::string how = layer.mode == LayerMode::kAdditive ? "additive" : "override";
+    if (layer.model_space_rotations) how += ", rotations in model space";
     if (!layer.mask.empty()) how += ", mask " + layer.mask;
     if (const std::string weight = factor_text(layer.weight, layer.weight_parameter); weight != "1") how += ", weight " + weight;
     return label({layer.name + " (" + how + ")"});

@@ -84,6 +84,7 @@ enum class LayerMode { kOverride, kAdditive };
 struct ControllerLayer {
     std::string name;
     LayerMode mode = LayerMode::kOverride;
+    bool model_space_rotations = false;  // of kOverride: rotations are blended as they stand in the model, not in their parents (docs/controller.md); such groups are updated in stages
     std::string mask;              // empty: all joints
     float weight = 1;
     std::string weight_parameter;  // multiplies weight; the product is clamped to 0..1

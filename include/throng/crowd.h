@@ -75,6 +75,7 @@ struct CrowdGroup {
     std::vector<uint32_t> sockets;  // joints, at most 64, whose transforms are written in each update, for attachments
     SocketSpace socket_space = SocketSpace::kWorld;
     const ProceduralRules* procedural = nullptr;  // moves joints after the blend; such groups are updated stage by stage
+    uint32_t pose_capacity = 0;     // instances that may have a pose of set_pose() at the same time; 48 bytes a joint each, 0: no cost at all
 };
 
 // How an update goes from clips to skin matrices. kStaged: sample, blend, scan and bind one after another, each through memory; any
@@ -197,6 +198,14 @@ public:
     // target, value not finite, weight outside 0..1; wind: velocity not finite, gust outside 0..1, wavelength not above 0).
     Result<void> set_target(uint32_t instance, uint32_t target, const Vec3<float>& world_place, float weight);
     Result<void> set_wind(const Wind& wind);
+    // A pose from outside (a ragdoll, a cut scene), parent_from_joint[joint_count], in place of the animated one, which goes on below it; taken up by the next
+    // record(). If the instance had none, it fades in within `fade_s` seconds, 0: at once; it counts as having one until it is cleared, so a call in each frame replaces
+    // the pose and lets the fade go on. clear_pose() fades out; the room for the pose is free again when that is done. A pose set meanwhile fades in from where it is.
+    // Translations and scales are blended linearly, rotations on the shortest path, by a weight eased as those of docs/controller.md, step 5. Rotations are normalised. Only
+    // the poses set are uploaded, 48 bytes a joint, and 8 for each instance that fades. Errors: kInvalidArgument (instance out of range, another number of joints, a number that is not finite, a rotation of
+    // length 0, a negative fade; where Rig::uniform_scale is set, a scale that differs along the axes by more than 1e-5 of itself), kLimit (as many poses as CrowdGroup::pose_capacity are there).
+    Result<void> set_pose(uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s = 0);
+    Result<void> clear_pose(uint32_t instance, float fade_s = 0);
 
     // From the next record() on, the sockets of these instances come back with the feedback. Replaces the ones before. Errors: kInvalidArgument (instance out of range, or
     // of a group without sockets), kLimit (more than CrowdSettings::watch_capacity).

@@ -33,6 +33,8 @@ public:
     Result<void> play(uint32_t layer, const LayerPlayback& playback);
     Result<void> set_layer(uint32_t layer, const LayerBlend& blend);
     Result<void> set_parameters(uint32_t parameter, std::span<const float> values);
+    Result<void> set_pose(std::span<const Trs<float>> parent_from_joint, float fade_s = 0);
+    Result<void> clear_pose(float fade_s = 0);
     Result<void> update(float time_step_s);
 
     // After the last update (before the first: the rest pose).

@@ -1,17 +1,22 @@
 #version 460
-// blend: two poses per joint, weighted per instance, to parent_from_joint. Reads only the poses that have weight.
+// blend: two poses per joint, weighted per instance, to parent_from_joint; and over them the pose that was set. Reads only the poses that have weight.
 // One workgroup per instance, joints in strides. Reads 48 or 96 bytes a joint, writes 48, or 32 as similarities.
 #include "blend/blend_io.h"
+#include "gpu/table.glsl"
 
 layout(local_size_x = kBlendWorkgroupSize) in;
 layout(set = 0, binding = 0, std430) readonly buffer Cursors { InstanceCursor cursors[]; };
 layout(set = 0, binding = 1, std430) readonly buffer FirstPoses { JointPose first_poses[]; };
 layout(set = 0, binding = 2, std430) readonly buffer SecondPoses { JointPose second_poses[]; };
 layout(set = 0, binding = 3, std430) writeonly buffer Local { vec4 local[]; };
+TABLE_OF_WORDS(4, Posed, posed);
+TABLE_OF_ROWS(5, Poses, poses);
 layout(constant_id = 1) const bool kSimilarity = false;
+layout(constant_id = 2) const bool kPosed = false;
 layout(push_constant) uniform Push { BlendPush push; };
 
 #include "blend/local.glsl"
+#include "blend/posed.glsl"
 
 void main() {
     const uint instance = gl_WorkGroupID.x;
@@ -22,6 +27,7 @@ void main() {
         if (weight >= 1) pose = first_poses[i];
         else if (weight <= 0) pose = second_poses[i];
         else pose = blend_joint(first_poses[i], second_poses[i], weight);
+        if (kPosed) pose = posed_pose(instance, joint, pose);
         store_local(i, pose);
     }
 }

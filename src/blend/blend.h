@@ -12,11 +12,17 @@ struct BlendBuffers {
     BufferRange first_poses;  // io::JointPose[instance_count][joint_count]
     BufferRange second_poses;  // the same
     BufferRange local;  // [instance_count][joint_count], parent_from_joint, written: Affine, or Similarity (gpu/similarity.glsl)
+    BufferRange posed;  // of poses that may be set: io::InstancePose[instance_count], a table of words; else any
+    BufferRange poses;  // of poses that may be set: io::JointPose[pose_capacity][joint_count], a table of rows; else any
 };
 
 // Similarities, 32 bytes each, only for rigs of uniform scale.
 enum class BlendOutput { kAffine, kSimilarity };
 
-Kernel blend_kernel(const std::shared_ptr<Gpu>& gpu, BlendOutput output);
+struct BlendSettings {
+    BlendOutput output = BlendOutput::kAffine;
+    bool posed = false;  // poses may be set
+};
+Kernel blend_kernel(const std::shared_ptr<Gpu>& gpu, const BlendSettings& settings);
 
 }  // namespace throng

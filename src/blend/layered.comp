@@ -16,13 +16,17 @@ TABLE_OF_WORDS(4, Words, words);
 layout(set = 0, binding = 5, std430) writeonly buffer Local { vec4 local[]; };
 layout(set = 0, binding = 6, std430) readonly buffer Inertias { InstanceInertia inertias[]; };
 layout(set = 0, binding = 7, std430) buffer InertiaStates { InertiaState inertia_states[]; };
+TABLE_OF_WORDS(8, Posed, posed);
+TABLE_OF_ROWS(9, Poses, poses);
 layout(constant_id = 1) const bool kPacked = false;
 layout(constant_id = 2) const bool kSimilarity = false;
 layout(constant_id = 3) const bool kInertial = false;
+layout(constant_id = 4) const bool kPosed = false;
 layout(push_constant) uniform Push { LayeredPush push; };
 
 #include "blend/local.glsl"
 #include "blend/inertial.glsl"
+#include "blend/posed.glsl"
 #include "blend/voices.glsl"
 
 void main() {
@@ -31,6 +35,7 @@ void main() {
         const uint index = instance * push.joint_count + joint;
         JointPose pose = voices_pose(instance, joint);
         if (kInertial) pose = inertial_pose(instance, index, pose);
+        if (kPosed) pose = posed_pose(instance, joint, pose);
         store_local(index, pose);
     }
 }

@@ -5,6 +5,8 @@
 #include "blend/layered_io.h"
 #include "control/controller_io.h"
 
+#include <compare>
+
 namespace throng {
 
 // In the order of the bindings; dispatched with io::LayeredPush, a workgroup per instance. All up to `words` are tables (gpu/table.glsl);
@@ -18,13 +20,24 @@ struct LayeredBuffers {
     BufferRange local;   // [instance_count][joint_count], parent_from_joint, written: Affine, or Similarity (gpu/similarity.glsl)
     BufferRange inertias;        // of inertial transitions: io::InstanceInertia[instance_count]; else any buffer
     BufferRange inertia_states;  // of inertial transitions: io::InertiaState[instance_count][joint_count], read and written; else any buffer
+    BufferRange posed;  // of poses that may be set: io::InstancePose[instance_count], a table of words; else any
+    BufferRange poses;  // of poses that may be set: io::JointPose[pose_capacity][joint_count], a table of rows; else any
+    BufferRange parents = {};    // in order: uint[joint_count], io::kAbsent where there is none, a table of words
+    BufferRange rotations = {};  // in order: io::ModelRotations[layers in model space][joint_count][instance_count], between joints; its contents do not matter before and after
 };
 
 struct LayeredSettings {
     bool packed = false;  // Character::packed
     BlendOutput output = BlendOutput::kAffine;
     bool inertial = false;
+    bool posed = false;  // poses may be set
+    bool in_order = false;  // layers blend rotations in model space: an invocation per instance, and record_layered_in_order()
+
+    friend auto operator<=>(const LayeredSettings&, const LayeredSettings&) = default;
 };
 Kernel layered_kernel(const std::shared_ptr<Gpu>& gpu, const LayeredSettings& settings);
+
+// All joints, in as few dispatches as loops of `loop_iterations` (ScanLimits) allow, with barriers between them.
+void record_layered_in_order(const Gpu& gpu, VkCommandBuffer commands, const Kernel& kernel, const Bindings& bindings, io::LayeredInOrderPush push, uint32_t loop_iterations);
 
 }  // namespace throng

@@ -11,5 +11,18 @@ struct LayeredPush {
     uint voice_limit;  // voices kept for each instance
 };
 
+// Of the joints first_joint to joint_end - 1.
+struct LayeredInOrderPush {
+    uint instance_count;
+    uint joint_count;
+    uint voice_limit;
+    uint first_joint, joint_end;
+};
+
+// model_from_joint of a joint, as unit quaternions, where a layer blends them: of what lies below the layer, of the layer's own pose, and of what comes of both.
+struct ModelRotations {
+    vec4 below, layer, blended;
+};
+
 THRONG_IO_END
 #endif

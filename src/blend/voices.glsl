@@ -4,7 +4,8 @@
 //
 // Layers lie on each other from the lowest up. A layer's pose is the weighted sum of its voices: rotations each in the hemisphere of the
 // sum so far, normalised at the end. Source of the sum and its limits: Gramkow, On Averaging Rotations, IJCV 42, 2001. An additive layer
-// sums differences from the first rows of its clips; a difference from the identity is the pose itself, so both go one way.
+// sums differences from the first rows of its clips; a difference from the identity is the pose itself, so both go one way. With VOICES_IN_ORDER
+// the includer has blend/model_rotations.glsl, and layers may blend their rotations in model space; elsewhere there are none that do.
 //
 // The loop samples once a round, which keeps the code small and the registers few: an additive voice takes two rounds, its reference
 // first. It ends at its bottom, since a software device runs all that lies behind a break once more.
@@ -66,12 +67,20 @@ JointPose mix_voices(uint instance, uint joint, bool only_rotation) {
     const uint end = index + push.voice_limit;  // kVoiceEnds comes before, but where the control stage has not run yet
     JointPose result = kIdentityPose, sum = kEmptySum, from = kIdentityPose;
     bool is_lowest = true, is_reference = false;
+#ifdef VOICES_IN_ORDER
+    uint model_layer = 0;
+#endif
     for (;;) {
         const Voice voice = voice_at(index);
         const bool is_additive = (voice.flags & kVoiceAdditive) != 0, ends_layer = (voice.flags & kVoiceEndsLayer) != 0;
         const float weight = is_lowest ? 1 : layer_weight(voice, joint);  // the lowest layer covers
         is_reference = is_additive && !is_reference;
-        if (weight > 0) {
+#ifdef VOICES_IN_ORDER
+        const bool in_model_space = !is_lowest && (voice.flags & kVoiceModelRotations) != 0;  // the lowest layer's rotations are the same in either space
+#else
+        const bool in_model_space = false;
+#endif
+        if (weight > 0 || in_model_space) {
             const JointPose pose = sample_voice(voice, joint, is_reference, only_rotation);
             if (is_reference) {
                 from = pose;
@@ -82,7 +91,11 @@ JointPose mix_voices(uint instance, uint joint, bool only_rotation) {
                 if (ends_layer) {
                     const float square = dot(sum.rotation, sum.rotation);
                     sum.rotation = square < kCancelled ? part.rotation : sum.rotation * inversesqrt(square);
-                    result = apply_layer(sum, result, weight, is_additive);
+#ifdef VOICES_IN_ORDER
+                    if (in_model_space) result = apply_in_model_space(instance, joint, model_layer++, sum, result, weight);
+                    else
+#endif
+                        result = apply_layer(sum, result, weight, is_additive);
                     sum = kEmptySum;
                 }
             }

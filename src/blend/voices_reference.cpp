@@ -41,14 +41,26 @@ Trs<double> pose_difference_reference(const Trs<double>& to, const Trs<double>& 
             {ratio(to.scale.x, from.scale.x), ratio(to.scale.y, from.scale.y), ratio(to.scale.z, from.scale.z)}};
 }
 
-Trs<double> voices_reference(std::span<const ReferenceLayer> layers) {
-    Trs<double> result;
-    for (const ReferenceLayer& layer : layers) {
-        const double weight = &layer == layers.data() ? 1 : layer.weight;
+Trs<double> voices_reference(std::span<const ReferenceLayer> layers) { return joint_reference(layers, nullptr).pose; }
+
+ReferenceJoint joint_reference(std::span<const ReferenceLayer> layers, const ReferenceJoint* parent) {
+    ReferenceJoint joint{.pose = {}, .rotations = std::vector<ReferenceRotations>(layers.size())};
+    Trs<double>& result = joint.pose;
+    for (size_t i = 0; i < layers.size(); ++i) {
+        const ReferenceLayer& layer = layers[i];
+        const double weight = i == 0 ? 1 : layer.weight;
         const Trs<double> sum = sum_of(layer);
-        result = layer.is_additive ? add(blend_reference(sum, {}, weight), result) : blend_reference(sum, result, weight);
+        const Trs<double> below = result;
+        result = layer.is_additive ? add(blend_reference(sum, {}, weight), below) : blend_reference(sum, below, weight);
+        if (!layer.in_model_space || i == 0) continue;  // the lowest layer's rotations are the same in either space
+        const ReferenceRotations above = parent ? parent->rotations[i] : ReferenceRotations{};
+        ReferenceRotations& here = joint.rotations[i];
+        here = {.below = above.below * below.rotation, .layer = above.layer * sum.rotation, .blended = above.blended * below.rotation};
+        if (weight > 0) here.blended = blend_reference({.rotation = here.layer}, {.rotation = here.below}, weight).rotation;
+        const Quaternion<double>& q = above.blended;
+        result.rotation = weight > 0 ? Quaternion<double>{-q.x, -q.y, -q.z, q.w} * here.blended : below.rotation;
     }
-    return result;
+    return joint;
 }
 
 }  // namespace throng

@@ -19,6 +19,7 @@ struct ReferenceLayer {
     bool is_additive = false;
     double weight = 1;  // at this joint: the layer's times the mask's. The lowest layer counts as 1.
     std::vector<ReferenceVoice> voices;
+    bool in_model_space = false;  // of an override: its rotations are blended as they stand in the model
 };
 
 // What leads from `from` to `to`, in the space of the parent: the shorter rotation, the way, the ratio of each scale (1 where there is none).
@@ -28,5 +29,19 @@ Trs<double> pose_difference_reference(const Trs<double>& to, const Trs<double>& 
 // lies below; an additive one the weighted sum of their differences from their first rows, applied to it. Where rotations cancel
 // each other, the layer turns as its last voice does.
 Trs<double> voices_reference(std::span<const ReferenceLayer> layers);
+
+// Rotations of model_from_joint, scales ignored: of what lies below a layer, of the layer's own pose, and of what comes of both.
+struct ReferenceRotations {
+    Quaternion<double> below, layer, blended;
+};
+
+struct ReferenceJoint {
+    Trs<double> pose;                           // parent_from_joint
+    std::vector<ReferenceRotations> rotations;  // [layer], of those in model space
+};
+
+// The same where layers blend rotations in model space; `parent` is what this returned for the parent, null for a root. At a joint where such a layer has weight,
+// what comes of it points, in the model, where the blend of both model rotations does; without weight the local rotation of what lies below stays.
+ReferenceJoint joint_reference(std::span<const ReferenceLayer> layers, const ReferenceJoint* parent);
 
 }  // namespace throng

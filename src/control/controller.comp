@@ -65,13 +65,13 @@ float advance_weight(inout LayerState state, ControlLayer layer) {
 bool is_in_step(ClipMix leading, ClipMix other) { return leading.sync != kAbsent && other.sync == leading.sync; }
 
 // The clips of a layer, one after the other: an invocation goes on to its next one at once, where a software device would step through all plays and points.
-void add_clips(LayerState state, ClipMix mixes[kStackSize], PhaseStep steps[kStackSize], vec3 weights, float layer_weight, bool moves) {
+void add_clips(LayerState state, ControlLayer layer, ClipMix mixes[kStackSize], PhaseStep steps[kStackSize], vec3 weights, float layer_weight, bool moves) {
     uint heard = 0;  // a bit for each clip of each play
     for (uint k = 0; k < kStackSize; ++k)
         for (uint point = 0; point < 3; ++point)
             if (k < state.play_count && product(weights[k], mixes[k].weights[point]) > 0) heard |= 1 << (3 * k + point);
     if (layer_weight <= 0 || heard == 0) return;
-    begin_layer(state, layer_weight);
+    begin_layer(state, layer, layer_weight);
     do {
         const uint bit = findLSB(heard), k = bit / 3, point = bit % 3;
         const float weight = product(weights[k], mixes[k].weights[point]);
@@ -126,7 +126,7 @@ void update_layer(uint index) {
             steps[k] = step_phase(state.plays[k], in_step ? common_rate : mixes[k].rate, mixes[k].loop != 0, push.time_step_s);
         }
     }
-    add_clips(state, mixes, steps, weights, layer_weight, index == 0);
+    add_clips(state, layer, mixes, steps, weights, layer_weight, index == 0);
     if (layer_weight > 0 && state.play_count > 0) emit_events(heaviest(mixes[0]), steps[0], index);
     store_layer_state(at, state);
 }

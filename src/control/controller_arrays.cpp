@@ -49,6 +49,7 @@ private:
         added.mask = layer.mask.empty() ? io::kAbsent : find(controller_.masks, layer.mask);
         added.weight = layer.weight;
         added.weight_parameter = parameter(layer.weight_parameter);
+        added.model_rotations = layer.model_space_rotations ? 1 : 0;
         out.layers.push_back(added);
         std::vector<std::string> sync_groups;
         for (const ControllerState& state : layer.states) add_state(state, sync_groups);

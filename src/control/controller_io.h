@@ -25,6 +25,7 @@ struct ControlLayer {
     uint mask;                            // index or kAbsent; a direct layer begins with it
     float weight;                         // a direct layer begins with it
     uint weight_parameter;                // or kAbsent
+    uint model_rotations;                 // 1: overrides in model space
 };
 THRONG_IO_CONSTANT kModeOverride = 0;
 THRONG_IO_CONSTANT kModeAdditive = 1;
@@ -130,6 +131,7 @@ THRONG_IO_CONSTANT kVoiceEndsLayer = 2;
 THRONG_IO_CONSTANT kVoiceEnds = 4;      // the instance's last
 THRONG_IO_CONSTANT kVoiceAdditive = 8;
 THRONG_IO_CONSTANT kVoiceMasked = 16;
+THRONG_IO_CONSTANT kVoiceModelRotations = 32;  // of an override: rotations are blended in model space
 THRONG_IO_CONSTANT kVoiceMaskShift = 8;
 
 // An instance's inertial transition, for the blend stage.

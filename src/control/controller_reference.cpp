@@ -154,7 +154,7 @@ void ControllerReference::add_voices(uint32_t index, float layer_weight, const i
         if (weight <= 0) continue;
         if (update.voices.empty() && !covers_all) add_rest_pose(update.voices);
         const double duration_s = mixed.clip < character_.clips.size() ? character_.clips[mixed.clip].duration_s : 0;
-        update.voices.push_back({.clip = mixed.clip, .phase = play.phase, .time_s = play.phase * 0x1p-32 * duration_s, .weight = weight, .layer = index, .layer_weight = layer_weight, .mode = state.mode, .mask = state.mask});
+        update.voices.push_back({.clip = mixed.clip, .phase = play.phase, .time_s = play.phase * 0x1p-32 * duration_s, .weight = weight, .layer = index, .layer_weight = layer_weight, .mode = state.mode, .mask = state.mask, .model_rotations = state.mode == io::kModeOverride && arrays_.layers[index].model_rotations != 0});
     }
 }
 
@@ -185,6 +185,7 @@ std::vector<io::Voice> to_io(std::span<const ControllerVoice> voices, const Char
         const RowCursor rows = find_rows_reference(std::span(character.times_s).subspan(clip.first_time, std::min<size_t>(clip.row_count, character.times_s.size() - clip.first_time)), time_s);
         const auto row = [&](uint32_t index) { return clip.first_row + index * clip.row_stride; };
         uint32_t flags = voice.mode == io::kModeAdditive ? io::kVoiceAdditive : 0;
+        if (voice.model_rotations) flags |= io::kVoiceModelRotations;
         if (voice.mask != io::kAbsent) flags |= io::kVoiceMasked | voice.mask << io::kVoiceMaskShift;
         if (i == 0 || voices[i - 1].layer != voice.layer) flags |= io::kVoiceBeginsLayer;
         if (i + 1 == voices.size() || voices[i + 1].layer != voice.layer) flags |= io::kVoiceEndsLayer;

@@ -22,6 +22,7 @@ struct ControllerVoice {
     float layer_weight = 1;
     uint32_t mode = io::kModeOverride;
     uint32_t mask = io::kAbsent;
+    bool model_rotations = false;  // of an override: they are blended in model space
 };
 
 struct ControllerEventAt {

@@ -106,6 +106,8 @@ private:
             const ControllerLayer& layer = controller_.layers[i];
             const std::string place = place_of("layers", i);
             add_unique(names, layer.name, place_of(place, "name"));
+            if (layer.model_space_rotations && layer.mode == LayerMode::kAdditive)
+                refuse(place_of(place, "rotations"), "an additive layer turns joints in their parents; only an override is blended in model space");
             if (!layer.mask.empty()) masks_.require(layer.mask, place_of(place, "mask"));
             if (layer.weight_parameter.empty()) require_between(0, 1, layer.weight, place_of(place, "weight"));
             check_factor(layer.weight, layer.weight_parameter, place_of(place, "weight"));

@@ -17,8 +17,8 @@ ControlClip load_clip(uint i) {
 }
 
 ControlLayer load_layer(uint i) {
-    const uint w = layout_of_group.layers + 6 * i;
-    return ControlLayer(table_word(w), table_word(w + 1), table_word(w + 2), table_word(w + 3), table_float(w + 4), table_word(w + 5));
+    const uint w = layout_of_group.layers + 7 * i;
+    return ControlLayer(table_word(w), table_word(w + 1), table_word(w + 2), table_word(w + 3), table_float(w + 4), table_word(w + 5), table_word(w + 6));
 }
 
 ControlState load_state(uint i) {

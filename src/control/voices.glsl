@@ -30,10 +30,11 @@ void store_voice(uint index, Voice voice) {
 }
 
 // Of a layer that has voices.
-void begin_layer(LayerState state, float weight) {
+void begin_layer(LayerState state, ControlLayer layer, float weight) {
     layer_flags = (state.mode == kModeAdditive ? kVoiceAdditive : 0) | (state.mask == kAbsent ? 0 : kVoiceMasked | state.mask << kVoiceMaskShift) | kVoiceBeginsLayer;
-    voices_layer_weight = weight;
     const bool covers = layer_flags == kVoiceBeginsLayer && weight >= 1;
+    if (layer.model_rotations != 0 && state.mode == kModeOverride) layer_flags |= kVoiceModelRotations;
+    voices_layer_weight = weight;
     if (voice_count > 0 || covers) return;
     has_rest_pose = true;
     voice_count = 1;

@@ -16,8 +16,10 @@ struct Batch {
     uint32_t current_skin = 0;    // written by the last update
     Buffer kept_model;  // where CrowdSettings::keep_model_matrices
     Buffer inertias, inertia_states;              // where the controller has inertial transitions
+    Buffer rotations;                             // where layers blend rotations in model space: io::ModelRotations[such layers][joint_count][instance_count]
     Buffer sockets;    // Affine[instance_count][socket_count]
     Buffer targets, springs;  // where the group has procedural rules
+    Buffer posed;      // where the group has room for poses: io::InstancePose[instance_count], a table of words
     Bindings control;
 
     const Buffer& skin() const { return skins[current_skin]; }

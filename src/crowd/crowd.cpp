@@ -76,6 +76,14 @@ Result<void> Crowd::set_wind(const Wind& wind) {
     return as_result([&] { state_->procedural->set_wind(wind); });
 }
 
+Result<void> Crowd::set_pose(uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s) {
+    return as_result([&] { state_->set_pose(instance, parent_from_joint, fade_s); });
+}
+
+Result<void> Crowd::clear_pose(uint32_t instance, float fade_s) {
+    return as_result([&] { state_->clear_pose(instance, fade_s); });
+}
+
 Result<void> Crowd::watch(std::span<const uint32_t> instances) {
     return as_result([&] { state_->watch(instances); });
 }

@@ -3,6 +3,8 @@
 #include "base/failure.h"
 #include "bind/skin_format.h"
 #include "blend/inertia_io.h"
+#include "blend/layered_io.h"
+#include "blend/posed_io.h"
 #include "control/control.h"
 #include "control/control_reference.h"
 #include "control/layer_commands.h"
@@ -61,6 +63,7 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     staged.emplace(gpu, groups, batches, skin_format, *procedural);
     make_feedback(settings);
     controllers.emplace(gpu, groups, batches, feedback ? &*feedback : nullptr);
+    poses.emplace(gpu, groups, batches);
     placements.resize(instance_count);
     dirty_playbacks_.add(0, instance_count);
     dirty_placements_.add(0, instance_count);
@@ -74,6 +77,7 @@ void CrowdState::check_memory(const CrowdSettings& settings) const {
         const uint64_t matrices = 1 + (settings.keep_model_matrices ? group.character->rig.joint_count() : 0);
         const uint64_t skin_bytes = group.character->palette.size() * uint64_t{skin_format_bytes(skin_format)} * (settings.keep_previous_matrices ? 2 : 1);
         needed_bytes += group.instance_count * (matrices * kMatrix_bytes + skin_bytes + sizeof(io::InstancePlayback) + sizeof(io::InstanceCursor));
+        needed_bytes += std::min(group.pose_capacity, group.instance_count) * uint64_t{group.character->rig.joint_count()} * sizeof(io::JointPose);
     }
     if (needed_bytes > gpu->largest_heap_bytes())
         throw Failure(ErrorCode::kLimit, "crowd", std::to_string(needed_bytes >> 20) + " MiB of matrices and state exceed the device's memory of " + std::to_string(gpu->largest_heap_bytes() >> 20) + " MiB");
@@ -83,7 +87,8 @@ void CrowdState::check_memory(const CrowdSettings& settings) const {
 void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& settings) {
     const Group& group = groups[group_index];
     const uint32_t count = settings.groups[group_index].instance_count;
-    const uint64_t joint_bytes = group.controller && group.controller->is_inertial ? sizeof(io::InertiaState) : kMatrix_bytes;
+    const uint64_t joint_bytes = std::max(group.controller && group.controller->is_inertial ? sizeof(io::InertiaState) : kMatrix_bytes,
+                                          group.controller ? group.controller->model_layer_count * sizeof(io::ModelRotations) : 0);
     const uint64_t spring_bytes = group.procedural ? group.procedural->spring_count * sizeof(io::SpringState) : 0;
     const uint64_t instance_bytes = std::max({group.joint_count * joint_bytes, group.palette_count * kMatrix_bytes, spring_bytes});
     const uint64_t capacity = std::min<uint64_t>(arena_limit_bytes(*gpu) / instance_bytes, gpu->properties.limits.maxComputeWorkGroupCount[0]);
@@ -110,6 +115,7 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
         for (size_t k = 0; k < (settings.keep_previous_matrices ? 2 : 1); ++k)
             batch.skins[k] = storage("skin matrices", n * std::max(group.palette_count, 1u) * skin_format_bytes(skin_format));
         if (group.sockets) batch.sockets = storage("sockets", n * group.socket_count() * kMatrix_bytes);
+        if (group.pose_capacity > 0) batch.posed = upload_table(gpu, group.name + ": instances with a pose set", as_words(std::vector<io::InstancePose>(n)));
         if (settings.keep_model_matrices) batch.kept_model = storage("model matrices", n * group.joint_count * kMatrix_bytes);
         outputs.push_back({.group = group_index,
                            .first_instance = batch.first_instance,
@@ -175,6 +181,8 @@ void CrowdState::make_layers(Batch& batch) const {
         batch.inertias = upload(gpu, group.name + ": inertial transitions", std::vector<io::InstanceInertia>(batch.instance_count));
         batch.inertia_states = Buffer(gpu, group.name + ": poses of inertial transitions", batch.instance_count * uint64_t{group.joint_count} * sizeof(io::InertiaState), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     }
+    if (controller.model_layer_count > 0)
+        batch.rotations = Buffer(gpu, group.name + ": rotations in model space", batch.instance_count * uint64_t{group.joint_count} * controller.model_layer_count * sizeof(io::ModelRotations), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     if (group.has_root_motion()) batch.roots = upload(gpu, group.name + ": root motion", std::vector<io::RootState>(batch.instance_count, standing_at(Affine{})));
 }
 
@@ -280,6 +288,18 @@ void CrowdState::set_target(uint32_t instance, uint32_t target, const Vec3<float
     procedural->set_target(static_cast<uint32_t>(&batch - batches.data()), (instance - batch.first_instance) * count + target, {world_place.x, world_place.y, world_place.z, weight});
 }
 
+void CrowdState::set_pose(uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s) {
+    check_range(instance, 1, "pose");
+    const Batch& batch = batch_of(instance);
+    poses->set(index_of(batch), instance - batch.first_instance, parent_from_joint, fade_s, "pose of instance " + std::to_string(instance));
+}
+
+void CrowdState::clear_pose(uint32_t instance, float fade_s) {
+    check_range(instance, 1, "pose");
+    const Batch& batch = batch_of(instance);
+    poses->clear(index_of(batch), instance - batch.first_instance, fade_s, "pose of instance " + std::to_string(instance));
+}
+
 // The changes travel inside the command buffer, so that no staging memory has to outlive the call.
 void CrowdState::upload_changes(VkCommandBuffer commands) {
     constexpr uint64_t kUpdateLimit_bytes = 65536;  // of vkCmdUpdateBuffer
@@ -320,6 +340,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s) {
     procedural->begin_update(commands, time_step_s);
     if (feedback) feedback->begin(commands);
     controllers->record_commands(commands);
+    poses->record(commands, time_step_s);
     take_turns();
     memory_barrier(*gpu, commands, kTransferWrite, kShaderRead | kShaderWrite | kVertexRead);
     if (timer) timer->begin(commands);
@@ -399,7 +420,7 @@ uint64_t CrowdState::size_bytes() const {
     uint64_t sum = staged->size_bytes() + controllers->size_bytes() + (feedback ? feedback->size_bytes() : 0);
     for (const Group& group : groups) sum += group.size_bytes();
     for (const Batch& batch : batches)
-        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.inertias, &batch.inertia_states, &batch.targets, &batch.springs, &batch.sockets, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
+        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.inertias, &batch.inertia_states, &batch.rotations, &batch.targets, &batch.springs, &batch.sockets, &batch.posed, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
     return sum;
 }
 

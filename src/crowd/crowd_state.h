@@ -8,6 +8,7 @@
 #include "crowd/dirty_ranges.h"
 #include "crowd/fused_update.h"
 #include "crowd/procedural_stage.h"
+#include "crowd/pose_stage.h"
 #include "crowd/staged_update.h"
 #include "control/control_io.h"
 
@@ -27,6 +28,8 @@ struct CrowdState {
     void set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend);
     void set_parameters(uint32_t instance, uint32_t parameter, std::span<const float> values);
     void set_target(uint32_t instance, uint32_t target, const Vec3<float>& world_place, float weight);
+    void set_pose(uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s);
+    void clear_pose(uint32_t instance, float fade_s);
     void watch(std::span<const uint32_t> instances);
     std::vector<Feedback> take_feedback();
     void record(VkCommandBuffer commands, float time_step_s);
@@ -47,6 +50,7 @@ struct CrowdState {
     std::optional<StagedUpdate> staged;
     std::optional<FeedbackRing> feedback;
     std::optional<ControllerStage> controllers;
+    std::optional<PoseStage> poses;
 
 private:
     void make_batches(uint32_t group, const CrowdSettings& settings);
@@ -63,6 +67,7 @@ private:
     void count_blending(uint32_t first_instance, std::span<const io::InstancePlayback> changed);
     void check_range(uint32_t first_instance, size_t count, const char* what) const;
     const Batch& batch_of(uint32_t instance) const;
+    uint32_t index_of(const Batch& batch) const { return static_cast<uint32_t>(&batch - batches.data()); }
 
     Kernel control_;
     std::optional<Kernel> skin_;  // made when positions are first read back

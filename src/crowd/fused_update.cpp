@@ -10,7 +10,7 @@ FusedUpdate::FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& gro
     for (const Group& group : groups_) {
         Kernels& kernels = kernels_.emplace_back();
         if (!group.fused) continue;
-        const auto make = [&](bool blends) { return fused_kernel(gpu_, group.fused->plan, {.packed = group.packed, .blends = blends, .keeps_model = settings.keep_model_matrices, .skin_format = settings.skin_format, .layered = group.controller.has_value(), .socket_count = group.socket_count(), .inertial = group.controller && group.controller->is_inertial}); };
+        const auto make = [&](bool blends) { return fused_kernel(gpu_, group.fused->plan, {.packed = group.packed, .blends = blends, .keeps_model = settings.keep_model_matrices, .skin_format = settings.skin_format, .layered = group.controller.has_value(), .socket_count = group.socket_count(), .inertial = group.controller && group.controller->is_inertial, .posed = group.pose_capacity > 0}); };
         kernels.blending = make(true);
         if (!group.controller) kernels.single = make(false);
     }
@@ -30,7 +30,7 @@ FusedUpdate::FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& gro
             const Buffer& cursors = group.controller ? skin : batch.cursors;
             const Buffer &voices = group.controller ? batch.voices : group.tracks, &masks = group.controller ? group.controller->masks : group.words;
             member.bindings[k] = kernels_[batch.group].blending.bind(FusedBuffers{cursors, group.tracks, group.keys, group.words, tables.links, tables.bind_ranges, tables.bind_entries, tables.binds,
-                                                                                  skin, settings.keep_model_matrices ? batch.kept_model : skin, voices, masks, group.sockets ? group.sockets->slots : group.words, batch.sockets.or_else(skin), batch.inertias.or_else(skin), batch.inertia_states.or_else(skin)});
+                                                                                  skin, settings.keep_model_matrices ? batch.kept_model : skin, voices, masks, group.sockets ? group.sockets->slots : group.words, batch.sockets.or_else(skin), batch.inertias.or_else(skin), batch.inertia_states.or_else(skin), batch.posed.or_else(group.words), group.poses.or_else(group.keys)});
         }
     }
 }

@@ -5,13 +5,15 @@
 #include "sample/sample_io.h"
 #include "skin/skin_io.h"
 
+#include <algorithm>
+
 namespace throng {
 namespace {
 
 static_assert(io::kTrackAnimatedBit == kTrackAnimated && io::kTrackStepBit == kTrackStep && io::kTrackPositionMask == kTrackPosition);
 static_assert(io::kPackedBitsMask == kPackedBitsMask && io::kPackedLeftOutShift == kPackedLeftOutShift && io::kPackedFull == kPackedFull &&
               io::kPackedStep == kPackedStep && io::kPackedFullBits == kPackedFullBits);
-static_assert(io::kScanNoJoint == kNone);
+static_assert(io::kScanNoJoint == kNone && io::kAbsent == kNone);
 static_assert(sizeof(io::VertexRows) == sizeof(Vertex));
 
 constexpr size_t kSocketLimit = 64;  // as include/throng/crowd.h says
@@ -53,10 +55,12 @@ GroupController::GroupController(const std::shared_ptr<Gpu>& gpu, const Controll
     initial_parameters = made.initial_parameters;
     for (const ControllerLayer& layer : controller.layers) {
         has_states.push_back(!layer.states.empty());
+        model_layer_count += layer.model_space_rotations ? 1 : 0;
         for (const ControllerTransition& transition : layer.transitions) is_inertial = is_inertial || transition.fade == FadeKind::kInertial;
     }
     tables = upload_table(gpu, character.name + ": controller", made.words);
     masks = upload_table(gpu, character.name + ": joint masks", made.masks);
+    if (model_layer_count > 0) parents = upload_table(gpu, character.name + ": parents", character.rig.parents);
 }
 
 Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice)
@@ -65,6 +69,9 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const Pat
     socket_space = group.socket_space;
     if (!group.sockets.empty()) make_sockets(gpu, group.sockets);
     if (group.procedural) make_procedural(gpu, *group.procedural, *group.character);
+    uniform_scale = group.character->rig.uniform_scale;
+    pose_capacity = std::min(group.pose_capacity, group.instance_count);
+    if (pose_capacity > 0) poses = make_table<io::JointPose>(gpu, name + ": poses of CrowdGroup::pose_capacity", uint64_t{pose_capacity} * joint_count);
 }
 
 Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const PathChoice& choice)
@@ -124,8 +131,8 @@ uint64_t Group::size_bytes() const {
     uint64_t sum = fused ? fused->tables.size_bytes() : scan->links().size_bytes();
     if (sockets) sum += sockets->table.size_bytes() + sockets->slots.size_bytes();
     if (procedural) sum += procedural->tables.size_bytes();
-    if (controller) sum += controller->tables.size_bytes() + controller->masks.size_bytes();
-    for (const Buffer* buffer : {&axes, &times, &root_rows, &tracks, &keys, &words, &palette_joints, &joint_from_bind, &vertices, &influences, &indices})
+    if (controller) sum += controller->tables.size_bytes() + controller->masks.size_bytes() + controller->parents.size_bytes();
+    for (const Buffer* buffer : {&axes, &times, &root_rows, &tracks, &keys, &words, &palette_joints, &joint_from_bind, &poses, &vertices, &influences, &indices})
         sum += buffer->size_bytes();
     return sum;
 }

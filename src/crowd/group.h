@@ -24,10 +24,12 @@ struct GroupController {
     uint32_t layer_count = 0, parameter_count = 0, mask_count = 0, voice_limit = 0;
     bool moves_placements = false;
     bool is_inertial = false;      // has inertial transitions
+    uint32_t model_layer_count = 0;  // layers that blend rotations in model space
     std::vector<bool> has_states;  // [layer_count]
     std::vector<io::LayerState> initial_layers;
     std::vector<float> initial_parameters;
     Buffer tables, masks;
+    Buffer parents;  // of joints, where there are such layers
 };
 
 // Joints that things are attached to.
@@ -70,6 +72,9 @@ struct Group {
     std::optional<ScanStage> scan;         // where staged
     std::optional<FusedGroup> fused;       // where fused
     Buffer palette_joints, joint_from_bind;  // bind
+    bool uniform_scale = false;            // Rig::uniform_scale
+    uint32_t pose_capacity = 0;
+    Buffer poses;                          // io::JointPose[pose_capacity][joint_count], as set by the application
     Buffer vertices, influences, indices;  // skin, draw
 
     bool has_root_motion() const { return controller && root_rows.size_bytes() > sizeof(io::vec4); }

@@ -18,6 +18,15 @@ FusedPlan plan_named(const std::string& wanted, const FusedRig& rig, const ScanL
     return plan;
 }
 
+// Why a group cannot be fused, whatever its character and the device; empty where it can.
+std::string staged_only(const CrowdGroup& group) {
+    if (group.procedural) return "procedural rules need the local transforms in memory";
+    if (group.controller)
+        for (const ControllerLayer& layer : group.controller->layers)
+            if (layer.model_space_rotations) return "layer '" + layer.name + "' blends rotations in model space";
+    return {};
+}
+
 }  // namespace
 
 PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
@@ -25,9 +34,12 @@ PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
     const ScanLimits limits = scan_limits(gpu);
     const bool any_scan = settings.scan == "auto";
     std::string obstacle = "asked for";
-    if (settings.path != UpdatePath::kStaged) {
+    if (const std::string reason = staged_only(group); settings.path != UpdatePath::kStaged && !reason.empty()) {
+        if (settings.path == UpdatePath::kFused) throw Failure(ErrorCode::kUnsupported, character.name + ": fused update", reason);
+        obstacle = reason;
+    } else if (settings.path != UpdatePath::kStaged) {
         const FusedRig rig(character);
-        FusedPlan plan = group.procedural ? FusedPlan{.obstacle = "procedural rules need the local transforms in memory"} : any_scan ? choose_fused(rig, limits) : plan_named(settings.scan, rig, limits);
+        FusedPlan plan = any_scan ? choose_fused(rig, limits) : plan_named(settings.scan, rig, limits);
         if (plan.obstacle.empty()) {
             const ScanChoice scan = plan.choice;
             return {.fused = std::move(plan), .scan = scan, .scan_reason = any_scan ? "the one that suits a fused update on this kind of device" : "asked for", .path_reason = "fused: all stages in one pass"};

@@ -1,6 +1,8 @@
 // The pipeline sentence in double precision for a character with a controller: control, sample, blend, scan, bind.
 #include "base/failure.h"
+#include "blend/blend_reference.h"
 #include "blend/inertia_reference.h"
+#include "blend/posed.h"
 #include "blend/voices_reference.h"
 #include "control/controller_reference.h"
 #include "control/joint_mask.h"
@@ -33,6 +35,7 @@ struct ReferenceCharacter::State {
     }
 
     std::vector<Trs<double>> mix() const;
+    std::vector<Trs<double>> pose_over(std::vector<Trs<double>> animated) const;
     void show(std::vector<Trs<double>> target, double step_s);
 
     const Character& character;
@@ -47,6 +50,8 @@ struct ReferenceCharacter::State {
     double step_s = 0;                             // between these two
     std::vector<ReferenceInertia> offsets;         // [joint]
     double elapsed_s = 0, duration_s = 0;
+    std::vector<Trs<double>> posed;                // [joint], as last set; before that empty
+    PoseFade fade;                                 // of these
 };
 
 // What the voices make of each joint.
@@ -56,18 +61,30 @@ std::vector<Trs<double>> ReferenceCharacter::State::mix() const {
         poses.push_back(poses_of(voice));
         first_poses.push_back(first_poses_of(voice));
     }
-    std::vector<Trs<double>> local;
+    std::vector<ReferenceJoint> joints;
     for (uint32_t joint = 0; joint < character.rig.joint_count(); ++joint) {
         std::vector<ReferenceLayer> layers;
         for (size_t i = 0; i < last.voices.size(); ++i) {
             const ControllerVoice& voice = last.voices[i];
             if (i == 0 || last.voices[i - 1].layer != voice.layer)
-                layers.push_back({.is_additive = voice.mode == io::kModeAdditive, .weight = voice.layer_weight * (voice.mask == io::kAbsent ? 1.0 : double{masks[voice.mask][joint]}), .voices = {}});
+                layers.push_back({.is_additive = voice.mode == io::kModeAdditive, .weight = voice.layer_weight * (voice.mask == io::kAbsent ? 1.0 : double{masks[voice.mask][joint]}), .voices = {}, .in_model_space = voice.model_rotations});
             layers.back().voices.push_back({poses[i][joint], first_poses[i][joint], voice.weight});
         }
-        local.push_back(voices_reference(layers));
+        const uint32_t parent = character.rig.parents[joint];
+        joints.push_back(joint_reference(layers, parent == kNone ? nullptr : &joints[parent]));
     }
+    std::vector<Trs<double>> local;
+    for (const ReferenceJoint& joint : joints) local.push_back(joint.pose);
     return local;
+}
+
+// The pose that was set, over the animated one.
+std::vector<Trs<double>> ReferenceCharacter::State::pose_over(std::vector<Trs<double>> animated) const {
+    const double weight = fade.weight();
+    if (weight >= 1) return posed;
+    if (weight > 0)
+        for (size_t joint = 0; joint < animated.size(); ++joint) animated[joint] = blend_reference(posed[joint], animated[joint], weight);
+    return animated;
 }
 
 // Step 10 of docs/controller.md.
@@ -111,17 +128,33 @@ Result<void> ReferenceCharacter::set_parameters(uint32_t parameter, std::span<co
     });
 }
 
+Result<void> ReferenceCharacter::set_pose(std::span<const Trs<float>> parent_from_joint, float fade_s) {
+    return as_result([&] {
+        check_fade(fade_s, "pose");
+        state_->posed = checked_pose(parent_from_joint, state_->character.rig.joint_count(), state_->character.rig.uniform_scale, "pose");
+        state_->fade.set(fade_s);
+    });
+}
+
+Result<void> ReferenceCharacter::clear_pose(float fade_s) {
+    return as_result([&] {
+        check_fade(fade_s, "pose");
+        state_->fade.clear(fade_s);
+    });
+}
+
 Result<void> ReferenceCharacter::update(float time_step_s) {
     return as_result([&] {
         if (!std::isfinite(time_step_s)) throw Failure(ErrorCode::kInvalidArgument, "time step", "must be finite");
         state_->last = state_->controller.update(time_step_s);
         if (state_->is_inertial) state_->show(state_->mix(), std::max(time_step_s, 0.0f));
+        state_->fade.advance(time_step_s);
         state_->events.clear();
         for (const ControllerEventAt& event : state_->last.events) state_->events.push_back({0, event.event, event.layer, static_cast<float>(event.time_s)});
     });
 }
 
-ReferencePose ReferenceCharacter::pose() const { return pose_from_local(state_->character, state_->shown.empty() ? state_->mix() : state_->shown); }
+ReferencePose ReferenceCharacter::pose() const { return pose_from_local(state_->character, state_->pose_over(state_->shown.empty() ? state_->mix() : state_->shown)); }
 
 std::span<const CharacterEvent> ReferenceCharacter::events() const { return state_->events; }
 

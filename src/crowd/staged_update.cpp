@@ -2,7 +2,6 @@
 
 #include "bind/bind.h"
 #include "bind/sockets.h"
-#include "blend/layered.h"
 #include "gpu/barrier.h"
 #include "sample/sample.h"
 
@@ -35,14 +34,14 @@ StagedUpdate::StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& g
         if (group.fused) continue;
         const BlendOutput output = group.takes_similarities() ? BlendOutput::kSimilarity : BlendOutput::kAffine;
         if (group.controller) {
-            std::optional<Kernel>& layered = layered_[group.packed][group.takes_similarities()][group.controller->is_inertial];
-            if (!layered) layered = layered_kernel(gpu_, {.packed = group.packed, .output = output, .inertial = group.controller->is_inertial});
+            const LayeredSettings settings = layered_settings(group);
+            if (!layered_.contains(settings)) layered_.emplace(settings, layered_kernel(gpu_, settings));
             continue;
         }
         std::optional<Kernel>& sample = group.packed ? sample_packed_ : sample_exact_;
         if (!sample) sample = sample_kernel(gpu_, group.packed);
-        std::optional<Kernel>& blend = group.takes_similarities() ? blend_similarities_ : blend_affines_;
-        if (!blend) blend = blend_kernel(gpu_, output);
+        std::optional<Kernel>& blend = blend_[group.takes_similarities()][group.pose_capacity > 0];
+        if (!blend) blend = blend_kernel(gpu_, {.output = output, .posed = group.pose_capacity > 0});
     }
     bind_ = bind_kernel(gpu_, skin_format);
     make_waves();
@@ -86,14 +85,26 @@ void StagedUpdate::bind_member(Member& member) {
         if (!sockets_) sockets_ = socket_kernel(gpu_);
         member.sockets = sockets_->bind(SocketBuffers{model, group.sockets->table, batch.placements, batch.sockets});
     }
+    const BufferRange posed = batch.posed.or_else(group.words), poses = group.poses.or_else(group.keys);
     if (group.controller) {
-        member.layered = layered_of(group).bind(LayeredBuffers{batch.voices, group.controller->masks, group.tracks, group.keys, group.words, local, batch.inertias.or_else(batch.layers), batch.inertia_states.or_else(batch.layers)});
+        member.layered = layered_of(group).bind(LayeredBuffers{batch.voices, group.controller->masks, group.tracks, group.keys, group.words, local, batch.inertias.or_else(batch.layers), batch.inertia_states.or_else(batch.layers), posed, poses, group.controller->parents, batch.rotations});
         return;
     }
     const Kernel& sample = sample_of(group);
     member.sample_first = sample.bind(SampleBuffers{batch.cursors, group.tracks, group.keys, group.words, first});
     member.sample_second = sample.bind(SampleBuffers{batch.cursors, group.tracks, group.keys, group.words, second});
-    member.blend = blend_of(group).bind(BlendBuffers{batch.cursors, first, second, local});
+    member.blend = blend_of(group).bind(BlendBuffers{batch.cursors, first, second, local, posed, poses});
+}
+
+LayeredSettings StagedUpdate::layered_settings(const Group& group) {
+    return {.packed = group.packed, .output = group.takes_similarities() ? BlendOutput::kSimilarity : BlendOutput::kAffine, .inertial = group.controller->is_inertial, .posed = group.pose_capacity > 0, .in_order = group.controller->model_layer_count > 0};
+}
+
+void StagedUpdate::record_layered(VkCommandBuffer commands, const Member& member, uint32_t instance_count, const Group& group) const {
+    const uint32_t voice_limit = group.controller->voice_limit;
+    if (group.controller->model_layer_count > 0)
+        record_layered_in_order(*gpu_, commands, layered_of(group), member.layered, {.instance_count = instance_count, .joint_count = group.joint_count, .voice_limit = voice_limit}, scan_limits(*gpu_).loop_iterations);
+    else layered_of(group).dispatch_workgroups(commands, member.layered, io::LayeredPush{group.joint_count, voice_limit}, instance_count);
 }
 
 void StagedUpdate::record(VkCommandBuffer commands, StageTimer* timer) const {
@@ -109,7 +120,7 @@ void StagedUpdate::record_wave(VkCommandBuffer commands, const Wave& wave, Stage
     };
     stage(&StageTimes::sample, [&](const Member& member, uint32_t instance_count, const Group& group) {
         if (group.controller) {
-            layered_of(group).dispatch_workgroups(commands, member.layered, io::LayeredPush{group.joint_count, group.controller->voice_limit}, instance_count);
+            record_layered(commands, member, instance_count, group);
             return;
         }
         sample_of(group).dispatch_workgroups(commands, member.sample_first, io::SamplePush{group.joint_count, 0}, instance_count);

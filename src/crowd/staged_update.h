@@ -5,11 +5,13 @@
 // stages as a whole, so that small groups share a dispatch's latency; then the next wave reuses the arena.
 #pragma once
 
+#include "blend/layered.h"
 #include "crowd/batch.h"
 #include "crowd/group.h"
 #include "crowd/procedural_stage.h"
 #include "crowd/stage_timer.h"
 
+#include <map>
 #include <optional>
 
 namespace throng {
@@ -46,8 +48,10 @@ private:
     void record_wave(VkCommandBuffer commands, const Wave& wave, StageTimer* timer) const;
     void record_procedural(VkCommandBuffer commands, std::span<const Member> members, StageTimer* timer) const;
     const Kernel& sample_of(const Group& group) const { return *(group.packed ? sample_packed_ : sample_exact_); }
-    const Kernel& layered_of(const Group& group) const { return *layered_[group.packed][group.takes_similarities()][group.controller->is_inertial]; }
-    const Kernel& blend_of(const Group& group) const { return *(group.takes_similarities() ? blend_similarities_ : blend_affines_); }
+    static LayeredSettings layered_settings(const Group& group);
+    const Kernel& layered_of(const Group& group) const { return layered_.at(layered_settings(group)); }
+    void record_layered(VkCommandBuffer commands, const Member& member, uint32_t instance_count, const Group& group) const;
+    const Kernel& blend_of(const Group& group) const { return *blend_[group.takes_similarities()][group.pose_capacity > 0]; }
 
     std::shared_ptr<Gpu> gpu_;
     const std::vector<Group>& groups_;
@@ -55,8 +59,9 @@ private:
     const ProceduralStage& procedural_;
     std::vector<Member> members_;
     std::vector<Wave> waves_;
-    std::optional<Kernel> sample_exact_, sample_packed_, blend_affines_, blend_similarities_;  // those that the groups need
-    std::optional<Kernel> layered_[2][2][2];  // [packed][similarities][inertial]
+    std::optional<Kernel> sample_exact_, sample_packed_;  // those that the groups need
+    std::optional<Kernel> blend_[2][2];          // [similarities][posed]
+    std::map<LayeredSettings, Kernel> layered_;
     std::optional<Kernel> bind_, sockets_;
     Buffer first_poses_, second_poses_, local_, model_;  // the arena, 48 bytes a joint each; second_poses serves the scan as scratch once blended
 };

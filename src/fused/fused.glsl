@@ -27,6 +27,8 @@ TABLE_OF_WORDS(12, SocketSlots, socket_slots);  // [joint_count]: 1 + the joint'
 layout(set = 0, binding = 13, std430) writeonly buffer Sockets { StoredAffine sockets[]; };
 layout(set = 0, binding = 14, std430) readonly buffer Inertias { InstanceInertia inertias[]; };
 layout(set = 0, binding = 15, std430) buffer InertiaStates { InertiaState inertia_states[]; };
+TABLE_OF_WORDS(16, Posed, posed);
+TABLE_OF_ROWS(17, Poses, poses);
 #define scratch model  // named by methods that exchange through memory where shared memory is too small: no such plan is fused
 layout(constant_id = 8) const bool kPacked = false;
 layout(constant_id = 9) const bool kBlends = true;      // false: every instance plays one clip
@@ -38,6 +40,7 @@ layout(constant_id = 14) const uint kTileTransforms = 1;  // of all of them
 layout(constant_id = 15) const bool kLayered = false;    // instances play voices in layers, not two clips
 layout(constant_id = 16) const uint kSocketCount = 0;
 layout(constant_id = 17) const bool kInertial = false;   // of layers
+layout(constant_id = 18) const bool kPosed = false;      // poses may be set
 layout(push_constant) uniform Push { FusedPush push; };
 
 #define SKIN_SET 0
@@ -45,6 +48,7 @@ layout(push_constant) uniform Push { FusedPush push; };
 #define SKIN_STORES
 #include "bind/skin_format.glsl"
 #include "blend/inertial.glsl"
+#include "blend/posed.glsl"
 #include "blend/voices.glsl"
 #include "sample/sample.glsl"
 
@@ -65,7 +69,7 @@ SlotCursor only_slot(InstanceCursor cursor) {
 
 uvec4 tracks_of(SlotCursor slot, uint joint) { return ROW_AT(tracks, slot.first_track + joint); }
 
-JointPose local_pose(uint instance, InstanceCursor cursor, uint joint) {
+JointPose animated_pose(uint instance, InstanceCursor cursor, uint joint) {
     if (kInertial) return inertial_pose(instance, at(instance, joint), voices_pose(instance, joint));
     if (kLayered) return voices_pose(instance, joint);
     if (!kBlends) {
@@ -81,8 +85,8 @@ JointPose local_pose(uint instance, InstanceCursor cursor, uint joint) {
 }
 
 // Of a joint whose translation and scale are the rest pose's in every clip (fused/fixed_joints.h).
-JointPose local_pose_of_fixed(uint instance, InstanceCursor cursor, uint joint) {
-    if (kInertial) return local_pose(instance, cursor, joint);
+JointPose animated_pose_of_fixed(uint instance, InstanceCursor cursor, uint joint) {
+    if (kInertial) return animated_pose(instance, cursor, joint);
     const uvec4 rest = ROW_AT(tracks, push.rest_track + joint) & kTrackPositionMask;
     JointPose pose;
     pose.translation = uintBitsToFloat(ROW_AT(keys, rest.y));
@@ -102,6 +106,18 @@ JointPose local_pose_of_fixed(uint instance, InstanceCursor cursor, uint joint) 
     if (cursor.weight >= 1) pose.rotation = first;
     else if (cursor.weight <= 0) pose.rotation = second;
     else pose.rotation = blend_rotation(first, second, cursor.weight);
+    return pose;
+}
+
+JointPose local_pose(uint instance, InstanceCursor cursor, uint joint) {
+    const JointPose pose = animated_pose(instance, cursor, joint);
+    if (kPosed) return posed_pose(instance, joint, pose);
+    return pose;
+}
+
+JointPose local_pose_of_fixed(uint instance, InstanceCursor cursor, uint joint) {
+    const JointPose pose = animated_pose_of_fixed(instance, cursor, joint);
+    if (kPosed) return posed_pose(instance, joint, pose);
     return pose;
 }
 

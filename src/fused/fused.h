@@ -26,6 +26,8 @@ struct FusedBuffers {
     BufferRange sockets;       // of sockets: Affine[instance_count][socket_count], model_from_joint, written; else any buffer
     BufferRange inertias;        // of inertial transitions: io::InstanceInertia[instance_count]; else any buffer
     BufferRange inertia_states;  // of inertial transitions: io::InertiaState[instance_count][joint_count], read and written; else any buffer
+    BufferRange posed;  // of poses that may be set: io::InstancePose[instance_count], a table of words; else any
+    BufferRange poses;  // of poses that may be set: io::JointPose[pose_capacity][joint_count], a table of rows; else any
 };
 
 struct FusedSettings {
@@ -36,6 +38,7 @@ struct FusedSettings {
     bool layered = false;      // instances play voices, not the two clips of cursors
     uint32_t socket_count = 0;
     bool inertial = false;     // layered, with inertial transitions
+    bool posed = false;        // poses may be set
 };
 
 // What of a character decides how it is fused.

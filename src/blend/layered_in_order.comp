@@ -1,0 +1,46 @@
+#version 460
+// layered, in order: as layered.comp, where layers blend rotations in model space: these need what lies above a joint, so an invocation walks its instance's
+// joints, parents before children. Reads and writes beside what layered.comp does 96 bytes a joint and layer in model space.
+// A dispatch takes the joints that a software device's loops can go through (record_layered_in_order()); the rotations pass from one to the next in memory.
+#include "blend/inertia_io.h"
+#include "blend/layered_io.h"
+#include "control/controller_io.h"
+#include "gpu/table.glsl"
+
+layout(local_size_x = kLayeredWorkgroupSize) in;
+TABLE_OF_ROWS(0, Voices, voices);
+TABLE_OF_WORDS(1, Masks, masks);
+TABLE_OF_ROWS(2, Tracks, tracks);
+TABLE_OF_ROWS(3, Keys, keys);
+TABLE_OF_WORDS(4, Words, words);
+layout(set = 0, binding = 5, std430) writeonly buffer Local { vec4 local[]; };
+layout(set = 0, binding = 6, std430) readonly buffer Inertias { InstanceInertia inertias[]; };
+layout(set = 0, binding = 7, std430) buffer InertiaStates { InertiaState inertia_states[]; };
+TABLE_OF_WORDS(8, Posed, posed);
+TABLE_OF_ROWS(9, Poses, poses);
+TABLE_OF_WORDS(10, Parents, parents);
+layout(set = 0, binding = 11, std430) buffer Rotations { ModelRotations rotations[]; };
+layout(constant_id = 1) const bool kPacked = false;
+layout(constant_id = 2) const bool kSimilarity = false;
+layout(constant_id = 3) const bool kInertial = false;
+layout(constant_id = 4) const bool kPosed = false;
+layout(push_constant) uniform Push { LayeredInOrderPush push; };
+
+#define VOICES_IN_ORDER
+#include "blend/local.glsl"
+#include "blend/inertial.glsl"
+#include "blend/model_rotations.glsl"
+#include "blend/posed.glsl"
+#include "blend/voices.glsl"
+
+void main() {
+    const uint instance = gl_GlobalInvocationID.x;
+    if (instance >= push.instance_count) return;
+    for (uint joint = push.first_joint; joint < push.joint_end; ++joint) {
+        const uint index = instance * push.joint_count + joint;
+        JointPose pose = voices_pose(instance, joint);
+        if (kInertial) pose = inertial_pose(instance, index, pose);
+        if (kPosed) pose = posed_pose(instance, joint, pose);
+        store_local(index, pose);
+    }
+}

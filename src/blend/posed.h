@@ -1,0 +1,37 @@
+// Poses that the application sets: what it may say, and how they fade. The same for crowds and the reference; no Vulkan.
+#pragma once
+
+#include <throng/transform.h>
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace throng {
+
+// How far a pose has replaced the animated one. In float, like the fades of docs/controller.md, so that crowd and reference agree to the bit.
+class PoseFade {
+public:
+    bool is_set() const { return is_set_; }  // set, and not cleared since
+
+    // Towards the pose within `fade_s` seconds, 0: at once; nothing where it goes there already.
+    void set(float fade_s);
+    // Back within `fade_s` seconds.
+    void clear(float fade_s);
+    void advance(float time_step_s);  // below 0 counts as 0
+
+    bool is_moving() const { return fade_ != (is_set_ ? 1.0f : 0.0f); }
+    float weight() const;  // 0..1, eased
+
+private:
+    bool is_set_ = false;
+    float fade_ = 0, rate_ = 0;  // per second
+};
+
+// Throw kInvalidArgument with `place`.
+void check_fade(float fade_s, const std::string& place);
+// The pose, [joint_count], with rotations of length 1. Where the rig's scales are uniform, those of the pose must be so within 1e-5, and become so.
+std::vector<Trs<double>> checked_pose(std::span<const Trs<float>> parent_from_joint, uint32_t joint_count, bool uniform_scale, const std::string& place);
+
+}  // namespace throng

@@ -1,0 +1,56 @@
+// Poses that the application sets for chosen instances: kept here with their fades, and handed to the GPU inside the command buffer, as far as they changed.
+#pragma once
+
+#include "blend/posed.h"
+#include "blend/posed_io.h"
+#include "crowd/batch.h"
+#include "crowd/dirty_ranges.h"
+#include "crowd/group.h"
+#include "sample/sample_io.h"
+
+#include <map>
+
+namespace throng {
+
+class PoseStage {
+public:
+    // Of those groups that have room for poses; keeps references to all.
+    PoseStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches);
+
+    // As Crowd::set_pose() and clear_pose(); `instance` is of the batch. Failures have this place.
+    void set(uint32_t batch, uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s, const std::string& place);
+    void clear(uint32_t batch, uint32_t instance, float fade_s, const std::string& place);
+
+    // Takes the fades a step further, and uploads what changed.
+    void record(VkCommandBuffer commands, float time_step_s);
+
+private:
+    struct Posed {
+        uint32_t slot = 0;
+        PoseFade fade;
+    };
+    struct BatchPoses {
+        std::vector<io::InstancePose> instances;  // [instance_count], as the device has them, or will have by the next record(); empty where there is no room for poses
+        std::map<uint32_t, Posed> posed;          // those that have a slot
+        DirtyRanges changed;                      // of instances
+    };
+    struct GroupPoses {
+        std::vector<uint32_t> free_slots;
+        std::vector<io::JointPose> poses;  // [slots ever used][joint_count]
+        DirtyRanges changed;               // of slots
+    };
+    using Place = std::map<uint32_t, Posed>::iterator;
+
+    Posed& posed_at(uint32_t batch, uint32_t instance, const std::string& place);
+    Place follow(uint32_t batch, Place place);
+    template <class T>
+    void upload_changes(VkCommandBuffer commands, const Buffer& buffer, DirtyRanges& changed, const std::vector<T>& items, uint64_t item_size) const;
+
+    std::shared_ptr<Gpu> gpu_;
+    const std::vector<Group>& groups_;
+    const std::vector<Batch>& batches_;
+    std::vector<BatchPoses> of_batches_;  // [batch]
+    std::vector<GroupPoses> of_groups_;   // [group]
+};
+
+}  // namespace throng

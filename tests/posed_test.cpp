@@ -1,0 +1,305 @@
+// Poses that the application sets, over animated ones, against the reference.
+#include "blend/blend_reference.h"
+#include "blend/posed.h"
+#include "crowd/reference.h"
+#include "sample/sample_reference.h"
+#include "tests/crowd_cases.h"
+#include "tests/kernel_runner.h"
+#include "tools/creature.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+namespace throng::test {
+namespace {
+
+Character creature(uint32_t joints, double error) {
+    Result<Character> character = compile_character(*make_creature({.joint_count = joints, .level_count = 15}), {.error = error});
+    EXPECT_TRUE(character);
+    return std::move(*character);
+}
+
+Controller example(const char* name) {
+    Result<Controller> controller = load_controller(std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" + name + ".json");
+    EXPECT_TRUE(controller) << (controller ? "" : controller.error().text());
+    return std::move(*controller);
+}
+
+// The rest pose, bent at all joints; less than makes it unclear which way round is the shorter one.
+std::vector<Trs<float>> bent(Random& random, const Character& character) {
+    std::vector<Trs<float>> pose = character.rig.rest;
+    for (Trs<float>& joint : pose) {
+        Trs<double> moved = joint.as<double>();
+        moved.rotation = moved.rotation * axis_angle(random.direction(), random.between(0, 0.8));
+        const double length = random.between(0.5, 2) * (random.chance(0.5) ? -1 : 1);  // neither length one nor a hemisphere is asked for
+        moved.rotation = {moved.rotation.x * length, moved.rotation.y * length, moved.rotation.z * length, moved.rotation.w * length};
+        moved.translation = moved.translation + random.vector(0.05);
+        moved.scale = moved.scale * random.between(0.9, 1.1);
+        joint = moved.as<float>();
+    }
+    return pose;
+}
+
+double model_error(Crowd& crowd, uint32_t instance, const ReferencePose& wanted, double size) {
+    const std::vector<Affine> model = *crowd.read_model_matrices(instance), skin = *crowd.read_skin_matrices(instance);
+    double worst = 0;
+    for (size_t i = 0; i < model.size(); ++i) worst = std::max(worst, matrix_error(model[i], wanted.model_from_joint[i], size));
+    for (size_t i = 0; i < skin.size(); ++i) worst = std::max(worst, matrix_error(skin[i], wanted.model_from_bind[i], size));
+    return worst;
+}
+
+// Of the update path that the settings ask for, and the same without room for poses.
+struct Twins {
+    Crowd posed, plain;
+
+    explicit Twins(CrowdSettings settings, uint32_t capacity) : posed(create(with(settings, capacity))), plain(create(settings)) {}
+    static CrowdSettings with(CrowdSettings settings, uint32_t capacity) {
+        for (CrowdGroup& group : settings.groups) group.pose_capacity = capacity;
+        return settings;
+    }
+    bool are_the_same(uint32_t instance) { return same_bits(*posed.read_skin_matrices(instance), *plain.read_skin_matrices(instance)); }
+};
+
+// Set, replaced and cleared at random, with and without fades, among others that are never posed.
+void follow(UpdatePath path, const char* name, double error) {
+    constexpr uint32_t kInstances = 30, kPosed = 12, kUpdates = 60;
+    const Character character = creature(60, error);
+    const Controller controller = example(name);
+    Twins crowds({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}}, .path = path, .keep_model_matrices = true}, kPosed);
+    std::vector<ReferenceCharacter> wanted;
+    for (uint32_t i = 0; i < kInstances; ++i) wanted.push_back(std::move(*ReferenceCharacter::create(character, controller)));
+    Random random(23);
+    double worst = 0;
+    for (uint32_t update = 0; update < kUpdates; ++update) {
+        for (uint32_t i = 0; i < kInstances; ++i) {
+            const uint32_t parameter = random.below(static_cast<uint32_t>(controller.parameters.size()));
+            const std::array value{controller.parameters[parameter].type == ParameterType::kFloat ? static_cast<float>(random.between(-2, 3)) : static_cast<float>(random.below(2))};
+            for (Crowd* crowd : {&crowds.posed, &crowds.plain}) ASSERT_TRUE(crowd->set_parameters(i, parameter, value));
+            ASSERT_TRUE(wanted[i].set_parameters(parameter, value));
+        }
+        for (uint32_t i = 0; i < kPosed; ++i) {
+            const float fade_s = random.chance(0.3) ? 0 : static_cast<float>(random.between(0, 0.6));
+            if (random.chance(0.3)) {
+                const std::vector<Trs<float>> pose = bent(random, character);
+                ASSERT_TRUE(crowds.posed.set_pose(i, pose, fade_s));
+                ASSERT_TRUE(wanted[i].set_pose(pose, fade_s));
+            }
+            if (random.chance(0.15)) {
+                ASSERT_TRUE(crowds.posed.clear_pose(i, fade_s));
+                ASSERT_TRUE(wanted[i].clear_pose(fade_s));
+            }
+        }
+        const float step_s = random.chance(0.1) ? -0.01f : static_cast<float>(random.between(0, 0.1));
+        for (Crowd* crowd : {&crowds.posed, &crowds.plain}) ASSERT_TRUE(crowd->update(step_s));
+        for (ReferenceCharacter& one : wanted) ASSERT_TRUE(one.update(step_s));
+        if (update % 5 != 4) continue;
+        for (uint32_t i = 0; i < kInstances; ++i) worst = std::max(worst, model_error(crowds.posed, i, wanted[i].pose(), character.size));
+        for (uint32_t i = kPosed; i < kInstances; ++i) EXPECT_TRUE(crowds.are_the_same(i)) << "instance " << i;
+    }
+    EXPECT_LE(worst, 1e-4);
+    std::printf("  %s, %s: largest error %.1e of the size\n", name, path == UpdatePath::kFused ? "fused" : "staged", worst);
+}
+
+TEST(Posed, ControllersFollowTheReferenceFused) {
+    follow(UpdatePath::kFused, "walker", 1e-4);
+    follow(UpdatePath::kFused, "dragon", 0);
+}
+
+TEST(Posed, ControllersFollowTheReferenceStaged) {
+    follow(UpdatePath::kStaged, "walker", 0);
+    follow(UpdatePath::kStaged, "dragon", 1e-4);
+}
+
+constexpr uint32_t kAnyNumber = ~0u;
+
+// Characters of two clips, in several groups and batches; more poses than one piece of an upload holds. `scan` also where it takes similarities.
+void expect_blended(UpdatePath path, const std::string& scan, SkinFormat format, uint32_t most_workgroups) {
+    constexpr uint32_t kInstances = 70;
+    const Character character = creature(100, 1e-4), other = creature(30, 0);
+    Result<Device> device = Device::create({.select = test_device().info().name});  // its own, to pretend that it is smaller
+    ASSERT_TRUE(device) << device.error().text();
+    uint32_t& limit = device->gpu()->properties.limits.maxComputeWorkGroupCount[0];
+    limit = std::min(limit, most_workgroups);
+    CrowdSettings settings{.groups = {{.character = &other, .instance_count = 3, .pose_capacity = 1}, {.character = &character, .instance_count = kInstances}}, .path = path, .skin_format = format, .scan = scan, .keep_model_matrices = true};
+    Result<Crowd> plain = Crowd::create(*device, settings);
+    ASSERT_TRUE(plain) << plain.error().text();
+    settings.groups[1].pose_capacity = kInstances;
+    Result<Crowd> crowd = Crowd::create(*device, settings);
+    ASSERT_TRUE(crowd) << crowd.error().text();
+    EXPECT_EQ(crowd->outputs().size() > 2, most_workgroups < kInstances) << "batches";
+
+    Random random(4);
+    std::vector<Playback> playbacks = random_playbacks(random, other, 3);
+    for (const Playback& playback : random_playbacks(random, character, kInstances)) playbacks.push_back(playback);
+    for (Crowd* one : {&*plain, &*crowd}) ASSERT_TRUE(one->set_playback(0, playbacks));
+    constexpr float kFade_s = 0.5f, kStep_s = 0.2f;
+    std::vector<std::vector<Trs<float>>> poses(kInstances);
+    for (uint32_t i = 0; i < kInstances; ++i) {
+        if (i % 7 == 3) continue;
+        poses[i] = bent(random, character);
+        ASSERT_TRUE(crowd->set_pose(3 + i, poses[i], i % 2 == 0 ? kFade_s : 0));
+    }
+    for (Crowd* one : {&*plain, &*crowd}) ASSERT_TRUE(one->update(kStep_s));
+    PoseFade fade;
+    fade.set(kFade_s);
+    fade.advance(kStep_s);
+    double worst = 0;
+    for (uint32_t i = 0; i < kInstances; ++i) {
+        if (poses[i].empty()) {
+            EXPECT_TRUE(same_bits(*crowd->read_skin_matrices(3 + i), *plain->read_skin_matrices(3 + i))) << "instance " << i;
+            continue;
+        }
+        const Playback playback = advanced(playbacks[3 + i], character, kStep_s);
+        const auto sampled = [&](const ClipPlayback& slot) { return slot.clip == kNone ? sample_reference(character, static_cast<uint32_t>(character.clips.size()), 0) : sample_reference(character, slot.clip, slot.time_s); };
+        const std::vector<Trs<double>> first = sampled(playback.first), second = sampled(playback.second), pose = checked_pose(poses[i], character.rig.joint_count(), character.rig.uniform_scale, "pose");
+        std::vector<Trs<double>> local;
+        for (size_t joint = 0; joint < pose.size(); ++joint)
+            local.push_back(blend_reference(pose[joint], blend_reference(first[joint], second[joint], playback.weight), i % 2 == 0 ? fade.weight() : 1));
+        worst = std::max(worst, model_error(*crowd, 3 + i, pose_from_local(character, local), character.size));
+    }
+    EXPECT_LE(worst, 2 * kPoseBound);
+    for (uint32_t i = 0; i < kInstances; ++i) ASSERT_TRUE(crowd->clear_pose(3 + i));
+    for (Crowd* one : {&*plain, &*crowd}) ASSERT_TRUE(one->update(kStep_s));
+    for (uint32_t i = 0; i < 3 + kInstances; ++i) EXPECT_TRUE(same_bits(*crowd->read_skin_matrices(i), *plain->read_skin_matrices(i))) << "cleared, instance " << i;
+    std::printf("  %-20s %s, %zu batches: largest error %.1e of the size\n", crowd->scan(1).method.c_str(), crowd->is_fused(1) ? "fused" : "staged", crowd->outputs().size(), worst);
+}
+
+TEST(Posed, TwoClipsFollowTheReference) {
+    expect_blended(UpdatePath::kAuto, "auto", SkinFormat::kAffine, kAnyNumber);
+    expect_blended(UpdatePath::kAuto, "auto", SkinFormat::kAffine, 25);
+    expect_blended(UpdatePath::kStaged, "auto", SkinFormat::kAffine, 25);
+    expect_blended(UpdatePath::kStaged, "subgroup_quaternion", SkinFormat::kSimilarity, kAnyNumber);
+    expect_blended(UpdatePath::kFused, "subgroup_quaternion", SkinFormat::kAffine, kAnyNumber);
+    expect_blended(UpdatePath::kFused, "doubling", SkinFormat::kAffine, kAnyNumber);
+}
+
+// Whatever plays below, the same pose is the same to the bit.
+TEST(Posed, FullWeightIsThePoseAndNoneIsTheAnimation) {
+    const Character character = creature(60, 1e-4);
+    const Controller controller = example("walker");
+    Random random(3);
+    const std::vector<Trs<float>> pose = bent(random, character);
+    for (const UpdatePath path : {UpdatePath::kFused, UpdatePath::kStaged}) {
+        Twins crowds({.groups = {{.character = &character, .instance_count = 4}, {.character = &character, .instance_count = 4, .controller = &controller}}, .path = path}, 4);
+        const std::vector<Playback> playbacks = random_playbacks(random, character, 4);
+        for (Crowd* crowd : {&crowds.posed, &crowds.plain}) {
+            ASSERT_TRUE(crowd->set_playback(0, playbacks));
+            ASSERT_TRUE(crowd->set_parameters(6, 0, std::array{1.0f}));
+        }
+        const auto update = [&](float step_s) {
+            for (Crowd* crowd : {&crowds.posed, &crowds.plain}) ASSERT_TRUE(crowd->update(step_s));
+        };
+        for (const uint32_t i : {0u, 2u, 3u, 4u, 6u}) ASSERT_TRUE(crowds.posed.set_pose(i, pose, 0.25f));
+        update(0);
+        for (uint32_t i = 0; i < 8; ++i) EXPECT_TRUE(crowds.are_the_same(i)) << "a fade that has not begun, instance " << i;
+        update(0.1f);
+        for (const uint32_t i : {0u, 4u, 6u}) EXPECT_FALSE(crowds.are_the_same(i)) << i;
+        update(0.2f);
+        for (const uint32_t i : {2u, 3u, 4u, 6u}) EXPECT_TRUE(same_bits(*crowds.posed.read_skin_matrices(i), *crowds.posed.read_skin_matrices(0))) << i;
+        for (const uint32_t i : {1u, 5u, 7u}) EXPECT_TRUE(crowds.are_the_same(i)) << i;
+        for (const uint32_t i : {0u, 2u, 3u, 4u, 6u}) ASSERT_TRUE(crowds.posed.clear_pose(i, 0.1f));
+        update(0.05f);
+        EXPECT_FALSE(crowds.are_the_same(0));
+        update(0.06f);
+        for (uint32_t i = 0; i < 8; ++i) EXPECT_TRUE(crowds.are_the_same(i)) << "cleared, instance " << i;
+    }
+}
+
+TEST(Posed, FadesAreEasedAndTurnBackWhereTheyAre) {
+    PoseFade fade;
+    fade.advance(1);
+    EXPECT_EQ(fade.weight(), 0);
+    fade.set(2);
+    EXPECT_EQ(fade.weight(), 0);
+    fade.advance(0.5f);
+    EXPECT_NEAR(fade.weight(), 0.25 * 0.25 * 2.5, 1e-7);
+    fade.set(0);  // replaces the pose: the fade goes on
+    fade.advance(0.5f);
+    EXPECT_NEAR(fade.weight(), 0.5, 1e-7);
+    fade.clear(1);
+    EXPECT_NEAR(fade.weight(), 0.5, 1e-7);
+    fade.advance(0.25f);
+    EXPECT_NEAR(fade.weight(), 0.25 * 0.25 * 2.5, 1e-7);
+    fade.set(1);
+    fade.advance(-1);
+    EXPECT_NEAR(fade.weight(), 0.25 * 0.25 * 2.5, 1e-7);
+    fade.advance(10);
+    EXPECT_EQ(fade.weight(), 1);
+    EXPECT_FALSE(fade.is_moving());
+    fade.clear(1e-40f);
+    fade.advance(1e-40f);
+    EXPECT_EQ(fade.weight(), 0);
+    fade.set(1);
+    fade.advance(0.5f);
+    fade.clear(0);
+    EXPECT_EQ(fade.weight(), 0);
+}
+
+TEST(Posed, RoomForPosesIsFreeWhenTheyHaveFadedOut) {
+    const Character character = creature(20, 1e-4);
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 5}, {.character = &character, .instance_count = 5, .pose_capacity = 2}}});
+    const std::vector<Trs<float>>& pose = character.rig.rest;
+    const auto expect_full = [&](uint32_t instance, const char* capacity) {
+        const Result<void> refused = crowd.set_pose(instance, pose);
+        ASSERT_FALSE(refused);
+        EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
+        EXPECT_NE(refused.error().text().find(std::string("all ") + capacity + " poses of CrowdGroup::pose_capacity"), std::string::npos) << refused.error().text();
+    };
+    expect_full(0, "0");
+    ASSERT_TRUE(crowd.clear_pose(0, 1)) << "there is none";
+    ASSERT_TRUE(crowd.set_pose(5, pose));
+    ASSERT_TRUE(crowd.set_pose(9, pose, 0.5f));
+    expect_full(6, "2");
+    ASSERT_TRUE(crowd.set_pose(5, pose)) << "replaced";
+    ASSERT_TRUE(crowd.update(1));
+    ASSERT_TRUE(crowd.clear_pose(9, 0.5f));
+    ASSERT_TRUE(crowd.update(0.3f));
+    expect_full(6, "2");
+    ASSERT_TRUE(crowd.update(0.3f));
+    ASSERT_TRUE(crowd.set_pose(6, pose));
+    ASSERT_TRUE(crowd.clear_pose(5));
+    ASSERT_TRUE(crowd.set_pose(7, pose)) << "free at once";
+    expect_full(5, "2");
+    ASSERT_TRUE(crowd.update(0.1f));
+}
+
+TEST(Posed, WrongPosesAreRefusedAndChangeNothing) {
+    const Character character = creature(20, 1e-4), stretched = make_character({.joint_count = 20});
+    ASSERT_TRUE(character.rig.uniform_scale);
+    ASSERT_FALSE(stretched.rig.uniform_scale);
+    const Controller controller = direct_layers(1);
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1, .pose_capacity = 9}, {.character = &stretched, .instance_count = 1, .pose_capacity = 1}}});
+    ReferenceCharacter reference = std::move(*ReferenceCharacter::create(character, controller));
+    const auto expect_refused = [&](std::vector<Trs<float>> pose, float fade_s, const char* why) {
+        for (const Result<void>& result : {crowd.set_pose(0, pose, fade_s), reference.set_pose(pose, fade_s)}) {
+            ASSERT_FALSE(result) << why;
+            EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
+            EXPECT_NE(result.error().text().find(why), std::string::npos) << result.error().text();
+        }
+    };
+    const auto changed = [&](auto&& change) {
+        std::vector<Trs<float>> pose = character.rig.rest;
+        change(pose[7]);
+        return pose;
+    };
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    expect_refused({}, 0, "0 transforms for a character that has 20 joints");
+    expect_refused(changed([](Trs<float>& t) { t.rotation = {0, 0, 0, 0}; }), 0, "joint 7: its rotation has length 0");
+    expect_refused(changed([](Trs<float>& t) { t.translation.y = std::nanf(""); }), 0, "joint 7: a number is not finite");
+    expect_refused(changed([](Trs<float>& t) { t.rotation.w = kInfinity; }), 0, "not finite");
+    expect_refused(changed([](Trs<float>& t) { t.scale.z = -kInfinity; }), 0, "not finite");
+    expect_refused(changed([](Trs<float>& t) { t.scale.z = 1.001f; }), 0, "joint 7: its scale differs along the axes");
+    expect_refused(character.rig.rest, -1, "fade");
+    expect_refused(character.rig.rest, kInfinity, "fade");
+    EXPECT_FALSE(crowd.clear_pose(0, -1));
+    EXPECT_FALSE(reference.clear_pose(std::nanf("")));
+    EXPECT_FALSE(crowd.set_pose(2, character.rig.rest));
+    EXPECT_FALSE(crowd.clear_pose(2));
+    EXPECT_TRUE(crowd.set_pose(1, changed([](Trs<float>& t) { t.scale.z = 1.001f; }))) << "where scales differ anyway";
+    EXPECT_TRUE(crowd.set_pose(0, changed([](Trs<float>& t) { t.scale = {1, 1.000001f, 1}; })));
+    ASSERT_TRUE(crowd.update(0.1f));
+}
+
+}  // namespace
+}  // namespace throng::test
