@@ -11,6 +11,7 @@
 #include "draw/draw_io.h"
 #include "fused/fused_io.h"
 #include "gpu/affine.glsl"
+#include "morph/morph_io.h"
 #include "sample/sample_io.h"
 #include "scan/scan_io.h"
 #include "skin/skin_io.h"
@@ -56,6 +57,9 @@ layout(set = 0, binding = 37, std430) buffer Buffer37 { ControllerPush controlle
 layout(set = 0, binding = 38, std430) buffer Buffer38 { CommandPush command_pushs[]; };
 layout(set = 0, binding = 39, std430) buffer Buffer39 { InertiaState inertia_states[]; };
 layout(set = 0, binding = 40, std430) buffer Buffer40 { SocketPush socket_pushs[]; };
+layout(set = 0, binding = 41, std430) buffer Buffer41 { ActiveMorph active_morphs[]; };
+layout(set = 0, binding = 42, std430) buffer Buffer42 { MorphAxis morph_axes[]; };
+layout(set = 0, binding = 43, std430) buffer Buffer43 { MorphPush morph_pushes[]; };
 
 layout(local_size_x = 1) in;
 void main() {}

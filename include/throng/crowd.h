@@ -108,7 +108,9 @@ struct CrowdSettings {
 // Affine[instance_count][joint_count], where CrowdSettings::keep_model_matrices is set. `placement_buffer` holds
 // world_from_model, Affine[instance_count]. `socket_buffer`, where the group has sockets, holds
 // Affine[instance_count][socket_count], in CrowdGroup::socket_space. `parameter_buffer`, where the group has a controller, holds float[instance_count][parameter_count] and may be written
-// by the application's own shaders or copies between two updates. A block's buffers fit the device's storage-buffer range; offsets are 0.
+// by the application's own shaders or copies between two updates. `morph_buffer`, where the character has morphs, holds what each instance shows of them,
+// {uint32_t morph; float weight;}[instance_count][kActiveMorphLimit], the largest weight by magnitude first, weight 0 where there are fewer: bind position += weight * MorphDelta,
+// before skinning. A block's buffers fit the device's storage-buffer range; offsets are 0.
 // Valid once the recorded commands have run, until the next record() runs; written by compute shaders, and made visible by
 // record() to later compute, vertex and transfer reads on the same queue.
 struct OutputBlock {
@@ -125,10 +127,11 @@ struct OutputBlock {
     VkBuffer socket_buffer = VK_NULL_HANDLE;
     uint32_t parameter_count = 0;
     VkBuffer parameter_buffer = VK_NULL_HANDLE;
+    VkBuffer morph_buffer = VK_NULL_HANDLE;
 };
 
 // GPU time of each stage in the last finished update, summed over its dispatches, milliseconds. `fused` is sample, blend, scan and
-// bind of the groups that are updated in one pass.
+// bind of the groups that are updated in one pass. `blend` has the weights of morphs too.
 struct StageTimes {
     double control = 0, sample = 0, blend = 0, scan = 0, bind = 0, fused = 0;
     double total() const { return control + sample + blend + scan + bind + fused; }

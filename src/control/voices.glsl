@@ -1,7 +1,8 @@
-// The voices of an instance, written as they come: step 9 of docs/controller.md. The includer declares `voices`, `instance` and find_rows().
+// The voices of an instance, written as they come: step 9 of docs/controller.md. The includer declares `voices`, `voice_times`, `instance` and find_rows().
 
 // One voice waits until it is known what follows it.
 Voice waiting;
+float waiting_time_s, voice_time_s;  // its clip's time, and that of the last voice_of()
 uint voice_count;  // the waiting one included
 uint layer_flags;
 float voices_layer_weight;
@@ -12,15 +13,23 @@ void begin_voices() {
     layer_is_lowest = true;
 }
 
+void store_waiting() {
+    const uint index = instance * push.voice_limit + voice_count - 1;
+    voices[index] = waiting;
+    if ((push.flags & kPushTellsTimes) != 0) voice_times[index] = waiting_time_s;
+}
+
 void append_voice(Voice voice) {
-    if (voice_count > 0) voices[instance * push.voice_limit + voice_count - 1] = waiting;
+    if (voice_count > 0) store_waiting();
     waiting = voice;
+    waiting_time_s = voice_time_s;
     ++voice_count;
 }
 
 Voice voice_of(uint clip, uint phase, float weight) {
     const ClipAxis axis = load_axis(clip);
-    const SlotCursor cursor = find_rows(axis, float(phase) * (1.0 / 4294967296.0) * axis.duration_s);
+    voice_time_s = float(phase) * (1.0 / 4294967296.0) * axis.duration_s;
+    const SlotCursor cursor = find_rows(axis, voice_time_s);
     return Voice(clip * push.joint_count, cursor.earlier, cursor.later, cursor.fraction, weight, 1, axis.first_row, kVoiceBeginsLayer | kVoiceEndsLayer);
 }
 
@@ -49,5 +58,5 @@ void add_voice(uint clip, uint phase, float weight) {
 void end_voices() {
     if (voice_count == 0) append_rest_pose();
     waiting.flags |= kVoiceEnds;
-    voices[instance * push.voice_limit + voice_count - 1] = waiting;
+    store_waiting();
 }

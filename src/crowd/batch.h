@@ -16,6 +16,7 @@ struct Batch {
     uint32_t current_skin = 0;    // written by the last update
     Buffer kept_model;  // where CrowdSettings::keep_model_matrices
     Buffer inertias, inertia_states;              // where the controller has inertial transitions
+    Buffer voice_times, morphs;                   // where the character has morphs: of voices, where it has a controller too; io::ActiveMorph[instance_count][kActiveMorphs]
     Buffer sockets;    // Affine[instance_count][socket_count]
     Bindings control;
 

@@ -7,6 +7,7 @@
 #include "crowd/controller_stage.h"
 #include "crowd/dirty_ranges.h"
 #include "crowd/fused_update.h"
+#include "crowd/morph_stage.h"
 #include "crowd/staged_update.h"
 #include "control/control_io.h"
 
@@ -44,6 +45,7 @@ struct CrowdState {
     std::optional<StagedUpdate> staged;
     std::optional<FeedbackRing> feedback;
     std::optional<ControllerStage> controllers;
+    std::optional<MorphStage> morphs;
 
 private:
     void make_batches(uint32_t group, const CrowdSettings& settings);

@@ -5,6 +5,7 @@
 #include "control/controller_io.h"
 #include "crowd/path.h"
 #include "gpu/kernel.h"
+#include "morph/morph.h"
 
 #include <throng/character.h>
 
@@ -62,6 +63,7 @@ struct Group {
     std::optional<FusedGroup> fused;       // where fused
     Buffer palette_joints, joint_from_bind;  // bind
     Buffer vertices, influences, indices;  // skin, draw
+    std::optional<MorphTables> morphs;     // morph, skin, draw; where the character has any
 
     bool has_root_motion() const { return controller && root_rows.size_bytes() > sizeof(io::vec4); }
     uint32_t socket_flags() const { return socket_space == SocketSpace::kWorld ? io::kSocketsToWorld : 0; }

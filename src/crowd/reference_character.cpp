@@ -6,6 +6,7 @@
 #include "control/joint_mask.h"
 #include "control/layer_commands.h"
 #include "crowd/reference.h"
+#include "morph/morph_reference.h"
 #include "sample/sample_reference.h"
 
 #include <algorithm>
@@ -33,6 +34,7 @@ struct ReferenceCharacter::State {
     }
 
     std::vector<Trs<double>> mix() const;
+    std::vector<double> mix_morphs() const;
     void show(std::vector<Trs<double>> target, double step_s);
 
     const Character& character;
@@ -68,6 +70,17 @@ std::vector<Trs<double>> ReferenceCharacter::State::mix() const {
         local.push_back(voices_reference(layers));
     }
     return local;
+}
+
+// Step 11 of docs/controller.md.
+std::vector<double> ReferenceCharacter::State::mix_morphs() const {
+    std::vector<MorphLayer> layers;
+    for (size_t i = 0; i < last.voices.size(); ++i) {
+        const ControllerVoice& voice = last.voices[i];
+        if (i == 0 || last.voices[i - 1].layer != voice.layer) layers.push_back({.is_additive = voice.mode == io::kModeAdditive, .weight = voice.layer_weight, .voices = {}});
+        layers.back().voices.push_back({voice.clip, voice.time_s, voice.weight});
+    }
+    return morphs_reference(character, layers);
 }
 
 // Step 10 of docs/controller.md.
@@ -121,7 +134,11 @@ Result<void> ReferenceCharacter::update(float time_step_s) {
     });
 }
 
-ReferencePose ReferenceCharacter::pose() const { return pose_from_local(state_->character, state_->shown.empty() ? state_->mix() : state_->shown); }
+ReferencePose ReferenceCharacter::pose() const {
+    ReferencePose pose = pose_from_local(state_->character, state_->shown.empty() ? state_->mix() : state_->shown);
+    pose.morph_weights = state_->mix_morphs();
+    return pose;
+}
 
 std::span<const CharacterEvent> ReferenceCharacter::events() const { return state_->events; }
 
