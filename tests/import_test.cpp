@@ -818,7 +818,9 @@ TEST(Import, Modes) {
 
 TEST(Import, MorphTargets) {
     GlbBuilder b = tiny_character();
-    const size_t view = b.add_view(std::as_bytes(std::span(std::array<float, 3>{7, 8, 9}))), index = b.add_view(std::as_bytes(std::span(std::array<uint8_t, 1>{1})));
+    const std::array<float, 3> moved{7, 8, 9};
+    const std::array<uint8_t, 1> which{1};
+    const size_t view = b.add_view(std::as_bytes(std::span(moved))), index = b.add_view(std::as_bytes(std::span(which)));
     b.json["accessors"].push_back({{"componentType", kFloat}, {"count", 3}, {"type", "VEC3"},
                                    {"sparse", {{"count", 1}, {"indices", {{"bufferView", index}, {"componentType", kUint8}}}, {"values", {{"bufferView", view}}}}}});
     const size_t sparse = b.json["accessors"].size() - 1, positions = b.add<float>({1, 2, 3, 4, 5, 6, 7, 8, 9}, "VEC3", kFloat), normals = b.add<float>({0, 0, 1, 0, 1, 0, 0, 0, 0}, "VEC3", kFloat);
