@@ -427,7 +427,7 @@ TEST(CharacterFile, ACraftedTableIsRefused) {
             {"the largest count", [](Forged& f) { f.entry(S::kVertices).element_count = kMost64; }, "vertices"},
             {"a count whose bytes wrap around", [](Forged& f) { f.entry(S::kVertices).element_count += uint64_t{1} << 59; }, "vertices"},
             {"one element fewer", [](Forged& f) { f.entry(S::kIndices).element_count -= 1; }, "indices"},
-            {"a size and a count of fewer elements", [](Forged& f) { f.entry(S::kMeshSections).element_count -= 1, f.entry(S::kMeshSections).size_bytes -= sizeof(MeshSection); }, "section table"},
+            {"a size and a count of fewer elements", [](Forged& f) { f.entry(S::kMorphValues).element_count -= 1, f.entry(S::kMorphValues).size_bytes -= sizeof(float); }, "section table"},
             {"padding that is not zero", [](Forged& f) { f.bytes()[f.entry(S::kImages).offset_bytes + f.entry(S::kImages).size_bytes] = std::byte{1}; }, "parents"},
             {"text ends that go back", [](Forged& f) { f.at<uint64_t>(S::kTextEnds, 1) = 0; }, "text ends"},
             {"a text end beyond the text", [](Forged& f) { f.at<uint64_t>(S::kTextEnds, -1) = kMost64; }, "text ends"},

@@ -1212,6 +1212,15 @@ TEST(Import, Draco) {
     }
 }
 
+TEST(Import, DracoLeavesMorphTargetsAlone) {
+    GlbBuilder b = draco_character(draco::MESH_SEQUENTIAL_ENCODING);
+    primitive(b)["targets"] = {{{"POSITION", b.add<float>({1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}, "VEC3", kFloat)}}};
+    const AssetMorphTarget target = loaded(b).meshes[0].primitives[0].targets.at(0);
+    EXPECT_EQ(target.positions, (std::vector<Vec3<float>>{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {10, 11, 12}}));
+    primitive(b)["targets"][0]["POSITION"] = b.add<float>({1, 2, 3}, "VEC3", kFloat);
+    expect_refused(b, "meshes[0].primitives[0].targets[0].POSITION", "has 1 elements, but POSITION has 4");
+}
+
 TEST(Import, BrokenDraco) {
     const std::string place = "meshes[0].primitives[0].extensions.KHR_draco_mesh_compression";
     const GlbBuilder good = draco_character(draco::MESH_EDGEBREAKER_ENCODING);

@@ -159,7 +159,7 @@ TEST(Morph, LimitsAreNamed) {
     Asset wild = small_asset({{.node = 0, .interpolation = Interpolation::kCubicSpline, .times_s = {0, 1000}, .values = std::vector<float>(18, 1e6f)}});
     for (size_t i = 0; i < 18; i += 2) wild.clips[0].morph_tracks[0].values[i] = i % 4 == 0 ? 1e9f : -1e9f;
     for (size_t i : {3, 4, 5, 12, 13, 14}) wild.clips[0].morph_tracks[0].values[i] = 0;
-    refused(wild, "rows");
+    refused(wild, "weights to be followed");
 }
 
 // ---- The stage

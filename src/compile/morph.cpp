@@ -8,12 +8,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 
 namespace throng {
 namespace {
 
 constexpr double kFollowed = 1e-4;                // of a weight, of the track's largest where that exceeds 1: how closely rows follow cubic tracks
-constexpr size_t kRefinedRowLimit = 1'000'000;    // of a clip
+constexpr size_t kRefinedWeightLimit = 4'000'000; // of a clip's cubic tracks: seconds of work
 
 [[noreturn]] void exceeds(const std::string& place, uint64_t size_bytes, const char* of) {
     throw Failure(ErrorCode::kLimit, place, std::to_string(size_bytes >> 20) + " MiB of " + of + "; the limit is " + std::to_string(kKeyLimit_bytes >> 20) + " MiB a character");
@@ -136,32 +137,35 @@ private:
         check_size(times_s_.size());
     }
 
-    bool fits(double from_s, double to_s) const {
-        return std::ranges::all_of(columns_, [&](const Column& column) {
-            if (!column.track.is_cubic()) return true;
-            const double from = column.track.evaluate(from_s), to = column.track.evaluate(to_s);
+    static bool fits(std::span<const WeightTrack* const> cubic, double from_s, double to_s) {
+        constexpr double kBetween = 0.9;  // of the bound, for what lies between the eighths
+        return std::ranges::all_of(cubic, [&](const WeightTrack* track) {
+            const double from = track->evaluate(from_s), to = track->evaluate(to_s);
             return std::ranges::all_of(std::array{0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875}, [&](double w) {
-                return std::abs(from * (1 - w) + to * w - column.track.evaluate(from_s + w * (to_s - from_s))) <= 0.9 * column.track.bound();
+                return std::abs(from * (1 - w) + to * w - track->evaluate(from_s + w * (to_s - from_s))) <= kBetween * track->bound();
             });
         });
     }
 
     // Halves intervals until straight lines follow the cubic tracks.
     void refine() {
-        if (std::ranges::none_of(columns_, [](const Column& column) { return column.track.is_cubic(); })) return;
+        std::vector<const WeightTrack*> cubic;
+        for (const Column& column : columns_)
+            if (column.track.is_cubic()) cubic.push_back(&column.track);
+        if (cubic.empty()) return;
         std::vector<float> refined;
         for (size_t row = 0; row < times_s_.size(); ++row) {
             std::vector<float> ends{times_s_[row]};  // of the intervals still to look at, the nearest last
             while (!ends.empty()) {
                 const float to_s = ends.back(), from_s = refined.empty() ? to_s : refined.back(), middle_s = from_s + (to_s - from_s) / 2;
-                if (middle_s > from_s && middle_s < to_s && !fits(from_s, to_s)) {
+                if (middle_s > from_s && middle_s < to_s && !fits(cubic, from_s, to_s)) {
                     ends.push_back(middle_s);
                 } else {
                     ends.pop_back();
                     refined.push_back(to_s);
                 }
-                if (refined.size() + ends.size() > std::max(kRefinedRowLimit, times_s_.size()))
-                    throw Failure(ErrorCode::kLimit, place_, "its cubic weights of morph targets would need more than " + std::to_string(kRefinedRowLimit) + " rows");
+                if ((refined.size() + ends.size()) * cubic.size() > std::max(kRefinedWeightLimit, times_s_.size() * cubic.size()))
+                    throw Failure(ErrorCode::kLimit, place_, "its cubic tracks of morph targets would need more than the limit of " + std::to_string(kRefinedWeightLimit) + " weights to be followed");
             }
         }
         times_s_ = std::move(refined);

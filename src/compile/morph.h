@@ -10,7 +10,7 @@ namespace throng {
 void compile_morphs(const Asset& asset, Character& character);
 
 // Fills morph_tracks, morph_times_s and morph_values, and what clips say of them. character.clips are set, those of the asset in its order. Throws kLimit where
-// values or the track table exceed 256 MiB, or cubic tracks take more than 1,000,000 rows.
+// values or the track table exceed 256 MiB, or the cubic tracks of a clip take more than 4,000,000 weights.
 void compile_morph_tracks(const Asset& asset, Character& character);
 
 }  // namespace throng
