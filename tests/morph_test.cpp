@@ -411,7 +411,8 @@ TEST(Morph, CrowdsWithAControllerShowThem) {
         // Skinned by the matrices that the crowd has: how those follow the reference is another test's.
         for (uint32_t i = 0; i < kInstances; ++i) {
             std::vector<AffineT<double>> matrices;
-            for (const Affine& matrix : *crowd.read_skin_matrices(i)) matrices.push_back(matrix.as<double>());
+            const std::vector<Affine> read = *crowd.read_skin_matrices(i);
+            for (const Affine& matrix : read) matrices.push_back(matrix.as<double>());
             worst = std::max(worst, position_error(crowd, i, skin_reference(character, matrices, active_morphs_reference(wanted[i].pose().morph_weights)), character.size));
         }
     }
@@ -439,7 +440,8 @@ TEST(Morph, AClipOfWeightsAloneIsPlayed) {
     }
 }
 
-// A real character, against the file itself: weights, differences and skinning written once more. Its clips keep all weights at 0, so they are given some.
+// A real character, against the file itself: weights, differences and skinning written once more. Its clips keep all weights at 0, so they are given some:
+// eight of nine.
 TEST(Morph, ARealCharacterShowsWhatItsFileSays) {
     const std::filesystem::path file = std::filesystem::path(THRONG_SHARED_DIR) / "characters/robot_expressive/RobotExpressive.glb";
     if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is missing";
@@ -452,7 +454,8 @@ TEST(Morph, ARealCharacterShowsWhatItsFileSays) {
     for (AssetClip& clip : asset.clips) {
         EXPECT_EQ(clip.morph_tracks.size(), 3u);
         for (AssetMorphTrack& track : clip.morph_tracks)
-            for (float& value : track.values) value = static_cast<float>(random.unit());
+            for (size_t i = 0; i < track.values.size(); ++i)
+                if (&track != &clip.morph_tracks[0] || i % 3 != 0) track.values[i] = static_cast<float>(random.unit());
     }
     const Character character = compiled(asset);
     Crowd staged = create({.groups = {{&character, 1}}, .path = UpdatePath::kStaged}), fused = create({.groups = {{&character, 1}}});
