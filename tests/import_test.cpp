@@ -253,7 +253,6 @@ TEST(Import, UnneededPartsMayBeBroken) {
     GlbBuilder b = tiny_character();
     b.json["cameras"] = {1, "two", {{"type", "perspective"}}};
     b.json["nodes"][0]["camera"] = 99;
-    b.json["nodes"][0]["weights"] = "none";
     b.json["extras"] = {{"a", nullptr}};
     b.json["samplers"] = 5;
     b.json["accessors"][kPosition]["min"] = "wrong";

@@ -359,6 +359,10 @@ TEST(Morph, CrowdsOfTwoClipsShowThem) {
             const Character character = compiled(make_asset({.joint_count = 9, .seed = 4, .cubic = true, .morph_count = 6}), {.error = error}), plain = make_character({.joint_count = 6});
             Crowd crowd = create({.groups = {{&plain, 3}, {&character, 40}}, .path = path});
             EXPECT_EQ(crowd.outputs()[0].morph_buffer, VkBuffer{VK_NULL_HANDLE});
+            Character unmorphed = character;
+            unmorphed.morphs.clear();
+            const Crowd other = create({.groups = {{&plain, 3}, {&unmorphed, 40}}, .path = path});
+            EXPECT_GE(crowd.size_bytes(), other.size_bytes() + 40 * kActiveMorphLimit * sizeof(io::ActiveMorph) + character.morph_deltas.size() * sizeof(MorphDelta)) << "its memory is counted";
             ASSERT_NE(crowd.outputs()[1].morph_buffer, VkBuffer{VK_NULL_HANDLE});
             Random random(3);
             const std::vector<Playback> playbacks = random_playbacks(random, character, 40);

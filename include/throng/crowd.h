@@ -215,7 +215,7 @@ public:
     // Copies of one instance's results; they submit and wait. Shapes: [palette_count], [joint_count], [vertex_count].
     Result<std::vector<Affine>> read_skin_matrices(uint32_t instance);
     Result<std::vector<Affine>> read_model_matrices(uint32_t instance);
-    // Skinned on the GPU, model space, in the order of Character::vertices.
+    // Morphed and skinned on the GPU, model space, in the order of Character::vertices.
     Result<std::vector<Vec3<float>>> read_positions(uint32_t instance);
 
     // Device memory that the crowd holds.
