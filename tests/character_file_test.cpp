@@ -48,7 +48,7 @@ Asset make_full_asset(const AssetSettings& settings) {
 
 // A file of a few kilobytes.
 Bytes small_file(double error) {
-    Character character = compile(make_full_asset({.name = "small.glb", .joint_count = 4, .clip_count = 2, .axis_count = 2, .key_count = 3, .vertex_count = 6}), error);
+    Character character = compile(make_full_asset({.name = "small.glb", .joint_count = 4, .clip_count = 2, .axis_count = 2, .key_count = 3, .vertex_count = 6, .morph_count = 2}), error);
     character.root_rows = {{0, 0, 1, 0}, {0, 1, 0.8f, 0.6f}, {0, 0, 1, 0}, {1, 0, 0, -1}, {1, 2, -1, 0}};
     character.clips[0].root_row_count = character.clips[1].first_root_row = 2;
     character.clips[1].root_row_count = 3;
@@ -60,8 +60,12 @@ Result<Character> load(const Bytes& bytes) { return load_compiled_character(byte
 // ---- Equality. A field that is added to one of these structures fails to compile here: write it to the file, and compare it.
 
 auto fields_of(const Clip& clip) {
-    const auto& [name, duration_s, first_time, row_count, row_stride, first_row, channels, source_keys, animated, refined, dropped, size_bytes, raw_size_bytes, first_root_row, root_row_count, error] = clip;
-    return std::tie(name, duration_s, first_time, row_count, row_stride, first_row, channels, source_keys, animated, refined, dropped, size_bytes, raw_size_bytes, first_root_row, root_row_count, error);
+    const auto& [name, duration_s, first_time, row_count, row_stride, first_row, channels, source_keys, animated, refined, dropped, size_bytes, raw_size_bytes, first_root_row, root_row_count, error, first_morph_time, morph_row_count, morph_row_stride] = clip;
+    return std::tie(name, duration_s, first_time, row_count, row_stride, first_row, channels, source_keys, animated, refined, dropped, size_bytes, raw_size_bytes, first_root_row, root_row_count, error, first_morph_time, morph_row_count, morph_row_stride);
+}
+auto fields_of(const Morph& morph) {
+    const auto& [name, node, target, default_weight] = morph;
+    return std::tie(name, node, target, default_weight);
 }
 auto fields_of(const Skin& skin) {
     const auto& [name, first_entry, joint_count] = skin;
@@ -97,7 +101,7 @@ bool same(const Rig& a, const Rig& b) {
 
 void expect_same(const Character& a, const Character& b) {
     const auto& [name, rig, clips, times_s, packed, keys, words, root_rows, tracks, skins, palette, vertices, influences, indices, sections, materials, images, bounds_min, bounds_max,
-                 size, morph_target_count, warnings] = a;
+                 size, morphs, morph_deltas, morph_tracks, morph_times_s, morph_values, warnings] = a;
     EXPECT_TRUE(same(name, b.name));
     EXPECT_TRUE(same(rig, b.rig));
     EXPECT_TRUE(same(clips, b.clips));
@@ -118,7 +122,11 @@ void expect_same(const Character& a, const Character& b) {
     EXPECT_TRUE(same(bounds_min, b.bounds_min));
     EXPECT_TRUE(same(bounds_max, b.bounds_max));
     EXPECT_TRUE(same(size, b.size));
-    EXPECT_TRUE(same(morph_target_count, b.morph_target_count));
+    EXPECT_TRUE(same(morphs, b.morphs));
+    EXPECT_TRUE(same(morph_deltas, b.morph_deltas));
+    EXPECT_TRUE(same(morph_tracks, b.morph_tracks));
+    EXPECT_TRUE(same(morph_times_s, b.morph_times_s));
+    EXPECT_TRUE(same(morph_values, b.morph_values));
     EXPECT_TRUE(same(warnings, b.warnings));
 }
 
@@ -214,6 +222,7 @@ bool leads_nowhere_else(const Character& c) {
         }
         for (uint64_t v = 0; good && v < section.vertex_count; ++v) {
             need(section.first_vertex + v, c.vertices.size());
+            if (good && section.morph_count > 0 && c.vertices[section.first_vertex + v].first_delta > 0) need(uint64_t{c.vertices[section.first_vertex + v].first_delta} - 1 + section.morph_count - 1, c.morph_deltas.size());
             for (uint64_t set = 0; good && set < section.influence_sets; ++set) {
                 const uint64_t at = section.first_influences + v * section.influence_sets + set;
                 need(at, c.influences.size());
@@ -223,6 +232,16 @@ bool leads_nowhere_else(const Character& c) {
         }
         if (section.skin != kNone) need(section.skin, c.skins.size());
         if (section.material != kNone) need(section.material, c.materials.size());
+    }
+    for (uint32_t clip = 0; good && clip < c.clips.size(); ++clip) {
+        const Clip& of = c.clips[clip];
+        if (of.morph_row_count > 0) need(uint64_t{of.first_morph_time} + of.morph_row_count - 1, c.morph_times_s.size());
+        for (size_t morph = 0; good && morph < c.morphs.size(); ++morph) {
+            need(clip * c.morphs.size() + morph, c.morph_tracks.size());
+            if (!good) return false;
+            const uint32_t word = c.morph_tracks[clip * c.morphs.size() + morph];
+            if (word != 0xFFFFFFFF) need((word & 0x3FFFFFFF) + (word & 0x80000000 && of.morph_row_count > 0 ? (of.morph_row_count - uint64_t{1}) * of.morph_row_stride : 0), c.morph_values.size());
+        }
     }
     for (const AssetMaterial& material : c.materials)
         if (material.image != kNone) need(material.image, c.images.size());
@@ -384,7 +403,7 @@ TEST(CharacterFile, ACraftedTableIsRefused) {
             {"no sections", [](Forged& f) { f.header().section_count = 0; }, "sections"},
             {"too many sections", [](Forged& f) { f.header().section_count = kMost; }, "sections"},
             {"a section's id twice", [](Forged& f) { f.entry(S::kKeys).id = static_cast<uint32_t>(S::kTimes); }, "keys"},
-            {"an unknown id", [](Forged& f) { f.entry(S::kMeshSections).id = 21; }, "mesh sections"},
+            {"an unknown id", [](Forged& f) { f.entry(S::kMeshSections).id = 26; }, "mesh sections"},
             {"elements of 0 bytes", [](Forged& f) { f.entry(S::kKeys).element_bytes = 0; }, "keys"},
             {"elements of other bytes", [](Forged& f) { f.entry(S::kKeys).element_bytes = 4; }, "keys"},
             {"a section in the header", [](Forged& f) { f.entry(S::kScalars).offset_bytes = 0; }, "scalars"},
@@ -408,7 +427,7 @@ TEST(CharacterFile, ACraftedTableIsRefused) {
             {"the largest count", [](Forged& f) { f.entry(S::kVertices).element_count = kMost64; }, "vertices"},
             {"a count whose bytes wrap around", [](Forged& f) { f.entry(S::kVertices).element_count += uint64_t{1} << 59; }, "vertices"},
             {"one element fewer", [](Forged& f) { f.entry(S::kIndices).element_count -= 1; }, "indices"},
-            {"a size and a count of fewer elements", [](Forged& f) { f.entry(S::kMeshSections).element_count -= 1, f.entry(S::kMeshSections).size_bytes -= sizeof(MeshSection); }, "section table"},
+            {"a size and a count of fewer elements", [](Forged& f) { f.entry(S::kMorphValues).element_count -= 1, f.entry(S::kMorphValues).size_bytes -= sizeof(float); }, "section table"},
             {"padding that is not zero", [](Forged& f) { f.bytes()[f.entry(S::kImages).offset_bytes + f.entry(S::kImages).size_bytes] = std::byte{1}; }, "parents"},
             {"text ends that go back", [](Forged& f) { f.at<uint64_t>(S::kTextEnds, 1) = 0; }, "text ends"},
             {"a text end beyond the text", [](Forged& f) { f.at<uint64_t>(S::kTextEnds, -1) = kMost64; }, "text ends"},
@@ -426,7 +445,7 @@ TEST(CharacterFile, CraftedContentIsRefused) {
             {"fewer warnings than strings", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).warning_count = 0; }, "strings"},
             {"a truth value of 2", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).packed = 2; }, "packed"},
             {"a truth value of all bits", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).uniform_scale = kMost; }, "uniform_scale"},
-            {"what is reserved", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).reserved = 1; }, "reserved"},
+            {"what is reserved", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).reserved[1] = 1; }, "reserved"},
             {"more levels than joints", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).level_count = kMost; }, "levels"},
             {"no leaves", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).leaf_count = 0; }, "leaves"},
             {"a mean depth that is no number", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).mean_depth = std::numeric_limits<double>::quiet_NaN(); }, "mean depth"},
@@ -448,7 +467,6 @@ TEST(CharacterFile, CraftedContentIsRefused) {
             {"the largest stride", [](Forged& f) { f.at<ClipRecord>(S::kClips).row_stride = kMost; }, "clips[0]"},
             {"a stride that wraps around", [](Forged& f) { f.at<ClipRecord>(S::kClips).row_stride = 0x80000000u; }, "clips[0]"},
             {"rows that begin behind all", [](Forged& f) { f.at<ClipRecord>(S::kClips).first_row = kMost; }, "clips[0]"},
-            {"a clip's reserved word", [](Forged& f) { f.at<ClipRecord>(S::kClips).reserved = 1; }, "reserved"},
             {"a negative duration", [](Forged& f) { f.at<ClipRecord>(S::kClips).duration_s = -1; }, "duration"},
             {"a duration without end", [](Forged& f) { f.at<ClipRecord>(S::kClips).duration_s = kInfinity; }, "duration"},
             {"an error that is no number", [](Forged& f) { f.at<ClipRecord>(S::kClips).error = std::numeric_limits<double>::quiet_NaN(); }, "error"},
@@ -499,6 +517,21 @@ TEST(CharacterFile, CraftedContentIsRefused) {
             {"a triangle left out", [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 1).index_count -= 3; }, "sections"},
             {"a section of no skin", [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 0).skin = 1; }, "sections[0]"},
             {"a section of no material", [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 0).material = 3; }, "sections[0]"},
+            {"a section of no morph", [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 1).morph_count += 1; }, "sections[1]"},
+            {"morphs whose end wraps around", [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 0).first_morph = kMost; }, "sections[0]"},
+            {"a section whose morphs are gone", [](Forged& f) { f.at<MeshSection>(S::kMeshSections, 0).morph_count = 0; }, "its section has none"},
+            {"a default weight that is no number", [](Forged& f) { f.at<MorphRecord>(S::kMorphs, 1).default_weight = kNan; }, "morphs[1]"},
+            {"differences behind all", [](Forged& f) { f.at<Vertex>(S::kVertices, 0).first_delta = static_cast<uint32_t>(f.entry(S::kMorphDeltas).element_count); }, "vertices[0]"},
+            {"the largest difference", [](Forged& f) { f.at<Vertex>(S::kVertices, -1).first_delta = kMost; }, "vertices[11]"},
+            {"a difference that is not finite", [](Forged& f) { f.at<MorphDelta>(S::kMorphDeltas, 1).position.y = kInfinity; }, "morph deltas[1]"},
+            {"weights behind all", [](Forged& f) { f.at<uint32_t>(S::kMorphTracks, 0) = static_cast<uint32_t>(f.entry(S::kMorphValues).element_count); }, "morph tracks[0]"},
+            {"rows of weights behind all", [](Forged& f) { f.at<uint32_t>(S::kMorphTracks, 0) = static_cast<uint32_t>(f.entry(S::kMorphValues).element_count - 1) | kTrackAnimated, f.at<ClipRecord>(S::kClips).morph_row_stride = 1; }, "morph tracks[0]"},
+            {"the largest stride of weights", [](Forged& f) { f.at<ClipRecord>(S::kClips).morph_row_stride = kMost; }, "morph tracks["},
+            {"rows of weights of another clip", [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).first_morph_time = kMost; }, "clips[1]"},
+            {"one row of weights more", [](Forged& f) { f.at<ClipRecord>(S::kClips, 1).morph_row_count += 1; }, "clips[1]"},
+            {"a weight without end", [](Forged& f) { f.at<float>(S::kMorphValues, -1) = kInfinity; }, "morph values["},
+            {"a time of weights that is no number", [](Forged& f) { f.at<float>(S::kMorphTimes, 0) = kNan; }, "morph times[0]"},
+            {"two rows of weights at one time", [](Forged& f) { f.at<float>(S::kMorphTimes, 1) = f.at<float>(S::kMorphTimes, 0); }, "morph times[1]"},
             {"a material of no image", [](Forged& f) { f.at<MaterialRecord>(S::kMaterials, 0).image = 2; }, "materials[0]"},
             {"a name of two lines", [](Forged& f) { f.at<char>(S::kText, 0) = '\n'; }, "control characters"},
             {"a warning that rewrites the terminal", [](Forged& f) { f.at<char>(S::kText, -1) = '\x1B'; }, "control characters"},

@@ -35,12 +35,13 @@ public:
           layers_(as_words(repeated(made_.initial_layers))),
           parameters_(repeated(made_.initial_parameters)),
           voices_(poison<io::Voice>(count * size_t{made_.voice_limit})),
+          voice_times_(poison<float>(count * size_t{made_.voice_limit})),
           events_(poison<uint32_t>(sizeof(io::EventHead) / 4 + kEventCapacity * sizeof(io::EventRecord) / 4)),
           roots_(std::vector<io::RootState>(count)),
           placements_(std::vector<Affine>(count)),
           inertias_(std::vector<io::InstanceInertia>(count)),
           commands_(std::vector<io::ControlCommand>(count * size_t{kCommandsEach})),
-          controller_bindings_(controller_.bind(ControllerBuffers{tables_, axes_, times_, root_rows_, layers_, parameters_, voices_, events_, roots_, placements_, inertias_, layers_, parameters_})),
+          controller_bindings_(controller_.bind(ControllerBuffers{tables_, axes_, times_, root_rows_, layers_, parameters_, voices_, events_, roots_, placements_, inertias_, layers_, parameters_, voice_times_})),
           command_bindings_(command_.bind(CommandBuffers{commands_, layers_, parameters_})) {}
 
     static constexpr uint32_t kCommandsEach = 3;
@@ -55,7 +56,7 @@ public:
             memory_barrier(gpu, buffer, kTransferWrite, kShaderRead | kShaderWrite);
             if (command_count > 0) command_.dispatch_invocations(buffer, command_bindings_, io::CommandPush{command_count, made_.layout.layer_count, made_.layout.parameter_count}, command_count);
             memory_barrier(gpu, buffer, kShaderWrite, kShaderRead | kShaderWrite);
-            controller_.dispatch_invocations(buffer, controller_bindings_, io::ControllerPush{count_, 1000, joint_count_, made_.voice_limit, kEventCapacity, time_step_s, 0}, count_);
+            controller_.dispatch_invocations(buffer, controller_bindings_, io::ControllerPush{count_, 1000, joint_count_, made_.voice_limit, kEventCapacity, time_step_s, io::kPushTellsTimes}, count_);
         });
     }
     std::vector<io::LayerState> layers() const {
@@ -66,6 +67,7 @@ public:
     }
     std::vector<float> parameters() const { return parameters_.read(); }
     std::vector<io::Voice> voices() const { return voices_.read(); }
+    std::vector<float> voice_times() const { return voice_times_.read(); }
     EventBlock events() const {
         const std::vector<uint32_t> words = events_.read();
         EventBlock block;
@@ -99,6 +101,7 @@ private:
     Guarded<uint32_t> layers_;
     Guarded<float> parameters_;
     Guarded<io::Voice> voices_;
+    Guarded<float> voice_times_;
     Guarded<uint32_t> events_;
     Guarded<io::RootState> roots_;
     Guarded<Affine> placements_;
@@ -193,6 +196,7 @@ void follow(const Controller& controller, uint32_t instance_count, uint32_t upda
         const std::vector<io::LayerState> layers = kernels.layers();
         const std::vector<float> parameters = kernels.parameters();
         const std::vector<io::Voice> voices = kernels.voices();
+        const std::vector<float> voice_times = kernels.voice_times();
         const EventBlock events = kernels.events();
         std::map<EventKey, std::vector<double>> wanted_events;
         for (uint32_t i = 0; i < instance_count && !::testing::Test::HasFailure(); ++i) {
@@ -200,6 +204,7 @@ void follow(const Controller& controller, uint32_t instance_count, uint32_t upda
             expect_layers(std::span(layers).subspan(i * layer_count, layer_count), references[i].layers);
             EXPECT_TRUE(std::equal(references[i].parameters.begin(), references[i].parameters.end(), parameters.begin() + static_cast<ptrdiff_t>(i * parameter_count)));
             expect_voices(std::span(voices).subspan(i * size_t{kernels.made().voice_limit}, kernels.made().voice_limit), wanted.voices, character);
+            for (size_t k = 0; k < wanted.voices.size(); ++k) EXPECT_NEAR(voice_times[i * size_t{kernels.made().voice_limit} + k], wanted.voices[k].time_s, 1e-5) << "of voice " << k;
             for (const ControllerEventAt& event : wanted.events) wanted_events[{1000 + i, event.layer, event.event}].push_back(event.time_s);
             for (const io::LayerState& state : references[i].layers) transition_count += state.taken != io::kAbsent;
             if (::testing::Test::HasFailure()) ADD_FAILURE() << "instance " << i << ", update " << update << " by " << time_step_s << " s";

@@ -283,6 +283,22 @@ TEST(Draw, MultipliesFactorTextureAndVertexColor) {
     EXPECT_TRUE(is_blue(at(draw(asset), 0, 0.5)));
 }
 
+// One target moves the square aside, one only turns its normals away from the light.
+TEST(Draw, AppliesMorphs) {
+    Asset asset = square();
+    asset.meshes[0].weights = {0, 0};
+    asset.meshes[0].primitives[0].targets = {{.positions = std::vector<Vec3<float>>(4, {-1, 0, 0}), .normals = {}}, {.positions = {}, .normals = std::vector<Vec3<float>>(4, {1, -1, -1})}};
+    const auto with = [&](float first, float second) {
+        asset.clips[0].morph_tracks = {{.node = 1, .interpolation = Interpolation::kLinear, .times_s = {0, 1}, .values = {0, 0, first, second}}};
+        return draw(asset, {placed_at(-1), Affine{}}, 1, 1.0);  // the clip moves the squares by 1
+    };
+    const Picture still = with(0, 0), moved = with(1, 0), turned_away = with(0, 1);
+    EXPECT_TRUE(is_red(at(still, 1, 0.5)) && is_red(at(still, 0, 0.5)) && is_grey(at(still, -1, 0.5)));
+    EXPECT_TRUE(is_grey(at(moved, 1, 0.5)) && is_red(at(moved, 0, 0.5)) && is_red(at(moved, -1, 0.5)));
+    EXPECT_LT(at(turned_away, 0, 0.5).r + 20, at(still, 0, 0.5).r) << "darker";
+    EXPECT_EQ(draw(square(), {placed_at(-1), Affine{}}, 1, 1.0).rgba, still.rgba) << "weights of 0 change nothing";
+}
+
 TEST(Draw, DrawsBrokenImagesWhite) {
     Asset asset = square();
     asset.materials[0].image = 0;

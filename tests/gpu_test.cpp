@@ -10,6 +10,7 @@
 #include "control/controller_io.h"
 #include "control/control.h"
 #include "draw/draw_io.h"
+#include "morph/morph_io.h"
 #include "procedural/procedural_io.h"
 #include "sample/sample_io.h"
 #include "scan/scan.h"
@@ -150,7 +151,7 @@ TEST(Gpu, SpirvTellsWhatAShaderNeeds) {
     expect("sample", kSampleSpirv, {0, 1, 2, 3, 4}, sizeof(io::SamplePush), io::kSampleWorkgroupSize);
     expect("blend", kBlendSpirv, {0, 1, 2, 3}, sizeof(io::BlendPush), io::kBlendWorkgroupSize);
     expect("bind", kBindSpirv, {0, 1, 2, 3}, sizeof(io::BindPush), io::kBindWorkgroupSize);
-    expect("skin", kSkinSpirv, {0, 1, 2, 3}, sizeof(io::SkinPush), io::kSkinWorkgroupSize);
+    expect("skin", kSkinSpirv, {0, 1, 2, 3, 4, 5}, sizeof(io::SkinPush), io::kSkinWorkgroupSize);
     for (const ScanMethod& method : scan_table()) {
         const ScanShaders& shaders = scan_shaders(method.name);
         for (const auto& spirv : {shaders.plain, shaders.wide, shaders.on_chip, shaders.on_chip_wide}) {
@@ -199,9 +200,9 @@ std::map<std::string, Layout> layouts_in_cpp() {
         {"FusedPush", {sizeof(io::FusedPush), {MEMBER(FusedPush, joint_count), MEMBER(FusedPush, instance_count), MEMBER(FusedPush, palette_count), MEMBER(FusedPush, rest_track), MEMBER(FusedPush, voice_limit)}}},
         {"BindPush", {sizeof(io::BindPush), {MEMBER(BindPush, joint_count), MEMBER(BindPush, palette_count)}}},
         {"VertexRows", {sizeof(io::VertexRows), {MEMBER(VertexRows, position_normal), MEMBER(VertexRows, texcoord_color)}}},
-        {"SkinPush", {sizeof(io::SkinPush), {MEMBER(SkinPush, first_vertex), MEMBER(SkinPush, vertex_count), MEMBER(SkinPush, first_influences), MEMBER(SkinPush, influence_sets), MEMBER(SkinPush, first_palette_entry)}}},
+        {"SkinPush", {sizeof(io::SkinPush), {MEMBER(SkinPush, first_vertex), MEMBER(SkinPush, vertex_count), MEMBER(SkinPush, first_influences), MEMBER(SkinPush, influence_sets), MEMBER(SkinPush, first_palette_entry), MEMBER(SkinPush, first_morph), MEMBER(SkinPush, morph_count), MEMBER(SkinPush, first_active)}}},
         {"DrawScene", {sizeof(io::DrawScene), {MEMBER(DrawScene, clip_from_world), MEMBER(DrawScene, eye), MEMBER(DrawScene, forward), MEMBER(DrawScene, right), MEMBER(DrawScene, down), MEMBER(DrawScene, to_light), MEMBER(DrawScene, ground), MEMBER(DrawScene, scale)}}},
-        {"DrawPush", {sizeof(io::DrawPush), {MEMBER(DrawPush, first_vertex), MEMBER(DrawPush, first_influences), MEMBER(DrawPush, influence_sets), MEMBER(DrawPush, palette_count), MEMBER(DrawPush, base_color), MEMBER(DrawPush, alpha_cutoff), MEMBER(DrawPush, double_sided), MEMBER(DrawPush, unused0), MEMBER(DrawPush, unused1)}}},
+        {"DrawPush", {sizeof(io::DrawPush), {MEMBER(DrawPush, first_vertex), MEMBER(DrawPush, first_influences), MEMBER(DrawPush, influence_sets), MEMBER(DrawPush, palette_count), MEMBER(DrawPush, base_color), MEMBER(DrawPush, alpha_cutoff), MEMBER(DrawPush, double_sided), MEMBER(DrawPush, first_morph), MEMBER(DrawPush, morph_count)}}},
         {"ControlClip", {sizeof(io::ControlClip), {MEMBER(ControlClip, rate), MEMBER(ControlClip, first_event), MEMBER(ControlClip, event_count), MEMBER(ControlClip, first_root), MEMBER(ControlClip, root_count)}}},
         {"ControlLayer", {sizeof(io::ControlLayer), {MEMBER(ControlLayer, first_state), MEMBER(ControlLayer, state_count), MEMBER(ControlLayer, mode), MEMBER(ControlLayer, mask), MEMBER(ControlLayer, weight), MEMBER(ControlLayer, weight_parameter), MEMBER(ControlLayer, model_rotations)}}},
         {"ControlState", {sizeof(io::ControlState), {MEMBER(ControlState, first_point), MEMBER(ControlState, point_count), MEMBER(ControlState, first_triangle), MEMBER(ControlState, triangle_count), MEMBER(ControlState, first_edge), MEMBER(ControlState, edge_count), MEMBER(ControlState, x_parameter), MEMBER(ControlState, y_parameter), MEMBER(ControlState, speed_parameter), MEMBER(ControlState, speed), MEMBER(ControlState, loop), MEMBER(ControlState, sync), MEMBER(ControlState, first_transition), MEMBER(ControlState, transition_count)}}},
@@ -216,6 +217,9 @@ std::map<std::string, Layout> layouts_in_cpp() {
         {"LayerState", {sizeof(io::LayerState), {MEMBER(LayerState, plays), MEMBER(LayerState, play_count), MEMBER(LayerState, weight), MEMBER(LayerState, weight_goal), MEMBER(LayerState, weight_rate), MEMBER(LayerState, mode), MEMBER(LayerState, mask), MEMBER(LayerState, taken)}}},
         {"Voice", {sizeof(io::Voice), {MEMBER(Voice, first_track), MEMBER(Voice, earlier), MEMBER(Voice, later), MEMBER(Voice, fraction), MEMBER(Voice, weight), MEMBER(Voice, layer_weight), MEMBER(Voice, reference_row), MEMBER(Voice, flags)}}},
         {"InstanceInertia", {sizeof(io::InstanceInertia), {MEMBER(InstanceInertia, elapsed_s), MEMBER(InstanceInertia, duration_s), MEMBER(InstanceInertia, shown_step_s), MEMBER(InstanceInertia, shown_count), MEMBER(InstanceInertia, begins), MEMBER(InstanceInertia, time_step_s)}}},
+        {"ActiveMorph", {sizeof(io::ActiveMorph), {MEMBER(ActiveMorph, morph), MEMBER(ActiveMorph, weight)}}},
+        {"MorphAxis", {sizeof(io::MorphAxis), {MEMBER(MorphAxis, first_time), MEMBER(MorphAxis, row_count), MEMBER(MorphAxis, row_stride)}}},
+        {"MorphPush", {sizeof(io::MorphPush), {MEMBER(MorphPush, instance_count), MEMBER(MorphPush, morph_count), MEMBER(MorphPush, joint_count), MEMBER(MorphPush, voice_limit)}}},
         {"RootState", {sizeof(io::RootState), {MEMBER(RootState, move), MEMBER(RootState, place), MEMBER(RootState, base)}}},
         {"EventHead", {sizeof(io::EventHead), {MEMBER(EventHead, count), MEMBER(EventHead, unused0), MEMBER(EventHead, unused1), MEMBER(EventHead, unused2)}}},
         {"EventRecord", {sizeof(io::EventRecord), {MEMBER(EventRecord, instance), MEMBER(EventRecord, event), MEMBER(EventRecord, layer), MEMBER(EventRecord, time_s)}}},

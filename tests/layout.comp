@@ -12,6 +12,7 @@
 #include "draw/draw_io.h"
 #include "fused/fused_io.h"
 #include "gpu/affine.glsl"
+#include "morph/morph_io.h"
 #include "procedural/procedural_io.h"
 #include "sample/sample_io.h"
 #include "scan/scan_io.h"
@@ -70,6 +71,9 @@ layout(set = 0, binding = 49, std430) buffer Buffer49 { ProceduralPush procedura
 layout(set = 0, binding = 50, std430) buffer Buffer50 { InstancePose instance_poses[]; };
 layout(set = 0, binding = 51, std430) buffer Buffer51 { LayeredInOrderPush layered_in_order_pushs[]; };
 layout(set = 0, binding = 52, std430) buffer Buffer52 { ModelRotations model_rotations[]; };
+layout(set = 0, binding = 53, std430) buffer Buffer53 { ActiveMorph active_morphs[]; };
+layout(set = 0, binding = 54, std430) buffer Buffer54 { MorphAxis morph_axes[]; };
+layout(set = 0, binding = 55, std430) buffer Buffer55 { MorphPush morph_pushes[]; };
 
 layout(local_size_x = 1) in;
 void main() {}

@@ -1,5 +1,6 @@
 // Skinned positions against the reference: 4 and 8 influences, several sections, several instances.
 #include "skin/skin.h"
+#include "morph/morph_io.h"
 #include "skin/skin_reference.h"
 #include "tests/kernel_runner.h"
 #include "tests/test_rig.h"
@@ -17,15 +18,23 @@ Character make_mesh(Random& random, uint32_t palette_count, const std::vector<st
     Character character;
     character.palette.resize(palette_count);
     character.influences.resize(5);
+    character.morph_deltas.resize(3);
     for (const auto& [vertex_count, influence_sets] : sections) {
         MeshSection section;
         section.first_vertex = static_cast<uint32_t>(character.vertices.size());
         section.vertex_count = vertex_count;
         section.first_influences = static_cast<uint32_t>(character.influences.size());
         section.influence_sets = influence_sets;
+        section.first_morph = static_cast<uint32_t>(character.morphs.size());
+        section.morph_count = random.below(5);
+        character.morphs.resize(character.morphs.size() + section.morph_count);
         character.sections.push_back(section);
         for (uint32_t v = 0; v < vertex_count; ++v) {
             character.vertices.push_back({.position = random.vector(1).as<float>()});
+            if (section.morph_count > 0 && random.chance(0.7)) {
+                character.vertices.back().first_delta = static_cast<uint32_t>(character.morph_deltas.size() + 1);
+                for (uint32_t m = 0; m < section.morph_count; ++m) character.morph_deltas.push_back({.position = random.vector(0.2).as<float>()});
+            }
             for (uint32_t set = 0; set < influence_sets; ++set) {
                 Influences influences;
                 for (size_t i = 0; i < 4; ++i) {
@@ -54,6 +63,18 @@ Skinned run_skin(const Character& character, uint32_t instance, uint32_t instanc
             matrices.push_back(to_affine(random.trs(2, 0.5)).as<float>());
             if (i == instance) of_instance.push_back(matrices.back().as<double>());
         }
+    // Of morphs of all sections, fewer than all, none.
+    std::vector<io::ActiveMorph> shown(instance_count * size_t{io::kActiveMorphs});
+    std::vector<WeightedMorph> of_instance_shown;
+    for (uint32_t i = 0; i < instance_count; ++i)
+        for (uint32_t k = 0, count = character.morphs.empty() ? 0 : random.below(io::kActiveMorphs + 1); k < count; ++k) {
+            const uint32_t morph = random.below(static_cast<uint32_t>(character.morphs.size()));
+            const auto weight = static_cast<float>(random.between(-1, 1));
+            shown[i * io::kActiveMorphs + k] = {morph, weight};
+            if (i == instance) of_instance_shown.push_back({morph, double{weight}});
+        }
+    const Guarded<MorphDelta> deltas(character.morph_deltas);
+    const Guarded<io::ActiveMorph> active(shown);
     const Guarded<Vertex> vertices(character.vertices);
     const Guarded<Influences> influences(character.influences);
     const Guarded<Affine> skin_matrices(matrices);
@@ -62,11 +83,11 @@ Skinned run_skin(const Character& character, uint32_t instance, uint32_t instanc
     for (uint32_t s = 0; s < character.sections.size(); ++s) {
         const MeshSection& section = character.sections[s];
         if (s == left_out) continue;
-        run_invocations(kernel, SkinBuffers{vertices, influences, skin_matrices, positions},
-                        io::SkinPush{.first_vertex = section.first_vertex, .vertex_count = section.vertex_count, .first_influences = section.first_influences, .influence_sets = section.influence_sets, .first_palette_entry = instance * palette_count},
+        run_invocations(kernel, SkinBuffers{vertices, influences, skin_matrices, positions, deltas, active},
+                        io::SkinPush{.first_vertex = section.first_vertex, .vertex_count = section.vertex_count, .first_influences = section.first_influences, .influence_sets = section.influence_sets, .first_palette_entry = instance * palette_count, .first_morph = section.first_morph, .morph_count = section.morph_count, .first_active = instance * io::kActiveMorphs},
                         section.vertex_count);
     }
-    return {positions.read(), skin_reference(character, of_instance)};
+    return {positions.read(), skin_reference(character, of_instance, of_instance_shown)};
 }
 
 double distance(const io::vec4& got, const Vec3<double>& wanted) {

@@ -83,6 +83,40 @@ AssetPrimitive make_primitive(Random& random, uint32_t vertex_count, uint32_t in
     return primitive;
 }
 
+// Half of the vertices are moved by no target, and a target moves half of the others. Clips animate no, constant and varying weights.
+void add_morphs(Asset& asset, const AssetSettings& settings) {
+    Random random(settings.seed + 77);
+    for (uint32_t m = 0; m < 2; ++m) {
+        AssetMesh& mesh = asset.meshes[m];
+        AssetMeshInstance& instance = asset.mesh_instances[m];
+        AssetPrimitive& primitive = mesh.primitives[0];
+        instance.node = m;
+        for (uint32_t t = 0; t < settings.morph_count; ++t) {
+            mesh.weights.push_back(random.chance(0.5) ? 0 : static_cast<float>(random.between(-0.5, 1)));
+            if (m == 0) mesh.target_names.push_back("target " + std::to_string(t));
+            AssetMorphTarget& target = primitive.targets.emplace_back();
+            for (uint32_t v = 0; v < settings.vertex_count; ++v) {
+                const bool moves = v % 2 == 0 && random.chance(0.5);
+                target.positions.push_back(moves ? random.vector(0.1).as<float>() : Vec3<float>{});
+                target.normals.push_back(moves ? random.vector(1).as<float>() : Vec3<float>{});
+            }
+            if (t == 1) target.normals.clear();
+        }
+        if (m == 1)
+            for (uint32_t t = 0; t < settings.morph_count; ++t) instance.weights.push_back(static_cast<float>(random.between(-1, 1)));
+        for (AssetClip& clip : asset.clips) {
+            if (random.chance(0.2)) continue;
+            AssetMorphTrack track{.node = m, .interpolation = settings.cubic && random.chance(0.5) ? Interpolation::kCubicSpline : random.chance(0.3) ? Interpolation::kStep : Interpolation::kLinear,
+                                  .times_s = make_axis(random, clip.duration_s, settings.key_count, false), .values = {}};
+            const uint32_t parts = track.interpolation == Interpolation::kCubicSpline ? 3 : 1, constant = random.below(settings.morph_count);
+            for (uint32_t key = 0; key < settings.key_count; ++key)
+                for (uint32_t part = 0; part < parts; ++part)
+                    for (uint32_t t = 0; t < settings.morph_count; ++t) track.values.push_back(t == constant ? (parts == 3 && part != 1 ? 0.0f : 0.75f) : static_cast<float>(random.between(-1, 1)));
+            clip.morph_tracks.push_back(std::move(track));
+        }
+    }
+}
+
 }  // namespace
 
 Vec3<double> Random::vector(double extent) {
@@ -164,6 +198,7 @@ Asset make_asset(const AssetSettings& settings) {
         asset.mesh_instances.push_back({.node = 0, .mesh = static_cast<uint32_t>(asset.meshes.size()), .skin = 0});
         asset.meshes.push_back(mesh);
     }
+    if (settings.morph_count > 0) add_morphs(asset, settings);
     return asset;
 }
 

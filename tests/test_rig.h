@@ -64,6 +64,7 @@ struct AssetSettings {
     uint32_t key_count = 6;          // a track
     bool cubic = false;              // a third of the tracks; the rest is linear, and some step
     uint32_t vertex_count = 30;      // of each of the two meshes: the first with 4 influences, the second with 8
+    uint32_t morph_count = 0;        // targets of each mesh, with weights in most clips; the second mesh is then node 1's
 };
 // Every node a joint of the one skin, node k below make_parents()[k].
 Asset make_asset(const AssetSettings& settings);

@@ -59,7 +59,7 @@ public:
         smooth_normals();
         out_.material = 0;
         out_.influence_count = 4;
-        return {"creature", {std::move(out_)}};
+        return {.name = "creature", .primitives = {std::move(out_)}};
     }
 
 private:

@@ -223,7 +223,7 @@ Result<void> check(const Asset& asset) {
         for (const AssetPrimitive& p : asset.meshes[i].primitives) {
             const std::string place = "meshes[" + std::to_string(i) + "]";
             if (!p.texcoords.empty()) return unsupported(place, "texture coordinates cannot be written");
-            if (p.morph_target_count > 0) return unsupported(place, "morph targets cannot be written");
+            if (!p.targets.empty()) return unsupported(place, "morph targets cannot be written");
             if (p.influence_count != 0 && p.influence_count != 4)
                 return unsupported(place, "only four influences a vertex can be written");
         }

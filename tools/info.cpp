@@ -8,7 +8,7 @@ namespace throng::tools {
 namespace {
 
 // Device memory that one more instance costs: its state, placement, cursors and skin matrices (the arena is shared).
-uint64_t instance_bytes(const Character& character) { return 36 + 36 + sizeof(Affine) + character.palette.size() * sizeof(Affine); }
+uint64_t instance_bytes(const Character& character) { return 36 + 36 + sizeof(Affine) + character.palette.size() * sizeof(Affine) + (character.morphs.empty() ? 0 : kActiveMorphLimit * 8); }
 
 uint64_t face_count(const Character& character) { return character.indices.size() / 3; }
 
@@ -17,6 +17,23 @@ uint32_t largest_influence_count(const Character& character) {
     for (const MeshSection& section : character.sections)
         if (section.skin != kNone) sets = std::max(sets, section.influence_sets);
     return sets * 4;
+}
+
+uint64_t morphed_vertex_count(const Character& character) {
+    return static_cast<uint64_t>(std::ranges::count_if(character.vertices, [](const Vertex& vertex) { return vertex.first_delta > 0; }));
+}
+
+size_t morphing_clip_count(const Character& character) {
+    size_t count = 0;
+    for (size_t clip = 0; clip < character.clips.size(); ++clip) {
+        const auto tracks = std::span(character.morph_tracks).subspan(clip * character.morphs.size(), character.morphs.size());
+        if (std::ranges::any_of(tracks, [](uint32_t word) { return word != kNone; })) ++count;
+    }
+    return count;
+}
+
+uint64_t morph_bytes(const Character& character) {
+    return character.morph_deltas.size() * sizeof(MorphDelta) + (character.morph_tracks.size() + character.morph_times_s.size() + character.morph_values.size()) * 4;
 }
 
 // How many times smaller than 10 floats a joint and row, and the error where there is one.
@@ -39,6 +56,8 @@ nlohmann::json to_json(const Character& character) {
         clips.back()["root_motion"] = {{"rows", clip.root_row_count}, {"x", cycle.x}, {"z", cycle.z}, {"turn_degrees", cycle.turn_degrees}};
     }
     for (const Skin& skin : character.skins) skins.push_back({{"name", skin.name}, {"joints", skin.joint_count}});
+    nlohmann::json morphs = nlohmann::json::array();
+    for (const Morph& morph : character.morphs) morphs.push_back({{"name", morph.name}, {"node", morph.node}, {"weight", morph.default_weight}});
     const Rig& rig = character.rig;
     const ClipTotals totals(character);
     return {{"file", character.name},
@@ -59,9 +78,9 @@ nlohmann::json to_json(const Character& character) {
             {"sections", character.sections.size()},
             {"materials", character.materials.size()},
             {"influences", largest_influence_count(character)},
-            {"morph_targets", character.morph_target_count},
+            {"morph_targets", morphs},
             {"size", character.size},
-            {"bytes_per_character", character.keys.size() * 16 + character.words.size() * 4 + character.times_s.size() * 4 + character.root_rows.size() * 16 + character.tracks.size() * sizeof(JointTracks)},
+            {"bytes_per_character", morph_bytes(character) + character.keys.size() * 16 + character.words.size() * 4 + character.times_s.size() * 4 + character.root_rows.size() * 16 + character.tracks.size() * sizeof(JointTracks)},
             {"bytes_per_instance", instance_bytes(character)},
             {"warnings", character.warnings}};
 }
@@ -75,7 +94,8 @@ void print_text(const Character& character) {
         std::printf("  skin %-5zu %u joints  %s\n", i, character.skins[i].joint_count, character.skins[i].name.c_str());
     std::printf("  mesh       %zu vertices, %llu faces, %zu sections, %zu materials, up to %u influences a vertex\n", character.vertices.size(),
                 static_cast<unsigned long long>(face_count(character)), character.sections.size(), character.materials.size(), largest_influence_count(character));
-    if (character.morph_target_count > 0) std::printf("  morphs     %u targets, not animated\n", character.morph_target_count);
+    if (!character.morphs.empty())
+        std::printf("  morphs     %zu targets, of %zu vertices; animated in %zu of %zu clips\n", character.morphs.size(), morphed_vertex_count(character), morphing_clip_count(character), character.clips.size());
     std::printf("  memory     %zu skin matrices: %llu bytes an instance\n", character.palette.size(), static_cast<unsigned long long>(instance_bytes(character)));
     for (size_t i = 0; i < character.clips.size(); ++i) {
         const Clip& clip = character.clips[i];

@@ -113,7 +113,7 @@ std::vector<Affine> BaselineCrowd::read_skin_matrices(uint32_t instance) const {
 std::vector<double> displacements(const Character& character, const Playback& playback, std::span<const AffineT<double>> model_from_bind) {
     const Result<ReferencePose> pose = reference_pose(character, playback);
     if (!pose) throw Failure(pose.error());
-    const std::vector<Vec3<double>> wanted = reference_positions(character, *pose), got = skin_reference(character, model_from_bind);
+    const std::vector<Vec3<double>> wanted = skin_reference(character, pose->model_from_bind), got = skin_reference(character, model_from_bind);
     std::vector<double> out;
     for (size_t vertex = 0; vertex < wanted.size(); ++vertex) out.push_back(length(got[vertex] - wanted[vertex]));
     return out;

@@ -42,11 +42,19 @@ struct AssetTrack {
     std::vector<float> values;
 };
 
+// Keys of the morph weights of one node's mesh, all of them at once.
+struct AssetMorphTrack {
+    uint32_t node = 0;
+    Interpolation interpolation = Interpolation::kLinear;
+    std::vector<float> times_s;  // strictly increasing, finite, at least one
+    std::vector<float> values;   // [key][target]; kCubicSpline: [key][3][target], in-tangents, values, out-tangents
+};
+
 struct AssetClip {
     std::string name;                    // may be empty
     double duration_s = 0;               // largest key time of any track; a clip starts at 0
     std::vector<AssetTrack> tracks;      // at most one per node and target
-    uint32_t morph_track_count = 0;      // channels that animate morph weights: counted, not kept
+    std::vector<AssetMorphTrack> morph_tracks;  // at most one per node
 };
 
 enum class AlphaMode : uint8_t { kOpaque, kMask, kBlend };
@@ -66,6 +74,12 @@ struct AssetImage {
     std::vector<std::byte> encoded;  // empty where the file could not be found; a warning says so
 };
 
+// What a morph target adds to a primitive's vertices, by its weight.
+struct AssetMorphTarget {
+    std::vector<Vec3<float>> positions;  // differences, as all arrays here; empty: none
+    std::vector<Vec3<float>> normals;    // empty: none
+};
+
 // A triangle list. Arrays are indexed by the file's vertex index; optional ones are empty or complete.
 struct AssetPrimitive {
     uint32_t material = kNone;
@@ -77,11 +91,13 @@ struct AssetPrimitive {
     std::vector<uint16_t> influence_joints;        // [vertex][influence_count], index into AssetSkin::joints
     std::vector<float> influence_weights;          // [vertex][influence_count], as stored: not rescaled to sum 1
     std::vector<uint32_t> indices;                 // three per triangle
-    uint32_t morph_target_count = 0;
+    std::vector<AssetMorphTarget> targets;         // [target_count] of its mesh, or empty where it has no positions
 };
 
 struct AssetMesh {
     std::string name;
+    std::vector<float> weights;             // [target_count]: of morph targets, where a node does not say otherwise
+    std::vector<std::string> target_names;  // [target_count], or empty
     // One per primitive of the file, in its order; one that draws no triangles (points, lines) has no indices.
     std::vector<AssetPrimitive> primitives;
 };
@@ -91,6 +107,7 @@ struct AssetMeshInstance {
     uint32_t node = 0;
     uint32_t mesh = 0;
     uint32_t skin = kNone;  // where kNone, the mesh follows its node rigidly
+    std::vector<float> weights{};  // [target_count] of the mesh, in place of its own; or empty
 };
 
 struct Asset {

@@ -84,7 +84,31 @@ struct Clip {
     uint64_t raw_size_bytes = 0;     // of 10 floats (rotation, translation, scale) a joint at every row of exact keys
     uint32_t first_root_row = 0, root_row_count = 0;  // of Character::root_rows, evenly spaced over the duration, both ends included; 0: none
     double error = 0;                // packed: largest displacement of a skinned point against exact keys, as a part of the character's size
+    // Rows of morph weights, on a time axis of their own: its times in Character::morph_times_s; no rows where all weights that it animates are constant.
+    uint32_t first_morph_time = 0, morph_row_count = 0;
+    uint32_t morph_row_stride = 0;   // from one row to the next in Character::morph_values
 };
+
+// A morph target of a mesh that a node carries: what it adds to the mesh's vertices, by a weight of each instance.
+struct Morph {
+    std::string name;                // mesh.extras.targetNames, else "<mesh>.<target>"
+    uint32_t node = 0, target = 0;   // of the file
+    float default_weight = 0;        // of instances whose clips do not animate it
+};
+
+// An instance shows at most so many morphs at once: those of the largest weights by magnitude.
+inline constexpr uint32_t kActiveMorphLimit = 8;
+inline constexpr float kLeastMorphWeight = 1e-6f;  // what is not larger by magnitude counts as 0
+
+// What one morph adds to one vertex, in the bind space of its mesh, times its weight: exact floats for the position; the normal, which may be off by
+// 0.002 a component and is held within -2..2, as three signed integers of 10 bits, lowest first, in units of kMorphNormalStep. The sum with the
+// vertex's unit normal is normalised. 16 bytes.
+struct MorphDelta {
+    Vec3<float> position;
+    uint32_t normal = 0;
+};
+static_assert(sizeof(MorphDelta) == 16);
+inline constexpr float kMorphNormalStep = 2.0f / 511;
 
 // One skin matrix of a character: model_from_joint(joint) * joint_from_bind.
 struct PaletteEntry {
@@ -105,7 +129,7 @@ struct Vertex {
     uint32_t normal_octahedral = 0; // two signed 16-bit fractions
     std::array<float, 2> texcoord{};
     uint32_t color = 0xFFFFFFFFu;   // linear, four unsigned bytes, red lowest
-    uint32_t unused = 0;
+    uint32_t first_delta = 0;       // 0: no morph moves it; else 1 + the first of its MorphDeltas, one for each morph of its section
 };
 static_assert(sizeof(Vertex) == 32);
 
@@ -125,6 +149,7 @@ struct MeshSection {
     uint32_t influence_sets = 1;                 // Influences per vertex
     uint32_t first_index = 0, index_count = 0;
     uint32_t material = kNone;
+    uint32_t first_morph = 0, morph_count = 0;   // of Character::morphs
 };
 
 struct Character {
@@ -147,7 +172,13 @@ struct Character {
     std::vector<AssetImage> images;
     Vec3<float> bounds_min, bounds_max;          // of the mesh in the rest pose, model space
     float size = 0;                              // diagonal of these bounds (1 where they are a point): the unit of every error bound
-    uint32_t morph_target_count = 0;             // of the file; not animated
+    std::vector<Morph> morphs;                   // those of a node one after another
+    std::vector<MorphDelta> morph_deltas;        // of the vertices that any morph moves
+    // [clip_count][morph_count]: kNone where the clip does not animate the morph, else the position of its weight, or of that in its first row, in
+    // morph_values, and flags as JointTracks has them. Linear between rows, or, with kTrackStep, the earlier row's.
+    std::vector<uint32_t> morph_tracks;
+    std::vector<float> morph_times_s;            // of all clips, each clip's ascending
+    std::vector<float> morph_values;             // constants and rows of all clips
     std::vector<std::string> warnings;           // of the file and of the compilation, a line each
 
     // Index of the clip with this name, or kNone.
@@ -165,7 +196,8 @@ struct CompileSettings {
 inline const CompileSettings kExact{.error = 0};
 
 // Limits: 65,535 joints; 65,536 palette entries; 256 MiB each of keys, of packed words and of the track table; to be packed, 2^28 poses of a
-// joint (rows of exact keys, of all clips, times joints). Control characters of names become '?'. Errors: kInvalidArgument (the error bound, no joint of that
+// joint (rows of exact keys, of all clips, times joints); 4,096 morphs, and 256 MiB each of their differences, their track table and their weights, for which cubic
+// tracks become rows, straight between each other, within 0.0001 (of the largest weight of the track, where that exceeds 1). Control characters of names become '?'. Errors: kInvalidArgument (the error bound, no joint of that
 // name for root motion), kInvalidFile (poses that are not finite), kUnsupported (nothing to animate; an animated or unevenly scaled joint above that of root motion), kLimit.
 Result<Character> compile_character(const Asset& asset, const CompileSettings& settings = {});
 

@@ -112,7 +112,10 @@ struct CrowdSettings {
 // world_from_model, Affine[instance_count]. `socket_buffer`, where the group has sockets, holds
 // Affine[instance_count][socket_count], in CrowdGroup::socket_space. `parameter_buffer`, where the group has a controller, holds float[instance_count][parameter_count] and may be written
 // by the application's own shaders or copies between two updates. `target_buffer`, where the group has procedural rules with targets, holds
-// float4[instance_count][target_count], a place of the world and in w the weight, and may be written likewise. A block's buffers fit the device's storage-buffer range; offsets are 0.
+// float4[instance_count][target_count], a place of the world and in w the weight, and may be written likewise.
+// `morph_buffer`, where the character has morphs, holds what each instance shows of them,
+// {uint32_t morph; float weight;}[instance_count][kActiveMorphLimit], the largest weight by magnitude first, weight 0 where there are fewer: bind position += weight * MorphDelta,
+// before skinning. A block's buffers fit the device's storage-buffer range; offsets are 0.
 // Valid once the recorded commands have run, until the next record() runs; written by compute shaders, and made visible by
 // record() to later compute, vertex and transfer reads on the same queue.
 struct OutputBlock {
@@ -131,10 +134,11 @@ struct OutputBlock {
     VkBuffer parameter_buffer = VK_NULL_HANDLE;
     uint32_t target_count = 0;
     VkBuffer target_buffer = VK_NULL_HANDLE;
+    VkBuffer morph_buffer = VK_NULL_HANDLE;
 };
 
 // GPU time of each stage in the last finished update, summed over its dispatches, milliseconds. `fused` is sample, blend, scan and
-// bind of the groups that are updated in one pass.
+// bind of the groups that are updated in one pass. `blend` has the weights of morphs too.
 struct StageTimes {
     double control = 0, sample = 0, blend = 0, procedural = 0, scan = 0, bind = 0, fused = 0;
     double total() const { return control + sample + blend + procedural + scan + bind + fused; }
@@ -231,7 +235,7 @@ public:
     // Copies of one instance's results; they submit and wait. Shapes: [palette_count], [joint_count], [vertex_count].
     Result<std::vector<Affine>> read_skin_matrices(uint32_t instance);
     Result<std::vector<Affine>> read_model_matrices(uint32_t instance);
-    // Skinned on the GPU, model space, in the order of Character::vertices.
+    // Morphed and skinned on the GPU, model space, in the order of Character::vertices.
     Result<std::vector<Vec3<float>>> read_positions(uint32_t instance);
 
     // Device memory that the crowd holds.

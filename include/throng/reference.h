@@ -14,6 +14,7 @@ struct ReferencePose {
     std::vector<AffineT<double>> parent_from_joint;  // [joint_count]
     std::vector<AffineT<double>> model_from_joint;   // [joint_count]
     std::vector<AffineT<double>> model_from_bind;    // [palette_count], the skin matrices
+    std::vector<double> morph_weights;               // [morph_count], of all morphs; the kActiveMorphLimit largest by magnitude are shown
 };
 
 // The pose that `playback` shows at its times (speeds do not matter). Errors: kInvalidArgument, as Crowd::set_playback.
@@ -50,7 +51,7 @@ private:
     std::unique_ptr<State> state_;
 };
 
-// Positions of all vertices in model space, in the order of Character::vertices.
+// Positions of all vertices, morphed and skinned, in model space, in the order of Character::vertices.
 std::vector<Vec3<double>> reference_positions(const Character& character, const ReferencePose& pose);
 
 }  // namespace throng

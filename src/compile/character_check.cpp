@@ -41,6 +41,9 @@ public:
         if (c_.rig.uniform_scale && !has_uniform_scale(c_)) fail("rig", "its scales are not uniform, which it claims");
         check_palette();
         check_mesh();
+        check_morphs();
+        check_morph_times();
+        check_morph_tracks();
         check_materials();
         check_text();
     }
@@ -237,6 +240,65 @@ private:
                 if (entry >= c_.palette.size()) fail(at("influences", i), "palette entry " + text(entry) + " of " + text(c_.palette.size()));
             if (!all_finite(c_.influences[i].weights)) fail(at("influences", i), "is not finite");
         }
+    }
+
+    void check_morphs() const {
+        if (c_.morphs.size() > kMorphLimit) exceeds("morphs", c_.morphs.size(), " of them", kMorphLimit);
+        for (size_t i = 0; i < c_.morphs.size(); ++i)
+            if (!std::isfinite(c_.morphs[i].default_weight)) fail(at("morphs", i), "its weight is not finite");
+        for (size_t i = 0; i < c_.sections.size(); ++i) {
+            const MeshSection& section = c_.sections[i];
+            const uint64_t end = uint64_t{section.first_morph} + section.morph_count;
+            if (end > c_.morphs.size()) fail(at("sections", i), "its morphs end at " + text(end) + " of " + text(c_.morphs.size()));
+            for (size_t v = section.first_vertex; v < size_t{section.first_vertex} + section.vertex_count; ++v) {
+                const uint32_t first = c_.vertices[v].first_delta;
+                if (first == 0) continue;
+                if (section.morph_count == 0) fail(at("vertices", v), "is moved by morphs, and its section has none");
+                const uint64_t deltas_end = uint64_t{first} - 1 + section.morph_count;
+                if (deltas_end > c_.morph_deltas.size()) fail(at("vertices", v), "its morphs' differences end at " + text(deltas_end) + " of " + text(c_.morph_deltas.size()));
+            }
+        }
+        for (size_t i = 0; i < c_.morph_deltas.size(); ++i)
+            if (!all_finite(c_.morph_deltas[i].position)) fail(at("morph deltas", i), "is not finite");
+    }
+
+    // As those of joints, but a clip may have none.
+    void check_morph_times() const {
+        uint64_t next = 0;
+        for (size_t i = 0; i < c_.clips.size(); ++i) {
+            const Clip& clip = c_.clips[i];
+            if (clip.first_morph_time != next) fail(at("clips", i), "its times of morphs begin at " + text(clip.first_morph_time) + ", not " + text(next));
+            next += clip.morph_row_count;
+            if (next > c_.morph_times_s.size()) fail(at("clips", i), "its times of morphs end at " + text(next) + " of " + text(c_.morph_times_s.size()));
+            for (size_t row = clip.first_morph_time; row < next; ++row) {
+                const float time_s = c_.morph_times_s[row];
+                if (!(time_s >= 0) || !std::isfinite(time_s)) fail(at("morph times", row), "is no time");
+                if (row > clip.first_morph_time && !(c_.morph_times_s[row - 1] < time_s)) fail(at("morph times", row), "does not come after the one before");
+            }
+        }
+        if (next != c_.morph_times_s.size()) fail("morph times", "are " + text(c_.morph_times_s.size()) + ", and the clips have " + text(next));
+    }
+
+    void check_morph_tracks() const {
+        const auto limit = [&](const char* array, uint64_t size_bytes) {
+            if (size_bytes > kKeyLimit_bytes) exceeds(array, size_bytes, " bytes", kKeyLimit_bytes);
+        };
+        limit("morph deltas", c_.morph_deltas.size() * sizeof(c_.morph_deltas[0]));
+        limit("morph tracks", c_.morph_tracks.size() * sizeof(c_.morph_tracks[0]));
+        limit("morph values", c_.morph_values.size() * sizeof(c_.morph_values[0]));
+        const uint64_t track_count = c_.clips.size() * uint64_t{c_.morphs.size()};
+        if (c_.morph_tracks.size() != track_count) fail("morph tracks", "are " + text(c_.morph_tracks.size()) + ", not " + text(track_count));
+        for (size_t i = 0; i < c_.morph_tracks.size(); ++i) {
+            const uint32_t word = c_.morph_tracks[i];
+            if (word == kNone) continue;
+            const Clip& clip = c_.clips[i / c_.morphs.size()];
+            const bool animated = (word & kTrackAnimated) != 0;
+            if (animated && clip.morph_row_count == 0) fail(at("morph tracks", i), "is animated, and its clip has no rows");
+            const uint64_t last = (word & kTrackPosition) + (animated ? (clip.morph_row_count - uint64_t{1}) * clip.morph_row_stride : 0);
+            if (last >= c_.morph_values.size()) fail(at("morph tracks", i), "has a weight at " + text(last) + " of " + text(c_.morph_values.size()));
+        }
+        for (size_t i = 0; i < c_.morph_values.size(); ++i)
+            if (!std::isfinite(c_.morph_values[i])) fail(at("morph values", i), "is not finite");
     }
 
     void check_materials() const {

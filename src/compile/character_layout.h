@@ -39,17 +39,18 @@ static_assert(sizeof(SectionEntry) == 32);
 enum class SectionId : uint32_t {
     kScalars, kClips, kSkins, kMaterials, kTextEnds, kText, kImageEnds, kImages,  // records of their own
     kParents, kNodes, kRest, kTimes, kKeys, kWords, kRootRows, kTracks, kPalette, kVertices, kInfluences, kIndices, kMeshSections,  // as the Character has them
+    kMorphs,                                                   // records of their own
+    kMorphDeltas, kMorphTracks, kMorphTimes, kMorphValues,     // as the Character has them
 };
 
 struct ScalarsRecord {
     double mean_depth = 0;
     uint32_t level_count = 0, leaf_count = 0;
     uint32_t uniform_scale = 0, packed = 0;  // 0 or 1
-    uint32_t morph_target_count = 0;
     uint32_t warning_count = 0;
     Vec3<float> bounds_min, bounds_max;
     float size = 0;
-    uint32_t reserved = 0;
+    std::array<uint32_t, 2> reserved{};
 };
 static_assert(sizeof(ScalarsRecord) == 64);
 
@@ -59,11 +60,11 @@ struct ClipRecord {
     uint32_t first_time = 0, row_count = 0, row_stride = 0, first_row = 0;
     uint32_t channel_count = 0, animated_track_count = 0, refined_row_count = 0, dropped_row_count = 0;
     uint32_t first_root_row = 0, root_row_count = 0;
-    uint32_t reserved = 0;
+    uint32_t first_morph_time = 0, morph_row_count = 0, morph_row_stride = 0;
     uint64_t source_key_count = 0, size_bytes = 0, raw_size_bytes = 0;
     double error = 0;
 };
-static_assert(sizeof(ClipRecord) == 80);
+static_assert(sizeof(ClipRecord) == 88);
 
 struct SkinRecord {
     uint32_t first_entry = 0, joint_count = 0;
@@ -78,14 +79,21 @@ struct MaterialRecord {
 };
 static_assert(sizeof(MaterialRecord) == 32);
 
+// Of a Morph, all but its name.
+struct MorphRecord {
+    uint32_t node = 0, target = 0;
+    float default_weight = 0;
+};
+static_assert(sizeof(MorphRecord) == 12);
+
 // Of what is stored as the Character has it.
-static_assert(sizeof(Trs<float>) == 40 && sizeof(JointTracks) == 16 && sizeof(PaletteEntry) == 52 && sizeof(MeshSection) == 44);
+static_assert(sizeof(Trs<float>) == 40 && sizeof(JointTracks) == 16 && sizeof(PaletteEntry) == 52 && sizeof(MeshSection) == 52);
 
 struct SectionKind {
     std::string_view name;
     uint32_t element_bytes;
 };
-inline constexpr std::array<SectionKind, 21> kSections{{{"scalars", sizeof(ScalarsRecord)},
+inline constexpr std::array<SectionKind, 26> kSections{{{"scalars", sizeof(ScalarsRecord)},
                                                         {"clips", sizeof(ClipRecord)},
                                                         {"skins", sizeof(SkinRecord)},
                                                         {"materials", sizeof(MaterialRecord)},
@@ -105,12 +113,17 @@ inline constexpr std::array<SectionKind, 21> kSections{{{"scalars", sizeof(Scala
                                                         {"vertices", sizeof(Vertex)},
                                                         {"influences", sizeof(Influences)},
                                                         {"indices", 4},
-                                                        {"mesh sections", sizeof(MeshSection)}}};
-static_assert(kSections.size() == static_cast<size_t>(SectionId::kMeshSections) + 1);
+                                                        {"mesh sections", sizeof(MeshSection)},
+                                                        {"morphs", sizeof(MorphRecord)},
+                                                        {"morph deltas", sizeof(MorphDelta)},
+                                                        {"morph tracks", 4},
+                                                        {"morph times", 4},
+                                                        {"morph values", 4}}};
+static_assert(kSections.size() == static_cast<size_t>(SectionId::kMorphValues) + 1);
 
 constexpr uint64_t aligned(uint64_t offset_bytes) { return (offset_bytes + kAlignment_bytes - 1) / kAlignment_bytes * kAlignment_bytes; }
 
-// Calls visit(id, array) for each array that is stored as it is, in the order of the ids.
+// Calls visit(id, array) for each array that is stored as it is, in the order of the ids: those before the morphs, and those behind.
 template <class C, class Visit>
 void visit_arrays(C& character, const Visit& visit) {
     visit(SectionId::kParents, character.rig.parents);
@@ -127,6 +140,13 @@ void visit_arrays(C& character, const Visit& visit) {
     visit(SectionId::kIndices, character.indices);
     visit(SectionId::kMeshSections, character.sections);
 }
+template <class C, class Visit>
+void visit_morph_arrays(C& character, const Visit& visit) {
+    visit(SectionId::kMorphDeltas, character.morph_deltas);
+    visit(SectionId::kMorphTracks, character.morph_tracks);
+    visit(SectionId::kMorphTimes, character.morph_times_s);
+    visit(SectionId::kMorphValues, character.morph_values);
+}
 
 // Calls visit(string) for each string, in the order in which they follow one another in the section of text.
 template <class C, class Visit>
@@ -137,6 +157,7 @@ void visit_strings(C& character, const Visit& visit) {
     for (auto& skin : character.skins) visit(skin.name);
     for (auto& material : character.materials) visit(material.name);
     for (auto& image : character.images) visit(image.name);
+    for (auto& morph : character.morphs) visit(morph.name);
     for (auto& warning : character.warnings) visit(warning);
 }
 

@@ -27,7 +27,10 @@ public:
         read_records<ClipRecord>(SectionId::kClips, character.clips, [&](const ClipRecord& record) { return clip_of(record); });
         read_records<SkinRecord>(SectionId::kSkins, character.skins, [](const SkinRecord& record) { return Skin{{}, record.first_entry, record.joint_count}; });
         read_records<MaterialRecord>(SectionId::kMaterials, character.materials, [&](const MaterialRecord& record) { return material_of(record); });
-        visit_arrays(character, [&]<class T>(SectionId id, std::vector<T>& out) { out = array<T>(id); });
+        const auto read_array = [&]<class T>(SectionId id, std::vector<T>& out) { out = array<T>(id); };
+        visit_arrays(character, read_array);
+        read_records<MorphRecord>(SectionId::kMorphs, character.morphs, [](const MorphRecord& record) { return Morph{{}, record.node, record.target, record.default_weight}; });
+        visit_morph_arrays(character, read_array);
         read_images(character);
         read_text(character, warning_count);
         return character;
@@ -116,13 +119,12 @@ private:
         const std::vector<ScalarsRecord> records = array<ScalarsRecord>(SectionId::kScalars);
         if (records.size() != 1) fail(SectionId::kScalars, "is there " + std::to_string(records.size()) + " times, not once");
         const ScalarsRecord& record = records.front();
-        if (record.reserved != 0) fail(SectionId::kScalars, "what is reserved is not 0");
+        if (record.reserved != std::array<uint32_t, 2>{}) fail(SectionId::kScalars, "what is reserved is not 0");
         character.rig.mean_depth = record.mean_depth;
         character.rig.level_count = record.level_count;
         character.rig.leaf_count = record.leaf_count;
         character.rig.uniform_scale = bool_of(SectionId::kScalars, "uniform_scale", record.uniform_scale);
         character.packed = bool_of(SectionId::kScalars, "packed", record.packed);
-        character.morph_target_count = record.morph_target_count;
         character.bounds_min = record.bounds_min;
         character.bounds_max = record.bounds_max;
         character.size = record.size;
@@ -130,7 +132,6 @@ private:
     }
 
     Clip clip_of(const ClipRecord& record) const {
-        if (record.reserved != 0) fail(SectionId::kClips, "what is reserved is not 0");
         return {.name = {},
                 .duration_s = record.duration_s,
                 .first_time = record.first_time,
@@ -146,7 +147,10 @@ private:
                 .raw_size_bytes = record.raw_size_bytes,
                 .first_root_row = record.first_root_row,
                 .root_row_count = record.root_row_count,
-                .error = record.error};
+                .error = record.error,
+                .first_morph_time = record.first_morph_time,
+                .morph_row_count = record.morph_row_count,
+                .morph_row_stride = record.morph_row_stride};
     }
 
     AssetMaterial material_of(const MaterialRecord& record) const {
@@ -192,7 +196,7 @@ private:
     void read_text(Character& character, uint64_t warning_count) const {
         const std::vector<uint64_t> string_ends = ends(SectionId::kTextEnds, SectionId::kText);
         const uint64_t count = 1 + character.rig.parents.size() + character.clips.size() + character.skins.size() + character.materials.size() +
-                               character.images.size() + warning_count;
+                               character.images.size() + character.morphs.size() + warning_count;
         if (string_ends.size() != count) fail(SectionId::kTextEnds, "has " + std::to_string(string_ends.size()) + " strings, not " + std::to_string(count));
         character.rig.names.resize(character.rig.parents.size());
         character.warnings.resize(warning_count);

@@ -26,6 +26,9 @@ ClipRecord record_of(const Clip& clip) {
             .dropped_row_count = clip.dropped_row_count,
             .first_root_row = clip.first_root_row,
             .root_row_count = clip.root_row_count,
+            .first_morph_time = clip.first_morph_time,
+            .morph_row_count = clip.morph_row_count,
+            .morph_row_stride = clip.morph_row_stride,
             .source_key_count = clip.source_key_count,
             .size_bytes = clip.size_bytes,
             .raw_size_bytes = clip.raw_size_bytes,
@@ -42,13 +45,14 @@ MaterialRecord record_of(const AssetMaterial& material) {
             .double_sided = material.double_sided};
 }
 
+MorphRecord record_of(const Morph& morph) { return {.node = morph.node, .target = morph.target, .default_weight = morph.default_weight}; }
+
 ScalarsRecord scalars_of(const Character& character) {
     return {.mean_depth = character.rig.mean_depth,
             .level_count = character.rig.level_count,
             .leaf_count = character.rig.leaf_count,
             .uniform_scale = character.rig.uniform_scale,
             .packed = character.packed,
-            .morph_target_count = character.morph_target_count,
             .warning_count = static_cast<uint32_t>(character.warnings.size()),
             .bounds_min = character.bounds_min,
             .bounds_max = character.bounds_max,
@@ -67,7 +71,10 @@ public:
         add_records(SectionId::kMaterials, character.materials);
         add_text(character);
         add_images(character);
-        visit_arrays(character, [&](SectionId id, const auto& array) { add(id, array); });
+        const auto add_array = [&](SectionId id, const auto& array) { add(id, array); };
+        visit_arrays(character, add_array);
+        add_records(SectionId::kMorphs, character.morphs);
+        visit_morph_arrays(character, add_array);
 
         std::memcpy(bytes_.data() + sizeof(Header), entries_.data(), entries_.size() * sizeof(SectionEntry));
         Header header{.section_count = static_cast<uint32_t>(entries_.size()), .size_bytes = bytes_.size()};

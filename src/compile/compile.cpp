@@ -6,6 +6,7 @@
 #include "compile/character_layout.h"
 #include "compile/clip.h"
 #include "compile/mesh.h"
+#include "compile/morph.h"
 #include "compile/pack.h"
 #include "compile/rig.h"
 #include "compile/root_motion.h"
@@ -59,14 +60,13 @@ Result<Character> compile_character(const Asset& asset, const CompileSettings& s
         const RigMap map = build_rig(asset);
         character.rig = map.rig;
         compile_mesh(asset, map, character);
+        compile_morphs(asset, character);
         measure(character);
         compile_clips(asset, map, character);
         if (!settings.root_motion_joint.empty()) extract_root_motion(character, settings.root_motion_joint);
         if (settings.error > 0) pack_clips(character, settings.error);
         character.rig.uniform_scale = has_uniform_scale(character);
-        for (const AssetMesh& mesh : asset.meshes)
-            for (const AssetPrimitive& primitive : mesh.primitives)
-                character.morph_target_count = std::max(character.morph_target_count, primitive.morph_target_count);
+        compile_morph_tracks(asset, character);
         file::visit_strings(character, [](std::string& text) { text = gltf::printable(text, std::string::npos); });
         return character;
     }, asset.name);

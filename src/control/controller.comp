@@ -19,6 +19,7 @@ layout(set = 0, binding = 9, std430) writeonly buffer Placements { vec4 placemen
 TABLE_OF_WORDS(11, LayersBefore, layers_before);          // the same as layers and parameters: to read them, which a software device does
 TABLE_OF_WORDS(12, ParametersBefore, parameters_before);  // faster as tables
 layout(set = 0, binding = 10, std430) buffer Inertias { InstanceInertia inertias[]; };
+layout(set = 0, binding = 13, std430) writeonly buffer VoiceTimes { float voice_times[]; };  // [instance][voice_limit]
 layout(push_constant) uniform Push { ControllerPush push; };
 
 uint instance, first_parameter;

@@ -193,6 +193,7 @@ struct ControllerPush {
 THRONG_IO_CONSTANT kPushHasRootMotion = 1;
 THRONG_IO_CONSTANT kPushIsInertial = 4;          // the group has inertial transitions
 THRONG_IO_CONSTANT kPushMovesPlacements = 2;  // it is applied, not only reported
+THRONG_IO_CONSTANT kPushTellsTimes = 8;          // of voices, for the morph stage
 
 struct CommandPush {
     uint command_count;

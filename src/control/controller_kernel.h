@@ -20,6 +20,7 @@ struct ControllerBuffers {
     BufferRange placements;  // world_from_model, Affine[instance_count], written where root motion is applied
     BufferRange inertias;    // io::InstanceInertia[instance_count], read and written where there are inertial transitions; else any buffer
     BufferRange layers_before, parameters_before;  // layers and parameters once more, as tables of words
+    BufferRange voice_times;  // float[instance_count][voice_limit], seconds, written where the character has morphs; else any buffer
 };
 Kernel controller_kernel(const std::shared_ptr<Gpu>& gpu);
 

@@ -1,8 +1,9 @@
-// The voices of an instance, written as they come: step 9 of docs/controller.md. The includer declares `voices`, `instance` and find_rows().
+// The voices of an instance, written as they come: step 9 of docs/controller.md. The includer declares `voices`, `voice_times`, `instance` and find_rows().
 
 uint voice_count;    // the rest pose included
 bool has_rest_pose;  // below the others
 Voice newest;
+float voice_time_s;  // of the clip of the last voice_of()
 uint layer_flags;
 float voices_layer_weight;
 
@@ -13,7 +14,8 @@ void begin_voices() {
 
 Voice voice_of(uint clip, uint phase, float weight) {
     const ClipAxis axis = load_axis(clip);
-    const SlotCursor cursor = find_rows(axis, float(phase) * (1.0 / 4294967296.0) * axis.duration_s);
+    voice_time_s = float(phase) * (1.0 / 4294967296.0) * axis.duration_s;
+    const SlotCursor cursor = find_rows(axis, voice_time_s);
     return Voice(clip * push.joint_count, cursor.earlier, cursor.later, cursor.fraction, weight, 1, axis.first_row, kVoiceBeginsLayer | kVoiceEndsLayer);
 }
 
@@ -23,6 +25,7 @@ void store_end(uint index, Voice voice) { voices[place_of_voice(index) + 3] = pa
 
 void store_voice(uint index, Voice voice) {
     const uint at = place_of_voice(index);
+    if ((push.flags & kPushTellsTimes) != 0) voice_times[instance * push.voice_limit + index] = voice_time_s;
     voices[at] = pack(uvec2(voice.first_track, voice.earlier));
     voices[at + 1] = pack(uvec2(voice.later, floatBitsToUint(voice.fraction)));
     voices[at + 2] = pack(floatBitsToUint(vec2(voice.weight, voice.layer_weight)));

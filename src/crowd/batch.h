@@ -17,6 +17,7 @@ struct Batch {
     Buffer kept_model;  // where CrowdSettings::keep_model_matrices
     Buffer inertias, inertia_states;              // where the controller has inertial transitions
     Buffer rotations;                             // where layers blend rotations in model space: io::ModelRotations[such layers][joint_count][instance_count]
+    Buffer voice_times, morphs;                   // where the character has morphs: of voices, where it has a controller too; io::ActiveMorph[instance_count][kActiveMorphs]
     Buffer sockets;    // Affine[instance_count][socket_count]
     Buffer targets, springs;  // where the group has procedural rules
     Buffer posed;      // where the group has room for poses: io::InstancePose[instance_count], a table of words

@@ -26,7 +26,7 @@ ControllerStage::ControllerStage(std::shared_ptr<Gpu> gpu, const std::vector<Gro
         member_of_batch_[i] = static_cast<uint32_t>(members_.size());
         Member& member = members_.emplace_back(Member{.batch = i, .pending = {}, .uploaded = {}, .commands = {}, .controller = {}});
         member.controller = controller_kernel_.bind(ControllerBuffers{group.controller->tables, group.axes, group.times, group.root_rows, batch.layers, batch.parameters, batch.voices, feedback_->events(),
-                                                                      batch.roots.or_else(batch.layers), batch.placements, batch.inertias.or_else(batch.layers), batch.layers, batch.parameters});
+                                                                      batch.roots.or_else(batch.layers), batch.placements, batch.inertias.or_else(batch.layers), batch.layers, batch.parameters, batch.voice_times.or_else(batch.layers)});
     }
 }
 
@@ -77,6 +77,7 @@ void ControllerStage::record(VkCommandBuffer commands, float time_step_s) const 
         const Batch& batch = batches_[member.batch];
         const Group& group = groups_[batch.group];
         const uint32_t inertia_flags = group.controller->is_inertial ? io::kPushIsInertial : 0;
+        const uint32_t morph_flags = batch.voice_times.handle() ? io::kPushTellsTimes : 0;
         const uint32_t root_flags = batch.roots.handle() ? io::kPushHasRootMotion | (group.controller->moves_placements ? io::kPushMovesPlacements : 0) : 0;
         controller_kernel_.dispatch_invocations(commands, member.controller,
                                                 io::ControllerPush{.instance_count = batch.instance_count,
@@ -85,7 +86,7 @@ void ControllerStage::record(VkCommandBuffer commands, float time_step_s) const 
                                                                    .voice_limit = group.controller->voice_limit,
                                                                    .event_capacity = feedback_->event_capacity(),
                                                                    .time_step_s = time_step_s,
-                                                                   .flags = root_flags | inertia_flags},
+                                                                   .flags = root_flags | inertia_flags | morph_flags},
                                                 batch.instance_count);
     }
 }

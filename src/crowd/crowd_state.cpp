@@ -20,6 +20,7 @@ namespace throng {
 namespace {
 
 constexpr uint64_t kMatrix_bytes = sizeof(Affine);
+constexpr uint64_t kMorphs_bytes = io::kActiveMorphs * sizeof(io::ActiveMorph);
 
 bool blends(const io::InstancePlayback& playback) { return playback.weight > 0 && playback.weight < 1; }
 
@@ -64,10 +65,11 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     make_feedback(settings);
     controllers.emplace(gpu, groups, batches, feedback ? &*feedback : nullptr);
     poses.emplace(gpu, groups, batches);
+    morphs.emplace(gpu, groups, batches);
     placements.resize(instance_count);
     dirty_playbacks_.add(0, instance_count);
     dirty_placements_.add(0, instance_count);
-    if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, 2 + 5 * staged->wave_count());  // control, fused, and five stages a wave
+    if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, 3 + 5 * staged->wave_count());  // control, morph, fused, and five stages a wave
 }
 
 // Refuses at once what cannot fit, before gigabytes are allocated on the way to failing.
@@ -75,8 +77,9 @@ void CrowdState::check_memory(const CrowdSettings& settings) const {
     uint64_t needed_bytes = 0;
     for (const CrowdGroup& group : settings.groups) {
         const uint64_t matrices = 1 + (settings.keep_model_matrices ? group.character->rig.joint_count() : 0);
+        const uint64_t morph_bytes = group.character->morphs.empty() ? 0 : kMorphs_bytes;
         const uint64_t skin_bytes = group.character->palette.size() * uint64_t{skin_format_bytes(skin_format)} * (settings.keep_previous_matrices ? 2 : 1);
-        needed_bytes += group.instance_count * (matrices * kMatrix_bytes + skin_bytes + sizeof(io::InstancePlayback) + sizeof(io::InstanceCursor));
+        needed_bytes += group.instance_count * (matrices * kMatrix_bytes + skin_bytes + morph_bytes + sizeof(io::InstancePlayback) + sizeof(io::InstanceCursor));
         needed_bytes += std::min(group.pose_capacity, group.instance_count) * uint64_t{group.character->rig.joint_count()} * sizeof(io::JointPose);
     }
     if (needed_bytes > gpu->largest_heap_bytes())
@@ -90,7 +93,7 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
     const uint64_t joint_bytes = std::max(group.controller && group.controller->is_inertial ? sizeof(io::InertiaState) : kMatrix_bytes,
                                           group.controller ? group.controller->model_layer_count * sizeof(io::ModelRotations) : 0);
     const uint64_t spring_bytes = group.procedural ? group.procedural->spring_count * sizeof(io::SpringState) : 0;
-    const uint64_t instance_bytes = std::max({group.joint_count * joint_bytes, group.palette_count * kMatrix_bytes, spring_bytes});
+    const uint64_t instance_bytes = std::max({group.joint_count * joint_bytes, group.palette_count * kMatrix_bytes, spring_bytes, group.morphs ? kMorphs_bytes : 0});
     const uint64_t capacity = std::min<uint64_t>(arena_limit_bytes(*gpu) / instance_bytes, gpu->properties.limits.maxComputeWorkGroupCount[0]);
     if (capacity == 0)
         throw Failure(ErrorCode::kLimit, group.name, "the matrices of one instance (" + std::to_string(instance_bytes) +
@@ -114,6 +117,8 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
         batch.placements = storage("placements", n * kMatrix_bytes);
         for (size_t k = 0; k < (settings.keep_previous_matrices ? 2 : 1); ++k)
             batch.skins[k] = storage("skin matrices", n * std::max(group.palette_count, 1u) * skin_format_bytes(skin_format));
+        if (group.morphs) batch.morphs = storage("active morphs", n * kMorphs_bytes);
+        if (group.morphs && group.controller) batch.voice_times = storage("times of voices", n * group.controller->voice_limit * sizeof(float));
         if (group.sockets) batch.sockets = storage("sockets", n * group.socket_count() * kMatrix_bytes);
         if (group.pose_capacity > 0) batch.posed = upload_table(gpu, group.name + ": instances with a pose set", as_words(std::vector<io::InstancePose>(n)));
         if (settings.keep_model_matrices) batch.kept_model = storage("model matrices", n * group.joint_count * kMatrix_bytes);
@@ -131,7 +136,8 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
                            .parameter_count = group.controller ? group.controller->parameter_count : 0,
                            .parameter_buffer = batch.parameters.handle(),
                            .target_count = group.procedural ? group.procedural->target_count : 0,
-                           .target_buffer = batch.targets.handle()});
+                           .target_buffer = batch.targets.handle(),
+                           .morph_buffer = batch.morphs.handle()});
         batches.push_back(std::move(batch));
     }
     instance_count += count;
@@ -345,6 +351,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s) {
     memory_barrier(*gpu, commands, kTransferWrite, kShaderRead | kShaderWrite | kVertexRead);
     if (timer) timer->begin(commands);
     record_control(commands, time_step_s);
+    morphs->record(commands, timer.get());
     fused->record(commands, timer.get());
     staged->record(commands, timer.get());
     if (feedback) feedback->end(commands, watched_);
@@ -399,7 +406,7 @@ std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
     if (group.vertex_count == 0) return {};
     if (!skin_) skin_ = skin_kernel(gpu, skin_format);
     const Buffer positions(gpu, group.name + ": skinned positions", group.vertex_count * uint64_t{sizeof(io::vec4)}, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    const Bindings bindings = skin_->bind(SkinBuffers{group.vertices, group.influences, batch.skin(), positions});
+    const Bindings bindings = skin_->bind(SkinBuffers{group.vertices, group.influences, batch.skin(), positions, group.morphs ? group.morphs->deltas : group.vertices, batch.morphs.or_else(group.vertices)});
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
         memory_barrier(*gpu, commands, kShaderWrite, kShaderRead);
         for (const MeshSection& section : group.sections)
@@ -408,7 +415,10 @@ std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
                                                    .vertex_count = section.vertex_count,
                                                    .first_influences = section.first_influences,
                                                    .influence_sets = section.influence_sets,
-                                                   .first_palette_entry = (instance - batch.first_instance) * group.palette_count},
+                                                   .first_palette_entry = (instance - batch.first_instance) * group.palette_count,
+                                                   .first_morph = section.first_morph,
+                                                   .morph_count = section.morph_count,
+                                                   .first_active = (instance - batch.first_instance) * io::kActiveMorphs},
                                       section.vertex_count);
     });
     std::vector<Vec3<float>> out;
@@ -420,7 +430,7 @@ uint64_t CrowdState::size_bytes() const {
     uint64_t sum = staged->size_bytes() + controllers->size_bytes() + (feedback ? feedback->size_bytes() : 0);
     for (const Group& group : groups) sum += group.size_bytes();
     for (const Batch& batch : batches)
-        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.inertias, &batch.inertia_states, &batch.rotations, &batch.targets, &batch.springs, &batch.sockets, &batch.posed, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
+        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.voice_times, &batch.morphs, &batch.inertias, &batch.inertia_states, &batch.rotations, &batch.targets, &batch.springs, &batch.sockets, &batch.posed, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
     return sum;
 }
 

@@ -9,6 +9,7 @@
 #include "crowd/fused_update.h"
 #include "crowd/procedural_stage.h"
 #include "crowd/pose_stage.h"
+#include "crowd/morph_stage.h"
 #include "crowd/staged_update.h"
 #include "control/control_io.h"
 
@@ -51,6 +52,7 @@ struct CrowdState {
     std::optional<FeedbackRing> feedback;
     std::optional<ControllerStage> controllers;
     std::optional<PoseStage> poses;
+    std::optional<MorphStage> morphs;
 
 private:
     void make_batches(uint32_t group, const CrowdSettings& settings);

@@ -107,6 +107,7 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
     joint_from_bind = upload_table(gpu, name + ": inverse binds", binds);
     vertices = upload(gpu, name + ": vertices", character.vertices);
     influences = upload(gpu, name + ": influences", character.influences);
+    if (!character.morphs.empty()) morphs.emplace(gpu, character);
     indices = upload(gpu, name + ": indices", character.indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
 }
 
@@ -131,6 +132,7 @@ uint64_t Group::size_bytes() const {
     uint64_t sum = fused ? fused->tables.size_bytes() : scan->links().size_bytes();
     if (sockets) sum += sockets->table.size_bytes() + sockets->slots.size_bytes();
     if (procedural) sum += procedural->tables.size_bytes();
+    if (morphs) sum += morphs->size_bytes();
     if (controller) sum += controller->tables.size_bytes() + controller->masks.size_bytes() + controller->parents.size_bytes();
     for (const Buffer* buffer : {&axes, &times, &root_rows, &tracks, &keys, &words, &palette_joints, &joint_from_bind, &poses, &vertices, &influences, &indices})
         sum += buffer->size_bytes();

@@ -5,6 +5,7 @@
 #include "control/controller_io.h"
 #include "crowd/path.h"
 #include "gpu/kernel.h"
+#include "morph/morph.h"
 #include "procedural/procedural_tables.h"
 
 #include <throng/character.h>
@@ -76,6 +77,7 @@ struct Group {
     uint32_t pose_capacity = 0;
     Buffer poses;                          // io::JointPose[pose_capacity][joint_count], as set by the application
     Buffer vertices, influences, indices;  // skin, draw
+    std::optional<MorphTables> morphs;     // morph, skin, draw; where the character has any
 
     bool has_root_motion() const { return controller && root_rows.size_bytes() > sizeof(io::vec4); }
     uint32_t socket_flags() const { return socket_space == SocketSpace::kWorld ? io::kSocketsToWorld : 0; }

@@ -5,6 +5,7 @@
 #include "bind/bind_reference.h"
 #include "blend/blend_reference.h"
 #include "control/playback.h"
+#include "morph/morph_reference.h"
 #include "sample/sample_reference.h"
 #include "scan/scan_reference.h"
 #include "skin/skin_reference.h"
@@ -16,6 +17,11 @@ std::vector<Trs<double>> sample(const Character& character, const ClipPlayback& 
     const auto clip_count = static_cast<uint32_t>(character.clips.size());
     if (slot.clip == kNone) return sample_reference(character, clip_count, 0);
     return sample_reference(character, slot.clip, local_time_reference(slot.time_s, character.clips[slot.clip].duration_s, slot.loop));
+}
+
+MorphVoice morph_voice(const Character& character, const ClipPlayback& slot, double weight) {
+    if (slot.clip == kNone) return {.clip = static_cast<uint32_t>(character.clips.size()), .weight = weight};
+    return {slot.clip, local_time_reference(slot.time_s, character.clips[slot.clip].duration_s, slot.loop), weight};
 }
 
 }  // namespace
@@ -36,12 +42,14 @@ Result<ReferencePose> reference_pose(const Character& character, const Playback&
             const std::vector<Trs<double>> second = sample(character, playback.second);
             for (size_t joint = 0; joint < pose.size(); ++joint) pose[joint] = blend_reference(pose[joint], second[joint], playback.weight);
         }
-        return pose_from_local(character, pose);
+        ReferencePose out = pose_from_local(character, pose);
+        out.morph_weights = morphs_reference(character, {{{.voices = {morph_voice(character, playback.first, double{playback.weight}), morph_voice(character, playback.second, 1 - double{playback.weight})}}}});
+        return out;
     });
 }
 
 std::vector<Vec3<double>> reference_positions(const Character& character, const ReferencePose& pose) {
-    return skin_reference(character, pose.model_from_bind);
+    return skin_reference(character, pose.model_from_bind, active_morphs_reference(pose.morph_weights));
 }
 
 }  // namespace throng

@@ -8,6 +8,7 @@
 #include "control/joint_mask.h"
 #include "control/layer_commands.h"
 #include "crowd/reference.h"
+#include "morph/morph_reference.h"
 #include "sample/sample_reference.h"
 
 #include <algorithm>
@@ -36,6 +37,7 @@ struct ReferenceCharacter::State {
 
     std::vector<Trs<double>> mix() const;
     std::vector<Trs<double>> pose_over(std::vector<Trs<double>> animated) const;
+    std::vector<double> mix_morphs() const;
     void show(std::vector<Trs<double>> target, double step_s);
 
     const Character& character;
@@ -85,6 +87,17 @@ std::vector<Trs<double>> ReferenceCharacter::State::pose_over(std::vector<Trs<do
     if (weight > 0)
         for (size_t joint = 0; joint < animated.size(); ++joint) animated[joint] = blend_reference(posed[joint], animated[joint], weight);
     return animated;
+}
+
+// Step 12 of docs/controller.md.
+std::vector<double> ReferenceCharacter::State::mix_morphs() const {
+    std::vector<MorphLayer> layers;
+    for (size_t i = 0; i < last.voices.size(); ++i) {
+        const ControllerVoice& voice = last.voices[i];
+        if (i == 0 || last.voices[i - 1].layer != voice.layer) layers.push_back({.is_additive = voice.mode == io::kModeAdditive, .weight = voice.layer_weight, .voices = {}});
+        layers.back().voices.push_back({voice.clip, voice.time_s, voice.weight});
+    }
+    return morphs_reference(character, layers);
 }
 
 // Step 10 of docs/controller.md.
@@ -154,7 +167,11 @@ Result<void> ReferenceCharacter::update(float time_step_s) {
     });
 }
 
-ReferencePose ReferenceCharacter::pose() const { return pose_from_local(state_->character, state_->pose_over(state_->shown.empty() ? state_->mix() : state_->shown)); }
+ReferencePose ReferenceCharacter::pose() const {
+    ReferencePose pose = pose_from_local(state_->character, state_->pose_over(state_->shown.empty() ? state_->mix() : state_->shown));
+    pose.morph_weights = state_->mix_morphs();
+    return pose;
+}
 
 std::span<const CharacterEvent> ReferenceCharacter::events() const { return state_->events; }
 

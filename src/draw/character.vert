@@ -1,7 +1,8 @@
 #version 460
-// character: skins and places one vertex of one instance. gl_VertexIndex counts within the section, gl_InstanceIndex within the batch.
+// character: morphs, skins and places one vertex of one instance. gl_VertexIndex counts within the section, gl_InstanceIndex within the batch.
 #include "draw/draw_io.h"
 #include "gpu/affine.glsl"
+#include "morph/morph_io.h"
 #include "skin/skin_io.h"
 
 layout(constant_id = 0) const bool kShadow = false;  // thrown onto the ground, along the light
@@ -11,6 +12,8 @@ layout(set = 0, binding = 0, std140) uniform Scene { DrawScene scene; };
 layout(set = 1, binding = 0, std430) readonly buffer Vertices { VertexRows vertices[]; };
 layout(set = 1, binding = 1, std430) readonly buffer InfluenceWords { uvec2 influences[]; };
 layout(set = 1, binding = 3, std430) readonly buffer Placements { Affine world_from_model[]; };
+layout(set = 1, binding = 4, std430) readonly buffer MorphDeltas { uvec4 morph_deltas[]; };
+layout(set = 1, binding = 5, std430) readonly buffer ActiveMorphs { ActiveMorph active_morphs[]; };
 layout(push_constant) uniform Push { DrawPush push; };
 
 layout(location = 0) out vec3 out_world;
@@ -23,6 +26,7 @@ layout(location = 4) flat out uint out_mirrored;
 #define SKIN_BINDING 2
 #include "bind/skin_format.glsl"
 #include "skin/skin.glsl"
+#include "morph/apply.glsl"
 
 // The inverse of pack_normal() in compile/mesh.cpp.
 vec3 unpack_normal(uint packed) {
@@ -41,14 +45,17 @@ vec3 transform_normal(Affine m, vec3 normal) {
 
 void main() {
     const VertexRows vertex = vertices[push.first_vertex + gl_VertexIndex];
+    const MorphSum morphs = sum_of_morphs(floatBitsToUint(vertex.texcoord_color.w), push.first_morph, push.morph_count, gl_InstanceIndex * kActiveMorphs);
     const Affine placement = world_from_model[gl_InstanceIndex];
     const Affine model_from_bind = blended_skin_matrix(push.first_influences, push.influence_sets, gl_VertexIndex, gl_InstanceIndex * push.palette_count);
     const Affine world_from_bind = affine_multiply(placement, model_from_bind);
-    vec3 world = affine_point(world_from_bind, vertex.position_normal.xyz);
+    vec3 world = affine_point(world_from_bind, vertex.position_normal.xyz + morphs.position);
     if (kShadow) {
         world -= scene.to_light.xyz * (max(world.y - scene.ground.y, 0) / scene.to_light.y);
     } else {
-        const vec3 normal = transform_normal(world_from_bind, unpack_normal(floatBitsToUint(vertex.position_normal.w)));
+        vec3 bind_normal = unpack_normal(floatBitsToUint(vertex.position_normal.w));
+        if (push.morph_count > 0) bind_normal = normalize(bind_normal) + morphs.normal;
+        const vec3 normal = transform_normal(world_from_bind, bind_normal);
         out_normal = normal * inversesqrt(max(dot(normal, normal), 1e-30));
         out_texcoord = vertex.texcoord_color.xy;
         out_color = unpackUnorm4x8(floatBitsToUint(vertex.texcoord_color.z));

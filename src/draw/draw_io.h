@@ -25,7 +25,7 @@ struct DrawPush {
     vec4 base_color;
     float alpha_cutoff;  // fragments below it are left out, in the pipeline that discards
     uint double_sided;
-    uint unused0, unused1;
+    uint first_morph, morph_count;  // of the section; count 0: none
 };
 
 THRONG_IO_END

@@ -13,7 +13,7 @@ namespace throng {
 inline constexpr VkFormat kColorFormat = VK_FORMAT_R8G8B8A8_SRGB;
 inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 
-// Descriptor sets: 0 the scene (one uniform buffer), 1 a batch (four storage buffers), 2 a material (one texture).
+// Descriptor sets: 0 the scene (one uniform buffer), 1 a batch (six storage buffers), 2 a material (one texture).
 // Cull mode, viewport and scissor are dynamic.
 struct DrawPipelines {
     DrawPipelines() = default;
@@ -30,6 +30,6 @@ struct DrawPipelines {
     OwnedPipeline character_discards;  // of materials with a mask, and of batches with mirrored instances
 };
 
-inline constexpr std::array<BindingInfo, 4> kBatchBindings{{{0}, {1}, {2}, {3}}};  // vertices, influences, skin matrices, placements
+inline constexpr std::array<BindingInfo, 6> kBatchBindings{{{0}, {1}, {2}, {3}, {4}, {5}}};  // vertices, influences, skin matrices, placements, morph differences, active morphs
 
 }  // namespace throng

@@ -178,7 +178,8 @@ RenderResult RendererState::render(const Crowd& crowd, const Camera& camera) {
     for (const Group& group : state.groups) frame.materials.emplace_back(gpu_, group, pipelines_.material_set.get(), sampler_.get(), white_.view(), warnings);
     for (const Batch& batch : state.batches) {
         const Group& group = state.groups[batch.group];
-        const std::array<BufferRange, kBatchBindings.size()> ranges{group.vertices, group.influences, batch.skin(), batch.placements};
+        const std::array<BufferRange, kBatchBindings.size()> ranges{group.vertices, group.influences, batch.skin(), batch.placements,
+                                                                    group.morphs ? group.morphs->deltas : group.vertices, batch.morphs.or_else(group.vertices)};
         frame.batches.emplace_back(gpu_, pipelines_.batch_set.get(), group.name, kBatchBindings, ranges);
     }
     gpu_->submit_and_wait([&](VkCommandBuffer commands) { record(commands, frame); });
@@ -272,7 +273,9 @@ void RendererState::draw_batch(VkCommandBuffer commands, const Frame& frame, uin
                                 .palette_count = group.palette_count,
                                 .base_color = {c[0], c[1], c[2], c[3]},
                                 .alpha_cutoff = material.alpha_cutoff,
-                                .double_sided = material.double_sided ? 1u : 0u};
+                                .double_sided = material.double_sided ? 1u : 0u,
+                                .first_morph = section.first_morph,
+                                .morph_count = section.morph_count};
         gpu_->vk.vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof push, &push);
         gpu_->vk.vkCmdDrawIndexed(commands, section.index_count, batch.instance_count, section.first_index, 0, 0);
     }

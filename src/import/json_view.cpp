@@ -199,6 +199,8 @@ JsonView JsonView::operator[](size_t index) const {
 }
 
 bool JsonView::is_string() const { return json_->is_string(); }
+bool JsonView::is_array() const { return json_->is_array(); }
+bool JsonView::is_object() const { return json_->is_object(); }
 
 const std::string& JsonView::as_string() const {
     if (!json_->is_string()) fail("must be a string, but is " + kind_of(*json_));

@@ -60,6 +60,8 @@ public:
 
     // Of the value itself.
     bool is_string() const;
+    bool is_array() const;
+    bool is_object() const;
     const std::string& as_string() const;
     const JsonView& as_object() const;
     uint64_t as_uint() const;

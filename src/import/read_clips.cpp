@@ -94,6 +94,30 @@ std::vector<float> read_values(Reading& reading, const JsonView& sampler, const 
     return out;
 }
 
+// [key][target], of cubic splines [key][3][target].
+std::vector<float> read_morph_values(Reading& reading, const JsonView& sampler, const Keys& keys, uint32_t target_count,
+                                     Interpolation interpolation) {
+    const AccessorView output = reading.accessors.open(sampler, "output");
+    const std::string place = sampler.place_of("output");
+    const auto fail = [&](const std::string& what) { throw Failure(ErrorCode::kInvalidFile, place, what); };
+    if (output.format.type != "SCALAR") fail("must be SCALAR, but is " + output.format.type);
+    if (!output.format.is_float() && (!output.format.normalized || output.format.component_type == ComponentType::kUint32))
+        fail(std::string("must be floats or normalised integers, but is ") + name_of(output.format.component_type));
+    const uint64_t values_per_key = uint64_t(target_count) * (interpolation == Interpolation::kCubicSpline ? 3 : 1);
+    if (output.count() != keys.file_count * values_per_key)
+        fail("has " + std::to_string(output.count()) + " values, but must have " + std::to_string(keys.file_count * values_per_key) +
+             ", for " + std::to_string(keys.file_count) + " key times and " + std::to_string(target_count) + " morph targets");
+    reading.budget.charge(output.count(), sizeof(float), place);
+    std::vector<float> out;
+    out.reserve(keys.kept.size() * values_per_key);
+    for (const uint32_t key : keys.kept)
+        for (uint64_t i = 0; i < values_per_key; ++i) {
+            out.push_back(output.number(uint32_t(key * values_per_key + i), 0));
+            if (!std::isfinite(out.back())) fail("the value of key " + std::to_string(key) + " is not finite");
+        }
+    return out;
+}
+
 class ClipReader {
 public:
     ClipReader(Reading& reading, const JsonView& json, size_t node_count)
@@ -116,9 +140,7 @@ private:
         if (node == kNone) return ignore(channel, "has no target node: the channel is ignored");
         const JsonView sampler = samplers_[channel.required_index("sampler", samplers_.size(), "samplers")].as_object();
         if (path == "weights") {
-            ++clip_.morph_track_count;
-            const Keys keys = read_times(reading_, sampler);
-            if (!keys.times_s.empty()) clip_.duration_s = std::max(clip_.duration_s, double(keys.times_s.back()));
+            read_morph_track(channel, sampler, node);
         } else if (path == "translation") {
             read_track(channel, sampler, node, TrackTarget::kTranslation);
         } else if (path == "rotation") {
@@ -141,14 +163,34 @@ private:
         if (track.times_s.empty()) return ignore(channel, "has no keys: the channel is ignored");
         clip_.duration_s = std::max(clip_.duration_s, double(track.times_s.back()));
 
-        reading_.budget.charge(sizeof(AssetTrack), channel.place());
-        const auto [known, is_new] = track_of_.emplace(std::pair(node, target), clip_.tracks.size());
+        keep(channel, std::move(track), std::pair(node, target), track_of_, clip_.tracks);
+    }
+
+    void read_morph_track(const JsonView& channel, const JsonView& sampler, uint32_t node) {
+        const JsonView meshes = reading_.root.optional_array("meshes");
+        const uint32_t mesh = reading_.root.optional_array("nodes")[node].optional_index("mesh", meshes.size(), "meshes");
+        const uint32_t target_count = mesh == kNone ? 0 : morph_target_count(meshes[mesh]);
+        AssetMorphTrack track{.node = node, .interpolation = read_interpolation(sampler), .times_s = {}, .values = {}};
+        Keys keys = read_times(reading_, sampler);
+        if (!keys.times_s.empty()) clip_.duration_s = std::max(clip_.duration_s, double(keys.times_s.back()));
+        if (target_count == 0) return ignore(channel, "its node has no morph targets: the channel is ignored");
+        track.values = read_morph_values(reading_, sampler, keys, target_count, track.interpolation);
+        track.times_s = std::move(keys.times_s);
+        if (track.times_s.empty()) return ignore(channel, "has no keys: the channel is ignored");
+        keep(channel, std::move(track), node, morph_track_of_, clip_.morph_tracks);
+    }
+
+    // `key` is what the track animates.
+    template <class Track, class Key>
+    void keep(const JsonView& channel, Track track, const Key& key, std::map<Key, size_t>& index_of, std::vector<Track>& tracks) {
+        reading_.budget.charge(sizeof(Track), channel.place());
+        const auto [known, is_new] = index_of.emplace(key, tracks.size());
         if (is_new) {
-            clip_.tracks.push_back(std::move(track));
+            tracks.push_back(std::move(track));
         } else {
             reading_.warnings.add(channel.place(),
                                   "animates what another channel of the clip animates: the last one is used");
-            clip_.tracks[known->second] = std::move(track);
+            tracks[known->second] = std::move(track);
         }
     }
 
@@ -159,6 +201,7 @@ private:
     size_t node_count_;
     AssetClip clip_;
     std::map<std::pair<uint32_t, TrackTarget>, size_t> track_of_;
+    std::map<uint32_t, size_t> morph_track_of_;  // by node
 };
 
 }  // namespace

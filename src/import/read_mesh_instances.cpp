@@ -61,13 +61,14 @@ void read_mesh_instances(Reading& reading, Asset& asset) {
     std::set<std::pair<uint32_t, uint32_t>> checked;
     for (uint32_t i = 0; i < nodes.size(); ++i) {
         const JsonView json = nodes[i];
-        const AssetMeshInstance instance{.node = i,
+        AssetMeshInstance instance{.node = i,
                                          .mesh = json.optional_index("mesh", asset.meshes.size(), "meshes"),
                                          .skin = json.optional_index("skin", asset.skins.size(), "skins")};
         if (instance.mesh == kNone || in_scene[i] != kInside) continue;
         if (instance.skin != kNone && checked.emplace(instance.mesh, instance.skin).second)
             check_influences(meshes, asset, instance);
-        asset.mesh_instances.push_back(instance);
+        instance.weights = read_morph_weights(reading, json, uint32_t(asset.meshes[instance.mesh].weights.size()));
+        asset.mesh_instances.push_back(std::move(instance));
     }
 }
 

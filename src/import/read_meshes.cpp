@@ -17,7 +17,6 @@ public:
                     const std::vector<uint32_t>& texcoord_sets)
         : reading_(reading), json_(json), place_(json.place_of("attributes")) {
         out_.material = json.optional_index("material", asset.materials.size(), "materials");
-        out_.morph_target_count = uint32_t(json.optional_array("targets").size());
         const uint64_t mode = json.optional_uint("mode", kTriangles);
         if (mode >= kModeCount)
             throw Failure(ErrorCode::kInvalidFile, json.place_of("mode"), std::to_string(mode) + " is unknown");
@@ -43,6 +42,7 @@ private:
         else
             read_texcoords(asset.materials[out_.material], texcoord_sets[out_.material]);
         if (attributes_->has("COLOR_0")) read_colors();
+        read_targets();
         read_influences();
         read_indices(mode);
     }
@@ -146,6 +146,42 @@ private:
             for (uint32_t c = 0; c < view.format.component_count; ++c) color[c] = finite_or_zero(view, v, c);
         }
         warn_if_mended(name);
+    }
+
+    // KHR_draco_mesh_compression leaves morph targets as they are.
+    void read_targets() {
+        const JsonView targets = json_.optional_array("targets");
+        reading_.budget.charge(targets.size(), sizeof(AssetMorphTarget), targets.place());
+        out_.targets.resize(targets.size());
+        for (size_t t = 0; t < targets.size(); ++t) {
+            const JsonView target = targets[t].as_object();
+            out_.targets[t].positions = read_differences(target, "POSITION", false);
+            out_.targets[t].normals = read_differences(target, "NORMAL", true);
+        }
+    }
+
+    // Quantised ones are signed, those of normals normalised (KHR_mesh_quantization).
+    std::vector<Vec3<float>> read_differences(const JsonView& target, const char* name, bool is_normal) {
+        if (!target.has(name)) return {};
+        const AccessorFormat format = reading_.accessors.format(target, name);
+        const std::string place = target.place_of(name);
+        const auto refuse = [&](const std::string& what) { throw Failure(ErrorCode::kInvalidFile, place, what); };
+        const bool quantized = reading_.quantized && is_short(format) && !format.is_unsigned() && (format.normalized || !is_normal);
+        if (format.type != "VEC3") refuse("must be VEC3, but is " + format.type);
+        if (!format.is_float() && !quantized)
+            refuse(std::string("must not be ") + (format.normalized ? "normalised " : "") + name_of(format.component_type) +
+                   (reading_.quantized ? "" : " without KHR_mesh_quantization"));
+        if (format.count != out_.positions.size())
+            refuse("has " + std::to_string(format.count) + " elements, but POSITION has " + std::to_string(out_.positions.size()));
+        reading_.budget.charge(format.count, sizeof(Vec3<float>), place);
+        const AccessorView view = reading_.accessors.open(format);
+        std::vector<Vec3<float>> out(view.count());
+        for (uint32_t v = 0; v < view.count(); ++v) {
+            out[v] = {view.number(v, 0), view.number(v, 1), view.number(v, 2)};
+            if (!std::isfinite(out[v].x) || !std::isfinite(out[v].y) || !std::isfinite(out[v].z))
+                refuse("vertex " + std::to_string(v) + " is not finite");
+        }
+        return out;
     }
 
     // How many of <prefix>0, <prefix>1, … there are without a gap.
@@ -265,26 +301,62 @@ private:
     bool mended_ = false;
 };
 
+// mesh.extras.targetNames: a convention of exporters, so what does not fit is no error.
+std::vector<std::string> read_target_names(Reading& reading, const JsonView& mesh, uint32_t target_count) {
+    const auto extras = mesh.find("extras");
+    if (!extras || !extras->is_object()) return {};
+    const auto names = extras->find("targetNames");
+    if (!names) return {};
+    std::vector<std::string> out;
+    if (names->is_array() && names->size() == target_count)
+        for (size_t t = 0; t < target_count; ++t)
+            if ((*names)[t].is_string()) out.push_back((*names)[t].as_string());
+    if (out.size() == target_count) return out;
+    reading.warnings.add(names->place(), "is not a name for each morph target: it is ignored");
+    return {};
+}
+
 }  // namespace
+
+uint32_t morph_target_count(const JsonView& mesh) {
+    const JsonView primitives = mesh.optional_array("primitives");
+    return primitives.size() == 0 ? 0 : uint32_t(primitives[0].as_object().optional_array("targets").size());
+}
+
+std::vector<float> read_morph_weights(Reading& reading, const JsonView& json, uint32_t target_count) {
+    const JsonView weights = json.optional_array("weights");
+    if (!json.has("weights")) return {};
+    if (weights.size() != target_count)
+        weights.fail("has " + std::to_string(weights.size()) + " numbers, but the mesh has " + std::to_string(target_count) + " morph targets");
+    reading.budget.charge(target_count, sizeof(float), weights.place());
+    std::vector<float> out;
+    for (size_t t = 0; t < target_count; ++t) out.push_back(float(weights[t].as_number()));
+    return out;
+}
 
 void read_meshes(Reading& reading, const std::vector<uint32_t>& texcoord_sets, Asset& asset) {
     const JsonView meshes = reading.root.optional_array("meshes");
     reading.budget.charge(meshes.size(), sizeof(AssetMesh), meshes.place());
     asset.meshes.reserve(meshes.size());
-    bool has_morphs = false;
     for (size_t m = 0; m < meshes.size(); ++m) {
         AssetMesh mesh;
         mesh.name = read_name(reading, meshes[m]);
+        const uint32_t target_count = morph_target_count(meshes[m]);
         const JsonView primitives = meshes[m].required_array("primitives");
         reading.budget.charge(primitives.size(), sizeof(AssetPrimitive), primitives.place());
         mesh.primitives.reserve(primitives.size());
         for (size_t p = 0; p < primitives.size(); ++p) {
-            mesh.primitives.push_back(PrimitiveReader(reading, primitives[p].as_object(), asset, texcoord_sets).take());
-            has_morphs = has_morphs || mesh.primitives.back().morph_target_count > 0;
+            const JsonView targets = primitives[p].as_object().optional_array("targets");
+            if (targets.size() != target_count)
+                throw Failure(ErrorCode::kInvalidFile, primitives[p].place_of("targets"),
+                              "has " + std::to_string(targets.size()) + " morph targets, but the first primitive has " + std::to_string(target_count));
+            mesh.primitives.push_back(PrimitiveReader(reading, primitives[p], asset, texcoord_sets).take());
         }
+        mesh.weights = read_morph_weights(reading, meshes[m], target_count);
+        mesh.weights.resize(target_count);
+        mesh.target_names = read_target_names(reading, meshes[m], target_count);
         asset.meshes.push_back(std::move(mesh));
     }
-    if (has_morphs) reading.warnings.add(meshes.place(), "morph targets are ignored");
 }
 
 }  // namespace throng::gltf

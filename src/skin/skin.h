@@ -14,6 +14,8 @@ struct SkinBuffers {
     BufferRange influences;  // Influences[]
     BufferRange skin_matrices;  // Affine[instance_count][palette_count]
     BufferRange positions;  // float4[], model space, written in the order of vertices
+    BufferRange morph_deltas;  // MorphDelta[]; where there are none, any buffer
+    BufferRange active_morphs;  // io::ActiveMorph[instance_count][kActiveMorphs]; likewise
 };
 
 // `format`: of the skin matrices.

@@ -2,11 +2,11 @@
 
 namespace throng {
 
-std::vector<Vec3<double>> skin_reference(const Character& character, std::span<const AffineT<double>> model_from_bind) {
+std::vector<Vec3<double>> skin_reference(const Character& character, std::span<const AffineT<double>> model_from_bind, std::span<const WeightedMorph> morphs) {
     std::vector<Vec3<double>> positions(character.vertices.size());
     for (const MeshSection& section : character.sections) {
         for (uint32_t vertex = 0; vertex < section.vertex_count; ++vertex) {
-            const Vec3<double> bind_position = character.vertices[section.first_vertex + vertex].position.as<double>();
+            const Vec3<double> bind_position = morphed_position_reference(character, section, vertex, morphs);
             Vec3<double> sum;
             for (uint32_t set = 0; set < section.influence_sets; ++set) {
                 const Influences& influences = character.influences[section.first_influences + vertex * section.influence_sets + set];

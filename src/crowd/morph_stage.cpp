@@ -1,0 +1,29 @@
+#include "crowd/morph_stage.h"
+
+namespace throng {
+
+MorphStage::MorphStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches) : groups_(groups), batches_(batches) {
+    for (uint32_t i = 0; i < batches_.size(); ++i) {
+        const Batch& batch = batches_[i];
+        const Group& group = groups_[batch.group];
+        if (!group.morphs) continue;
+        std::optional<Kernel>& kernel = kernels_[group.controller.has_value()];
+        if (!kernel) kernel = morph_kernel(gpu, group.controller.has_value());
+        const MorphTables& tables = *group.morphs;
+        members_.push_back({i, kernel->bind(MorphBuffers{batch.playbacks.or_else(batch.morphs), group.controller ? batch.voices : group.tracks, batch.voice_times.or_else(batch.morphs),
+                                                         tables.axes, tables.times, tables.tracks, tables.values, batch.morphs})});
+    }
+}
+
+void MorphStage::record(VkCommandBuffer commands, StageTimer* timer) const {
+    if (members_.empty()) return;
+    for (const Member& member : members_) {
+        const Batch& batch = batches_[member.batch];
+        const Group& group = groups_[batch.group];
+        const io::MorphPush push{batch.instance_count, group.morphs->morph_count, group.joint_count, group.controller ? group.controller->voice_limit : 0};
+        kernel_of(group).dispatch_invocations(commands, member.bindings, push, batch.instance_count);
+    }
+    if (timer) timer->end_stage(commands, &StageTimes::blend);
+}
+
+}  // namespace throng

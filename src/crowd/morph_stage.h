@@ -1,0 +1,33 @@
+// The morph stage of groups whose character has morphs, with a controller or without.
+#pragma once
+
+#include "crowd/batch.h"
+#include "crowd/group.h"
+#include "crowd/stage_timer.h"
+
+#include <optional>
+
+namespace throng {
+
+class MorphStage {
+public:
+    // Of those batches whose character has morphs; keeps references to both.
+    MorphStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches);
+
+    // Behind control. Nothing else of an update reads what it writes. Its time counts as blend.
+    void record(VkCommandBuffer commands, StageTimer* timer) const;
+
+private:
+    struct Member {
+        uint32_t batch = 0;
+        Bindings bindings;
+    };
+    const Kernel& kernel_of(const Group& group) const { return *kernels_[group.controller.has_value()]; }
+
+    const std::vector<Group>& groups_;
+    const std::vector<Batch>& batches_;
+    std::array<std::optional<Kernel>, 2> kernels_;  // of two clips, of layers
+    std::vector<Member> members_;
+};
+
+}  // namespace throng

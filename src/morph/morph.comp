@@ -1,0 +1,33 @@
+#version 460
+// morph: the weights of each instance's morphs, from the clips that it plays, and of them the kActiveMorphs largest by magnitude.
+// One invocation per instance. Cost: for each four morphs and each clip a binary search among the rows of weights, and 4 to 8 words.
+#include "gpu/table.glsl"
+#include "control/control_io.h"
+#include "morph/morph_io.h"
+
+layout(local_size_x = kMorphWorkgroupSize) in;
+layout(set = 0, binding = 0, std430) readonly buffer Playbacks { InstancePlayback playbacks[]; };
+TABLE_OF_ROWS(1, Voices, voices);
+layout(set = 0, binding = 2, std430) readonly buffer VoiceTimes { float voice_times[]; };
+TABLE_OF_WORDS(3, Axes, axes);
+TABLE_OF_WORDS(4, Times, times);
+TABLE_OF_ROWS(5, Tracks, tracks);
+TABLE_OF_WORDS(6, Values, values);
+layout(set = 0, binding = 7, std430) writeonly buffer Active { ActiveMorph active_morphs[]; };
+layout(constant_id = 1) const bool kLayered = false;
+layout(push_constant) uniform Push { MorphPush push; };
+
+#include "morph/morph.glsl"
+
+void main() {
+    const uint instance = gl_GlobalInvocationID.x;
+    if (instance >= push.instance_count) return;
+    begin_active();
+    for (uint quad = 0; quad < quad_count(); ++quad) {
+        vec4 weights;
+        if (kLayered) weights = weights_of_voices(instance, quad);
+        else weights = weights_of_two(playbacks[instance], quad);
+        for (uint i = 0; i < min(push.morph_count - 4 * quad, 4); ++i) consider(4 * quad + i, weights[i]);
+    }
+    for (uint i = 0; i < kActiveMorphs; ++i) active_morphs[instance * kActiveMorphs + i] = active_of_instance[i];
+}

@@ -1,0 +1,60 @@
+#include "morph/morph.h"
+
+namespace throng {
+namespace {
+
+constexpr uint32_t kPlain[] = {
+#include "morph/morph.comp.inc"
+};
+constexpr uint32_t kWide[] = {
+#include "morph/morph.wide.inc"
+};
+
+static_assert(io::kActiveMorphs == kActiveMorphLimit && io::kMorphUntouched == kNone);
+static_assert(io::kMorphAnimatedBit == kTrackAnimated && io::kMorphStepBit == kTrackStep && io::kMorphPositionMask == kTrackPosition);
+static_assert(sizeof(io::MorphAxis) == io::kMorphAxisWords * sizeof(uint32_t) && sizeof(io::ActiveMorph) == 8);
+
+uint32_t up_to_four(size_t count) { return static_cast<uint32_t>((count + 3) / 4 * 4); }
+
+std::vector<uint32_t> axes_of(const Character& character) {
+    std::vector<io::MorphAxis> axes;
+    for (const Clip& clip : character.clips) axes.push_back({clip.first_morph_time, clip.morph_row_count, clip.morph_row_stride});
+    axes.push_back({});  // the rest pose
+    return as_words(axes);
+}
+
+// Rows of four; positions behind the default weights.
+std::vector<std::array<uint32_t, 4>> tracks_of(const Character& character) {
+    const size_t morph_count = character.morphs.size(), quad_count = up_to_four(morph_count) / 4;
+    std::vector<std::array<uint32_t, 4>> quads((character.clips.size() + 1) * quad_count, {kNone, kNone, kNone, kNone});
+    for (size_t i = 0; i < character.morph_tracks.size(); ++i) {
+        const uint32_t word = character.morph_tracks[i];
+        const size_t morph = i % morph_count;
+        if (word != kNone) quads[i / morph_count * quad_count + morph / 4][morph % 4] = word + up_to_four(morph_count);
+    }
+    return quads;
+}
+
+std::vector<float> values_of(const Character& character) {
+    std::vector<float> values;
+    for (const Morph& morph : character.morphs) values.push_back(morph.default_weight);
+    values.resize(up_to_four(values.size()));
+    values.insert(values.end(), character.morph_values.begin(), character.morph_values.end());
+    return values;
+}
+
+}  // namespace
+
+MorphTables::MorphTables(const std::shared_ptr<Gpu>& gpu, const Character& character)
+    : morph_count(static_cast<uint32_t>(character.morphs.size())),
+      axes(upload_table(gpu, character.name + ": morph axes", axes_of(character))),
+      times(upload_table(gpu, character.name + ": morph times", character.morph_times_s)),
+      tracks(upload_table(gpu, character.name + ": morph tracks", tracks_of(character))),
+      values(upload_table(gpu, character.name + ": morph weights", values_of(character))),
+      deltas(upload(gpu, character.name + ": morph differences", character.morph_deltas)) {}
+
+Kernel morph_kernel(const std::shared_ptr<Gpu>& gpu, bool layered) {
+    return Kernel(gpu, {.name = "morph", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWide) : kPlain, .constants = {layered}});
+}
+
+}  // namespace throng

@@ -1,0 +1,112 @@
+// Clips and their times -> weights of morphs -> the largest of them; defined by morph_reference.h. The includer declares the tables `axes`, `times`, `tracks`
+// (rows: four morphs each, [clip][quad]) and `values` (the default weights first), and for layers `voices` and `voice_times` ([instance][push.voice_limit]).
+// Morphs go by fours, a quad, so that a clip's rows are looked up once for four.
+#include "control/controller_io.h"
+#include "morph/morph_io.h"
+
+const float kLeastWeight = 1e-6;  // what is not larger by magnitude counts as 0
+
+uint quad_count() { return (push.morph_count + 3) / 4; }
+
+float value_at(uint index) { return uintBitsToFloat(WORD_AT(values, index)); }
+
+vec4 default_weights(uint quad) { return vec4(value_at(4 * quad), value_at(4 * quad + 1), value_at(4 * quad + 2), value_at(4 * quad + 3)); }
+
+struct MorphRows {
+    uint earlier, later;  // row * row_stride
+    float fraction;       // 0..1
+};
+const MorphRows kFirstRow = MorphRows(0, 0, 0);
+
+// As find_rows() of control.glsl.
+MorphRows find_morph_rows(uint clip, float time_s) {
+    const uint w = kMorphAxisWords * clip;
+    const MorphAxis axis = MorphAxis(WORD_AT(axes, w), WORD_AT(axes, w + 1), WORD_AT(axes, w + 2));
+    uint low = 0, high = axis.row_count;
+    while (high - low > 1) {
+        const uint middle = (low + high) / 2;
+        if (uintBitsToFloat(WORD_AT(times, axis.first_time + middle)) <= time_s) low = middle;
+        else high = middle;
+    }
+    if (low + 1 >= axis.row_count) return MorphRows(low * axis.row_stride, low * axis.row_stride, 0);
+    const float from_s = uintBitsToFloat(WORD_AT(times, axis.first_time + low)), to_s = uintBitsToFloat(WORD_AT(times, axis.first_time + low + 1));
+    return MorphRows(low * axis.row_stride, (low + 1) * axis.row_stride, clamp((time_s - from_s) / (to_s - from_s), 0, 1));
+}
+
+float sample_weight(uint track, MorphRows rows, float untouched) {
+    if (track == kMorphUntouched) return untouched;
+    const uint position = track & kMorphPositionMask;
+    if ((track & kMorphAnimatedBit) == 0) return value_at(position);
+    const float earlier = value_at(position + rows.earlier);
+    return (track & kMorphStepBit) != 0 ? earlier : mix(earlier, value_at(position + rows.later), rows.fraction);
+}
+
+vec4 sample_weights(uvec4 quad_tracks, MorphRows rows, vec4 untouched) {
+    return vec4(sample_weight(quad_tracks.x, rows, untouched.x), sample_weight(quad_tracks.y, rows, untouched.y), sample_weight(quad_tracks.z, rows, untouched.z),
+                sample_weight(quad_tracks.w, rows, untouched.w));
+}
+
+uvec4 quad_tracks_of(uint clip, uint quad) { return ROW_AT(tracks, clip * quad_count() + quad); }
+
+// ---- Two clips
+
+vec4 clip_weights(SlotPlayback slot, uint quad, vec4 defaults) { return sample_weights(quad_tracks_of(slot.clip, quad), find_morph_rows(slot.clip, slot.time_s), defaults); }
+
+vec4 weights_of_two(InstancePlayback playback, uint quad) {
+    const vec4 defaults = default_weights(quad);
+    vec4 weights = clip_weights(playback.first, quad, defaults);
+    if (playback.weight < 1) weights = mix(clip_weights(playback.second, quad, defaults), weights, playback.weight);
+    return weights;
+}
+
+// ---- Layers
+
+vec4 weights_of_voices(uint instance, uint quad) {
+    const vec4 defaults = default_weights(quad);
+    vec4 result = defaults, sum = vec4(0);
+    bvec4 is_touched = bvec4(false);  // by a voice of the layer
+    uint index = instance * push.voice_limit;
+    const uint end = index + push.voice_limit;
+    for (;;) {
+        const uvec4 a = ROW_AT(voices, 2 * index), b = ROW_AT(voices, 2 * index + 1);
+        const uint clip = a.x / push.joint_count, flags = b.w;
+        const float weight = uintBitsToFloat(b.x), layer_weight = uintBitsToFloat(b.y);
+        const bool is_additive = (flags & kVoiceAdditive) != 0;
+        const uvec4 quad_tracks = quad_tracks_of(clip, quad);
+        const vec4 value = sample_weights(quad_tracks, find_morph_rows(clip, voice_times[index]), defaults);
+        vec4 from = defaults;
+        if (is_additive) from = sample_weights(quad_tracks, kFirstRow, defaults);
+        sum += weight * (value - from);
+        is_touched = bvec4(uvec4(is_touched) | uvec4(notEqual(quad_tracks, uvec4(kMorphUntouched))));
+        if ((flags & kVoiceEndsLayer) != 0) {
+            result = is_additive ? result + layer_weight * sum : mix(result, mix(result, defaults + sum, layer_weight), is_touched);
+            sum = vec4(0);
+            is_touched = bvec4(false);
+        }
+        ++index;
+        if (index == end || (flags & kVoiceEnds) != 0) break;
+    }
+    return result;
+}
+
+// ---- The largest
+
+ActiveMorph active_of_instance[kActiveMorphs];  // by magnitude, then by index
+
+void begin_active() {
+    for (uint i = 0; i < kActiveMorphs; ++i) active_of_instance[i] = ActiveMorph(0, 0);
+}
+
+// Morphs come in the order of their indices.
+void consider(uint morph, float weight) {
+    ActiveMorph candidate = ActiveMorph(morph, abs(weight) > kLeastWeight ? weight : 0);
+    bool is_in = false;  // those behind its place move on by one
+    for (uint i = 0; i < kActiveMorphs; ++i) {
+        is_in = is_in || abs(candidate.weight) > abs(active_of_instance[i].weight);
+        const ActiveMorph here = active_of_instance[i];
+        if (is_in) {
+            active_of_instance[i] = candidate;
+            candidate = here;
+        }
+    }
+}

@@ -1,0 +1,38 @@
+// What the morph stage reads and writes. Shared by C++ and GLSL.
+#ifndef THRONG_MORPH_IO_H
+#define THRONG_MORPH_IO_H
+#include "gpu/shader_types.h"
+THRONG_IO_BEGIN
+
+THRONG_IO_CONSTANT kMorphWorkgroupSize = 64;
+THRONG_IO_CONSTANT kActiveMorphs = 8;  // of an instance
+
+// A morph that an instance shows; weight 0: none, and none behind it.
+struct ActiveMorph {
+    uint morph;
+    float weight;
+};
+
+// The rows of weights of a clip: as many words of a table as it has members.
+THRONG_IO_CONSTANT kMorphAxisWords = 3;
+struct MorphAxis {
+    uint first_time;  // index into times
+    uint row_count;   // 0: all weights that the clip animates are constant
+    uint row_stride;
+};
+
+// A clip's track of a morph: the position of its weight, or of that in the first row, and flags; as JointTracks.
+THRONG_IO_CONSTANT kMorphUntouched = 0xFFFFFFFFu;  // the clip does not animate it
+THRONG_IO_CONSTANT kMorphAnimatedBit = 0x80000000u;
+THRONG_IO_CONSTANT kMorphStepBit = 0x40000000u;
+THRONG_IO_CONSTANT kMorphPositionMask = 0x3FFFFFFFu;
+
+struct MorphPush {
+    uint instance_count;
+    uint morph_count;
+    uint joint_count;  // of layers: a voice's clip is its first track by this
+    uint voice_limit;  // of layers: voices kept for each instance
+};
+
+THRONG_IO_END
+#endif
