@@ -81,8 +81,8 @@ int main(int argc, char** argv) {
                 if (event.instance < 3) std::printf("%.3f s: guard %u: %s\n", (static_cast<double>(feedback.update) - 1) / 60 + static_cast<double>(event.time_s), event.instance, name.c_str());
             }
             // Lanterns follow on the CPU here; a renderer of one's own reads OutputBlock::socket_buffer and need not wait for anything.
-            for (const throng::WatchedSockets& sockets : feedback.sockets)
-                need(crowd.set_placement(kCount + sockets.instance, std::vector<throng::Affine>{sockets.transforms[0] * standing_at(0, 0, 0, 0.15f)}));
+            for (const throng::WatchedInstance& watched : feedback.watched)
+                need(crowd.set_placement(kCount + watched.instance, std::vector<throng::Affine>{watched.sockets[0] * standing_at(0, 0, 0, 0.15f)}));
         }
     }
     std::printf("%u steps and %u strikes of %u guards in %u updates\n", steps, strikes, kCount, kFrames);

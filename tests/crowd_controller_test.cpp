@@ -108,6 +108,37 @@ TEST(CrowdController, ThousandsOfCommandsAreAppliedInTheirOrder) {
         EXPECT_LE(matrix_error(*crowd.read_model_matrices(10 + i), wanted[i].pose().model_from_joint, character.size), 1e-4) << "instance " << i;
 }
 
+// Two layers; plays that begin before the last one has died away, some with a cross-fade between.
+TEST(CrowdController, InertialPlaysFollowTheReference) {
+    const Character character = creature(40);
+    const Controller controller = direct_layers(2, {}, true);
+    for (const UpdatePath path : {UpdatePath::kFused, UpdatePath::kStaged}) {
+        constexpr uint32_t kInstances = 20;
+        Crowd crowd = create({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}}, .path = path, .keep_model_matrices = true});
+        std::vector<ReferenceCharacter> wanted = references(character, controller, kInstances);
+        Random random(8);
+        double furthest = 0;
+        for (int update = 0; update < 40; ++update) {
+            for (uint32_t i = 0; i < kInstances; ++i) {
+                if (update > 0 && !random.chance(0.1)) continue;
+                const LayerPlayback playback{.clip = {.clip = random.below(3), .time_s = random.between(0, 2)}, .fade_s = static_cast<float>(random.between(0.1, 0.5)), .fade = random.chance(0.8) ? FadeKind::kInertial : FadeKind::kCross};
+                const uint32_t layer = random.below(2);
+                ASSERT_TRUE(crowd.play(i, layer, playback) && wanted[i].play(layer, playback));
+            }
+            ASSERT_TRUE(crowd.update(0.03f));
+            for (uint32_t i = 0; i < kInstances; ++i) {
+                const std::vector<AffineT<double>> before = wanted[i].pose().model_from_joint;
+                ASSERT_TRUE(wanted[i].update(0.03f));
+                const ReferencePose pose = wanted[i].pose();
+                for (size_t joint = 0; joint < before.size(); ++joint)
+                    for (size_t row = 0; row < 3 && update > 0; ++row) furthest = std::max(furthest, std::abs(pose.model_from_joint[joint].row[row][3] - before[joint].row[row][3]) / character.size);
+                EXPECT_LE(matrix_error(*crowd.read_model_matrices(i), pose.model_from_joint, character.size), 1e-4) << "instance " << i << ", update " << update;
+            }
+        }
+        EXPECT_LT(furthest, 0.1);  // no pose jumps to the clip that is played, which may be half of the size away
+    }
+}
+
 TEST(CrowdController, SocketsAreTheJointsInModelOrWorldSpace) {
     const Character character = creature();
     const Controller controller = example("walker");
@@ -130,17 +161,19 @@ TEST(CrowdController, SocketsAreTheJointsInModelOrWorldSpace) {
             ASSERT_TRUE(crowd.update(0.3f));
             const std::vector<Feedback> feedback = *crowd.feedback();
             ASSERT_EQ(feedback.size(), 1u);
-            ASSERT_EQ(feedback[0].sockets.size(), 3u);
+            ASSERT_EQ(feedback[0].watched.size(), 3u);
             for (size_t k = 0; k < 3; ++k) {
-                const WatchedSockets& sockets = feedback[0].sockets[k];
-                ASSERT_EQ(sockets.instance, watched[k]);
+                const WatchedInstance& instance = feedback[0].watched[k];
+                ASSERT_EQ(instance.instance, watched[k]);
+                EXPECT_EQ(instance.world_from_model, watched[k] == 5 ? Affine{} : place);
+                EXPECT_EQ(instance.move, Affine{});
                 const std::vector<uint32_t> of = watched[k] == 77 ? std::vector<uint32_t>{1} : joints;
-                ASSERT_EQ(sockets.transforms.size(), of.size());
+                ASSERT_EQ(instance.sockets.size(), of.size());
                 const std::vector<Affine> model = *crowd.read_model_matrices(watched[k]);
                 for (size_t s = 0; s < of.size(); ++s) {
                     const Affine wanted = space == SocketSpace::kWorld && watched[k] != 5 ? place * model[of[s]] : model[of[s]];
                     for (size_t row = 0; row < 3; ++row)
-                        for (size_t column = 0; column < 4; ++column) EXPECT_NEAR(sockets.transforms[s].row[row][column], wanted.row[row][column], 1e-4);
+                        for (size_t column = 0; column < 4; ++column) EXPECT_NEAR(instance.sockets[s].row[row][column], wanted.row[row][column], 1e-4);
                 }
             }
         }
@@ -185,7 +218,11 @@ TEST(CrowdController, WrongCallsAreRefused) {
     EXPECT_NE(refusal(crowd.set_parameters(1, 1, std::array{0.0f, 0.0f})).find("parameters 1 to 3"), std::string::npos);
     EXPECT_NE(refusal(crowd.set_parameters(1, 0, std::array{std::numeric_limits<float>::quiet_NaN()})).find("finite"), std::string::npos);
     EXPECT_NE(refusal(crowd.play(3, 0, {})).find("of a crowd of 3"), std::string::npos);
-    EXPECT_NE(refusal(crowd.watch(std::array{0u})).find("no sockets"), std::string::npos);
+    EXPECT_NE(refusal(crowd.play(2, 0, {.clip = {.clip = 0}, .fade_s = 1, .fade = FadeKind::kInertial})).find("inertial"), std::string::npos);
+    EXPECT_NE(refusal(crowd.watch(std::array{3u})).find("of a crowd of 3"), std::string::npos);
+    EXPECT_NE(refusal(crowd.watch(std::vector<uint32_t>(65, 0))).find("watch_capacity is 64"), std::string::npos);
+    Crowd plain = create({.groups = {{.character = &character, .instance_count = 1}}});
+    EXPECT_NE(refusal(plain.watch(std::array{0u})).find("no group has a controller"), std::string::npos);
     EXPECT_NE(refusal(Crowd::create(test_device(), {.groups = {{.character = &character, .instance_count = 1, .sockets = {2, 2}}}})).find("twice"), std::string::npos);
     EXPECT_NE(refusal(Crowd::create(test_device(), {.groups = {{.character = &character, .instance_count = 1, .sockets = {99}}}})).find("joint 99"), std::string::npos);
     ASSERT_TRUE(crowd.update(0.1f));

@@ -149,7 +149,7 @@ TEST(Gpu, SpirvTellsWhatAShaderNeeds) {
     };
     expect("control", kControlSpirv, {0, 1, 2, 3}, sizeof(io::ControlPush), io::kControlWorkgroupSize);
     expect("sample", kSampleSpirv, {0, 1, 2, 3, 4}, sizeof(io::SamplePush), io::kSampleWorkgroupSize);
-    expect("blend", kBlendSpirv, {0, 1, 2, 3}, sizeof(io::BlendPush), io::kBlendWorkgroupSize);
+    expect("blend", kBlendSpirv, {0, 1, 2, 3, 4, 5}, sizeof(io::BlendPush), io::kBlendWorkgroupSize);
     expect("bind", kBindSpirv, {0, 1, 2, 3}, sizeof(io::BindPush), io::kBindWorkgroupSize);
     expect("skin", kSkinSpirv, {0, 1, 2, 3, 4, 5}, sizeof(io::SkinPush), io::kSkinWorkgroupSize);
     for (const ScanMethod& method : scan_table()) {
@@ -214,7 +214,7 @@ std::map<std::string, Layout> layouts_in_cpp() {
         {"ControlEvent", {sizeof(io::ControlEvent), {MEMBER(ControlEvent, phase), MEMBER(ControlEvent, event)}}},
         {"ControllerLayout", {sizeof(io::ControllerLayout), {MEMBER(ControllerLayout, clips), MEMBER(ControllerLayout, layers), MEMBER(ControllerLayout, states), MEMBER(ControllerLayout, points), MEMBER(ControllerLayout, triangles), MEMBER(ControllerLayout, edges), MEMBER(ControllerLayout, transitions), MEMBER(ControllerLayout, conditions), MEMBER(ControllerLayout, events), MEMBER(ControllerLayout, layer_count), MEMBER(ControllerLayout, parameter_count), MEMBER(ControllerLayout, clip_count)}}},
         {"LayerPlay", {sizeof(io::LayerPlay), {MEMBER(LayerPlay, motion), MEMBER(LayerPlay, phase), MEMBER(LayerPlay, loops), MEMBER(LayerPlay, fade), MEMBER(LayerPlay, fade_rate), MEMBER(LayerPlay, speed), MEMBER(LayerPlay, loop)}}},
-        {"LayerState", {sizeof(io::LayerState), {MEMBER(LayerState, plays), MEMBER(LayerState, play_count), MEMBER(LayerState, weight), MEMBER(LayerState, weight_goal), MEMBER(LayerState, weight_rate), MEMBER(LayerState, mode), MEMBER(LayerState, mask), MEMBER(LayerState, taken)}}},
+        {"LayerState", {sizeof(io::LayerState), {MEMBER(LayerState, plays), MEMBER(LayerState, play_count), MEMBER(LayerState, weight), MEMBER(LayerState, weight_goal), MEMBER(LayerState, weight_rate), MEMBER(LayerState, mode), MEMBER(LayerState, mask), MEMBER(LayerState, taken), MEMBER(LayerState, inertial_rate)}}},
         {"Voice", {sizeof(io::Voice), {MEMBER(Voice, first_track), MEMBER(Voice, earlier), MEMBER(Voice, later), MEMBER(Voice, fraction), MEMBER(Voice, weight), MEMBER(Voice, layer_weight), MEMBER(Voice, reference_row), MEMBER(Voice, flags)}}},
         {"InstanceInertia", {sizeof(io::InstanceInertia), {MEMBER(InstanceInertia, elapsed_s), MEMBER(InstanceInertia, duration_s), MEMBER(InstanceInertia, shown_step_s), MEMBER(InstanceInertia, shown_count), MEMBER(InstanceInertia, begins), MEMBER(InstanceInertia, time_step_s)}}},
         {"ActiveMorph", {sizeof(io::ActiveMorph), {MEMBER(ActiveMorph, morph), MEMBER(ActiveMorph, weight)}}},

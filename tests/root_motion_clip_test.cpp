@@ -347,12 +347,13 @@ public:
         : character_(character), controller_(direct_layers(1)), crowd_(create({.groups = {{.character = &character, .instance_count = count, .controller = &controller_, .moves_placements = moves_placements}}, .path = path})),
           references_(count, ControllerReference(controller_, character)), moves_placements_(moves_placements), base_(count), place_(count), moved_m_(count) {
         for (const Clip& clip : character.clips) durations_s_.push_back(clip.duration_s);
+        EXPECT_TRUE(crowd_.watch(std::array{count - 1}));
     }
 
     void play(uint32_t instance, const LayerPlayback& playback) {
         const Result<void> played = crowd_.play(instance, 0, playback);
         ASSERT_TRUE(played) << played.error().text();
-        references_[instance].apply(play_command({false}, durations_s_, 0, playback, "reference"));
+        references_[instance].apply(play_command(std::vector<LayerKind>(1), durations_s_, 0, playback, "reference"));
     }
 
     void stand(uint32_t instance, const Affine& world_from_model) {
@@ -369,6 +370,13 @@ public:
         const std::vector<Affine> placements = download<Affine>(crowd_.state().gpu, {block.placement_buffer, 0, count * sizeof(Affine)});
         const std::vector<io::RootState> roots = download<io::RootState>(crowd_.state().gpu, crowd_.state().batches[0].roots);
         ASSERT_EQ(roots.size(), count);
+        EXPECT_EQ(block.root_buffer, crowd_.state().batches[0].roots.handle());
+        const std::vector<Feedback> feedback = *crowd_.feedback();
+        ASSERT_TRUE(feedback.size() == 1 && feedback[0].watched.size() == 1);
+        const WatchedInstance& watched = feedback[0].watched[0];
+        EXPECT_EQ(watched.world_from_model, placements.back());
+        const io::vec4& told = roots.back().move;
+        EXPECT_EQ(watched.move.row, (std::array<std::array<float, 4>, 3>{{{told.z, 0, told.w, told.x}, {0, 1, 0, 0}, {-told.w, 0, told.z, told.y}}}));
         for (uint32_t i = 0; i < count; ++i) {
             const GroundMove move = references_[i].update(time_step_s).move;
             place_[i] = turned_to_length_one(place_[i] * move);

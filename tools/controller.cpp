@@ -39,6 +39,7 @@ nlohmann::json to_json(const Controller& controller, const CheckOptions& options
         layers.push_back({{"name", layer.name},
                           {"mode", mode_name(layer.mode)},
                           {"rotations", layer.model_space_rotations ? "model" : "local"},
+                          {"inertial", layer.inertial_plays},
                           {"mask", layer.mask},
                           {"weight", factor_text(layer.weight, layer.weight_parameter)},
                           {"states", states},

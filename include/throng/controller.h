@@ -84,6 +84,7 @@ enum class LayerMode { kOverride, kAdditive };
 struct ControllerLayer {
     std::string name;
     LayerMode mode = LayerMode::kOverride;
+    bool inertial_plays = false;   // of a layer without states: Crowd::play() may ask for inertial fades, for which each instance keeps 144 bytes a joint
     bool model_space_rotations = false;  // of kOverride: rotations are blended as they stand in the model, not in their parents (docs/controller.md); such groups are updated in stages
     std::string mask;              // empty: all joints
     float weight = 1;
@@ -106,7 +107,7 @@ struct Controller {
 };
 
 // A controller without states: `count` layers (at least 1) that play what they are told, lowest first.
-Controller direct_layers(uint32_t count, std::vector<JointMask> masks = {});
+Controller direct_layers(uint32_t count = 4, std::vector<JointMask> masks = {}, bool inertial_plays = false);
 
 // From JSON (docs/controller.schema.json). Errors name file and line: kFile, kInvalidFile (not JSON, unknown or missing fields, wrong types, names that
 // are not there, numbers out of range).

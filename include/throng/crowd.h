@@ -48,10 +48,12 @@ struct Playback {
     float weight = 1;
 };
 
-// A clip on a layer without states, above what the layer plays already: fades in within `fade_s` seconds.
+// A clip on a layer without states, above what the layer plays already: fades in within `fade_s` seconds. kInertial: only this clip plays from now
+// on, and the difference to what was shown dies away (docs/controller.md, step 10); of layers with ControllerLayer::inertial_plays.
 struct LayerPlayback {
     ClipPlayback clip;
     float fade_s = 0;
+    FadeKind fade = FadeKind::kCross;
 };
 
 // How a layer without states lies on those below it. The weight is reached in `fade_s` seconds, the rest changes at once.
@@ -111,7 +113,8 @@ struct CrowdSettings {
 // Affine[instance_count][joint_count], where CrowdSettings::keep_model_matrices is set. `placement_buffer` holds
 // world_from_model, Affine[instance_count]. `socket_buffer`, where the group has sockets, holds
 // Affine[instance_count][socket_count], in CrowdGroup::socket_space. `parameter_buffer`, where the group has a controller, holds float[instance_count][parameter_count] and may be written
-// by the application's own shaders or copies between two updates. `target_buffer`, where the group has procedural rules with targets, holds
+// by the application's own shaders or copies between two updates. `root_buffer`, where the group has a controller and its character root motion, holds float4[instance_count][5], of which the
+// first is the last update's move over the ground: x, z, cosine and sine of the turn about +y, in the character's space before it. `target_buffer`, where the group has procedural rules with targets, holds
 // float4[instance_count][target_count], a place of the world and in w the weight, and may be written likewise.
 // `morph_buffer`, where the character has morphs, holds what each instance shows of them,
 // {uint32_t morph; float weight;}[instance_count][kActiveMorphLimit], the largest weight by magnitude first, weight 0 where there are fewer: bind position += weight * MorphDelta,
@@ -132,6 +135,7 @@ struct OutputBlock {
     VkBuffer socket_buffer = VK_NULL_HANDLE;
     uint32_t parameter_count = 0;
     VkBuffer parameter_buffer = VK_NULL_HANDLE;
+    VkBuffer root_buffer = VK_NULL_HANDLE;
     uint32_t target_count = 0;
     VkBuffer target_buffer = VK_NULL_HANDLE;
     VkBuffer morph_buffer = VK_NULL_HANDLE;
@@ -152,10 +156,12 @@ struct CharacterEvent {
     float time_s = 0;    // after the beginning of the update's time step
 };
 
-// Sockets of a watched instance: [socket_count] of its group, in its CrowdGroup::socket_space.
-struct WatchedSockets {
+// A watched instance as it is after an update.
+struct WatchedInstance {
     uint32_t instance = 0;
-    std::vector<Affine> transforms;
+    Affine world_from_model;      // with all root motion so far, where it moves placements
+    Affine move;                  // root motion of this update, in the character's space before it; the identity where there is none
+    std::vector<Affine> sockets;  // [socket_count] of its group, in its CrowdGroup::socket_space
 };
 
 // What came back from one update.
@@ -163,7 +169,7 @@ struct Feedback {
     uint64_t update = 0;                 // counted from 1
     std::vector<CharacterEvent> events;  // by instance, then layer, then time
     uint64_t lost_event_count = 0;       // that found no room
-    std::vector<WatchedSockets> sockets; // of watch(), in its order
+    std::vector<WatchedInstance> watched;  // of watch(), in its order
 };
 
 struct CrowdState;  // internal
@@ -192,7 +198,7 @@ public:
     Result<void> set_placement(uint32_t first_instance, std::span<const Affine> world_from_model);
 
     // Of instances whose group has a controller; taken up by the next record(), in the order of the calls. 32 bytes are uploaded for each, and applied on the GPU.
-    // Parameters: their numbers from `parameter` on, for one instance. Errors: kInvalidArgument (no controller, layer with states, clip, mask or parameter out
+    // Parameters: their numbers from `parameter` on, for one instance. Errors: kInvalidArgument (no controller, layer with states, or without inertial plays, clip, mask or parameter out
     // of range, value not finite, negative fade, weight outside 0..1).
     Result<void> play(uint32_t instance, uint32_t layer, const LayerPlayback& playback);
     Result<void> set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend);
@@ -211,8 +217,8 @@ public:
     Result<void> set_pose(uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s = 0);
     Result<void> clear_pose(uint32_t instance, float fade_s = 0);
 
-    // From the next record() on, the sockets of these instances come back with the feedback. Replaces the ones before. Errors: kInvalidArgument (instance out of range, or
-    // of a group without sockets), kLimit (more than CrowdSettings::watch_capacity).
+    // From the next record() on, placement, move and sockets of these instances come back with the feedback. Replaces the ones before. Errors: kInvalidArgument (instance out of
+    // range, or no group has a controller or sockets), kLimit (more than CrowdSettings::watch_capacity).
     Result<void> watch(std::span<const uint32_t> instances);
 
     // What the updates that have finished since the last call reported, oldest first; does not wait. An update's feedback is kept until the fourth

@@ -16,6 +16,7 @@ void play(uint at, ControlCommand command) {
     LayerState state = layers[at];
     const bool at_once = command.fade_rate == 0 || command.kind == kCommandPlayInertial;
     push_play(state, LayerPlay(command.motion, command.phase, 0, at_once ? 1 : 0, command.fade_rate, command.value, command.loop));
+    if (command.kind == kCommandPlayInertial) state.inertial_rate = command.fade_rate;
     layers[at] = state;
 }
 

@@ -46,6 +46,7 @@ LayerState load_layer_state(uint index) {
     state.mode = WORD_AT(layers_before, rest + 4);
     state.mask = WORD_AT(layers_before, rest + 5);
     state.taken = kAbsent;  // in this update, so far
+    state.inertial_rate = uintBitsToFloat(WORD_AT(layers_before, rest + 7));
     return state;
 }
 
@@ -95,6 +96,7 @@ void store_layer_state(uint index, LayerState state) {
     layers[index].play_count = state.play_count;
     layers[index].weight = state.weight;
     layers[index].taken = state.taken;
+    if (state.inertial_rate != 0) layers[index].inertial_rate = 0;
 }
 
 void update_layer(uint index) {
@@ -105,6 +107,7 @@ void update_layer(uint index) {
         follow_transitions(state, layer);
         note_transition(state);
     }
+    note_inertial_play(state);
     advance_fades(state, push.time_step_s);
     const vec3 weights = weights_of_plays(state);
     const float layer_weight = advance_weight(state, layer);

@@ -56,12 +56,12 @@ uint32_t Controller::find_parameter(std::string_view parameter_name) const { ret
 uint32_t Controller::find_layer(std::string_view layer_name) const { return find(layers, layer_name); }
 uint32_t Controller::find_mask(std::string_view mask_name) const { return find(masks, mask_name); }
 
-Controller direct_layers(uint32_t count, std::vector<JointMask> masks) {
+Controller direct_layers(uint32_t count, std::vector<JointMask> masks, bool inertial_plays) {
     assert(count >= 1);
     Controller controller;
     controller.name = "direct";
     controller.masks = std::move(masks);
-    for (uint32_t i = 0; i < count; ++i) controller.layers.push_back({.name = "layer " + std::to_string(i)});
+    for (uint32_t i = 0; i < count; ++i) controller.layers.push_back({.name = "layer " + std::to_string(i), .inertial_plays = inertial_plays});
     return controller;
 }
 

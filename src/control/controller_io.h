@@ -107,13 +107,14 @@ struct LayerPlay {
 };
 
 // What a layer of an instance keeps from update to update.
-THRONG_IO_CONSTANT kLayerStateWords = 28;
+THRONG_IO_CONSTANT kLayerStateWords = 29;
 struct LayerState {
     LayerPlay plays[kStackSize];  // newest first: 0 leads; those from play_count on are left as they were
     uint play_count;              // 0: nothing yet
     float weight, weight_goal, weight_rate;  // direct layers: weight moves towards the goal by weight_rate a second
     uint mode, mask;              // direct layers
     uint taken;                   // transition taken by the last update, or kAbsent
+    float inertial_rate;          // direct layers: of an inertial play since the last update, 1 / seconds; 0: none
 };
 
 // One clip as part of an instance's pose: 32 bytes, two rows of a table. Voices of a layer follow each other; their weights sum to 1.

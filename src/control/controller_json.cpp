@@ -133,11 +133,12 @@ ControllerTransition read_transition(const JsonPlace& transition) {
 }
 
 ControllerLayer read_layer(const JsonPlace& layer) {
-    layer.allow({"name", "mode", "rotations", "mask", "weight", "start", "states", "transitions"});
+    layer.allow({"name", "mode", "rotations", "inertial", "mask", "weight", "start", "states", "transitions"});
     ControllerLayer out;
     out.name = layer.required("name").as_string();
     out.mode = word_of(layer, "mode", {"override", "additive"}) == 1 ? LayerMode::kAdditive : LayerMode::kOverride;
     out.model_space_rotations = word_of(layer, "rotations", {"local", "model"}) == 1;
+    out.inertial_plays = layer.bool_or("inertial", false);
     out.mask = name_or_none(layer, "mask");
     read_factor(layer, "weight", out.weight, out.weight_parameter);
     const auto states = layer.find("states");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace throng {
 namespace {
@@ -43,7 +44,8 @@ void ControllerReference::apply(const io::ControlCommand& command) {
         if (command.fade_rate == 0) state.weight = command.value;
         return;
     }
-    const bool at_once = command.fade_rate == 0 || command.kind == io::kCommandPlayInertial;
+    const bool is_inertial = command.kind == io::kCommandPlayInertial, at_once = command.fade_rate == 0 || is_inertial;
+    if (is_inertial) state.inertial_rate = command.fade_rate;
     push_play(state, {.motion = command.motion, .phase = command.phase, .loops = 0, .fade = at_once ? 1.0f : 0.0f, .fade_rate = command.fade_rate, .speed = command.value, .loop = command.loop});
 }
 
@@ -114,6 +116,7 @@ void ControllerReference::update_layer(uint32_t index, float time_step_s, Contro
         const io::ControlTransition& taken = arrays_.transitions[state.taken];
         if ((taken.flags & io::kTransitionInertial) != 0 && taken.fade_rate > 0) update.inertial_s = 1 / taken.fade_rate;
     }
+    if (const float rate = std::exchange(state.inertial_rate, 0.0f); rate > 0) update.inertial_s = 1 / rate;
     advance_fades(state, time_step_s);
     const auto weights = weights_of_plays(state);
     const float layer_weight = advance_weight(layer, state, time_step_s);

@@ -11,9 +11,9 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& place, std::string why) { throw Failure(ErrorCode::kInvalidArgument, place, std::move(why)); }
 
-void check_layer(const std::vector<bool>& has_states, uint32_t layer, const std::string& place) {
-    if (layer >= has_states.size()) refuse(place, "layer " + std::to_string(layer) + " of a controller that has " + std::to_string(has_states.size()));
-    if (has_states[layer]) refuse(place, "layer " + std::to_string(layer) + " has states: set the controller's parameters");
+void check_layer(std::span<const LayerKind> kinds, uint32_t layer, const std::string& place) {
+    if (layer >= kinds.size()) refuse(place, "layer " + std::to_string(layer) + " of a controller that has " + std::to_string(kinds.size()));
+    if (kinds[layer].has_states) refuse(place, "layer " + std::to_string(layer) + " has states: set the controller's parameters");
 }
 
 float rate_of(float fade_s, const std::string& place) {
@@ -23,15 +23,29 @@ float rate_of(float fade_s, const std::string& place) {
 
 }  // namespace
 
-io::ControlCommand play_command(const std::vector<bool>& has_states, std::span<const float> clip_durations_s, uint32_t layer, const LayerPlayback& playback, const std::string& place) {
+std::vector<LayerKind> layer_kinds(const Controller& controller) {
+    std::vector<LayerKind> kinds;
+    for (const ControllerLayer& layer : controller.layers) kinds.push_back({!layer.states.empty(), layer.inertial_plays});
+    return kinds;
+}
+
+bool has_inertia(const Controller& controller) {
+    return std::ranges::any_of(controller.layers, [](const ControllerLayer& layer) {
+        return layer.inertial_plays || std::ranges::any_of(layer.transitions, [](const ControllerTransition& transition) { return transition.fade == FadeKind::kInertial; });
+    });
+}
+
+io::ControlCommand play_command(std::span<const LayerKind> kinds, std::span<const float> clip_durations_s, uint32_t layer, const LayerPlayback& playback, const std::string& place) {
     const auto clip_count = static_cast<uint32_t>(clip_durations_s.size());
     const ClipPlayback& clip = playback.clip;
-    check_layer(has_states, layer, place);
+    check_layer(kinds, layer, place);
     if (clip.clip != kNone && clip.clip >= clip_count) refuse(place, "clip " + std::to_string(clip.clip) + " of a character that has " + std::to_string(clip_count));
     if (!std::isfinite(clip.time_s) || !std::isfinite(clip.speed)) refuse(place, "time and speed must be finite");
+    const bool is_inertial = playback.fade == FadeKind::kInertial;
+    if (is_inertial && !kinds[layer].inertial_plays) refuse(place, "layer " + std::to_string(layer) + " was not made for inertial plays: set ControllerLayer::inertial_plays");
     const bool rests = clip.clip == kNone;
     return {.instance = 0,
-            .kind = io::kCommandPlay,
+            .kind = is_inertial ? io::kCommandPlayInertial : io::kCommandPlay,
             .target = layer,
             .motion = rests ? clip_count : clip.clip,
             .phase = rests ? 0 : phase_at(clip.time_s, clip_durations_s[clip.clip], clip.loop),
@@ -40,8 +54,8 @@ io::ControlCommand play_command(const std::vector<bool>& has_states, std::span<c
             .fade_rate = rate_of(playback.fade_s, place)};
 }
 
-io::ControlCommand layer_command(const std::vector<bool>& has_states, uint32_t mask_count, uint32_t layer, const LayerBlend& blend, const std::string& place) {
-    check_layer(has_states, layer, place);
+io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask_count, uint32_t layer, const LayerBlend& blend, const std::string& place) {
+    check_layer(kinds, layer, place);
     if (!(blend.weight >= 0 && blend.weight <= 1)) refuse(place, "weight must lie within 0..1");
     if (blend.mask != kNone && blend.mask >= mask_count) refuse(place, "mask " + std::to_string(blend.mask) + " of a controller that has " + std::to_string(mask_count));
     return {.instance = 0,

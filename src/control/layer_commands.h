@@ -7,9 +7,19 @@
 
 namespace throng {
 
-// All throw kInvalidArgument with `place`. has_states[layer_count]: such layers are driven by their controller alone.
-io::ControlCommand play_command(const std::vector<bool>& has_states, std::span<const float> clip_durations_s, uint32_t layer, const LayerPlayback& playback, const std::string& place);
-io::ControlCommand layer_command(const std::vector<bool>& has_states, uint32_t mask_count, uint32_t layer, const LayerBlend& blend, const std::string& place);
+// What may be asked of a layer: nothing where it has states.
+struct LayerKind {
+    bool has_states = false;
+    bool inertial_plays = false;  // ControllerLayer::inertial_plays
+};
+std::vector<LayerKind> layer_kinds(const Controller& controller);
+
+// Whether instances have to keep the poses that they have shown.
+bool has_inertia(const Controller& controller);
+
+// All throw kInvalidArgument with `place`. kinds[layer_count].
+io::ControlCommand play_command(std::span<const LayerKind> kinds, std::span<const float> clip_durations_s, uint32_t layer, const LayerPlayback& playback, const std::string& place);
+io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask_count, uint32_t layer, const LayerBlend& blend, const std::string& place);
 void check_parameters(uint32_t parameter_count, uint32_t first, std::span<const float> values, const std::string& place);
 
 }  // namespace throng

@@ -135,6 +135,7 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
                            .socket_buffer = batch.sockets.handle(),
                            .parameter_count = group.controller ? group.controller->parameter_count : 0,
                            .parameter_buffer = batch.parameters.handle(),
+                           .root_buffer = batch.roots.handle(),
                            .target_count = group.procedural ? group.procedural->target_count : 0,
                            .target_buffer = batch.targets.handle(),
                            .morph_buffer = batch.morphs.handle()});
@@ -151,19 +152,25 @@ void CrowdState::make_feedback(const CrowdSettings& settings) {
         any = any || group.controller || group.sockets;
         most_sockets = std::max<uint64_t>(most_sockets, group.socket_count());
     }
-    if (any) feedback.emplace(gpu, settings.event_capacity, watch_capacity_ * most_sockets * kMatrix_bytes);
+    if (any) feedback.emplace(gpu, settings.event_capacity, watch_capacity_ * (kWatchedInstance_bytes + most_sockets * kMatrix_bytes));
 }
 
 void CrowdState::watch(std::span<const uint32_t> instances) {
+    if (!feedback) throw Failure(ErrorCode::kInvalidArgument, "watch", "no group has a controller or sockets: there is no feedback");
     if (instances.size() > watch_capacity_)
         throw Failure(ErrorCode::kLimit, "watch", std::to_string(instances.size()) + " instances; CrowdSettings::watch_capacity is " + std::to_string(watch_capacity_));
     std::vector<Watched> watched;
     for (const uint32_t instance : instances) {
         check_range(instance, 1, "watch");
         const Batch& batch = batch_of(instance);
-        const uint64_t size_bytes = groups[batch.group].socket_count() * kMatrix_bytes;
-        if (size_bytes == 0) throw Failure(ErrorCode::kInvalidArgument, "watch of instance " + std::to_string(instance), groups[batch.group].name + " has no sockets");
-        watched.push_back({instance, BufferRange(batch.sockets.handle(), (instance - batch.first_instance) * size_bytes, size_bytes)});
+        const auto part = [&](const Buffer& buffer, uint64_t stride_bytes, uint64_t size_bytes) {
+            return buffer.handle() ? BufferRange(buffer.handle(), (instance - batch.first_instance) * stride_bytes, size_bytes) : BufferRange();
+        };
+        const uint64_t socket_bytes = groups[batch.group].socket_count() * kMatrix_bytes;
+        watched.push_back({.instance = instance,
+                           .placement = part(batch.placements, kMatrix_bytes, kMatrix_bytes),
+                           .move = part(batch.roots, sizeof(io::RootState), sizeof(io::RootState::move)),
+                           .sockets = part(batch.sockets, socket_bytes, socket_bytes)});
     }
     watched_ = std::move(watched);
 }
@@ -267,12 +274,12 @@ void CrowdState::send(uint32_t instance, io::ControlCommand command) {
 void CrowdState::play(uint32_t instance, uint32_t layer, const LayerPlayback& playback) {
     const GroupController& controller = controller_of(instance, "play");
     const auto& durations_s = groups[batch_of(instance).group].clip_durations_s;
-    send(instance, play_command(controller.has_states, durations_s, layer, playback, "play of instance " + std::to_string(instance)));
+    send(instance, play_command(controller.layer_kinds, durations_s, layer, playback, "play of instance " + std::to_string(instance)));
 }
 
 void CrowdState::set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend) {
     const GroupController& controller = controller_of(instance, "layer");
-    send(instance, layer_command(controller.has_states, controller.mask_count, layer, blend, "layer of instance " + std::to_string(instance)));
+    send(instance, layer_command(controller.layer_kinds, controller.mask_count, layer, blend, "layer of instance " + std::to_string(instance)));
 }
 
 void CrowdState::set_parameters(uint32_t instance, uint32_t parameter, std::span<const float> values) {

@@ -5,9 +5,22 @@
 #include "gpu/barrier.h"
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 #include <tuple>
 
 namespace throng {
+
+namespace {
+
+Affine over_the_ground(const std::array<float, 4>& move) {
+    const auto [x, z, cosine, sine] = move;
+    Affine affine;
+    affine.row = {{{cosine, 0, sine, x}, {0, 1, 0, 0}, {-sine, 0, cosine, z}}};
+    return affine;
+}
+
+}  // namespace
 
 FeedbackRing::FeedbackRing(std::shared_ptr<Gpu> gpu, uint32_t event_capacity, uint64_t watch_bytes) : gpu_(std::move(gpu)), event_capacity_(event_capacity) {
     const uint64_t size_bytes = sizeof(io::EventHead) + event_capacity * uint64_t{sizeof(io::EventRecord)};
@@ -37,14 +50,17 @@ void FeedbackRing::begin(VkCommandBuffer commands) {
 
 void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watched) {
     Slot& slot = slots_[(update_count_ - 1) % slots_.size()];
-    memory_barrier(*gpu_, commands, kShaderWrite, kTransferRead | kTransferWrite);
+    memory_barrier(*gpu_, commands, kShaderWrite | kTransferWrite, kTransferRead | kTransferWrite);
     const VkBufferCopy copy{0, 0, events_.size_bytes()};
     gpu_->vk.vkCmdCopyBuffer(commands, events_.handle(), slot.copy.handle(), 1, &copy);
     VkDeviceSize at = events_.size_bytes();
     for (const Watched& one : watched) {
-        const VkBufferCopy part{one.sockets.offset_bytes, at, one.sockets.size_bytes};
-        gpu_->vk.vkCmdCopyBuffer(commands, one.sockets.buffer, slot.copy.handle(), 1, &part);
-        at += part.size;
+        for (const BufferRange& range : {one.placement, one.move, one.sockets}) {
+            if (range.size_bytes == 0) continue;
+            const VkBufferCopy part{range.offset_bytes, at, range.size_bytes};
+            gpu_->vk.vkCmdCopyBuffer(commands, range.buffer, slot.copy.handle(), 1, &part);
+            at += part.size;
+        }
     }
     slot.watched.assign(watched.begin(), watched.end());
     memory_barrier(*gpu_, commands, kTransferWrite, kHostRead);
@@ -80,12 +96,19 @@ Feedback FeedbackRing::read(const Slot& slot) const {
     std::sort(records.begin(), records.end(), [](const io::EventRecord& a, const io::EventRecord& b) {
         return std::tie(a.instance, a.layer, a.time_s, a.event) < std::tie(b.instance, b.layer, b.time_s, b.event);
     });
-    Feedback feedback{.update = slot.update, .events = {}, .lost_event_count = head.count - records.size(), .sockets = {}};
+    Feedback feedback{.update = slot.update, .events = {}, .lost_event_count = head.count - records.size(), .watched = {}};
     const std::byte* at = slot.copy.mapped() + events_.size_bytes();
     for (const Watched& one : slot.watched) {
-        WatchedSockets& sockets = feedback.sockets.emplace_back(WatchedSockets{one.instance, std::vector<Affine>(one.sockets.size_bytes / sizeof(Affine))});
-        std::memcpy(static_cast<void*>(sockets.transforms.data()), at, one.sockets.size_bytes);
-        at += one.sockets.size_bytes;
+        WatchedInstance& watched = feedback.watched.emplace_back(WatchedInstance{.instance = one.instance, .world_from_model = {}, .move = {}, .sockets = std::vector<Affine>(one.sockets.size_bytes / sizeof(Affine))});
+        std::array<float, 4> move{0, 0, 1, 0};
+        const auto take = [&](void* to, const BufferRange& range) {
+            if (range.size_bytes > 0) std::memcpy(to, at, range.size_bytes);
+            at += range.size_bytes;
+        };
+        take(&watched.world_from_model, one.placement);
+        take(move.data(), one.move);
+        take(watched.sockets.data(), one.sockets);
+        watched.move = over_the_ground(move);
     }
     for (const io::EventRecord& record : records) feedback.events.push_back({record.instance, record.event, record.layer, record.time_s});
     return feedback;

@@ -9,15 +9,19 @@
 
 namespace throng {
 
-// Sockets of an instance, where they lie on the device.
+// What is read of an instance, where it lies on the device.
 struct Watched {
     uint32_t instance = 0;  // of the crowd
-    BufferRange sockets;
+    BufferRange placement;  // Affine
+    BufferRange move;       // float4: x, z, cosine, sine; without a buffer where there is no root motion
+    BufferRange sockets;    // Affine[]; likewise
 };
+// Of it without its sockets.
+inline constexpr uint64_t kWatchedInstance_bytes = sizeof(Affine) + 4 * sizeof(float);
 
 class FeedbackRing {
 public:
-    // watch_bytes: of the transforms that end() copies at most.
+    // watch_bytes: of all that end() copies of watched instances at most.
     FeedbackRing(std::shared_ptr<Gpu> gpu, uint32_t event_capacity, uint64_t watch_bytes);
     ~FeedbackRing();
     FeedbackRing(const FeedbackRing&) = delete;

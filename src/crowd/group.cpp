@@ -53,11 +53,9 @@ GroupController::GroupController(const std::shared_ptr<Gpu>& gpu, const Controll
     voice_limit = made.voice_limit;
     initial_layers = made.initial_layers;
     initial_parameters = made.initial_parameters;
-    for (const ControllerLayer& layer : controller.layers) {
-        has_states.push_back(!layer.states.empty());
-        model_layer_count += layer.model_space_rotations ? 1 : 0;
-        for (const ControllerTransition& transition : layer.transitions) is_inertial = is_inertial || transition.fade == FadeKind::kInertial;
-    }
+    layer_kinds = throng::layer_kinds(controller);
+    is_inertial = has_inertia(controller);
+    for (const ControllerLayer& layer : controller.layers) model_layer_count += layer.model_space_rotations ? 1 : 0;
     tables = upload_table(gpu, character.name + ": controller", made.words);
     masks = upload_table(gpu, character.name + ": joint masks", made.masks);
     if (model_layer_count > 0) parents = upload_table(gpu, character.name + ": parents", character.rig.parents);

@@ -3,6 +3,7 @@
 
 #include "bind/sockets_io.h"
 #include "control/controller_io.h"
+#include "control/layer_commands.h"
 #include "crowd/path.h"
 #include "gpu/kernel.h"
 #include "morph/morph.h"
@@ -24,9 +25,9 @@ struct GroupController {
 
     uint32_t layer_count = 0, parameter_count = 0, mask_count = 0, voice_limit = 0;
     bool moves_placements = false;
-    bool is_inertial = false;      // has inertial transitions
+    bool is_inertial = false;  // has inertial transitions or plays
     uint32_t model_layer_count = 0;  // layers that blend rotations in model space
-    std::vector<bool> has_states;  // [layer_count]
+    std::vector<LayerKind> layer_kinds;  // [layer_count]
     std::vector<io::LayerState> initial_layers;
     std::vector<float> initial_parameters;
     Buffer tables, masks;

@@ -18,12 +18,9 @@
 namespace throng {
 
 struct ReferenceCharacter::State {
-    State(const Character& of, const Controller& by) : character(of), controller(by, of) {
+    State(const Character& of, const Controller& by) : character(of), controller(by, of), kinds(layer_kinds(by)), is_inertial(has_inertia(by)) {
         for (const Clip& clip : of.clips) clip_durations_s.push_back(clip.duration_s);
-        for (const ControllerLayer& layer : by.layers) has_states.push_back(!layer.states.empty());
         for (const JointMask& mask : by.masks) masks.push_back(mask_weights(mask, of.rig));
-        for (const ControllerLayer& layer : by.layers)
-            for (const ControllerTransition& transition : layer.transitions) is_inertial = is_inertial || transition.fade == FadeKind::kInertial;
         last.voices.push_back({.clip = static_cast<uint32_t>(of.clips.size())});
     }
 
@@ -43,7 +40,7 @@ struct ReferenceCharacter::State {
     const Character& character;
     ControllerReference controller;
     std::vector<float> clip_durations_s;
-    std::vector<bool> has_states;
+    std::vector<LayerKind> kinds;
     std::vector<std::vector<float>> masks;  // [mask][joint]
     ControllerUpdate last;
     std::vector<CharacterEvent> events;
@@ -127,11 +124,11 @@ Result<ReferenceCharacter> ReferenceCharacter::create(const Character& character
 }
 
 Result<void> ReferenceCharacter::play(uint32_t layer, const LayerPlayback& playback) {
-    return as_result([&] { state_->controller.apply(play_command(state_->has_states, state_->clip_durations_s, layer, playback, "play")); });
+    return as_result([&] { state_->controller.apply(play_command(state_->kinds, state_->clip_durations_s, layer, playback, "play")); });
 }
 
 Result<void> ReferenceCharacter::set_layer(uint32_t layer, const LayerBlend& blend) {
-    return as_result([&] { state_->controller.apply(layer_command(state_->has_states, static_cast<uint32_t>(state_->masks.size()), layer, blend, "layer")); });
+    return as_result([&] { state_->controller.apply(layer_command(state_->kinds, static_cast<uint32_t>(state_->masks.size()), layer, blend, "layer")); });
 }
 
 Result<void> ReferenceCharacter::set_parameters(uint32_t parameter, std::span<const float> values) {
