@@ -199,7 +199,7 @@ std::map<std::string, Layout> layouts_in_cpp() {
         {"ScanPush", {sizeof(io::ScanPush), {MEMBER(ScanPush, joint_count), MEMBER(ScanPush, instance_count), MEMBER(ScanPush, repeat_count)}}},
         {"FusedPush", {sizeof(io::FusedPush), {MEMBER(FusedPush, joint_count), MEMBER(FusedPush, instance_count), MEMBER(FusedPush, palette_count), MEMBER(FusedPush, rest_track), MEMBER(FusedPush, voice_limit)}}},
         {"BindPush", {sizeof(io::BindPush), {MEMBER(BindPush, joint_count), MEMBER(BindPush, palette_count)}}},
-        {"VertexRows", {sizeof(io::VertexRows), {MEMBER(VertexRows, position_normal), MEMBER(VertexRows, texcoord_color)}}},
+        {"VertexRows", {sizeof(io::VertexRows), {MEMBER(VertexRows, position_normal), MEMBER(VertexRows, texcoord_color_delta)}}},
         {"SkinPush", {sizeof(io::SkinPush), {MEMBER(SkinPush, first_vertex), MEMBER(SkinPush, vertex_count), MEMBER(SkinPush, first_influences), MEMBER(SkinPush, influence_sets), MEMBER(SkinPush, first_palette_entry), MEMBER(SkinPush, first_morph), MEMBER(SkinPush, morph_count), MEMBER(SkinPush, first_active)}}},
         {"DrawScene", {sizeof(io::DrawScene), {MEMBER(DrawScene, clip_from_world), MEMBER(DrawScene, eye), MEMBER(DrawScene, forward), MEMBER(DrawScene, right), MEMBER(DrawScene, down), MEMBER(DrawScene, to_light), MEMBER(DrawScene, ground), MEMBER(DrawScene, scale)}}},
         {"DrawPush", {sizeof(io::DrawPush), {MEMBER(DrawPush, first_vertex), MEMBER(DrawPush, first_influences), MEMBER(DrawPush, influence_sets), MEMBER(DrawPush, palette_count), MEMBER(DrawPush, base_color), MEMBER(DrawPush, alpha_cutoff), MEMBER(DrawPush, double_sided), MEMBER(DrawPush, first_morph), MEMBER(DrawPush, morph_count)}}},

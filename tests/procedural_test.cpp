@@ -75,7 +75,8 @@ TEST(ProceduralPlan, ASubtreeBecomesItsLongestChainsInRanks) {
 }
 
 TEST(ProceduralPlan, WrongRulesAreRefusedWithTheirNumber) {
-    const Character character = chain(4);
+    Character character = chain(6);
+    character.rig.names[4] = character.rig.names[5] = "twice";
     const std::vector<std::pair<ProceduralRule, const char*>> wrong{
         {WindRule{.joint = "wing"}, "there is no joint 'wing'"},
         {WindRule{.joint = "joint 0", .bend_rad = NAN}, "bend_rad"},
@@ -94,6 +95,7 @@ TEST(ProceduralPlan, WrongRulesAreRefusedWithTheirNumber) {
         {ReachRule{.joint = "joint 1", .target = "prey"}, "grandparent"},
         {ReachRule{.joint = "joint 3", .target = "prey", .pole = {0, 0, 0}}, "pole"},
         {ReachRule{.joint = "joint 3", .target = "prey", .weight = -1}, "weight"},
+        {LookAtRule{.joint = "twice", .target = "prey"}, "there are several joints 'twice'"},
     };
     for (const auto& [rule, what] : wrong) {
         const ProceduralRules rules{.targets = {"prey"}, .rules = {WindRule{.joint = "joint 0"}, rule}};
@@ -298,7 +300,7 @@ std::vector<double> errors(const Character& character, const std::vector<Procedu
         }
         std::vector<Affine> placements;
         for (uint32_t i = 0; i < kInstances; ++i) {
-            placements.push_back(to_affine(Trs<double>{.rotation = axis_angle(Vec3<double>{0, 1, 0}, 0.01 * update + i), .translation = {0.004 * size * update, 0, double(i)}, .scale = {2, 2, 2}}).as<float>());
+            placements.push_back(to_affine(Trs<double>{.rotation = axis_angle(Vec3<double>{0, 1, 0}, 0.01 * update + i), .translation = {0.004 * size * update, 0, double(i)}, .scale = {i % 2 == 0 ? 2.0 : -2.0, 2, 2}}).as<float>());
             const uint32_t target = random.below(2);
             if (update > 0 && random.chance(0.5)) continue;
             const Vec3<float> place = (aims[2 * i + target] + random.vector(0.01 * size)).as<float>();
@@ -353,6 +355,38 @@ void follow(double scale_spread, const std::string& scan) {
 TEST(Procedural, MovesJointsAsTheReferenceDoes) { follow(0.1, "auto"); }
 TEST(Procedural, MovesSimilaritiesAsTheReferenceDoes) { follow(0, "subgroup_quaternion"); }
 
+// Wind on a chain that is too long for the loops of a software device, or moved whole.
+TEST(Procedural, ChainsBeyondTheDevicesLoopsAreRefused) {
+    const Character character = make_character({.joint_count = 4000, .shape = RigShape::kChain, .clip_count = 1, .key_count = 2});
+    const ProceduralRules rules{.targets = {}, .rules = {SpringRule{.joint = character.rig.names[0], .colliders = std::vector<Collider>(16, {.joint = character.rig.names[0]})}}};
+    const Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{.character = &character, .instance_count = 1, .procedural = &rules}}});
+    if (crowd) GTEST_SKIP() << "this device ends no loops";
+    EXPECT_EQ(crowd.error().code, ErrorCode::kUnsupported);
+    EXPECT_NE(crowd.error().text().find("steps"), std::string::npos) << crowd.error().text();
+}
+
+// A limb that is hidden by its scale, a target without weight, and one where the joint is: finite, and in place.
+TEST(Procedural, LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing) {
+    const Character character = chain(6);
+    const ProceduralRules rules{.targets = {"a", "b"},
+                                .rules = {ReachRule{.joint = "joint 5", .target = "a"}, LookAtRule{.joint = "joint 1", .target = "a"}, ReachRule{.joint = "joint 2", .target = "b"}, SpringRule{.joint = "joint 0"}}};
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 3, .procedural = &rules}}, .keep_model_matrices = true});
+    Affine hidden;
+    for (auto& row : hidden.row) row = {0, 0, 0, 1};
+    ASSERT_TRUE(crowd.set_placement(1, {&hidden, 1}));
+    Affine flat;
+    flat.row[1] = {0, 0, 0, 0};
+    ASSERT_TRUE(crowd.set_placement(2, {&flat, 1}));
+    for (uint32_t i = 0; i < 3; ++i) ASSERT_TRUE(crowd.set_target(i, 0, {3, 1, 0}, i == 0 ? 0.0f : 1.0f));
+    ASSERT_TRUE(crowd.set_target(0, 1, {0, 2, 0}, 1));  // where it is
+    ASSERT_TRUE(crowd.update(0.1f));
+    const std::vector<AffineT<double>> rest = pose_from_local(character, rest_of(character)).model_from_joint;
+    for (uint32_t i = 0; i < 3; ++i) {
+        const std::vector<Affine> got = *crowd.read_model_matrices(i);
+        for (size_t joint = 0; joint < got.size(); ++joint) EXPECT_LE(matrix_error(got[joint], rest[joint], character.size), 1e-5) << "instance " << i << ", joint " << joint;
+    }
+}
+
 TEST(Procedural, WorksBelowAController) {
     const Character character = make_character({.joint_count = 30, .shape = RigShape::kChain, .seed = 2});
     const ProceduralRules rules{.targets = {"prey"}, .rules = {LookAtRule{.joint = character.rig.names[3], .target = "prey"}}};
@@ -389,6 +423,11 @@ TEST(Procedural, WrongTargetsAndPathsAreRefused) {
     const Result<Crowd> fused = Crowd::create(test_device(), settings);
     ASSERT_FALSE(fused);
     EXPECT_EQ(fused.error().code, ErrorCode::kUnsupported);
+    const ProceduralRules twice{.targets = {"prey", "prey"}, .rules = {}};
+    settings = {.groups = {{.character = &character, .instance_count = 2, .procedural = &twice}}};
+    const Result<Crowd> two = Crowd::create(test_device(), settings);
+    ASSERT_FALSE(two);
+    EXPECT_NE(two.error().text().find("two targets 'prey'"), std::string::npos) << two.error().text();
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ struct Clip {
     uint64_t size_bytes = 0;         // keys, words, times and track table
     uint64_t raw_size_bytes = 0;     // of 10 floats (rotation, translation, scale) a joint at every row of exact keys
     uint32_t first_root_row = 0, root_row_count = 0;  // of Character::root_rows, evenly spaced over the duration, both ends included; 0: none
-    double error = 0;                // packed: largest displacement of a skinned point against exact keys, as a part of the character's size
+    double error = 0;                // packed: largest displacement of a skinned point against exact keys, as a part of the character's size; also of points where one morph of weight 1 has them
     // Rows of morph weights, on a time axis of their own: its times in Character::morph_times_s; no rows where all weights that it animates are constant.
     uint32_t first_morph_time = 0, morph_row_count = 0;
     uint32_t morph_row_stride = 0;   // from one row to the next in Character::morph_values
@@ -197,7 +197,7 @@ inline const CompileSettings kExact{.error = 0};
 
 // Limits: 65,535 joints; 65,536 palette entries; 256 MiB each of keys, of packed words and of the track table; to be packed, 2^28 poses of a
 // joint (rows of exact keys, of all clips, times joints); 4,096 morphs, and 256 MiB each of their differences, their track table and their weights, for which cubic
-// tracks become rows, straight between each other, within 0.0001 (of the largest weight of the track, where that exceeds 1). Control characters of names become '?'. Errors: kInvalidArgument (the error bound, no joint of that
+// tracks become rows, straight between each other, within 0.0001 (of the largest weight of the track, where that exceeds 1), 4,000,000 weights of them a clip. Names of morphs are cut at 256 bytes. Control characters of names become '?'. Errors: kInvalidArgument (the error bound, no joint of that
 // name for root motion), kInvalidFile (poses that are not finite), kUnsupported (nothing to animate; an animated or unevenly scaled joint above that of root motion), kLimit.
 Result<Character> compile_character(const Asset& asset, const CompileSettings& settings = {});
 

@@ -205,10 +205,10 @@ public:
     Result<void> set_parameters(uint32_t instance, uint32_t parameter, std::span<const float> values);
 
     // Of the procedural rules, from the next record() on. Until it is set a target has weight 0, and does nothing. Errors: kInvalidArgument (no such instance or
-    // target, value not finite, weight outside 0..1; wind: velocity not finite, gust outside 0..1, wavelength not above 0).
+    // target, value not finite, weight outside 0..1; wind: velocity beyond 1e6, gust outside 0..1, wavelength below 1e-6).
     Result<void> set_target(uint32_t instance, uint32_t target, const Vec3<float>& world_place, float weight);
     Result<void> set_wind(const Wind& wind);
-    // A pose from outside (a ragdoll, a cut scene), parent_from_joint[joint_count], in place of the animated one, which goes on below it; taken up by the next
+    // A pose from outside (a ragdoll, a cut scene), parent_from_joint[joint_count], in place of the animated one, which goes on below it (procedural rules move it too); taken up by the next
     // record(). If the instance had none, it fades in within `fade_s` seconds, 0: at once; it counts as having one until it is cleared, so a call in each frame replaces
     // the pose and lets the fade go on. clear_pose() fades out; the room for the pose is free again when that is done. A pose set meanwhile fades in from where it is.
     // Translations and scales are blended linearly, rotations on the shortest path, by a weight eased as those of docs/controller.md, step 5. Rotations are normalised. Only

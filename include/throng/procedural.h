@@ -10,13 +10,15 @@
 namespace throng {
 
 // Joints are named as in Rig::names; "a joint and all below it" bend as chains do, each joint on what the one above it does. A joint's bone leads to the
-// next joint of its chain in the rest pose, in a last joint on in the direction of the one before. Lengths and places are in units of the world.
+// next joint of its chain in the rest pose, in a last joint on in the direction of the one before. Lengths and places are in units of the world. Rules move
+// what was posed, by clips, layers or Crowd::set_pose().
 
-// Of a whole crowd; Crowd::set_wind(). Without velocity there is none.
+// Of a whole crowd; Crowd::set_wind(). Without velocity there is none. Speed and gust may change in each update; where the direction or the wavelength changes, gusts are
+// suddenly elsewhere.
 struct Wind {
-    Vec3<float> velocity{};   // units a second, world
+    Vec3<float> velocity{};   // units a second, world; at most 1e6
     float gust = 0.4f;        // how much of the speed comes and goes, 0..1
-    float wavelength = 10;    // of the longest gusts, which travel with the wind; more than 0
+    float wavelength = 10;    // of the longest gusts, which travel with the wind; 1e-6 or more
 };
 
 // A joint and all below it bend with the wind, each joint on its own. Nothing is kept from update to update.
@@ -31,17 +33,17 @@ struct WindRule {
 struct Collider {
     std::string joint;
     Vec3<float> a{}, b{};  // space of the joint
-    float radius = 0.1f;   // scaled as the joint is, by its largest factor
+    float radius = 0.1f;   // 0 or more; scaled as the joint is, by its largest factor
 };
 
 // The bones of a joint and all below it are springs towards where the pose has them. Stable at any time step.
 struct SpringRule {
     std::string joint;
     float frequency_hz = 2;    // at which a bone would swing; 0..1000
-    float damping = 0.4f;      // 1: it returns without swinging
+    float damping = 0.4f;      // 1: it returns without swinging; 0..1000
     Vec3<float> gravity{};     // more than what the pose shows already, units/s^2, world
     float drag = 0;            // acceleration by the wind for each unit/s, 1/s
-    float radius = 0;          // of the bones' ends, for colliders
+    float radius = 0;          // of the bones' ends, for colliders; 0 or more
     std::vector<Collider> colliders{};  // at most 16
 };
 
@@ -63,7 +65,7 @@ struct ReachRule {
     float weight = 1;           // 0..1, times the target's: part of the way
 };
 
-// In their order: each sees what those before it did. Targets are places that Crowd::set_target() moves.
+// In their order: each sees what those before it did. Targets are places that Crowd::set_target() moves; no two have one name. A joint must be the only one of its name.
 using ProceduralRule = std::variant<WindRule, SpringRule, LookAtRule, ReachRule>;
 struct ProceduralRules {
     std::vector<std::string> targets;

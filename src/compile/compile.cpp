@@ -27,7 +27,9 @@ void measure(Character& character) {
     std::vector<AffineT<double>> local;
     for (const Trs<float>& joint : character.rig.rest) local.push_back(to_affine(joint.as<double>()));
     const std::vector<AffineT<double>> model = scan_reference(character.rig.parents, local);
-    std::vector<Vec3<double>> points = skin_reference(character, bind_reference(character.palette, model));
+    std::vector<double> weights;
+    for (const Morph& morph : character.morphs) weights.push_back(morph.default_weight);
+    std::vector<Vec3<double>> points = skin_reference(character, bind_reference(character.palette, model), active_morphs_reference(weights));
     if (points.empty())
         for (const AffineT<double>& m : model) points.push_back({m.row[0][3], m.row[1][3], m.row[2][3]});
 

@@ -40,19 +40,27 @@ void add_unskinned(const Character& character, std::vector<Box>& boxes) {
     }
 }
 
+// In bind space: where the vertex is, and where each morph of weight 1 has it.
+std::vector<Vec3<double>> places_of(const Character& character, const MeshSection& section, const Vertex& vertex) {
+    std::vector<Vec3<double>> places{vertex.position.as<double>()};
+    for (uint32_t target = 0; vertex.first_delta > 0 && target < section.morph_count; ++target)
+        places.push_back(places[0] + character.morph_deltas[vertex.first_delta - 1 + target].position.as<double>());
+    return places;
+}
+
 }  // namespace
 
 std::vector<Box> influence_boxes(const Character& character) {
     std::vector<Box> boxes(character.rig.joint_count());
     for (const MeshSection& section : character.sections) {
         for (uint32_t vertex = 0; vertex < section.vertex_count; ++vertex) {
-            const Vec3<double> bind_position = character.vertices[section.first_vertex + vertex].position.as<double>();
+            const std::vector<Vec3<double>> places = places_of(character, section, character.vertices[section.first_vertex + vertex]);
             for (uint32_t set = 0; set < section.influence_sets; ++set) {
                 const Influences& influences = character.influences[section.first_influences + vertex * section.influence_sets + set];
                 for (size_t i = 0; i < 4; ++i) {
                     if (!(influences.weights[i] > 0)) continue;
                     const PaletteEntry& entry = character.palette[influences.entries[i]];
-                    boxes[entry.joint].add(transform_point(entry.joint_from_bind.as<double>(), bind_position));
+                    for (const Vec3<double>& place : places) boxes[entry.joint].add(transform_point(entry.joint_from_bind.as<double>(), place));
                 }
             }
         }

@@ -7,12 +7,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <span>
 
 namespace throng {
 namespace {
 
+constexpr size_t kMorphNameLimit = 256;           // bytes; longer names are cut
 constexpr double kFollowed = 1e-4;                // of a weight, of the track's largest where that exceeds 1: how closely rows follow cubic tracks
 constexpr size_t kRefinedWeightLimit = 4'000'000; // of a clip's cubic tracks: seconds of work
 
@@ -31,13 +33,14 @@ uint32_t pack_normal_difference(const Vec3<float>& n) {
     return packed;
 }
 
-bool is_moved(const AssetPrimitive& primitive, size_t vertex) {
-    return std::ranges::any_of(primitive.targets, [&](const AssetMorphTarget& target) { return !(at(target.positions, vertex) == kNothing && at(target.normals, vertex) == kNothing); });
-}
+bool moves(const AssetMorphTarget& target, size_t vertex) { return !(at(target.positions, vertex) == kNothing && at(target.normals, vertex) == kNothing); }
 
 void add_deltas(const AssetPrimitive& primitive, const MeshSection& section, Character& character, const std::string& place) {
+    std::vector<const AssetMorphTarget*> moving;  // a file may have thousands that hold nothing
+    for (const AssetMorphTarget& target : primitive.targets)
+        if (!target.positions.empty() || !target.normals.empty()) moving.push_back(&target);
     for (size_t v = 0; v < primitive.positions.size(); ++v) {
-        if (!is_moved(primitive, v)) continue;
+        if (std::ranges::none_of(moving, [&](const AssetMorphTarget* target) { return moves(*target, v); })) continue;
         character.vertices[section.first_vertex + v].first_delta = static_cast<uint32_t>(character.morph_deltas.size() + 1);
         for (const AssetMorphTarget& target : primitive.targets) character.morph_deltas.push_back({at(target.positions, v), pack_normal_difference(at(target.normals, v))});
         const uint64_t size_bytes = character.morph_deltas.size() * sizeof(MorphDelta);
@@ -107,7 +110,7 @@ public:
         for (size_t i = 0; i < columns_.size(); ++i)
             *columns_[i].word = static_cast<uint32_t>(first + i) | kTrackAnimated | (columns_[i].track.source().interpolation == Interpolation::kStep ? kTrackStep : 0);
         for (const float time_s : times_s_)
-            for (const Column& column : columns_) character_.morph_values.push_back(static_cast<float>(column.track.evaluate(time_s)));
+            for (const Column& column : columns_) character_.morph_values.push_back(value_of(column.track, time_s));
         character_.morph_times_s.insert(character_.morph_times_s.end(), times_s_.begin(), times_s_.end());
         clip.morph_row_count = static_cast<uint32_t>(times_s_.size());
         clip.morph_row_stride = static_cast<uint32_t>(columns_.size());
@@ -122,6 +125,12 @@ private:
     void check_size(size_t row_count) const {
         const uint64_t size_bytes = (character_.morph_values.size() + uint64_t{row_count} * columns_.size()) * sizeof(float);
         if (size_bytes > kKeyLimit_bytes) exceeds(place_, size_bytes, "weights of morph targets");
+    }
+
+    float value_of(const WeightTrack& track, float time_s) const {
+        const double weight = track.evaluate(time_s);
+        if (!(std::abs(weight) <= std::numeric_limits<float>::max())) throw Failure(ErrorCode::kInvalidFile, place_, "a weight of a morph target exceeds all floats at " + std::to_string(time_s) + " s");
+        return static_cast<float>(weight);
     }
 
     void unite_times() {
@@ -202,7 +211,7 @@ void compile_morphs(const Asset& asset, Character& character) {
         if (!weights.empty() && !character.morphs.empty() && character.morphs.back().node == instance.node)
             throw Failure(ErrorCode::kInvalidFile, place, "node " + std::to_string(instance.node) + " has two meshes with them");
         for (uint32_t target = 0; target < weights.size(); ++target)
-            character.morphs.push_back({.name = mesh.target_names.empty() ? mesh.name + "." + std::to_string(target) : mesh.target_names[target],
+            character.morphs.push_back({.name = gltf::printable(mesh.target_names.empty() ? mesh.name + "." + std::to_string(target) : mesh.target_names[target], kMorphNameLimit),
                                         .node = instance.node, .target = target, .default_weight = weights[target]});
     }
     const std::map<uint32_t, NodeMorphs> by_node = morphs_by_node(character);

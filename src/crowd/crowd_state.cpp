@@ -93,7 +93,8 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
     const uint64_t joint_bytes = std::max(group.controller && group.controller->is_inertial ? sizeof(io::InertiaState) : kMatrix_bytes,
                                           group.controller ? group.controller->model_layer_count * sizeof(io::ModelRotations) : 0);
     const uint64_t spring_bytes = group.procedural ? group.procedural->spring_count * sizeof(io::SpringState) : 0;
-    const uint64_t instance_bytes = std::max({group.joint_count * joint_bytes, group.palette_count * kMatrix_bytes, spring_bytes, group.morphs ? kMorphs_bytes : 0});
+    const uint64_t target_bytes = group.procedural ? group.procedural->target_count * sizeof(io::vec4) : 0;
+    const uint64_t instance_bytes = std::max({group.joint_count * joint_bytes, group.palette_count * kMatrix_bytes, spring_bytes, target_bytes, group.morphs ? kMorphs_bytes : 0});
     const uint64_t capacity = std::min<uint64_t>(arena_limit_bytes(*gpu) / instance_bytes, gpu->properties.limits.maxComputeWorkGroupCount[0]);
     if (capacity == 0)
         throw Failure(ErrorCode::kLimit, group.name, "the matrices of one instance (" + std::to_string(instance_bytes) +
@@ -113,7 +114,7 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
             batch.playbacks = storage("playback states", n * sizeof(io::InstancePlayback));
             batch.cursors = storage("cursors", n * sizeof(io::InstanceCursor));
         }
-        if (group.procedural) make_springs(batch);
+        if (group.procedural) make_procedural_state(batch);
         batch.placements = storage("placements", n * kMatrix_bytes);
         for (size_t k = 0; k < (settings.keep_previous_matrices ? 2 : 1); ++k)
             batch.skins[k] = storage("skin matrices", n * std::max(group.palette_count, 1u) * skin_format_bytes(skin_format));
@@ -200,7 +201,7 @@ void CrowdState::make_layers(Batch& batch) const {
 }
 
 // At rest, and without aims.
-void CrowdState::make_springs(Batch& batch) const {
+void CrowdState::make_procedural_state(Batch& batch) const {
     const Group& group = groups[batch.group];
     if (group.procedural->target_count > 0) batch.targets = upload(gpu, group.name + ": targets", std::vector<io::vec4>(batch.instance_count * size_t{group.procedural->target_count}));
     if (group.procedural->spring_count > 0) batch.springs = upload(gpu, group.name + ": springs", std::vector<io::SpringState>(batch.instance_count * size_t{group.procedural->spring_count}));
@@ -298,7 +299,7 @@ void CrowdState::set_target(uint32_t instance, uint32_t target, const Vec3<float
     if (target >= count) throw Failure(ErrorCode::kInvalidArgument, place, "number " + std::to_string(target) + "; " + group.name + " has " + std::to_string(count));
     if (!std::isfinite(world_place.x) || !std::isfinite(world_place.y) || !std::isfinite(world_place.z)) throw Failure(ErrorCode::kInvalidArgument, place, "it must be finite");
     if (!(weight >= 0 && weight <= 1)) throw Failure(ErrorCode::kInvalidArgument, place, "its weight must be within 0..1");
-    procedural->set_target(static_cast<uint32_t>(&batch - batches.data()), (instance - batch.first_instance) * count + target, {world_place.x, world_place.y, world_place.z, weight});
+    procedural->set_target(index_of(batch), (instance - batch.first_instance) * count + target, {world_place.x, world_place.y, world_place.z, weight});
 }
 
 void CrowdState::set_pose(uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s) {

@@ -59,7 +59,7 @@ private:
     void take_turns();
     void make_feedback(const CrowdSettings& settings);
     void make_layers(Batch& batch) const;
-    void make_springs(Batch& batch) const;
+    void make_procedural_state(Batch& batch) const;
     void send(uint32_t instance, io::ControlCommand command);
     const GroupController& controller_of(uint32_t instance, const char* what) const;
     void check_memory(const CrowdSettings& settings) const;

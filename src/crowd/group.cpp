@@ -111,6 +111,8 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
 
 void Group::make_procedural(const std::shared_ptr<Gpu>& gpu, const ProceduralRules& rules, const Character& character) {
     const ProceduralTables made = make_procedural_tables(rules, character);
+    if (const uint64_t most = scan_limits(*gpu).loop_iterations; made.most_steps > most)
+        throw Failure(ErrorCode::kUnsupported, name + ": procedural rules", "one of their chains takes " + std::to_string(made.most_steps) + " steps, and the device ends loops after " + std::to_string(most));
     procedural.emplace(GroupProcedural{made.dispatches, made.spring_count, made.target_count, upload_table(gpu, name + ": procedural rules", made.words)});
 }
 

@@ -22,9 +22,8 @@ public:
 
     // Uploads what changed, and lets time go on.
     void begin_update(VkCommandBuffer commands, float time_step_s);
+    using KindBindings = std::array<Bindings, io::kChainKindCount>;  // by kind of chains
     // `local` is where the staged update has the batch's local transforms.
-    // By kind of chains.
-    using KindBindings = std::array<Bindings, io::kChainKindCount>;
     KindBindings bind(uint32_t batch, const BufferRange& local) const;
     uint32_t rank_count(uint32_t batch) const;
     // Ranks of a batch come one after the other, with a barrier between.

@@ -43,7 +43,6 @@ private:
     };
 
     void make_waves();
-    void make_arena(uint64_t size_bytes);
     void bind_member(Member& member);
     void record_wave(VkCommandBuffer commands, const Wave& wave, StageTimer* timer) const;
     void record_procedural(VkCommandBuffer commands, std::span<const Member> members, StageTimer* timer) const;

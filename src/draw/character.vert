@@ -45,7 +45,7 @@ vec3 transform_normal(Affine m, vec3 normal) {
 
 void main() {
     const VertexRows vertex = vertices[push.first_vertex + gl_VertexIndex];
-    const MorphSum morphs = sum_of_morphs(floatBitsToUint(vertex.texcoord_color.w), push.first_morph, push.morph_count, gl_InstanceIndex * kActiveMorphs);
+    const MorphSum morphs = sum_of_morphs(vertex.texcoord_color_delta.w, push.first_morph, push.morph_count, gl_InstanceIndex * kActiveMorphs);
     const Affine placement = world_from_model[gl_InstanceIndex];
     const Affine model_from_bind = blended_skin_matrix(push.first_influences, push.influence_sets, gl_VertexIndex, gl_InstanceIndex * push.palette_count);
     const Affine world_from_bind = affine_multiply(placement, model_from_bind);
@@ -57,8 +57,8 @@ void main() {
         if (push.morph_count > 0) bind_normal = normalize(bind_normal) + morphs.normal;
         const vec3 normal = transform_normal(world_from_bind, bind_normal);
         out_normal = normal * inversesqrt(max(dot(normal, normal), 1e-30));
-        out_texcoord = vertex.texcoord_color.xy;
-        out_color = unpackUnorm4x8(floatBitsToUint(vertex.texcoord_color.z));
+        out_texcoord = uintBitsToFloat(vertex.texcoord_color_delta.xy);
+        out_color = unpackUnorm4x8(vertex.texcoord_color_delta.z);
         out_mirrored = dot(placement.row0.xyz, cross(placement.row1.xyz, placement.row2.xyz)) < 0 ? 1 : 0;
     }
     out_world = world;

@@ -1,5 +1,6 @@
 #include "draw/pipeline.h"
 
+#include "base/failure.h"
 #include "draw/draw_io.h"
 
 #include <span>
@@ -109,6 +110,8 @@ OwnedPipeline make_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout la
 }  // namespace
 
 DrawPipelines::DrawPipelines(const std::shared_ptr<Gpu>& gpu, VkSampleCountFlagBits samples, SkinFormat format) : skin_format(format) {
+    if (const uint32_t most = gpu->properties.limits.maxPerStageDescriptorStorageBuffers; kBatchBindings.size() > most)
+        throw Failure(ErrorCode::kUnsupported, gpu->properties.deviceName, "a shader stage has " + std::to_string(most) + " storage buffers, and drawing needs " + std::to_string(kBatchBindings.size()));
     constexpr VkShaderStageFlags kBothStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
     scene_set = make_set_layout(gpu, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, kBothStages);
     batch_set = make_set_layout(gpu, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kBatchBindings.size(), VK_SHADER_STAGE_VERTEX_BIT);

@@ -9,6 +9,9 @@ using uint = uint32_t;
 struct alignas(16) vec4 {
     float x, y, z, w;
 };
+struct alignas(16) uvec4 {
+    uint x, y, z, w;
+};
 }  // namespace throng::io
 #define THRONG_IO_BEGIN namespace throng::io {
 #define THRONG_IO_END }

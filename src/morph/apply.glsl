@@ -2,8 +2,6 @@
 // (throng::MorphDelta).
 #include "morph/morph_io.h"
 
-const float kNormalStep = 2.0 / 511;
-
 struct MorphSum {
     vec3 position, normal;
 };
@@ -19,7 +17,7 @@ MorphSum sum_of_morphs(uint first_delta, uint first_morph, uint morph_count, uin
             const uvec4 delta = morph_deltas[first_delta - 1 + target];
             sum.position += shown.weight * uintBitsToFloat(delta.xyz);
             const int normal = int(delta.w);
-            sum.normal += shown.weight * kNormalStep * vec3(bitfieldExtract(normal, 0, 10), bitfieldExtract(normal, 10, 10), bitfieldExtract(normal, 20, 10));
+            sum.normal += shown.weight * uintBitsToFloat(kMorphNormalStepBits) * vec3(bitfieldExtract(normal, 0, 10), bitfieldExtract(normal, 10, 10), bitfieldExtract(normal, 20, 10));
         }
     }
     return sum;

@@ -1,5 +1,7 @@
 #include "morph/morph.h"
 
+#include <bit>
+
 namespace throng {
 namespace {
 
@@ -10,6 +12,7 @@ constexpr uint32_t kWide[] = {
 #include "morph/morph.wide.inc"
 };
 
+static_assert(io::kMorphNormalStepBits == std::bit_cast<uint32_t>(kMorphNormalStep) && io::kLeastMorphWeightBits == std::bit_cast<uint32_t>(kLeastMorphWeight));
 static_assert(io::kActiveMorphs == kActiveMorphLimit && io::kMorphUntouched == kNone);
 static_assert(io::kMorphAnimatedBit == kTrackAnimated && io::kMorphStepBit == kTrackStep && io::kMorphPositionMask == kTrackPosition);
 static_assert(sizeof(io::MorphAxis) == io::kMorphAxisWords * sizeof(uint32_t) && sizeof(io::ActiveMorph) == 8);

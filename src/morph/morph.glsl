@@ -4,8 +4,6 @@
 #include "control/controller_io.h"
 #include "morph/morph_io.h"
 
-const float kLeastWeight = 1e-6;  // what is not larger by magnitude counts as 0
-
 uint quad_count() { return (push.morph_count + 3) / 4; }
 
 float value_at(uint index) { return uintBitsToFloat(WORD_AT(values, index)); }
@@ -99,7 +97,7 @@ void begin_active() {
 
 // Morphs come in the order of their indices.
 void consider(uint morph, float weight) {
-    ActiveMorph candidate = ActiveMorph(morph, abs(weight) > kLeastWeight ? weight : 0);
+    ActiveMorph candidate = ActiveMorph(morph, abs(weight) > uintBitsToFloat(kLeastMorphWeightBits) ? weight : 0);
     bool is_in = false;  // those behind its place move on by one
     for (uint i = 0; i < kActiveMorphs; ++i) {
         is_in = is_in || abs(candidate.weight) > abs(active_of_instance[i].weight);

@@ -7,6 +7,10 @@ THRONG_IO_BEGIN
 THRONG_IO_CONSTANT kMorphWorkgroupSize = 64;
 THRONG_IO_CONSTANT kActiveMorphs = 8;  // of an instance
 
+// As floats, kMorphNormalStep and kLeastMorphWeight of throng/character.h.
+THRONG_IO_CONSTANT kMorphNormalStepBits = 0x3B804020u;
+THRONG_IO_CONSTANT kLeastMorphWeightBits = 0x358637BDu;
+
 // A morph that an instance shows; weight 0: none, and none behind it.
 struct ActiveMorph {
     uint morph;

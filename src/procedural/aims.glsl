@@ -6,6 +6,8 @@ ReachSettings load_reach(uint word) { return ReachSettings(table_float(word), ta
 void look_at(ProceduralChain chain) {
     const LookAtSettings settings = load_look_at(chain.rule);
     const vec4 target = targets[instance * push.target_count + settings.target];
+    const float weight = settings.weight * clamp(target.w, 0, 1);
+    if (weight <= 0) return;
     const uint joint = first_joint_of(chain);
     const Affine world_from_parent = world_from_parent_of(joint), parent_from_joint = load_local(joint);
     const Affine world_from_joint = affine_multiply(world_from_parent, parent_from_joint);
@@ -15,20 +17,22 @@ void look_at(ProceduralChain chain) {
     const float sine = sqrt(dot(across, across));
     if (sine <= kParallel) return;
     const float angle_rad = min(angle_of(sine, dot(forward, way) / size), settings.limit_rad);
-    turn_joint(joint, world_from_parent, parent_from_joint, turn_about(across / sine, angle_rad * settings.weight * clamp(target.w, 0, 1)));
+    turn_joint(joint, world_from_parent, parent_from_joint, turn_about(across / sine, angle_rad * weight));
 }
 
 void reach(ProceduralChain chain) {
     const ReachSettings settings = load_reach(chain.rule);
     const vec4 target = targets[instance * push.target_count + settings.target];
+    const float weight = settings.weight * clamp(target.w, 0, 1);
+    if (weight <= 0) return;
     const uint upper = first_joint_of(chain), middle = load_joint(chain, 1).joint, end = load_joint(chain, 2).joint;
     const Affine world_from_parent = world_from_parent_of(upper), parent_from_upper = load_local(upper), upper_from_middle = load_local(middle);
     const Affine world_from_upper = affine_multiply(world_from_parent, parent_from_upper), world_from_middle = affine_multiply(world_from_upper, upper_from_middle);
     const vec3 a = origin_of(world_from_upper), b = origin_of(world_from_middle), c = affine_point(world_from_middle, origin_of(load_local(end)));
-    const vec3 goal = mix(c, target.xyz - instance_origin(), settings.weight * clamp(target.w, 0, 1));
+    const vec3 goal = mix(c, target.xyz - instance_origin(), weight);
     const float upper_size = distance(a, b), lower_size = distance(b, c), straight = distance(a, c);
     const float far = upper_size + lower_size, near = abs(upper_size - lower_size), wanted = distance(a, goal);
-    if (upper_size < kParallel * far || lower_size < kParallel * far || wanted < kParallel * far || straight < kParallel * far) return;
+    if (min(min(upper_size, lower_size), min(wanted, straight)) <= kParallel * far) return;
     const vec3 to_goal = (goal - a) / wanted;
     const float reached = clamp(wanted, near, far);
     const vec4 swing = arc((c - a) / straight, to_goal);

@@ -25,6 +25,9 @@ public:
     }
 
     ProceduralPlan plan() {
+        for (size_t i = 0; i < rules_.targets.size(); ++i)
+            if (std::find(rules_.targets.begin(), rules_.targets.begin() + static_cast<std::ptrdiff_t>(i), rules_.targets[i]) != rules_.targets.begin() + static_cast<std::ptrdiff_t>(i))
+                throw Failure(ErrorCode::kInvalidArgument, character_.name + ": procedural rules", "there are two targets '" + rules_.targets[i] + "'");
         for (rule_ = 0; rule_ < rules_.rules.size(); ++rule_) std::visit([&](const auto& rule) { add(rule); }, rules_.rules[rule_]);
         return std::move(plan_);
     }
@@ -42,6 +45,7 @@ private:
     uint32_t joint_named(const std::string& name) const {
         const auto found = std::ranges::find(rig_.names, name);
         if (found == rig_.names.end()) fail("there is no joint '" + name + "'");
+        if (std::find(found + 1, rig_.names.end(), name) != rig_.names.end()) fail("there are several joints '" + name + "'");
         return static_cast<uint32_t>(found - rig_.names.begin());
     }
 
@@ -110,6 +114,10 @@ private:
     void add_chain(std::vector<uint32_t> joints, uint32_t generation, const std::vector<uint32_t>& also_read) {
         PlannedChain chain{.rule = rule_, .rank = 0, .joints = std::move(joints), .bones = {}, .first_generation = generation};
         for (size_t k = 0; k < chain.joints.size(); ++k) chain.bones.push_back(bone_of(chain, k));
+        for (uint32_t joint = chain.joints.front(); joint != kNone; joint = rig_.parents[joint]) ++chain.steps;
+        for (const uint32_t collider : also_read)
+            for (uint32_t joint = collider; joint != kNone; joint = rig_.parents[joint]) ++chain.steps;
+        chain.steps += chain.joints.size() * (also_read.size() + 2) + also_read.size() + 2;
         const auto for_each_read = [&](const auto& visit) {
             const auto upwards = [&](uint32_t joint) {
                 for (; joint != kNone; joint = rig_.parents[joint]) visit(joint);

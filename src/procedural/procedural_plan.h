@@ -17,6 +17,7 @@ struct PlannedChain {
     std::vector<Vec3<float>> bones;  // [joint], space of the joint; zero where it has none
     uint32_t first_generation = 0;   // of the first joint below the rule's
     uint32_t first_spring = 0;       // of SpringRules, in an instance's springs
+    uint64_t steps = 0;              // rounds of loops that an invocation goes, at most
 };
 
 struct ProceduralPlan {

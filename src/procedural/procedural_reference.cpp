@@ -28,6 +28,7 @@ Turn arc(const Vector& from, const Vector& to) {
 // A turn of the world as one of a space that lies turned, and perhaps mirrored, in it.
 Turn turn_within(const AffineT<double>& world_from_space, const Turn& turn) {
     const Vector x = normalized(column(world_from_space, 0)), y = normalized(column(world_from_space, 1) - x * dot(x, column(world_from_space, 1))), z = cross(x, y);
+    if (dot(z, z) == 0) return {};  // a flat space has no turns
     const double side = determinant(world_from_space) < 0 ? -1 : 1;
     const Vector axis{turn.x, turn.y, turn.z};
     return {side * dot(x, axis), side * dot(y, axis), dot(z, axis), turn.w};
@@ -81,7 +82,7 @@ struct ProceduralReference::Update {
     void move(const PlannedChain& chain, const WindRule& rule) const {
         const WindClock::Moment& wind = moment.wind;
         if (wind.speed == 0) return;
-        const double phase = double(uint32_t{moment.instance * 2654435769u}) * 0x1p-32 + std::round(rule.sway_hz * 64) / 64 * wind.sway_time_s;
+        const double phase = double(uint32_t{moment.instance * 2654435769u}) * 0x1p-32 + rounded_sway_hz(rule.sway_hz) * wind.sway_time_s;
         for (size_t k = 0; k < chain.joints.size(); ++k) {
             const AffineT<double> world = world_from_joint(chain.joints[k]);
             const Vector bone = transform_vector(world, chain.bones[k].as<double>());
@@ -108,8 +109,11 @@ struct ProceduralReference::Update {
             const AffineT<double> world = world_from_joint(chain.joints[k]);
             const Vector from = origin_of(world), rest = transform_point(world, chain.bones[k].as<double>());
             const double size = length(rest - from);
-            if (size == 0) continue;
             Spring& spring = reference.springs_[chain.first_spring + k];
+            if (size == 0) {
+                spring.is_known = false;
+                continue;
+            }
             if (!spring.is_known) spring = {rest, {}, true};
             const Vector force = (rest - spring.place) * (omega * omega) + rule.gravity.as<double>() + moment.wind.direction * (rule.drag * wind_at(moment.wind, rest));
             const Vector velocity = (spring.velocity + force * step_s) * (1 / (1 + step_s * (2 * rule.damping * omega + step_s * omega * omega)));
@@ -124,21 +128,25 @@ struct ProceduralReference::Update {
 
     void move(const PlannedChain& chain, const LookAtRule& rule) const {
         const Target& at = target(rule.target);
+        const double weight = rule.weight * std::clamp(at.weight, 0.0, 1.0);
+        if (weight <= 0) return;
         const AffineT<double> world = world_from_joint(chain.joints[0]);
         const Vector forward = normalized(transform_vector(world, rule.forward.as<double>())), way = normalized(at.place - origin_of(world)), across = cross(forward, way);
         const double sine = length(across);
         if (sine <= kParallel) return;
         const double angle_rad = std::min(std::atan2(sine, dot(forward, way)), double{rule.limit_rad});
-        turn(chain.joints[0], axis_angle(normalized(across), angle_rad * rule.weight * std::clamp(at.weight, 0.0, 1.0)));
+        turn(chain.joints[0], axis_angle(normalized(across), angle_rad * weight));
     }
 
     void move(const PlannedChain& chain, const ReachRule& rule) const {
         const uint32_t upper = chain.joints[0], middle = chain.joints[1], end = chain.joints[2];
         const Target& at = target(rule.target);
+        const double weight = rule.weight * std::clamp(at.weight, 0.0, 1.0);
+        if (weight <= 0) return;
         const Vector a = origin_of(world_from_joint(upper)), b = origin_of(world_from_joint(middle)), c = origin_of(world_from_joint(end));
-        const Vector goal = lerp(c, at.place, rule.weight * std::clamp(at.weight, 0.0, 1.0));
+        const Vector goal = lerp(c, at.place, weight);
         const double upper_size = length(b - a), lower_size = length(c - b), far = upper_size + lower_size;
-        if (std::min({upper_size, lower_size, length(goal - a), length(c - a)}) < kParallel * far) return;
+        if (std::min({upper_size, lower_size, length(goal - a), length(c - a)}) <= kParallel * far) return;
         const Vector to_goal = normalized(goal - a);
         const double near = std::abs(upper_size - lower_size), reached = std::clamp(length(goal - a), near, far);
         const Turn swing = arc(c - a, to_goal);

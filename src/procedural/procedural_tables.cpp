@@ -1,6 +1,7 @@
 #include "procedural/procedural_tables.h"
 
 #include "procedural/procedural_io.h"
+#include "procedural/wind_clock.h"
 
 #include <algorithm>
 #include <bit>
@@ -40,7 +41,7 @@ struct RuleWriter {
     const Rig& rig;
     Words& words;
 
-    std::pair<uint32_t, uint32_t> operator()(const WindRule& rule) const { return {io::kChainWind, words.add(io::WindSettings{rule.bend_rad, rule.sway_rad, std::round(rule.sway_hz * 64) / 64})}; }
+    std::pair<uint32_t, uint32_t> operator()(const WindRule& rule) const { return {io::kChainWind, words.add(io::WindSettings{rule.bend_rad, rule.sway_rad, static_cast<float>(rounded_sway_hz(rule.sway_hz))})}; }
     std::pair<uint32_t, uint32_t> operator()(const SpringRule& rule) const {
         const uint32_t count = static_cast<uint32_t>(rule.colliders.size());
         uint32_t first = 0;
@@ -67,6 +68,7 @@ struct RuleWriter {
 ProceduralTables make_procedural_tables(const ProceduralRules& rules, const Character& character) {
     const ProceduralPlan plan = plan_procedural(rules, character);
     ProceduralTables tables{.words = {}, .dispatches = {}, .spring_count = plan.spring_count, .target_count = static_cast<uint32_t>(rules.targets.size())};
+    for (const PlannedChain& chain : plan.chains) tables.most_steps = std::max(tables.most_steps, chain.steps);
     Words words;
     words.add(std::span<const uint32_t>(character.rig.parents));
     std::vector<std::pair<uint32_t, uint32_t>> kinds_and_rules;

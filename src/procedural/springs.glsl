@@ -59,8 +59,10 @@ void swing(ProceduralChain chain) {
         const Affine world_from_joint = affine_multiply(world_from_parent, parent_from_joint);
         const vec3 from = origin_of(world_from_joint), rest = affine_point(world_from_joint, vec3(joint.bone_x, joint.bone_y, joint.bone_z));
         const float size = distance(from, rest);
-        if (size > 0) {
-            const uint row = 3 * (instance * push.spring_count + chain.first_spring + k);
+        const uint row = 3 * (instance * push.spring_count + chain.first_spring + k);
+        if (size == 0) {
+            springs[row + 2] = pack(vec4(0));  // hidden: where it was is forgotten
+        } else {
             SpringState spring = SpringState(unpack(springs[row]), unpack(springs[row + 1]), unpack(springs[row + 2]));
             const vec3 place = step_spring(spring, settings, from, rest);
             springs[row] = pack(spring.place);

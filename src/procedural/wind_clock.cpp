@@ -8,8 +8,6 @@ namespace throng {
 namespace {
 
 constexpr std::array kGustRates{1.0, 2.7, 7.1};  // of the three waves of which gusts are made (wind.glsl)
-constexpr double kSwayPeriod_s = 64;
-
 double wrapped(double value, double period) { return value - std::floor(value / period) * period; }
 
 }  // namespace
@@ -17,9 +15,9 @@ double wrapped(double value, double period) { return value - std::floor(value / 
 void WindClock::set(const Wind& wind) {
     const auto fail = [](const char* what) { throw Failure(ErrorCode::kInvalidArgument, "wind", what); };
     const Vec3<double> velocity = wind.velocity.as<double>();
-    if (!std::isfinite(length(velocity))) fail("its velocity must be finite");
+    if (!(length(velocity) <= 1e6)) fail("its velocity must be finite, and at most 1e6");
     if (!(wind.gust >= 0 && wind.gust <= 1)) fail("its gust must be within 0..1");
-    if (!(std::isfinite(wind.wavelength) && wind.wavelength > 0)) fail("its wavelength must be more than 0");
+    if (!(std::isfinite(wind.wavelength) && wind.wavelength >= 1e-6f)) fail("its wavelength must be finite, and at least 1e-6");
     moment_.speed = length(velocity);
     if (moment_.speed > 0) moment_.direction = normalized(velocity);
     moment_.gust = wind.gust;

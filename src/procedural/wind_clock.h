@@ -4,12 +4,16 @@
 #include <throng/procedural.h>
 
 #include <array>
+#include <cmath>
 
 namespace throng {
 
+inline constexpr double kSwayPeriod_s = 64;  // rules sway in multiples of its inverse, so that floats keep their digits at any time
+inline double rounded_sway_hz(double sway_hz) { return std::round(sway_hz * kSwayPeriod_s) / kSwayPeriod_s; }
+
 class WindClock {
 public:
-    // Throws kInvalidArgument for numbers that are not finite or out of range. Gusts go on where they are.
+    // Throws kInvalidArgument for numbers that are not finite or out of range. Gusts go on where they are, unless direction or wavelength change.
     void set(const Wind& wind);
     void advance(double time_step_s);
 
@@ -19,7 +23,7 @@ public:
         double gust = 0;
         double gust_rate = 0;             // 1 / wavelength
         std::array<double, 3> gust_phases{};  // cycles, 0..1
-        double sway_time_s = 0;           // 0..64: rules sway in multiples of 1/64 Hz, so that floats keep their digits at any time
+        double sway_time_s = 0;           // 0..kSwayPeriod_s
     };
     const Moment& moment() const { return moment_; }
 

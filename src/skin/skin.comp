@@ -25,6 +25,6 @@ void main() {
     if (vertex >= push.vertex_count) return;
     const Affine model_from_bind = blended_skin_matrix(push.first_influences, push.influence_sets, vertex, push.first_palette_entry);
     const VertexRows rows = vertices[push.first_vertex + vertex];
-    const vec3 position = rows.position_normal.xyz + sum_of_morphs(floatBitsToUint(rows.texcoord_color.w), push.first_morph, push.morph_count, push.first_active).position;
+    const vec3 position = rows.position_normal.xyz + sum_of_morphs(rows.texcoord_color_delta.w, push.first_morph, push.morph_count, push.first_active).position;
     positions[push.first_vertex + vertex] = vec4(affine_point(model_from_bind, position), 1);
 }

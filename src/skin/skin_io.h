@@ -6,10 +6,11 @@ THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kSkinWorkgroupSize = 64;
 
-// throng::Vertex as two float4s: position and normal; texture coordinate, colour and first_delta (both as the bits of floats).
+// throng::Vertex as a float4, position and normal (its bits), and four words: the bits of two floats, the texture coordinate; colour; first_delta. A number as
+// small as first_delta may not go through a float: as one it would be denormal, and a device may take it for 0.
 struct VertexRows {
     vec4 position_normal;
-    vec4 texcoord_color;
+    uvec4 texcoord_color_delta;
 };
 
 // A section of a mesh, for one instance.
