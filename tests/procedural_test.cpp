@@ -387,22 +387,64 @@ TEST(Procedural, LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing) {
     }
 }
 
+// A device that dispatches no more than three workgroups: four batches, and chains by threes. The same bits come out.
+TEST(Procedural, BatchesAndManyChainsChangeNothing) {
+    constexpr uint32_t kInstances = 10;
+    const Character character = make_character({.joint_count = 40, .shape = RigShape::kComb, .seed = 5});
+    const ProceduralRules rules{.targets = {"prey"}, .rules = {SpringRule{.joint = character.rig.names[0]}, WindRule{.joint = character.rig.names[0]}, LookAtRule{.joint = character.rig.names[3], .target = "prey"}}};
+    Result<Device> small = Device::create({.select = test_device().info().name});  // its own, to pretend that it is smaller
+    ASSERT_TRUE(small) << small.error().text();
+    uint32_t& limit = small->gpu()->properties.limits.maxComputeWorkGroupCount[0];
+    limit = std::min(limit, 3u);
+    const CrowdSettings settings{.groups = {{.character = &character, .instance_count = kInstances, .procedural = &rules}}, .scan = "serial", .keep_model_matrices = true};
+    Crowd whole = create(settings);
+    Result<Crowd> parts = Crowd::create(*small, settings);
+    ASSERT_TRUE(parts) << parts.error().text();
+    EXPECT_EQ(parts->outputs().size(), 4u);
+    Random random(3);
+    const std::vector<Playback> playbacks = random_playbacks(random, character, kInstances);
+    for (Crowd* crowd : {&whole, &*parts}) {
+        ASSERT_TRUE(crowd->set_playback(0, playbacks) && crowd->set_wind({.velocity = {3, 0, 0}}));
+        for (uint32_t i = 0; i < kInstances; ++i) ASSERT_TRUE(crowd->set_target(i, 0, {float(i), 2, 3}, 0.5f));
+        for (int update = 0; update < 4; ++update) ASSERT_TRUE(crowd->update(0.05f));
+    }
+    for (uint32_t i = 0; i < kInstances; ++i) EXPECT_EQ(*whole.read_model_matrices(i), *parts->read_model_matrices(i)) << i;
+}
+
+// Layers, a pose that was set, wind and targets; the reference does it all.
 TEST(Procedural, WorksBelowAController) {
     const Character character = make_character({.joint_count = 30, .shape = RigShape::kChain, .seed = 2});
-    const ProceduralRules rules{.targets = {"prey"}, .rules = {LookAtRule{.joint = character.rig.names[3], .target = "prey"}}};
+    const ProceduralRules rules{.targets = {"prey"}, .rules = {WindRule{.joint = character.rig.names[1]}, LookAtRule{.joint = character.rig.names[3], .target = "prey"}}};
     const Controller controller = direct_layers(1);
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .controller = &controller, .procedural = &rules}}, .keep_model_matrices = true});
-    ReferenceCharacter layers = std::move(*ReferenceCharacter::create(character, controller));
-    ProceduralReference reference(rules, character);
-    ASSERT_TRUE(crowd.play(1, 0, {.clip = {.clip = 0}}) && layers.play(0, {.clip = {.clip = 0}}));
-    ASSERT_TRUE(crowd.set_target(1, 0, {3, 4, 5}, 1));
-    reference.targets[0] = {{3, 4, 5}, 1};
-    ASSERT_TRUE(crowd.update(0.3f) && layers.update(0.3f));
-    Locals local = sample_reference(character, 0, double{0.3f});
-    reference.update(local, {.world_from_model = {}, .wind = {}, .instance = 1, .time_step_s = 0.3});
-    const ReferencePose pose = pose_from_local(character, local);
-    const std::vector<Affine> got = *crowd.read_model_matrices(1);
-    for (size_t joint = 0; joint < got.size(); ++joint) EXPECT_LE(matrix_error(got[joint], pose.model_from_joint[joint], character.size), 1e-5) << joint;
+    constexpr uint32_t kInstances = 3;
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller, .procedural = &rules, .pose_capacity = 1}}, .keep_model_matrices = true});
+    const Wind wind{.velocity = {2, 0, 1}};
+    const Affine place = to_affine(Trs<float>{.translation = {1, 2, 3}});
+    ASSERT_TRUE(crowd.set_wind(wind) && crowd.set_placement(1, {&place, 1}));
+    std::vector<ReferenceCharacter> wanted;
+    for (uint32_t i = 0; i < kInstances; ++i) {
+        wanted.push_back(std::move(*ReferenceCharacter::create(character, controller, &rules)));
+        const LayerPlayback playback{.clip = {.clip = i % 2}};
+        ASSERT_TRUE(crowd.play(i, 0, playback) && wanted[i].play(0, playback));
+        ASSERT_TRUE(crowd.set_target(i, 0, {3, 4, 5}, 0.7f) && wanted[i].set_target(0, {3, 4, 5}, 0.7f));
+        ASSERT_TRUE(wanted[i].set_wind(wind));
+        wanted[i].set_placement(i == 1 ? place : Affine{}, true, i);
+    }
+    const std::vector<Trs<float>> pose(30, Trs<float>{.translation = {0, 1, 0}});
+    ASSERT_TRUE(crowd.set_pose(2, pose, 0.5f) && wanted[2].set_pose(pose, 0.5f));
+    for (int update = 0; update < 3; ++update) {
+        ASSERT_TRUE(crowd.update(0.1f));
+        for (uint32_t i = 0; i < kInstances; ++i) {
+            ASSERT_TRUE(wanted[i].update(0.1f));
+            const std::vector<AffineT<double>> model = wanted[i].pose().model_from_joint;
+            const std::vector<Affine> got = *crowd.read_model_matrices(i);
+            for (size_t joint = 0; joint < got.size(); ++joint) EXPECT_LE(matrix_error(got[joint], model[joint], character.size), 2e-5) << "instance " << i << ", joint " << joint << ", update " << update;
+        }
+    }
+    EXPECT_EQ(wanted[1].placement(), place.as<double>());
+    EXPECT_FALSE(wanted[0].set_target(1, {}, 1));
+    EXPECT_FALSE(wanted[0].set_wind({.gust = 2}));
+    EXPECT_FALSE(ReferenceCharacter::create(character, controller)->set_target(0, {}, 1));
 }
 
 TEST(Procedural, WrongTargetsAndPathsAreRefused) {

@@ -24,8 +24,8 @@ Result<ReferencePose> reference_pose(const Character& character, const Playback&
 // times, bit for bit (docs/controller.md), so a server that has no GPU knows what the clients see. Not thread-safe.
 class ReferenceCharacter {
 public:
-    // Both are referred to as long as this lives. Errors: as check_controller().
-    static Result<ReferenceCharacter> create(const Character& character, const Controller& controller);
+    // All are referred to as long as this lives; `rules` as CrowdGroup::procedural. Errors: as check_controller(), and as Crowd::create() for the rules.
+    static Result<ReferenceCharacter> create(const Character& character, const Controller& controller, const ProceduralRules* rules = nullptr);
     ReferenceCharacter(ReferenceCharacter&&) noexcept;
     ReferenceCharacter& operator=(ReferenceCharacter&&) noexcept;
     ~ReferenceCharacter();
@@ -36,7 +36,14 @@ public:
     Result<void> set_parameters(uint32_t parameter, std::span<const float> values);
     Result<void> set_pose(std::span<const Trs<float>> parent_from_joint, float fade_s = 0);
     Result<void> clear_pose(float fade_s = 0);
+    Result<void> set_target(uint32_t target, const Vec3<float>& world_place, float weight);
+    Result<void> set_wind(const Wind& wind);
     Result<void> update(float time_step_s);
+
+    // Where it stands, which procedural rules have to know; update() moves it on by root motion where `moves` is set, as CrowdGroup::moves_placements is. `instance` is its number in
+    // the crowd, by which it sways in the wind.
+    void set_placement(const Affine& world_from_model, bool moves = true, uint32_t instance = 0);
+    AffineT<double> placement() const;
 
     // After the last update (before the first: the rest pose).
     ReferencePose pose() const;

@@ -294,11 +294,8 @@ void CrowdState::set_target(uint32_t instance, uint32_t target, const Vec3<float
     check_range(instance, 1, "target");
     const Batch& batch = batch_of(instance);
     const Group& group = groups[batch.group];
-    const std::string place = "target of instance " + std::to_string(instance);
     const uint32_t count = group.procedural ? group.procedural->target_count : 0;
-    if (target >= count) throw Failure(ErrorCode::kInvalidArgument, place, "number " + std::to_string(target) + "; " + group.name + " has " + std::to_string(count));
-    if (!std::isfinite(world_place.x) || !std::isfinite(world_place.y) || !std::isfinite(world_place.z)) throw Failure(ErrorCode::kInvalidArgument, place, "it must be finite");
-    if (!(weight >= 0 && weight <= 1)) throw Failure(ErrorCode::kInvalidArgument, place, "its weight must be within 0..1");
+    check_target(target, count, world_place, weight, "target of instance " + std::to_string(instance));
     procedural->set_target(index_of(batch), (instance - batch.first_instance) * count + target, {world_place.x, world_place.y, world_place.z, weight});
 }
 

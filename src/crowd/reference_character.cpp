@@ -8,17 +8,20 @@
 #include "control/joint_mask.h"
 #include "control/layer_commands.h"
 #include "crowd/reference.h"
+#include "procedural/procedural_reference.h"
 #include "morph/morph_reference.h"
 #include "sample/sample_reference.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace throng {
 
 struct ReferenceCharacter::State {
-    State(const Character& of, const Controller& by) : character(of), controller(by, of), kinds(layer_kinds(by)), is_inertial(has_inertia(by)) {
+    State(const Character& of, const Controller& by, const ProceduralRules* moved_by) : character(of), controller(by, of), kinds(layer_kinds(by)), is_inertial(has_inertia(by)) {
+        if (moved_by) rules.emplace(*moved_by, of);
         for (const Clip& clip : of.clips) clip_durations_s.push_back(clip.duration_s);
         for (const JointMask& mask : by.masks) masks.push_back(mask_weights(mask, of.rig));
         last.voices.push_back({.clip = static_cast<uint32_t>(of.clips.size())});
@@ -36,6 +39,7 @@ struct ReferenceCharacter::State {
     std::vector<Trs<double>> pose_over(std::vector<Trs<double>> animated) const;
     std::vector<double> mix_morphs() const;
     void show(std::vector<Trs<double>> target, double step_s);
+    void move_joints(double step_s);
 
     const Character& character;
     ControllerReference controller;
@@ -51,6 +55,12 @@ struct ReferenceCharacter::State {
     double elapsed_s = 0, duration_s = 0;
     std::vector<Trs<double>> posed;                // [joint], as last set; before that empty
     PoseFade fade;                                 // of these
+    std::optional<ProceduralReference> rules;
+    WindClock wind;
+    std::vector<Trs<double>> moved;                // [joint], by the rules in the last update
+    AffineT<double> placement;                     // world_from_model
+    bool placement_moves = true;
+    uint32_t instance = 0;
 };
 
 // What the voices make of each joint.
@@ -97,6 +107,12 @@ std::vector<double> ReferenceCharacter::State::mix_morphs() const {
     return morphs_reference(character, layers);
 }
 
+void ReferenceCharacter::State::move_joints(double step_now_s) {
+    wind.advance(step_now_s);
+    moved = pose_over(shown.empty() ? mix() : shown);
+    rules->update(moved, {.world_from_model = placement, .wind = wind.moment(), .instance = instance, .time_step_s = step_now_s});
+}
+
 // Step 10 of docs/controller.md.
 void ReferenceCharacter::State::show(std::vector<Trs<double>> target, double new_step_s) {
     const bool begins = last.inertial_s > 0 && !shown.empty();
@@ -119,8 +135,8 @@ ReferenceCharacter::ReferenceCharacter(ReferenceCharacter&&) noexcept = default;
 ReferenceCharacter& ReferenceCharacter::operator=(ReferenceCharacter&&) noexcept = default;
 ReferenceCharacter::~ReferenceCharacter() = default;
 
-Result<ReferenceCharacter> ReferenceCharacter::create(const Character& character, const Controller& controller) {
-    return as_result([&] { return ReferenceCharacter(std::make_unique<State>(character, controller)); });
+Result<ReferenceCharacter> ReferenceCharacter::create(const Character& character, const Controller& controller, const ProceduralRules* rules) {
+    return as_result([&] { return ReferenceCharacter(std::make_unique<State>(character, controller, rules)); });
 }
 
 Result<void> ReferenceCharacter::play(uint32_t layer, const LayerPlayback& playback) {
@@ -153,19 +169,41 @@ Result<void> ReferenceCharacter::clear_pose(float fade_s) {
     });
 }
 
+Result<void> ReferenceCharacter::set_target(uint32_t target, const Vec3<float>& world_place, float weight) {
+    return as_result([&] {
+        check_target(target, state_->rules ? static_cast<uint32_t>(state_->rules->targets.size()) : 0, world_place, weight, "target");
+        state_->rules->targets[target] = {world_place.as<double>(), weight};
+    });
+}
+
+Result<void> ReferenceCharacter::set_wind(const Wind& wind) {
+    return as_result([&] { state_->wind.set(wind); });
+}
+
+void ReferenceCharacter::set_placement(const Affine& world_from_model, bool moves, uint32_t instance) {
+    state_->placement = world_from_model.as<double>();
+    state_->placement_moves = moves;
+    state_->instance = instance;
+}
+
+AffineT<double> ReferenceCharacter::placement() const { return state_->placement; }
+
 Result<void> ReferenceCharacter::update(float time_step_s) {
     return as_result([&] {
         if (!std::isfinite(time_step_s)) throw Failure(ErrorCode::kInvalidArgument, "time step", "must be finite");
         state_->last = state_->controller.update(time_step_s);
         if (state_->is_inertial) state_->show(state_->mix(), std::max(time_step_s, 0.0f));
         state_->fade.advance(time_step_s);
+        if (state_->placement_moves) state_->placement = state_->placement * move();
+        if (state_->rules) state_->move_joints(time_step_s);
         state_->events.clear();
         for (const ControllerEventAt& event : state_->last.events) state_->events.push_back({0, event.event, event.layer, static_cast<float>(event.time_s)});
     });
 }
 
 ReferencePose ReferenceCharacter::pose() const {
-    ReferencePose pose = pose_from_local(state_->character, state_->pose_over(state_->shown.empty() ? state_->mix() : state_->shown));
+    const State& state = *state_;
+    ReferencePose pose = pose_from_local(state.character, state.moved.empty() ? state.pose_over(state.shown.empty() ? state.mix() : state.shown) : state.moved);
     pose.morph_weights = state_->mix_morphs();
     return pose;
 }
