@@ -340,16 +340,16 @@ void follow(double scale_spread, const std::string& scan) {
                                             SpringRule{.joint = names[limb.root], .frequency_hz = 4, .damping = 0.8f},
                                             ReachRule{.joint = names[limb.end], .target = "ledge", .weight = 0.7f},
                                             WindRule{.joint = names[limb.end]}};
-    const auto expect_few_beyond = [](const std::vector<double>& sorted, const std::string& what) {
-        EXPECT_LE(sorted[sorted.size() * 98 / 100], 2e-5) << what;
+    const auto expect_few_beyond = [](const std::vector<double>& sorted, double bound, const std::string& what) {
+        EXPECT_LE(sorted[sorted.size() * 98 / 100], bound) << what;
         EXPECT_LE(sorted.back(), 0.02) << what;
     };
     for (size_t i = 0; i < rules.size(); ++i) {
         const std::vector<double> alone = errors(character, {rules[i]}, scan);
-        if (std::holds_alternative<SpringRule>(rules[i])) expect_few_beyond(alone, "rule " + std::to_string(i));
+        if (std::holds_alternative<SpringRule>(rules[i])) expect_few_beyond(alone, 2e-5, "rule " + std::to_string(i));
         else EXPECT_LE(alone.back(), 1e-4) << "rule " << i;
     }
-    expect_few_beyond(errors(character, rules, scan), "all together");
+    expect_few_beyond(errors(character, rules, scan), 1e-4, "all together");
 }
 
 TEST(Procedural, MovesJointsAsTheReferenceDoes) { follow(0.1, "auto"); }
@@ -378,9 +378,9 @@ TEST(Procedural, LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing) {
     flat.row[1] = {0, 0, 0, 0};
     ASSERT_TRUE(crowd.set_placement(2, {&flat, 1}));
     for (uint32_t i = 0; i < 3; ++i) ASSERT_TRUE(crowd.set_target(i, 0, {3, 1, 0}, i == 0 ? 0.0f : 1.0f));
-    ASSERT_TRUE(crowd.set_target(0, 1, {0, 2, 0}, 1));  // where it is
+    const std::vector<AffineT<double>> rest = reference_pose(character, {})->model_from_joint;
+    ASSERT_TRUE(crowd.set_target(0, 1, Vec3<double>{rest[2].row[0][3], rest[2].row[1][3], rest[2].row[2][3]}.as<float>(), 1));  // where it is
     ASSERT_TRUE(crowd.update(0.1f));
-    const std::vector<AffineT<double>> rest = pose_from_local(character, rest_of(character)).model_from_joint;
     for (uint32_t i = 0; i < 3; ++i) {
         const std::vector<Affine> got = *crowd.read_model_matrices(i);
         for (size_t joint = 0; joint < got.size(); ++joint) EXPECT_LE(matrix_error(got[joint], rest[joint], character.size), 1e-5) << "instance " << i << ", joint " << joint;

@@ -28,7 +28,7 @@ Turn arc(const Vector& from, const Vector& to) {
 // A turn of the world as one of a space that lies turned, and perhaps mirrored, in it.
 Turn turn_within(const AffineT<double>& world_from_space, const Turn& turn) {
     const Vector x = normalized(column(world_from_space, 0)), y = normalized(column(world_from_space, 1) - x * dot(x, column(world_from_space, 1))), z = cross(x, y);
-    if (dot(z, z) == 0) return {};  // a flat space has no turns
+    if (dot(z, z) == 0 || std::abs(dot(z, column(world_from_space, 2))) <= kParallel * length(column(world_from_space, 2))) return {};  // a flat space has no turns
     const double side = determinant(world_from_space) < 0 ? -1 : 1;
     const Vector axis{turn.x, turn.y, turn.z};
     return {side * dot(x, axis), side * dot(y, axis), dot(z, axis), turn.w};
