@@ -5,6 +5,8 @@
 #include "gpu/angles.glsl"
 #include "gpu/similarity.glsl"
 
+const float kParallel = 1e-6;  // sine of an angle below which two directions span no plane
+
 float table_float(uint word) { return uintBitsToFloat(WORD_AT(tables, word)); }
 vec3 table_vector(uint word) { return vec3(table_float(word), table_float(word + 1), table_float(word + 2)); }
 
@@ -36,7 +38,7 @@ vec4 turn_within(Affine world_from_space, vec4 turn) {
     const mat3 columns = transpose(mat3(world_from_space.row0.xyz, world_from_space.row1.xyz, world_from_space.row2.xyz));
     const vec3 x = columns[0] * inversesqrt(max(dot(columns[0], columns[0]), 1e-30)), across = columns[1] - x * dot(x, columns[1]);
     const vec3 y = across * inversesqrt(max(dot(across, across), 1e-30)), z = cross(x, y);
-    if (dot(z, z) < 0.5 || abs(dot(z, columns[2])) <= 1e-6 * length(columns[2])) return vec4(0, 0, 0, 1);
+    if (dot(z, z) < 0.5 || abs(dot(z, columns[2])) <= kParallel * length(columns[2])) return vec4(0, 0, 0, 1);
     const float side = dot(z, columns[2]) < 0 ? -1 : 1;
     return vec4(dot(x, turn.xyz) * side, dot(y, turn.xyz) * side, dot(z, turn.xyz), turn.w);
 }
@@ -59,8 +61,6 @@ Affine turn_joint(uint joint, Affine world_from_parent, Affine parent_from_joint
     }
     return turned;
 }
-
-const float kParallel = 1e-6;  // sine of an angle below which two directions span no plane
 
 // The shortest turn from one direction to another, both of length 1.
 vec4 arc(vec3 from, vec3 to) {
