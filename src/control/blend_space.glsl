@@ -12,9 +12,10 @@ struct ClipMix {
 };
 
 void mix_line(inout ClipMix clip_mix, ControlState state, float x) {
-    uint i = 0;
-    for (uint k = 1; k < state.point_count; ++k)
-        if (load_point(state.first_point + k).x <= x) i = k;
+    uint i = 0, k = 1;
+    do
+        if (k < state.point_count && load_point(state.first_point + k).x <= x) i = k;
+    while (++k < state.point_count);
     const ControlPoint point = load_point(state.first_point + i);
     const float t = clamp(product(difference(x, point.x), point.inverse_span), 0, 1);
     clip_mix.clips = uvec3(i, min(i + 1, state.point_count - 1), 0);
@@ -25,7 +26,9 @@ const float kCrack = 1.0 / 65536;  // rounding must open no crack between two tr
 
 // The first triangle around (x, y), if there is one.
 bool mix_triangle(inout ClipMix clip_mix, ControlState state, float x, float y) {
-    for (uint k = 0; k < state.triangle_count; ++k) {
+    uint k = 0;
+    do {
+        if (k >= state.triangle_count) break;
         const ControlTriangle triangle = load_triangle(state.first_triangle + k);
         const float u = sum(sum(product(triangle.ax, x), product(triangle.ay, y)), triangle.a0);
         const float v = sum(sum(product(triangle.bx, x), product(triangle.by, y)), triangle.b0);
@@ -35,14 +38,16 @@ bool mix_triangle(inout ClipMix clip_mix, ControlState state, float x, float y) 
             clip_mix.weights = max(vec3(u, v, w), vec3(0));
             return true;
         }
-    }
+    } while (++k < state.triangle_count);
     return false;
 }
 
 // The nearest place on the hull.
 void mix_edge(inout ClipMix clip_mix, ControlState state, float x, float y) {
     float nearest = uintBitsToFloat(0x7F800000u);
-    for (uint k = 0; k < state.edge_count; ++k) {
+    uint k = 0;
+    do {
+        if (k >= state.edge_count) break;
         const ControlEdge edge = load_edge(state.first_edge + k);
         const ControlPoint a = load_point(state.first_point + edge.a), b = load_point(state.first_point + edge.b);
         const float dx = difference(x, a.x), dy = difference(y, a.y);
@@ -55,7 +60,7 @@ void mix_edge(inout ClipMix clip_mix, ControlState state, float x, float y) {
             clip_mix.clips = uvec3(edge.a, edge.b, 0);
             clip_mix.weights = vec3(difference(1, t), t, 0);
         }
-    }
+    } while (++k < state.edge_count);
 }
 
 ClipMix mix_of_state(ControlState state) {

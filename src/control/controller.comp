@@ -1,6 +1,7 @@
 #version 460
 // controller: one update of each instance's layers: transitions, fades, times, events, root motion; writes the clips that its pose is made of.
 // One invocation per instance. Defined in docs/controller.md; nothing that decides a state is divided or fused, so that all devices agree.
+// Loops test when a round is over: a software device goes round one that tests before it once more than any invocation needs.
 #include "gpu/stored.glsl"
 #include "gpu/table.glsl"
 #include "control/controller_io.h"
@@ -23,6 +24,7 @@ layout(set = 0, binding = 13, std430) writeonly buffer VoiceTimes { float voice_
 layout(push_constant) uniform Push { ControllerPush push; };
 
 uint instance, first_parameter;
+bool has_taken = false;  // a transition, in any layer
 
 // What is not finite counts as 0.
 float parameter_at(uint index) {
@@ -108,6 +110,7 @@ void update_layer(uint index) {
         note_transition(state);
     }
     note_inertial_play(state);
+    has_taken = has_taken || state.taken != kAbsent;
     advance_fades(state, push.time_step_s);
     const vec3 weights = weights_of_plays(state);
     const float layer_weight = advance_weight(state, layer);
@@ -115,7 +118,7 @@ void update_layer(uint index) {
     ClipMix mixes[kStackSize];
     float common_rate = 0;  // of the leading play's sync group
     uint count = 0;
-    do {  // not for: a software device would go round once more; of a layer that plays nothing, nothing of this is kept
+    do {  // of a layer that plays nothing, nothing of this is kept
         mixes[count] = mix_of_play(layer, state.plays[count]);
         common_rate = sum(common_rate, product(weights[count], mixes[is_in_step(mixes[0], mixes[count]) ? count : 0].rate));
     } while (++count < state.play_count);
@@ -137,15 +140,16 @@ void update_layer(uint index) {
 
 // Those that transitions taken in this update asked for.
 void reset_triggers() {
-    for (uint index = 0; index < layout_of_group.layer_count; ++index) {
-        const uint taken = layers[instance * layout_of_group.layer_count + index].taken;
+    uint index = 0;
+    do {
+        const uint taken = has_taken ? layers[instance * layout_of_group.layer_count + index].taken : kAbsent;
         if (taken == kAbsent) continue;
         const ControlTransition transition = load_transition(taken);
-        for (uint k = 0; k < transition.condition_count; ++k) {
+        for (uint k = 0; k < transition.condition_count; ++k) {  // seldom
             const ControlCondition condition = load_condition(transition.first_condition + k);
             if (condition.test == kTestTriggered) parameters[first_parameter + condition.parameter] = 0;
         }
-    }
+    } while (has_taken && ++index < layout_of_group.layer_count);
 }
 
 void main() {
@@ -156,7 +160,9 @@ void main() {
     begin_voices();
     begin_move();
     begin_inertia();
-    for (uint index = 0; index < layout_of_group.layer_count; ++index) update_layer(index);
+    uint index = 0;
+    do update_layer(index);
+    while (++index < layout_of_group.layer_count);
     reset_triggers();
     end_voices();
     end_move();

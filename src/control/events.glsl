@@ -22,14 +22,19 @@ void emit_event(ControlEvent event, PhaseStep phase_step, uint layer) {
     const uint distance = forwards ? event.phase - phase_step.before : phase_step.before - event.phase - 1;  // backwards the place where it stands lies a cycle ahead
     const uint first = atomicAdd(event_head.count, count);
     const uint end = min(count, push.event_capacity - min(first, push.event_capacity));
-    for (uint k = 0; k < end; ++k) {
+    uint k = 0;
+    do {
+        if (end == 0) break;
         const float cycles = (float(distance) + (forwards ? 0 : 1)) * (1.0 / 4294967296.0) + float(k);
         const float time_s = clamp(cycles / abs(phase_step.cycles), 0, 1) * abs(push.time_step_s);
         events[first + k] = EventRecord(push.first_instance + instance, event.event, layer, time_s);
-    }
+    } while (++k < end);
 }
 
 void emit_events(uint clip, PhaseStep phase_step, uint layer) {
     const ControlClip from = load_clip(clip);
-    for (uint i = 0; i < from.event_count; ++i) emit_event(load_event(from.first_event + i), phase_step, layer);
+    uint i = 0;
+    do
+        if (i < from.event_count) emit_event(load_event(from.first_event + i), phase_step, layer);
+    while (++i < from.event_count);
 }

@@ -12,7 +12,9 @@ bool holds(ControlCondition condition) {
 bool can_be_taken(ControlTransition transition, LayerPlay leading, bool fading) {
     bool can = (!fading || (transition.flags & kTransitionInterrupts) != 0) &&
                (leading.loops > transition.exit_loops || (leading.loops == transition.exit_loops && leading.phase >= transition.exit_phase));
-    for (uint k = 0; k < transition.condition_count && can; ++k) can = holds(load_condition(transition.first_condition + k));
+    uint k = 0;
+    do can = can && (k >= transition.condition_count || holds(load_condition(transition.first_condition + k)));
+    while (++k < transition.condition_count && can);
     return can;
 }
 
@@ -21,9 +23,10 @@ uint choose_transition(LayerState state, ControlLayer layer) {
     const ControlState leading = load_state(layer.first_state + state.plays[0].motion);
     const bool fading = state.play_count > 1 && state.plays[0].fade < 1;
     const uint end = leading.first_transition + leading.transition_count;
-    uint chosen = kAbsent;
-    for (uint i = leading.first_transition; i < end && chosen == kAbsent; ++i)
-        if (can_be_taken(load_transition(i), state.plays[0], fading)) chosen = i;
+    uint chosen = kAbsent, i = leading.first_transition;
+    do
+        if (i < end && can_be_taken(load_transition(i), state.plays[0], fading)) chosen = i;
+    while (++i < end && chosen == kAbsent);
     return chosen;
 }
 
@@ -41,8 +44,10 @@ void follow_transitions(inout LayerState state, ControlLayer layer) {
     const ControlTransition transition = load_transition(state.taken);
     LayerPlay play = play_of_state(transition.to, transition.fade_rate, transition.fade_rate == 0 || (transition.flags & kTransitionInertial) != 0);
     const uint sync = load_state(layer.first_state + transition.to).sync;
-    for (uint k = state.play_count; sync != kAbsent && k-- > 0;)
-        if (load_state(layer.first_state + state.plays[k].motion).sync == sync) play.phase = state.plays[k].phase;
+    uint k = state.play_count;
+    do
+        if (sync != kAbsent && load_state(layer.first_state + state.plays[k - 1].motion).sync == sync) play.phase = state.plays[k - 1].phase;
+    while (sync != kAbsent && --k > 0);
     push_play(state, play);
 }
 
