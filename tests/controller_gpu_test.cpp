@@ -50,8 +50,7 @@ public:
         run_on_gpu([&](VkCommandBuffer buffer) {
             const Gpu& gpu = *test_gpu();
             const auto command_count = static_cast<uint32_t>(commands.size());
-            for (size_t at = 0; at < commands.size(); at += 2048)
-                gpu.vk.vkCmdUpdateBuffer(buffer, BufferRange(commands_).buffer, at * sizeof commands[0], std::min<size_t>(2048, commands.size() - at) * sizeof commands[0], &commands[at]);
+            record_update(gpu, buffer, commands_, 0, commands);
             gpu.vk.vkCmdFillBuffer(buffer, BufferRange(events_).buffer, 0, sizeof(io::EventHead), 0);
             memory_barrier(gpu, buffer, kTransferWrite, kShaderRead | kShaderWrite);
             if (command_count > 0) command_.dispatch_invocations(buffer, command_bindings_, io::CommandPush{command_count, made_.layout.layer_count, made_.layout.parameter_count}, command_count);

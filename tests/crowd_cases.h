@@ -5,6 +5,7 @@
 #include "crowd/crowd_state.h"
 #include "tests/test_device.h"
 #include "tests/test_rig.h"
+#include "tools/creature.h"
 
 #include <throng/reference.h>
 
@@ -22,6 +23,19 @@ inline Crowd create(const CrowdSettings& settings) {
         std::abort();
     }
     return std::move(*crowd);
+}
+
+inline Character creature(uint32_t joints = 60, uint32_t levels = 15, double error = 1e-4) {
+    Result<Character> character = compile_character(*make_creature({.joint_count = joints, .level_count = levels}), {.error = error});
+    EXPECT_TRUE(character);
+    return std::move(*character);
+}
+
+// One of examples/controllers.
+inline Controller example(const char* name) {
+    Result<Controller> controller = load_controller(std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" + name + ".json");
+    EXPECT_TRUE(controller) << (controller ? "" : controller.error().text());
+    return std::move(*controller);
 }
 
 inline Character small_character() { return make_character({.name = "small", .joint_count = 20}); }

@@ -1,6 +1,5 @@
 // Crowds whose instances have controllers, against the reference of one character: poses, events, sockets, commands.
 #include "tests/crowd_cases.h"
-#include "tools/creature.h"
 
 #include <gtest/gtest.h>
 
@@ -8,18 +7,6 @@
 
 namespace throng::test {
 namespace {
-
-Character creature(uint32_t joints = 60, double error = 1e-4) {
-    Result<Character> character = compile_character(*make_creature({.joint_count = joints, .level_count = 15}), {.error = error});
-    EXPECT_TRUE(character);
-    return std::move(*character);
-}
-
-Controller example(const char* name) {
-    Result<Controller> controller = load_controller(std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" + name + ".json");
-    EXPECT_TRUE(controller) << (controller ? "" : controller.error().text());
-    return std::move(*controller);
-}
 
 std::vector<ReferenceCharacter> references(const Character& character, const Controller& controller, uint32_t count) {
     std::vector<ReferenceCharacter> all;
@@ -39,7 +26,7 @@ double matrix_error(std::span<const Affine> matrices, std::span<const AffineT<do
 // Random parameters over many updates; poses of all instances at the end, events in every update.
 void follow(UpdatePath path, const char* name, double error) {
     constexpr uint32_t kInstances = 40, kUpdates = 60;
-    const Character character = creature(60, error);
+    const Character character = creature(60, 15, error);
     const Controller controller = example(name);
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}}, .path = path, .keep_model_matrices = true});
     EXPECT_EQ(crowd.is_fused(0), path == UpdatePath::kFused);

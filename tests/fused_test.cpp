@@ -277,19 +277,18 @@ TEST(Fused, TooFewStorageBuffersAreAnObstacle) {
     --limits.storage_buffers;
     EXPECT_EQ(choose_fused(FusedRig(character), limits).obstacle, std::to_string(needed) + " storage buffers in one kernel exceed the device's " + std::to_string(needed - 1));
 
-    Result<Device> device = Device::create({.select = test_device().info().name});  // its own, to pretend that it is smaller
-    ASSERT_TRUE(device) << device.error().text();
-    device->gpu()->properties.limits.maxPerStageDescriptorStorageBuffers = needed - 1;
-    const Result<Crowd> crowd = Crowd::create(*device, {.groups = {{&character, 2}}});
+    const Device device = another_device();
+    device.gpu()->properties.limits.maxPerStageDescriptorStorageBuffers = needed - 1;
+    const Result<Crowd> crowd = Crowd::create(device, {.groups = {{&character, 2}}});
     ASSERT_TRUE(crowd) << crowd.error().text();
     EXPECT_FALSE(crowd->is_fused(0));
     EXPECT_NE(crowd->path_reason(0).find("storage buffers"), std::string::npos) << crowd->path_reason(0);
-    const Result<Crowd> refused = Crowd::create(*device, {.groups = {{&character, 2}}, .path = UpdatePath::kFused});
+    const Result<Crowd> refused = Crowd::create(device, {.groups = {{&character, 2}}, .path = UpdatePath::kFused});
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kUnsupported);
 
-    device->gpu()->properties.limits.maxPerStageDescriptorStorageBuffers = 1;
-    const Result<Crowd> none = Crowd::create(*device, {.groups = {{&character, 2}}});
+    device.gpu()->properties.limits.maxPerStageDescriptorStorageBuffers = 1;
+    const Result<Crowd> none = Crowd::create(device, {.groups = {{&character, 2}}});
     ASSERT_FALSE(none);
     EXPECT_EQ(none.error().code, ErrorCode::kLimit);
     EXPECT_NE(none.error().text().find("storage buffers exceed the device's 1 (maxPerStageDescriptorStorageBuffers)"), std::string::npos) << none.error().text();

@@ -218,7 +218,6 @@ std::map<std::string, Layout> layouts_in_cpp() {
         {"Voice", {sizeof(io::Voice), {MEMBER(Voice, first_track), MEMBER(Voice, earlier), MEMBER(Voice, later), MEMBER(Voice, fraction), MEMBER(Voice, weight), MEMBER(Voice, layer_weight), MEMBER(Voice, reference_row), MEMBER(Voice, flags)}}},
         {"InstanceInertia", {sizeof(io::InstanceInertia), {MEMBER(InstanceInertia, elapsed_s), MEMBER(InstanceInertia, duration_s), MEMBER(InstanceInertia, shown_step_s), MEMBER(InstanceInertia, shown_count), MEMBER(InstanceInertia, begins), MEMBER(InstanceInertia, time_step_s)}}},
         {"ActiveMorph", {sizeof(io::ActiveMorph), {MEMBER(ActiveMorph, morph), MEMBER(ActiveMorph, weight)}}},
-        {"MorphAxis", {sizeof(io::MorphAxis), {MEMBER(MorphAxis, first_time), MEMBER(MorphAxis, row_count), MEMBER(MorphAxis, row_stride)}}},
         {"MorphPush", {sizeof(io::MorphPush), {MEMBER(MorphPush, instance_count), MEMBER(MorphPush, morph_count), MEMBER(MorphPush, joint_count), MEMBER(MorphPush, voice_limit)}}},
         {"RootState", {sizeof(io::RootState), {MEMBER(RootState, move), MEMBER(RootState, place), MEMBER(RootState, base)}}},
         {"EventHead", {sizeof(io::EventHead), {MEMBER(EventHead, count), MEMBER(EventHead, unused0), MEMBER(EventHead, unused1), MEMBER(EventHead, unused2)}}},

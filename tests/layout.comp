@@ -72,8 +72,7 @@ layout(set = 0, binding = 50, std430) buffer Buffer50 { InstancePose instance_po
 layout(set = 0, binding = 51, std430) buffer Buffer51 { LayeredInOrderPush layered_in_order_pushs[]; };
 layout(set = 0, binding = 52, std430) buffer Buffer52 { ModelRotations model_rotations[]; };
 layout(set = 0, binding = 53, std430) buffer Buffer53 { ActiveMorph active_morphs[]; };
-layout(set = 0, binding = 54, std430) buffer Buffer54 { MorphAxis morph_axes[]; };
-layout(set = 0, binding = 55, std430) buffer Buffer55 { MorphPush morph_pushes[]; };
+layout(set = 0, binding = 54, std430) buffer Buffer54 { MorphPush morph_pushes[]; };
 
 layout(local_size_x = 1) in;
 void main() {}

@@ -1,7 +1,6 @@
 // Layers that blend rotations in model space: the reference against what it promises, crowds against the reference.
 #include "blend/voices_reference.h"
 #include "tests/crowd_cases.h"
-#include "tools/creature.h"
 
 #include <gtest/gtest.h>
 
@@ -11,12 +10,6 @@ namespace throng::test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-
-Character creature(uint32_t joints, uint32_t levels, double error = 1e-4) {
-    Result<Character> character = compile_character(*make_creature({.joint_count = joints, .level_count = levels}), {.error = error});
-    EXPECT_TRUE(character);
-    return std::move(*character);
-}
 
 // The rotation of model_from_joint of a character without scale, as columns.
 double direction_error(const Affine& got, const Quaternion<double>& wanted) {

@@ -387,6 +387,20 @@ TEST(Morph, CrowdsOfTwoClipsShowThem) {
     std::printf("  largest error of a position %.1e of the size; morphs move by %.2f\n", worst, moved);
 }
 
+TEST(Morph, BatchesChangeNothing) {
+    constexpr uint32_t kInstances = 10;
+    const Character character = compiled(make_asset({.joint_count = 9, .seed = 4, .morph_count = 6}));
+    const CrowdSettings settings{.groups = {{&character, kInstances}}, .path = UpdatePath::kStaged};
+    Crowd whole = create(settings);
+    Result<Crowd> parts = Crowd::create(device_of_workgroups(3), settings);
+    ASSERT_TRUE(parts) << parts.error().text();
+    EXPECT_EQ(parts->outputs().size(), 4u);
+    Random random(8);
+    const std::vector<Playback> playbacks = random_playbacks(random, character, kInstances);
+    for (Crowd* crowd : {&whole, &*parts}) ASSERT_TRUE(crowd->set_playback(0, playbacks) && crowd->update(0.1f));
+    for (uint32_t i = 0; i < kInstances; ++i) EXPECT_EQ(*whole.read_positions(i), *parts->read_positions(i)) << i;
+}
+
 TEST(Morph, CrowdsWithAControllerShowThem) {
     double worst = 0;
     for (const UpdatePath path : {UpdatePath::kStaged, UpdatePath::kFused}) {

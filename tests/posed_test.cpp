@@ -5,7 +5,6 @@
 #include "sample/sample_reference.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
-#include "tools/creature.h"
 
 #include <gtest/gtest.h>
 
@@ -13,18 +12,6 @@
 
 namespace throng::test {
 namespace {
-
-Character creature(uint32_t joints, double error) {
-    Result<Character> character = compile_character(*make_creature({.joint_count = joints, .level_count = 15}), {.error = error});
-    EXPECT_TRUE(character);
-    return std::move(*character);
-}
-
-Controller example(const char* name) {
-    Result<Controller> controller = load_controller(std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" + name + ".json");
-    EXPECT_TRUE(controller) << (controller ? "" : controller.error().text());
-    return std::move(*controller);
-}
 
 // The rest pose, bent at all joints; less than makes it unclear which way round is the shorter one.
 std::vector<Trs<float>> bent(Random& random, const Character& character) {
@@ -64,7 +51,7 @@ struct Twins {
 // Set, replaced and cleared at random, with and without fades, among others that are never posed.
 void follow(UpdatePath path, const char* name, double error) {
     constexpr uint32_t kInstances = 30, kPosed = 12, kUpdates = 60;
-    const Character character = creature(60, error);
+    const Character character = creature(60, 15, error);
     const Controller controller = example(name);
     Twins crowds({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}}, .path = path, .keep_model_matrices = true}, kPosed);
     std::vector<ReferenceCharacter> wanted;
@@ -116,16 +103,13 @@ constexpr uint32_t kAnyNumber = ~0u;
 // Characters of two clips, in several groups and batches; more poses than one piece of an upload holds. `scan` also where it takes similarities.
 void expect_blended(UpdatePath path, const std::string& scan, SkinFormat format, uint32_t most_workgroups) {
     constexpr uint32_t kInstances = 70;
-    const Character character = creature(100, 1e-4), other = creature(30, 0);
-    Result<Device> device = Device::create({.select = test_device().info().name});  // its own, to pretend that it is smaller
-    ASSERT_TRUE(device) << device.error().text();
-    uint32_t& limit = device->gpu()->properties.limits.maxComputeWorkGroupCount[0];
-    limit = std::min(limit, most_workgroups);
+    const Character character = creature(100), other = creature(30, 15, 0);
+    const Device device = device_of_workgroups(most_workgroups);
     CrowdSettings settings{.groups = {{.character = &other, .instance_count = 3, .pose_capacity = 1}, {.character = &character, .instance_count = kInstances}}, .path = path, .skin_format = format, .scan = scan, .keep_model_matrices = true};
-    Result<Crowd> plain = Crowd::create(*device, settings);
+    Result<Crowd> plain = Crowd::create(device, settings);
     ASSERT_TRUE(plain) << plain.error().text();
     settings.groups[1].pose_capacity = kInstances;
-    Result<Crowd> crowd = Crowd::create(*device, settings);
+    Result<Crowd> crowd = Crowd::create(device, settings);
     ASSERT_TRUE(crowd) << crowd.error().text();
     EXPECT_EQ(crowd->outputs().size() > 2, most_workgroups < kInstances) << "batches";
 
@@ -176,7 +160,7 @@ TEST(Posed, TwoClipsFollowTheReference) {
 
 // Whatever plays below, the same pose is the same to the bit.
 TEST(Posed, FullWeightIsThePoseAndNoneIsTheAnimation) {
-    const Character character = creature(60, 1e-4);
+    const Character character = creature(60);
     const Controller controller = example("walker");
     Random random(3);
     const std::vector<Trs<float>> pose = bent(random, character);
@@ -237,7 +221,7 @@ TEST(Posed, FadesAreEasedAndTurnBackWhereTheyAre) {
 }
 
 TEST(Posed, RoomForPosesIsFreeWhenTheyHaveFadedOut) {
-    const Character character = creature(20, 1e-4);
+    const Character character = creature(20);
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = 5}, {.character = &character, .instance_count = 5, .pose_capacity = 2}}});
     const std::vector<Trs<float>>& pose = character.rig.rest;
     const auto expect_full = [&](uint32_t instance, const char* capacity) {
@@ -265,7 +249,7 @@ TEST(Posed, RoomForPosesIsFreeWhenTheyHaveFadedOut) {
 }
 
 TEST(Posed, WrongPosesAreRefusedAndChangeNothing) {
-    const Character character = creature(20, 1e-4), stretched = make_character({.joint_count = 20});
+    const Character character = creature(20), stretched = make_character({.joint_count = 20});
     ASSERT_TRUE(character.rig.uniform_scale);
     ASSERT_FALSE(stretched.rig.uniform_scale);
     const Controller controller = direct_layers(1);

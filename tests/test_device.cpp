@@ -1,11 +1,22 @@
 #include "tests/test_device.h"
 
+#include "gpu/gpu.h"
+
 #include <cstdlib>
 #include <map>
 #include <optional>
 
 namespace throng {
 namespace {
+
+Device created_device(const DeviceSettings& settings) {
+    Result<Device> device = Device::create(settings);
+    if (!device) {
+        ADD_FAILURE() << device.error().text();
+        std::abort();
+    }
+    return *device;
+}
 
 std::string environment(const char* name, const char* otherwise) {
     const char* value = std::getenv(name);
@@ -39,15 +50,19 @@ Device& test_device() {
                                                         {"standard", Validation::kStandard},
                                                         {"synchronization", Validation::kSynchronization},
                                                         {"gpu-assisted", Validation::kGpuAssisted}};
-    Result<Device> created = Device::create({.select = environment("THRONG_DEVICE", ""), .validation = validations.at(environment("THRONG_VALIDATION", "synchronization"))});
-    if (!created) {
-        ADD_FAILURE() << created.error().text();
-        std::abort();
-    }
-    device = *created;
+    device = created_device({.select = environment("THRONG_DEVICE", ""), .validation = validations.at(environment("THRONG_VALIDATION", "synchronization"))});
     testing::UnitTest::GetInstance()->listeners().Append(new ValidationListener);
     std::printf("device: %s, driver %s, subgroups of %u\n", device->info().name.c_str(), device->info().driver.c_str(), device->info().subgroup_size);
     return *device;
+}
+
+Device another_device() { return created_device({.select = test_device().info().name}); }
+
+Device device_of_workgroups(uint32_t most_workgroups) {
+    Device device = another_device();
+    uint32_t& limit = device.gpu()->properties.limits.maxComputeWorkGroupCount[0];
+    limit = std::min(limit, most_workgroups);
+    return device;
 }
 
 std::filesystem::path shared_folder(const std::string& name) {

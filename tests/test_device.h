@@ -13,6 +13,11 @@ namespace throng {
 // A message of the validation layer fails the test during which it came.
 Device& test_device();
 
+// The same device once more, whose limits a test may lower to pretend that it is smaller; not validated.
+Device another_device();
+// One that dispatches no more workgroups than these (or its own): crowds fall into batches.
+Device device_of_workgroups(uint32_t most_workgroups);
+
 // A folder of the shared material (characters, goldens, invalid); a test skips where it is missing.
 std::filesystem::path shared_folder(const std::string& name);
 

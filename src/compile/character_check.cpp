@@ -97,6 +97,13 @@ private:
             fail("words", "are " + text(c_.words.size()) + ", fewer than the " + text(kPackedWordsBehind) + " behind the last row");
     }
 
+    void check_ascending(const char* array, const std::vector<float>& times_s, size_t begin, size_t end) const {
+        for (size_t row = begin; row < end; ++row) {
+            if (!(times_s[row] >= 0) || !std::isfinite(times_s[row])) fail(at(array, row), "is no time");
+            if (row > begin && !(times_s[row - 1] < times_s[row])) fail(at(array, row), "does not come after the one before");
+        }
+    }
+
     // Clip after clip, with no gap: so each time is looked at once.
     void check_times() const {
         uint64_t next = 0;
@@ -108,11 +115,7 @@ private:
             if (clip.first_time != next) fail(at("clips", i), "its times begin at " + text(clip.first_time) + ", not " + text(next));
             next += clip.row_count;
             if (next > c_.times_s.size()) fail(at("clips", i), "its times end at " + text(next) + " of " + text(c_.times_s.size()));
-            for (size_t row = clip.first_time; row < next; ++row) {
-                const float time_s = c_.times_s[row];
-                if (!(time_s >= 0) || !std::isfinite(time_s)) fail(at("times", row), "is no time");
-                if (row > clip.first_time && !(c_.times_s[row - 1] < time_s)) fail(at("times", row), "does not come after the one before");
-            }
+            check_ascending("times", c_.times_s, clip.first_time, next);
         }
         if (next != c_.times_s.size()) fail("times", "are " + text(c_.times_s.size()) + ", and the clips have " + text(next));
     }
@@ -270,11 +273,7 @@ private:
             if (clip.first_morph_time != next) fail(at("clips", i), "its times of morphs begin at " + text(clip.first_morph_time) + ", not " + text(next));
             next += clip.morph_row_count;
             if (next > c_.morph_times_s.size()) fail(at("clips", i), "its times of morphs end at " + text(next) + " of " + text(c_.morph_times_s.size()));
-            for (size_t row = clip.first_morph_time; row < next; ++row) {
-                const float time_s = c_.morph_times_s[row];
-                if (!(time_s >= 0) || !std::isfinite(time_s)) fail(at("morph times", row), "is no time");
-                if (row > clip.first_morph_time && !(c_.morph_times_s[row - 1] < time_s)) fail(at("morph times", row), "does not come after the one before");
-            }
+            check_ascending("morph times", c_.morph_times_s, clip.first_morph_time, next);
         }
         if (next != c_.morph_times_s.size()) fail("morph times", "are " + text(c_.morph_times_s.size()) + ", and the clips have " + text(next));
     }

@@ -8,8 +8,7 @@
 namespace throng {
 namespace {
 
-constexpr size_t kRound = 16384;                                                // commands of a batch that are applied by one dispatch
-constexpr size_t kUpdateLimit = 65536 / sizeof(io::ControlCommand);             // of vkCmdUpdateBuffer
+constexpr size_t kRound = 16384;  // commands of a batch that are applied by one dispatch
 
 }  // namespace
 
@@ -44,10 +43,7 @@ bool ControllerStage::record_round(VkCommandBuffer commands, size_t first) {
     bool any = false;
     for (Member& member : members_) {
         const size_t count = count_of(member);
-        for (size_t at = 0; at < count; at += kUpdateLimit) {
-            const size_t part = std::min(kUpdateLimit, count - at);
-            gpu_->vk.vkCmdUpdateBuffer(commands, member.uploaded.handle(), at * sizeof(io::ControlCommand), part * sizeof(io::ControlCommand), &member.pending[first + at]);
-        }
+        if (count > 0) record_update(*gpu_, commands, member.uploaded, 0, std::span<const io::ControlCommand>(member.pending).subspan(first, count));
         any = any || count > 0;
     }
     if (!any) return false;

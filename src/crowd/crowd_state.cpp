@@ -311,34 +311,27 @@ void CrowdState::clear_pose(uint32_t instance, float fade_s) {
     poses->clear(index_of(batch), instance - batch.first_instance, fade_s, "pose of instance " + std::to_string(instance));
 }
 
-// The changes travel inside the command buffer, so that no staging memory has to outlive the call.
 void CrowdState::upload_changes(VkCommandBuffer commands) {
-    constexpr uint64_t kUpdateLimit_bytes = 65536;  // of vkCmdUpdateBuffer
-    const auto upload_ranges = [&](DirtyRanges& dirty, uint64_t item_bytes, const auto& upload_part) {
-        const uint64_t items = kUpdateLimit_bytes / item_bytes;
+    const auto upload_ranges = [&](DirtyRanges& dirty, const auto& upload_part) {
         for (auto [first, count] : dirty.take()) {
             while (count > 0) {
                 const Batch& batch = batch_of(first);
-                const uint64_t end = std::min<uint64_t>({first + uint64_t{count}, batch.first_instance + uint64_t{batch.instance_count}, first + items});
-                const auto n = static_cast<uint32_t>(end - first);
+                const uint32_t n = std::min(count, batch.first_instance + batch.instance_count - first);
                 upload_part(batch, first, n);
                 first += n;
                 count -= n;
             }
         }
     };
-    const auto update = [&](const Buffer& buffer, const Batch& batch, uint32_t first, const auto* items, uint32_t count) {
-        gpu->vk.vkCmdUpdateBuffer(commands, buffer.handle(), (first - batch.first_instance) * sizeof *items, count * sizeof *items, items);
-    };
-    upload_ranges(dirty_playbacks_, sizeof(io::InstancePlayback), [&](const Batch& batch, uint32_t first, uint32_t count) {
-        if (batch.playbacks.handle()) update(batch.playbacks, batch, first, &playbacks_[first], count);
+    upload_ranges(dirty_playbacks_, [&](const Batch& batch, uint32_t first, uint32_t count) {
+        if (batch.playbacks.handle()) record_update(*gpu, commands, batch.playbacks, first - batch.first_instance, std::span<const io::InstancePlayback>(playbacks_).subspan(first, count));
     });
-    upload_ranges(dirty_placements_, sizeof(io::RootState), [&](const Batch& batch, uint32_t first, uint32_t count) {
-        update(batch.placements, batch, first, &placements[first], count);
+    upload_ranges(dirty_placements_, [&](const Batch& batch, uint32_t first, uint32_t count) {
+        record_update(*gpu, commands, batch.placements, first - batch.first_instance, std::span<const Affine>(placements).subspan(first, count));
         if (!batch.roots.handle()) return;
         std::vector<io::RootState> roots;
         for (uint32_t i = first; i < first + count; ++i) roots.push_back(standing_at(placements[i]));
-        update(batch.roots, batch, first, roots.data(), count);
+        record_update(*gpu, commands, batch.roots, first - batch.first_instance, std::span<const io::RootState>(roots));
     });
 }
 

@@ -7,8 +7,6 @@
 namespace throng {
 namespace {
 
-constexpr uint64_t kUpdateLimit_bytes = 65536;  // of vkCmdUpdateBuffer
-
 io::JointPose to_io(const Trs<double>& pose) {
     const auto& [q, t, s] = pose.as<float>();
     return {.rotation = {q.x, q.y, q.z, q.w}, .translation = {t.x, t.y, t.z, 0}, .scale = {s.x, s.y, s.z, 0}};
@@ -54,32 +52,32 @@ void PoseStage::set(uint32_t batch, uint32_t instance, std::span<const Trs<float
 
 void PoseStage::clear(uint32_t batch, uint32_t instance, float fade_s, const std::string& place) {
     check_fade(fade_s, place);
-    const Place found = of_batches_[batch].posed.find(instance);
+    const PosedAt found = of_batches_[batch].posed.find(instance);
     if (found == of_batches_[batch].posed.end()) return;
     found->second.fade.clear(fade_s);
     follow(batch, found);
 }
 
 // What the device is to know of an instance; its slot is free where the pose has gone. Returns the next one.
-PoseStage::Place PoseStage::follow(uint32_t batch, Place place) {
+PoseStage::PosedAt PoseStage::follow(uint32_t batch, PosedAt at) {
     BatchPoses& poses = of_batches_[batch];
-    const auto& [instance, posed] = *place;
+    const auto& [instance, posed] = *at;
     const bool has_gone = !posed.fade.is_set() && !posed.fade.is_moving();
     const io::InstancePose now{.slot = posed.slot, .weight = posed.fade.weight()};
     io::InstancePose& known = poses.instances[instance];
     if (known.slot != now.slot || known.weight != now.weight) poses.changed.add(instance, 1);
     known = now;
-    if (!has_gone) return std::next(place);
+    if (!has_gone) return std::next(at);
     of_groups_[batches_[batch].group].free_slots.push_back(posed.slot);
-    return poses.posed.erase(place);
+    return poses.posed.erase(at);
 }
 
 void PoseStage::record(VkCommandBuffer commands, float time_step_s) {
     for (uint32_t i = 0; i < of_batches_.size(); ++i) {
         BatchPoses& batch = of_batches_[i];
-        for (Place place = batch.posed.begin(); place != batch.posed.end();) {
-            place->second.fade.advance(time_step_s);
-            place = follow(i, place);
+        for (PosedAt at = batch.posed.begin(); at != batch.posed.end();) {
+            at->second.fade.advance(time_step_s);
+            at = follow(i, at);
         }
         upload_changes(commands, batches_[i].posed, batch.changed, batch.instances, 1);
     }
@@ -89,12 +87,7 @@ void PoseStage::record(VkCommandBuffer commands, float time_step_s) {
 // An item has `item_size` elements.
 template <class T>
 void PoseStage::upload_changes(VkCommandBuffer commands, const Buffer& buffer, DirtyRanges& changed, const std::vector<T>& items, uint64_t item_size) const {
-    constexpr uint64_t kPiece = kUpdateLimit_bytes / sizeof(T);
-    for (const auto& [first, count] : changed.take()) {
-        const uint64_t end = (first + uint64_t{count}) * item_size;
-        for (uint64_t at = first * item_size; at < end; at += kPiece)
-            gpu_->vk.vkCmdUpdateBuffer(commands, buffer.handle(), at * sizeof(T), std::min(kPiece, end - at) * sizeof(T), &items[at]);
-    }
+    for (const auto& [first, count] : changed.take()) record_update(*gpu_, commands, buffer, first * item_size, std::span(items).subspan(first * item_size, count * item_size));
 }
 
 }  // namespace throng

@@ -39,10 +39,10 @@ private:
         std::vector<io::JointPose> poses;  // [slots ever used][joint_count]
         DirtyRanges changed;               // of slots
     };
-    using Place = std::map<uint32_t, Posed>::iterator;
+    using PosedAt = std::map<uint32_t, Posed>::iterator;
 
     Posed& posed_at(uint32_t batch, uint32_t instance, const std::string& place);
-    Place follow(uint32_t batch, Place place);
+    PosedAt follow(uint32_t batch, PosedAt at);
     template <class T>
     void upload_changes(VkCommandBuffer commands, const Buffer& buffer, DirtyRanges& changed, const std::vector<T>& items, uint64_t item_size) const;
 

@@ -23,11 +23,9 @@ void ProceduralStage::set_target(uint32_t batch, uint32_t index, const io::vec4&
 }
 
 void ProceduralStage::begin_update(VkCommandBuffer commands, float time_step_s) {
-    constexpr uint32_t kUpdateLimit = 65536 / sizeof(io::vec4);  // of vkCmdUpdateBuffer
     for (size_t i = 0; i < batches_.size(); ++i)
-        for (auto [first, count] : targets_[i].dirty.take())
-            for (const uint32_t end = first + count; first < end; first += kUpdateLimit)
-                gpu_->vk.vkCmdUpdateBuffer(commands, batches_[i].targets.handle(), first * sizeof(io::vec4), std::min(kUpdateLimit, end - first) * sizeof(io::vec4), &targets_[i].last[first]);
+        for (const auto& [first, count] : targets_[i].dirty.take())
+            record_update(*gpu_, commands, batches_[i].targets, first, std::span<const io::vec4>(targets_[i].last).subspan(first, count));
     time_step_s_ = time_step_s;
     wind_.advance(time_step_s);
 }

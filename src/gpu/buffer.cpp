@@ -101,6 +101,14 @@ Buffer make_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, 
     return table;
 }
 
+void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, VkDeviceSize offset_bytes, std::span<const std::byte> data) {
+    constexpr size_t kLimit_bytes = 65536;  // of vkCmdUpdateBuffer
+    for (size_t at = 0; at < data.size(); at += kLimit_bytes) {
+        const auto part = data.subspan(at, std::min(kLimit_bytes, data.size() - at));
+        gpu.vk.vkCmdUpdateBuffer(commands, target.buffer, target.offset_bytes + offset_bytes + at, part.size(), part.data());
+    }
+}
+
 void download_bytes(const std::shared_ptr<Gpu>& gpu, const BufferRange& range, std::span<std::byte> out) {
     if (out.empty()) return;
     Buffer staging(gpu, "read-back", range.size_bytes, 0, MemoryKind::kReadback);

@@ -110,6 +110,15 @@ inline Buffer upload_writable_table(const std::shared_ptr<Gpu>& gpu, std::string
     return upload_table_bytes(gpu, what, std::as_bytes(std::span(words)), sizeof(uint32_t), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
 }
 
+// The data travels inside the command buffer, so that no staging memory has to outlive the call; offset and size are multiples of four bytes.
+void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, VkDeviceSize offset_bytes, std::span<const std::byte> data);
+
+// Of a buffer of Ts, those from `first` on.
+template <class T>
+void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, uint64_t first, std::span<const T> items) {
+    record_update(gpu, commands, target, first * sizeof(T), std::as_bytes(items));
+}
+
 // Copies a range back. Submits and waits; sees all work submitted to the queue before.
 void download_bytes(const std::shared_ptr<Gpu>& gpu, const BufferRange& range, std::span<std::byte> out);
 

@@ -1,6 +1,7 @@
 // Clips and their times -> weights of morphs -> the largest of them; defined by morph_reference.h. The includer declares the tables `axes`, `times`, `tracks`
 // (rows: four morphs each, [clip][quad]) and `values` (the default weights first), and for layers `voices` and `voice_times` ([instance][push.voice_limit]).
-// Morphs go by fours, a quad, so that a clip's rows are looked up once for four.
+// Morphs go by fours, a quad; layers look a clip's rows up once for each.
+#include "control/control.glsl"
 #include "control/controller_io.h"
 #include "morph/morph_io.h"
 
@@ -10,28 +11,11 @@ float value_at(uint index) { return uintBitsToFloat(WORD_AT(values, index)); }
 
 vec4 default_weights(uint quad) { return vec4(value_at(4 * quad), value_at(4 * quad + 1), value_at(4 * quad + 2), value_at(4 * quad + 3)); }
 
-struct MorphRows {
-    uint earlier, later;  // row * row_stride
-    float fraction;       // 0..1
-};
-const MorphRows kFirstRow = MorphRows(0, 0, 0);
+const SlotCursor kFirstRow = SlotCursor(0, 0, 0, 0);
 
-// As find_rows() of control.glsl.
-MorphRows find_morph_rows(uint clip, float time_s) {
-    const uint w = kMorphAxisWords * clip;
-    const MorphAxis axis = MorphAxis(WORD_AT(axes, w), WORD_AT(axes, w + 1), WORD_AT(axes, w + 2));
-    uint low = 0, high = axis.row_count;
-    while (high - low > 1) {
-        const uint middle = (low + high) / 2;
-        if (uintBitsToFloat(WORD_AT(times, axis.first_time + middle)) <= time_s) low = middle;
-        else high = middle;
-    }
-    if (low + 1 >= axis.row_count) return MorphRows(low * axis.row_stride, low * axis.row_stride, 0);
-    const float from_s = uintBitsToFloat(WORD_AT(times, axis.first_time + low)), to_s = uintBitsToFloat(WORD_AT(times, axis.first_time + low + 1));
-    return MorphRows(low * axis.row_stride, (low + 1) * axis.row_stride, clamp((time_s - from_s) / (to_s - from_s), 0, 1));
-}
+SlotCursor morph_rows(uint clip, float time_s) { return find_rows(load_axis(clip), time_s); }
 
-float sample_weight(uint track, MorphRows rows, float untouched) {
+float sample_weight(uint track, SlotCursor rows, float untouched) {
     if (track == kMorphUntouched) return untouched;
     const uint position = track & kMorphPositionMask;
     if ((track & kMorphAnimatedBit) == 0) return value_at(position);
@@ -39,7 +23,7 @@ float sample_weight(uint track, MorphRows rows, float untouched) {
     return (track & kMorphStepBit) != 0 ? earlier : mix(earlier, value_at(position + rows.later), rows.fraction);
 }
 
-vec4 sample_weights(uvec4 quad_tracks, MorphRows rows, vec4 untouched) {
+vec4 sample_weights(uvec4 quad_tracks, SlotCursor rows, vec4 untouched) {
     return vec4(sample_weight(quad_tracks.x, rows, untouched.x), sample_weight(quad_tracks.y, rows, untouched.y), sample_weight(quad_tracks.z, rows, untouched.z),
                 sample_weight(quad_tracks.w, rows, untouched.w));
 }
@@ -48,12 +32,17 @@ uvec4 quad_tracks_of(uint clip, uint quad) { return ROW_AT(tracks, clip * quad_c
 
 // ---- Two clips
 
-vec4 clip_weights(SlotPlayback slot, uint quad, vec4 defaults) { return sample_weights(quad_tracks_of(slot.clip, quad), find_morph_rows(slot.clip, slot.time_s), defaults); }
+// The rows of both; those of the second where it is not seen are of no meaning.
+struct RowsOfTwo {
+    SlotCursor first, second;
+};
 
-vec4 weights_of_two(InstancePlayback playback, uint quad) {
+RowsOfTwo rows_of_two(InstancePlayback playback) { return RowsOfTwo(morph_rows(playback.first.clip, playback.first.time_s), morph_rows(playback.second.clip, playback.second.time_s)); }
+
+vec4 weights_of_two(InstancePlayback playback, RowsOfTwo rows, uint quad) {
     const vec4 defaults = default_weights(quad);
-    vec4 weights = clip_weights(playback.first, quad, defaults);
-    if (playback.weight < 1) weights = mix(clip_weights(playback.second, quad, defaults), weights, playback.weight);
+    vec4 weights = sample_weights(quad_tracks_of(playback.first.clip, quad), rows.first, defaults);
+    if (playback.weight < 1) weights = mix(sample_weights(quad_tracks_of(playback.second.clip, quad), rows.second, defaults), weights, playback.weight);
     return weights;
 }
 
@@ -71,7 +60,7 @@ vec4 weights_of_voices(uint instance, uint quad) {
         const float weight = uintBitsToFloat(b.x), layer_weight = uintBitsToFloat(b.y);
         const bool is_additive = (flags & kVoiceAdditive) != 0;
         const uvec4 quad_tracks = quad_tracks_of(clip, quad);
-        const vec4 value = sample_weights(quad_tracks, find_morph_rows(clip, voice_times[index]), defaults);
+        const vec4 value = sample_weights(quad_tracks, morph_rows(clip, voice_times[index]), defaults);
         vec4 from = defaults;
         if (is_additive) from = sample_weights(quad_tracks, kFirstRow, defaults);
         sum += weight * (value - from);

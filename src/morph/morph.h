@@ -15,7 +15,7 @@ struct MorphTables {
     MorphTables(const std::shared_ptr<Gpu>& gpu, const Character& character);
 
     uint32_t morph_count = 0;
-    Buffer axes;    // io::MorphAxis[clip_count + 1], as words; this and the next three are tables (gpu/table.glsl)
+    Buffer axes;    // io::ClipAxis[clip_count + 1], as words; this and the next three are tables (gpu/table.glsl)
     Buffer times;   // float[], seconds
     Buffer tracks;  // uint[clip_count + 1][morph_count, rounded up to fours]
     Buffer values;  // float[]: default weights, rounded up to fours, then those of clips

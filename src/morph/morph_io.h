@@ -17,14 +17,6 @@ struct ActiveMorph {
     float weight;
 };
 
-// The rows of weights of a clip: as many words of a table as it has members.
-THRONG_IO_CONSTANT kMorphAxisWords = 3;
-struct MorphAxis {
-    uint first_time;  // index into times
-    uint row_count;   // 0: all weights that the clip animates are constant
-    uint row_stride;
-};
-
 // A clip's track of a morph: the position of its weight, or of that in the first row, and flags; as JointTracks.
 THRONG_IO_CONSTANT kMorphUntouched = 0xFFFFFFFFu;  // the clip does not animate it
 THRONG_IO_CONSTANT kMorphAnimatedBit = 0x80000000u;
