@@ -33,7 +33,7 @@ Locals rest_of(const Character& character) {
 }
 
 Vec3<double> place_of(const Character& character, const Locals& local, uint32_t joint) {
-    const AffineT<double>& m = pose_from_local(character, local).model_from_joint[joint];
+    const AffineT<double> m = pose_from_local(character, local).model_from_joint[joint];
     return {m.row[0][3], m.row[1][3], m.row[2][3]};
 }
 
