@@ -26,8 +26,8 @@ SlotCursor find_rows(ClipAxis axis, float time_s) {
         if (time_at(axis.first_time + middle) <= time_s) low = middle;
         else high = middle;
     } while (high - low > 1);
-    const uint later = min(low + 1, axis.row_count - 1);
-    const float from_s = time_at(axis.first_time + low), to_s = time_at(axis.first_time + later);
-    const float fraction = later > low ? clamp((time_s - from_s) / (to_s - from_s), 0, 1) : 0;
-    return SlotCursor(0, axis.first_row + low * axis.row_stride, axis.first_row + later * axis.row_stride, fraction);
+    const uint earlier = axis.first_row + low * axis.row_stride;
+    if (low + 1 >= axis.row_count) return SlotCursor(0, earlier, earlier, 0);
+    const float from_s = time_at(axis.first_time + low), to_s = time_at(axis.first_time + low + 1);
+    return SlotCursor(0, earlier, earlier + axis.row_stride, clamp((time_s - from_s) / (to_s - from_s), 0, 1));
 }
