@@ -60,8 +60,8 @@ Result<Character> load(const Bytes& bytes) { return load_compiled_character(byte
 // ---- Equality. A field that is added to one of these structures fails to compile here: write it to the file, and compare it.
 
 auto fields_of(const Clip& clip) {
-    const auto& [name, duration_s, first_time, row_count, row_stride, first_row, channels, source_keys, animated, refined, dropped, size_bytes, raw_size_bytes, first_root_row, root_row_count, error, first_morph_time, morph_row_count, morph_row_stride] = clip;
-    return std::tie(name, duration_s, first_time, row_count, row_stride, first_row, channels, source_keys, animated, refined, dropped, size_bytes, raw_size_bytes, first_root_row, root_row_count, error, first_morph_time, morph_row_count, morph_row_stride);
+    const auto& [name, duration_s, first_time, row_count, row_stride, first_row, channels, source_keys, animated, refined, dropped, size_bytes, raw_size_bytes, first_root_row, root_row_count, error, first_morph_time, morph_row_count, morph_row_stride, bounds_min, bounds_max] = clip;
+    return std::tie(name, duration_s, first_time, row_count, row_stride, first_row, channels, source_keys, animated, refined, dropped, size_bytes, raw_size_bytes, first_root_row, root_row_count, error, first_morph_time, morph_row_count, morph_row_stride, bounds_min, bounds_max);
 }
 auto fields_of(const Morph& morph) {
     const auto& [name, node, target, default_weight] = morph;
@@ -100,7 +100,7 @@ bool same(const Rig& a, const Rig& b) {
 }
 
 void expect_same(const Character& a, const Character& b) {
-    const auto& [name, rig, clips, times_s, packed, keys, words, root_rows, tracks, skins, palette, vertices, influences, indices, sections, materials, images, bounds_min, bounds_max,
+    const auto& [name, rig, clips, times_s, packed, keys, words, root_rows, tracks, skins, palette, vertices, influences, indices, sections, details, detail_ranges, detail_indices, materials, images, bounds_min, bounds_max,
                  size, morphs, morph_deltas, morph_tracks, morph_times_s, morph_values, warnings] = a;
     EXPECT_TRUE(same(name, b.name));
     EXPECT_TRUE(same(rig, b.rig));
@@ -117,6 +117,9 @@ void expect_same(const Character& a, const Character& b) {
     EXPECT_TRUE(same(influences, b.influences));
     EXPECT_TRUE(same(indices, b.indices));
     EXPECT_TRUE(same(sections, b.sections));
+    EXPECT_TRUE(same(details, b.details));
+    EXPECT_TRUE(same(detail_ranges, b.detail_ranges));
+    EXPECT_TRUE(same(detail_indices, b.detail_indices));
     EXPECT_TRUE(same(materials, b.materials));
     EXPECT_TRUE(same(images, b.images));
     EXPECT_TRUE(same(bounds_min, b.bounds_min));
@@ -403,7 +406,7 @@ TEST(CharacterFile, ACraftedTableIsRefused) {
             {"no sections", [](Forged& f) { f.header().section_count = 0; }, "sections"},
             {"too many sections", [](Forged& f) { f.header().section_count = kMost; }, "sections"},
             {"a section's id twice", [](Forged& f) { f.entry(S::kKeys).id = static_cast<uint32_t>(S::kTimes); }, "keys"},
-            {"an unknown id", [](Forged& f) { f.entry(S::kMeshSections).id = 26; }, "mesh sections"},
+            {"an unknown id", [](Forged& f) { f.entry(S::kMeshSections).id = 29; }, "mesh sections"},
             {"elements of 0 bytes", [](Forged& f) { f.entry(S::kKeys).element_bytes = 0; }, "keys"},
             {"elements of other bytes", [](Forged& f) { f.entry(S::kKeys).element_bytes = 4; }, "keys"},
             {"a section in the header", [](Forged& f) { f.entry(S::kScalars).offset_bytes = 0; }, "scalars"},
@@ -427,7 +430,7 @@ TEST(CharacterFile, ACraftedTableIsRefused) {
             {"the largest count", [](Forged& f) { f.entry(S::kVertices).element_count = kMost64; }, "vertices"},
             {"a count whose bytes wrap around", [](Forged& f) { f.entry(S::kVertices).element_count += uint64_t{1} << 59; }, "vertices"},
             {"one element fewer", [](Forged& f) { f.entry(S::kIndices).element_count -= 1; }, "indices"},
-            {"a size and a count of fewer elements", [](Forged& f) { f.entry(S::kMorphValues).element_count -= 1, f.entry(S::kMorphValues).size_bytes -= sizeof(float); }, "section table"},
+            {"a size and a count of fewer elements", [](Forged& f) { f.entry(S::kMorphValues).element_count -= 1, f.entry(S::kMorphValues).size_bytes -= sizeof(float); }, "details"},
             {"padding that is not zero", [](Forged& f) { f.bytes()[f.entry(S::kImages).offset_bytes + f.entry(S::kImages).size_bytes] = std::byte{1}; }, "parents"},
             {"text ends that go back", [](Forged& f) { f.at<uint64_t>(S::kTextEnds, 1) = 0; }, "text ends"},
             {"a text end beyond the text", [](Forged& f) { f.at<uint64_t>(S::kTextEnds, -1) = kMost64; }, "text ends"},

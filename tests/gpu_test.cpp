@@ -9,6 +9,7 @@
 #include "blend/posed_io.h"
 #include "control/controller_io.h"
 #include "control/control.h"
+#include "cull/cull_io.h"
 #include "draw/draw_io.h"
 #include "morph/morph_io.h"
 #include "procedural/procedural_io.h"
@@ -202,7 +203,11 @@ std::map<std::string, Layout> layouts_in_cpp() {
         {"VertexRows", {sizeof(io::VertexRows), {MEMBER(VertexRows, position_normal), MEMBER(VertexRows, texcoord_color_delta)}}},
         {"SkinPush", {sizeof(io::SkinPush), {MEMBER(SkinPush, first_vertex), MEMBER(SkinPush, vertex_count), MEMBER(SkinPush, first_influences), MEMBER(SkinPush, influence_sets), MEMBER(SkinPush, first_palette_entry), MEMBER(SkinPush, first_morph), MEMBER(SkinPush, morph_count), MEMBER(SkinPush, first_active)}}},
         {"DrawScene", {sizeof(io::DrawScene), {MEMBER(DrawScene, clip_from_world), MEMBER(DrawScene, eye), MEMBER(DrawScene, forward), MEMBER(DrawScene, right), MEMBER(DrawScene, down), MEMBER(DrawScene, to_light), MEMBER(DrawScene, ground), MEMBER(DrawScene, scale)}}},
-        {"DrawPush", {sizeof(io::DrawPush), {MEMBER(DrawPush, first_vertex), MEMBER(DrawPush, first_influences), MEMBER(DrawPush, influence_sets), MEMBER(DrawPush, palette_count), MEMBER(DrawPush, base_color), MEMBER(DrawPush, alpha_cutoff), MEMBER(DrawPush, double_sided), MEMBER(DrawPush, first_morph), MEMBER(DrawPush, morph_count)}}},
+        {"DrawPush", {sizeof(io::DrawPush), {MEMBER(DrawPush, first_vertex), MEMBER(DrawPush, first_influences), MEMBER(DrawPush, influence_sets), MEMBER(DrawPush, palette_count), MEMBER(DrawPush, base_color), MEMBER(DrawPush, alpha_cutoff), MEMBER(DrawPush, double_sided), MEMBER(DrawPush, first_morph), MEMBER(DrawPush, morph_count), MEMBER(DrawPush, detail)}}},
+        {"CullView", {sizeof(io::CullView), {MEMBER(CullView, planes), MEMBER(CullView, eye), MEMBER(CullView, shadow)}}},
+        {"CullPush", {sizeof(io::CullPush), {MEMBER(CullPush, centre), MEMBER(CullPush, half_extent), MEMBER(CullPush, detail_errors), MEMBER(CullPush, instance_count), MEMBER(CullPush, detail_count), MEMBER(CullPush, unused0), MEMBER(CullPush, unused1)}}},
+        {"OffsetsPush", {sizeof(io::OffsetsPush), {MEMBER(OffsetsPush, workgroup_count), MEMBER(OffsetsPush, section_count), MEMBER(OffsetsPush, instances_of_workgroup)}}},
+        {"DrawCommand", {sizeof(io::DrawCommand), {MEMBER(DrawCommand, index_count), MEMBER(DrawCommand, instance_count), MEMBER(DrawCommand, first_index), MEMBER(DrawCommand, vertex_offset), MEMBER(DrawCommand, first_instance)}}},
         {"ControlClip", {sizeof(io::ControlClip), {MEMBER(ControlClip, rate), MEMBER(ControlClip, first_event), MEMBER(ControlClip, event_count), MEMBER(ControlClip, first_root), MEMBER(ControlClip, root_count)}}},
         {"ControlLayer", {sizeof(io::ControlLayer), {MEMBER(ControlLayer, first_state), MEMBER(ControlLayer, state_count), MEMBER(ControlLayer, mode), MEMBER(ControlLayer, mask), MEMBER(ControlLayer, weight), MEMBER(ControlLayer, weight_parameter), MEMBER(ControlLayer, model_rotations)}}},
         {"ControlState", {sizeof(io::ControlState), {MEMBER(ControlState, first_point), MEMBER(ControlState, point_count), MEMBER(ControlState, first_triangle), MEMBER(ControlState, triangle_count), MEMBER(ControlState, first_edge), MEMBER(ControlState, edge_count), MEMBER(ControlState, x_parameter), MEMBER(ControlState, y_parameter), MEMBER(ControlState, speed_parameter), MEMBER(ControlState, speed), MEMBER(ControlState, loop), MEMBER(ControlState, sync), MEMBER(ControlState, first_transition), MEMBER(ControlState, transition_count)}}},

@@ -9,6 +9,7 @@
 #include "blend/posed_io.h"
 #include "control/control_io.h"
 #include "control/controller_io.h"
+#include "cull/cull_io.h"
 #include "draw/draw_io.h"
 #include "fused/fused_io.h"
 #include "gpu/affine.glsl"
@@ -73,6 +74,10 @@ layout(set = 0, binding = 51, std430) buffer Buffer51 { LayeredInOrderPush layer
 layout(set = 0, binding = 52, std430) buffer Buffer52 { ModelRotations model_rotations[]; };
 layout(set = 0, binding = 53, std430) buffer Buffer53 { ActiveMorph active_morphs[]; };
 layout(set = 0, binding = 54, std430) buffer Buffer54 { MorphPush morph_pushes[]; };
+layout(set = 0, binding = 55, std430) buffer Buffer55 { CullView cull_views[]; };
+layout(set = 0, binding = 56, std430) buffer Buffer56 { CullPush cull_pushs[]; };
+layout(set = 0, binding = 57, std430) buffer Buffer57 { OffsetsPush offsets_pushs[]; };
+layout(set = 0, binding = 58, std430) buffer Buffer58 { DrawCommand draw_commands[]; };
 
 layout(local_size_x = 1) in;
 void main() {}

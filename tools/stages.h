@@ -8,7 +8,8 @@
 
 namespace throng::tools {
 
-inline constexpr std::array<std::pair<const char*, double StageTimes::*>, 7> kStages{{{"control", &StageTimes::control},
+inline constexpr std::array<std::pair<const char*, double StageTimes::*>, 8> kStages{{{"control", &StageTimes::control},
+                                                                                      {"cull", &StageTimes::cull},
                                                                                       {"sample", &StageTimes::sample},
                                                                                       {"blend", &StageTimes::blend},
                                                                                       {"procedural", &StageTimes::procedural},

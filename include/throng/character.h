@@ -87,6 +87,7 @@ struct Clip {
     // Rows of morph weights, on a time axis of their own: its times in Character::morph_times_s; no rows where all weights that it animates are constant.
     uint32_t first_morph_time = 0, morph_row_count = 0;
     uint32_t morph_row_stride = 0;   // from one row to the next in Character::morph_values
+    Vec3<float> bounds_min, bounds_max;  // of the mesh at all times of the clip (morphs at weight 1 included), model space
 };
 
 // A morph target of a mesh that a node carries: what it adds to the mesh's vertices, by a weight of each instance.
@@ -152,6 +153,15 @@ struct MeshSection {
     uint32_t first_morph = 0, morph_count = 0;   // of Character::morphs
 };
 
+// A coarser mesh of the same vertices. Level 0 is the sections' own; these are 1 and on.
+struct DetailLevel {
+    float error = 0;  // how far a vertex of level 0 lies from the surface of this one at most, model space, in the rest pose; not less than that of the level before
+};
+struct IndexRange {
+    uint32_t first_index = 0, index_count = 0;
+};
+inline constexpr uint32_t kDetailLimit = 3;
+
 struct Character {
     std::string name;
     Rig rig;
@@ -168,6 +178,9 @@ struct Character {
     std::vector<Influences> influences;
     std::vector<uint32_t> indices;               // relative to the section's first vertex
     std::vector<MeshSection> sections;
+    std::vector<DetailLevel> details;            // at most kDetailLimit
+    std::vector<IndexRange> detail_ranges;       // [details][sections], of detail_indices
+    std::vector<uint32_t> detail_indices;        // relative to the section's first vertex
     std::vector<AssetMaterial> materials;
     std::vector<AssetImage> images;
     Vec3<float> bounds_min, bounds_max;          // of the mesh in the rest pose, model space

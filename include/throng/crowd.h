@@ -95,6 +95,20 @@ enum class SkinFormat {
 // Bytes of one matrix.
 uint32_t skin_format_bytes(SkinFormat format);
 
+// What a camera sees: where CrowdSettings::culls, an update for a view animates only what that shows, and lists it for the draw.
+struct CrowdView {
+    std::array<std::array<float, 4>, 4> clip_from_world{};  // rows; a world point is seen where -w <= x, y <= w and 0 <= z <= w
+    Vec3<float> eye;          // world space
+    float pixels = 1000;      // that a length of 1 takes at a distance of 1: the picture's height / (2 tan(half the vertical field of view))
+    float detail_pixels = 1;  // a coarser level of detail is drawn where its surfaces lie within so many pixels of the finest one's
+    Vec3<float> shadow;       // what is drawn throws its shadow as far as this, world space: so what is outside but throws one inside is drawn too
+};
+
+// An instance that is drawn, and its level of detail: 0 is the finest.
+struct DrawnInstance {
+    uint32_t instance = 0, detail = 0;
+};
+
 struct CrowdSettings {
     std::vector<CrowdGroup> groups;
     UpdatePath path = UpdatePath::kAuto;
@@ -102,6 +116,7 @@ struct CrowdSettings {
     std::string scan = "auto";         // "auto", a name of scan_methods(), or a name with its invocations a character: "subgroup:8"
     bool keep_model_matrices = false;  // else they live only within a frame, and read_model_matrices() is an error
     bool keep_previous_matrices = false;  // skin matrices of the update before the last, for motion vectors; doubles their memory
+    bool culls = false;                // updates may be for a view
     bool timestamps = true;            // measure the stages; costs one query a stage and one more
     uint32_t event_capacity = 16384;   // events of one update that feedback() can hold; the others are counted
     uint32_t watch_capacity = 64;      // instances that watch() takes
@@ -118,7 +133,9 @@ struct CrowdSettings {
 // float4[instance_count][target_count], a place of the world and in w the weight, and may be written likewise.
 // `morph_buffer`, where the character has morphs, holds what each instance shows of them,
 // {uint32_t morph; float weight;}[instance_count][kActiveMorphLimit], the largest weight by magnitude first, weight 0 where there are fewer: bind position += weight * MorphDelta,
-// before skinning. A block's buffers fit the device's storage-buffer range; offsets are 0.
+// before skinning. `list_buffer`, where CrowdSettings::culls, holds uint32_t[5 + instance_count]: how many instances are drawn, where those of each of four levels of detail begin
+// behind the fifth word, then their numbers in the block, level by level, ascending; and `draw_buffer` VkDrawIndexedIndirectCommand[section_count][4], whose n-th instance is the n-th of its
+// level in the list. Instances that are not in the list keep the matrices of the last update that drew them. A block's buffers fit the device's storage-buffer range; offsets are 0.
 // Valid once the recorded commands have run, until the next record() runs; written by compute shaders, and made visible by
 // record() to later compute, vertex and transfer reads on the same queue.
 struct OutputBlock {
@@ -139,13 +156,15 @@ struct OutputBlock {
     uint32_t target_count = 0;
     VkBuffer target_buffer = VK_NULL_HANDLE;
     VkBuffer morph_buffer = VK_NULL_HANDLE;
+    VkBuffer list_buffer = VK_NULL_HANDLE;
+    VkBuffer draw_buffer = VK_NULL_HANDLE;
 };
 
 // GPU time of each stage in the last finished update, summed over its dispatches, milliseconds. `fused` is sample, blend, scan and
 // bind of the groups that are updated in one pass. `blend` has the weights of morphs too.
 struct StageTimes {
-    double control = 0, sample = 0, blend = 0, procedural = 0, scan = 0, bind = 0, fused = 0;
-    double total() const { return control + sample + blend + procedural + scan + bind + fused; }
+    double control = 0, cull = 0, sample = 0, blend = 0, procedural = 0, scan = 0, bind = 0, fused = 0;
+    double total() const { return control + cull + sample + blend + procedural + scan + bind + fused; }
 };
 
 // An event of a controller's clip that an instance passed.
@@ -230,9 +249,13 @@ public:
     // advances every instance by `time_step_s` times its speed, then control, and sample, blend, scan, bind or all four in one. A playback set since
     // the last record() starts at its time plus this step. The recorded commands must have finished before the crowd
     // is destroyed, and may be submitted once.
-    Result<void> record(VkCommandBuffer commands, float time_step_s);
+    //
+    // With a view, where CrowdSettings::culls: all instances go on in time, and of groups that are fused, without sockets or inertial transitions, only those that it sees are animated (others'
+    // groups entirely; so is a crowd that keeps previous matrices). Without one, all are, and all are listed. A box around all clips' poses decides, a tenth of the character's size wider than
+    // these, or half of it where a controller, rules or poses from outside go beyond them. Errors: kInvalidArgument (the time step or the view is not finite; a view and no culls).
+    Result<void> record(VkCommandBuffer commands, float time_step_s, const CrowdView* view = nullptr);
     // record(), submit to the device's queue, and wait.
-    Result<void> update(float time_step_s);
+    Result<void> update(float time_step_s, const CrowdView* view = nullptr);
 
     std::span<const OutputBlock> outputs() const;
     // Of the last update that has finished. Errors: kInvalidArgument where timestamps are off or nothing has run yet.
@@ -243,6 +266,9 @@ public:
     Result<std::vector<Affine>> read_model_matrices(uint32_t instance);
     // Morphed and skinned on the GPU, model space, in the order of Character::vertices.
     Result<std::vector<Vec3<float>>> read_positions(uint32_t instance);
+
+    // What the last update has listed, in the order of the lists. Errors: kInvalidArgument where not CrowdSettings::culls.
+    Result<std::vector<DrawnInstance>> read_drawn();
 
     // Device memory that the crowd holds.
     uint64_t size_bytes() const;

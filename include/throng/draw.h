@@ -36,6 +36,9 @@ Bounds world_bounds(const Crowd& crowd);
 // picture at its corners, so that the nearest can be made out.
 Camera fit_camera(const Bounds& bounds, float aspect_ratio);
 
+// What the camera sees of a picture of this size, shadows of the crowd included, for an update of it that is drawn by the same camera.
+CrowdView view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds);
+
 struct RendererSettings {
     uint32_t width = 1920, height = 1080;  // at most the device's limit
     uint32_t samples = 4;                  // lowered to what the device has
@@ -57,7 +60,7 @@ public:
     Renderer& operator=(Renderer&&) noexcept;
     ~Renderer();
 
-    // Draws the crowd as its last update left it; submits and waits. The crowd's device is the renderer's. Alpha-blended materials
+    // Draws the crowd as its last update left it, of one that culls what that has listed; submits and waits. The crowd's device is the renderer's. Alpha-blended materials
     // are drawn as masks with a cutoff of 0.5, since a crowd is not sorted.
     Result<RenderResult> render(const Crowd& crowd, const Camera& camera);
 

@@ -41,6 +41,7 @@ public:
         if (c_.rig.uniform_scale && !has_uniform_scale(c_)) fail("rig", "its scales are not uniform, which it claims");
         check_palette();
         check_mesh();
+        check_details();
         check_morphs();
         check_morph_times();
         check_morph_tracks();
@@ -111,6 +112,7 @@ private:
             const Clip& clip = c_.clips[i];
             if (!(clip.duration_s >= 0) || !std::isfinite(clip.duration_s)) fail(at("clips", i), "its duration is no time");
             if (!std::isfinite(clip.error)) fail(at("clips", i), "its error is not finite");
+            if (!all_finite(clip.bounds_min) || !all_finite(clip.bounds_max)) fail(at("clips", i), "its bounds are not finite");
             if (clip.row_count == 0) fail(at("clips", i), "has no rows");
             if (clip.first_time != next) fail(at("clips", i), "its times begin at " + text(clip.first_time) + ", not " + text(next));
             next += clip.row_count;
@@ -243,6 +245,26 @@ private:
                 if (entry >= c_.palette.size()) fail(at("influences", i), "palette entry " + text(entry) + " of " + text(c_.palette.size()));
             if (!all_finite(c_.influences[i].weights)) fail(at("influences", i), "is not finite");
         }
+    }
+
+    void check_details() const {
+        if (c_.details.size() > kDetailLimit) exceeds("details", c_.details.size(), " of them", kDetailLimit);
+        const uint64_t range_count = c_.details.size() * uint64_t{c_.sections.size()};
+        if (c_.detail_ranges.size() != range_count) fail("detail ranges", "are " + text(c_.detail_ranges.size()) + ", not " + text(range_count));
+        for (size_t level = 0; level < c_.details.size(); ++level)
+            if (!(c_.details[level].error >= (level > 0 ? c_.details[level - 1].error : 0)) || !std::isfinite(c_.details[level].error)) fail(at("details", level), "its error is less than that of the level before, or not finite");
+        uint64_t next = 0;
+        for (size_t i = 0; i < c_.detail_ranges.size(); ++i) {
+            const IndexRange& range = c_.detail_ranges[i];
+            const uint32_t vertex_count = c_.sections[i % c_.sections.size()].vertex_count;
+            if (range.first_index != next) fail(at("detail ranges", i), "begins at index " + text(range.first_index) + ", not " + text(next));
+            next += range.index_count;
+            if (next > c_.detail_indices.size()) fail(at("detail ranges", i), "ends at index " + text(next) + " of " + text(c_.detail_indices.size()));
+            if (range.index_count % 3 != 0) fail(at("detail ranges", i), text(range.index_count) + " indices make no triangles");
+            for (size_t k = range.first_index; k < next; ++k)
+                if (c_.detail_indices[k] >= vertex_count) fail(at("detail indices", k), text(c_.detail_indices[k]) + " of " + text(vertex_count) + " vertices");
+        }
+        if (next != c_.detail_indices.size()) fail("detail indices", "are " + text(c_.detail_indices.size()) + ", and the ranges have " + text(next));
     }
 
     void check_morphs() const {

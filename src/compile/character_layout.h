@@ -41,6 +41,7 @@ enum class SectionId : uint32_t {
     kParents, kNodes, kRest, kTimes, kKeys, kWords, kRootRows, kTracks, kPalette, kVertices, kInfluences, kIndices, kMeshSections,  // as the Character has them
     kMorphs,                                                   // records of their own
     kMorphDeltas, kMorphTracks, kMorphTimes, kMorphValues,     // as the Character has them
+    kDetails, kDetailRanges, kDetailIndices,
 };
 
 struct ScalarsRecord {
@@ -63,8 +64,9 @@ struct ClipRecord {
     uint32_t first_morph_time = 0, morph_row_count = 0, morph_row_stride = 0;
     uint64_t source_key_count = 0, size_bytes = 0, raw_size_bytes = 0;
     double error = 0;
+    Vec3<float> bounds_min, bounds_max;
 };
-static_assert(sizeof(ClipRecord) == 88);
+static_assert(sizeof(ClipRecord) == 112);
 
 struct SkinRecord {
     uint32_t first_entry = 0, joint_count = 0;
@@ -87,13 +89,13 @@ struct MorphRecord {
 static_assert(sizeof(MorphRecord) == 12);
 
 // Of what is stored as the Character has it.
-static_assert(sizeof(Trs<float>) == 40 && sizeof(JointTracks) == 16 && sizeof(PaletteEntry) == 52 && sizeof(MeshSection) == 52);
+static_assert(sizeof(Trs<float>) == 40 && sizeof(JointTracks) == 16 && sizeof(PaletteEntry) == 52 && sizeof(MeshSection) == 52 && sizeof(DetailLevel) == 4 && sizeof(IndexRange) == 8);
 
 struct SectionKind {
     std::string_view name;
     uint32_t element_bytes;
 };
-inline constexpr std::array<SectionKind, 26> kSections{{{"scalars", sizeof(ScalarsRecord)},
+inline constexpr std::array<SectionKind, 29> kSections{{{"scalars", sizeof(ScalarsRecord)},
                                                         {"clips", sizeof(ClipRecord)},
                                                         {"skins", sizeof(SkinRecord)},
                                                         {"materials", sizeof(MaterialRecord)},
@@ -118,8 +120,11 @@ inline constexpr std::array<SectionKind, 26> kSections{{{"scalars", sizeof(Scala
                                                         {"morph deltas", sizeof(MorphDelta)},
                                                         {"morph tracks", 4},
                                                         {"morph times", 4},
-                                                        {"morph values", 4}}};
-static_assert(kSections.size() == static_cast<size_t>(SectionId::kMorphValues) + 1);
+                                                        {"morph values", 4},
+                                                        {"details", sizeof(DetailLevel)},
+                                                        {"detail ranges", sizeof(IndexRange)},
+                                                        {"detail indices", 4}}};
+static_assert(kSections.size() == static_cast<size_t>(SectionId::kDetailIndices) + 1);
 
 constexpr uint64_t aligned(uint64_t offset_bytes) { return (offset_bytes + kAlignment_bytes - 1) / kAlignment_bytes * kAlignment_bytes; }
 
@@ -141,11 +146,14 @@ void visit_arrays(C& character, const Visit& visit) {
     visit(SectionId::kMeshSections, character.sections);
 }
 template <class C, class Visit>
-void visit_morph_arrays(C& character, const Visit& visit) {
+void visit_later_arrays(C& character, const Visit& visit) {
     visit(SectionId::kMorphDeltas, character.morph_deltas);
     visit(SectionId::kMorphTracks, character.morph_tracks);
     visit(SectionId::kMorphTimes, character.morph_times_s);
     visit(SectionId::kMorphValues, character.morph_values);
+    visit(SectionId::kDetails, character.details);
+    visit(SectionId::kDetailRanges, character.detail_ranges);
+    visit(SectionId::kDetailIndices, character.detail_indices);
 }
 
 // Calls visit(string) for each string, in the order in which they follow one another in the section of text.

@@ -30,7 +30,7 @@ public:
         const auto read_array = [&]<class T>(SectionId id, std::vector<T>& out) { out = array<T>(id); };
         visit_arrays(character, read_array);
         read_records<MorphRecord>(SectionId::kMorphs, character.morphs, [](const MorphRecord& record) { return Morph{{}, record.node, record.target, record.default_weight}; });
-        visit_morph_arrays(character, read_array);
+        visit_later_arrays(character, read_array);
         read_images(character);
         read_text(character, warning_count);
         return character;
@@ -150,7 +150,9 @@ private:
                 .error = record.error,
                 .first_morph_time = record.first_morph_time,
                 .morph_row_count = record.morph_row_count,
-                .morph_row_stride = record.morph_row_stride};
+                .morph_row_stride = record.morph_row_stride,
+                .bounds_min = record.bounds_min,
+                .bounds_max = record.bounds_max};
     }
 
     AssetMaterial material_of(const MaterialRecord& record) const {

@@ -32,7 +32,9 @@ ClipRecord record_of(const Clip& clip) {
             .source_key_count = clip.source_key_count,
             .size_bytes = clip.size_bytes,
             .raw_size_bytes = clip.raw_size_bytes,
-            .error = clip.error};
+            .error = clip.error,
+            .bounds_min = clip.bounds_min,
+            .bounds_max = clip.bounds_max};
 }
 
 SkinRecord record_of(const Skin& skin) { return {.first_entry = skin.first_entry, .joint_count = skin.joint_count}; }
@@ -74,7 +76,7 @@ public:
         const auto add_array = [&](SectionId id, const auto& array) { add(id, array); };
         visit_arrays(character, add_array);
         add_records(SectionId::kMorphs, character.morphs);
-        visit_morph_arrays(character, add_array);
+        visit_later_arrays(character, add_array);
 
         std::memcpy(bytes_.data() + sizeof(Header), entries_.data(), entries_.size() * sizeof(SectionEntry));
         Header header{.section_count = static_cast<uint32_t>(entries_.size()), .size_bytes = bytes_.size()};

@@ -5,6 +5,8 @@
 #include "compile/character_file.h"
 #include "compile/character_layout.h"
 #include "compile/clip.h"
+#include "compile/clip_bounds.h"
+#include "compile/detail.h"
 #include "compile/mesh.h"
 #include "compile/morph.h"
 #include "compile/pack.h"
@@ -69,6 +71,8 @@ Result<Character> compile_character(const Asset& asset, const CompileSettings& s
         if (settings.error > 0) pack_clips(character, settings.error);
         character.rig.uniform_scale = has_uniform_scale(character);
         compile_morph_tracks(asset, character);
+        make_details(character);
+        measure_clips(character);
         file::visit_strings(character, [](std::string& text) { text = gltf::printable(text, std::string::npos); });
         return character;
     }, asset.name);

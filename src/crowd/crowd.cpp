@@ -92,12 +92,16 @@ Result<std::vector<Feedback>> Crowd::feedback() {
     return as_result([&] { return state_->take_feedback(); });
 }
 
-Result<void> Crowd::record(VkCommandBuffer commands, float time_step_s) {
-    return as_result([&] { state_->record(commands, time_step_s); }, "crowd");
+Result<void> Crowd::record(VkCommandBuffer commands, float time_step_s, const CrowdView* view) {
+    return as_result([&] { state_->record(commands, time_step_s, view); }, "crowd");
 }
 
-Result<void> Crowd::update(float time_step_s) {
-    return as_result([&] { state_->gpu->submit_and_wait([&](VkCommandBuffer commands) { state_->record(commands, time_step_s); }); }, "crowd");
+Result<void> Crowd::update(float time_step_s, const CrowdView* view) {
+    return as_result([&] { state_->gpu->submit_and_wait([&](VkCommandBuffer commands) { state_->record(commands, time_step_s, view); }); }, "crowd");
+}
+
+Result<std::vector<DrawnInstance>> Crowd::read_drawn() {
+    return as_result([&] { return state_->read_drawn(); });
 }
 
 std::span<const OutputBlock> Crowd::outputs() const { return state_->outputs; }

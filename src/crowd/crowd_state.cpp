@@ -59,6 +59,7 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
         const Group& group = groups[batch.group];
         if (!group.controller) batch.control = control_.bind(ControlBuffers{batch.playbacks, group.axes, group.times, batch.cursors});
     }
+    if (settings.culls) cull.emplace(gpu, groups, batches);
     procedural.emplace(gpu, groups, batches);
     fused.emplace(gpu, groups, batches, settings);
     staged.emplace(gpu, groups, batches, skin_format, *procedural);
@@ -69,7 +70,7 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     placements.resize(instance_count);
     dirty_playbacks_.add(0, instance_count);
     dirty_placements_.add(0, instance_count);
-    if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, 3 + 5 * staged->wave_count());  // control, morph, fused, and five stages a wave
+    if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, 4 + 5 * staged->wave_count());  // control, cull, morph, fused, and five stages a wave
 }
 
 // Refuses at once what cannot fit, before gigabytes are allocated on the way to failing.
@@ -115,6 +116,7 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
             batch.cursors = storage("cursors", n * sizeof(io::InstanceCursor));
         }
         if (group.procedural) make_procedural_state(batch);
+        if (settings.culls) make_list(batch);
         batch.placements = storage("placements", n * kMatrix_bytes);
         for (size_t k = 0; k < (settings.keep_previous_matrices ? 2 : 1); ++k)
             batch.skins[k] = storage("skin matrices", n * std::max(group.palette_count, 1u) * skin_format_bytes(skin_format));
@@ -139,7 +141,9 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
                            .root_buffer = batch.roots.handle(),
                            .target_count = group.procedural ? group.procedural->target_count : 0,
                            .target_buffer = batch.targets.handle(),
-                           .morph_buffer = batch.morphs.handle()});
+                           .morph_buffer = batch.morphs.handle(),
+                           .list_buffer = batch.list.handle(),
+                           .draw_buffer = batch.draws.handle()});
         batches.push_back(std::move(batch));
     }
     instance_count += count;
@@ -177,6 +181,21 @@ void CrowdState::watch(std::span<const uint32_t> instances) {
 }
 
 std::vector<Feedback> CrowdState::take_feedback() { return feedback ? feedback->take() : std::vector<Feedback>(); }
+
+// Nothing is drawn yet.
+void CrowdState::make_list(Batch& batch) const {
+    const Group& group = groups[batch.group];
+    batch.list = upload_writable_table(gpu, group.name + ": what is drawn", std::vector<uint32_t>(io::kFirstListed + size_t{batch.instance_count}));
+    std::vector<io::DrawCommand> draws;
+    for (size_t section = 0; section < group.sections.size(); ++section)
+        for (size_t detail = 0; detail < io::kDetailLevels; ++detail) {
+            const IndexRange range = detail <= group.details.size() ? group.detail_ranges[detail * group.sections.size() + section] : IndexRange();
+            draws.push_back({.index_count = range.index_count, .instance_count = 0, .first_index = range.first_index, .vertex_offset = 0, .first_instance = 0});
+        }
+    constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
+    batch.draws = upload(gpu, group.name + ": draw commands", draws, kUsage);
+    batch.dispatch = upload(gpu, group.name + ": dispatch commands", std::vector<uint32_t>{0, 1, 1}, kUsage);
+}
 
 // As its instances begin.
 void CrowdState::make_layers(Batch& batch) const {
@@ -335,12 +354,14 @@ void CrowdState::upload_changes(VkCommandBuffer commands) {
     });
 }
 
-void CrowdState::record(VkCommandBuffer commands, float time_step_s) {
+void CrowdState::record(VkCommandBuffer commands, float time_step_s, const CrowdView* view) {
+    if (view && !cull) throw Failure(ErrorCode::kInvalidArgument, "view", "CrowdSettings::culls is not set");
     if (!std::isfinite(time_step_s)) throw Failure(ErrorCode::kInvalidArgument, "time step", "must be finite");
-    constexpr Access kConsumers = kShaderRead | kVertexRead | kTransferRead;
+    constexpr Access kConsumers = kShaderRead | kVertexRead | kTransferRead | kIndirectRead;
     // Whoever reads the last update's results must be done.
     memory_barrier(*gpu, commands, kConsumers | kShaderWrite | kTransferWrite, kShaderRead | kShaderWrite | kTransferWrite);
     upload_changes(commands);
+    if (cull) cull->record_view(commands, view);
     procedural->begin_update(commands, time_step_s);
     if (feedback) feedback->begin(commands);
     controllers->record_commands(commands);
@@ -349,6 +370,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s) {
     memory_barrier(*gpu, commands, kTransferWrite, kShaderRead | kShaderWrite | kVertexRead);
     if (timer) timer->begin(commands);
     record_control(commands, time_step_s);
+    if (cull) cull->record(commands, timer.get());
     morphs->record(commands, timer.get());
     fused->record(commands, timer.get());
     staged->record(commands, timer.get());
@@ -424,11 +446,21 @@ std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
     return out;
 }
 
+std::vector<DrawnInstance> CrowdState::read_drawn() const {
+    if (!cull) throw Failure(ErrorCode::kInvalidArgument, "read-back", "CrowdSettings::culls is not set");
+    std::vector<DrawnInstance> drawn;
+    for (uint32_t batch = 0; batch < batches.size(); ++batch) {
+        const std::vector<DrawnInstance> of_batch = cull->read(batch);
+        drawn.insert(drawn.end(), of_batch.begin(), of_batch.end());
+    }
+    return drawn;
+}
+
 uint64_t CrowdState::size_bytes() const {
-    uint64_t sum = staged->size_bytes() + controllers->size_bytes() + (feedback ? feedback->size_bytes() : 0);
+    uint64_t sum = staged->size_bytes() + controllers->size_bytes() + (feedback ? feedback->size_bytes() : 0) + (cull ? cull->size_bytes() : 0);
     for (const Group& group : groups) sum += group.size_bytes();
     for (const Batch& batch : batches)
-        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.voice_times, &batch.morphs, &batch.inertias, &batch.inertia_states, &batch.rotations, &batch.targets, &batch.springs, &batch.sockets, &batch.posed, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
+        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.voice_times, &batch.morphs, &batch.inertias, &batch.inertia_states, &batch.rotations, &batch.targets, &batch.springs, &batch.sockets, &batch.posed, &batch.list, &batch.dispatch, &batch.draws, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
     return sum;
 }
 

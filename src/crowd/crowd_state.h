@@ -5,6 +5,7 @@
 #pragma once
 
 #include "crowd/controller_stage.h"
+#include "crowd/cull_stage.h"
 #include "crowd/dirty_ranges.h"
 #include "crowd/fused_update.h"
 #include "crowd/procedural_stage.h"
@@ -33,7 +34,8 @@ struct CrowdState {
     void clear_pose(uint32_t instance, float fade_s);
     void watch(std::span<const uint32_t> instances);
     std::vector<Feedback> take_feedback();
-    void record(VkCommandBuffer commands, float time_step_s);
+    void record(VkCommandBuffer commands, float time_step_s, const CrowdView* view);
+    std::vector<DrawnInstance> read_drawn() const;
     std::vector<Affine> read_matrices(uint32_t instance, bool model) const;
     std::vector<Vec3<float>> read_positions(uint32_t instance);
     uint64_t size_bytes() const;
@@ -46,6 +48,7 @@ struct CrowdState {
     std::vector<OutputBlock> outputs;
     std::vector<Affine> placements;  // [instance_count], as last set
     std::unique_ptr<StageTimer> timer;
+    std::optional<CullStage> cull;  // where CrowdSettings::culls
     std::optional<ProceduralStage> procedural;
     std::optional<FusedUpdate> fused;
     std::optional<StagedUpdate> staged;
@@ -58,6 +61,7 @@ private:
     void make_batches(uint32_t group, const CrowdSettings& settings);
     void take_turns();
     void make_feedback(const CrowdSettings& settings);
+    void make_list(Batch& batch) const;
     void make_layers(Batch& batch) const;
     void make_procedural_state(Batch& batch) const;
     void send(uint32_t instance, io::ControlCommand command);

@@ -21,6 +21,7 @@ private:
     };
     struct Member {
         uint32_t batch = 0;
+        bool is_listed = false;            // only what is drawn is animated
         std::array<Bindings, 2> bindings;  // one for each of the batch's skin buffers
         Bindings sockets;                  // where they go to world space
     };

@@ -69,6 +69,7 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const Pat
     if (group.procedural) make_procedural(gpu, *group.procedural, *group.character);
     uniform_scale = group.character->rig.uniform_scale;
     pose_capacity = std::min(group.pose_capacity, group.instance_count);
+    bound_poses(*group.character);
     if (pose_capacity > 0) poses = make_table<io::JointPose>(gpu, name + ": poses of CrowdGroup::pose_capacity", uint64_t{pose_capacity} * joint_count);
 }
 
@@ -106,7 +107,32 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
     vertices = upload(gpu, name + ": vertices", character.vertices);
     influences = upload(gpu, name + ": influences", character.influences);
     if (!character.morphs.empty()) morphs.emplace(gpu, character);
-    indices = upload(gpu, name + ": indices", character.indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
+    make_details(gpu, character);
+}
+
+// Indices of all levels of detail, one after the other.
+void Group::make_details(const std::shared_ptr<Gpu>& gpu, const Character& character) {
+    for (const MeshSection& section : sections) detail_ranges.push_back({section.first_index, section.index_count});
+    const auto first = static_cast<uint32_t>(character.indices.size());
+    for (const IndexRange& range : character.detail_ranges) detail_ranges.push_back({first + range.first_index, range.index_count});
+    details = character.details;
+    std::vector<uint32_t> all = character.indices;
+    all.insert(all.end(), character.detail_indices.begin(), character.detail_indices.end());
+    indices = upload(gpu, name + ": indices", all, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
+}
+
+// What blends of clips, and what is put on top of them, may add to the boxes of clips.
+void Group::bound_poses(const Character& character) {
+    constexpr float kBlends = 0.1f, kAnything = 0.5f;  // of the character's size
+    posed_min = bounds_min;
+    posed_max = bounds_max;
+    for (const Clip& clip : character.clips) {
+        posed_min = {std::min(posed_min.x, clip.bounds_min.x), std::min(posed_min.y, clip.bounds_min.y), std::min(posed_min.z, clip.bounds_min.z)};
+        posed_max = {std::max(posed_max.x, clip.bounds_max.x), std::max(posed_max.y, clip.bounds_max.y), std::max(posed_max.z, clip.bounds_max.z)};
+    }
+    const float margin = character.size * (controller || procedural || pose_capacity > 0 ? kAnything : kBlends);
+    posed_min = posed_min - Vec3<float>{margin, margin, margin};
+    posed_max = posed_max + Vec3<float>{margin, margin, margin};
 }
 
 void Group::make_procedural(const std::shared_ptr<Gpu>& gpu, const ProceduralRules& rules, const Character& character) {

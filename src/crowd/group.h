@@ -60,6 +60,9 @@ struct Group {
     std::vector<AssetMaterial> materials;
     std::vector<AssetImage> images;
     Vec3<float> bounds_min, bounds_max;
+    Vec3<float> posed_min, posed_max;      // cull: of all poses
+    std::vector<DetailLevel> details;
+    std::vector<IndexRange> detail_ranges;  // [1 + details][sections], of indices
 
     Buffer axes, times;                    // control
     std::optional<GroupController> controller;
@@ -80,6 +83,8 @@ struct Group {
     Buffer vertices, influences, indices;  // skin, draw
     std::optional<MorphTables> morphs;     // morph, skin, draw; where the character has any
 
+    // Instances that are not drawn may be left as they are: nothing but a picture shows their pose, and none builds upon the one before.
+    bool animates_drawn_only() const { return fused && !sockets && !(controller && controller->is_inertial); }
     bool has_root_motion() const { return controller && root_rows.size_bytes() > sizeof(io::vec4); }
     uint32_t socket_flags() const { return socket_space == SocketSpace::kWorld ? io::kSocketsToWorld : 0; }
     uint32_t socket_count() const { return sockets ? static_cast<uint32_t>(sockets->joints.size()) : 0; }
@@ -88,6 +93,8 @@ struct Group {
 
 private:
     void make_procedural(const std::shared_ptr<Gpu>& gpu, const ProceduralRules& rules, const Character& character);
+    void make_details(const std::shared_ptr<Gpu>& gpu, const Character& character);
+    void bound_poses(const Character& character);
     void make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint32_t>& joints);
     Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const PathChoice& choice);
 };

@@ -18,4 +18,7 @@ struct View {
 // Throws kInvalidArgument where the camera is not one.
 View make_view(const Camera& camera, float aspect_ratio);
 
+// Unit, world space: the sun of all pictures.
+Vec3<float> direction_to_light();
+
 }  // namespace throng

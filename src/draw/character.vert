@@ -1,5 +1,7 @@
 #version 460
-// character: morphs, skins and places one vertex of one instance. gl_VertexIndex counts within the section, gl_InstanceIndex within the batch.
+// character: morphs, skins and places one vertex of one instance. gl_VertexIndex counts within the section, gl_InstanceIndex within the batch, or within
+// the listed instances of a level of detail.
+#include "cull/cull_io.h"
 #include "draw/draw_io.h"
 #include "gpu/affine.glsl"
 #include "morph/morph_io.h"
@@ -7,6 +9,7 @@
 
 layout(constant_id = 0) const bool kShadow = false;  // thrown onto the ground, along the light
 layout(constant_id = 1) const uint kSkinFormat = 0;  // throng::SkinFormat
+layout(constant_id = 2) const bool kListed = false;  // what is drawn lies in list
 
 layout(set = 0, binding = 0, std140) uniform Scene { DrawScene scene; };
 layout(set = 1, binding = 0, std430) readonly buffer Vertices { VertexRows vertices[]; };
@@ -14,6 +17,7 @@ layout(set = 1, binding = 1, std430) readonly buffer InfluenceWords { uvec2 infl
 layout(set = 1, binding = 3, std430) readonly buffer Placements { Affine world_from_model[]; };
 layout(set = 1, binding = 4, std430) readonly buffer MorphDeltas { uvec4 morph_deltas[]; };
 layout(set = 1, binding = 5, std430) readonly buffer ActiveMorphs { ActiveMorph active_morphs[]; };
+layout(set = 1, binding = 6, std430) readonly buffer List { uint list[]; };  // cull/cull_io.h
 layout(push_constant) uniform Push { DrawPush push; };
 
 layout(location = 0) out vec3 out_world;
@@ -44,10 +48,11 @@ vec3 transform_normal(Affine m, vec3 normal) {
 }
 
 void main() {
+    const uint instance = kListed ? list[kFirstListed + list[kListBegins + push.detail] + gl_InstanceIndex] : gl_InstanceIndex;
     const VertexRows vertex = vertices[push.first_vertex + gl_VertexIndex];
-    const MorphSum morphs = sum_of_morphs(vertex.texcoord_color_delta.w, push.first_morph, push.morph_count, gl_InstanceIndex * kActiveMorphs);
-    const Affine placement = world_from_model[gl_InstanceIndex];
-    const Affine model_from_bind = blended_skin_matrix(push.first_influences, push.influence_sets, gl_VertexIndex, gl_InstanceIndex * push.palette_count);
+    const MorphSum morphs = sum_of_morphs(vertex.texcoord_color_delta.w, push.first_morph, push.morph_count, instance * kActiveMorphs);
+    const Affine placement = world_from_model[instance];
+    const Affine model_from_bind = blended_skin_matrix(push.first_influences, push.influence_sets, gl_VertexIndex, instance * push.palette_count);
     const Affine world_from_bind = affine_multiply(placement, model_from_bind);
     vec3 world = affine_point(world_from_bind, vertex.position_normal.xyz + morphs.position);
     if (kShadow) {

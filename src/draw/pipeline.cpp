@@ -29,6 +29,7 @@ struct Program {
     std::span<const uint32_t> vertex, fragment;
     bool vertex_constant = false, fragment_constant = false;  // constant_id 0
     SkinFormat skin_format = SkinFormat::kAffine;             // constant_id 1 of the vertex shader
+    bool listed = false;                                      // constant_id 2 of the vertex shader
     bool depth = false;
 };
 
@@ -50,10 +51,10 @@ OwnedShader make_shader(const std::shared_ptr<Gpu>& gpu, std::span<const uint32_
 
 OwnedPipeline make_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout layout, VkSampleCountFlagBits samples, const Program& program) {
     const OwnedShader vertex = make_shader(gpu, program.vertex), fragment = make_shader(gpu, program.fragment);
-    const std::array<uint32_t, 2> vertex_values{program.vertex_constant, static_cast<uint32_t>(program.skin_format)};
+    const std::array<uint32_t, 3> vertex_values{program.vertex_constant, static_cast<uint32_t>(program.skin_format), program.listed};
     const uint32_t fragment_value = program.fragment_constant;
-    constexpr VkSpecializationMapEntry kEntries[] = {{0, 0, 4}, {1, 4, 4}};
-    const VkSpecializationInfo vertex_constants{2, kEntries, sizeof vertex_values, vertex_values.data()};
+    constexpr VkSpecializationMapEntry kEntries[] = {{0, 0, 4}, {1, 4, 4}, {2, 8, 4}};
+    const VkSpecializationInfo vertex_constants{3, kEntries, sizeof vertex_values, vertex_values.data()};
     const VkSpecializationInfo fragment_constants{1, kEntries, sizeof fragment_value, &fragment_value};
     std::array<VkPipelineShaderStageCreateInfo, 2> stages{};
     stages[0] = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_VERTEX_BIT, vertex.get(), "main", &vertex_constants};
@@ -109,7 +110,7 @@ OwnedPipeline make_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout la
 
 }  // namespace
 
-DrawPipelines::DrawPipelines(const std::shared_ptr<Gpu>& gpu, VkSampleCountFlagBits samples, SkinFormat format) : skin_format(format) {
+DrawPipelines::DrawPipelines(const std::shared_ptr<Gpu>& gpu, VkSampleCountFlagBits samples, SkinFormat format, bool listed) : skin_format(format), is_listed(listed) {
     if (const uint32_t most = gpu->properties.limits.maxPerStageDescriptorStorageBuffers; kBatchBindings.size() > most)
         throw Failure(ErrorCode::kUnsupported, gpu->properties.deviceName, "a shader stage has " + std::to_string(most) + " storage buffers, and drawing needs " + std::to_string(kBatchBindings.size()));
     constexpr VkShaderStageFlags kBothStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
@@ -127,9 +128,9 @@ DrawPipelines::DrawPipelines(const std::shared_ptr<Gpu>& gpu, VkSampleCountFlagB
 
     const auto make = [&](const Program& program) { return make_pipeline(gpu, layout.get(), samples, program); };
     ground = make({.vertex = kGroundVertex, .fragment = kGroundFragment});
-    shadow = make({.vertex = kCharacterVertex, .fragment = kShadowFragment, .vertex_constant = true, .skin_format = format});
-    character = make({.vertex = kCharacterVertex, .fragment = kCharacterFragment, .skin_format = format, .depth = true});
-    character_discards = make({.vertex = kCharacterVertex, .fragment = kCharacterFragment, .fragment_constant = true, .skin_format = format, .depth = true});
+    shadow = make({.vertex = kCharacterVertex, .fragment = kShadowFragment, .vertex_constant = true, .skin_format = format, .listed = listed});
+    character = make({.vertex = kCharacterVertex, .fragment = kCharacterFragment, .skin_format = format, .listed = listed, .depth = true});
+    character_discards = make({.vertex = kCharacterVertex, .fragment = kCharacterFragment, .fragment_constant = true, .skin_format = format, .listed = listed, .depth = true});
 }
 
 }  // namespace throng

@@ -13,14 +13,15 @@ namespace throng {
 inline constexpr VkFormat kColorFormat = VK_FORMAT_R8G8B8A8_SRGB;
 inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 
-// Descriptor sets: 0 the scene (one uniform buffer), 1 a batch (six storage buffers), 2 a material (one texture).
+// Descriptor sets: 0 the scene (one uniform buffer), 1 a batch (seven storage buffers), 2 a material (one texture).
 // Cull mode, viewport and scissor are dynamic.
 struct DrawPipelines {
     DrawPipelines() = default;
-    // Of crowds whose skin matrices have this format.
-    DrawPipelines(const std::shared_ptr<Gpu>& gpu, VkSampleCountFlagBits samples, SkinFormat format);
+    // Of crowds whose skin matrices have this format, and whose instances are listed or not.
+    DrawPipelines(const std::shared_ptr<Gpu>& gpu, VkSampleCountFlagBits samples, SkinFormat format, bool listed);
 
     SkinFormat skin_format = SkinFormat::kAffine;
+    bool is_listed = false;
 
     OwnedSetLayout scene_set, batch_set, material_set;
     OwnedPipelineLayout layout;
@@ -30,6 +31,6 @@ struct DrawPipelines {
     OwnedPipeline character_discards;  // of materials with a mask, and of batches with mirrored instances
 };
 
-inline constexpr std::array<BindingInfo, 6> kBatchBindings{{{0}, {1}, {2}, {3}, {4}, {5}}};  // vertices, influences, skin matrices, placements, morph differences, active morphs
+inline constexpr std::array<BindingInfo, 7> kBatchBindings{{{0}, {1}, {2}, {3}, {4}, {5}, {6}}};  // vertices, influences, skin matrices, placements, morph differences, active morphs, list
 
 }  // namespace throng

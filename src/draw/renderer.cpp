@@ -16,8 +16,8 @@ namespace {
 constexpr Access kColorWrite{VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT};
 constexpr Access kDepthAccess{VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
                               VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT};
-constexpr Access kDrawRead{VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
-                           VK_ACCESS_2_INDEX_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_UNIFORM_READ_BIT};
+constexpr Access kDrawRead{VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
+                           VK_ACCESS_2_INDEX_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_UNIFORM_READ_BIT | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT};
 
 VkSampleCountFlagBits lower_samples(const Gpu& gpu, uint32_t wanted) {
     const VkSampleCountFlags available = gpu.properties.limits.framebufferColorSampleCounts & gpu.properties.limits.framebufferDepthSampleCounts;
@@ -64,7 +64,7 @@ io::DrawScene make_scene(const CrowdState& state, const Bounds& bounds, const Ca
     scene.forward = to_vec4(view.forward);
     scene.right = to_vec4(view.right * view.half_width);
     scene.down = to_vec4(view.up * -view.half_height);
-    scene.to_light = to_vec4(normalized(Vec3<float>{-0.45f, 0.85f, 0.5f}));
+    scene.to_light = to_vec4(direction_to_light());
     scene.ground = {centre.x, ground_height(state, bounds), centre.z, half_diagonal * 2.2f + character_size};
     scene.scale = {character_size, farthest * 2.5f, character_size * 0.25f, 0};
     return scene;
@@ -151,7 +151,7 @@ RendererState::RendererState(std::shared_ptr<Gpu> gpu, const RendererSettings& s
         resolved_ = Image(gpu_, {.what = "resolved picture", .width = width_, .height = height_, .format = kColorFormat,
                                  .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
     readback_ = Buffer(gpu_, "picture read-back", uint64_t{width_} * height_ * 4, 0, MemoryKind::kReadback);
-    pipelines_ = DrawPipelines(gpu_, samples_, SkinFormat::kAffine);
+    pipelines_ = DrawPipelines(gpu_, samples_, SkinFormat::kAffine, false);
     white_ = make_white_texture(gpu_);
 
     VkSamplerCreateInfo sampler{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
@@ -171,7 +171,8 @@ RendererState::RendererState(std::shared_ptr<Gpu> gpu, const RendererSettings& s
 RenderResult RendererState::render(const Crowd& crowd, const Camera& camera) {
     const CrowdState& state = crowd.state();
     if (state.gpu != gpu_) throw Failure(ErrorCode::kInvalidArgument, "render", "the crowd lives on another device");
-    if (pipelines_.skin_format != state.skin_format) pipelines_ = DrawPipelines(gpu_, samples_, state.skin_format);
+    if (pipelines_.skin_format != state.skin_format || pipelines_.is_listed != state.cull.has_value())
+        pipelines_ = DrawPipelines(gpu_, samples_, state.skin_format, state.cull.has_value());
     const float aspect_ratio = static_cast<float>(width_) / static_cast<float>(height_);
     Frame frame{state, SceneBinding(gpu_, pipelines_.scene_set.get(), make_scene(state, world_bounds(crowd), camera, aspect_ratio)), {}, {}};
     std::vector<std::string> warnings;
@@ -179,7 +180,7 @@ RenderResult RendererState::render(const Crowd& crowd, const Camera& camera) {
     for (const Batch& batch : state.batches) {
         const Group& group = state.groups[batch.group];
         const std::array<BufferRange, kBatchBindings.size()> ranges{group.vertices, group.influences, batch.skin(), batch.placements,
-                                                                    group.morphs ? group.morphs->deltas : group.vertices, batch.morphs.or_else(group.vertices)};
+                                                                    group.morphs ? group.morphs->deltas : group.vertices, batch.morphs.or_else(group.vertices), batch.list.or_else(group.vertices)};
         frame.batches.emplace_back(gpu_, pipelines_.batch_set.get(), group.name, kBatchBindings, ranges);
     }
     gpu_->submit_and_wait([&](VkCommandBuffer commands) { record(commands, frame); });
@@ -259,7 +260,8 @@ void RendererState::draw_batch(VkCommandBuffer commands, const Frame& frame, uin
     const VkPipelineLayout layout = pipelines_.layout.get();
     gpu_->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 1, 1, &batch_set, 0, nullptr);
     gpu_->vk.vkCmdBindIndexBuffer(commands, group.indices.handle(), 0, VK_INDEX_TYPE_UINT32);
-    for (const MeshSection& section : group.sections) {
+    for (size_t section_index = 0; section_index < group.sections.size(); ++section_index) {
+        const MeshSection& section = group.sections[section_index];
         if (section.index_count == 0) continue;
         const DrawMaterial& material = materials.of(section);
         const OwnedPipeline& pipeline = shadow ? pipelines_.shadow : material.masked || mirrors ? pipelines_.character_discards : pipelines_.character;
@@ -267,7 +269,7 @@ void RendererState::draw_batch(VkCommandBuffer commands, const Frame& frame, uin
         gpu_->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 2, 1, &material.set, 0, nullptr);
         gpu_->vk.vkCmdSetCullMode(commands, material.double_sided || mirrors ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
         const auto& c = material.base_color;
-        const io::DrawPush push{.first_vertex = section.first_vertex,
+        io::DrawPush push{.first_vertex = section.first_vertex,
                                 .first_influences = section.first_influences,
                                 .influence_sets = section.influence_sets,
                                 .palette_count = group.palette_count,
@@ -276,8 +278,16 @@ void RendererState::draw_batch(VkCommandBuffer commands, const Frame& frame, uin
                                 .double_sided = material.double_sided ? 1u : 0u,
                                 .first_morph = section.first_morph,
                                 .morph_count = section.morph_count};
-        gpu_->vk.vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof push, &push);
-        gpu_->vk.vkCmdDrawIndexed(commands, section.index_count, batch.instance_count, section.first_index, 0, 0);
+        const auto set_push = [&] { gpu_->vk.vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof push, &push); };
+        if (!batch.draws.handle()) {
+            set_push();
+            gpu_->vk.vkCmdDrawIndexed(commands, section.index_count, batch.instance_count, section.first_index, 0, 0);
+            continue;
+        }
+        for (push.detail = 0; push.detail <= group.details.size(); ++push.detail) {
+            set_push();
+            gpu_->vk.vkCmdDrawIndexedIndirect(commands, batch.draws.handle(), (section_index * io::kDetailLevels + push.detail) * sizeof(io::DrawCommand), 1, sizeof(io::DrawCommand));
+        }
     }
 }
 

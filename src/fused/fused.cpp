@@ -96,7 +96,7 @@ Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, cons
     const uint32_t tile_instances = plan.tile_transforms > 0 ? plan.scan.instances_per_workgroup : 1;
     std::vector<uint32_t> constants = plan.scan.constants;
     constants.resize(io::kMethodConstants);
-    constants.insert(constants.end(), {settings.packed, settings.blends, settings.keeps_model, static_cast<uint32_t>(settings.skin_format), plan.one_bind, tile_instances, std::max(plan.tile_transforms, 1u), settings.layered, settings.socket_count, settings.inertial, settings.posed});
+    constants.insert(constants.end(), {settings.packed, settings.blends, settings.keeps_model, static_cast<uint32_t>(settings.skin_format), plan.one_bind, tile_instances, std::max(plan.tile_transforms, 1u), settings.layered, settings.socket_count, settings.inertial, settings.posed, settings.listed});
     return Kernel(gpu, {.name = "fused",
                         .spirv = gpu->prefers_wide_words() ? shaders.fused_wide : shaders.fused,
                         .workgroup_size = plan.scan.workgroup_size,

@@ -8,6 +8,7 @@
 #include "blend/blend.glsl"
 #include "blend/inertia_io.h"
 #include "control/controller_io.h"
+#include "cull/cull_io.h"
 #include "fused/fused_io.h"
 #include "gpu/table.glsl"
 
@@ -29,6 +30,7 @@ layout(set = 0, binding = 14, std430) readonly buffer Inertias { InstanceInertia
 layout(set = 0, binding = 15, std430) buffer InertiaStates { InertiaState inertia_states[]; };
 TABLE_OF_WORDS(16, Posed, posed);
 TABLE_OF_ROWS(17, Poses, poses);
+TABLE_OF_WORDS(18, List, list);  // of what is drawn
 #define scratch model  // named by methods that exchange through memory where shared memory is too small: no such plan is fused
 layout(constant_id = 8) const bool kPacked = false;
 layout(constant_id = 9) const bool kBlends = true;      // false: every instance plays one clip
@@ -41,6 +43,7 @@ layout(constant_id = 15) const bool kLayered = false;    // instances play voice
 layout(constant_id = 16) const uint kSocketCount = 0;
 layout(constant_id = 17) const bool kInertial = false;   // of layers
 layout(constant_id = 18) const bool kPosed = false;      // poses may be set
+layout(constant_id = 19) const bool kListed = false;     // only listed instances are animated
 layout(push_constant) uniform Push { FusedPush push; };
 
 #define SKIN_SET 0
@@ -53,6 +56,10 @@ layout(push_constant) uniform Push { FusedPush push; };
 #include "sample/sample.glsl"
 
 uint link(uint index) { return WORD_AT(link_words, index); }
+// Scan methods count what they are dispatched for; this is the instance that one stands for.
+uint instance_at(uint index) { return kListed ? WORD_AT(list, kFirstListed + index) : index; }
+uint instance_count() { return kListed ? WORD_AT(list, kListCount) : push.instance_count; }
+
 uint at(uint instance, uint joint) { return instance * push.joint_count + joint; }
 
 // Layers have none.
@@ -133,7 +140,7 @@ void bind_entry(uint instance, uint i, Affine model_from_joint) {
     store_skin(instance * push.palette_count + WORD_AT(bind_entries, i), skin_matrix(model_from_joint, AFFINE_AT(binds, i)));
 }
 
-void store_model(uint instance, uint joint, Transform transform) {
+void store_instance(uint instance, uint joint, Transform transform) {
     const Affine model_from_joint = to_affine(transform);
     if (kKeepsModel) model[at(instance, joint)] = pack(model_from_joint);
     if (kSocketCount > 0) {
@@ -154,14 +161,16 @@ void scan_barrier(bool through_buffers) { barrier(); }
 
 shared StoredTransform tile[kTileTransforms];  // [instance of the workgroup][joint]
 
-Transform load_local(uint instance, uint joint) { return unpack(tile[instance % kTileInstances * push.joint_count + joint]); }
+Transform load_local(uint index, uint joint) { return unpack(tile[index % kTileInstances * push.joint_count + joint]); }
+void store_model(uint index, uint joint, Transform transform) { store_instance(instance_at(index), joint, transform); }
 
 void main() {
-    const uint first_instance = gl_WorkGroupID.x * kTileInstances;
-    for (uint slot = 0; slot < kTileInstances && first_instance + slot < push.instance_count; ++slot) {
-        const InstanceCursor cursor = cursor_of(first_instance + slot);
+    const uint first = gl_WorkGroupID.x * kTileInstances;
+    for (uint slot = 0; slot < kTileInstances && first + slot < instance_count(); ++slot) {
+        const uint instance = instance_at(first + slot);
+        const InstanceCursor cursor = cursor_of(instance);
         for (uint joint = gl_LocalInvocationID.x; joint < push.joint_count; joint += gl_WorkGroupSize.x)
-            tile[slot * push.joint_count + joint] = pack(to_local(local_pose(first_instance + slot, cursor, joint)));
+            tile[slot * push.joint_count + joint] = pack(to_local(local_pose(instance, cursor, joint)));
     }
     barrier();
     scan();
@@ -173,6 +182,7 @@ InstanceCursor scan_cursor;  // of the instance that the invocation walks, which
 
 Transform load_local(uint instance, uint joint) { return to_local(local_pose(instance, scan_cursor, joint)); }
 Transform load_local_of_fixed(uint instance, uint joint) { return to_local(local_pose_of_fixed(instance, scan_cursor, joint)); }
+void store_model(uint instance, uint joint, Transform transform) { store_instance(instance, joint, transform); }
 
 void main() { scan(); }
 

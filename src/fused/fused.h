@@ -28,6 +28,7 @@ struct FusedBuffers {
     BufferRange inertia_states;  // of inertial transitions: io::InertiaState[instance_count][joint_count], read and written; else any buffer
     BufferRange posed;  // of poses that may be set: io::InstancePose[instance_count], a table of words; else any
     BufferRange poses;  // of poses that may be set: io::JointPose[pose_capacity][joint_count], a table of rows; else any
+    BufferRange list;   // of what is drawn (cull/cull_io.h), a table of words; else any
 };
 
 struct FusedSettings {
@@ -39,6 +40,7 @@ struct FusedSettings {
     uint32_t socket_count = 0;
     bool inertial = false;     // layered, with inertial transitions
     bool posed = false;        // poses may be set
+    bool listed = false;       // only listed instances are animated
 };
 
 // What of a character decides how it is fused.
@@ -79,6 +81,7 @@ struct FusedTables {
 
 Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, const FusedSettings& settings);
 
+// Of all instances.
 void record_fused(VkCommandBuffer commands, const Kernel& kernel, const Bindings& bindings, const FusedPlan& plan, const io::FusedPush& push);
 
 }  // namespace throng

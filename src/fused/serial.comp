@@ -22,8 +22,9 @@ void walk(uint instance, uint step, uint invocation, Transform parent_from_joint
 }
 
 void scan() {
-    const uint instance = gl_GlobalInvocationID.x, invocation = gl_LocalInvocationID.x;
-    if (instance >= push.instance_count) return;
+    const uint index = gl_GlobalInvocationID.x, invocation = gl_LocalInvocationID.x;
+    if (index >= instance_count()) return;
+    const uint instance = instance_at(index);
     scan_cursor = cursor_of(instance);
     walk_last = kIdentityTransform;
     const uint segment_end = kFirstSegment + 2 * link(kSegmentCount);

@@ -174,15 +174,19 @@ Bindings Kernel::bind_ranges(std::span<const BufferRange> ranges) const {
 }
 
 void Kernel::dispatch(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes, uint32_t workgroup_count) const {
-    if (push_bytes != info_.push_constant_bytes)
-        throw Failure(ErrorCode::kInvalidArgument, name_, "the push constants have " + std::to_string(info_.push_constant_bytes) + " bytes, not " + std::to_string(push_bytes));
     if (workgroup_count > gpu_->properties.limits.maxComputeWorkGroupCount[0])
         throw Failure(ErrorCode::kLimit, name_, std::to_string(workgroup_count) + " workgroups exceed the device's " + std::to_string(gpu_->properties.limits.maxComputeWorkGroupCount[0]));
+    prepare(commands, bindings, push, push_bytes);
+    gpu_->vk.vkCmdDispatch(commands, workgroup_count, 1, 1);
+}
+
+void Kernel::prepare(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes) const {
+    if (push_bytes != info_.push_constant_bytes)
+        throw Failure(ErrorCode::kInvalidArgument, name_, "the push constants have " + std::to_string(info_.push_constant_bytes) + " bytes, not " + std::to_string(push_bytes));
     const VkDescriptorSet set = bindings.set();
     gpu_->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_);
     gpu_->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_, 0, 1, &set, 0, nullptr);
     gpu_->vk.vkCmdPushConstants(commands, layout_, VK_SHADER_STAGE_COMPUTE_BIT, 0, static_cast<uint32_t>(push_bytes), push);
-    gpu_->vk.vkCmdDispatch(commands, workgroup_count, 1, 1);
 }
 
 }  // namespace throng

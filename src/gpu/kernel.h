@@ -74,12 +74,19 @@ public:
     void dispatch_invocations(VkCommandBuffer commands, const Bindings& bindings, const Push& push, uint32_t count) const {
         dispatch(commands, bindings, &push, sizeof push, (count + workgroup_size_ - 1) / workgroup_size_);
     }
+    // As many workgroups as the VkDispatchIndirectCommand at the beginning of the buffer says.
+    template <class Push>
+    void dispatch_indirect(VkCommandBuffer commands, const Bindings& bindings, const Push& push, const Buffer& workgroups) const {
+        prepare(commands, bindings, &push, sizeof push);
+        gpu_->vk.vkCmdDispatchIndirect(commands, workgroups.handle(), 0);
+    }
 
 private:
     Bindings bind_ranges(std::span<const BufferRange> ranges) const;
     void create(const KernelSettings& settings);
     void destroy() noexcept;
     void dispatch(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes, uint32_t workgroup_count) const;
+    void prepare(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes) const;
     void swap(Kernel& other) noexcept;
 
     std::shared_ptr<Gpu> gpu_;

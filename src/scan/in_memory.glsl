@@ -1,6 +1,7 @@
 // The host of a method that runs as a stage: local and model transforms lie in memory.
 #include "scan/scan_buffers.glsl"
 
+uint instance_count() { return push.instance_count; }
 Transform load_local(uint instance, uint joint) { return unpack(local[at(instance, joint)]); }
 void store_model(uint instance, uint joint, Transform model_from_joint) { model[at(instance, joint)] = pack(to_affine(model_from_joint)); }
 

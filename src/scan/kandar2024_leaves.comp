@@ -17,7 +17,7 @@ void scan() {
     const uint leaves = link(0);
     for (uint item = gl_LocalInvocationID.x; item < kCharacters * leaves; item += gl_WorkGroupSize.x) {
         const uint instance = gl_WorkGroupID.x * kCharacters + item / leaves;
-        if (instance >= push.instance_count) return;
+        if (instance >= instance_count()) return;
         const uint entry = 1 + 3 * (item % leaves);
         const uint first_owned = link(entry + 1), end = link(entry + 2);
         uint word = link(entry), joint = link(word);

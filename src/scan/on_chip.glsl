@@ -2,6 +2,8 @@
 // scanned repeat after repeat; only the last repeat's results are stored.
 #include "scan/scan_buffers.glsl"
 
+uint instance_count() { return push.instance_count; }
+
 layout(constant_id = 8) const bool kBarriersTwice = false;  // to measure what barriers cost
 layout(constant_id = 9) const uint kOnChipCharacters = 1;  // of a workgroup
 layout(constant_id = 10) const uint kOnChipTransforms = 1;  // of all of them

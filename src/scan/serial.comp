@@ -13,7 +13,7 @@
 // links[0] is the number of runs; then for each: its first joint, its end, the parent of its first joint.
 void scan() {
     const uint instance = gl_GlobalInvocationID.x;
-    if (instance >= push.instance_count) return;
+    if (instance >= instance_count()) return;
     for (uint word = 1, end = 1 + 3 * link(0); word < end; word += 3) {
         const uint end_joint = link(word + 1), parent = link(word + 2);
         Affine last = kIdentity;

@@ -25,7 +25,7 @@ Transform shuffled(Transform t, uint source) {
 void scan() {
     const uint invocation = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID, lane = invocation % kLanes;
     const uint instance = gl_WorkGroupID.x * (gl_WorkGroupSize.x / kLanes) + invocation / kLanes;
-    const bool exists = instance < push.instance_count;  // the same for all lanes of a character
+    const bool exists = instance < instance_count();  // the same for all lanes of a character
 
     Transform prefix = kIdentityTransform;
     if (exists) prefix = path_product(instance, lane);

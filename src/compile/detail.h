@@ -1,0 +1,12 @@
+// Coarser meshes for characters far away.
+#pragma once
+
+#include <throng/character.h>
+
+namespace throng {
+
+// Fills details, detail_ranges and detail_indices from the mesh in its rest pose. A character of no more than 64 triangles, or whose triangles do not share
+// vertices, has none.
+void make_details(Character& character);
+
+}  // namespace throng

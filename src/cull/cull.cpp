@@ -1,0 +1,21 @@
+#include "cull/cull.h"
+
+namespace throng {
+namespace {
+
+constexpr uint32_t kCull[] = {
+#include "cull/cull.comp.inc"
+};
+constexpr uint32_t kOffsets[] = {
+#include "cull/offsets.comp.inc"
+};
+constexpr uint32_t kList[] = {
+#include "cull/list.comp.inc"
+};
+
+}  // namespace
+
+CullKernels::CullKernels(const std::shared_ptr<Gpu>& gpu)
+    : cull(gpu, {.name = "cull", .spirv = kCull}), offsets(gpu, {.name = "offsets", .spirv = kOffsets}), list(gpu, {.name = "list", .spirv = kList}) {}
+
+}  // namespace throng

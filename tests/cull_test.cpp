@@ -1,0 +1,233 @@
+// Updates for a view: what is listed, in how much detail, and that nothing else changes what is seen.
+#include "cull/cull_reference.h"
+#include "crowd/cull_stage.h"
+#include "tests/crowd_cases.h"
+#include "tests/kernel_runner.h"
+
+#include <throng/draw.h>
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <map>
+
+namespace throng::test {
+namespace {
+
+constexpr uint32_t kWidth = 160, kHeight = 120;
+
+Character creature_with_details() { return *compile_character(*make_creature({.joint_count = 40, .level_count = 12, .face_count = 800})); }
+
+// Anywhere within a square, of any size, some mirrored.
+std::vector<Affine> random_places(Random& random, uint32_t count, double extent) {
+    std::vector<Affine> places;
+    for (uint32_t i = 0; i < count; ++i) {
+        Trs<double> place = random.trs(1, 0.2);
+        place.translation = {random.between(-extent, extent), random.between(-0.05, 0.05) * extent, random.between(-extent, extent)};
+        if (random.chance(0.2)) place.scale.x = -place.scale.x;
+        places.push_back(to_affine(place).as<float>());
+    }
+    return places;
+}
+
+Camera random_camera(Random& random, double extent) {
+    return {.eye = random.vector(extent).as<float>(), .target = random.vector(extent).as<float>(), .vertical_field_of_view_rad = static_cast<float>(random.between(0.1, 2))};
+}
+
+std::vector<DrawnInstance> drawn_of(Crowd& crowd) {
+    Result<std::vector<DrawnInstance>> drawn = crowd.read_drawn();
+    if (!drawn) {
+        ADD_FAILURE() << drawn.error().text();
+        return {};
+    }
+    return std::move(*drawn);
+}
+
+TEST(Cull, ListsWhatTheReferenceSees) {
+    const Character character = creature_with_details();
+    ASSERT_GE(character.details.size(), 2u);
+    uint32_t compared = 0, seen_in_all = 0;
+    std::map<uint32_t, uint32_t> of_details;
+    for (const uint32_t count : {1u, 63u, 64u, 65u, 1000u, 5000u}) {
+        Random random(count);
+        const double extent = 200;
+        const std::vector<Affine> places = random_places(random, count, extent);
+        Crowd crowd = create({.groups = {{&character, count}}, .culls = true});
+        ASSERT_TRUE(crowd.set_placement(0, places));
+        const Group& group = crowd.state().groups[0];
+        const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(), ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
+        for (int round = 0; round < 8; ++round) {
+            CrowdView view = view_of(random_camera(random, extent), kWidth, kHeight, {});
+            view.shadow = random.vector(20).as<float>();
+            view.detail_pixels = static_cast<float>(random.between(0.1, 3));
+            ASSERT_TRUE(crowd.update(0.01f, &view));
+            const io::CullView planes = cull_view_of(&view);
+            const std::vector<DrawnInstance> drawn = drawn_of(crowd);
+            std::vector<uint32_t> details(count, io::kUnseen);
+            for (size_t i = 0; i < drawn.size(); ++i) {
+                ASSERT_LT(drawn[i].instance, count);
+                ASSERT_EQ(details[drawn[i].instance], io::kUnseen) << "listed twice";
+                details[drawn[i].instance] = drawn[i].detail;
+                if (i == 0) continue;
+                EXPECT_TRUE(drawn[i - 1].detail < drawn[i].detail || (drawn[i - 1].detail == drawn[i].detail && drawn[i - 1].instance < drawn[i].instance)) << "in order";
+            }
+            for (uint32_t i = 0; i < count; ++i) {
+                constexpr double kRounding = 1e-4;
+                const AffineT<double> place = places[i].as<double>();
+                const double reach = seen_by(planes, place, box);
+                if (std::abs(reach) < kRounding * extent) continue;
+                ASSERT_EQ(details[i] != io::kUnseen, reach > 0) << "instance " << i;
+                ++compared;
+                if (reach < 0) continue;
+                ++seen_in_all;
+                ++of_details[details[i]];
+                ASSERT_LE(details[i], character.details.size());
+                const auto spare_of = [&](uint32_t detail) { return spare_of_detail(planes, place, box, character.details[detail - 1].error); };
+                ASSERT_TRUE(details[i] == 0 || spare_of(details[i]) >= -kRounding * extent) << "too coarse";
+                ASSERT_TRUE(details[i] == character.details.size() || spare_of(details[i] + 1) <= kRounding * extent) << "too fine";
+            }
+            const auto draws = download<io::DrawCommand>(test_gpu(), BufferRange(crowd.outputs()[0].draw_buffer, 0, group.sections.size() * io::kDetailLevels * sizeof(io::DrawCommand)));
+            for (size_t k = 0; k < draws.size(); ++k) {
+                const uint32_t detail = k % io::kDetailLevels;
+                EXPECT_EQ(draws[k].instance_count, std::ranges::count(details, detail));
+                EXPECT_EQ(draws[k].index_count > 0, detail <= character.details.size());
+            }
+        }
+    }
+    EXPECT_GT(seen_in_all, compared / 20);
+    EXPECT_LT(seen_in_all, compared * 19 / 20);
+    EXPECT_GE(of_details.size(), 3u);
+    std::printf("  %u instances compared, %u seen\n", compared, seen_in_all);
+}
+
+TEST(Cull, WithoutAViewAllAreListedInFullDetail) {
+    const Character character = creature_with_details();
+    Crowd crowd = create({.groups = {{&character, 70}, {&character, 5}}, .culls = true});
+    ASSERT_TRUE(crowd.update(0.1f));
+    const std::vector<DrawnInstance> drawn = drawn_of(crowd);
+    ASSERT_EQ(drawn.size(), 75u);
+    for (uint32_t i = 0; i < drawn.size(); ++i) EXPECT_TRUE(drawn[i].instance == i && drawn[i].detail == 0) << i;
+}
+
+// Those that are seen have the bits that they have without a view; the others keep what they had; and all go on in time.
+void expect_same_where_drawn(const CrowdGroup& group, UpdatePath path, bool only_drawn) {
+    constexpr uint32_t kCount = 130;
+    CrowdGroup copied = group;
+    copied.instance_count = kCount;
+    const CrowdSettings settings{.groups = {copied}, .path = path, .culls = true};
+    Crowd viewed = create(settings), whole = create(settings);
+    Random random(6);
+    const std::vector<Affine> places = random_places(random, kCount, 30);
+    const std::vector<Playback> playbacks = random_playbacks(random, *group.character, kCount);
+    for (Crowd* crowd : {&viewed, &whole}) ASSERT_TRUE(crowd->set_placement(0, places) && (group.controller || crowd->set_playback(0, playbacks)) && crowd->update(0.1f));
+    uint32_t skipped = 0;
+    for (int update = 0; update < 6; ++update) {
+        const CrowdView view = view_of(random_camera(random, 30), kWidth, kHeight, {});
+        std::vector<std::vector<Affine>> before;
+        for (uint32_t i = 0; i < kCount; ++i) before.push_back(*viewed.read_skin_matrices(i));
+        ASSERT_TRUE(viewed.update(0.1f, &view) && whole.update(0.1f));
+        std::vector<bool> is_drawn(kCount);
+        for (const DrawnInstance& one : drawn_of(viewed)) is_drawn[one.instance] = true;
+        for (uint32_t i = 0; i < kCount; ++i) {
+            const bool is_animated = is_drawn[i] || !only_drawn;
+            skipped += !is_animated;
+            EXPECT_TRUE(same_bits(*viewed.read_skin_matrices(i), is_animated ? *whole.read_skin_matrices(i) : before[i])) << "instance " << i;
+        }
+    }
+    EXPECT_EQ(skipped > kCount, only_drawn);
+    ASSERT_TRUE(viewed.update(0.1f) && whole.update(0.1f));
+    for (uint32_t i = 0; i < kCount; ++i) EXPECT_TRUE(same_bits(*viewed.read_skin_matrices(i), *whole.read_skin_matrices(i))) << "all again, instance " << i;
+}
+
+TEST(Cull, OnlyWhatIsDrawnIsAnimated) {
+    const Character small = small_character(), large = creature(150, 40);
+    const Controller walker = example("walker"), inertial = example("dragon"), direct = direct_layers(2);
+    expect_same_where_drawn({.character = &small}, UpdatePath::kFused, true);
+    expect_same_where_drawn({.character = &large}, UpdatePath::kFused, true);
+    expect_same_where_drawn({.character = &large, .pose_capacity = 3}, UpdatePath::kFused, true);
+    expect_same_where_drawn({.character = &large, .controller = &direct}, UpdatePath::kFused, true);
+    expect_same_where_drawn({.character = &large, .controller = &walker}, UpdatePath::kFused, true);
+    expect_same_where_drawn({.character = &large, .controller = &inertial}, UpdatePath::kFused, false);
+    expect_same_where_drawn({.character = &small}, UpdatePath::kStaged, false);
+    expect_same_where_drawn({.character = &small, .sockets = {3}}, UpdatePath::kFused, false);
+}
+
+TEST(Cull, BatchesChangeNothing) {
+    const Character character = creature_with_details();
+    const CrowdSettings settings{.groups = {{&character, 10}}, .culls = true};
+    Crowd whole = create(settings);
+    Result<Crowd> parts = Crowd::create(device_of_workgroups(3), settings);
+    ASSERT_TRUE(parts) << parts.error().text();
+    EXPECT_EQ(parts->outputs().size(), 4u);
+    Random random(9);
+    const std::vector<Affine> places = random_places(random, 10, 20);
+    const CrowdView view = view_of({.eye = {0, 10, 40}, .target = {5, 0, 0}}, kWidth, kHeight, {});
+    for (Crowd* crowd : {&whole, &*parts}) ASSERT_TRUE(crowd->set_placement(0, places) && crowd->update(0, &view));
+    const auto sorted = [](Crowd& crowd) {
+        std::map<uint32_t, uint32_t> details;
+        for (const DrawnInstance& one : drawn_of(crowd)) details[one.instance] = one.detail;
+        return details;
+    };
+    EXPECT_EQ(sorted(whole), sorted(*parts));
+    EXPECT_FALSE(sorted(whole).empty());
+}
+
+// A flight over a crowd: the same pictures as of all of it at full detail, but for what a coarser mesh moves by less than a pixel.
+TEST(Cull, PicturesAreThoseOfEverything) {
+    constexpr uint32_t kCount = 150;
+    const Character character = creature_with_details();
+    Random random(11);
+    const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
+    std::vector<Affine> places;
+    for (uint32_t i = 0; i < kCount; ++i) places.push_back(to_affine(Trs<double>{.rotation = axis_angle(Vec3<double>{0, 1, 0}, random.between(0, 6)), .translation = {random.between(-30, 30), 0, random.between(-30, 30)}}).as<float>());
+    Crowd viewed = create({.groups = {{&character, kCount}}, .culls = true}), whole = create({.groups = {{&character, kCount}}});
+    for (Crowd* crowd : {&viewed, &whole}) ASSERT_TRUE(crowd->set_placement(0, places) && crowd->set_playback(0, playbacks));
+    Result<Renderer> of_viewed = Renderer::create(test_device(), {.width = kWidth, .height = kHeight}), of_whole = Renderer::create(test_device(), {.width = kWidth, .height = kHeight});
+    ASSERT_TRUE(of_viewed && of_whole);
+    uint64_t drawn = 0;
+    double worst = 0;
+    for (int frame = 0; frame < 60; ++frame) {
+        const double turn = 0.2 * frame;
+        const Camera camera{.eye = Vec3<double>{25 * std::sin(turn), 2 + 0.2 * frame, 25 * std::cos(turn)}.as<float>(), .target = Vec3<double>{20 * std::sin(turn + 2), 0, 20 * std::cos(turn + 2)}.as<float>()};
+        CrowdView view = view_of(camera, kWidth, kHeight, world_bounds(viewed));
+        const bool exact = frame % 2 == 0;  // full detail
+        if (exact) view.detail_pixels = 1e-20f;
+        ASSERT_TRUE(viewed.update(0.05f, &view) && whole.update(0.05f));
+        drawn += drawn_of(viewed).size();
+        const Picture a = of_viewed->render(viewed, camera)->picture, b = of_whole->render(whole, camera)->picture;
+        double difference = 0;
+        for (size_t i = 0; i < a.rgba.size(); ++i) difference += std::abs(int{a.rgba[i]} - int{b.rgba[i]});
+        difference /= static_cast<double>(a.rgba.size());
+        EXPECT_TRUE(!exact || difference == 0) << "frame " << frame << ": " << difference;
+        worst = std::max(worst, difference);
+    }
+    EXPECT_LT(drawn, 60 * kCount * 9 / 10) << "something is culled";
+    EXPECT_LE(worst, 1.5) << "of 255, on average";
+    std::printf("  %.0f %% drawn; levels of detail change a picture by %.2f of 255 at most\n", 100.0 * static_cast<double>(drawn) / (60 * kCount), worst);
+}
+
+TEST(Cull, WrongViewsAreRefused) {
+    const Character character = small_character();
+    Crowd crowd = create({.groups = {{&character, 2}}, .culls = true}), plain = create({.groups = {{&character, 2}}});
+    const CrowdView sound = view_of({}, 4, 3, {});
+    EXPECT_TRUE(crowd.update(0, &sound));
+    const Result<void> unprepared = plain.update(0, &sound);
+    ASSERT_FALSE(unprepared);
+    EXPECT_EQ(unprepared.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_FALSE(plain.read_drawn());
+    const float kInfinity = std::numeric_limits<float>::infinity();
+    for (const auto spoil : std::initializer_list<void (*)(CrowdView&)>{[](CrowdView& v) { v.clip_from_world[1][2] = NAN; }, [](CrowdView& v) { v.eye.y = NAN; }, [](CrowdView& v) { v.pixels = 0; },
+                                                                        [](CrowdView& v) { v.detail_pixels = -1; }, [](CrowdView& v) { v.shadow.x = NAN; }}) {
+        CrowdView view = sound;
+        spoil(view);
+        const Result<void> updated = crowd.update(0, &view);
+        ASSERT_FALSE(updated);
+        EXPECT_EQ(updated.error().code, ErrorCode::kInvalidArgument);
+    }
+    CrowdView far = sound;
+    far.pixels = kInfinity;
+    EXPECT_TRUE(crowd.update(0, &far)) << "full detail";
+}
+
+}  // namespace
+}  // namespace throng::test
