@@ -1,11 +1,23 @@
-#include "creature.h"
+#include "tools/creature.h"
 
-#include "creature_body.h"
+#include "tools/creatures/model.h"
 
 #include <new>
 
 namespace throng {
 namespace {
+
+struct Kind {
+    const char* name;
+    creature::Model (*make)(const CreatureSettings&);
+    CreatureSettings usual;
+};
+constexpr Kind kKinds[] = {{"dragon", creature::make_dragon, {}},
+                           {"willow", creature::make_willow, {240, 30, 3000, 1, CreatureKind::kWillow}},
+                           {"walker", creature::make_walker, {160, 40, 2500, 1, CreatureKind::kWalker}},
+                           {"centipede", creature::make_centipede, {1000, 330, 3000, 1, CreatureKind::kCentipede}}};
+
+const Kind& kind_of(CreatureKind kind) { return kKinds[size_t(kind)]; }
 
 Result<void> check(const CreatureSettings& s) {
     const auto bad = [](const char* option, std::string message) {
@@ -36,30 +48,16 @@ Affine joint_from_model(const creature::Body& body, uint32_t joint) {
     return to_affine(Trs<double>{rotation, translation, {1, 1, 1}}).as<float>();
 }
 
-const char* name_of(creature::Part part) {
-    using creature::Part;
-    switch (part) {
-        case Part::kTail: return "tail";
-        case Part::kTrunk: return "trunk";
-        case Part::kJaw: return "jaw";
-        case Part::kLeg: return "leg";
-        case Part::kToe: return "toe";
-        case Part::kArm: return "arm";
-        case Part::kFinger: return "finger";
-        case Part::kTendril: return "tendril";
-    }
-    return "";
-}
-
 Asset assemble(const CreatureSettings& settings) {
-    const creature::Body body = creature::make_body(settings);
+    creature::Model model = kind_of(settings.kind).make(settings);
+    const creature::Body& body = model.body;
     Asset asset;
     asset.name = "creature";
     asset.nodes.resize(body.joint_count());
     asset.nodes[0].name = "root";
     for (const creature::Chain& chain : body.chains)
         for (uint32_t k = 0; k < chain.joint_count; ++k)
-            asset.nodes[chain.first_joint + k].name = name_of(chain.part) + std::string("_") +
+            asset.nodes[chain.first_joint + k].name = creature::name_of(chain.part) + std::string("_") +
                                                       std::to_string(&chain - body.chains.data()) + "_" +
                                                       std::to_string(k);
     AssetSkin skin{"creature", {}, {}};
@@ -70,11 +68,11 @@ Asset assemble(const CreatureSettings& settings) {
         skin.inverse_binds.push_back(joint_from_model(body, joint));
     }
     asset.skins = {std::move(skin)};
-    asset.clips = creature::make_clips(body, asset.nodes);
-    asset.meshes = {creature::make_mesh(body, settings)};
+    asset.clips = creature::make_clips(body, asset.nodes, model.motion);
+    asset.meshes = {creature::make_mesh(std::move(model.pieces), settings.face_count)};
     AssetMaterial material;
     material.name = "creature";
-    material.double_sided = true;  // the wings' membranes are single sheets
+    material.double_sided = true;  // membranes, cloth and leaves are single sheets
     asset.materials = {material};
     asset.mesh_instances = {{body.joint_count(), 0, 0}};
     asset.nodes.push_back({"creature", kNone, {}});
@@ -82,6 +80,17 @@ Asset assemble(const CreatureSettings& settings) {
 }
 
 }  // namespace
+
+CreatureSettings creature_settings(CreatureKind kind) { return kind_of(kind).usual; }
+
+Result<CreatureKind> creature_kind(const std::string& name) {
+    std::string known;
+    for (const Kind& kind : kKinds) {
+        if (name == kind.name) return kind.usual.kind;
+        known += (known.empty() ? "" : ", ") + std::string(kind.name);
+    }
+    return Error{ErrorCode::kInvalidArgument, "kind", "there is no '" + name + "'. There are: " + known};
+}
 
 Result<Asset> make_creature(const CreatureSettings& settings) {
     if (const Result<void> checked = check(settings); !checked) return checked.error();

@@ -1,4 +1,4 @@
-#include "creature_math.h"
+#include "tools/creature_math.h"
 
 namespace throng::creature {
 

@@ -1,6 +1,6 @@
 // Deals the joints out: the longest chain (root and tail) first, then trunk, legs, wings, jaw and toes as far as joints
 // and levels allow, and the rest as tendrils over the back.
-#include "creature_body.h"
+#include "tools/creatures/dragon.h"
 
 namespace throng::creature {
 namespace {
@@ -63,78 +63,52 @@ Vec wing_point(Vec point, const Build& b, double side) {
     return {point.x * side, point.y, point.z};
 }
 
-class Dealer {
+class Dealer : Builder {
 public:
-    explicit Dealer(const CreatureSettings& settings)
-        : level_count_(settings.level_count), left_(settings.joint_count), random_(settings.seed) {
+    explicit Dealer(const CreatureSettings& settings) : Builder(settings), random_(settings.seed) {
         build_ = {random_.between(0.92, 1.12), random_.between(0.9, 1.12), random_.between(-0.15, 0.35),
                   random_.between(0.9, 1.08)};
     }
 
-    Body deal() {
-        body_.parent = {kNone};
-        body_.level = {1};
-        --left_;
+    Dragon deal() {
         const uint32_t tail = level_count_ - 1;
-        const uint32_t rest = left_ - tail;
+        const uint32_t rest = left_ - 1 - tail;
         const uint32_t trunk = std::min({2 + rest / 20, rest, 24u, std::max(1u, tail * 2 / 3), tail});
-        body_.axis = axis_outline(build_, rest - trunk >= 2);
-        body_.root_at = trunk > 0 ? kRootAt : 0;
+        axis_ = axis_outline(build_, rest - trunk >= 2);
+        root_at_ = trunk > 0 ? kRootAt : 0;
         head_at_ = trunk > 0 ? kHeadAt : 0;
-        place(0, body_.root_at, trunk > 0 ? -1 : 1, body_.axis, {0, 1, 0});
+        add_root(axis_, root_at_, trunk > 0 ? -1 : 1, {0, 1, 0});
         deal_axis(tail, trunk);
         deal_legs();
         deal_wings();
         deal_jaw();
         deal_toes();
         deal_tendrils();
-        return std::move(body_);
+        return {std::move(body_), std::move(axis_), root_at_, left_flank_, right_flank_};
     }
 
 private:
-    uint32_t room_below(uint32_t joint) const { return level_count_ - body_.level[joint]; }
-
-    void place(uint32_t joint, double t, double sign, const Outline& outline, const Vec& up) {
-        const Vec forward = outline.direction(t) * sign;
-        body_.position.resize(body_.parent.size());
-        body_.rotation.resize(body_.parent.size());
-        body_.position[joint] = outline.at(t).center;
-        body_.rotation[joint] = rotation_to(perpendicular(up, forward), forward);
-    }
-
-    // Adds the chain's joints; its outline, begin and step are set.
-    void add(Chain chain) {
-        chain.first_joint = body_.joint_count();
-        Vec up = chain.up;
-        for (uint32_t k = 0; k < chain.joint_count; ++k) {
-            const uint32_t joint = body_.joint_count();
-            const uint32_t parent = k == 0 ? chain.parent_joint : joint - 1;
-            body_.parent.push_back(parent);
-            body_.level.push_back(body_.level[parent] + 1);
-            place(joint, chain.at(k), chain.step < 0 ? -1 : 1, chain.outline, up);
-            up = rotate(body_.rotation[joint], {0, 1, 0});  // carried along, so that the limb does not twist
-        }
-        left_ -= chain.joint_count;
-        body_.chains.push_back(std::move(chain));
-    }
-    // A limb of its own, from its first station to its last; nothing where it has no joints.
     void add_limb(Chain limb) {
-        if (limb.joint_count == 0) return;
-        limb.step = 1.0 / limb.joint_count;
-        add(std::move(limb));
+        if (limb.joint_count > 0) Builder::add_limb(std::move(limb));
+    }
+    // The joint that moves the body's flesh at t of the axis.
+    uint32_t axis_joint(double t) const {
+        const uint32_t bone = uint32_t(std::upper_bound(axis_bones_.bounds.begin() + 1, axis_bones_.bounds.end() - 1, t) - axis_bones_.bounds.begin()) - 1;
+        return axis_bones_.joints[bone];
     }
 
     void deal_axis(uint32_t tail, uint32_t trunk) {
-        add_on_axis(Part::kTail, tail, (1 - body_.root_at) / (tail + 1));
-        add_on_axis(Part::kTrunk, trunk, (head_at_ - body_.root_at) / std::max(trunk, 1u));
+        add_on_axis(Part::kTail, tail, (1 - root_at_) / (tail + 1));
+        add_on_axis(Part::kTrunk, trunk, (head_at_ - root_at_) / std::max(trunk, 1u));
         if (trunk > 0) head_joint_ = body_.joint_count() - 1;
+        axis_bones_ = bones_of_axis(body_);
     }
     void add_on_axis(Part part, uint32_t count, double step) {
         if (count > 0)
             add({.part = part,
                  .joint_count = count,
-                 .outline = body_.axis,
-                 .begin = body_.root_at + step,
+                 .outline = axis_,
+                 .begin = root_at_ + step,
                  .step = step,
                  .phase_turns = random_.unit()});
     }
@@ -142,7 +116,7 @@ private:
     void deal_legs() {
         const uint32_t wish = std::clamp(left_ / 12, 1u, 4u);
         for (const uint32_t number : {1u, 0u}) {
-            const uint32_t parent = number == 0 ? body_.axis_joint(kChestAt) : 0;
+            const uint32_t parent = number == 0 ? axis_joint(kChestAt) : 0;
             const uint32_t count = std::min({wish, room_below(parent), left_ / 2});
             for (const double side : {1.0, -1.0})
                 add_limb({.part = Part::kLeg,
@@ -152,15 +126,15 @@ private:
                           .up = {0, 0, 1},
                           .side = side,
                           .number = number,
-                          .grows_at = number == 0 ? kChestAt : kRootAt});
+                          .base = influences_at(axis_bones_, number == 0 ? kChestAt : kRootAt)});
         }
     }
 
     void deal_wings() {
-        const uint32_t shoulder = body_.axis_joint(kChestAt);
+        const uint32_t shoulder = axis_joint(kChestAt);
         const uint32_t room = room_below(shoulder);
         const uint32_t each = std::min({3 + left_ / 6, left_ / 2, 64u});
-        if (body_.root_at == 0 || each < 2 || room < 2) return;
+        if (root_at_ == 0 || each < 2 || room < 2) return;
         const uint32_t arm = std::min(each < 6 ? 1u : 3u, room - 1);
         const uint32_t fingers = each - arm < 4 ? std::min(each - arm, 2u) : std::clamp((each - arm) / 3, 2u, 5u);
         const double phase_turns = random_.unit();
@@ -180,7 +154,7 @@ private:
                                           {wrist, 0.04, 0.042}}),
                       .side = side,
                       .phase_turns = phase_turns,
-                      .grows_at = kChestAt});
+                      .base = influences_at(axis_bones_, kChestAt)});
             const uint32_t hand = body_.joint_count() - 1;
             uint32_t rest = each - arm;
             for (uint32_t finger = 0; finger < fingers; ++finger) {
@@ -197,14 +171,14 @@ private:
                           .phase_turns = phase_turns,
                           .number = finger});
             }
-            (side > 0 ? body_.left_flank : body_.right_flank) = {at(0.12, 1.28, 0.30), {0.14 * side, 1.16, -0.62}};
+            (side > 0 ? left_flank_ : right_flank_) = {at(0.12, 1.28, 0.30), {0.14 * side, 1.16, -0.62}};
         }
     }
 
     void deal_jaw() {
-        if (left_ < 6 || body_.root_at == 0 || room_below(head_joint_) == 0) return;
+        if (left_ < 6 || root_at_ == 0 || room_below(head_joint_) == 0) return;
         const auto under = [&](double t, double down, double size) {
-            const Station s = body_.axis.at(t);
+            const Station s = axis_.at(t);
             return Station{s.center - Vec{0, s.height * down, 0}, s.width * size, s.height * size * 0.5};
         };
         add_limb({.part = Part::kJaw,
@@ -213,7 +187,7 @@ private:
                   .outline = Outline({under(0.22, 0.55, 0.7), under(0.16, 0.95, 0.75), under(0.10, 1.1, 0.8),
                                       under(0.07, 1.15, 0.8), under(0.035, 1.2, 0)}),
                   .phase_turns = random_.unit(),
-                  .grows_at = 0.22});
+                  .base = influences_at(axis_bones_, 0.22)});
     }
 
     void deal_toes() {
@@ -249,39 +223,19 @@ private:
         const double row = double(index / in_row);
         return {mix(first_site_, last_site_, along), 0.05 + 0.35 * row / rows};
     }
-    uint32_t site_parent(const Site& s) const {
-        uint32_t joint = body_.axis_joint(s.t);
-        while (room_below(joint) == 0) joint = body_.parent[joint];
-        return joint;
-    }
 
     void deal_tendrils() {
         if (left_ == 0) return;
         // Where the outermost joint of the axis has no level left below it, tendrils grow only on the joints before it.
         const Chain* tail = body_.find(Part::kTail);
         last_site_ = tail->at(tail->joint_count - 1);
-        first_site_ = room_below(head_joint_) > 0 ? std::min(0.235, body_.root_at) : head_at_;
-        const uint32_t pairs_of_joints = left_ / 2;
+        first_site_ = room_below(head_joint_) > 0 ? std::min(0.235, root_at_) : head_at_;
         const uint32_t wish = 2 + uint32_t(0.5 * std::sqrt(double(left_)));
-        uint32_t count = 0;
-        uint64_t capacity = 0;
-        std::vector<uint32_t> length;
-        while (capacity < pairs_of_joints) {
-            count += 1 + count / 16;
-            length.clear();
-            capacity = 0;
-            for (uint32_t i = 0; i < count; ++i) {
-                length.push_back(std::min(wish, room_below(site_parent(site(i, count)))));
-                capacity += length.back();
-            }
-        }
-        // A little room too much: every tendril gives up its share.
-        uint64_t before = 0;
+        const std::vector<uint32_t> lengths =
+            share_out(left_ / 2, wish, 0, [&](uint32_t i, uint32_t count) { return room_below(with_room(axis_joint(site(i, count).t))); });
+        const uint32_t count = uint32_t(lengths.size());
         for (uint32_t i = 0; i < count; ++i) {
-            const uint64_t after = before + length[i];
-            const uint32_t joints = uint32_t(after * pairs_of_joints / capacity - before * pairs_of_joints / capacity);
-            before = after;
-            const Tendril tendril{joints, random_.between(0.85, 1.15), random_.unit()};
+            const Tendril tendril{lengths[i], random_.between(0.85, 1.15), random_.unit()};
             for (const double side : {1.0, -1.0}) add_tendril(tendril, site(i, count), side, count);
         }
         if (left_ > 0) add_tendril({}, {last_site_, 0}, 0, count);
@@ -293,8 +247,8 @@ private:
     };
     // `count` is the number of pairs that share the body.
     void add_tendril(const Tendril& tendril, const Site& s, double side, uint32_t count) {
-        const Station flesh = body_.axis.at(s.t);
-        const Vec along = body_.axis.direction(s.t);
+        const Station flesh = axis_.at(s.t);
+        const Vec along = axis_.direction(s.t);
         const Vec up = perpendicular({0, 1, 0}, along);
         const Vec across = cross(up, along);
         const double x = sine(s.angle_turns) * side * (across.x < 0 ? -1 : 1), y = cosine(s.angle_turns);
@@ -312,19 +266,21 @@ private:
         const Outline outline({station(0, 0, 0, 1), station(0.28, 0.10, 0, 0.9), station(0.50, 0.32, 0, 0.7),
                                station(0.64, 0.62, 0.03, 0.4), station(0.70, 0.95, 0.10, 0)});
         add_limb({.part = Part::kTendril,
-                  .parent_joint = site_parent(s),
+                  .parent_joint = with_room(axis_joint(s.t)),
                   .joint_count = tendril.joint_count,
                   .outline = outline,
                   .up = outward,
                   .side = side,
                   .phase_turns = tendril.phase_turns,
-                  .grows_at = s.t});
+                  .base = influences_at(axis_bones_, s.t)});
     }
 
-    uint32_t level_count_, left_;
     Random random_;
     Build build_{};
-    Body body_;
+    Outline axis_;
+    Bones axis_bones_;
+    double root_at_ = 0;  // on the axis
+    Flank left_flank_, right_flank_;
     uint32_t head_joint_ = 0;
     double head_at_ = 0;                     // on the axis
     double first_site_ = 0, last_site_ = 1;  // where tendrils may grow, on the axis
@@ -332,23 +288,23 @@ private:
 
 }  // namespace
 
-const Chain* Body::find(Part part) const {
-    for (const Chain& chain : chains)
-        if (chain.part == part) return &chain;
-    return nullptr;
+Bones bones_of_axis(const Body& body) {
+    Bones bones{{}, {0}, {}};
+    if (const Chain* trunk = body.find(Part::kTrunk))
+        for (uint32_t k = trunk->joint_count; k-- > 0;) {
+            bones.joints.push_back(trunk->first_joint + k);
+            bones.bounds.push_back(trunk->at(k));
+        }
+    bones.joints.push_back(0);
+    if (const Chain* tail = body.find(Part::kTail))
+        for (uint32_t k = 0; k < tail->joint_count; ++k) {
+            bones.joints.push_back(tail->first_joint + k);
+            bones.bounds.push_back(tail->at(k));
+        }
+    bones.bounds.push_back(1);
+    return bones;
 }
 
-uint32_t Body::axis_joint(double t) const {
-    const Chain* tail = find(Part::kTail);
-    const Chain* trunk = find(Part::kTrunk);
-    const auto joint_of = [](const Chain& chain, double steps) {  // steps from the root
-        if (steps < 1) return 0u;
-        return chain.first_joint + std::min(uint32_t(steps), chain.joint_count) - 1;
-    };
-    if (t > root_at) return tail ? joint_of(*tail, (t - root_at) / tail->step) : 0;
-    return trunk ? joint_of(*trunk, (t - root_at) / trunk->step) : 0;
-}
-
-Body make_body(const CreatureSettings& settings) { return Dealer(settings).deal(); }
+Dragon make_dragon_body(const CreatureSettings& settings) { return Dealer(settings).deal(); }
 
 }  // namespace throng::creature

@@ -1,0 +1,52 @@
+// Looping clips: every joint's bend as a function of its place in its chain and of the part of the loop that has passed.
+#pragma once
+
+#include "tools/creatures/body.h"
+
+#include <span>
+
+namespace throng::creature {
+
+struct ClipPlan {
+    const char* name;
+    uint32_t ticks;  // of 1/30 s
+};
+
+// Turns of a joint against its rest, radians: pitch lowers the limb's end (towards -up), yaw swings it to its left of
+// up and forward, roll turns it about itself. Every wave passes whole in a clip, so that the loop closes.
+struct Bend {
+    double pitch = 0, yaw = 0, roll = 0;
+};
+
+// One joint of a chain at one key of a clip.
+struct Moment {
+    const Chain& chain;
+    uint32_t k;
+    uint32_t clip;  // of the plans
+    double loop;    // the part of the clip that has passed, in turns
+
+    double along() const { return (k + 0.5) / chain.joint_count; }
+    double share() const { return 1.0 / chain.joint_count; }  // of a bend of the whole chain
+    // Of a bend spread smoothly over from … to of the chain; all joints together have 1.
+    double share_between(double from, double to) const {
+        return smooth_step(from, to, (k + 1) * share()) - smooth_step(from, to, k * share());
+    }
+};
+
+// The whole body's motion: the root joint is moved in model space, about itself.
+struct RootMotion {
+    Vec offset;
+    Bend bend;
+};
+
+// A kind's clips. A bend per joint should shrink with the length of the chain, so that a limb of 100 joints bends as far
+// in all as one of 5.
+struct Motion {
+    std::span<const ClipPlan> clips;
+    Bend (*bend)(const Moment&);
+    RootMotion (*root)(uint32_t clip, double loop);
+};
+
+std::vector<AssetClip> make_clips(const Body& body, const std::vector<AssetNode>& nodes, const Motion& motion);
+
+}  // namespace throng::creature

@@ -1,0 +1,20 @@
+// What a kind of creature is: a tree of joints, flesh on it, and how both move.
+#pragma once
+
+#include "tools/creatures/clips.h"
+#include "tools/creatures/mesh.h"
+
+namespace throng::creature {
+
+struct Model {
+    Body body;
+    std::vector<Piece> pieces;  // most important first: what does not fit the face budget is left out from the end
+    Motion motion;
+};
+
+Model make_dragon(const CreatureSettings& settings);
+Model make_willow(const CreatureSettings& settings);
+Model make_walker(const CreatureSettings& settings);
+Model make_centipede(const CreatureSettings& settings);
+
+}  // namespace throng::creature

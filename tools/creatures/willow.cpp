@@ -1,0 +1,239 @@
+// The willow: a trunk that forks into limbs, boughs that arch outward from them, and strands of leaves that hang from
+// both. Wood and leaves are the same for every number of joints; the joints say how finely they bend.
+#include "tools/creatures/model.h"
+
+namespace throng::creature {
+namespace {
+
+constexpr uint32_t kLimbs = 5, kBoughs = 3;  // boughs on each limb
+constexpr uint32_t kBranches = kLimbs * (1 + kBoughs);
+
+bool is_limb(uint32_t branch) { return branch % (1 + kBoughs) == 0; }
+double fork_at(uint32_t branch) { return 0.19 + 0.17 * (branch % (1 + kBoughs)); }  // of a bough, on its limb
+Vec around(double turns, double radius, double y) { return {radius * cosine(turns), y, radius * sine(turns)}; }
+
+// Where strand `index` of `count` hangs; they follow the branches.
+struct Site {
+    uint32_t branch;
+    double t;
+};
+Site site_of(uint32_t index, uint32_t count) {
+    const double place = (index + 0.5) / count * kBranches;
+    const uint32_t branch = std::min(uint32_t(place), kBranches - 1);
+    return {branch, mix(is_limb(branch) ? 0.45 : 0.2, 1, place - branch)};  // limbs are bare at the fork
+}
+
+// The tree's shape, by its seed.
+struct Tree {
+    uint64_t seed;
+    Outline trunk;
+    std::vector<Outline> branches;  // each limb before its boughs
+    std::vector<double> toward_turns;
+
+    explicit Tree(const CreatureSettings& settings) : seed(settings.seed) {
+        Random random(seed);
+        const double lean = random.between(-0.08, 0.08), turn = random.unit(), spread = random.between(0.9, 1.1);
+        trunk = Outline({{{0, 0, 0}, 0.21, 0.21},
+                         {{0.2 * lean, 0.10, 0.01}, 0.15, 0.15},
+                         {{0.8 * lean, 0.34, 0.03}, 0.115, 0.12},
+                         {{0.9 * lean, 0.58, 0.0}, 0.105, 0.11},
+                         {{1.1 * lean, 0.80, -0.03}, 0.12, 0.115},
+                         {{1.1 * lean, 0.96, -0.03}, 0.07, 0.07}});
+        for (uint32_t i = 0; i < kLimbs; ++i) {
+            const bool leads = i + 1 == kLimbs;  // up through the middle
+            const double toward = turn + (leads ? random.unit() : (i + random.between(-0.15, 0.15)) / (kLimbs - 1));
+            const double reach = spread * (leads ? 0.45 : random.between(0.92, 1.08));
+            const double height = leads ? 1.08 : random.between(0.92, 1.03);
+            const Vec foot = trunk.at(leads ? 0.85 : random.between(0.68, 0.8)).center;
+            const auto at = [&](double out, double y, double girth) {
+                return Station{foot + around(toward, out * reach, (y - foot.y) * height), girth, girth};
+            };
+            add_branch({{foot, 0.075, 0.075}, at(0.16, 1.12, 0.062), at(0.33, 1.50, 0.047), at(0.54, 1.80, 0.032), at(0.78, 1.91, 0.016), at(1.02, 1.74, 0.004)}, toward);
+            for (uint32_t k = 1; k <= kBoughs; ++k) add_bough(uint32_t(branches.size()), branches[branches.size() - k], toward, spread * (leads ? 0.8 : 1), random);
+        }
+    }
+
+    Outline strand(const Site& site, uint32_t number) const {
+        Random random(seed + 7919 * (number + 1));
+        const Vec top = branches[site.branch].at(site.t).center;
+        const double toward = toward_turns[site.branch] + random.between(-0.16, 0.16);
+        const double end = random.between(0.10, 0.55) + 0.25 * random.unit();
+        const double drop = std::max(0.25, (top.y - end) * random.between(0.75, 1.0)), out = random.between(0.06, 0.17);
+        const auto at = [&](double reach, double fall) { return Station{top + around(toward, out * reach, -drop * fall)}; };
+        return Outline({at(0, 0), at(0.75, 0.03), at(1.2, 0.30), at(1.25, 0.65), at(1.2, 1)});
+    }
+
+private:
+    void add_branch(std::vector<Station> stations, double toward) {
+        branches.push_back(Outline(std::move(stations)));
+        toward_turns.push_back(toward);
+    }
+    void add_bough(uint32_t number, const Outline& limb, double toward, double spread, Random& random) {
+        const Station fork = limb.at(fork_at(number));
+        const double size = spread * random.between(0.8, 1.1), girth = 0.8 * fork.width;
+        const double aside = toward + (number % 2 == 0 ? 1 : -1) * random.between(0.10, 0.17);
+        const auto at = [&](double out, double y, double thin) { return Station{fork.center + around(aside, out * size, y * size), girth * thin, girth * thin}; };
+        add_branch({at(0, 0, 1), at(0.16, 0.15, 0.75), at(0.36, 0.21, 0.5), at(0.56, 0.10, 0.3), at(0.68, -0.12, 0.1)}, aside);
+    }
+};
+
+// All limbs bend about axes of the same directions, so that the wind moves them the same way: a positive pitch towards -x.
+constexpr Vec kWindward{1, 0, 0};
+// Gusts pass through the crown.
+double phase_at(const Vec& point) { return 0.16 * point.x + 0.07 * point.z; }
+
+class Gardener : Builder {
+public:
+    explicit Gardener(const CreatureSettings& settings) : Builder(settings), tree_(settings) {}
+
+    Body grow() {
+        add_root(tree_.trunk, 0, 1, kWindward);
+        // One way to the deepest leaf first, then wood, and the rest to the strands.
+        const uint32_t depth = level_count_ - 1, trunk = std::min(8u, (depth + 5) / 6), limb = std::min(8u, depth / 6);
+        const uint32_t spare = left_ - depth;
+        add_limb({.part = Part::kTrunk, .joint_count = trunk, .outline = tree_.trunk, .up = kWindward});
+        add_branch(0, limb);
+        add_strand({0, 1}, depth - trunk - limb, 0);
+        for (uint32_t branch = 1; branch < kBranches; ++branch) add_branch(branch, std::min(limb, spare / (2 * kBranches)));
+        const uint32_t wish = 3 + uint32_t(0.35 * std::sqrt(double(left_)));
+        const std::vector<uint32_t> lengths = share_out(left_, wish, 0, [&](uint32_t i, uint32_t count) {
+            const Site site = site_of(i, count);
+            return room_below(with_room(wood_of(site.branch).joint_at(site.t)));
+        });
+        for (uint32_t i = 0; i < lengths.size(); ++i) add_strand(site_of(i, uint32_t(lengths.size())), lengths[i], i + 1);
+        return std::move(body_);
+    }
+
+private:
+    const Chain& wood_of(uint32_t branch) const { return body_.chains[branch == 0 ? 1 : branch + 2]; }  // the deepest strand is 2
+
+    void add_branch(uint32_t branch, uint32_t joint_count) {
+        const Chain& from = is_limb(branch) ? body_.chains[0] : wood_of(branch - branch % (1 + kBoughs));
+        add({.part = is_limb(branch) ? Part::kLimb : Part::kBough, .joint_count = joint_count, .outline = tree_.branches[branch], .number = branch}, from,
+            is_limb(branch) ? 1 : fork_at(branch));
+    }
+    void add_strand(const Site& site, uint32_t joint_count, uint32_t number) {
+        add({.part = Part::kStrand, .joint_count = joint_count, .outline = tree_.strand(site, number), .number = site.branch, .at_body = site.branch + site.t},
+            wood_of(site.branch), site.t);
+    }
+    void add(Chain chain, const Chain& from, double t) {
+        chain.parent_joint = with_room(from.joint_at(t));
+        chain.up = kWindward;
+        chain.phase_turns = phase_at(chain.outline.at(0).center);
+        chain.base = influences_at(bones_of(from), t);
+        add_limb(std::move(chain));
+    }
+
+    Tree tree_;
+};
+
+std::vector<Piece> wood(const Tree& tree, const Body& body) {
+    Random random(~tree.seed);
+    const Vec bark = color_of(random.between(0.06, 0.10), random.between(0.25, 0.40), random.between(0.30, 0.38));
+    const Vec twig = color_of(random.between(0.13, 0.18), 0.5, 0.42);
+    std::vector<Piece> pieces;
+    const auto add = [&](const Chain& chain, const Paint& paint, double sides, double segments) {
+        pieces.push_back(Tube{.outline = chain.outline, .bones = bones_of(chain), .up = chain.up, .paint = paint, .wanted_sides = sides, .wanted_segments = segments});
+    };
+    const auto add_all = [&](Part part, const Paint& paint, double sides, double segments) {
+        for (const Chain& chain : body.chains)
+            if (chain.part == part) add(chain, paint, sides, segments);
+    };
+    add_all(Part::kTrunk, fading(bark * 0.75, bark * 1.2), 8, 7);
+    add_all(Part::kLimb, fading(bark, twig), 5, 5);
+    for (uint32_t i = 0; i < 5; ++i) {
+        const double toward = (i + random.between(-0.2, 0.2)) / 5;
+        pieces.push_back(Tube{.outline = Outline({{around(toward, 0.06, 0.16), 0.07, 0.08},
+                                                  {around(toward, 0.19, 0.05), 0.05, 0.045},
+                                                  {around(toward + 0.02, 0.32, -0.005), 0.025, 0.02},
+                                                  {around(toward + 0.03, 0.42, -0.02), 0, 0}}),
+                              .bones = stiff({{0, 1}}),
+                              .paint = plain(bark * 0.8),
+                              .wanted_sides = 4,
+                              .wanted_segments = 3});
+    }
+    add_all(Part::kBough, fading(bark, twig), 3, 3);
+    return pieces;
+}
+
+// More leaves make more strands; each hangs where it belongs and moves with the nearest strand of joints.
+class Foliage {
+public:
+    Foliage(const Tree& tree, const Body& body) : tree_(tree) {
+        Random random(3 * tree.seed + 1);
+        const double hue = random.between(0.19, 0.27);
+        shade_ = color_of(hue + 0.03, 0.65, 0.30);
+        light_ = color_of(hue, 0.62, 0.66);
+        for (const Chain& chain : body.chains)
+            if (chain.part == Part::kStrand) strands_.push_back({chain.at_body, bones_of(chain)});
+        std::stable_sort(strands_.begin(), strands_.end(), [](const Strand& a, const Strand& b) { return a.place < b.place; });
+    }
+
+    Leaf at(uint32_t index, uint32_t count) const {
+        const uint32_t strands = std::clamp(count / 11, 12u, 300u);
+        const uint32_t number = index % strands;
+        const Site site = site_of(number, strands);
+        Random random(tree_.seed ^ (uint64_t{index} << 20));
+        const Outline outline = tree_.strand(site, number + 100);
+        const double part = (index / strands + random.unit()) * strands / (count + strands), t = part * (0.6 + 0.4 * part);  // denser at the top
+        const Vec base = outline.at(t).center, down = outline.direction(t);
+        const double turns = random.unit(), size = random.between(0.8, 1.2) * std::sqrt(1150.0 / count);
+        const Vec along = normalized(down + around(turns, mix(0.9, 0.4, smooth_step(0, 0.2, t)), 0)) * (0.27 * size);
+        const Vec outward = normalized(Vec{base.x, 0.8 * (base.y - 1.0) + 0.25, base.z} + around(random.unit(), 0.25, 0));
+        const Vec across = cross(normalized(along), outward + around(random.unit(), 0.8, 0));
+        const double sunny = std::clamp(0.25 + 0.5 * random.unit() + 0.35 * (base.y - 1.0), 0.0, 1.0);
+        return {base, along, normalized(across) * (0.032 * size), outward, lerp(shade_, light_, sunny), influences_at(nearest(site), t)};
+    }
+
+private:
+    struct Strand {
+        double place;  // branch and t
+        Bones bones;
+    };
+    const Bones& nearest(const Site& site) const {
+        const double place = site.branch + site.t;
+        const auto after = std::lower_bound(strands_.begin() + 1, strands_.end() - 1, place, [](const Strand& s, double p) { return s.place < p; });
+        return (place - (after - 1)->place < after->place - place ? after - 1 : after)->bones;
+    }
+
+    Tree tree_;
+    Vec shade_, light_;
+    std::vector<Strand> strands_;
+};
+
+enum Clip { kCalm, kGust };
+constexpr ClipPlan kPlans[] = {{"calm", 144}, {"gust", 96}};
+
+Bend bend_of(const Moment& m) {
+    const double share = m.share(), turns = m.loop - m.chain.phase_turns;
+    const bool gust = m.clip == kGust;
+    // Two waves of different length do not look like a clock.
+    const auto sway = [&](double lag) { return 0.7 * sine(turns - lag) + 0.3 * sine(2 * turns - 1.7 * lag + 0.2); };
+    switch (m.chain.part) {
+        case Part::kTrunk: return {share * (gust ? 0.05 + 0.025 * sway(0) : 0.008 * sway(0)), share * 0.008 * sway(0.3), 0};
+        case Part::kLimb: return {share * (gust ? 0.10 + 0.06 * sway(0.05) : 0.02 * sway(0.05)), share * 0.02 * sway(0.35), 0};
+        case Part::kBough: return {share * (gust ? 0.14 + 0.10 * sway(0.08) : 0.03 * sway(0.08)), share * 0.04 * sway(0.4), 0};
+        default: break;
+    }
+    const double lag = 0.15 + 0.45 * m.along();
+    if (gust) return {share * (0.85 + 0.5 * sway(lag) + 0.18 * m.along() * sine(4 * turns - 2 * lag)), share * 0.28 * sway(lag + 0.25), 0};
+    return {share * 0.16 * sway(lag), share * 0.12 * sway(lag + 0.25), 0};
+}
+
+// The roots hold: only what little the ground gives.
+RootMotion root_motion(uint32_t clip, double loop) {
+    const double give = clip == kGust ? 0.006 : 0.002;
+    return {{0.1 * give * sine(loop), 0, 0}, {0, 0, give * sine(loop)}};
+}
+
+}  // namespace
+
+Model make_willow(const CreatureSettings& settings) {
+    Body body = Gardener(settings).grow();
+    const Tree tree(settings);
+    std::vector<Piece> pieces = wood(tree, body);
+    pieces.push_back(Leaves{.at = [foliage = Foliage(tree, body)](uint32_t index, uint32_t count) { return foliage.at(index, count); }, .wanted_count = 1150});
+    return {std::move(body), std::move(pieces), {kPlans, bend_of, root_motion}};
+}
+
+}  // namespace throng::creature
