@@ -148,7 +148,7 @@ TEST_F(CliController, WrongInputIsRefusedAndNothingIsLeftBehind) {
                                            {{"controller", "check", wrong},
                                             "wrong.json:3: layers[0].transitions[0].to: there is no state 'swin'; did you mean 'swim'? There is: swim"},
                                            {{"controller", "check", swimmer, "--character", creature},
-                                            "swimmer.json with creature.glb: layers[0].states.swim.clip: there is no clip 'swim'. There are: idle, walk, fly"},
+                                            "swimmer.json with creature.glb: layers[0].states.swim.clip: there is no clip 'swim'. There are: idle, walk, fly, glide, roar"},
                                            {{"controller", "check", swimmer, "--character", swimmer}, "swimmer.json"},
                                            {{"controller", "graph", swimmer}, "--out"},
                                            {{"controller", "graph", swimmer, "-o", file("a.png")}, "neither in .svg nor in .dot"},

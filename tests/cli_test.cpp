@@ -112,10 +112,10 @@ TEST_F(Cli, InfoCountsExactly) {
     EXPECT_EQ(info["palette_entries"], kJoints);
     ASSERT_EQ(info["skins"].size(), 1u);
     EXPECT_EQ(info["skins"][0]["joints"], kJoints);
-    ASSERT_EQ(info["clips"].size(), 3u);
-    const char* names[] = {"idle", "walk", "fly"};
+    ASSERT_EQ(info["clips"].size(), 5u);
+    const char* names[] = {"idle", "walk", "fly", "glide", "roar"};
     uint64_t clip_bytes = 0, raw_bytes = 0;
-    for (size_t i = 0; i < 3; ++i) {
+    for (size_t i = 0; i < 5; ++i) {
         const Json& clip = info["clips"][i];
         EXPECT_EQ(clip["name"], names[i]);
         EXPECT_GT(clip["duration_s"], 0);
@@ -542,6 +542,7 @@ TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
         {{"render", creature(), "--out", png, "--time", "1e300"}, "--time"},
         {{"render", creature(), "--out", png, "--device", "99"}, "99"},
         {{"generate", "--out", file("nowhere/creature.glb")}, "nowhere/creature.glb"},
+        {{"generate", "unicorn", "--out", file("none.glb")}, "there is no 'unicorn'. There are: dragon, willow, walker, centipede"},
         {{"generate", "--joints", "0", "--out", file("none.glb")}, "joints"},
         {{"generate", "--joints", "-5", "--out", file("none.glb")}, "joints"},
         {{"generate", "--joints", "10", "--levels", "11", "--out", file("none.glb")}, "levels"},

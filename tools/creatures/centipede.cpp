@@ -207,7 +207,7 @@ Bend bend_of_leg(const Moment& m) {
         return {-0.42 * hip * lifted + 0.25 * foot * lifted, hip * -0.42 * side * sine(step), 0};
     }
     const double tucked = m.clip == kCurl ? coil(m.loop) : 0, stir = sine(m.loop + m.chain.at_body);
-    return {hip * (0.02 * stir + 0.15 * tucked) + foot * (0.3 * tucked - 0.01 * stir), side * hip * (0.05 * stir + 0.35 * tucked), 0};
+    return {hip * (0.02 * stir - 0.05 * tucked) + foot * (0.25 * tucked - 0.01 * stir), side * hip * (0.05 * stir + 0.35 * tucked), 0};
 }
 
 Bend bend_of(const Moment& m) {

@@ -93,8 +93,9 @@ private:
     }
     // The joint that moves the body's flesh at t of the axis.
     uint32_t axis_joint(double t) const {
-        const uint32_t bone = uint32_t(std::upper_bound(axis_bones_.bounds.begin() + 1, axis_bones_.bounds.end() - 1, t) - axis_bones_.bounds.begin()) - 1;
-        return axis_bones_.joints[bone];
+        const Chain* chain = body_.find(t > root_at_ ? Part::kTail : Part::kTrunk);
+        const double steps = chain ? (t - root_at_) / chain->step : 0;  // from the root
+        return steps < 1 ? 0 : chain->first_joint + std::min(uint32_t(steps), chain->joint_count) - 1;
     }
 
     void deal_axis(uint32_t tail, uint32_t trunk) {

@@ -37,10 +37,10 @@ Bend bend_of_trunk(const Moment& m) {
             return {neck * (0.55 + 0.12 * sine(loop - 0.3)) - head * (0.45 + 0.1 * sine(loop - 0.3)),
                     0.05 * share * sine(loop), 0};
         case Gait::kGlide:  // looks about
-            return {neck * (0.6 + 0.05 * sine(loop)) - head * (0.5 + 0.05 * sine(loop)), 0.22 * (neck + head) * sine(loop), 0};
+            return {share * 0.03 * sine(loop) + neck * 0.6 - head * 0.5, 0.22 * (neck + head) * sine(loop), 0};
         case Gait::kRoar: {  // rears its neck, then throws the head forward
             const double high = swell(loop), late = swell(loop - 0.06);
-            return {neck * (0.15 * sine(loop) - 0.55 * high) + head * (0.65 * high - 0.35 * late - 0.03 * high * sine(9 * loop)),
+            return {share * 0.08 * sine(loop) - neck * 0.55 * high + head * (0.65 * high - 0.35 * late - 0.03 * high * sine(9 * loop)),
                     (neck + head) * (0.05 * sine(loop) + 0.16 * high * sine(2 * loop)), 0};
         }
     }

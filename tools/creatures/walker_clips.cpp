@@ -44,7 +44,7 @@ double hinge(const Moment& m, uint32_t number) { return m.share_between(0.25 * n
 Bend bend_of_leg(const Moment& m) {
     const LegPose leg = leg_pose(m.clip, step_of(m.loop, m.chain.side));
     const double stir = 0.01 * m.share() * sine(m.loop);
-    if (m.chain.joint_count < 4) return {m.k == 0 ? leg.hip + 0.5 * leg.knee : stir, 0, 0};  // a stilt
+    if (m.chain.joint_count < 4) return {m.k == 0 ? leg.hip + 0.4 * leg.knee : stir, 0, 0};  // a stilt
     const double toes = moves(m.clip) ? -0.5 * std::max(0.0, leg.foot + leg.hip + leg.knee) : stir;
     return {leg.hip * hinge(m, 0) + leg.knee * hinge(m, 1) + leg.foot * hinge(m, 2) + toes * hinge(m, 3), 0, 0};
 }
@@ -66,10 +66,10 @@ Bend bend_of_arm(const Moment& m) {
             if (side > 0) break;
             // Up, to and fro from the elbow, and down again.
             const double up = smooth_step(0.04, 0.24, m.loop) * smooth_step(0.96, 0.76, m.loop), beat = sine(4 * m.loop);
-            forward = mix(forward, 0.25, up);
+            forward = mix(forward, 0.15, up);
             down = mix(down, -1.05, up);
-            elbow = mix(elbow, 0.35, up);
-            bow = up * (-0.95 + 0.45 * beat);
+            elbow = mix(elbow, 0.2, up);
+            bow = up * (-1.35 + 0.4 * beat);
             hand += 0.1 * up * beat;
             break;
     }

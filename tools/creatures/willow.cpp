@@ -43,7 +43,7 @@ struct Tree {
             const bool leads = i + 1 == kLimbs;  // up through the middle
             const double toward = turn + (leads ? random.unit() : (i + random.between(-0.15, 0.15)) / (kLimbs - 1));
             const double reach = spread * (leads ? 0.45 : random.between(0.92, 1.08));
-            const double height = leads ? 1.08 : random.between(0.92, 1.03);
+            const double height = leads ? 1.09 : random.between(0.92, 1.03);
             const Vec foot = trunk.at(leads ? 0.85 : random.between(0.68, 0.8)).center;
             const auto at = [&](double out, double y, double girth) {
                 return Station{foot + around(toward, out * reach, (y - foot.y) * height), girth, girth};
@@ -57,8 +57,8 @@ struct Tree {
         Random random(seed + 7919 * (number + 1));
         const Vec top = branches[site.branch].at(site.t).center;
         const double toward = toward_turns[site.branch] + random.between(-0.16, 0.16);
-        const double end = random.between(0.10, 0.55) + 0.25 * random.unit();
-        const double drop = std::max(0.25, (top.y - end) * random.between(0.75, 1.0)), out = random.between(0.06, 0.17);
+        const double end = random.between(0.08, 0.45) + 0.2 * random.unit();
+        const double drop = std::max(0.25, (top.y - end) * random.between(0.8, 1.0)), out = random.between(0.06, 0.17);
         const auto at = [&](double reach, double fall) { return Station{top + around(toward, out * reach, -drop * fall)}; };
         return Outline({at(0, 0), at(0.75, 0.03), at(1.2, 0.30), at(1.25, 0.65), at(1.2, 1)});
     }
@@ -113,7 +113,7 @@ private:
             is_limb(branch) ? 1 : fork_at(branch));
     }
     void add_strand(const Site& site, uint32_t joint_count, uint32_t number) {
-        add({.part = Part::kStrand, .joint_count = joint_count, .outline = tree_.strand(site, number), .number = site.branch, .at_body = site.branch + site.t},
+        add({.part = Part::kStrand, .joint_count = joint_count, .outline = tree_.strand(site, number), .number = site.branch, .at_body = site.t},
             wood_of(site.branch), site.t);
     }
     void add(Chain chain, const Chain& from, double t) {
@@ -140,7 +140,7 @@ std::vector<Piece> wood(const Tree& tree, const Body& body) {
             if (chain.part == part) add(chain, paint, sides, segments);
     };
     add_all(Part::kTrunk, fading(bark * 0.75, bark * 1.2), 8, 7);
-    add_all(Part::kLimb, fading(bark, twig), 5, 5);
+    add_all(Part::kLimb, fading(bark, twig), 4, 7);
     for (uint32_t i = 0; i < 5; ++i) {
         const double toward = (i + random.between(-0.2, 0.2)) / 5;
         pieces.push_back(Tube{.outline = Outline({{around(toward, 0.06, 0.16), 0.07, 0.08},
@@ -156,7 +156,7 @@ std::vector<Piece> wood(const Tree& tree, const Body& body) {
     return pieces;
 }
 
-// More leaves make more strands; each hangs where it belongs and moves with the nearest strand of joints.
+// More leaves make more strands; each hangs where it belongs.
 class Foliage {
 public:
     Foliage(const Tree& tree, const Body& body) : tree_(tree) {
@@ -164,41 +164,56 @@ public:
         const double hue = random.between(0.19, 0.27);
         shade_ = color_of(hue + 0.03, 0.65, 0.30);
         light_ = color_of(hue, 0.62, 0.66);
+        branches_.resize(kBranches);
         for (const Chain& chain : body.chains)
-            if (chain.part == Part::kStrand) strands_.push_back({chain.at_body, bones_of(chain)});
-        std::stable_sort(strands_.begin(), strands_.end(), [](const Strand& a, const Strand& b) { return a.place < b.place; });
+            if (chain.part == Part::kStrand) {
+                if (chain.joint_count > 0) branches_[chain.number].strands.push_back({chain.at_body, bones_of(chain)});
+            } else if (chain.part != Part::kTrunk) {
+                branches_[chain.number].wood = bones_of(chain);
+            }
+        for (Branch& branch : branches_)
+            std::stable_sort(branch.strands.begin(), branch.strands.end(), [](const Strand& a, const Strand& b) { return a.at_branch < b.at_branch; });
     }
 
     Leaf at(uint32_t index, uint32_t count) const {
-        const uint32_t strands = std::clamp(count / 11, 12u, 300u);
+        const uint32_t strands = std::clamp(count / 7, 12u, 500u);
         const uint32_t number = index % strands;
         const Site site = site_of(number, strands);
         Random random(tree_.seed ^ (uint64_t{index} << 20));
         const Outline outline = tree_.strand(site, number + 100);
-        const double part = (index / strands + random.unit()) * strands / (count + strands), t = part * (0.6 + 0.4 * part);  // denser at the top
-        const Vec base = outline.at(t).center, down = outline.direction(t);
-        const double turns = random.unit(), size = random.between(0.8, 1.2) * std::sqrt(1150.0 / count);
-        const Vec along = normalized(down + around(turns, mix(0.9, 0.4, smooth_step(0, 0.2, t)), 0)) * (0.27 * size);
+        // Some of them cover the wood from which the strands hang: shorter, and every way.
+        const bool at_top = random.unit() < 0.18;
+        const double part = (index / strands + random.unit()) * strands / (count + strands), t = at_top ? 0.12 * part : part * (0.75 + 0.25 * part);
+        const Vec base = outline.at(t).center + Vec{0, at_top ? random.between(0, 0.07) : 0, 0}, down = outline.direction(t);
+        const double turns = random.unit(), size = random.between(0.8, 1.2) * (at_top ? 0.75 : 1) * std::sqrt(1150.0 / count);
+        const Vec along = normalized(down + around(turns, at_top ? 0.9 : 0.27, at_top ? -0.5 : 0)) * (0.29 * size);
         const Vec outward = normalized(Vec{base.x, 0.8 * (base.y - 1.0) + 0.25, base.z} + around(random.unit(), 0.25, 0));
         const Vec across = cross(normalized(along), outward + around(random.unit(), 0.8, 0));
         const double sunny = std::clamp(0.25 + 0.5 * random.unit() + 0.35 * (base.y - 1.0), 0.0, 1.0);
-        return {base, along, normalized(across) * (0.032 * size), outward, lerp(shade_, light_, sunny), influences_at(nearest(site), t)};
+        return {base, along, normalized(across) * (0.031 * size), outward, lerp(shade_, light_, sunny), moved_by(site, t)};
     }
 
 private:
     struct Strand {
-        double place;  // branch and t
+        double at_branch;
         Bones bones;
     };
-    const Bones& nearest(const Site& site) const {
-        const double place = site.branch + site.t;
-        const auto after = std::lower_bound(strands_.begin() + 1, strands_.end() - 1, place, [](const Strand& s, double p) { return s.place < p; });
-        return (place - (after - 1)->place < after->place - place ? after - 1 : after)->bones;
+    struct Branch {
+        Bones wood;
+        std::vector<Strand> strands;  // along it
+    };
+    // The nearest strand of the branch; where it has none, its leaves hang stiff.
+    Influences moved_by(const Site& site, double t) const {
+        const std::vector<Strand>& strands = branches_[site.branch].strands;
+        if (strands.empty()) return influences_at(branches_[site.branch].wood, site.t);
+        const auto after = std::lower_bound(strands.begin(), strands.end(), site.t, [](const Strand& s, double place) { return s.at_branch < place; });
+        const bool before = after == strands.end() || (after != strands.begin() && site.t - (after - 1)->at_branch < after->at_branch - site.t);
+        return influences_at((before ? after - 1 : after)->bones, t);
     }
 
     Tree tree_;
     Vec shade_, light_;
-    std::vector<Strand> strands_;
+    std::vector<Branch> branches_;
 };
 
 enum Clip { kCalm, kGust };
