@@ -215,7 +215,8 @@ Bend bend_of(const Moment& m) {
     switch (m.chain.part) {
         case Part::kTrunk: {
             const double wave = relaxed(m.clip, m.loop) * bend_of_wave(m.clip) * sine((m.clip == kCurl ? 0 : m.loop) - kBodyWaves * along);
-            return {0, share * (wave + (m.clip == kCurl ? coil(m.loop) * (3.2 + 7.5 * along) : 0)), 0};
+            const double gentle = 1.0 / (m.chain.joint_count + 4);  // few joints may not break the body where they bend
+            return {0, gentle * (wave + (m.clip == kCurl ? coil(m.loop) * (3.2 + 7.5 * along) : 0)), 0};
         }
         case Part::kLeg: return bend_of_leg(m);
         case Part::kAntenna: {

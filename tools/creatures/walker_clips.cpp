@@ -51,7 +51,7 @@ Bend bend_of_leg(const Moment& m) {
 
 Bend bend_of_arm(const Moment& m) {
     const double side = m.chain.side, swing = cosine(step_of(m.loop, side));  // against the leg of its side
-    double forward = 0.05 + 0.02 * sine(m.loop), down = 0.38 + 0.015 * sine(m.loop), elbow = 0.25, bow = 0, hand = 0.05 * sine(m.loop - 0.1);
+    double forward = 0.05 + 0.02 * sine(m.loop), down = 0.38 + 0.015 * sine(m.loop), elbow = 0.25 + 0.03 * sine(m.loop - 0.05), bow = 0, hand = 0.05 * sine(m.loop - 0.1);
     switch (m.clip) {
         case kWalk:
             forward = 0.04 - 0.46 * swing;
