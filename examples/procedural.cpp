@@ -1,5 +1,5 @@
 // Joints that move by rules: creatures that walk in place in a wind, each with a tail and tendrils that swing after it, and a head that follows a small one
-// flying around them. Three clips are all that an artist has made.
+// flying around them. Clips of walking and flying are all that an artist has made.
 //   procedural creature.glb picture.png
 // (./run throng generate makes such a creature)
 #include <throng/throng.h>
