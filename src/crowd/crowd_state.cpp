@@ -116,7 +116,7 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
             batch.cursors = storage("cursors", n * sizeof(io::InstanceCursor));
         }
         if (group.procedural) make_procedural_state(batch);
-        if (settings.culls) make_list(batch);
+        if (settings.culls) make_list(gpu, group, batch);
         batch.placements = storage("placements", n * kMatrix_bytes);
         for (size_t k = 0; k < (settings.keep_previous_matrices ? 2 : 1); ++k)
             batch.skins[k] = storage("skin matrices", n * std::max(group.palette_count, 1u) * skin_format_bytes(skin_format));
@@ -181,21 +181,6 @@ void CrowdState::watch(std::span<const uint32_t> instances) {
 }
 
 std::vector<Feedback> CrowdState::take_feedback() { return feedback ? feedback->take() : std::vector<Feedback>(); }
-
-// Nothing is drawn yet.
-void CrowdState::make_list(Batch& batch) const {
-    const Group& group = groups[batch.group];
-    batch.list = upload_writable_table(gpu, group.name + ": what is drawn", std::vector<uint32_t>(io::kFirstListed + size_t{batch.instance_count}));
-    std::vector<io::DrawCommand> draws;
-    for (size_t section = 0; section < group.sections.size(); ++section)
-        for (size_t detail = 0; detail < io::kDetailLevels; ++detail) {
-            const IndexRange range = detail <= group.details.size() ? group.detail_ranges[detail * group.sections.size() + section] : IndexRange();
-            draws.push_back({.index_count = range.index_count, .instance_count = 0, .first_index = range.first_index, .vertex_offset = 0, .first_instance = 0});
-        }
-    constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
-    batch.draws = upload(gpu, group.name + ": draw commands", draws, kUsage);
-    batch.dispatch = upload(gpu, group.name + ": dispatch commands", std::vector<uint32_t>{0, 1, 1}, kUsage);
-}
 
 // As its instances begin.
 void CrowdState::make_layers(Batch& batch) const {

@@ -61,7 +61,6 @@ private:
     void make_batches(uint32_t group, const CrowdSettings& settings);
     void take_turns();
     void make_feedback(const CrowdSettings& settings);
-    void make_list(Batch& batch) const;
     void make_layers(Batch& batch) const;
     void make_procedural_state(Batch& batch) const;
     void send(uint32_t instance, io::ControlCommand command);

@@ -32,6 +32,19 @@ io::CullView cull_view_of(const CrowdView* view) {
             .shadow = {shadow.x, shadow.y, shadow.z, 0}};
 }
 
+void make_list(const std::shared_ptr<Gpu>& gpu, const Group& group, Batch& batch) {
+    batch.list = upload_writable_table(gpu, group.name + ": what is drawn", std::vector<uint32_t>(io::kFirstListed + size_t{batch.instance_count}));
+    std::vector<io::DrawCommand> draws;
+    for (size_t section = 0; section < group.sections.size(); ++section)
+        for (size_t detail = 0; detail < io::kDetailLevels; ++detail) {
+            const IndexRange range = detail <= group.details.size() ? group.detail_ranges[detail * group.sections.size() + section] : IndexRange();
+            draws.push_back({.index_count = range.index_count, .instance_count = 0, .first_index = range.first_index, .vertex_offset = 0, .first_instance = 0});
+        }
+    constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
+    batch.draws = upload(gpu, group.name + ": draw commands", draws, kUsage);
+    batch.dispatch = upload(gpu, group.name + ": dispatch commands", std::vector<uint32_t>{0, 1, 1}, kUsage);
+}
+
 CullStage::CullStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches)
     : gpu_(std::move(gpu)), groups_(groups), batches_(batches), kernels_(gpu_), view_(upload(gpu_, "view", std::vector{cull_view_of(nullptr)})) {
     for (const Batch& batch : batches_) {

@@ -13,6 +13,9 @@ namespace throng {
 // The planes of what a view sees, and the eye; of no view, all there is, in full detail.
 io::CullView cull_view_of(const CrowdView* view);
 
+// Gives the batch its list, and the commands that animate and draw it; nothing is listed yet.
+void make_list(const std::shared_ptr<Gpu>& gpu, const Group& group, Batch& batch);
+
 class CullStage {
 public:
     // Of all batches, which have a list; keeps references to both.

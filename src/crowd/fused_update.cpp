@@ -10,8 +10,8 @@ FusedUpdate::FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& gro
     for (const Group& group : groups_) {
         Kernels& kernels = kernels_.emplace_back();
         if (!group.fused) continue;
-        const bool is_listed = settings.culls && !settings.keep_previous_matrices && group.animates_drawn_only();
-        const auto make = [&](bool blends) { return fused_kernel(gpu_, group.fused->plan, {.packed = group.packed, .blends = blends, .keeps_model = settings.keep_model_matrices, .skin_format = settings.skin_format, .layered = group.controller.has_value(), .socket_count = group.socket_count(), .inertial = group.controller && group.controller->is_inertial, .posed = group.pose_capacity > 0, .listed = is_listed}); };
+        kernels.are_listed = settings.culls && !settings.keep_previous_matrices && group.animates_drawn_only();
+        const auto make = [&](bool blends) { return fused_kernel(gpu_, group.fused->plan, {.packed = group.packed, .blends = blends, .keeps_model = settings.keep_model_matrices, .skin_format = settings.skin_format, .layered = group.controller.has_value(), .socket_count = group.socket_count(), .inertial = group.controller && group.controller->is_inertial, .posed = group.pose_capacity > 0, .listed = kernels.are_listed}); };
         kernels.blending = make(true);
         if (!group.controller) kernels.single = make(false);
     }
@@ -20,7 +20,7 @@ FusedUpdate::FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& gro
         const Group& group = groups_[batch.group];
         if (!group.fused) continue;
         const FusedTables& tables = group.fused->tables;
-        Member& member = members_.emplace_back(Member{.batch = i, .is_listed = settings.culls && !settings.keep_previous_matrices && group.animates_drawn_only(), .bindings = {}, .sockets = {}});
+        Member& member = members_.emplace_back(Member{.batch = i, .bindings = {}, .sockets = {}});
         if (group.sockets && group.socket_space == SocketSpace::kWorld) {
             if (!sockets_) sockets_ = socket_kernel(gpu_);
             member.sockets = sockets_->bind(SocketBuffers{batch.sockets, group.sockets->table, batch.placements, batch.sockets});
@@ -44,7 +44,7 @@ void FusedUpdate::record(VkCommandBuffer commands, StageTimer* timer) const {
         const Kernels& kernels = kernels_[batch.group];
         const Kernel& kernel = group.controller || batch.blending_count > 0 ? kernels.blending : kernels.single;
         const io::FusedPush push{.joint_count = group.joint_count, .instance_count = batch.instance_count, .palette_count = group.palette_count, .rest_track = static_cast<uint32_t>(group.clip_durations_s.size()) * group.joint_count, .voice_limit = group.controller ? group.controller->voice_limit : 0};
-        if (member.is_listed) kernel.dispatch_indirect(commands, member.bindings[batch.current_skin], push, batch.dispatch);
+        if (kernels.are_listed) kernel.dispatch_indirect(commands, member.bindings[batch.current_skin], push, batch.dispatch);
         else record_fused(commands, kernel, member.bindings[batch.current_skin], group.fused->plan, push);
     }
     memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);

@@ -18,10 +18,10 @@ private:
     // One clip an instance costs about half of two, so a batch in which none blends has a kernel that does not look for a second.
     struct Kernels {
         Kernel blending, single;
+        bool are_listed = false;  // they animate only what is drawn
     };
     struct Member {
         uint32_t batch = 0;
-        bool is_listed = false;            // only what is drawn is animated
         std::array<Bindings, 2> bindings;  // one for each of the batch's skin buffers
         Bindings sockets;                  // where they go to world space
     };

@@ -270,14 +270,14 @@ void RendererState::draw_batch(VkCommandBuffer commands, const Frame& frame, uin
         gpu_->vk.vkCmdSetCullMode(commands, material.double_sided || mirrors ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
         const auto& c = material.base_color;
         io::DrawPush push{.first_vertex = section.first_vertex,
-                                .first_influences = section.first_influences,
-                                .influence_sets = section.influence_sets,
-                                .palette_count = group.palette_count,
-                                .base_color = {c[0], c[1], c[2], c[3]},
-                                .alpha_cutoff = material.alpha_cutoff,
-                                .double_sided = material.double_sided ? 1u : 0u,
-                                .first_morph = section.first_morph,
-                                .morph_count = section.morph_count};
+                          .first_influences = section.first_influences,
+                          .influence_sets = section.influence_sets,
+                          .palette_count = group.palette_count,
+                          .base_color = {c[0], c[1], c[2], c[3]},
+                          .alpha_cutoff = material.alpha_cutoff,
+                          .double_sided = material.double_sided ? 1u : 0u,
+                          .first_morph = section.first_morph,
+                          .morph_count = section.morph_count};
         const auto set_push = [&] { gpu_->vk.vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof push, &push); };
         if (!batch.draws.handle()) {
             set_push();
