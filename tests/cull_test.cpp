@@ -110,11 +110,11 @@ TEST(Cull, WithoutAViewAllAreListedInFullDetail) {
 }
 
 // Those that are seen have the bits that they have without a view; the others keep what they had; and all go on in time.
-void expect_same_where_drawn(const CrowdGroup& group, UpdatePath path, bool only_drawn) {
+void expect_same_where_drawn(const CrowdGroup& group, UpdatePath path, bool only_drawn, const std::string& scan = "auto") {
     constexpr uint32_t kCount = 130;
     CrowdGroup copied = group;
     copied.instance_count = kCount;
-    const CrowdSettings settings{.groups = {copied}, .path = path, .culls = true};
+    const CrowdSettings settings{.groups = {copied}, .path = path, .scan = scan, .culls = true};
     Crowd viewed = create(settings), whole = create(settings);
     Random random(6);
     const std::vector<Affine> places = random_places(random, kCount, 30);
@@ -150,6 +150,15 @@ TEST(Cull, OnlyWhatIsDrawnIsAnimated) {
     expect_same_where_drawn({.character = &large, .controller = &inertial}, UpdatePath::kFused, false);
     expect_same_where_drawn({.character = &small}, UpdatePath::kStaged, false);
     expect_same_where_drawn({.character = &small, .sockets = {3}}, UpdatePath::kFused, false);
+}
+
+// The methods that put local transforms into shared memory first, several characters to a workgroup or one.
+TEST(Cull, TiledMethodsAnimateTheListToo) {
+    const Character small = small_character();
+    for (const char* scan : {"subgroup", "fragments", "compressed", "doubling"}) {
+        SCOPED_TRACE(scan);
+        expect_same_where_drawn({.character = &small}, UpdatePath::kFused, true, scan);
+    }
 }
 
 TEST(Cull, BatchesChangeNothing) {
