@@ -100,7 +100,7 @@ bool same(const Rig& a, const Rig& b) {
 }
 
 void expect_same(const Character& a, const Character& b) {
-    const auto& [name, rig, clips, times_s, packed, keys, words, root_rows, tracks, skins, palette, vertices, influences, indices, sections, details, detail_ranges, detail_indices, materials, images, bounds_min, bounds_max,
+    const auto& [name, rig, clips, times_s, packed, keys, words, root_rows, tracks, skins, palette, vertices, influences, indices, sections, details, detail_ranges, detail_indices, joint_details, materials, images, bounds_min, bounds_max,
                  size, morphs, morph_deltas, morph_tracks, morph_times_s, morph_values, warnings] = a;
     EXPECT_TRUE(same(name, b.name));
     EXPECT_TRUE(same(rig, b.rig));
@@ -120,6 +120,7 @@ void expect_same(const Character& a, const Character& b) {
     EXPECT_TRUE(same(details, b.details));
     EXPECT_TRUE(same(detail_ranges, b.detail_ranges));
     EXPECT_TRUE(same(detail_indices, b.detail_indices));
+    EXPECT_TRUE(same(joint_details, b.joint_details));
     EXPECT_TRUE(same(materials, b.materials));
     EXPECT_TRUE(same(images, b.images));
     EXPECT_TRUE(same(bounds_min, b.bounds_min));

@@ -25,6 +25,16 @@ inline Crowd create(const CrowdSettings& settings) {
     return std::move(*crowd);
 }
 
+// What the last update has listed.
+inline std::vector<DrawnInstance> drawn_of(Crowd& crowd) {
+    Result<std::vector<DrawnInstance>> drawn = crowd.read_drawn();
+    if (!drawn) {
+        ADD_FAILURE() << drawn.error().text();
+        return {};
+    }
+    return std::move(*drawn);
+}
+
 inline Character creature(uint32_t joints = 60, uint32_t levels = 15, double error = 1e-4) {
     Result<Character> character = compile_character(*make_creature({.joint_count = joints, .level_count = levels}), {.error = error});
     EXPECT_TRUE(character);

@@ -15,6 +15,7 @@ namespace throng::test {
 namespace {
 
 constexpr uint32_t kWidth = 160, kHeight = 120;
+constexpr uint32_t kUnseen = ~0u;
 
 Character creature_with_details() { return *compile_character(*make_creature({.joint_count = 40, .level_count = 12, .face_count = 800})); }
 
@@ -32,15 +33,6 @@ std::vector<Affine> random_places(Random& random, uint32_t count, double extent)
 
 Camera random_camera(Random& random, double extent) {
     return {.eye = random.vector(extent).as<float>(), .target = random.vector(extent).as<float>(), .vertical_field_of_view_rad = static_cast<float>(random.between(0.1, 2))};
-}
-
-std::vector<DrawnInstance> drawn_of(Crowd& crowd) {
-    Result<std::vector<DrawnInstance>> drawn = crowd.read_drawn();
-    if (!drawn) {
-        ADD_FAILURE() << drawn.error().text();
-        return {};
-    }
-    return std::move(*drawn);
 }
 
 TEST(Cull, ListsWhatTheReferenceSees) {
@@ -61,12 +53,12 @@ TEST(Cull, ListsWhatTheReferenceSees) {
             view.shadow = random.vector(20).as<float>();
             view.detail_pixels = static_cast<float>(random.between(0.1, 3));
             ASSERT_TRUE(crowd.update(0.01f, &view));
-            const io::CullView planes = cull_view_of(&view);
+            const io::CullView planes = cull_view_of(&view, 0);
             const std::vector<DrawnInstance> drawn = drawn_of(crowd);
-            std::vector<uint32_t> details(count, io::kUnseen);
+            std::vector<uint32_t> details(count, kUnseen);
             for (size_t i = 0; i < drawn.size(); ++i) {
                 ASSERT_LT(drawn[i].instance, count);
-                ASSERT_EQ(details[drawn[i].instance], io::kUnseen) << "listed twice";
+                ASSERT_EQ(details[drawn[i].instance], kUnseen) << "listed twice";
                 details[drawn[i].instance] = drawn[i].detail;
                 if (i == 0) continue;
                 EXPECT_TRUE(drawn[i - 1].detail < drawn[i].detail || (drawn[i - 1].detail == drawn[i].detail && drawn[i - 1].instance < drawn[i].instance)) << "in order";
@@ -76,7 +68,7 @@ TEST(Cull, ListsWhatTheReferenceSees) {
                 const AffineT<double> place = places[i].as<double>();
                 const double reach = seen_by(planes, place, box);
                 if (std::abs(reach) < kRounding * extent) continue;
-                ASSERT_EQ(details[i] != io::kUnseen, reach > 0) << "instance " << i;
+                ASSERT_EQ(details[i] != kUnseen, reach > 0) << "instance " << i;
                 ++compared;
                 if (reach < 0) continue;
                 ++seen_in_all;

@@ -91,6 +91,39 @@ TEST(Detail, BoundsOfClipsHoldTheirPoses) {
     }
 }
 
+// Skinned by the joints of a level alone, a vertex stays within the level's error of where it is with all of them, at random times of clips.
+TEST(Detail, JointsOfALevelAreEnoughForIt) {
+    const Character character = detailed();
+    const uint32_t joint_count = character.rig.joint_count();
+    ASSERT_EQ(character.joint_details.size(), joint_count);
+    Random random(5);
+    uint32_t count_before = joint_count;
+    for (uint32_t detail = 1; detail <= character.details.size(); ++detail) {
+        Character reduced = character;
+        reduced.influences = influences_of_detail(character, detail);
+        uint32_t count = 0;
+        for (uint32_t joint = 0; joint < joint_count; ++joint) {
+            const uint32_t parent = character.rig.parents[joint];
+            ASSERT_LE(character.joint_details[joint], parent == kNone ? character.details.size() : character.joint_details[parent]);
+            count += character.joint_details[joint] >= detail;
+        }
+        for (const Influences& influences : reduced.influences)
+            for (const uint16_t entry : influences.entries) ASSERT_GE(character.joint_details[character.palette[entry].joint], detail);
+        double furthest = 0;
+        for (int i = 0; i < 30; ++i) {
+            const uint32_t clip = random.below(static_cast<uint32_t>(character.clips.size()));
+            const ReferencePose pose = *reference_pose(character, {.first = {.clip = clip, .time_s = random.between(0, character.clips[clip].duration_s)}});
+            const std::vector<Vec3<double>> all = skin_reference(character, pose.model_from_bind), some = skin_reference(reduced, pose.model_from_bind);
+            for (size_t vertex = 0; vertex < all.size(); ++vertex) furthest = std::max(furthest, length(all[vertex] - some[vertex]));
+        }
+        EXPECT_LE(furthest, 1.1 * character.details[detail - 1].error);
+        EXPECT_LT(count, count_before);
+        std::printf("  level %u: %u of %u joints, a vertex moves by %.1e of the size; the mesh by %.1e\n", detail, count, joint_count, furthest / character.size, character.details[detail - 1].error / character.size);
+        count_before = count;
+    }
+    EXPECT_EQ(influences_of_detail(character, 0).size(), character.influences.size());
+}
+
 TEST(Detail, CraftedLevelsAreRefused) {
     const Character sound = detailed();
     const std::vector<std::pair<void (*)(Character&), const char*>> wrong{
@@ -103,6 +136,10 @@ TEST(Detail, CraftedLevelsAreRefused) {
         {[](Character& c) { c.detail_ranges.back().index_count -= 1; }, "triangles"},
         {[](Character& c) { c.detail_indices.push_back(0); }, "detail indices"},
         {[](Character& c) { c.detail_indices[5] = 0xFFFFFFFFu; }, "detail indices[5]"},
+        {[](Character& c) { c.joint_details.pop_back(); }, "joint details"},
+        {[](Character& c) { c.joint_details[0] = 0; }, "joint details[0]"},
+        {[](Character& c) { c.joint_details[3] = kDetailLimit + 1; }, "joint details[3]"},
+        {[](Character& c) { c.palette.back().joint = 0, c.skins.back().joint_count -= 1, c.joint_details.back() = 0; }, "stands for it"},
         {[](Character& c) { c.clips[0].bounds_max.y = std::numeric_limits<float>::infinity(); }, "bounds"},
     };
     for (const auto& [spoil, what] : wrong) {

@@ -10,6 +10,7 @@
 #include "control/controller_io.h"
 #include "control/control.h"
 #include "cull/cull_io.h"
+#include "pace/pace_io.h"
 #include "draw/draw_io.h"
 #include "morph/morph_io.h"
 #include "procedural/procedural_io.h"
@@ -198,15 +199,18 @@ std::map<std::string, Layout> layouts_in_cpp() {
         {"LayeredPush", {sizeof(io::LayeredPush), {MEMBER(LayeredPush, joint_count), MEMBER(LayeredPush, voice_limit)}}},
         {"InertiaJoint", {sizeof(io::InertiaJoint), {MEMBER(InertiaJoint, rotation), MEMBER(InertiaJoint, translation), MEMBER(InertiaJoint, scale)}}},
         {"ScanPush", {sizeof(io::ScanPush), {MEMBER(ScanPush, joint_count), MEMBER(ScanPush, instance_count), MEMBER(ScanPush, repeat_count)}}},
-        {"FusedPush", {sizeof(io::FusedPush), {MEMBER(FusedPush, joint_count), MEMBER(FusedPush, instance_count), MEMBER(FusedPush, palette_count), MEMBER(FusedPush, rest_track), MEMBER(FusedPush, voice_limit)}}},
+        {"FusedPush", {sizeof(io::FusedPush), {MEMBER(FusedPush, joint_count), MEMBER(FusedPush, rig_joint_count), MEMBER(FusedPush, instance_count), MEMBER(FusedPush, palette_count), MEMBER(FusedPush, rest_track), MEMBER(FusedPush, voice_limit), MEMBER(FusedPush, section)}}},
         {"BindPush", {sizeof(io::BindPush), {MEMBER(BindPush, joint_count), MEMBER(BindPush, palette_count)}}},
         {"VertexRows", {sizeof(io::VertexRows), {MEMBER(VertexRows, position_normal), MEMBER(VertexRows, texcoord_color_delta)}}},
         {"SkinPush", {sizeof(io::SkinPush), {MEMBER(SkinPush, first_vertex), MEMBER(SkinPush, vertex_count), MEMBER(SkinPush, first_influences), MEMBER(SkinPush, influence_sets), MEMBER(SkinPush, first_palette_entry), MEMBER(SkinPush, first_morph), MEMBER(SkinPush, morph_count), MEMBER(SkinPush, first_active)}}},
         {"DrawScene", {sizeof(io::DrawScene), {MEMBER(DrawScene, clip_from_world), MEMBER(DrawScene, eye), MEMBER(DrawScene, forward), MEMBER(DrawScene, right), MEMBER(DrawScene, down), MEMBER(DrawScene, to_light), MEMBER(DrawScene, ground), MEMBER(DrawScene, scale)}}},
         {"DrawPush", {sizeof(io::DrawPush), {MEMBER(DrawPush, first_vertex), MEMBER(DrawPush, first_influences), MEMBER(DrawPush, influence_sets), MEMBER(DrawPush, palette_count), MEMBER(DrawPush, base_color), MEMBER(DrawPush, alpha_cutoff), MEMBER(DrawPush, double_sided), MEMBER(DrawPush, first_morph), MEMBER(DrawPush, morph_count), MEMBER(DrawPush, detail)}}},
-        {"CullView", {sizeof(io::CullView), {MEMBER(CullView, planes), MEMBER(CullView, eye), MEMBER(CullView, shadow)}}},
-        {"CullPush", {sizeof(io::CullPush), {MEMBER(CullPush, centre), MEMBER(CullPush, half_extent), MEMBER(CullPush, detail_errors), MEMBER(CullPush, instance_count), MEMBER(CullPush, detail_count), MEMBER(CullPush, unused0), MEMBER(CullPush, unused1)}}},
-        {"OffsetsPush", {sizeof(io::OffsetsPush), {MEMBER(OffsetsPush, workgroup_count), MEMBER(OffsetsPush, section_count), MEMBER(OffsetsPush, instances_of_workgroup)}}},
+        {"CullView", {sizeof(io::CullView), {MEMBER(CullView, planes), MEMBER(CullView, clip_from_world), MEMBER(CullView, eye), MEMBER(CullView, shadow), MEMBER(CullView, update_number), MEMBER(CullView, occlusion), MEMBER(CullView, unused0), MEMBER(CullView, unused1)}}},
+        {"CullPush", {sizeof(io::CullPush), {MEMBER(CullPush, centre), MEMBER(CullPush, half_extent), MEMBER(CullPush, detail_errors), MEMBER(CullPush, instance_count), MEMBER(CullPush, detail_count), MEMBER(CullPush, joint_set_count), MEMBER(CullPush, keeps_previous), MEMBER(CullPush, may_skip), MEMBER(CullPush, unused0), MEMBER(CullPush, unused1), MEMBER(CullPush, unused2)}}},
+        {"RevealPush", {sizeof(io::RevealPush), {MEMBER(RevealPush, cull), MEMBER(RevealPush, width), MEMBER(RevealPush, height), MEMBER(RevealPush, sign), MEMBER(RevealPush, unused)}}},
+        {"PyramidPush", {sizeof(io::PyramidPush), {MEMBER(PyramidPush, width), MEMBER(PyramidPush, height), MEMBER(PyramidPush, first_read), MEMBER(PyramidPush, first_written), MEMBER(PyramidPush, sign)}}},
+        {"PacePush", {sizeof(io::PacePush), {MEMBER(PacePush, section), MEMBER(PacePush, row_count)}}},
+        {"OffsetsPush", {sizeof(io::OffsetsPush), {MEMBER(OffsetsPush, workgroup_count), MEMBER(OffsetsPush, section_count), MEMBER(OffsetsPush, unused0), MEMBER(OffsetsPush, unused1), MEMBER(OffsetsPush, instances_of_workgroup)}}},
         {"DrawCommand", {sizeof(io::DrawCommand), {MEMBER(DrawCommand, index_count), MEMBER(DrawCommand, instance_count), MEMBER(DrawCommand, first_index), MEMBER(DrawCommand, vertex_offset), MEMBER(DrawCommand, first_instance)}}},
         {"ControlClip", {sizeof(io::ControlClip), {MEMBER(ControlClip, rate), MEMBER(ControlClip, first_event), MEMBER(ControlClip, event_count), MEMBER(ControlClip, first_root), MEMBER(ControlClip, root_count)}}},
         {"ControlLayer", {sizeof(io::ControlLayer), {MEMBER(ControlLayer, first_state), MEMBER(ControlLayer, state_count), MEMBER(ControlLayer, mode), MEMBER(ControlLayer, mask), MEMBER(ControlLayer, weight), MEMBER(ControlLayer, weight_parameter), MEMBER(ControlLayer, model_rotations)}}},

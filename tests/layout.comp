@@ -10,6 +10,7 @@
 #include "control/control_io.h"
 #include "control/controller_io.h"
 #include "cull/cull_io.h"
+#include "pace/pace_io.h"
 #include "draw/draw_io.h"
 #include "fused/fused_io.h"
 #include "gpu/affine.glsl"
@@ -78,6 +79,9 @@ layout(set = 0, binding = 55, std430) buffer Buffer55 { CullView cull_views[]; }
 layout(set = 0, binding = 56, std430) buffer Buffer56 { CullPush cull_pushs[]; };
 layout(set = 0, binding = 57, std430) buffer Buffer57 { OffsetsPush offsets_pushs[]; };
 layout(set = 0, binding = 58, std430) buffer Buffer58 { DrawCommand draw_commands[]; };
+layout(set = 0, binding = 59, std430) buffer Buffer59 { RevealPush reveal_pushes[]; };
+layout(set = 0, binding = 60, std430) buffer Buffer60 { PyramidPush pyramid_pushes[]; };
+layout(set = 0, binding = 61, std430) buffer Buffer61 { PacePush pace_pushes[]; };
 
 layout(local_size_x = 1) in;
 void main() {}

@@ -181,6 +181,9 @@ struct Character {
     std::vector<DetailLevel> details;            // at most kDetailLimit
     std::vector<IndexRange> detail_ranges;       // [details][sections], of detail_indices
     std::vector<uint32_t> detail_indices;        // relative to the section's first vertex
+    // [joint_count], or empty: the coarsest level of detail in which the joint moves by itself, not above its parent's. In coarser ones its skin matrices are those of the next joint above it that
+    // does, as if the joints between them were in the bind pose: it moves vertices by no more than the level's error.
+    std::vector<uint32_t> joint_details;
     std::vector<AssetMaterial> materials;
     std::vector<AssetImage> images;
     Vec3<float> bounds_min, bounds_max;          // of the mesh in the rest pose, model space
@@ -216,6 +219,9 @@ Result<Character> compile_character(const Asset& asset, const CompileSettings& s
 
 // Whether a regular file of this name begins as one that save_character() wrote.
 bool is_compiled_file(const std::filesystem::path& path);
+
+// Character::influences as a coarser level of detail has them: those of joints that do not move in it are their ancestor's that does, by Character::joint_details. The same where that is empty.
+std::vector<Influences> influences_of_detail(const Character& character, uint32_t detail);
 
 // load_asset() and compile_character() in one. A file that save_character() wrote, known by its first bytes, is read as it is: the settings
 // are not used then.

@@ -102,6 +102,23 @@ struct CrowdView {
     float pixels = 1000;      // that a length of 1 takes at a distance of 1: the picture's height / (2 tan(half the vertical field of view))
     float detail_pixels = 1;  // a coarser level of detail is drawn where its surfaces lie within so many pixels of the finest one's
     Vec3<float> shadow;       // what is drawn throws its shadow as far as this, world space: so what is outside but throws one inside is drawn too
+    // Where CrowdSettings::skips_updates: a character whose box is at least so many pixels across is animated in every update, one of half as many in every second, of a quarter in
+    // every fourth, a smaller one in every eighth; 0: all in every one.
+    float full_rate_pixels = 0;
+    // Where CrowdSettings::skips_updates: GPU time that the update of the whole crowd may take, in milliseconds; as long as it takes longer, full_rate_pixels (at least 1) is raised from update to update,
+    // and lowered again, not below itself, when there is time to spare. 0: as long as it takes. Needs timestamps.
+    float budget_ms = 0;
+    // What is hidden is left out too: record() animates and lists only what was visible in the last update, and record_disoccluded() the rest of what is visible.
+    bool occlusion = false;
+};
+
+// Depths of what the crowd's last record() has listed, and of anything else that hides characters, as they are drawn by CrowdView::clip_from_world: an image of one sample and one 32-bit
+// float a texel (VK_FORMAT_D32_SFLOAT or VK_FORMAT_R32_SFLOAT), in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, with that usage. Of several samples it has the farthest.
+struct DepthImage {
+    VkImage image = VK_NULL_HANDLE;
+    VkImageAspectFlags aspect = VK_IMAGE_ASPECT_DEPTH_BIT;
+    uint32_t width = 0, height = 0;
+    bool reversed = true;  // nearer is greater
 };
 
 // An instance that is drawn, and its level of detail: 0 is the finest.
@@ -117,6 +134,10 @@ struct CrowdSettings {
     bool keep_model_matrices = false;  // else they live only within a frame, and read_model_matrices() is an error
     bool keep_previous_matrices = false;  // skin matrices of the update before the last, for motion vectors; doubles their memory
     bool culls = false;                // updates may be for a view
+    // Such updates may animate what is small on the screen less often than others, with culls; its skin matrices go on evenly from one pose to the next. Doubles the memory of skin matrices.
+    bool skips_updates = false;
+    // Coarser levels of detail have fewer joints (Character::joint_details), with culls: their skin matrices are written only for these, and only the influences of their level refer to no others.
+    bool reduces_joints = false;
     bool timestamps = true;            // measure the stages; costs one query a stage and one more
     uint32_t event_capacity = 16384;   // events of one update that feedback() can hold; the others are counted
     uint32_t watch_capacity = 64;      // instances that watch() takes
@@ -135,7 +156,7 @@ struct CrowdSettings {
 // {uint32_t morph; float weight;}[instance_count][kActiveMorphLimit], the largest weight by magnitude first, weight 0 where there are fewer: bind position += weight * MorphDelta,
 // before skinning. `list_buffer`, where CrowdSettings::culls, holds uint32_t[5 + instance_count]: how many instances are drawn, where those of each of four levels of detail begin
 // behind the fifth word, then their numbers in the block, level by level, ascending; and `draw_buffer` VkDrawIndexedIndirectCommand[section_count][4], whose n-th instance is the n-th of its
-// level in the list. Instances that are not in the list keep the matrices of the last update that drew them. A block's buffers fit the device's storage-buffer range; offsets are 0.
+// level in the list. Instances that are not in the list keep the matrices of the last update that drew them; in one that draws them anew, the previous ones are those of the update itself. A block's buffers fit the device's storage-buffer range; offsets are 0.
 // Valid once the recorded commands have run, until the next record() runs; written by compute shaders, and made visible by
 // record() to later compute, vertex and transfer reads on the same queue.
 struct OutputBlock {
@@ -161,10 +182,10 @@ struct OutputBlock {
 };
 
 // GPU time of each stage in the last finished update, summed over its dispatches, milliseconds. `fused` is sample, blend, scan and
-// bind of the groups that are updated in one pass. `blend` has the weights of morphs too.
+// bind of the groups that are updated in one pass. `pace` takes the matrices of what is not animated in this update towards their next pose. `blend` has the weights of morphs too.
 struct StageTimes {
-    double control = 0, cull = 0, sample = 0, blend = 0, procedural = 0, scan = 0, bind = 0, fused = 0;
-    double total() const { return control + cull + sample + blend + procedural + scan + bind + fused; }
+    double control = 0, cull = 0, sample = 0, blend = 0, procedural = 0, scan = 0, bind = 0, fused = 0, pace = 0;
+    double total() const { return control + cull + sample + blend + procedural + scan + bind + fused + pace; }
 };
 
 // An event of a controller's clip that an instance passed.
@@ -251,9 +272,13 @@ public:
     // is destroyed, and may be submitted once.
     //
     // With a view, where CrowdSettings::culls: all instances go on in time, and of groups that are fused, without sockets or inertial transitions, only those that it sees are animated (others'
-    // groups entirely; so is a crowd that keeps previous matrices). Without one, all are, and all are listed. A box around all clips' poses decides, a tenth of the character's size wider than
+    // groups entirely). Without one, all are, and all are listed. A box around all clips' poses decides, a tenth of the character's size wider than
     // these, or half of it where a controller, rules or poses from outside go beyond them. Errors: kInvalidArgument (the time step or the view is not finite; a view and no culls).
     Result<void> record(VkCommandBuffer commands, float time_step_s, const CrowdView* view = nullptr);
+    // The second half of an update for a view with CrowdView::occlusion, recorded after its record() and what draws the depths: tests the boxes of everything in view against these, and animates those
+    // that are visible and were not in the last update. After it, all that are visible, and those that were, are listed. What a box hides behind is what has been drawn in front of it, so nothing visible is
+    // left out. Call it in each such update. Errors: kInvalidArgument (the last record() was not for such a view, no image), kLimit (the device cannot hold the depths in one storage buffer).
+    Result<void> record_disoccluded(VkCommandBuffer commands, const DepthImage& depths);
     // record(), submit to the device's queue, and wait.
     Result<void> update(float time_step_s, const CrowdView* view = nullptr);
 

@@ -15,6 +15,7 @@ layout(constant_id = 1) const bool kSimilarity = false;
 layout(constant_id = 2) const bool kPosed = false;
 layout(push_constant) uniform Push { BlendPush push; };
 
+uint rig_joint_count() { return push.joint_count; }
 #include "blend/local.glsl"
 #include "blend/posed.glsl"
 

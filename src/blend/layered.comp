@@ -24,6 +24,7 @@ layout(constant_id = 3) const bool kInertial = false;
 layout(constant_id = 4) const bool kPosed = false;
 layout(push_constant) uniform Push { LayeredPush push; };
 
+uint rig_joint_count() { return push.joint_count; }
 #include "blend/local.glsl"
 #include "blend/inertial.glsl"
 #include "blend/posed.glsl"

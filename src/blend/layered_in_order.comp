@@ -27,6 +27,7 @@ layout(constant_id = 4) const bool kPosed = false;
 layout(push_constant) uniform Push { LayeredInOrderPush push; };
 
 #define VOICES_IN_ORDER
+uint rig_joint_count() { return push.joint_count; }
 #include "blend/local.glsl"
 #include "blend/inertial.glsl"
 #include "blend/model_rotations.glsl"

@@ -1,6 +1,6 @@
 // The voices of an instance -> the pose of one joint. Included by the staged kernel and by the fused one; defined by voices_reference.h.
 // The includer declares the tables `tracks`, `keys` and `words` as for sample/sample.glsl, `voices` (TABLE_OF_ROWS, two rows a Voice:
-// [instance][push.voice_limit]) and `masks` (TABLE_OF_WORDS, floats: [mask][push.joint_count]), `push` and the constant kPacked.
+// [instance][push.voice_limit]) and `masks` (TABLE_OF_WORDS, floats: [mask][rig_joint_count()]), `push` and the constant kPacked.
 //
 // Layers lie on each other from the lowest up. A layer's pose is the weighted sum of its voices: rotations each in the hemisphere of the
 // sum so far, normalised at the end. Source of the sum and its limits: Gramkow, On Averaging Rotations, IJCV 42, 2001. An additive layer
@@ -26,7 +26,7 @@ Voice voice_at(uint index) {
 // Of the voice's layer at this joint.
 float layer_weight(Voice voice, uint joint) {
     const bool is_masked = (voice.flags & kVoiceMasked) != 0;
-    const float mask = uintBitsToFloat(WORD_AT(masks, is_masked ? (voice.flags >> kVoiceMaskShift) * push.joint_count + joint : 0));
+    const float mask = uintBitsToFloat(WORD_AT(masks, is_masked ? (voice.flags >> kVoiceMaskShift) * rig_joint_count() + joint : 0));
     return is_masked ? voice.layer_weight * mask : voice.layer_weight;
 }
 

@@ -2,6 +2,7 @@
 
 #include "base/failure.h"
 #include "compile/character_layout.h"
+#include "compile/joint_detail.h"
 #include "compile/limits.h"
 #include "compile/packed_track.h"
 #include "compile/rig.h"
@@ -42,6 +43,7 @@ public:
         check_palette();
         check_mesh();
         check_details();
+        check_joint_details();
         check_morphs();
         check_morph_times();
         check_morph_tracks();
@@ -265,6 +267,21 @@ private:
                 if (c_.detail_indices[k] >= vertex_count) fail(at("detail indices", k), text(c_.detail_indices[k]) + " of " + text(vertex_count) + " vertices");
         }
         if (next != c_.detail_indices.size()) fail("detail indices", "are " + text(c_.detail_indices.size()) + ", and the ranges have " + text(next));
+    }
+
+    // After palette and skins.
+    void check_joint_details() const {
+        const std::vector<uint32_t>& details = c_.joint_details;
+        if (details.empty()) return;
+        if (details.size() != c_.rig.joint_count()) fail("joint details", "are " + text(details.size()) + ", not " + text(c_.rig.joint_count()));
+        for (size_t joint = 0; joint < details.size(); ++joint) {
+            if (details[joint] > c_.details.size()) fail(at("joint details", joint), "level " + text(details[joint]) + " of " + text(c_.details.size()));
+            const uint32_t parent = c_.rig.parents[joint];
+            if (parent == kNone ? details[joint] < c_.details.size() : details[joint] > details[parent]) fail(at("joint details", joint), "it moves where its parent does not, or rests without one");
+        }
+        for (uint32_t detail = 1; detail <= c_.details.size(); ++detail)
+            for (const uint32_t entry : entries_of_detail(c_, detail))
+                if (entry == kNone) fail("joint details", "level " + text(detail) + " leaves a palette entry without one that stands for it");
     }
 
     void check_morphs() const {

@@ -41,7 +41,7 @@ enum class SectionId : uint32_t {
     kParents, kNodes, kRest, kTimes, kKeys, kWords, kRootRows, kTracks, kPalette, kVertices, kInfluences, kIndices, kMeshSections,  // as the Character has them
     kMorphs,                                                   // records of their own
     kMorphDeltas, kMorphTracks, kMorphTimes, kMorphValues,     // as the Character has them
-    kDetails, kDetailRanges, kDetailIndices,
+    kDetails, kDetailRanges, kDetailIndices, kJointDetails,
 };
 
 struct ScalarsRecord {
@@ -95,7 +95,7 @@ struct SectionKind {
     std::string_view name;
     uint32_t element_bytes;
 };
-inline constexpr std::array<SectionKind, 29> kSections{{{"scalars", sizeof(ScalarsRecord)},
+inline constexpr std::array<SectionKind, 30> kSections{{{"scalars", sizeof(ScalarsRecord)},
                                                         {"clips", sizeof(ClipRecord)},
                                                         {"skins", sizeof(SkinRecord)},
                                                         {"materials", sizeof(MaterialRecord)},
@@ -123,8 +123,9 @@ inline constexpr std::array<SectionKind, 29> kSections{{{"scalars", sizeof(Scala
                                                         {"morph values", 4},
                                                         {"details", sizeof(DetailLevel)},
                                                         {"detail ranges", sizeof(IndexRange)},
-                                                        {"detail indices", 4}}};
-static_assert(kSections.size() == static_cast<size_t>(SectionId::kDetailIndices) + 1);
+                                                        {"detail indices", 4},
+                                                        {"joint details", 4}}};
+static_assert(kSections.size() == static_cast<size_t>(SectionId::kJointDetails) + 1);
 
 constexpr uint64_t aligned(uint64_t offset_bytes) { return (offset_bytes + kAlignment_bytes - 1) / kAlignment_bytes * kAlignment_bytes; }
 
@@ -154,6 +155,7 @@ void visit_later_arrays(C& character, const Visit& visit) {
     visit(SectionId::kDetails, character.details);
     visit(SectionId::kDetailRanges, character.detail_ranges);
     visit(SectionId::kDetailIndices, character.detail_indices);
+    visit(SectionId::kJointDetails, character.joint_details);
 }
 
 // Calls visit(string) for each string, in the order in which they follow one another in the section of text.

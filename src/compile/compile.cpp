@@ -7,6 +7,7 @@
 #include "compile/clip.h"
 #include "compile/clip_bounds.h"
 #include "compile/detail.h"
+#include "compile/joint_detail.h"
 #include "compile/mesh.h"
 #include "compile/morph.h"
 #include "compile/pack.h"
@@ -72,6 +73,7 @@ Result<Character> compile_character(const Asset& asset, const CompileSettings& s
         character.rig.uniform_scale = has_uniform_scale(character);
         compile_morph_tracks(asset, character);
         make_details(character);
+        make_joint_details(character);
         measure_clips(character);
         file::visit_strings(character, [](std::string& text) { text = gltf::printable(text, std::string::npos); });
         return character;

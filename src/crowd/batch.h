@@ -21,9 +21,10 @@ struct Batch {
     Buffer sockets;    // Affine[instance_count][socket_count]
     Buffer targets, springs;  // where the group has procedural rules
     Buffer posed;      // where the group has room for poses: io::InstancePose[instance_count], a table of words
-    // Where CrowdSettings::culls (cull/cull_io.h): what is drawn, a table of words; what animates it and what draws it, VkDispatchIndirectCommand and
-    // io::DrawCommand[section_count][kDetailLevels].
-    Buffer list, dispatch, draws;
+    // Where CrowdSettings::culls (cull/cull_io.h): what is drawn and what is animated, tables of words; what is kept of each instance; what animates it and what draws it,
+    // VkDispatchIndirectCommand[kWorkSections] and io::DrawCommand[section_count][kDetailLevels].
+    Buffer list, work, states, dispatches, draws;
+    Buffer ahead;  // where CrowdSettings::skips_updates: skin matrices that instances go on towards
     Bindings control;
 
     const Buffer& skin() const { return skins[current_skin]; }

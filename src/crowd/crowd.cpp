@@ -40,7 +40,7 @@ ScanAdvice Crowd::scan(uint32_t group) const {
 
 bool Crowd::is_fused(uint32_t group) const {
     assert(group < state_->groups.size());
-    return state_->groups[group].fused.has_value();
+    return !state_->groups[group].fused.empty();
 }
 
 std::string Crowd::path_reason(uint32_t group) const {
@@ -94,6 +94,10 @@ Result<std::vector<Feedback>> Crowd::feedback() {
 
 Result<void> Crowd::record(VkCommandBuffer commands, float time_step_s, const CrowdView* view) {
     return as_result([&] { state_->record(commands, time_step_s, view); }, "crowd");
+}
+
+Result<void> Crowd::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths) {
+    return as_result([&] { state_->record_disoccluded(commands, depths); }, "crowd");
 }
 
 Result<void> Crowd::update(float time_step_s, const CrowdView* view) {

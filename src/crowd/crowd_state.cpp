@@ -49,7 +49,7 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     for (const CrowdGroup& group : settings.groups) {
         if (const std::string obstacle = skin_format_obstacle(skin_format, *group.character); !obstacle.empty())
             throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin format", obstacle);
-        groups.emplace_back(gpu, group, choose_path(*gpu, settings, group));
+        groups.emplace_back(gpu, group, choose_path(*gpu, settings, group), settings.culls && settings.reduces_joints);
         make_batches(static_cast<uint32_t>(groups.size() - 1), settings);
         const auto rest = static_cast<uint32_t>(group.character->clips.size());
         const io::SlotPlayback rest_slot{.clip = rest, .loop = 0, .time_s = 0, .speed = 0};
@@ -59,9 +59,10 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
         const Group& group = groups[batch.group];
         if (!group.controller) batch.control = control_.bind(ControlBuffers{batch.playbacks, group.axes, group.times, batch.cursors});
     }
-    if (settings.culls) cull.emplace(gpu, groups, batches);
+    if (settings.culls) cull.emplace(gpu, groups, batches, settings);
     procedural.emplace(gpu, groups, batches);
     fused.emplace(gpu, groups, batches, settings);
+    pace.emplace(gpu, groups, batches, settings);
     staged.emplace(gpu, groups, batches, skin_format, *procedural);
     make_feedback(settings);
     controllers.emplace(gpu, groups, batches, feedback ? &*feedback : nullptr);
@@ -70,7 +71,7 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     placements.resize(instance_count);
     dirty_playbacks_.add(0, instance_count);
     dirty_placements_.add(0, instance_count);
-    if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, 4 + 5 * staged->wave_count());  // control, cull, morph, fused, and five stages a wave
+    if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, 8 + 5 * staged->wave_count());  // control, cull, morph, fused, pace, the three of them that record_disoccluded() has, and five stages a wave
 }
 
 // Refuses at once what cannot fit, before gigabytes are allocated on the way to failing.
@@ -79,7 +80,7 @@ void CrowdState::check_memory(const CrowdSettings& settings) const {
     for (const CrowdGroup& group : settings.groups) {
         const uint64_t matrices = 1 + (settings.keep_model_matrices ? group.character->rig.joint_count() : 0);
         const uint64_t morph_bytes = group.character->morphs.empty() ? 0 : kMorphs_bytes;
-        const uint64_t skin_bytes = group.character->palette.size() * uint64_t{skin_format_bytes(skin_format)} * (settings.keep_previous_matrices ? 2 : 1);
+        const uint64_t skin_bytes = group.character->palette.size() * uint64_t{skin_format_bytes(skin_format)} * (1 + (settings.keep_previous_matrices ? 1 : 0) + (settings.culls && settings.skips_updates ? 1 : 0));
         needed_bytes += group.instance_count * (matrices * kMatrix_bytes + skin_bytes + morph_bytes + sizeof(io::InstancePlayback) + sizeof(io::InstanceCursor));
         needed_bytes += std::min(group.pose_capacity, group.instance_count) * uint64_t{group.character->rig.joint_count()} * sizeof(io::JointPose);
     }
@@ -120,6 +121,7 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
         batch.placements = storage("placements", n * kMatrix_bytes);
         for (size_t k = 0; k < (settings.keep_previous_matrices ? 2 : 1); ++k)
             batch.skins[k] = storage("skin matrices", n * std::max(group.palette_count, 1u) * skin_format_bytes(skin_format));
+        if (settings.culls && settings.skips_updates && group.animates_drawn_only()) batch.ahead = storage("skin matrices ahead", batch.skins[0].size_bytes());
         if (group.morphs) batch.morphs = storage("active morphs", n * kMorphs_bytes);
         if (group.morphs && group.controller) batch.voice_times = storage("times of voices", n * group.controller->voice_limit * sizeof(float));
         if (group.sockets) batch.sockets = storage("sockets", n * group.socket_count() * kMatrix_bytes);
@@ -346,7 +348,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     // Whoever reads the last update's results must be done.
     memory_barrier(*gpu, commands, kConsumers | kShaderWrite | kTransferWrite, kShaderRead | kShaderWrite | kTransferWrite);
     upload_changes(commands);
-    if (cull) cull->record_view(commands, view);
+    if (cull) cull->record_view(commands, view, paced_full_rate_pixels(view));
     procedural->begin_update(commands, time_step_s);
     if (feedback) feedback->begin(commands);
     controllers->record_commands(commands);
@@ -358,11 +360,34 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     if (cull) cull->record(commands, timer.get());
     morphs->record(commands, timer.get());
     fused->record(commands, timer.get());
+    pace->record(commands, timer.get());
     staged->record(commands, timer.get());
     if (feedback) feedback->end(commands, watched_);
     if (!has_updated_) copy_to_previous(commands);
     has_updated_ = true;
     memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, kConsumers);
+}
+
+void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths) {
+    if (!cull) throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "CrowdSettings::culls is not set");
+    constexpr Access kConsumers = kShaderRead | kVertexRead | kIndirectRead;
+    memory_barrier(*gpu, commands, kConsumers, kShaderWrite);  // what was listed has been drawn
+    cull->record_disoccluded(commands, depths, timer.get());
+    fused->record_listed(commands, timer.get());
+    pace->record(commands, timer.get());
+    memory_barrier(*gpu, commands, kShaderWrite, kConsumers | kTransferRead);
+}
+
+// Raised by what the last update took more than the budget, at most by half, and lowered more slowly, so that it settles.
+float CrowdState::paced_full_rate_pixels(const CrowdView* view) {
+    if (!view) return 0;
+    if (!(view->budget_ms > 0) || !timer) return view->full_rate_pixels;
+    constexpr float kSlack = 0.9f, kMost = 1e6f;
+    if (const std::optional<StageTimes> times = timer->read_if_finished()) {
+        const auto load = static_cast<float>(times->total()) / view->budget_ms;
+        pace_ = std::clamp(load > 1 ? pace_ * std::min(load, 1.5f) : load < kSlack ? pace_ * 0.95f : pace_, 1.0f, kMost);
+    }
+    return pace_ > 1 ? std::max(view->full_rate_pixels, 1.0f) * pace_ : view->full_rate_pixels;
 }
 
 // What was current becomes previous.
@@ -376,7 +401,7 @@ void CrowdState::take_turns() {
 
 // The first update has none before it: nothing has moved.
 void CrowdState::copy_to_previous(VkCommandBuffer commands) const {
-    memory_barrier(*gpu, commands, kShaderWrite, kTransferRead);
+    memory_barrier(*gpu, commands, kShaderRead | kShaderWrite, kTransferRead | kTransferWrite);
     for (const Batch& batch : batches) {
         const Buffer& previous = batch.skins[1 - batch.current_skin];
         if (!previous.handle()) continue;
@@ -445,7 +470,7 @@ uint64_t CrowdState::size_bytes() const {
     uint64_t sum = staged->size_bytes() + controllers->size_bytes() + (feedback ? feedback->size_bytes() : 0) + (cull ? cull->size_bytes() : 0);
     for (const Group& group : groups) sum += group.size_bytes();
     for (const Batch& batch : batches)
-        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.voice_times, &batch.morphs, &batch.inertias, &batch.inertia_states, &batch.rotations, &batch.targets, &batch.springs, &batch.sockets, &batch.posed, &batch.list, &batch.dispatch, &batch.draws, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
+        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.voice_times, &batch.morphs, &batch.inertias, &batch.inertia_states, &batch.rotations, &batch.targets, &batch.springs, &batch.sockets, &batch.posed, &batch.list, &batch.work, &batch.states, &batch.dispatches, &batch.draws, &batch.ahead, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
     return sum;
 }
 

@@ -8,6 +8,7 @@
 #include "crowd/cull_stage.h"
 #include "crowd/dirty_ranges.h"
 #include "crowd/fused_update.h"
+#include "crowd/pace_stage.h"
 #include "crowd/procedural_stage.h"
 #include "crowd/pose_stage.h"
 #include "crowd/morph_stage.h"
@@ -35,6 +36,7 @@ struct CrowdState {
     void watch(std::span<const uint32_t> instances);
     std::vector<Feedback> take_feedback();
     void record(VkCommandBuffer commands, float time_step_s, const CrowdView* view);
+    void record_disoccluded(VkCommandBuffer commands, const DepthImage& depths);
     std::vector<DrawnInstance> read_drawn() const;
     std::vector<Affine> read_matrices(uint32_t instance, bool model) const;
     std::vector<Vec3<float>> read_positions(uint32_t instance);
@@ -51,6 +53,7 @@ struct CrowdState {
     std::optional<CullStage> cull;  // where CrowdSettings::culls
     std::optional<ProceduralStage> procedural;
     std::optional<FusedUpdate> fused;
+    std::optional<PaceStage> pace;
     std::optional<StagedUpdate> staged;
     std::optional<FeedbackRing> feedback;
     std::optional<ControllerStage> controllers;
@@ -60,6 +63,7 @@ struct CrowdState {
 private:
     void make_batches(uint32_t group, const CrowdSettings& settings);
     void take_turns();
+    float paced_full_rate_pixels(const CrowdView* view);
     void make_feedback(const CrowdSettings& settings);
     void make_layers(Batch& batch) const;
     void make_procedural_state(Batch& batch) const;
@@ -78,6 +82,7 @@ private:
     std::optional<Kernel> skin_;  // made when positions are first read back
     std::vector<io::InstancePlayback> playbacks_;    // [instance_count], as last set
     bool has_updated_ = false;
+    float pace_ = 1;  // what the budget makes of CrowdView::full_rate_pixels, as a factor
     std::vector<Watched> watched_;
     uint32_t watch_capacity_ = 0;
     DirtyRanges dirty_playbacks_, dirty_placements_;

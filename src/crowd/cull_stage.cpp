@@ -13,27 +13,35 @@ uint32_t workgroups_of(uint32_t instance_count) { return (instance_count + io::k
 
 }  // namespace
 
-io::CullView cull_view_of(const CrowdView* view) {
+io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
     constexpr float kMost = 1e30f;
-    if (!view) return {.planes = {}, .eye = {0, 0, 0, kMost}, .shadow = {}};
+    io::CullView seen{.eye = {0, 0, 0, kMost}};
+    if (!view) return seen;
     const auto& rows = view->clip_from_world;
     for (const auto& row : rows)
         if (!std::ranges::all_of(row, [](float f) { return std::isfinite(f); })) throw Failure(ErrorCode::kInvalidArgument, "view", "clip_from_world must be finite");
     const Vec3<float>&eye = view->eye, &shadow = view->shadow;
     if (!std::isfinite(length(eye)) || !std::isfinite(length(shadow))) throw Failure(ErrorCode::kInvalidArgument, "view", "eye and shadow must be finite");
     if (!(view->pixels > 0) || !(view->detail_pixels > 0)) throw Failure(ErrorCode::kInvalidArgument, "view", "pixels and detail_pixels must be above 0");
+    if (!(full_rate_pixels >= 0) || !(view->budget_ms >= 0)) throw Failure(ErrorCode::kInvalidArgument, "view", "full_rate_pixels and budget_ms must not be negative");
     // A point is inside where its clip coordinates are: -w <= x, y <= w and 0 <= z <= w (G. Gribb and K. Hartmann, Fast Extraction of Viewing Frustum Planes, 2001).
     const auto plane = [&](float of_w, size_t row, float of_row) {
         const auto at = [&](size_t k) { return of_w * rows[3][k] + of_row * rows[row][k]; };
         return io::vec4{at(0), at(1), at(2), at(3)};
     };
-    return {.planes = {plane(1, 0, 1), plane(1, 0, -1), plane(1, 1, 1), plane(1, 1, -1), plane(0, 2, 1), plane(1, 2, -1)},
-            .eye = {eye.x, eye.y, eye.z, std::min(view->pixels / view->detail_pixels, kMost)},
-            .shadow = {shadow.x, shadow.y, shadow.z, 0}};
+    const std::array planes{plane(1, 0, 1), plane(1, 0, -1), plane(1, 1, 1), plane(1, 1, -1), plane(0, 2, 1), plane(1, 2, -1)};
+    std::ranges::copy(planes, seen.planes);
+    for (size_t r = 0; r < 4; ++r) seen.clip_from_world[r] = {rows[r][0], rows[r][1], rows[r][2], rows[r][3]};
+    seen.eye = {eye.x, eye.y, eye.z, std::min(view->pixels / view->detail_pixels, kMost)};
+    seen.shadow = {shadow.x, shadow.y, shadow.z, full_rate_pixels > 0 ? std::min(view->pixels / full_rate_pixels, kMost) : 0};
+    seen.occlusion = view->occlusion;
+    return seen;
 }
 
 void make_list(const std::shared_ptr<Gpu>& gpu, const Group& group, Batch& batch) {
     batch.list = upload_writable_table(gpu, group.name + ": what is drawn", std::vector<uint32_t>(io::kFirstListed + size_t{batch.instance_count}));
+    batch.work = upload_writable_table(gpu, group.name + ": what is animated", std::vector<uint32_t>(io::kFirstWork + io::kMostWorkOfInstance * size_t{batch.instance_count}));
+    batch.states = upload(gpu, group.name + ": what was drawn", std::vector<uint32_t>(batch.instance_count));
     std::vector<io::DrawCommand> draws;
     for (size_t section = 0; section < group.sections.size(); ++section)
         for (size_t detail = 0; detail < io::kDetailLevels; ++detail) {
@@ -42,25 +50,30 @@ void make_list(const std::shared_ptr<Gpu>& gpu, const Group& group, Batch& batch
         }
     constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
     batch.draws = upload(gpu, group.name + ": draw commands", draws, kUsage);
-    batch.dispatch = upload(gpu, group.name + ": dispatch commands", std::vector<uint32_t>{0, 1, 1}, kUsage);
+    batch.dispatches = upload(gpu, group.name + ": dispatch commands", std::vector<VkDispatchIndirectCommand>(io::kWorkSections, {0, 1, 1}), kUsage);
 }
 
-CullStage::CullStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches)
-    : gpu_(std::move(gpu)), groups_(groups), batches_(batches), kernels_(gpu_), view_(upload(gpu_, "view", std::vector{cull_view_of(nullptr)})) {
-    for (const Batch& batch : batches_) {
+CullStage::CullStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const CrowdSettings& settings)
+    : gpu_(std::move(gpu)), groups_(groups), batches_(batches), keeps_previous_(settings.keep_previous_matrices), may_skip_(settings.skips_updates), kernels_(gpu_), view_(upload(gpu_, "view", std::vector{cull_view_of(nullptr, 0)})) {
+    for (size_t i = 0; i < batches_.size(); ++i) {
+        const Batch& batch = batches_[i];
         const std::string name = groups_[batch.group].name;
         const auto storage = [&](const char* what, uint64_t size_bytes) { return Buffer(gpu_, name + what, size_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT); };
         Member& member = members_.emplace_back();
-        member.details = storage(": levels of detail", batch.instance_count * sizeof(uint32_t));
-        member.counts = storage(": counts of what is drawn", workgroups_of(batch.instance_count) * sizeof(io::uvec4));
-        member.cull = kernels_.cull.bind(CullBuffers{view_, batch.placements, member.details, member.counts});
-        member.offsets = kernels_.offsets.bind(OffsetsBuffers{member.counts, batch.list, batch.dispatch, batch.draws});
-        member.list = kernels_.list.bind(ListBuffers{member.details, member.counts, batch.list});
+        member.verdicts = storage(": verdicts", batch.instance_count * sizeof(uint32_t));
+        member.counts = storage(": counts of verdicts", workgroups_of(batch.instance_count) * uint64_t{io::kCounters} * sizeof(uint32_t));
+        member.cull = kernels_.cull.bind(buffers_of(i));
+        member.offsets = kernels_.offsets.bind(OffsetsBuffers{member.counts, batch.list, batch.work, batch.dispatches, batch.draws});
+        member.list = kernels_.list.bind(ListBuffers{member.verdicts, member.counts, batch.list, batch.work});
     }
 }
 
-void CullStage::record_view(VkCommandBuffer commands, const CrowdView* view) {
-    const io::CullView seen = cull_view_of(view);
+CullBuffers CullStage::buffers_of(size_t batch) const { return {view_, batches_[batch].placements, batches_[batch].states, members_[batch].verdicts, members_[batch].counts}; }
+
+void CullStage::record_view(VkCommandBuffer commands, const CrowdView* view, float full_rate_pixels) {
+    io::CullView seen = cull_view_of(view, full_rate_pixels);
+    seen.update_number = update_number_++;
+    is_half_done_ = seen.occlusion != 0;
     record_update(*gpu_, commands, view_, 0, std::span<const io::CullView>(&seen, 1));
 }
 
@@ -69,28 +82,54 @@ io::CullPush CullStage::push_of(const Batch& batch) const {
     const Vec3<float> centre = (group.posed_min + group.posed_max) * 0.5f, half = (group.posed_max - group.posed_min) * 0.5f;
     std::array<float, io::kDetailLevels> errors{};
     std::ranges::transform(group.details, errors.begin() + 1, &DetailLevel::error);
+    const bool is_listed = group.animates_drawn_only();
     return {.centre = {centre.x, centre.y, centre.z, 0},
             .half_extent = {half.x, half.y, half.z, 0},
             .detail_errors = {errors[0], errors[1], errors[2], errors[3]},
             .instance_count = batch.instance_count,
-            .detail_count = static_cast<uint32_t>(1 + group.details.size())};
+            .detail_count = static_cast<uint32_t>(1 + group.details.size()),
+            .joint_set_count = std::max(1u, static_cast<uint32_t>(group.fused.size())),
+            .keeps_previous = is_listed && keeps_previous_,
+            .may_skip = is_listed && may_skip_};
+}
+
+template <class Dispatch>
+void CullStage::for_each_batch(VkCommandBuffer commands, const Dispatch& dispatch) const {
+    for (size_t i = 0; i < members_.size(); ++i) dispatch(members_[i], batches_[i]);
+    memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite | kIndirectRead);
 }
 
 void CullStage::record(VkCommandBuffer commands, StageTimer* timer) const {
-    const auto for_each = [&](const auto& dispatch) {
-        for (size_t i = 0; i < members_.size(); ++i) dispatch(members_[i], batches_[i]);
-        memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite | kIndirectRead);
-    };
-    for_each([&](const Member& member, const Batch& batch) { kernels_.cull.dispatch_invocations(commands, member.cull, push_of(batch), batch.instance_count); });
-    for_each([&](const Member& member, const Batch& batch) {
+    for_each_batch(commands, [&](const Member& member, const Batch& batch) { kernels_.cull.dispatch_invocations(commands, member.cull, push_of(batch), batch.instance_count); });
+    record_lists(commands, timer);
+}
+
+void CullStage::record_lists(VkCommandBuffer commands, StageTimer* timer) const {
+    for_each_batch(commands, [&](const Member& member, const Batch& batch) {
         const Group& group = groups_[batch.group];
-        const io::OffsetsPush push{.workgroup_count = workgroups_of(batch.instance_count),
-                                   .section_count = static_cast<uint32_t>(group.sections.size()),
-                                   .instances_of_workgroup = group.fused ? group.fused->plan.scan.instances_per_workgroup : 1};
+        io::OffsetsPush push{.workgroup_count = workgroups_of(batch.instance_count), .section_count = static_cast<uint32_t>(group.sections.size()), .instances_of_workgroup = {1, 1, 1, 1}};
+        const std::array of_sets{&io::uvec4::x, &io::uvec4::y, &io::uvec4::z, &io::uvec4::w};
+        for (size_t set = 0; set < group.fused.size(); ++set) push.instances_of_workgroup.*of_sets[set] = group.fused[set].plan.scan.instances_per_workgroup;
         kernels_.offsets.dispatch_workgroups(commands, member.offsets, push, 1);
     });
-    for_each([&](const Member& member, const Batch& batch) { kernels_.list.dispatch_invocations(commands, member.list, push_of(batch), batch.instance_count); });
+    for_each_batch(commands, [&](const Member& member, const Batch& batch) { kernels_.list.dispatch_invocations(commands, member.list, push_of(batch), batch.instance_count); });
     if (timer) timer->end_stage(commands, &StageTimes::cull);
+}
+
+void CullStage::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths, StageTimer* timer) {
+    if (!is_half_done_) throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "the last record() was not for a view with occlusion, or this has been recorded for it");
+    if (!depths.image || depths.width == 0 || depths.height == 0) throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "there is no depth image");
+    if (!pyramid_ || pyramid_->width() != depths.width || pyramid_->height() != depths.height) {
+        pyramid_.emplace(gpu_, kernels_.pyramid, depths.width, depths.height);
+        for (size_t i = 0; i < members_.size(); ++i) members_[i].reveal = kernels_.reveal.bind(RevealBuffers{buffers_of(i), pyramid_->levels()});
+    }
+    is_half_done_ = false;
+    pyramid_->record(commands, kernels_.pyramid, depths);
+    for_each_batch(commands, [&](const Member& member, const Batch& batch) {
+        const io::RevealPush push{.cull = push_of(batch), .width = depths.width, .height = depths.height, .sign = depths.reversed ? 1.0f : -1.0f};
+        kernels_.reveal.dispatch_invocations(commands, member.reveal, push, batch.instance_count);
+    });
+    record_lists(commands, timer);
 }
 
 std::vector<DrawnInstance> CullStage::read(uint32_t batch_index) const {
@@ -106,8 +145,8 @@ std::vector<DrawnInstance> CullStage::read(uint32_t batch_index) const {
 
 uint64_t CullStage::size_bytes() const {
     uint64_t sum = view_.size_bytes();
-    for (const Member& member : members_) sum += member.details.size_bytes() + member.counts.size_bytes();
-    return sum;
+    for (const Member& member : members_) sum += member.verdicts.size_bytes() + member.counts.size_bytes();
+    return sum + (pyramid_ ? pyramid_->size_bytes() : 0);
 }
 
 }  // namespace throng

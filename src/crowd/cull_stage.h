@@ -1,7 +1,8 @@
-// The cull stage of crowds that may be updated for a view: which instances are drawn, and in how much detail.
+// The cull stage of crowds that may be updated for a view: which instances are drawn, and in how much detail; which of them are animated, and in which joints.
 #pragma once
 
 #include "crowd/batch.h"
+#include "crowd/depth_pyramid.h"
 #include "crowd/group.h"
 #include "crowd/stage_timer.h"
 #include "cull/cull.h"
@@ -10,35 +11,46 @@
 
 namespace throng {
 
-// The planes of what a view sees, and the eye; of no view, all there is, in full detail.
-io::CullView cull_view_of(const CrowdView* view);
+// The planes of what a view sees, and the eye; of no view, all there is, in full detail. `full_rate_pixels` is CrowdView's, or what the budget makes of it.
+io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels);
 
-// Gives the batch its list, and the commands that animate and draw it; nothing is listed yet.
+// Gives the batch its list and its work, and the commands that animate and draw it; nothing is listed yet.
 void make_list(const std::shared_ptr<Gpu>& gpu, const Group& group, Batch& batch);
 
 class CullStage {
 public:
     // Of all batches, which have a list; keeps references to both.
-    CullStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches);
+    CullStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const CrowdSettings& settings);
 
-    void record_view(VkCommandBuffer commands, const CrowdView* view);
+    // full_rate_pixels replaces the view's.
+    void record_view(VkCommandBuffer commands, const CrowdView* view, float full_rate_pixels);
     void record(VkCommandBuffer commands, StageTimer* timer) const;
+    // The second half of an update for a view with occlusion. Throws kInvalidArgument where the last record_view() was for none, or its second half is recorded already.
+    void record_disoccluded(VkCommandBuffer commands, const DepthImage& depths, StageTimer* timer);
     // Of a batch, after the last update that has finished.
     std::vector<DrawnInstance> read(uint32_t batch) const;
     uint64_t size_bytes() const;
 
 private:
     struct Member {
-        Buffer details, counts;
-        Bindings cull, offsets, list;
+        Buffer verdicts, counts;
+        Bindings cull, reveal, offsets, list;
     };
     io::CullPush push_of(const Batch& batch) const;
+    void record_lists(VkCommandBuffer commands, StageTimer* timer) const;
+    template <class Dispatch>
+    void for_each_batch(VkCommandBuffer commands, const Dispatch& dispatch) const;
+    CullBuffers buffers_of(size_t batch) const;
 
     std::shared_ptr<Gpu> gpu_;
     const std::vector<Group>& groups_;
     const std::vector<Batch>& batches_;
+    bool keeps_previous_, may_skip_;
     CullKernels kernels_;
     Buffer view_;
+    uint32_t update_number_ = 0;
+    bool is_half_done_ = false;  // record_disoccluded() is to come
+    std::optional<DepthPyramid> pyramid_;  // made when it is first needed
     std::vector<Member> members_;  // [batch]
 };
 

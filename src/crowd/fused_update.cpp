@@ -1,55 +1,97 @@
 #include "crowd/fused_update.h"
 
 #include "bind/sockets.h"
+#include "cull/cull_io.h"
 #include "gpu/barrier.h"
+
+#include <algorithm>
 
 namespace throng {
 
 FusedUpdate::FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const CrowdSettings& settings)
-    : gpu_(std::move(gpu)), groups_(groups), batches_(batches) {
+    : gpu_(std::move(gpu)), groups_(groups), batches_(batches), culls_(settings.culls) {
     for (const Group& group : groups_) {
-        Kernels& kernels = kernels_.emplace_back();
-        if (!group.fused) continue;
-        kernels.are_listed = settings.culls && !settings.keep_previous_matrices && group.animates_drawn_only();
-        const auto make = [&](bool blends) { return fused_kernel(gpu_, group.fused->plan, {.packed = group.packed, .blends = blends, .keeps_model = settings.keep_model_matrices, .skin_format = settings.skin_format, .layered = group.controller.has_value(), .socket_count = group.socket_count(), .inertial = group.controller && group.controller->is_inertial, .posed = group.pose_capacity > 0, .listed = kernels.are_listed}); };
-        kernels.blending = make(true);
-        if (!group.controller) kernels.single = make(false);
+        std::vector<Kernels>& sets = kernels_.emplace_back();
+        for (size_t set = 0; set < group.fused.size(); ++set) sets.push_back(make_kernels(group, set, settings));
     }
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
         const Group& group = groups_[batch.group];
-        if (!group.fused) continue;
-        const FusedTables& tables = group.fused->tables;
-        Member& member = members_.emplace_back(Member{.batch = i, .bindings = {}, .sockets = {}});
-        if (group.sockets && group.socket_space == SocketSpace::kWorld) {
-            if (!sockets_) sockets_ = socket_kernel(gpu_);
-            member.sockets = sockets_->bind(SocketBuffers{batch.sockets, group.sockets->table, batch.placements, batch.sockets});
-        }
-        for (size_t k = 0; k < batch.skins.size(); ++k) {
-            const Buffer& skin = batch.skins[k];
-            if (!skin.handle()) continue;
+        if (group.fused.empty()) continue;
+        Member& member = members_.emplace_back(Member{.batch = i, .sets = {}, .sockets = {}});
+        bind(member, settings);
+        if (!group.sockets || group.socket_space != SocketSpace::kWorld) continue;
+        if (!sockets_) sockets_ = socket_kernel(gpu_);
+        member.sockets = sockets_->bind(SocketBuffers{batch.sockets, group.sockets->table, batch.placements, batch.sockets});
+    }
+}
+
+FusedUpdate::Kernels FusedUpdate::make_kernels(const Group& group, size_t set, const CrowdSettings& settings) const {
+    const auto make = [&](bool blends) { return fused_kernel(gpu_, group.fused[set].plan, {.packed = group.packed, .blends = blends, .keeps_model = settings.keep_model_matrices, .skin_format = settings.skin_format, .layered = group.controller.has_value(), .socket_count = group.socket_count(), .inertial = group.controller && group.controller->is_inertial, .posed = group.pose_capacity > 0, .listed = is_listed(group), .some_joints = set > 0}); };
+    Kernels kernels{.blending = make(true), .single = {}};
+    if (!group.controller) kernels.single = make(false);
+    return kernels;
+}
+
+void FusedUpdate::bind(Member& member, const CrowdSettings& settings) const {
+    const Batch& batch = batches_[member.batch];
+    const Group& group = groups_[batch.group];
+    for (size_t set = 0; set < group.fused.size(); ++set) {
+        SetBindings& bindings = member.sets.emplace_back();
+        const FusedTables& tables = group.fused[set].tables;
+        const auto bound = [&](const Buffer& skin) {
             const Buffer& cursors = group.controller ? skin : batch.cursors;
             const Buffer &voices = group.controller ? batch.voices : group.tracks, &masks = group.controller ? group.controller->masks : group.words;
-            member.bindings[k] = kernels_[batch.group].blending.bind(FusedBuffers{cursors, group.tracks, group.keys, group.words, tables.links, tables.bind_ranges, tables.bind_entries, tables.binds,
-                                                                                  skin, settings.keep_model_matrices ? batch.kept_model : skin, voices, masks, group.sockets ? group.sockets->slots : group.words, batch.sockets.or_else(skin), batch.inertias.or_else(skin), batch.inertia_states.or_else(skin), batch.posed.or_else(group.words), group.poses.or_else(group.keys), batch.list.or_else(group.words)});
-        }
+            return kernels_[batch.group][set].blending.bind(FusedBuffers{cursors, group.tracks, group.keys, group.words, tables.links, tables.bind_ranges, tables.bind_entries, tables.binds,
+                                                                         skin, settings.keep_model_matrices ? batch.kept_model : skin, voices, masks, group.sockets ? group.sockets->slots : group.words, batch.sockets.or_else(skin), batch.inertias.or_else(skin), batch.inertia_states.or_else(skin), batch.posed.or_else(group.words), group.poses.or_else(group.keys), batch.work.or_else(group.words), tables.rig_joints});
+        };
+        for (size_t k = 0; k < batch.skins.size(); ++k)
+            if (batch.skins[k].handle()) bindings.skins[k] = bound(batch.skins[k]);
+        if (batch.ahead.handle()) bindings.ahead = bound(batch.ahead);
     }
 }
 
 void FusedUpdate::record(VkCommandBuffer commands, StageTimer* timer) const {
     if (members_.empty()) return;
-    for (const Member& member : members_) {
-        const Batch& batch = batches_[member.batch];
-        const Group& group = groups_[batch.group];
-        const Kernels& kernels = kernels_[batch.group];
-        const Kernel& kernel = group.controller || batch.blending_count > 0 ? kernels.blending : kernels.single;
-        const io::FusedPush push{.joint_count = group.joint_count, .instance_count = batch.instance_count, .palette_count = group.palette_count, .rest_track = static_cast<uint32_t>(group.clip_durations_s.size()) * group.joint_count, .voice_limit = group.controller ? group.controller->voice_limit : 0};
-        if (kernels.are_listed) kernel.dispatch_indirect(commands, member.bindings[batch.current_skin], push, batch.dispatch);
-        else record_fused(commands, kernel, member.bindings[batch.current_skin], group.fused->plan, push);
-    }
-    memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    record_sets(commands, [](const Group&) { return true; });
     if (sockets_) record_sockets(commands);
     if (timer) timer->end_stage(commands, &StageTimes::fused);
+}
+
+void FusedUpdate::record_listed(VkCommandBuffer commands, StageTimer* timer) const {
+    if (members_.empty()) return;
+    record_sets(commands, [&](const Group& group) { return is_listed(group); });
+    if (timer) timer->end_stage(commands, &StageTimes::fused);
+}
+
+// A barrier between two sets of joints, since synchronization validation takes the buffers that both write for one range each.
+template <class Applies>
+void FusedUpdate::record_sets(VkCommandBuffer commands, const Applies& applies) const {
+    size_t most = 0;
+    for (const Group& group : groups_) most = std::max(most, group.fused.size());
+    for (uint32_t set = 0; set < most; ++set) {
+        for (const Member& member : members_) {
+            const Group& group = groups_[batches_[member.batch].group];
+            if (set < group.fused.size() && applies(group)) record_set(commands, member, set);
+        }
+        memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    }
+}
+
+void FusedUpdate::record_set(VkCommandBuffer commands, const Member& member, uint32_t set) const {
+    const Batch& batch = batches_[member.batch];
+    const Group& group = groups_[batch.group];
+    const Kernels& kernels = kernels_[batch.group][set];
+    const FusedJoints& joints = group.fused[set];
+    const SetBindings& bindings = member.sets[set];
+    const Kernel& kernel = group.controller || batch.blending_count > 0 ? kernels.blending : kernels.single;
+    io::FusedPush push{.joint_count = joints.joint_count, .rig_joint_count = group.joint_count, .instance_count = batch.instance_count, .palette_count = group.palette_count, .rest_track = static_cast<uint32_t>(group.clip_durations_s.size()) * group.joint_count, .voice_limit = group.controller ? group.controller->voice_limit : 0};
+    if (!is_listed(group)) return record_fused(commands, kernel, bindings.skins[batch.current_skin], joints.plan, push);
+    push.section = io::kAnimated + set;
+    kernel.dispatch_indirect(commands, bindings.skins[batch.current_skin], push, batch.dispatches, push.section);
+    if (!batch.ahead.handle()) return;
+    push.section = io::kAnimatedAhead + set;
+    kernel.dispatch_indirect(commands, bindings.ahead, push, batch.dispatches, push.section);
 }
 
 // From model to world space, in place.

@@ -13,25 +13,37 @@ public:
     FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const CrowdSettings& settings);
 
     void record(VkCommandBuffer commands, StageTimer* timer) const;
+    // Of those groups alone that are animated only where drawn.
+    void record_listed(VkCommandBuffer commands, StageTimer* timer) const;
 
 private:
     // One clip an instance costs about half of two, so a batch in which none blends has a kernel that does not look for a second.
     struct Kernels {
         Kernel blending, single;
-        bool are_listed = false;  // they animate only what is drawn
+    };
+    struct SetBindings {
+        std::array<Bindings, 2> skins;  // one for each of the batch's skin buffers
+        Bindings ahead;                 // where instances are animated ahead
     };
     struct Member {
         uint32_t batch = 0;
-        std::array<Bindings, 2> bindings;  // one for each of the batch's skin buffers
-        Bindings sockets;                  // where they go to world space
+        std::vector<SetBindings> sets;  // of joints
+        Bindings sockets;               // where they go to world space
     };
+    Kernels make_kernels(const Group& group, size_t set, const CrowdSettings& settings) const;
+    void bind(Member& member, const CrowdSettings& settings) const;
+    template <class Applies>
+    void record_sets(VkCommandBuffer commands, const Applies& applies) const;
+    void record_set(VkCommandBuffer commands, const Member& member, uint32_t set) const;
+    bool is_listed(const Group& group) const { return culls_ && group.animates_drawn_only(); }
 
     std::shared_ptr<Gpu> gpu_;
     const std::vector<Group>& groups_;
     const std::vector<Batch>& batches_;
     void record_sockets(VkCommandBuffer commands) const;
 
-    std::vector<Kernels> kernels_;  // [group]
+    bool culls_;
+    std::vector<std::vector<Kernels>> kernels_;  // [group][set of joints]
     std::optional<Kernel> sockets_;
     std::vector<Member> members_;
 };

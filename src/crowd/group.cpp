@@ -61,7 +61,7 @@ GroupController::GroupController(const std::shared_ptr<Gpu>& gpu, const Controll
     if (model_layer_count > 0) parents = upload_table(gpu, character.name + ": parents", character.rig.parents);
 }
 
-Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice)
+Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice, bool reduces_joints)
     : Group(gpu, *group.character, choice) {
     if (group.controller) controller.emplace(gpu, *group.controller, *group.character, group.moves_placements);
     socket_space = group.socket_space;
@@ -70,6 +70,7 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const Pat
     uniform_scale = group.character->rig.uniform_scale;
     pose_capacity = std::min(group.pose_capacity, group.instance_count);
     bound_poses(*group.character);
+    if (reduces_joints && animates_drawn_only()) reduce_joints(gpu, *group.character);
     if (pose_capacity > 0) poses = make_table<io::JointPose>(gpu, name + ": poses of CrowdGroup::pose_capacity", uint64_t{pose_capacity} * joint_count);
 }
 
@@ -87,7 +88,7 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
       scan_choice(choice.scan),
       scan_reason(choice.scan_reason),
       path_reason(choice.path_reason) {
-    if (choice.fused) fused.emplace(FusedGroup{*choice.fused, FusedTables(gpu, character, *choice.fused)});
+    if (choice.fused) fused.push_back({joint_count, *choice.fused, FusedTables(gpu, character, FusedRig(character), *choice.fused)});
     else scan.emplace(gpu, scan_choice, ScanRig(character.rig.parents, character.rig.uniform_scale), scan_limits(*gpu));
     std::vector<uint32_t> joints;
     std::vector<Affine> binds;
@@ -106,6 +107,7 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
     joint_from_bind = upload_table(gpu, name + ": inverse binds", binds);
     vertices = upload(gpu, name + ": vertices", character.vertices);
     influences = upload(gpu, name + ": influences", character.influences);
+    influence_count = static_cast<uint32_t>(character.influences.size());
     if (!character.morphs.empty()) morphs.emplace(gpu, character);
     make_details(gpu, character);
 }
@@ -119,6 +121,22 @@ void Group::make_details(const std::shared_ptr<Gpu>& gpu, const Character& chara
     std::vector<uint32_t> all = character.indices;
     all.insert(all.end(), character.detail_indices.begin(), character.detail_indices.end());
     indices = upload(gpu, name + ": indices", all, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
+}
+
+// The sets of joints of coarser levels, as far as the method of the finest goes about them, and the influences that refer to no others.
+void Group::reduce_joints(const std::shared_ptr<Gpu>& gpu, const Character& character) {
+    if (character.joint_details.empty()) return;
+    std::vector<Influences> all = character.influences;
+    for (uint32_t detail = 1; detail <= details.size(); ++detail) {
+        const FusedRig rig(character, detail);
+        FusedPlan plan = plan_fused(fused[0].plan.choice, rig, scan_limits(*gpu));
+        if (!plan.obstacle.empty()) break;
+        FusedTables tables(gpu, character, rig, plan);
+        fused.push_back({rig.rig.joint_count(), std::move(plan), std::move(tables)});
+        const std::vector<Influences> of_detail = influences_of_detail(character, detail);
+        all.insert(all.end(), of_detail.begin(), of_detail.end());
+    }
+    influences = upload(gpu, name + ": influences", all);
 }
 
 // What blends of clips, and what is put on top of them, may add to the boxes of clips.
@@ -155,7 +173,8 @@ void Group::make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint
 }
 
 uint64_t Group::size_bytes() const {
-    uint64_t sum = fused ? fused->tables.size_bytes() : scan->links().size_bytes();
+    uint64_t sum = scan ? scan->links().size_bytes() : 0;
+    for (const FusedJoints& joints : fused) sum += joints.tables.size_bytes();
     if (sockets) sum += sockets->table.size_bytes() + sockets->slots.size_bytes();
     if (procedural) sum += procedural->tables.size_bytes();
     if (morphs) sum += morphs->size_bytes();

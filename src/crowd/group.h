@@ -13,8 +13,9 @@
 
 namespace throng {
 
-// What a group that is updated in one pass has beside its clips.
-struct FusedGroup {
+// A set of joints that are animated in one pass.
+struct FusedJoints {
+    uint32_t joint_count = 0;
     FusedPlan plan;
     FusedTables tables;
 };
@@ -49,7 +50,7 @@ struct GroupProcedural {
 };
 
 struct Group {
-    Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice);
+    Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice, bool reduces_joints);
 
     std::string name;
     uint32_t joint_count = 0;
@@ -75,16 +76,17 @@ struct Group {
     ScanChoice scan_choice;
     std::string scan_reason, path_reason;
     std::optional<ScanStage> scan;         // where staged
-    std::optional<FusedGroup> fused;       // where fused
+    std::vector<FusedJoints> fused;        // where fused: all joints; then, with CrowdSettings::reduces_joints, those of each coarser level of detail
     Buffer palette_joints, joint_from_bind;  // bind
     bool uniform_scale = false;            // Rig::uniform_scale
     uint32_t pose_capacity = 0;
     Buffer poses;                          // io::JointPose[pose_capacity][joint_count], as set by the application
-    Buffer vertices, influences, indices;  // skin, draw
+    Buffer vertices, influences, indices;  // skin, draw; influences of each set of joints one after another
+    uint32_t influence_count = 0;          // of one set
     std::optional<MorphTables> morphs;     // morph, skin, draw; where the character has any
 
     // Instances that are not drawn may be left as they are: nothing but a picture shows their pose, and none builds upon the one before.
-    bool animates_drawn_only() const { return fused && !sockets && !(controller && controller->is_inertial); }
+    bool animates_drawn_only() const { return !fused.empty() && !sockets && !(controller && controller->is_inertial); }
     bool has_root_motion() const { return controller && root_rows.size_bytes() > sizeof(io::vec4); }
     uint32_t socket_flags() const { return socket_space == SocketSpace::kWorld ? io::kSocketsToWorld : 0; }
     uint32_t socket_count() const { return sockets ? static_cast<uint32_t>(sockets->joints.size()) : 0; }
@@ -94,6 +96,7 @@ struct Group {
 private:
     void make_procedural(const std::shared_ptr<Gpu>& gpu, const ProceduralRules& rules, const Character& character);
     void make_details(const std::shared_ptr<Gpu>& gpu, const Character& character);
+    void reduce_joints(const std::shared_ptr<Gpu>& gpu, const Character& character);
     void bound_poses(const Character& character);
     void make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint32_t>& joints);
     Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const PathChoice& choice);

@@ -36,10 +36,16 @@ void StageTimer::write(VkCommandBuffer commands, uint32_t query) {
 
 StageTimes StageTimer::read() const {
     if (!begun_) throw Failure(ErrorCode::kInvalidArgument, "stage times", "no update has been recorded");
+    if (const std::optional<StageTimes> times = read_if_finished()) return *times;
+    throw Failure(ErrorCode::kInvalidArgument, "stage times", "the last update has not finished");
+}
+
+std::optional<StageTimes> StageTimer::read_if_finished() const {
+    if (!begun_) return {};
     std::vector<uint64_t> ticks(stages_.size() + 1);
     const VkResult result = gpu_->vk.vkGetQueryPoolResults(gpu_->device, pool_, 0, static_cast<uint32_t>(ticks.size()), ticks.size() * sizeof(uint64_t), ticks.data(),
                                                            sizeof(uint64_t), VK_QUERY_RESULT_64_BIT);
-    if (result == VK_NOT_READY) throw Failure(ErrorCode::kInvalidArgument, "stage times", "the last update has not finished");
+    if (result == VK_NOT_READY) return {};
     check(result, "vkGetQueryPoolResults");
 
     const uint64_t mask = gpu_->timestamp_valid_bits >= 64 ? ~uint64_t{0} : (uint64_t{1} << gpu_->timestamp_valid_bits) - 1;

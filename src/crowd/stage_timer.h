@@ -5,6 +5,7 @@
 
 #include <throng/crowd.h>
 
+#include <optional>
 #include <vector>
 
 namespace throng {
@@ -22,6 +23,8 @@ public:
 
     // Throws kInvalidArgument where no update has finished.
     StageTimes read() const;
+    // None where the last update has not finished, or there was none.
+    std::optional<StageTimes> read_if_finished() const;
 
 private:
     void write(VkCommandBuffer commands, uint32_t query);

@@ -28,10 +28,10 @@ uint64_t arena_limit_bytes(const Gpu& gpu) {
 StagedUpdate::StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, SkinFormat skin_format, const ProceduralStage& procedural)
     : gpu_(std::move(gpu)), groups_(groups), batches_(batches), procedural_(procedural) {
     for (uint32_t i = 0; i < batches_.size(); ++i)
-        if (!groups_[batches_[i].group].fused) members_.push_back({.batch = i});
+        if (groups_[batches_[i].group].fused.empty()) members_.push_back({.batch = i});
     if (members_.empty()) return;
     for (const Group& group : groups_) {
-        if (group.fused) continue;
+        if (!group.fused.empty()) continue;
         const BlendOutput output = group.takes_similarities() ? BlendOutput::kSimilarity : BlendOutput::kAffine;
         if (group.controller) {
             const LayeredSettings settings = layered_settings(group);

@@ -12,10 +12,20 @@ constexpr uint32_t kOffsets[] = {
 constexpr uint32_t kList[] = {
 #include "cull/list.comp.inc"
 };
+constexpr uint32_t kReveal[] = {
+#include "cull/reveal.comp.inc"
+};
+constexpr uint32_t kPyramid[] = {
+#include "cull/pyramid.comp.inc"
+};
 
 }  // namespace
 
 CullKernels::CullKernels(const std::shared_ptr<Gpu>& gpu)
-    : cull(gpu, {.name = "cull", .spirv = kCull}), offsets(gpu, {.name = "offsets", .spirv = kOffsets}), list(gpu, {.name = "list", .spirv = kList}) {}
+    : cull(gpu, {.name = "cull", .spirv = kCull}),
+      offsets(gpu, {.name = "offsets", .spirv = kOffsets}),
+      list(gpu, {.name = "list", .spirv = kList}),
+      reveal(gpu, {.name = "reveal", .spirv = kReveal}),
+      pyramid(gpu, {.name = "pyramid", .spirv = kPyramid}) {}
 
 }  // namespace throng

@@ -22,12 +22,43 @@ bool is_seen(CullView view, Affine world_from_model, vec3 centre, vec3 half_exte
     return seen;
 }
 
+// Of the eye from the ball around the box, in world space; not positive within it.
+float distance_to_box(CullView view, Affine world_from_model, vec3 centre, vec3 half_extent) {
+    return distance(affine_point(world_from_model, centre), view.eye.xyz) - largest_scale(world_from_model) * length(half_extent);
+}
+
 // The coarsest level whose error the view does not see; errors do not fall from level to level.
-uint detail_of(CullView view, Affine world_from_model, vec3 centre, vec3 half_extent, vec4 detail_errors, uint detail_count) {
-    const float scale = largest_scale(world_from_model);
-    const float distance_to_it = distance(affine_point(world_from_model, centre), view.eye.xyz) - scale * length(half_extent);
+uint detail_of(CullView view, float distance_to_it, float scale, vec4 detail_errors, uint detail_count) {
     uint detail = 0;
     for (uint k = 1; k < kDetailLevels; ++k)
         if (k < detail_count && detail_errors[k] * scale * view.eye.w <= distance_to_it) detail = k;
     return detail;
+}
+
+// Of how many updates one animates it: 1, 2, 4 or 8, so that it moves by about the same number of pixels between two of them.
+uint period_of(CullView view, float distance_to_it, float scale, vec3 half_extent) {
+    const float size = 2 * scale * length(half_extent) * view.shadow.w;
+    uint period_log2 = 0;
+    for (uint k = 1; k <= kMostPeriodLog2; ++k)
+        if (size * float(1u << (k - 1)) < distance_to_it) period_log2 = k;
+    return view.shadow.w == 0 ? 1 : 1u << period_log2;
+}
+
+// What is done with an instance that is drawn; `state` is that of the last update, and becomes that of this one.
+uint verdict_of(CullView view, CullPush push, Affine world_from_model, uint instance, inout uint state) {
+    const float distance_to_it = distance_to_box(view, world_from_model, push.centre.xyz, push.half_extent.xyz), scale = largest_scale(world_from_model);
+    const uint detail = detail_of(view, distance_to_it, scale, push.detail_errors, push.detail_count);
+    const uint period = push.may_skip != 0 ? period_of(view, distance_to_it, scale, push.half_extent.xyz) : 1;
+    const bool was_drawn = (state & kStateDrawn) != 0;
+    const bool is_due = !was_drawn || ((view.update_number + instance) & (period - 1)) == 0;  // staggered
+    const bool is_at_once = is_due && (!was_drawn || period == 1);
+    uint left = was_drawn ? state >> kStateLeftShift & kStateLeftMask : 0;
+    if (is_due) left = is_at_once ? 0 : period;
+    uint verdict = kVerdictInView | kVerdictDrawn | detail;
+    const uint section = min(detail, push.joint_set_count - 1) + (is_at_once ? kAnimated : kAnimatedAhead);
+    if (is_due) verdict |= kVerdictAnimated | section << kVerdictSectionShift;
+    if (!is_at_once && (left > 0 || push.keeps_previous != 0)) verdict |= kVerdictGoesOn;
+    if (!was_drawn && push.keeps_previous != 0) verdict |= kVerdictAppears;
+    state = kStateDrawn | kStateVisible | left << kStateStepShift | (left > 0 ? left - 1 : 0) << kStateLeftShift;
+    return verdict;
 }

@@ -1,4 +1,4 @@
-// The cull stage: placements and a view -> the list of what is drawn, level of detail by level, and the commands that animate and draw it without the CPU.
+// The cull stage: placements and a view -> the list of what is drawn, level of detail by level, the work of animating it, and the commands that do both without the CPU.
 #pragma once
 
 #include "cull/cull_io.h"
@@ -10,24 +10,34 @@ namespace throng {
 struct CullBuffers {
     BufferRange view;        // io::CullView
     BufferRange placements;  // Affine[instance_count], world_from_model
-    BufferRange details;     // uint[instance_count], written
-    BufferRange counts;      // uint4[workgroups], written
+    BufferRange states;      // uint[instance_count], read and written
+    BufferRange verdicts;    // uint[instance_count], written
+    BufferRange counts;      // uint[workgroups][kCounters], written
+};
+struct RevealBuffers {
+    CullBuffers cull;     // verdicts are also read
+    BufferRange pyramid;  // float[]
+};
+struct PyramidBuffers {
+    BufferRange fine, coarse;  // float[]
 };
 struct OffsetsBuffers {
     BufferRange counts;
-    BufferRange list;      // uint[io::kFirstListed + instance_count]
-    BufferRange dispatch;  // VkDispatchIndirectCommand, of the kernel that animates the list
-    BufferRange draws;     // io::DrawCommand[section_count][kDetailLevels], of which the number of instances is written
+    BufferRange list;        // uint[io::kFirstListed + instance_count]
+    BufferRange work;        // uint[io::kFirstWork + io::kMostWorkOfInstance * instance_count]
+    BufferRange dispatches;  // VkDispatchIndirectCommand[io::kWorkSections], of the kernels that work through the sections
+    BufferRange draws;       // io::DrawCommand[section_count][kDetailLevels], of which the number of instances is written
 };
 struct ListBuffers {
-    BufferRange details, offsets, list;
+    BufferRange verdicts, offsets, list, work;
 };
 
-// Dispatched one after the other, with a barrier between: io::CullPush, an invocation per instance; io::OffsetsPush, one workgroup; io::CullPush again.
+// Dispatched one after the other, with a barrier between: cull with io::CullPush, or reveal with io::RevealPush, an invocation per instance; offsets with io::OffsetsPush, one workgroup; list with io::CullPush.
+// pyramid comes before reveal, for each level: io::PyramidPush, an invocation for each texel that it writes.
 struct CullKernels {
     explicit CullKernels(const std::shared_ptr<Gpu>& gpu);
 
-    Kernel cull, offsets, list;
+    Kernel cull, offsets, list, reveal, pyramid;
 };
 
 }  // namespace throng

@@ -1,20 +1,25 @@
 #version 460
-// list: instances that are drawn, those of a level together, in ascending order, so that the same view has the same list.
+// list: instances that are drawn, those of a level together, and those of each section of the work, in ascending order, so that the same view has the same lists.
 // One invocation per instance.
 #include "cull/cull_io.h"
 
 layout(local_size_x = kCullWorkgroupSize) in;
-layout(set = 0, binding = 0, std430) readonly buffer Details { uint details[]; };
-layout(set = 0, binding = 1, std430) readonly buffer Offsets { uvec4 offsets[]; };  // [workgroup]
+layout(set = 0, binding = 0, std430) readonly buffer Verdicts { uint verdicts[]; };
+layout(set = 0, binding = 1, std430) readonly buffer Offsets { uint offsets[]; };  // [workgroup][kCounters]
 layout(set = 0, binding = 2, std430) writeonly buffer List { uint list[]; };
+layout(set = 0, binding = 3, std430) writeonly buffer Work { uint work[]; };
 layout(push_constant) uniform Push { CullPush push; };
 
-shared uint ranks[2][kCullWorkgroupSize];  // a byte for each level: how many invocations up to this one have it; at most 64
+shared uvec4 ranks[2][kCullWorkgroupSize];  // a byte for each counter: how many invocations up to this one it counts; at most 64
 
 void main() {
     const uint invocation = gl_LocalInvocationID.x, instance = gl_GlobalInvocationID.x;
-    const uint detail = instance < push.instance_count ? details[instance] : kUnseen;
-    uint rank = detail == kUnseen ? 0 : 1u << 8 * detail, from = 0;
+    const uint verdict = instance < push.instance_count ? verdicts[instance] : 0;
+    const uint detail = verdict & kVerdictDetailMask, section = verdict >> kVerdictSectionShift & kVerdictSectionMask;
+    const bool is_drawn = (verdict & kVerdictDrawn) != 0, is_animated = (verdict & kVerdictAnimated) != 0, goes_on = (verdict & kVerdictGoesOn) != 0, appears = (verdict & kVerdictAppears) != 0;
+    const uint of_section = is_animated ? 1u << 8 * (section % 4) : 0;
+    uvec4 rank = uvec4(is_drawn ? 1u << 8 * detail : 0, section < 4 ? of_section : 0, section < 4 ? 0 : of_section, (goes_on ? 1u : 0u) | (appears ? 256u : 0u));
+    uint from = 0;
     ranks[from][invocation] = rank;
     barrier();
     for (uint distance_back = 1; distance_back < kCullWorkgroupSize; distance_back *= 2) {
@@ -23,5 +28,9 @@ void main() {
         ranks[from][invocation] = rank;
         barrier();
     }
-    if (detail != kUnseen) list[kFirstListed + offsets[gl_WorkGroupID.x][detail] + bitfieldExtract(rank, int(8 * detail), 8) - 1] = instance;
+    const uint first = gl_WorkGroupID.x * kCounters;
+    if (is_drawn) list[offsets[first + detail] + bitfieldExtract(rank.x, int(8 * detail), 8) - 1] = instance;
+    if (is_animated) work[offsets[first + kDetailLevels + section] + bitfieldExtract(section < 4 ? rank.y : rank.z, int(8 * (section % 4)), 8) - 1] = instance;
+    if (goes_on) work[offsets[first + kDetailLevels + kGoingOn] + (rank.w & 255u) - 1] = instance;
+    if (appears) work[offsets[first + kDetailLevels + kAppearing] + (rank.w >> 8) - 1] = instance;
 }

@@ -1,42 +1,61 @@
 #version 460
-// offsets: counts of workgroups -> where each writes into the list; and what is dispatched and drawn for it. One workgroup for a batch.
+// offsets: counts of workgroups -> where each writes into the list and the work; and what is dispatched and drawn for them. One workgroup for a batch.
 #include "cull/cull_io.h"
 
 layout(local_size_x = kCullWorkgroupSize) in;
-layout(set = 0, binding = 0, std430) buffer Counts { uvec4 counts[]; };         // [workgroup]: before, how many; after, where they begin in the list
+layout(set = 0, binding = 0, std430) buffer Counts { uvec4 counts[]; };  // [workgroup][kCounters / 4]: before, how many; after, where they begin
 layout(set = 0, binding = 1, std430) writeonly buffer List { uint list[]; };
-layout(set = 0, binding = 2, std430) writeonly buffer Dispatch { uint dispatch[]; };
-layout(set = 0, binding = 3, std430) buffer Draws { DrawCommand draws[]; };     // [section][kDetailLevels]
+layout(set = 0, binding = 2, std430) writeonly buffer Work { uint work[]; };
+layout(set = 0, binding = 3, std430) writeonly buffer Dispatches { uint dispatches[]; };  // [kWorkSections] of three words
+layout(set = 0, binding = 4, std430) buffer Draws { DrawCommand draws[]; };     // [section][kDetailLevels]
 layout(push_constant) uniform Push { OffsetsPush push; };
 
-shared uvec4 sums[kCullWorkgroupSize];
+const uint kFours = kCounters / 4;
+shared uvec4 sums[kCullWorkgroupSize][kFours];
+shared uint totals[kCounters];
+shared uint begins[kCounters];
 
 void main() {
     const uint invocation = gl_LocalInvocationID.x;
     const uint share = (push.workgroup_count + kCullWorkgroupSize - 1) / kCullWorkgroupSize;
     const uint begin = min(invocation * share, push.workgroup_count), end = min(begin + share, push.workgroup_count);
-    uvec4 sum = uvec4(0);
-    for (uint i = begin; i < end; ++i) sum += counts[i];
-    sums[invocation] = sum;
+    for (uint k = 0; k < kFours; ++k) {
+        uvec4 sum = uvec4(0);
+        for (uint i = begin; i < end; ++i) sum += counts[i * kFours + k];
+        sums[invocation][k] = sum;
+    }
     barrier();
-    uvec4 before = uvec4(0), total = uvec4(0);
-    for (uint i = 0; i < kCullWorkgroupSize; ++i) {
-        if (i < invocation) before += sums[i];
-        total += sums[i];
+    if (invocation < kCounters) {
+        uint total = 0;
+        for (uint i = 0; i < kCullWorkgroupSize; ++i) total += sums[i][invocation / 4][invocation % 4];
+        totals[invocation] = total;
     }
-    const uvec4 begins = uvec4(0, total.x, total.x + total.y, total.x + total.y + total.z);
-    uvec4 at = begins + before;
-    for (uint i = begin; i < end; ++i) {
-        const uvec4 count = counts[i];
-        counts[i] = at;
-        at += count;
+    barrier();
+    if (invocation < kCounters) {
+        const bool is_drawn = invocation < kDetailLevels;
+        uint at = is_drawn ? kFirstListed : kFirstWork;
+        for (uint i = is_drawn ? 0 : kDetailLevels; i < invocation; ++i) at += totals[i];
+        begins[invocation] = at;
     }
-    for (uint i = invocation; i < push.section_count * kDetailLevels; i += kCullWorkgroupSize) draws[i].instance_count = total[i % kDetailLevels];
-    if (invocation < kDetailLevels) list[kListBegins + invocation] = begins[invocation];
-    if (invocation > 0) return;
-    const uint drawn = begins.w + total.w;
-    list[kListCount] = drawn;
-    dispatch[0] = (drawn + push.instances_of_workgroup - 1) / push.instances_of_workgroup;
-    dispatch[1] = 1;
-    dispatch[2] = 1;
+    barrier();
+    for (uint k = 0; k < kFours; ++k) {
+        uvec4 at = uvec4(begins[4 * k], begins[4 * k + 1], begins[4 * k + 2], begins[4 * k + 3]);
+        for (uint i = 0; i < invocation; ++i) at += sums[i][k];
+        for (uint i = begin; i < end; ++i) {
+            const uvec4 count = counts[i * kFours + k];
+            counts[i * kFours + k] = at;
+            at += count;
+        }
+    }
+    for (uint i = invocation; i < push.section_count * kDetailLevels; i += kCullWorkgroupSize) draws[i].instance_count = totals[i % kDetailLevels];
+    if (invocation < kDetailLevels) list[kListBegins + invocation] = begins[invocation] - kFirstListed;
+    if (invocation == 0) list[kListCount] = totals[0] + totals[1] + totals[2] + totals[3];
+    if (invocation >= kWorkSections) return;
+    const uint count = totals[kDetailLevels + invocation];
+    const uint instances_of_workgroup = invocation < kGoingOn ? push.instances_of_workgroup[invocation % kDetailLevels] : 1;
+    work[2 * invocation] = begins[kDetailLevels + invocation];
+    work[2 * invocation + 1] = count;
+    dispatches[3 * invocation] = (count + instances_of_workgroup - 1) / instances_of_workgroup;
+    dispatches[3 * invocation + 1] = 1;
+    dispatches[3 * invocation + 2] = 1;
 }

@@ -28,10 +28,25 @@ ScanPlan plan_tiled(const ScanChoice& choice, const ScanRig& rig, const ScanLimi
 
 }  // namespace
 
-FusedRig::FusedRig(const Character& character)
-    : rig(character.rig.parents, character.rig.uniform_scale), fixed(fixed_joints(character)), palette_count(static_cast<uint32_t>(character.palette.size())) {
-    std::vector<uint32_t> binds(rig.joint_count());
-    for (const PaletteEntry& entry : character.palette) most_binds = std::max(most_binds, ++binds[entry.joint]);
+FusedRig::FusedRig(const Character& character, uint32_t detail) {
+    const uint32_t joint_count = character.rig.joint_count();
+    const std::vector<bool> fixed_of_rig = fixed_joints(character);
+    std::vector<uint32_t> parents, numbers(joint_count, kNone);
+    for (uint32_t joint = 0; joint < joint_count; ++joint) {
+        if (detail > 0 && character.joint_details[joint] < detail) continue;
+        numbers[joint] = static_cast<uint32_t>(rig_joints.size());
+        const uint32_t parent = character.rig.parents[joint];
+        parents.push_back(parent == kNone ? kNone : numbers[parent]);
+        rig_joints.push_back(joint);
+        fixed.push_back(fixed_of_rig[joint]);
+    }
+    rig = ScanRig(parents, character.rig.uniform_scale);
+    std::vector<uint32_t> binds(joint_count);
+    for (const PaletteEntry& entry : character.palette) {
+        if (numbers[entry.joint] == kNone) continue;
+        ++palette_count;
+        most_binds = std::max(most_binds, ++binds[entry.joint]);
+    }
 }
 
 FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLimits& limits) {
@@ -74,21 +89,21 @@ FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits) {
     return plan;
 }
 
-FusedTables::FusedTables(const std::shared_ptr<Gpu>& gpu, const Character& character, const FusedPlan& plan) {
-    const uint32_t joint_count = character.rig.joint_count(), palette_count = static_cast<uint32_t>(character.palette.size());
-    std::vector<uint32_t> ranges(joint_count + 1), entries(palette_count);
-    for (uint32_t entry = 0; entry < palette_count; ++entry) {
-        entries[entry] = entry;
-        ++ranges[character.palette[entry].joint + 1];
+FusedTables::FusedTables(const std::shared_ptr<Gpu>& gpu, const Character& character, const FusedRig& rig, const FusedPlan& plan) {
+    std::vector<std::vector<uint32_t>> entries_of(character.rig.joint_count());
+    for (uint32_t entry = 0; entry < character.palette.size(); ++entry) entries_of[character.palette[entry].joint].push_back(entry);
+    std::vector<uint32_t> ranges{0}, entries;
+    for (const uint32_t joint : rig.rig_joints) {
+        entries.insert(entries.end(), entries_of[joint].begin(), entries_of[joint].end());
+        ranges.push_back(static_cast<uint32_t>(entries.size()));
     }
-    for (uint32_t joint = 0; joint < joint_count; ++joint) ranges[joint + 1] += ranges[joint];
-    std::stable_sort(entries.begin(), entries.end(), [&](uint32_t a, uint32_t b) { return character.palette[a].joint < character.palette[b].joint; });
     std::vector<Affine> sorted;
     for (const uint32_t entry : entries) sorted.push_back(character.palette[entry].joint_from_bind);
     links = upload_table(gpu, character.name + ": scan links", plan.scan.links);
     bind_ranges = upload_table(gpu, character.name + ": palette entries of joints", ranges);
     bind_entries = upload_table(gpu, character.name + ": palette entries", entries);
     binds = upload_table(gpu, character.name + ": inverse binds by joint", sorted);
+    rig_joints = upload_table(gpu, character.name + ": animated joints", rig.rig_joints);
 }
 
 Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, const FusedSettings& settings) {
@@ -96,7 +111,7 @@ Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, cons
     const uint32_t tile_instances = plan.tile_transforms > 0 ? plan.scan.instances_per_workgroup : 1;
     std::vector<uint32_t> constants = plan.scan.constants;
     constants.resize(io::kMethodConstants);
-    constants.insert(constants.end(), {settings.packed, settings.blends, settings.keeps_model, static_cast<uint32_t>(settings.skin_format), plan.one_bind, tile_instances, std::max(plan.tile_transforms, 1u), settings.layered, settings.socket_count, settings.inertial, settings.posed, settings.listed});
+    constants.insert(constants.end(), {settings.packed, settings.blends, settings.keeps_model, static_cast<uint32_t>(settings.skin_format), plan.one_bind, tile_instances, std::max(plan.tile_transforms, 1u), settings.layered, settings.socket_count, settings.inertial, settings.posed, settings.listed, settings.some_joints});
     return Kernel(gpu, {.name = "fused",
                         .spirv = gpu->prefers_wide_words() ? shaders.fused_wide : shaders.fused,
                         .workgroup_size = plan.scan.workgroup_size,

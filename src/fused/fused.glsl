@@ -30,7 +30,8 @@ layout(set = 0, binding = 14, std430) readonly buffer Inertias { InstanceInertia
 layout(set = 0, binding = 15, std430) buffer InertiaStates { InertiaState inertia_states[]; };
 TABLE_OF_WORDS(16, Posed, posed);
 TABLE_OF_ROWS(17, Poses, poses);
-TABLE_OF_WORDS(18, List, list);  // of what is drawn
+TABLE_OF_WORDS(18, Work, work);  // of listed instances (cull/cull_io.h)
+TABLE_OF_WORDS(19, RigJoints, rig_joints);  // of a part of the joints: their numbers in the rig
 #define scratch model  // named by methods that exchange through memory where shared memory is too small: no such plan is fused
 layout(constant_id = 8) const bool kPacked = false;
 layout(constant_id = 9) const bool kBlends = true;      // false: every instance plays one clip
@@ -44,11 +45,13 @@ layout(constant_id = 16) const uint kSocketCount = 0;
 layout(constant_id = 17) const bool kInertial = false;   // of layers
 layout(constant_id = 18) const bool kPosed = false;      // poses may be set
 layout(constant_id = 19) const bool kListed = false;     // only listed instances are animated
+layout(constant_id = 20) const bool kSomeJoints = false; // not all joints are
 layout(push_constant) uniform Push { FusedPush push; };
 
 #define SKIN_SET 0
 #define SKIN_BINDING 8
 #define SKIN_STORES
+uint rig_joint_count() { return push.rig_joint_count; }
 #include "bind/skin_format.glsl"
 #include "blend/inertial.glsl"
 #include "blend/posed.glsl"
@@ -57,10 +60,12 @@ layout(push_constant) uniform Push { FusedPush push; };
 
 uint link(uint index) { return WORD_AT(link_words, index); }
 // Scan methods count what they are dispatched for; this is the instance that one stands for.
-uint instance_at(uint index) { return kListed ? WORD_AT(list, kFirstListed + index) : index; }
-uint instance_count() { return kListed ? WORD_AT(list, kListCount) : push.instance_count; }
+uint instance_at(uint index) { return kListed ? WORD_AT(work, WORD_AT(work, 2 * push.section) + index) : index; }
+uint instance_count() { return kListed ? WORD_AT(work, 2 * push.section + 1) : push.instance_count; }
 
-uint at(uint instance, uint joint) { return instance * push.joint_count + joint; }
+// Scan methods count the joints that are animated; clips, masks and poses those of the rig.
+uint rig_joint(uint joint) { return kSomeJoints ? WORD_AT(rig_joints, joint) : joint; }
+uint at(uint instance, uint joint) { return instance * push.rig_joint_count + joint; }
 
 // Layers have none.
 InstanceCursor cursor_of(uint instance) {
@@ -116,13 +121,15 @@ JointPose animated_pose_of_fixed(uint instance, InstanceCursor cursor, uint join
     return pose;
 }
 
-JointPose local_pose(uint instance, InstanceCursor cursor, uint joint) {
+JointPose local_pose(uint instance, InstanceCursor cursor, uint walked_joint) {
+    const uint joint = rig_joint(walked_joint);
     const JointPose pose = animated_pose(instance, cursor, joint);
     if (kPosed) return posed_pose(instance, joint, pose);
     return pose;
 }
 
-JointPose local_pose_of_fixed(uint instance, InstanceCursor cursor, uint joint) {
+JointPose local_pose_of_fixed(uint instance, InstanceCursor cursor, uint walked_joint) {
+    const uint joint = rig_joint(walked_joint);
     const JointPose pose = animated_pose_of_fixed(instance, cursor, joint);
     if (kPosed) return posed_pose(instance, joint, pose);
     return pose;
@@ -142,7 +149,7 @@ void bind_entry(uint instance, uint i, Affine model_from_joint) {
 
 void store_instance(uint instance, uint joint, Transform transform) {
     const Affine model_from_joint = to_affine(transform);
-    if (kKeepsModel) model[at(instance, joint)] = pack(model_from_joint);
+    if (kKeepsModel) model[at(instance, rig_joint(joint))] = pack(model_from_joint);
     if (kSocketCount > 0) {
         const uint slot = WORD_AT(socket_slots, joint);
         if (slot > 0) sockets[instance * kSocketCount + slot - 1] = pack(model_from_joint);

@@ -28,7 +28,8 @@ struct FusedBuffers {
     BufferRange inertia_states;  // of inertial transitions: io::InertiaState[instance_count][joint_count], read and written; else any buffer
     BufferRange posed;  // of poses that may be set: io::InstancePose[instance_count], a table of words; else any
     BufferRange poses;  // of poses that may be set: io::JointPose[pose_capacity][joint_count], a table of rows; else any
-    BufferRange list;   // of what is drawn (cull/cull_io.h), a table of words; else any
+    BufferRange work;   // of listed instances (cull/cull_io.h), a table of words; else any
+    BufferRange rig_joints;  // of a part of the joints: FusedTables'; else any table of words
 };
 
 struct FusedSettings {
@@ -40,14 +41,16 @@ struct FusedSettings {
     uint32_t socket_count = 0;
     bool inertial = false;     // layered, with inertial transitions
     bool posed = false;        // poses may be set
-    bool listed = false;       // only listed instances are animated
+    bool listed = false;       // only instances of a section of the work are animated
+    bool some_joints = false;  // not all joints are
 };
 
-// What of a character decides how it is fused.
+// What of a character decides how it is fused: of all its joints, or of those of a coarser level of detail.
 struct FusedRig {
-    explicit FusedRig(const Character& character);
+    explicit FusedRig(const Character& character, uint32_t detail = 0);
 
     ScanRig rig;
+    std::vector<uint32_t> rig_joints;  // [joint_count], the character's
     std::vector<bool> fixed;     // [joint_count], fused/fixed_joints.h
     uint32_t palette_count = 0;
     uint32_t most_binds = 0;     // palette entries of one joint
@@ -69,14 +72,15 @@ FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits);
 
 // What the kernel reads of a character beside its clips.
 struct FusedTables {
-    FusedTables(const std::shared_ptr<Gpu>& gpu, const Character& character, const FusedPlan& plan);
+    FusedTables(const std::shared_ptr<Gpu>& gpu, const Character& character, const FusedRig& rig, const FusedPlan& plan);
 
     Buffer links;         // of the plan
     Buffer bind_ranges;   // uint[joint_count + 1]: where a joint's palette entries begin in the next two
-    Buffer bind_entries;  // uint[palette_count], palette entries sorted by joint
+    Buffer bind_entries;  // uint[palette_count], palette entries of these joints, sorted by joint
     Buffer binds;         // Affine[palette_count], joint_from_bind of these
+    Buffer rig_joints;    // FusedRig's
 
-    uint64_t size_bytes() const { return links.size_bytes() + bind_ranges.size_bytes() + bind_entries.size_bytes() + binds.size_bytes(); }
+    uint64_t size_bytes() const { return links.size_bytes() + bind_ranges.size_bytes() + bind_entries.size_bytes() + binds.size_bytes() + rig_joints.size_bytes(); }
 };
 
 Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, const FusedSettings& settings);

@@ -11,11 +11,13 @@ THRONG_IO_CONSTANT kSegmentCount = 0;
 THRONG_IO_CONSTANT kFirstSegment = 1;
 
 struct FusedPush {
-    uint joint_count;
+    uint joint_count;      // that are animated
+    uint rig_joint_count;  // that there are
     uint instance_count;
     uint palette_count;
-    uint rest_track;   // of the rest pose in `tracks`: clip_count * joint_count
+    uint rest_track;   // of the rest pose in `tracks`: clip_count * rig_joint_count
     uint voice_limit;  // of layers: voices kept for each instance
+    uint section;      // of the work (cull/cull_io.h), where instances are listed
 };
 
 THRONG_IO_END

@@ -74,11 +74,11 @@ public:
     void dispatch_invocations(VkCommandBuffer commands, const Bindings& bindings, const Push& push, uint32_t count) const {
         dispatch(commands, bindings, &push, sizeof push, (count + workgroup_size_ - 1) / workgroup_size_);
     }
-    // As many workgroups as the VkDispatchIndirectCommand at the beginning of the buffer says.
+    // As many workgroups as the `command`-th VkDispatchIndirectCommand of the buffer says.
     template <class Push>
-    void dispatch_indirect(VkCommandBuffer commands, const Bindings& bindings, const Push& push, const Buffer& workgroups) const {
+    void dispatch_indirect(VkCommandBuffer commands, const Bindings& bindings, const Push& push, const Buffer& workgroups, uint32_t command) const {
         prepare(commands, bindings, &push, sizeof push);
-        gpu_->vk.vkCmdDispatchIndirect(commands, workgroups.handle(), 0);
+        gpu_->vk.vkCmdDispatchIndirect(commands, workgroups.handle(), command * sizeof(VkDispatchIndirectCommand));
     }
 
 private:

@@ -1,0 +1,26 @@
+// The pace stage: skin matrices between two updates of an instance that is not animated in all of them.
+#pragma once
+
+#include "gpu/kernel.h"
+#include "pace/pace_io.h"
+
+#include <throng/crowd.h>
+
+namespace throng {
+
+// In the order of the bindings.
+struct PaceBuffers {
+    BufferRange work;      // a table of words (cull/cull_io.h)
+    BufferRange states;    // uint[instance_count], kept by the cull stage
+    BufferRange previous;  // skin matrices
+    BufferRange ahead;
+    BufferRange current;   // written; may be `previous`
+};
+
+// Rows that a skin matrix has in memory.
+uint32_t pace_rows(SkinFormat format);
+
+// Dispatched with io::PacePush, a workgroup for each instance of the section.
+Kernel pace_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format);
+
+}  // namespace throng

@@ -1,0 +1,158 @@
+// Instances that are hidden behind what has been drawn.
+#include "cull/occlusion_reference.h"
+#include "crowd/cull_stage.h"
+#include "draw/image.h"
+#include "tests/crowd_cases.h"
+#include "tests/kernel_runner.h"
+
+#include <throng/draw.h>
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <set>
+
+namespace throng::test {
+namespace {
+
+// A picture of depths, ready to be read.
+Image depth_image(const std::vector<float>& depths, uint32_t width, uint32_t height) {
+    Image image(test_gpu(), {.what = "depths", .width = width, .height = height, .format = VK_FORMAT_R32_SFLOAT, .usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
+    const Buffer staging = upload(test_gpu(), "depths", depths, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
+    test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
+        transition(*test_gpu(), commands, {.image = image.handle(), .to = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, .after = kTransferWrite});
+        VkBufferImageCopy copy{};
+        copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+        copy.imageExtent = {width, height, 1};
+        test_gpu()->vk.vkCmdCopyBufferToImage(commands, staging.handle(), image.handle(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+        transition(*test_gpu(), commands, {.image = image.handle(), .from = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, .to = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, .before = kTransferWrite, .after = kTransferRead});
+    });
+    return image;
+}
+
+// Both halves of an update, in one submission.
+void update(Crowd& crowd, const CrowdView& view, const DepthImage& depths) {
+    test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
+        EXPECT_TRUE(crowd.record(commands, 0.01f, &view));
+        const Result<void> recorded = crowd.record_disoccluded(commands, depths);
+        EXPECT_TRUE(recorded) << (recorded ? "" : recorded.error().text());
+    });
+}
+
+std::set<uint32_t> instances_drawn(Crowd& crowd) {
+    std::set<uint32_t> instances;
+    for (const DrawnInstance& one : drawn_of(crowd)) EXPECT_TRUE(instances.insert(one.instance).second) << "listed twice";
+    return instances;
+}
+
+// Rectangles at random depths before an empty sky; reversed: 1 is near, 0 is infinitely far.
+std::vector<float> random_depths(Random& random, uint32_t width, uint32_t height) {
+    std::vector<float> depths(size_t{width} * height, 0);
+    for (uint32_t i = 0; i < 6; ++i) {
+        const uint32_t left = random.below(width), top = random.below(height), right = left + random.below(width), bottom = top + random.below(height);
+        const auto depth = static_cast<float>(1e-4 * std::pow(10, random.between(0, 2)));
+        for (uint32_t y = top; y < std::min(bottom, height); ++y)
+            for (uint32_t x = left; x < std::min(right, width); ++x) depths[size_t{y} * width + x] = std::max(depths[size_t{y} * width + x], depth);
+    }
+    return depths;
+}
+
+TEST(Occlusion, WhatTheReferenceSeesIsDrawn) {
+    const Character character = small_character();
+    constexpr uint32_t kCount = 400;
+    uint32_t hidden = 0, hidden_by_reference = 0, shown = 0;
+    for (const auto& [width, height] : {std::pair{160u, 120u}, {97u, 33u}, {1u, 7u}}) {
+        for (const bool reversed : {true, false}) {
+            Random random(width + reversed);
+            Crowd crowd = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true});
+            const Group& group = crowd.state().groups[0];
+            const double size = length(group.posed_max - group.posed_min);
+            std::vector<Affine> places;
+            for (uint32_t i = 0; i < kCount; ++i) places.push_back(to_affine(Trs<double>{.translation = random.vector(60 * size)}).as<float>());
+            ASSERT_TRUE(crowd.set_placement(0, places));
+            const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(), ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
+            for (int round = 0; round < 6; ++round) {
+                CrowdView view = view_of({.eye = random.vector(60 * size).as<float>(), .target = random.vector(20 * size).as<float>()}, width, height, {});
+                view.shadow = round % 2 ? random.vector(2 * size).as<float>() : Vec3<float>{};
+                view.occlusion = true;
+                std::vector<float> depths = random_depths(random, width, height);
+                for (float& depth : depths) depth *= static_cast<float>(size);
+                io::CullView seen = cull_view_of(&view, 0);
+                std::vector<float> given = depths;
+                if (!reversed) {  // the same scene with depths that grow: 1 - z
+                    for (float& depth : given) depth = 1 - depth;
+                    for (size_t k = 0; k < 4; ++k) view.clip_from_world[2][k] = view.clip_from_world[3][k] - view.clip_from_world[2][k];
+                }
+                const Image image = depth_image(given, width, height);
+                // Twice: first all wait, then those that were visible are listed before the depths are known.
+                for (int turn = 0; turn < 2; ++turn) {
+                    update(crowd, view, {image.handle(), VK_IMAGE_ASPECT_COLOR_BIT, width, height, reversed});
+                    const std::set<uint32_t> drawn = instances_drawn(crowd);
+                    for (uint32_t i = 0; i < kCount; ++i) {
+                        const AffineT<double> place = places[i].as<double>();
+                        if (std::abs(seen_by(seen, place, box)) < 1e-4 * size) continue;
+                        const bool in_view = seen_by(seen, place, box) > 0;
+                        const double shown_by_reference = shown_by(seen, place, box, depths, width, height);
+                        EXPECT_TRUE(in_view || !drawn.contains(i));
+                        EXPECT_TRUE(!in_view || shown_by_reference <= -1e-7 || drawn.contains(i)) << "instance " << i << " is visible";
+                        if (!in_view || turn > 0) continue;
+                        hidden += !drawn.contains(i);
+                        hidden_by_reference += shown_by_reference < -1e-7;
+                        shown += drawn.contains(i);
+                    }
+                }
+            }
+        }
+    }
+    EXPECT_GT(shown, 500u);
+    EXPECT_GT(hidden, hidden_by_reference * 6 / 10) << "and most of what is hidden is not drawn";
+    std::printf("  %u drawn; %u hidden, by the reference %u\n", shown, hidden, hidden_by_reference);
+}
+
+// What waited is animated as soon as nothing hides it; what is hidden again is drawn once more, for it may hide others, and then no longer.
+TEST(Occlusion, WhatAppearsIsAnimatedAtOnce) {
+    const Character character = small_character();
+    constexpr uint32_t kCount = 20, kSize = 64;
+    Crowd crowd = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .keep_previous_matrices = true, .culls = true, .skips_updates = true}), whole = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused});
+    const std::vector<Affine> places(kCount, to_affine(Trs<double>{.translation = {0, 0, -10.0 * character.size}}).as<float>());
+    Random random(3);
+    const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
+    for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_placement(0, places) && one->set_playback(0, playbacks));
+    CrowdView view = view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}}, kSize, kSize, {});
+    view.occlusion = true;
+    const Image open = depth_image(std::vector<float>(kSize * kSize, 0.0f), kSize, kSize), closed = depth_image(std::vector<float>(kSize * kSize, 1.0f), kSize, kSize);
+    const std::vector<std::pair<const Image*, size_t>> steps{{&closed, 0}, {&closed, 0}, {&open, kCount}, {&open, kCount}, {&closed, kCount}, {&closed, 0}, {&open, kCount}};
+    for (const auto& [image, count] : steps) {
+        update(crowd, view, {image->handle(), VK_IMAGE_ASPECT_COLOR_BIT, kSize, kSize});
+        ASSERT_TRUE(whole.update(0.01f));
+        EXPECT_EQ(instances_drawn(crowd).size(), count);
+        for (uint32_t i = 0; i < kCount && count > 0; ++i) EXPECT_TRUE(same_bits(*crowd.read_skin_matrices(i), *whole.read_skin_matrices(i))) << i;
+    }
+    const std::vector<Affine> previous = download<Affine>(test_gpu(), BufferRange(crowd.outputs()[0].previous_skin_buffer, 0, crowd.outputs()[0].palette_count * sizeof(Affine)));
+    EXPECT_TRUE(same_bits(previous, *crowd.read_skin_matrices(0))) << "what appears has not moved";
+}
+
+TEST(Occlusion, WrongUseIsRefused) {
+    const Character character = small_character();
+    Crowd crowd = create({.groups = {{&character, 2}}, .culls = true}), plain = create({.groups = {{&character, 2}}});
+    CrowdView view = view_of({}, 4, 3, {});
+    const Image image = depth_image(std::vector<float>(12), 4, 3);
+    const auto refused = [&](Crowd& of, const DepthImage& depths) {
+        Result<void> result;
+        test_gpu()->submit_and_wait([&](VkCommandBuffer commands) { result = of.record_disoccluded(commands, depths); });
+        return !result && result.error().code == ErrorCode::kInvalidArgument;
+    };
+    const DepthImage depths{image.handle(), VK_IMAGE_ASPECT_COLOR_BIT, 4, 3};
+    EXPECT_TRUE(refused(plain, depths));
+    EXPECT_TRUE(refused(crowd, depths)) << "nothing recorded";
+    ASSERT_TRUE(crowd.update(0, &view));
+    EXPECT_TRUE(refused(crowd, depths)) << "a view without occlusion";
+    view.occlusion = true;
+    ASSERT_TRUE(crowd.update(0, &view));
+    EXPECT_TRUE(refused(crowd, {})) << "no image";
+    EXPECT_FALSE(refused(crowd, depths));
+    EXPECT_TRUE(refused(crowd, depths)) << "twice";
+}
+
+}  // namespace
+}  // namespace throng::test

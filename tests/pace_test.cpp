@@ -1,0 +1,210 @@
+// Updates that do not animate everything that is drawn: who is animated when, and how skin matrices go on meanwhile.
+#include "bind/skin_format.h"
+#include "cull/cull_reference.h"
+#include "crowd/cull_stage.h"
+#include "pace/pace_reference.h"
+#include "tests/crowd_cases.h"
+#include "tests/kernel_runner.h"
+
+#include <throng/draw.h>
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+namespace throng::test {
+namespace {
+
+constexpr uint32_t kWidth = 160, kHeight = 120;
+
+// In rows behind one another, all in view.
+std::vector<Affine> rows_of(uint32_t count, double size) {
+    std::vector<Affine> places;
+    for (uint32_t i = 0; i < count; ++i) places.push_back(to_affine(Trs<double>{.translation = {(i % 5 - 2.0) * 0.1 * size, 0, -size * (2 + i * 0.9)}}).as<float>());
+    return places;
+}
+
+CrowdView view_along(float full_rate_pixels) {
+    CrowdView view = view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}, .vertical_field_of_view_rad = 1.5f}, kWidth, kHeight, {});
+    view.detail_pixels = 1e-20f;
+    view.full_rate_pixels = full_rate_pixels;
+    return view;
+}
+
+// 0 where rounding decides.
+uint32_t expected_period(const CrowdView& view, const Affine& place, const Group& group) {
+    const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(), ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
+    const AffineT<double> world_from_model = place.as<double>();
+    const Vec3<double> eye = view.eye.as<double>();
+    const double distance = length(transform_point(world_from_model, box.centre) - eye) - length(box.half_extent);
+    if (distance <= 0) return 1;
+    const double size_pixels = 2 * length(box.half_extent) / distance * double{view.pixels};
+    const uint32_t low = period_reference(size_pixels * 0.9999, view.full_rate_pixels), high = period_reference(size_pixels * 1.0001, view.full_rate_pixels);
+    return low == high ? low : 0;
+}
+
+std::vector<Affine> previous_of(Crowd& crowd, uint32_t instance) {
+    const OutputBlock& block = crowd.outputs()[0];
+    const uint64_t size_bytes = uint64_t{block.palette_count} * sizeof(Affine);
+    return download<Affine>(test_gpu(), BufferRange(block.previous_skin_buffer, instance * size_bytes, size_bytes));
+}
+
+uint32_t animated_in_last_update(Crowd& crowd) {
+    const std::vector<uint32_t> work = download<uint32_t>(test_gpu(), crowd.state().batches[0].work);
+    uint32_t count = 0;
+    for (uint32_t section = 0; section < io::kGoingOn; ++section) count += work[2 * section + 1];
+    return count;
+}
+
+// Against a crowd that is animated entirely in each update, and the reference's way between its poses.
+void expect_paced(const CrowdGroup& group, SkinFormat format, bool keeps_previous, double bound) {
+    constexpr uint32_t kCount = 40, kUpdates = 26;
+    CrowdGroup copied = group;
+    copied.instance_count = kCount;
+    const CrowdSettings settings{.groups = {copied}, .path = UpdatePath::kFused, .skin_format = format, .keep_previous_matrices = keeps_previous, .culls = true, .skips_updates = true};
+    Crowd paced = create(settings), whole = create({.groups = {copied}, .path = UpdatePath::kFused, .skin_format = format});
+    const Group& of = paced.state().groups[0];
+    const std::vector<Affine> places = rows_of(kCount, length(of.posed_max - of.posed_min));
+    Random random(4);
+    const std::vector<Playback> playbacks = random_playbacks(random, *group.character, kCount);
+    for (Crowd* crowd : {&paced, &whole}) ASSERT_TRUE(crowd->set_placement(0, places) && (group.controller || crowd->set_playback(0, playbacks)));
+    const CrowdView near = view_along(40), away = view_of({.eye = {0, 0, 10}, .target = {0, 0, 90}}, kWidth, kHeight, {});
+    struct Way {
+        std::vector<Affine> shown, ahead;
+        uint32_t left = 0;
+        bool was_drawn = false;
+    };
+    std::vector<Way> ways(kCount);
+    std::array<uint32_t, 9> of_period{};
+    uint32_t between = 0;
+    for (uint32_t update = 0; update < kUpdates; ++update) {
+        const bool looks_away = update == 11 || update == 12;
+        std::vector<std::vector<Affine>> before;
+        for (uint32_t i = 0; i < kCount && keeps_previous; ++i) before.push_back(*paced.read_skin_matrices(i));
+        const Result<void> updated = paced.update(0.02f, looks_away ? &away : &near);
+        ASSERT_TRUE(updated) << updated.error().text();
+        ASSERT_TRUE(whole.update(0.02f));
+        EXPECT_EQ(drawn_of(paced).size(), looks_away ? 0u : kCount);
+        for (uint32_t i = 0; i < kCount; ++i) {
+            SCOPED_TRACE("instance " + std::to_string(i) + ", update " + std::to_string(update));
+            Way& way = ways[i];
+            const bool was_drawn = way.was_drawn;
+            way.was_drawn = !looks_away;
+            if (looks_away) continue;
+            const uint32_t period = expected_period(near, places[i], of);
+            if (period == 0) continue;
+            ++of_period[period];
+            const std::vector<Affine> got = *paced.read_skin_matrices(i), animated = *whole.read_skin_matrices(i);
+            if (!was_drawn || period == 1) {
+                EXPECT_TRUE(same_bits(got, animated)) << "at once";
+                way.shown = animated;
+                way.left = 0;
+            } else {
+                if ((update + i) % period == 0) {
+                    way.ahead = animated;
+                    way.left = period;
+                }
+                for (size_t entry = 0; entry < got.size() && way.left > 0; ++entry) {
+                    const AffineT<double> wanted = pace_reference(way.shown[entry].as<double>(), way.ahead[entry].as<double>(), way.left);
+                    for (size_t row = 0; row < 3; ++row)
+                        for (size_t column = 0; column < 4; ++column) ASSERT_NEAR(got[entry].row[row][column], wanted.row[row][column], bound * group.character->size);
+                }
+                EXPECT_TRUE(way.left != 0 || same_bits(got, way.shown)) << "waits";
+                EXPECT_TRUE(way.left != 1 || same_bits(got, way.ahead)) << "arrives";
+                between += way.left > 1;
+                if (way.left > 0) --way.left;
+                way.shown = got;
+            }
+            EXPECT_TRUE(!keeps_previous || same_bits(previous_of(paced, i), was_drawn ? before[i] : got)) << "previous";
+        }
+    }
+    for (const uint32_t period : {1u, 2u, 4u, 8u}) EXPECT_GE(of_period[period], 20u) << "of period " << period;
+    EXPECT_GT(between, 100u);
+}
+
+TEST(Pace, MatricesGoEvenlyToThePoseAhead) {
+    const Character character = small_character();
+    const Controller direct = direct_layers(2);
+    expect_paced({.character = &character}, SkinFormat::kAffine, false, 1e-5);
+    expect_paced({.character = &character}, SkinFormat::kAffine, true, 1e-5);
+    expect_paced({.character = &character, .controller = &direct}, SkinFormat::kAffine, false, 1e-5);
+    expect_paced({.character = &character}, SkinFormat::kHalfAffine, false, 1e-2);
+}
+
+TEST(Pace, SimilaritiesTurnOnTheShortestPath) {
+    const Character character = creature(24, 8);
+    ASSERT_TRUE(character.rig.uniform_scale);
+    expect_paced({.character = &character}, SkinFormat::kSimilarity, false, 0.05);
+}
+
+TEST(Pace, TheCostIsEven) {
+    constexpr uint32_t kCount = 4000;
+    const Character character = small_character();
+    Crowd crowd = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true, .skips_updates = true});
+    ASSERT_TRUE(crowd.set_placement(0, std::vector<Affine>(kCount, to_affine(Trs<double>{.translation = {0, 0, -1000.0 * character.size}}).as<float>())));
+    const CrowdView view = view_along(10);
+    ASSERT_TRUE(crowd.update(0.01f, &view));
+    EXPECT_EQ(animated_in_last_update(crowd), kCount) << "what appears is animated at once";
+    for (int update = 0; update < 9; ++update) {
+        ASSERT_TRUE(crowd.update(0.01f, &view));
+        EXPECT_EQ(animated_in_last_update(crowd), kCount / 8);
+    }
+    ASSERT_TRUE(crowd.update(0.01f));
+    EXPECT_EQ(animated_in_last_update(crowd), kCount) << "without a view";
+}
+
+// Nothing is ever within a budget of next to nothing, and always within one without end.
+TEST(Pace, ABudgetLetsMoreAndMoreWait) {
+    constexpr uint32_t kCount = 640;
+    const Character character = small_character();
+    Crowd crowd = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true, .skips_updates = true});
+    ASSERT_TRUE(crowd.set_placement(0, std::vector<Affine>(kCount, to_affine(Trs<double>{.translation = {0, 0, -20.0 * character.size}}).as<float>())));
+    CrowdView view = view_along(0);
+    const auto updated = [&](float budget_ms) {
+        view.budget_ms = budget_ms;
+        EXPECT_TRUE(crowd.update(0.01f, &view));
+        return animated_in_last_update(crowd);
+    };
+    EXPECT_EQ(updated(1e9f), kCount);
+    EXPECT_EQ(updated(1e9f), kCount);
+    for (int update = 0; update < 20; ++update) updated(1e-6f);
+    EXPECT_EQ(updated(1e-6f), kCount / 8);
+    for (int update = 0; update < 160; ++update) updated(1e9f);
+    EXPECT_EQ(updated(1e9f), kCount);
+    EXPECT_EQ(updated(0), kCount) << "no budget";
+}
+
+TEST(Pace, CoarserLevelsHaveFewerJoints) {
+    const Character character = *compile_character(*make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}), {.error = 0});
+    ASSERT_GE(character.details.size(), 2u);
+    constexpr uint32_t kCount = 48;
+    Crowd reduced = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true, .reduces_joints = true}), whole = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused});
+    Random random(8);
+    const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
+    const std::vector<Affine> places = rows_of(kCount, 3.0 * character.size);
+    for (Crowd* crowd : {&reduced, &whole}) ASSERT_TRUE(crowd->set_placement(0, places) && crowd->set_playback(0, playbacks));
+    CrowdView view = view_along(0);
+    view.detail_pixels = 0.1f;
+    ASSERT_TRUE(reduced.update(0.1f, &view) && whole.update(0.1f));
+    std::array<uint32_t, 4> compared{};
+    for (const DrawnInstance& one : drawn_of(reduced)) {
+        const std::vector<Affine> got = *reduced.read_skin_matrices(one.instance), wanted = *whole.read_skin_matrices(one.instance);
+        for (size_t entry = 0; entry < got.size(); ++entry) {
+            if (one.detail > 0 && character.joint_details[character.palette[entry].joint] < one.detail) continue;
+            ++compared[one.detail];
+            for (size_t row = 0; row < 3; ++row)
+                for (size_t column = 0; column < 4; ++column) ASSERT_NEAR(got[entry].row[row][column], wanted[entry].row[row][column], 2e-6 * character.size) << "instance " << one.instance << ", entry " << entry;
+        }
+    }
+    const std::vector<FusedJoints>& sets = reduced.state().groups[0].fused;
+    ASSERT_EQ(sets.size(), 1 + character.details.size());
+    for (size_t detail = 0; detail < sets.size(); ++detail) {
+        EXPECT_GT(compared[detail], 0u) << "level " << detail;
+        std::printf("  level %zu: %u joints\n", detail, sets[detail].joint_count);
+        EXPECT_TRUE(detail == 0 || sets[detail].joint_count <= sets[detail - 1].joint_count);
+    }
+    EXPECT_LT(sets.back().joint_count, character.rig.joint_count() / 2);
+}
+
+}  // namespace
+}  // namespace throng::test
