@@ -110,7 +110,7 @@ void run_bench(const BenchOptions& options) {
     std::vector<Character> characters = load_characters(options.files, options.compile);
     if (characters.empty()) characters.push_back(unwrap(compile_character(unwrap(make_creature(options.creature)), options.compile)));
     const Device device = open_device(options.device);
-    const Scatter field = scatter(characters, options.count, options.seed);
+    const Scatter field = scatter(characters, {.counts = deal_out(options.count, characters.size()), .seed = options.seed});
     std::vector<std::string> scans{options.scan};
     if (options.scan == "all") {
         scans.clear();

@@ -148,7 +148,7 @@ nlohmann::json record_of(const Method& method, const Character& character, const
 
 // Checks each method, then times them in turns: A B C A B C …; median_ms, p5_ms, p95_ms, max_error and stages.
 void time_methods(const std::vector<Method>& methods, const Character& character, const BaselineOptions& options, std::vector<nlohmann::json>& records) {
-    const std::vector<Playback> playbacks = scatter({&character, 1}, options.count, options.seed).playback;
+    const std::vector<Playback> playbacks = scatter({&character, 1}, {.counts = {options.count}, .seed = options.seed}).playback;
     std::vector<Running> running;
     for (size_t m = 0; m < methods.size(); ++m) {
         print_progress(character.name + ", " + methods[m].name + ": checking");

@@ -71,7 +71,7 @@ public:
     void measure(std::string configuration, const Character& character, const Character* exact, uint32_t count) {
         const std::string keys = keys_text(character);
         if (options_.compile.error != CompileSettings().error) configuration += ", keys " + keys;
-        const Scatter field = scatter({&character, 1}, count, options_.seed);
+        const Scatter field = scatter({&character, 1}, {.counts = {count}, .seed = options_.seed});
         const bench::FrameCase frame{.configuration = configuration, .character = &character, .keys = keys, .exact = exact, .playback = field.playback};
         const std::vector<nlohmann::json> records = bench::measure_frame(device_, frame, options_.samples, print_progress);
         print_progress("");

@@ -1,5 +1,6 @@
+#include "tools/camera_path.h"
 #include "tools/command.h"
-#include "tools/scatter.h"
+#include "tools/crowd_scene.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -8,12 +9,10 @@ namespace throng::tools {
 namespace {
 
 struct RenderOptions {
-    std::vector<std::string> files;
-    std::string size = "1920x1080", out, scan = "auto", device;
-    CompileSettings compile;
-    uint32_t count = 1;
+    SceneOptions scene;
+    CameraOptions camera;
+    std::string size = "1920x1080", out, device;
     double time_s = 0;
-    uint64_t seed = 1;
     bool everything = false, json = false;
 };
 
@@ -54,21 +53,18 @@ void print_times(const RenderOptions& options, const Device& device, const Crowd
 
 void run_render(const RenderOptions& options) {
     const RendererSettings size = parse_size(options.size);
-    const std::vector<Character> characters = load_characters(options.files, options.compile);
+    const CameraPath path = make_camera_path(options.camera);
     const Device device = open_device(options.device);
-    print_progress("placing " + std::to_string(options.count) + " characters");
-    const Scatter field = scatter(characters, options.count, options.seed);
-    Crowd crowd = unwrap(Crowd::create(device, {.groups = field.groups, .scan = options.scan, .culls = !options.everything}));
-    unwrap(crowd.set_playback(0, field.playback));
-    unwrap(crowd.set_placement(0, field.placement));
-    const Bounds bounds = world_bounds(crowd);
-    const Camera camera = fit_camera(bounds, static_cast<float>(size.width) / static_cast<float>(size.height));
-    const CrowdView view = view_of(camera, size.width, size.height, bounds);
+    CrowdScene scene(device, options.scene, !options.everything);
+    scene.follow(path.followed_character());
+    scene.start();
+    const Camera camera = path.at(options.time_s, scene.subject(static_cast<float>(size.width) / static_cast<float>(size.height)));
+    const CrowdView view = view_of(camera, size.width, size.height, scene.bounds());
     print_progress("animating");
-    unwrap(crowd.update(0));  // compiles the kernels, so that the next one is timed without that
-    unwrap(crowd.update(static_cast<float>(options.time_s), options.everything ? nullptr : &view));
+    scene.step(static_cast<float>(options.time_s), options.everything ? nullptr : &view);
     print_progress("drawing");
     Renderer renderer = unwrap(Renderer::create(device, size));
+    Crowd& crowd = scene.crowd();
     const RenderResult result = unwrap(renderer.render(crowd, camera));
     unwrap(write_png(options.out, result.picture));
     print_progress("");
@@ -82,14 +78,11 @@ void run_render(const RenderOptions& options) {
 void add_render(CLI::App& app) {
     CLI::App& command = *app.add_subcommand("render", "draw a crowd of one or several files to a picture");
     auto options = std::make_shared<RenderOptions>();
-    command.add_option("files", options->files, "glTF 2.0 or .throng files; several are mixed, scaled to one size")->required();
-    command.add_option("--count", options->count, "characters in all")->check(CLI::Range(1u, 10'000'000u))->capture_default_str();
+    add_scene_options(command, options->scene);
     command.add_option("--size", options->size, "of the picture")->capture_default_str();
     command.add_option("--time", options->time_s, "seconds after the start; every character starts at a time of its own")->check(finite())->capture_default_str();
-    command.add_option("--seed", options->seed, "of clips, times, blends and places")->capture_default_str();
+    add_camera_options(command, options->camera);
     add_out_option(command, options->out, "the .png file to write");
-    add_scan_option(command, options->scan);
-    add_error_option(command, options->compile);
     add_device_option(command, options->device);
     command.add_flag("--everything", options->everything, "animate and draw all, at full detail, also what the picture does not show");
     command.add_flag("--json", options->json, "print the stage times as JSON");

@@ -1,21 +1,18 @@
 #include "tools/scatter.h"
 
-#include "tools/creature_math.h"
+#include "tools/command.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace throng::tools {
 namespace {
 
 using creature::Random;
 
-uint32_t below(Random& random, size_t count) { return static_cast<uint32_t>(random.unit() * static_cast<double>(count)); }
-
 ClipPlayback random_clip(const Character& character, Random& random) {
     if (character.clips.empty()) return {};
-    const uint32_t clip = below(random, character.clips.size());
+    const auto clip = static_cast<uint32_t>(random.unit() * static_cast<double>(character.clips.size()));
     return {clip, random.unit() * character.clips[clip].duration_s, static_cast<float>(random.between(0.8, 1.2)), true};
 }
 
@@ -31,35 +28,62 @@ double footprint(const Character& character) {
     return std::max({double{extent.x}, double{extent.z}, 0.3 * extent.y, 1e-6});
 }
 
+// How much larger than in their files characters are.
+std::vector<double> scales(std::span<const Character> characters, const std::vector<double>& heights) {
+    double largest = 0;
+    for (const Character& character : characters) largest = std::max(largest, double{character.size});
+    std::vector<double> scales;
+    for (size_t k = 0; k < characters.size(); ++k) {
+        const double height = characters[k].bounds_max.y - characters[k].bounds_min.y;
+        if (!heights.empty()) scales.push_back(height > 0 ? heights[k] / height : 1);
+        else scales.push_back(characters.size() > 1 && characters[k].size > 0 ? largest / characters[k].size : 1);
+    }
+    return scales;
+}
+
+// The small ones are looked for on all of the ground that the large ones make.
+void check_room(std::span<const PlacementKind> kinds) {
+    constexpr double kMostPlaces = 40'000'000;
+    double area = 0, least = kinds[0].pitch;
+    for (const PlacementKind& kind : kinds) {
+        area += kind.count * kind.pitch * kind.pitch;
+        least = std::min(least, kind.pitch);
+    }
+    if (area / (least * least) > kMostPlaces)
+        throw CommandError("--sizes: on the ground of the largest there are more than 40,000,000 places for the smallest; give fewer of the large ones, or sizes that are closer");
+}
+
 }  // namespace
 
-Scatter scatter(std::span<const Character> characters, uint32_t count, uint64_t seed) {
-    Random random(seed);
+std::vector<uint32_t> deal_out(uint32_t count, size_t parts) {
+    std::vector<uint32_t> counts;
+    for (size_t k = 0; k < parts; ++k) counts.push_back(static_cast<uint32_t>(uint64_t{count} * (k + 1) / parts - uint64_t{count} * k / parts));
+    return counts;
+}
+
+Scatter scatter(std::span<const Character> characters, const ScatterSettings& settings) {
+    const std::vector<double> scale = scales(characters, settings.heights);
+    std::vector<PlacementKind> kinds;
+    for (size_t k = 0; k < characters.size(); ++k) kinds.push_back({settings.counts[k], footprint(characters[k]) * scale[k] * settings.spacing});
+    if (settings.heights.empty()) {
+        const double widest = std::ranges::max(kinds, {}, &PlacementKind::pitch).pitch;
+        for (PlacementKind& kind : kinds) kind.pitch = widest;
+    }
+    check_room(kinds);
+
+    Random random(settings.seed);
+    const std::vector<Place> places = place(settings.formation, kinds, random);
+    const Freedom free = places.size() > 1 ? freedom(settings.formation) : Freedom();
     Scatter out;
-    double largest = 0, spacing = 0;
-    for (const Character& character : characters) largest = std::max(largest, double{character.size});
-    const auto scale_of = [&](const Character& character) { return characters.size() > 1 && character.size > 0 ? largest / character.size : 1.0; };
-    for (const Character& character : characters) spacing = std::max(spacing, footprint(character) * scale_of(character));
-
-    // Cells in random order, so that the kinds mix.
-    std::vector<uint32_t> cells(count);
-    std::iota(cells.begin(), cells.end(), 0u);
-    if (characters.size() > 1)
-        for (uint32_t i = count; i > 1; --i) std::swap(cells[i - 1], cells[below(random, i)]);
-
-    const auto side = static_cast<uint32_t>(std::ceil(std::sqrt(double(count))));
-    const double jitter = count > 1 ? 0.25 : 0, turn_rad = count > 1 ? 0.8 : 0;
-    for (uint32_t kind = 0; kind < characters.size(); ++kind) {
-        const auto first = static_cast<uint32_t>(uint64_t{count} * kind / characters.size()), end = static_cast<uint32_t>(uint64_t{count} * (kind + 1) / characters.size());
-        const Character& character = characters[kind];
-        out.groups.push_back({&character, end - first});
-        for (uint32_t i = first; i < end; ++i) {
-            Playback playback{random_clip(character, random), random_clip(character, random), static_cast<float>(random.unit())};
-            out.playback.push_back(playback);
-            const double column = cells[i] % side, row = cells[i] / side;
-            const double center = (side - 1) / 2.0;
-            out.placement.push_back(placed(character, scale_of(character), (column - center + random.between(-jitter, jitter)) * spacing,
-                                           (row - center + random.between(-jitter, jitter)) * spacing, random.between(-turn_rad, turn_rad)));
+    for (size_t k = 0, next = 0; k < characters.size(); ++k) {
+        out.groups.push_back({&characters[k], kinds[k].count});
+        const double shift = free.shift * kinds[k].pitch;
+        for (uint32_t i = 0; i < kinds[k].count; ++i) {
+            const Place& at = places[next++];
+            out.playback.push_back({random_clip(characters[k], random), random_clip(characters[k], random), static_cast<float>(random.unit())});
+            const double turn_rad = at.heading_turns * 2 * std::numbers::pi + random.between(-free.turn_rad, free.turn_rad);
+            const double z = at.z + random.between(-shift, shift), x = at.x + random.between(-shift, shift);
+            out.placement.push_back(placed(characters[k], scale[k], x, z, turn_rad));
         }
     }
     return out;

@@ -1,6 +1,8 @@
 // Puts characters on a field, each with its own clips, time and blend; the same for the same seed everywhere.
 #pragma once
 
+#include "tools/placement.h"
+
 #include <throng/crowd.h>
 
 #include <cstdint>
@@ -9,14 +11,24 @@
 
 namespace throng::tools {
 
+struct ScatterSettings {
+    std::vector<uint32_t> counts;  // [characters]: of each
+    std::vector<double> heights;   // [characters], world units; none: all are scaled to the size of the largest, since files come in different units, and take the same room
+    Formation formation = Formation::kGrid;
+    double spacing = 1;            // 1: a character takes a square or circle as wide as its rest pose
+    uint64_t seed = 1;
+};
+
 struct Scatter {
-    std::vector<CrowdGroup> groups;     // instances dealt out evenly to the characters
+    std::vector<CrowdGroup> groups;     // one for each character
     std::vector<Playback> playback;     // [instance_count], groups one after the other, as a Crowd numbers them
     std::vector<Affine> placement;
 };
 
-// A jittered square grid around the origin, kinds mixed. Where there are several characters, each is scaled to the size of the
-// largest, since files come in different units.
-Scatter scatter(std::span<const Character> characters, uint32_t count, uint64_t seed);
+// `count` in as many parts, as even as can be.
+std::vector<uint32_t> deal_out(uint32_t count, size_t parts);
+
+// Around the origin, standing on the ground, kinds mixed. Throws CommandError where heights are too different to be placed together.
+Scatter scatter(std::span<const Character> characters, const ScatterSettings& settings);
 
 }  // namespace throng::tools

@@ -1,0 +1,122 @@
+#include "tools/crowd_scene.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <span>
+
+namespace throng::tools {
+namespace {
+
+constexpr uint32_t kMostCharacters = 10'000'000;
+
+void check_lengths(const SceneOptions& options) {
+    const size_t files = options.files.size();
+    const auto check = [&](const char* name, size_t given) {
+        if (given != 0 && given != files) throw CommandError(std::string(name) + ": " + std::to_string(given) + " numbers for " + std::to_string(files) + " files; give one for each");
+    };
+    check("--counts", options.counts.size());
+    check("--sizes", options.sizes.size());
+    const uint64_t sum = std::accumulate(options.counts.begin(), options.counts.end(), uint64_t{0});
+    if (!options.counts.empty() && (sum == 0 || sum > kMostCharacters)) throw CommandError("--counts: " + std::to_string(sum) + " characters in all; give from 1 to 10000000");
+}
+
+// [files]; empty: none.
+std::vector<std::string> controller_files(const SceneOptions& options) {
+    std::vector<std::string> of_files(options.files.size());
+    for (const std::string& given : options.controllers) {
+        const size_t equals = given.find('=');
+        if (equals == std::string::npos) {
+            std::ranges::fill(of_files, given);
+            continue;
+        }
+        const auto file = std::ranges::find(options.files, given.substr(0, equals));
+        if (file == options.files.end()) throw CommandError("--controller " + given + ": '" + given.substr(0, equals) + "' is none of the files");
+        of_files[static_cast<size_t>(file - options.files.begin())] = given.substr(equals + 1);
+    }
+    return of_files;
+}
+
+}  // namespace
+
+void add_scene_options(CLI::App& app, SceneOptions& options) {
+    static const std::map<std::string, Formation> formations{{"grid", Formation::kGrid}, {"disc", Formation::kDisc}, {"path", Formation::kPath}, {"random", Formation::kRandom}};
+    app.add_option("files", options.files, "glTF 2.0 or .throng files; several are mixed, scaled to one size unless --sizes says otherwise")->required();
+    CLI::Option* count = app.add_option("--count", options.count, "characters in all")->check(CLI::Range(1u, kMostCharacters))->capture_default_str();
+    app.add_option("--counts", options.counts, "characters of each file, comma-separated (default: --count, dealt out evenly)")->delimiter(',')->excludes(count);
+    app.add_option("--sizes", options.sizes, "height of each file's character, metres, comma-separated; then each takes only the room that it needs")->delimiter(',')->check(finite())->check(CLI::Range(0.001, 100000.0));
+    app.add_option("--placement", options.formation, "grid, disc (facing outwards), path (a parade) or random (but apart)")->transform(CLI::CheckedTransformer(formations))->default_str("grid");
+    app.add_option("--spacing", options.spacing, "room for each character, in its own width")->check(finite())->check(CLI::Range(0.1, 100.0))->capture_default_str();
+    app.add_option("--controller", options.controllers, "a controller's .json for all files, or FILE=CONTROLLER.json for one; characters are told parameters at random. Without one, each blends two clips");
+    app.add_option("--seed", options.seed, "of clips, times, blends, places and what controllers are told")->capture_default_str();
+    add_scan_option(app, options.scan);
+    add_error_option(app, options.compile);
+}
+
+CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, bool culls) : culls_(culls) {
+    check_lengths(options);
+    const std::vector<std::string> controller_of = controller_files(options);
+    const std::vector<Character> characters = load_characters(options.files, options.compile);
+    Scatter field = scatter(characters, {options.counts.empty() ? deal_out(options.count, characters.size()) : options.counts, options.sizes, options.formation, options.spacing, options.seed});
+    std::vector<Controller> controllers(characters.size());
+    for (size_t k = 0; k < characters.size(); ++k) {
+        kinds_.push_back({field.groups[k].instance_count, {characters[k].bounds_min, characters[k].bounds_max}});
+        if (controller_of[k].empty()) continue;
+        controllers[k] = unwrap(load_controller(controller_of[k]));
+        unwrap(check_controller(controllers[k], characters[k]));
+        field.groups[k].controller = &controllers[k];
+        has_controllers_ = true;
+    }
+    print_progress("placing " + std::to_string(field.placement.size()) + " characters");
+    crowd_.emplace(unwrap(Crowd::create(device, {.groups = field.groups, .scan = options.scan, .culls = culls})));
+    director_.emplace(field.groups, options.seed);
+    uint32_t first = 0;
+    for (const CrowdGroup& group : field.groups) {
+        if (!group.controller) unwrap(crowd_->set_playback(first, std::span(field.playback).subspan(first, group.instance_count)));
+        first += group.instance_count;
+    }
+    unwrap(crowd_->set_placement(0, field.placement));
+    placement_ = std::move(field.placement);
+    bounds_ = world_bounds(*crowd_);
+    follow(0);
+}
+
+void CrowdScene::follow(uint32_t character) {
+    if (character >= placement_.size())
+        throw CommandError("character " + std::to_string(character) + " cannot be followed: there are " + std::to_string(placement_.size()) + ", from 0 on");
+    world_from_followed_ = placement_[character];
+    uint32_t end = 0;
+    followed_bounds_ = std::ranges::find_if(kinds_, [&](const Kind& kind) { return character < (end += kind.count); })->model_bounds;
+    if (has_controllers_) unwrap(crowd_->watch({&character, 1}));
+}
+
+CameraSubject CrowdScene::subject(float aspect_ratio) const { return {bounds_, aspect_ratio, world_from_followed_, followed_bounds_}; }
+
+void CrowdScene::start() {
+    print_progress("preparing");
+    update(0, nullptr);
+    constexpr int kSteps = 120;
+    for (int i = 0; has_controllers_ && i < kSteps; ++i) step_unseen(0.1f);
+}
+
+void CrowdScene::step(float step_s, const CrowdView* view) {
+    direct(step_s);
+    update(step_s, view);
+}
+
+void CrowdScene::step_unseen(float step_s) {
+    static constexpr CrowdView kNothing{.clip_from_world = {{{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, -1}}}};  // w is -1 everywhere
+    step(step_s, culls_ ? &kNothing : nullptr);
+}
+
+void CrowdScene::update(float step_s, const CrowdView* view) {
+    unwrap(crowd_->update(step_s, view));
+    take_feedback();
+}
+
+void CrowdScene::take_feedback() {
+    for (const Feedback& feedback : unwrap(crowd_->feedback()))
+        for (const WatchedInstance& watched : feedback.watched) world_from_followed_ = watched.world_from_model;
+}
+
+}  // namespace throng::tools

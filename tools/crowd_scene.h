@@ -1,0 +1,76 @@
+// A crowd from files and options: who stands where and does what, for commands that show one.
+#pragma once
+
+#include "tools/camera_path.h"
+#include "tools/command.h"
+#include "tools/director.h"
+#include "tools/scatter.h"
+
+#include <throng/throng.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace throng::tools {
+
+struct SceneOptions {
+    std::vector<std::string> files;
+    std::vector<std::string> controllers;  // "CONTROLLER.json" for all files, or "FILE=CONTROLLER.json"
+    CompileSettings compile;
+    std::string scan = "auto";
+    uint32_t count = 1;
+    std::vector<uint32_t> counts;          // [files], or none: `count` is dealt out evenly
+    std::vector<double> sizes;             // [files], or none
+    Formation formation = Formation::kGrid;
+    double spacing = 1;
+    uint64_t seed = 1;
+};
+
+// The files, and all options of a scene. Wrong numbers of counts and sizes are said by the parser.
+void add_scene_options(CLI::App& app, SceneOptions& options);
+
+class CrowdScene {
+public:
+    // Reads the files, with progress and warnings on stderr. Throws CommandError.
+    CrowdScene(const Device& device, const SceneOptions& options, bool culls);
+
+    Crowd& crowd() { return *crowd_; }
+    const Crowd& crowd() const { return *crowd_; }
+    // Of the crowd in its first places.
+    const Bounds& bounds() const { return bounds_; }
+
+    // From now on subject() has this character, by its place in the crowd. Throws CommandError where there is none.
+    void follow(uint32_t character);
+    // As the last update left it.
+    CameraSubject subject(float aspect_ratio) const;
+
+    // Compiles what updates need, and lets characters with controllers live for 12 s, or they would be in step. The first step follows.
+    void start();
+    // Tells controllers something, an update, and what comes back of it.
+    void step(float step_s, const CrowdView* view);
+    // The same, but what a view would show is not animated. All go on in time, and are in the state that a step with any view would have left them in.
+    void step_unseen(float step_s);
+
+    // The parts of a step around an update by someone else, as a renderer that animates and draws at once.
+    void direct(float step_s) { director_->direct(*crowd_, step_s); }
+    void take_feedback();
+
+private:
+    struct Kind {
+        uint32_t count;
+        Bounds model_bounds;
+    };
+    void update(float step_s, const CrowdView* view);
+
+    std::optional<Crowd> crowd_;
+    std::optional<Director> director_;
+    std::vector<Kind> kinds_;          // [files]
+    std::vector<Affine> placement_;    // [characters], as they were placed
+    Bounds bounds_;
+    Affine world_from_followed_;
+    Bounds followed_bounds_;
+    bool culls_ = false, has_controllers_ = false;
+};
+
+}  // namespace throng::tools
