@@ -31,7 +31,7 @@ std::vector<Place> grid(double area, double pitch) {
 // H. Vogel, A better way to construct the sunflower head, Mathematical Biosciences 44, 1979.
 std::vector<Place> disc(double area, double pitch) {
     constexpr double kGolden_turns = 0.38196601125010515;  // 1 - 1 / golden ratio
-    constexpr double kScale = 0.62;  // pitches: the nearest two seeds are then 1 apart
+    constexpr double kScale = 0.647;  // pitches: the nearest two seeds are then 1 apart
     std::vector<Place> places(ceiling(area / (pitch * pitch)));
     for (size_t i = 0; i < places.size(); ++i) {
         const double radius = kScale * pitch * std::sqrt(static_cast<double>(i) + 0.5), turns = kGolden_turns * static_cast<double>(i);
@@ -40,18 +40,18 @@ std::vector<Place> disc(double area, double pitch) {
     return places;
 }
 
-// A closed curve without crossings, about 1 in radius, or what lies `side` to its left.
+// A closed curve without crossings, about 1 in radius and nowhere bent more than a circle of 0.42, or what lies `side` to its left.
 Place curve_at(double turns, double side) {
-    const double radius = 1 + 0.3 * cosine(2 * turns) + 0.1 * sine(3 * turns);
-    const double slope = 2 * std::numbers::pi * (-0.6 * sine(2 * turns) + 0.3 * cosine(3 * turns));
+    const double radius = 1 + 0.25 * cosine(2 * turns) + 0.08 * sine(3 * turns);
+    const double slope = 2 * std::numbers::pi * (-0.5 * sine(2 * turns) + 0.24 * cosine(3 * turns));
     const double s = sine(turns), c = cosine(turns), round = 2 * std::numbers::pi * radius;
     const double dx = slope * s + round * c, dz = slope * c - round * s, length = std::sqrt(dx * dx + dz * dz);
     return {radius * s + side * dz / length, radius * c - side * dx / length, std::atan2(dx, dz) / (2 * std::numbers::pi)};
 }
 
 std::vector<Place> path(double area, double pitch) {
-    constexpr double kLength = 8;             // of the curve, in its radii
-    constexpr double kWidth = 0.16;           // of the road, in radii: lanes do not meet in the narrowest bend
+    constexpr double kLength = 6.7;           // of the curve, in its radii
+    constexpr double kWidth = 0.25;           // of the road, in radii: half of it is less than the narrowest bend's
     constexpr uint32_t kSteps = 4096;         // into which the curve is cut, to measure it
     constexpr double kBend = 1.05;            // so much farther apart, along a bend, that places are a pitch apart in a straight line
     const double radius = std::sqrt(area / (kLength * kWidth));

@@ -1,27 +1,11 @@
-#include "tools/camera_path.h"
-#include "tools/command.h"
-#include "tools/crowd_scene.h"
+#include "tools/film.h"
+#include "tools/shot.h"
 
 #include <algorithm>
 #include <cstdio>
 
 namespace throng::tools {
 namespace {
-
-struct RenderOptions {
-    SceneOptions scene;
-    CameraOptions camera;
-    std::string size = "1920x1080", out, device;
-    double time_s = 0;
-    bool everything = false, json = false;
-};
-
-RendererSettings parse_size(const std::string& text) {
-    const size_t x = std::min(text.find('x'), text.size());
-    const auto width = parse_number(text.substr(0, x)), height = parse_number(text.substr(std::min(x + 1, text.size())));
-    if (!width || !height || *width == 0 || *height == 0) throw CommandError("--size " + text + ": give it as WIDTHxHEIGHT, for example 1920x1080");
-    return {.width = *width, .height = *height};
-}
 
 // Of each level of detail, the finest first; of a crowd that does not cull, all.
 std::vector<uint32_t> count_drawn(Crowd& crowd, bool everything) {
@@ -52,41 +36,38 @@ void print_times(const RenderOptions& options, const Device& device, const Crowd
 }
 
 void run_render(const RenderOptions& options) {
-    const RendererSettings size = parse_size(options.size);
-    const CameraPath path = make_camera_path(options.camera);
+    if (!options.frames.empty()) return render_film(options);
+    if (options.out.ends_with(".mp4")) throw CommandError("--out " + options.out + ": a film needs --frames, for example 0:240");
     const Device device = open_device(options.device);
-    CrowdScene scene(device, options.scene, !options.everything);
-    scene.follow(path.followed_character());
-    scene.start();
-    const Camera camera = path.at(options.time_s, scene.subject(static_cast<float>(size.width) / static_cast<float>(size.height)));
-    const CrowdView view = view_of(camera, size.width, size.height, scene.bounds());
-    print_progress("animating");
-    scene.step(static_cast<float>(options.time_s), options.everything ? nullptr : &view);
+    Shot shot(device, options);
     print_progress("drawing");
-    Renderer renderer = unwrap(Renderer::create(device, size));
-    Crowd& crowd = scene.crowd();
-    const RenderResult result = unwrap(renderer.render(crowd, camera));
+    const RenderResult result = shot.draw(options.time_s, options.time_s);
     unwrap(write_png(options.out, result.picture));
     print_progress("");
     print_warnings(result.warnings);
-    const Result<StageTimes> times = crowd.stage_times();
-    print_times(options, device, crowd, count_drawn(crowd, options.everything), times ? *times : StageTimes{}, result.draw_ms);
+    print_times(options, device, shot.crowd(), count_drawn(shot.crowd(), options.everything), shot.stage_times(), result.draw_ms);
 }
 
 }  // namespace
 
 void add_render(CLI::App& app) {
-    CLI::App& command = *app.add_subcommand("render", "draw a crowd of one or several files to a picture");
+    CLI::App& command = *app.add_subcommand("render", "draw a crowd of one or several files to a picture or a film");
     auto options = std::make_shared<RenderOptions>();
     add_scene_options(command, options->scene);
     command.add_option("--size", options->size, "of the picture")->capture_default_str();
     command.add_option("--time", options->time_s, "seconds after the start; every character starts at a time of its own")->check(finite())->capture_default_str();
     add_camera_options(command, options->camera);
-    add_out_option(command, options->out, "the .png file to write");
+    CLI::Option* frames = command.add_option("--frames", options->frames, "FIRST:END: a film, of frames FIRST to END - 1; frame 0 is the picture at --time");
+    command.add_option("--fps", options->fps, "frames a second")->needs(frames)->check(finite())->check(CLI::Range(0.1, 1000.0))->capture_default_str();
+    command.add_option("--shard", options->shard, "I/N: only the frames whose number divided by N leaves I; the same bytes as without")->needs(frames);
+    add_out_option(command, options->out, "the .png file to write; with --frames a film.mp4, or pictures such as frame_%04d.png. Whole frames of an interrupted run are kept (those of an .mp4 in a folder .mp4.frames, "
+                                          "until the film is there)");
     add_device_option(command, options->device);
     command.add_flag("--everything", options->everything, "animate and draw all, at full detail, also what the picture does not show");
     command.add_flag("--json", options->json, "print the stage times as JSON");
-    command.footer("Examples:\n  throng render fox.glb --out fox.png\n  throng render fox.glb knight.glb --count 1000 --size 1280x720 --time 2 --seed 3 --out crowd.png");
+    command.footer("Examples:\n  throng render fox.glb --out fox.png\n  throng render fox.glb knight.glb --count 1000 --size 1280x720 --time 2 --seed 3 --out crowd.png\n"
+                   "  throng render walker.glb --count 500 --placement disc --camera orbit:seconds=10 --frames 0:300 --out orbit.mp4\n"
+                   "  throng render dragon.glb walker.glb --sizes 4,1.8 --counts 20,900 --controller walker.glb=walker.json --camera follow:character=17 --frames 0:240 --shard 0/4 --out frame_%04d.png");
     command.callback([options] { run_render(*options); });
 }
 

@@ -1,0 +1,22 @@
+// Films from pictures, by ffmpeg.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+namespace throng::tools {
+
+// Throws CommandError where ffmpeg is not there.
+void check_ffmpeg();
+
+struct FilmPictures {
+    std::filesystem::path folder;  // of pictures 000000.png and so on
+    uint32_t first = 0, count = 0;
+    double fps = 30;
+};
+
+// Writes H.264 as .mp4, in the colours of HD television, under another name that is then changed. The same pictures give the same bytes, by the same ffmpeg.
+// Throws CommandError with ffmpeg's reason, and leaves nothing behind.
+void encode_film(const FilmPictures& pictures, const std::filesystem::path& out);
+
+}  // namespace throng::tools

@@ -1,0 +1,168 @@
+// A frame depends on its number alone: whichever are drawn, all characters take the same steps from the first frame on, for in steps that show nothing they only go on
+// in time. So a film may be interrupted, and shared among machines, without a byte of difference.
+#include "tools/film.h"
+
+#include "tools/encode.h"
+#include "tools/film_frames.h"
+
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+
+namespace throng::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Which frames, and where they lie.
+struct FilmPlan {
+    explicit FilmPlan(const RenderOptions& options);
+
+    RendererSettings size;
+    FrameRange range;
+    Shard shard;
+    bool is_film;         // an .mp4
+    fs::path folder;      // of its frames
+    FrameFiles files;
+};
+
+FilmPlan::FilmPlan(const RenderOptions& options)
+    : size(parse_size(options.size)),
+      range(parse_frames(options.frames)),
+      shard(parse_shard(options.shard)),
+      is_film(options.out.ends_with(".mp4")),
+      folder(options.out + ".frames"),
+      files(is_film ? folder / "%06d.png" : fs::path(options.out)) {
+    if (is_film && (size.width % 2 != 0 || size.height % 2 != 0)) throw CommandError("--size " + options.size + ": an .mp4 needs an even width and height");
+}
+
+// FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo): of a file that may have changed since the last run.
+std::string content_hash(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) throw CommandError(path + ": cannot be read");
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (std::istreambuf_iterator<char> byte(file), end; byte != end; ++byte) hash = (hash ^ static_cast<uint8_t>(*byte)) * 0x100000001b3u;
+    char text[17];
+    std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(hash));
+    return text;
+}
+
+// All that a frame depends on, but for the device.
+nlohmann::json settings_of(const RenderOptions& options) {
+    const SceneOptions& scene = options.scene;
+    nlohmann::json files = nlohmann::json::array(), controllers = files;
+    for (const std::string& file : scene.files) files.push_back({fs::path(file).filename().string(), content_hash(file)});
+    for (const std::string& controller : scene.controllers) {
+        const size_t equals = controller.find('=');
+        controllers.push_back({equals == std::string::npos ? "" : fs::path(controller.substr(0, equals)).filename().string(), content_hash(controller.substr(equals + 1))});
+    }
+    return {{"throng", THRONG_VERSION},
+            {"files", files},
+            {"controllers", controllers},
+            {"count", scene.count},
+            {"counts", scene.counts},
+            {"sizes", scene.sizes},
+            {"placement", static_cast<int>(scene.formation)},
+            {"spacing", scene.spacing},
+            {"seed", scene.seed},
+            {"scan", scene.scan},
+            {"error", scene.compile.error},
+            {"camera", options.camera.path},
+            {"eye", options.camera.eye},
+            {"target", options.camera.target},
+            {"size", options.size},
+            {"time", options.time_s},
+            {"fps", options.fps},
+            {"everything", options.everything}};
+}
+
+struct FilmTimes {
+    StageTimes stages;  // sums
+    double draw_ms = 0;
+    uint32_t count = 0;
+
+    void add(const StageTimes& frame, double frame_draw_ms) {
+        for (const auto& [name, member] : kStages) stages.*member += frame.*member;
+        draw_ms += frame_draw_ms;
+        ++count;
+    }
+    double mean(double sum) const { return count == 0 ? 0 : sum / count; }
+};
+
+std::string duration_text(double seconds) {
+    const auto whole = static_cast<uint64_t>(seconds);
+    if (whole < 100) return std::to_string(whole) + " s";
+    if (whole < 100 * 60) return std::to_string(whole / 60) + " min";
+    return std::to_string(whole / 3600) + " h " + std::to_string(whole / 60 % 60) + " min";
+}
+
+FilmTimes draw_frames(const Device& device, const RenderOptions& options, const FilmPlan& plan, const std::vector<uint32_t>& frames, const nlohmann::json& settings) {
+    Shot shot(device, options);
+    if (plan.is_film) fs::create_directory(plan.folder);
+    plan.files.write_settings(settings);
+    FilmTimes times;
+    uint32_t next = 0;  // frame that all have yet to step to
+    const auto step_to = [&](uint32_t frame) { return frame == 0 ? options.time_s : 1 / options.fps; };
+    const auto start = std::chrono::steady_clock::now();
+    for (const uint32_t frame : frames) {
+        for (; next < frame; ++next) shot.skip(step_to(next));
+        const RenderResult result = shot.draw(step_to(next), options.time_s + next / options.fps);
+        ++next;
+        unwrap(write_png(plan.files.path(frame), result.picture));
+        if (times.count == 0) print_warnings(result.warnings);
+        times.add(shot.stage_times(), result.draw_ms);
+        const double passed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        print_progress("frame " + std::to_string(times.count) + " of " + std::to_string(frames.size()) + ", " +
+                       duration_text(passed_s / times.count * static_cast<double>(frames.size() - times.count)) + " left");
+    }
+    print_progress("");
+    return times;
+}
+
+void print_film(const RenderOptions& options, const std::string& device, const FilmTimes& times, size_t asked) {
+    if (options.json) {
+        nlohmann::json stages{{"skin+draw", times.mean(times.draw_ms)}};
+        for (const auto& [name, member] : kStages) stages[name] = times.mean(times.stages.*member);
+        return print_json({{"out", options.out}, {"device", device}, {"frames", asked}, {"rendered", times.count}, {"kept", asked - times.count}, {"stages_ms", stages}});
+    }
+    std::printf("%s: %zu frames, %u of them new\n", options.out.c_str(), asked, times.count);
+    if (times.count == 0) return;
+    std::printf("  mean of a frame on %s:\n ", device.c_str());
+    for (const auto& [name, member] : kStages) std::printf(" %s %.2f ms,", name, times.mean(times.stages.*member));
+    std::printf(" skin+draw %.2f ms\n", times.mean(times.draw_ms));
+}
+
+void encode(const RenderOptions& options, const FilmPlan& plan) {
+    print_progress("encoding " + options.out);
+    encode_film({plan.folder, plan.range.first, plan.range.end - plan.range.first, options.fps}, options.out);
+    for (uint32_t frame = plan.range.first; frame < plan.range.end; ++frame) fs::remove(plan.files.path(frame));
+    const auto files_left = std::distance(fs::directory_iterator(plan.folder), fs::directory_iterator());
+    if (files_left == 1) fs::remove_all(plan.folder);  // the settings alone
+    print_progress("");
+}
+
+}  // namespace
+
+void render_film(const RenderOptions& options) {
+    const FilmPlan plan(options);
+    const bool encodes = plan.is_film && plan.shard.count == 1;
+    if (encodes) check_ffmpeg();
+    nlohmann::json settings = settings_of(options);
+    plan.files.check_settings(settings);
+    const std::vector<uint32_t> frames = plan.files.missing(plan.range, plan.shard, plan.size.width, plan.size.height);
+    FilmTimes times;
+    std::string device_name;
+    if (!frames.empty()) {
+        const Device device = open_device(options.device);
+        device_name = device.info().name;
+        settings["device"] = device_name + ", " + device.info().driver;
+        plan.files.check_settings(settings);
+        times = draw_frames(device, options, plan, frames, settings);
+    }
+    if (encodes) encode(options, plan);
+    uint32_t asked = 0;
+    for (uint32_t frame = plan.range.first; frame < plan.range.end; ++frame) asked += frame % plan.shard.count == plan.shard.index;
+    print_film(options, device_name, times, asked);
+}
+
+}  // namespace throng::tools

@@ -1,0 +1,34 @@
+#include "tools/shot.h"
+
+namespace throng::tools {
+
+RendererSettings parse_size(const std::string& text) {
+    const size_t x = std::min(text.find('x'), text.size());
+    const auto width = parse_number(text.substr(0, x)), height = parse_number(text.substr(std::min(x + 1, text.size())));
+    if (!width || !height || *width == 0 || *height == 0) throw CommandError("--size " + text + ": give it as WIDTHxHEIGHT, for example 1920x1080");
+    return {.width = *width, .height = *height};
+}
+
+Shot::Shot(const Device& device, const RenderOptions& options)
+    : size_(parse_size(options.size)),
+      path_(make_camera_path(options.camera)),
+      scene_(device, options.scene, !options.everything),
+      renderer_(unwrap(Renderer::create(device, size_))),
+      everything_(options.everything) {
+    scene_.follow(path_.followed_character());
+    scene_.start();
+}
+
+RenderResult Shot::draw(double step_s, double time_s) {
+    const Camera camera = path_.at(time_s, scene_.subject(static_cast<float>(size_.width) / static_cast<float>(size_.height)));
+    const CrowdView view = view_of(camera, size_.width, size_.height, scene_.bounds());
+    scene_.step(static_cast<float>(step_s), everything_ ? nullptr : &view);
+    return unwrap(renderer_.render(scene_.crowd(), camera));
+}
+
+StageTimes Shot::stage_times() const {
+    const Result<StageTimes> times = scene_.crowd().stage_times();
+    return times ? *times : StageTimes{};
+}
+
+}  // namespace throng::tools

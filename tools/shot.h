@@ -1,0 +1,46 @@
+// A scene, its camera and its renderer: what 'throng render' makes a picture or a film of.
+#pragma once
+
+#include "tools/camera_path.h"
+#include "tools/crowd_scene.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace throng::tools {
+
+struct RenderOptions {
+    SceneOptions scene;
+    CameraOptions camera;
+    std::string size = "1920x1080", out, device;
+    double time_s = 0;                 // of the first picture
+    std::string frames, shard;         // empty: one picture; all frames
+    double fps = 30;
+    bool everything = false, json = false;
+};
+
+// Of the picture. Throws CommandError.
+RendererSettings parse_size(const std::string& text);
+
+class Shot {
+public:
+    Shot(const Device& device, const RenderOptions& options);
+
+    // All go on by `step_s`, and are drawn as the camera sees them at `time_s`; or are not.
+    RenderResult draw(double step_s, double time_s);
+    void skip(double step_s) { scene_.step_unseen(static_cast<float>(step_s)); }
+
+    Crowd& crowd() { return scene_.crowd(); }
+    // Of the last update.
+    StageTimes stage_times() const;
+
+private:
+    RendererSettings size_;
+    CameraPath path_;
+    CrowdScene scene_;
+    Renderer renderer_;
+    bool everything_;
+};
+
+}  // namespace throng::tools
