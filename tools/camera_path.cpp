@@ -54,7 +54,7 @@ double angle_rad(double time_s, double period_s) { return 2 * std::numbers::pi *
 // The fit camera of a drum that holds the bounds, which looks the same from all sides, turned about its axis.
 Camera orbit(const CameraSubject& subject, double turn_rad, double distance, double height) {
     const Vec3<float> centre = centre_of(subject.bounds), half = (subject.bounds.max - subject.bounds.min) * 0.5f;
-    constexpr float kFitted = 0.8f;  // of the drum's radius: half the side of a box that looks as wide from the fit camera's side
+    constexpr float kFitted = 0.72f;  // of the drum's radius: half the side of a box that looks about as wide from the fit camera's side; corners of a square crowd pass through the picture's edges
     const float side = std::hypot(half.x, half.z) * kFitted;
     Camera camera = fit_camera({centre - Vec3<float>{side, half.y, side}, centre + Vec3<float>{side, half.y, side}}, subject.aspect_ratio);
     const Vec3<float> out = camera.eye - camera.target;
@@ -112,9 +112,10 @@ CameraPath::CameraPath(const std::string& text) : name_(text.substr(0, text.find
             throw wrong("'" + name + "' is none of its parameters" + (preset->parameters.empty() ? "; it has none" : ": " + names_of(preset->parameters)));
         char* end = nullptr;
         const double number = std::strtod(value.c_str(), &end);
-        if (value.empty() || *end != '\0' || !(number >= parameter->least && number <= parameter->most)) {
+        const bool is_index = name == "character";
+        if (value.empty() || *end != '\0' || !(number >= parameter->least && number <= parameter->most) || (is_index && number != std::floor(number))) {
             std::ostringstream range;
-            range << std::setprecision(10) << name << " must be a number from " << parameter->least << " to " << parameter->most;
+            range << std::setprecision(10) << name << " must be a " << (is_index ? "whole " : "") << "number from " << parameter->least << " to " << parameter->most;
             throw wrong(range.str());
         }
         parameters_[name] = number;

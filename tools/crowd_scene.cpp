@@ -21,22 +21,6 @@ void check_lengths(const SceneOptions& options) {
     if (!options.counts.empty() && (sum == 0 || sum > kMostCharacters)) throw CommandError("--counts: " + std::to_string(sum) + " characters in all; give from 1 to 10000000");
 }
 
-// [files]; empty: none.
-std::vector<std::string> controller_files(const SceneOptions& options) {
-    std::vector<std::string> of_files(options.files.size());
-    for (const std::string& given : options.controllers) {
-        const size_t equals = given.find('=');
-        if (equals == std::string::npos) {
-            std::ranges::fill(of_files, given);
-            continue;
-        }
-        const auto file = std::ranges::find(options.files, given.substr(0, equals));
-        if (file == options.files.end()) throw CommandError("--controller " + given + ": '" + given.substr(0, equals) + "' is none of the files");
-        of_files[static_cast<size_t>(file - options.files.begin())] = given.substr(equals + 1);
-    }
-    return of_files;
-}
-
 }  // namespace
 
 void add_scene_options(CLI::App& app, SceneOptions& options) {
@@ -51,6 +35,21 @@ void add_scene_options(CLI::App& app, SceneOptions& options) {
     app.add_option("--seed", options.seed, "of clips, times, blends, places and what controllers are told")->capture_default_str();
     add_scan_option(app, options.scan);
     add_error_option(app, options.compile);
+}
+
+std::vector<std::string> controller_files(const SceneOptions& options) {
+    std::vector<std::string> of_files(options.files.size());
+    for (const std::string& given : options.controllers) {
+        const size_t equals = given.find('=');
+        if (equals == std::string::npos) {
+            std::ranges::fill(of_files, given);
+            continue;
+        }
+        const auto file = std::ranges::find(options.files, given.substr(0, equals));
+        if (file == options.files.end()) throw CommandError("--controller " + given + ": '" + given.substr(0, equals) + "' is none of the files");
+        of_files[static_cast<size_t>(file - options.files.begin())] = given.substr(equals + 1);
+    }
+    return of_files;
 }
 
 CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, bool culls) : culls_(culls) {

@@ -9,6 +9,7 @@ namespace throng::tools {
 
 ParameterRange parameter_range(const Controller& controller, uint32_t parameter) {
     const std::string& name = controller.parameters[parameter].name;
+    constexpr float kBeyond = 1.25f;  // of what is compared with, so that either answer happens
     ParameterRange range{.type = controller.parameters[parameter].type};
     for (const ControllerLayer& layer : controller.layers) {
         const auto include = [&](float value) {
@@ -22,7 +23,7 @@ ParameterRange parameter_range(const Controller& controller, uint32_t parameter)
             }
         for (const ControllerTransition& transition : layer.transitions)
             for (const ControllerCondition& condition : transition.conditions)
-                if (condition.parameter == name && range.type == ParameterType::kFloat) include(condition.test == ControllerCondition::Test::kAbove ? 1.25f * condition.value : condition.value);
+                if (condition.parameter == name && range.type == ParameterType::kFloat) include(kBeyond * condition.value);
     }
     return range;
 }

@@ -52,10 +52,7 @@ nlohmann::json settings_of(const RenderOptions& options) {
     const SceneOptions& scene = options.scene;
     nlohmann::json files = nlohmann::json::array(), controllers = files;
     for (const std::string& file : scene.files) files.push_back({fs::path(file).filename().string(), content_hash(file)});
-    for (const std::string& controller : scene.controllers) {
-        const size_t equals = controller.find('=');
-        controllers.push_back({equals == std::string::npos ? "" : fs::path(controller.substr(0, equals)).filename().string(), content_hash(controller.substr(equals + 1))});
-    }
+    for (const std::string& controller : controller_files(scene)) controllers.push_back(controller.empty() ? "" : content_hash(controller));
     return {{"throng", THRONG_VERSION},
             {"files", files},
             {"controllers", controllers},

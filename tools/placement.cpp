@@ -53,8 +53,9 @@ std::vector<Place> path(double area, double pitch) {
     constexpr double kLength = 6.7;           // of the curve, in its radii
     constexpr double kWidth = 0.25;           // of the road, in radii: half of it is less than the narrowest bend's
     constexpr uint32_t kSteps = 4096;         // into which the curve is cut, to measure it
-    constexpr double kBend = 1.05;            // so much farther apart, along a bend, that places are a pitch apart in a straight line
-    const double radius = std::sqrt(area / (kLength * kWidth));
+    constexpr double kApart = 1.05;           // pitches, along the curve
+    constexpr double kLeastRadius = 2.5;      // pitches: places a little more than one apart along the narrowest bend are one apart in a straight line
+    const double radius = std::max(std::sqrt(area / (kLength * kWidth)), kLeastRadius * pitch);
     const auto lane_count = static_cast<uint32_t>(std::max(1.0, std::floor(kWidth * radius / pitch)));
     struct Marked {
         double along;
@@ -66,7 +67,7 @@ std::vector<Place> path(double area, double pitch) {
         std::array<double, kSteps + 1> way{};
         for (uint32_t step = 0; step < kSteps; ++step)
             way[step + 1] = way[step] + std::sqrt(distance_squared(curve_at(double(step) / kSteps, side), curve_at(double(step + 1) / kSteps, side)));
-        const auto count = static_cast<uint32_t>(way.back() * radius / (pitch * kBend));
+        const auto count = static_cast<uint32_t>(way.back() * radius / (pitch * kApart));
         for (uint32_t i = 0; i < count; ++i) {
             const double sought = way.back() * (i + 0.5 * (lane % 2)) / count;
             const auto after = static_cast<uint32_t>(std::upper_bound(way.begin(), way.end(), sought) - way.begin());

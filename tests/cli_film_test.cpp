@@ -1,0 +1,164 @@
+// Films by the command line: frames that are kept, shared among runs, and refused; a film of them.
+#include "tests/tool_runner.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+namespace throng {
+namespace {
+
+using namespace test;
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+// Two creatures, of which one has a controller. Frames 0 to 3 of some of them, tiny, a second apart so that controllers are told something.
+class CliFilm : public testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        folder_ = fs::path(testing::TempDir()) / ("throng_film_" + std::to_string(getpid()));
+        fs::create_directories(folder_);
+        for (const char* kind : {"walker", "dragon"}) {
+            const Outcome run = run_tool({"generate", kind, "--joints", "50", "--levels", "12", "--faces", "600", "--out", file(std::string(kind) + ".glb")});
+            ASSERT_TRUE(run.succeeded()) << run;
+        }
+    }
+    static void TearDownTestSuite() { fs::remove_all(folder_); }
+
+    static std::string file(const std::string& name) { return (folder_ / name).string(); }
+    static std::vector<std::string> arguments(const std::string& out, const std::vector<std::string>& more = {}) {
+        std::vector<std::string> all{"render", file("walker.glb"), file("dragon.glb"), "--controller", file("walker.glb") + "=" + THRONG_SOURCE_DIR "/examples/controllers/walker.json", "--count", "6", "--placement", "disc",
+                                     "--camera", "flyover:seconds=5", "--size", "64x36", "--frames", "0:4", "--fps", "1", "--out", out};
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    }
+    static Outcome film(const std::string& out, const std::vector<std::string>& more = {}) { return run_tool(arguments(out, more)); }
+    static std::map<std::string, std::string> contents(const std::string& folder) {
+        std::map<std::string, std::string> files;
+        for (const auto& entry : fs::directory_iterator(folder)) files[entry.path().filename()] = read_file(entry.path());
+        return files;
+    }
+    static std::string new_folder(const std::string& name) {
+        fs::create_directory(file(name));
+        return file(name);
+    }
+
+    static inline fs::path folder_;
+};
+
+TEST_F(CliFilm, AFrameIsTheSameWhicheverAreDrawn) {
+    const std::string whole = new_folder("whole"), shared = new_folder("shared"), resumed = new_folder("resumed");
+    const Outcome run = film(whole + "/frame_%04d.png", {"--json"});
+    ASSERT_TRUE(run.succeeded()) << run;
+    const Json json = Json::parse(run.out);
+    EXPECT_EQ(json["frames"], 4);
+    EXPECT_EQ(json["rendered"], 4);
+    EXPECT_GT(json["stages_ms"]["skin+draw"], 0);
+    const auto frames = contents(whole);
+    ASSERT_EQ(frames.size(), 5u);
+    EXPECT_NE(frames.at("frame_0000.png"), frames.at("frame_0003.png"));
+
+    ASSERT_TRUE(film(shared + "/frame_%04d.png", {"--shard", "1/2"}).succeeded());
+    EXPECT_EQ(contents(shared).size(), 3u);  // frames 1 and 3, and the settings
+    ASSERT_TRUE(film(shared + "/frame_%04d.png", {"--shard", "0/2"}).succeeded());
+    EXPECT_EQ(contents(shared), frames);
+
+    // Of an interrupted run some frames are left, one is broken, and one is of another size.
+    for (const char* kept : {"frame_settings.json", "frame_0001.png", "frame_0002.png", "frame_0003.png"}) fs::copy_file(whole + "/" + kept, resumed + "/" + kept);
+    fs::resize_file(resumed + "/frame_0002.png", frames.at("frame_0002.png").size() / 2);
+    const auto time = fs::last_write_time(resumed + "/frame_0001.png");
+    const Outcome again = film(resumed + "/frame_%04d.png", {"--json"});
+    ASSERT_TRUE(again.succeeded()) << again;
+    EXPECT_EQ(Json::parse(again.out)["kept"], 2);
+    EXPECT_EQ(contents(resumed), frames);
+    EXPECT_EQ(fs::last_write_time(resumed + "/frame_0001.png"), time);
+
+    // The picture of that time is that frame.
+    std::vector<std::string> picture = arguments(file("picture.png"));
+    const auto first = std::find(picture.begin(), picture.end(), "--frames");
+    picture.erase(first, first + 4);  // with --fps
+    ASSERT_TRUE(run_tool(picture).succeeded());
+    EXPECT_EQ(read_file(file("picture.png")), frames.at("frame_0000.png"));
+}
+
+TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
+    const std::string folder = new_folder("settings"), out = folder + "/%d.png";
+    ASSERT_TRUE(film(out, {"--shard", "3/4"}).succeeded());
+    const auto before = contents(folder);
+    const std::pair<std::vector<std::string>, const char*> cases[] = {{{"--time", "2"}, "time 0.0, not 2.0"}, {{"--seed", "2"}, "seed 1, not 2"}, {{"--sizes", "1,2"}, "sizes [], not [1.0,2.0]"}};
+    for (const auto& [more, named] : cases) EXPECT_TRUE(film(out, more).refused(named)) << named;
+    fs::remove(folder + "/settings.json");
+    EXPECT_TRUE(film(out).refused("3.png"));
+    std::ofstream(folder + "/settings.json") << "no settings";
+    EXPECT_TRUE(film(out).refused("settings.json"));
+    EXPECT_EQ(contents(folder).at("3.png"), before.at("3.png"));
+}
+
+TEST_F(CliFilm, AFilmHasItsFrames) {
+    if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no ffmpeg";
+    const std::string out = file("100 % film.mp4");
+    ASSERT_TRUE(film(out, {"--shard", "0/2"}).succeeded());
+    EXPECT_FALSE(fs::exists(out));
+    EXPECT_TRUE(fs::exists(out + ".frames/000002.png"));
+    const Outcome run = film(out, {"--json"});
+    ASSERT_TRUE(run.succeeded()) << run;
+    EXPECT_EQ(Json::parse(run.out)["kept"], 2);
+    EXPECT_FALSE(fs::exists(out + ".frames"));
+    const std::string probed = file("probed.txt"), probe = "ffprobe -v error -count_frames -show_entries stream=nb_read_frames,width,height,r_frame_rate -of csv=p=0 '" + out + "' >'" + probed + "'";
+    ASSERT_EQ(std::system(probe.c_str()), 0);
+    EXPECT_EQ(read_file(probed), "64,36,1/1,4\n");
+}
+
+TEST_F(CliFilm, ControllersAreForFilesThatAreThere) {
+    EXPECT_TRUE(film(file("%d.png"), {"--controller", "cat.glb=cat.json"}).refused("cat.glb"));
+    EXPECT_TRUE(film(file("%d.png"), {"--controller", file("missing.json")}).refused("missing.json"));
+    EXPECT_TRUE(film(file("%d.png"), {"--controller", file("dragon.glb") + "=" + THRONG_SOURCE_DIR "/examples/controllers/willow.json"}).refused("gust"));
+}
+
+TEST_F(CliFilm, WrongOptionsAreRefused) {
+    const std::string out = file("%d.png");
+    std::vector<std::string> base = arguments(out);
+    const auto with = [&](const std::string& option, const std::string& value) {
+        std::vector<std::string> all = base;
+        const auto there = std::find(all.begin(), all.end(), option);
+        if (there == all.end()) all.insert(all.end(), {option, value});
+        else *(there + 1) = value;
+        return run_tool(all);
+    };
+    for (const char* frames : {"4", "4:", ":4", "4:4", "5:4", "0:4:1", "0:1000001", "0:99999999999"}) EXPECT_TRUE(with("--frames", frames).refused("--frames")) << frames;
+    for (const char* shard : {"1", "2/2", "0/0", "/2", "1/", "a/b"}) EXPECT_TRUE(with("--shard", shard).refused("--shard")) << shard;
+    for (const char* name : {"frame.png", "frame_%4d.png", "frame_%s.png", "%d_%d.png", "frame_%0999d.png", "frame_%d.jpg", "film.avi"}) EXPECT_TRUE(with("--out", file(name)).refused(name)) << name;
+    EXPECT_TRUE(with("--out", file("nowhere/%d.png")).refused("nowhere"));
+    for (const char* fps : {"0", "-1", "nan", "many", "1e9"}) EXPECT_TRUE(with("--fps", fps).refused("--fps")) << fps;
+    EXPECT_TRUE(with("--camera", "spin").refused("--camera spin"));
+    EXPECT_TRUE(with("--camera", "follow:character=6").refused("character 6"));
+    EXPECT_TRUE(with("--placement", "heap").refused("--placement"));
+    EXPECT_TRUE(with("--spacing", "0").refused("--spacing"));
+    EXPECT_TRUE(with("--sizes", "1").refused("--sizes"));
+    EXPECT_TRUE(with("--sizes", "0,1").refused("--sizes"));
+    EXPECT_TRUE(with("--sizes", "0.001,100000").refused("--sizes"));
+    EXPECT_TRUE(with("--counts", "1,2").refused("--count"));
+    EXPECT_TRUE(with("--eye", "1,2,3").refused("--eye"));
+
+    std::vector<std::string> odd = arguments(file("odd.mp4"));
+    *(std::find(odd.begin(), odd.end(), "--size") + 1) = "63x36";
+    EXPECT_TRUE(run_tool(odd).refused("63x36"));
+    EXPECT_TRUE(run_tool({"render", file("walker.glb"), "--out", file("still.mp4")}).refused("--frames"));
+    EXPECT_TRUE(run_tool({"render", file("walker.glb"), "--fps", "24", "--out", file("still.png")}).refused("--fps"));
+    EXPECT_TRUE(run_tool({"render", file("walker.glb"), "--counts", "1,2", "--out", file("still.png")}).refused("--counts"));
+    EXPECT_TRUE(run_tool({"render", file("walker.glb"), "--counts", "0", "--out", file("still.png")}).refused("--counts"));
+    EXPECT_TRUE(run_tool({"render", file("walker.glb"), "--eye", "0,1,2", "--target", "0,1,2", "--out", file("still.png")}).refused("camera"));
+    const RunSettings no_programs{.environment = {{"PATH", "/nowhere"}}};
+    EXPECT_TRUE(run_tool(arguments(file("film.mp4")), no_programs).refused("ffmpeg"));
+}
+
+}  // namespace
+}  // namespace throng

@@ -1,0 +1,31 @@
+// What characters with controllers are told.
+#include "tools/director.h"
+
+#include <gtest/gtest.h>
+
+namespace throng::tools {
+namespace {
+
+TEST(Director, RangesAreWhatControllersAskAbout) {
+    const Result<Controller> controller = parse_controller(R"({
+      "parameters": {"speed": 0, "side": 0, "brave": false, "jump": "trigger", "weight": 1},
+      "layers": [{"name": "body", "weight": "weight", "states": {
+        "stand": {"clip": "idle"},
+        "move": {"blend": ["side", "speed"], "clips": [{"clip": "a", "at": [0, 0]}, {"clip": "b", "at": [-2, 0]}, {"clip": "c", "at": [0, 4]}]}},
+        "transitions": [{"from": "stand", "to": "move", "when": {"speed": {"above": 8}}}, {"from": "move", "to": "stand", "when": {"side": {"below": -3}, "brave": true, "jump": "triggered"}}]}]})",
+                                                           "test.json");
+    ASSERT_TRUE(controller) << controller.error().text();
+    const auto range = [&](const char* name) { return parameter_range(*controller, controller->find_parameter(name)); };
+    EXPECT_EQ(range("speed").least, 0);
+    EXPECT_EQ(range("speed").most, 10);  // above 8 must happen
+    EXPECT_EQ(range("side").least, -3.75f);
+    EXPECT_EQ(range("side").most, 1);
+    EXPECT_EQ(range("weight").least, 0);
+    EXPECT_EQ(range("weight").most, 1);
+    EXPECT_EQ(range("brave").type, ParameterType::kBool);
+    EXPECT_EQ(range("brave").most, 1);
+    EXPECT_EQ(range("jump").type, ParameterType::kTrigger);
+}
+
+}  // namespace
+}  // namespace throng::tools
