@@ -36,12 +36,21 @@ Bounds world_bounds(const Crowd& crowd);
 // picture at its corners, so that the nearest can be made out.
 Camera fit_camera(const Bounds& bounds, float aspect_ratio);
 
-// What the camera sees of a picture of this size, shadows of the crowd included, for an update of it that is drawn by the same camera.
-CrowdView view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds);
+// How pictures look; may change from frame to frame.
+struct DrawOptions {
+    bool shadows = true;
+    bool fog = true;      // the ground and what is far away fade into the horizon
+    float exposure = 1;   // all light is multiplied by it; above 0
+    Vec3<float> to_sun{-0.45f, 0.85f, 0.5f};  // world space, of any length; y at least a twentieth of it
+};
+
+// What the camera sees of a picture of this size, shadows of the crowd included, for an update of it that is drawn by the same camera and options.
+CrowdView view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, const DrawOptions& options = {});
 
 struct RendererSettings {
     uint32_t width = 1920, height = 1080;  // at most the device's limit
     uint32_t samples = 4;                  // lowered to what the device has
+    DrawOptions options = {};
 };
 
 struct RenderResult {
@@ -63,6 +72,27 @@ public:
     // Draws the crowd as its last update left it, of one that culls what that has listed; submits and waits. The crowd's device is the renderer's. Alpha-blended materials
     // are drawn as masks with a cutoff of 0.5, since a crowd is not sorted.
     Result<RenderResult> render(const Crowd& crowd, const Camera& camera);
+
+    // As render(), but advances the crowd by `time_step_s` first, as Crowd::update() does: update, for what the camera sees where the crowd culls, and
+    // picture, in one submission.
+    Result<RenderResult> render_frame(Crowd& crowd, float time_step_s, const Camera& camera);
+
+    // Records the same into the caller's command buffer (recording, outside a render pass, of the device's queue family). The picture is then in picture(), in
+    // VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL and visible to transfer reads, until the next frame. The recorded commands are submitted once, in the order of the calls, to
+    // the device's queue, and have finished before the renderer or the crowd is destroyed, or the renderer resized. Frames may be recorded before the last has
+    // finished. Of a crowd that it has not drawn before it uploads textures, and waits.
+    Result<void> record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera);
+    // VK_FORMAT_R8G8B8A8_SRGB, of the renderer's size; another after resize().
+    VkImage picture() const;
+    // Errors: kInvalidArgument (empty), kLimit (names the device's limit); then it keeps its size.
+    Result<void> resize(uint32_t width, uint32_t height);
+
+    // From the next frame on. Errors: kInvalidArgument (exposure, sun).
+    Result<void> set_options(const DrawOptions& options);
+    const DrawOptions& options() const;
+
+    // GPU time of skinning and drawing, of the last frame that has finished; 0 where none has, or the queue has no timestamps.
+    double draw_ms() const;
 
     // Internal.
     explicit Renderer(std::unique_ptr<RendererState> state);

@@ -22,6 +22,8 @@
 
 namespace throng {
 
+struct CrowdLife {};
+
 struct CrowdState {
     CrowdState(std::shared_ptr<Gpu> gpu, const CrowdSettings& settings);
 
@@ -43,6 +45,8 @@ struct CrowdState {
     uint64_t size_bytes() const;
 
     std::shared_ptr<Gpu> gpu;
+    // By it others know this crowd from one that is made later at the same place, and when it is gone.
+    std::shared_ptr<const CrowdLife> life = std::make_shared<const CrowdLife>();
     uint32_t instance_count = 0;
     SkinFormat skin_format = SkinFormat::kAffine;
     std::vector<Group> groups;

@@ -23,8 +23,6 @@ Axes look_along(const Vec3<float>& direction) {
 
 }  // namespace
 
-Vec3<float> direction_to_light() { return normalized(Vec3<float>{-0.45f, 0.85f, 0.5f}); }
-
 View make_view(const Camera& camera, float aspect_ratio) {
     const Vec3<float> direction = camera.target - camera.eye;
     const float distance = length(direction);
@@ -65,14 +63,15 @@ Bounds world_bounds(const Crowd& crowd) {
     return bounds;
 }
 
-CrowdView view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds) {
+CrowdView view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, const DrawOptions& options) {
     const View view = make_view(camera, static_cast<float>(width) / static_cast<float>(std::max(height, 1u)));
-    const Vec3<float> to_light = direction_to_light();
+    const Vec3<float> to_sun = direction_to_sun(options);
     constexpr float kHighest = 2;  // above the ground, in heights of the crowd at rest
+    const float reach = options.shadows ? kHighest * (bounds.max.y - bounds.min.y) / to_sun.y : 0;
     return {.clip_from_world = view.clip_from_world,
             .eye = camera.eye,
             .pixels = static_cast<float>(std::max(height, 1u)) / (2 * view.half_height),
-            .shadow = to_light * (-kHighest * (bounds.max.y - bounds.min.y) / to_light.y)};
+            .shadow = to_sun * -reach};
 }
 
 // Both fits below look at corners in the camera's axes, relative to the centre of the bounds: `side` along one axis of the picture, and

@@ -18,7 +18,9 @@ struct View {
 // Throws kInvalidArgument where the camera is not one.
 View make_view(const Camera& camera, float aspect_ratio);
 
-// Unit, world space: the sun of all pictures.
-Vec3<float> direction_to_light();
+inline constexpr float kLowestSun = 0.05f;  // the sine of its height above the horizon
+
+// Unit, world space.
+inline Vec3<float> direction_to_sun(const DrawOptions& options) { return normalized(options.to_sun); }
 
 }  // namespace throng

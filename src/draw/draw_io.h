@@ -14,6 +14,7 @@ struct DrawScene {
     vec4 to_light;            // unit
     vec4 ground;              // centre x, height, centre z; w: radius at which it has faded into the horizon
     vec4 scale;               // x: cell of the grid, y: distance of the haze, z: height of the contact darkening
+    vec4 light;               // x: exposure, y: 1 with haze, 0 without
 };
 
 // A section of a mesh, for all instances of a batch.

@@ -8,7 +8,7 @@ const vec3 kSunLight = vec3(0.80, 0.73, 0.62);
 const vec3 kGroundAlbedo = vec3(0.40, 0.41, 0.33);
 
 vec3 sky_color(vec3 direction) {
-    return mix(kHaze, kZenith, smoothstep(0.0, 0.9, normalize(direction).y));
+    return scene.light.x * mix(kHaze, kZenith, smoothstep(0.0, 0.9, normalize(direction).y));
 }
 
 // 1 on the lines of a square grid, filtered over the pixel, 0 where its cells are no longer resolved.
@@ -25,7 +25,7 @@ vec3 ground_color(vec3 world, float sun) {
     const vec3 albedo = kGroundAlbedo * (1 + 0.22 * grid_line((world.xz - scene.ground.xz) / scene.scale.x));
     const vec3 lit = albedo * (kSkyLight + kSunLight * scene.to_light.y * sun);
     const float reach = length(world.xz - scene.ground.xz) / scene.ground.w;
-    return mix(kHaze, lit, exp(-reach * reach));
+    return scene.light.x * mix(kHaze, lit, exp(-reach * reach * scene.light.y));
 }
 
 vec3 surface_color(vec3 albedo, vec3 world, vec3 normal) {
@@ -37,5 +37,5 @@ vec3 surface_color(vec3 albedo, vec3 world, vec3 normal) {
     const float rim = pow(1 - max(dot(normal, to_eye), 0), 4) * 0.25 * (0.5 + 0.5 * normal.y);
     const vec3 lit = albedo * (ambient + kSunLight * sun) + kSkyLight * rim * (0.3 + albedo);
     const float haze = length(scene.eye.xyz - world) / scene.scale.y;
-    return mix(kHaze, lit, exp(-haze * haze));
+    return scene.light.x * mix(kHaze, lit, exp(-haze * haze * scene.light.y));
 }

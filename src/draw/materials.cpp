@@ -2,7 +2,16 @@
 
 namespace throng {
 
-GroupMaterials::GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout, VkSampler sampler, VkImageView white,
+MaterialSampling::MaterialSampling(const std::shared_ptr<Gpu>& gpu) : white(make_white_texture(gpu)) {
+    VkSamplerCreateInfo create{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+    create.magFilter = create.minFilter = VK_FILTER_LINEAR;
+    create.mipmapMode = VK_SAMPLER_MIPMAP_MODE_LINEAR;
+    create.addressModeU = create.addressModeV = create.addressModeW = VK_SAMPLER_ADDRESS_MODE_REPEAT;
+    create.maxLod = VK_LOD_CLAMP_NONE;
+    sampler = OwnedSampler(gpu, gpu->vk.vkCreateSampler, create, "vkCreateSampler");
+}
+
+GroupMaterials::GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout, const MaterialSampling& sampling,
                                std::vector<std::string>& warnings)
     : textures_(group.images.size()) {
     for (const MeshSection& section : group.sections) {
@@ -25,7 +34,7 @@ GroupMaterials::GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& gro
         allocate.descriptorSetCount = 1;
         allocate.pSetLayouts = &layout;
         check(gpu->vk.vkAllocateDescriptorSets(gpu->device, &allocate, &material.set), "vkAllocateDescriptorSets");
-        const VkDescriptorImageInfo image{sampler, view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+        const VkDescriptorImageInfo image{sampling.sampler.get(), view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
         write.dstSet = material.set;
         write.descriptorCount = 1;
@@ -41,9 +50,9 @@ GroupMaterials::GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& gro
              .alpha_cutoff = material.alpha_mode == AlphaMode::kMask ? material.alpha_cutoff : material.alpha_mode == AlphaMode::kBlend ? kBlendCutoff : 0,
              .masked = material.alpha_mode != AlphaMode::kOpaque,
              .double_sided = material.double_sided},
-            has_texture ? textures_[material.image].view() : white);
+            has_texture ? textures_[material.image].view() : sampling.white.view());
     }
-    add({}, white);
+    add({}, sampling.white.view());
 }
 
 }  // namespace throng

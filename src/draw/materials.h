@@ -16,11 +16,18 @@ struct DrawMaterial {
     VkDescriptorSet set = VK_NULL_HANDLE;
 };
 
+// How the textures of all materials are read, and what is read where there is none.
+struct MaterialSampling {
+    explicit MaterialSampling(const std::shared_ptr<Gpu>& gpu);  // submits and waits
+
+    OwnedSampler sampler;
+    Image white;
+};
+
 class GroupMaterials {
 public:
     // Only images that a section's material uses are decoded; one that cannot be is white, with a warning. Submits and waits.
-    GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout, VkSampler sampler, VkImageView white,
-                   std::vector<std::string>& warnings);
+    GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout, const MaterialSampling& sampling, std::vector<std::string>& warnings);
 
     const DrawMaterial& of(const MeshSection& section) const { return section.material < materials_.size() - 1 ? materials_[section.material] : materials_.back(); }
 

@@ -110,7 +110,7 @@ OwnedPipeline make_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout la
 
 }  // namespace
 
-DrawPipelines::DrawPipelines(const std::shared_ptr<Gpu>& gpu, VkSampleCountFlagBits samples, SkinFormat format, bool listed) : skin_format(format), is_listed(listed) {
+DrawLayouts::DrawLayouts(const std::shared_ptr<Gpu>& gpu) {
     if (const uint32_t most = gpu->properties.limits.maxPerStageDescriptorStorageBuffers; kBatchBindings.size() > most)
         throw Failure(ErrorCode::kUnsupported, gpu->properties.deviceName, "a shader stage has " + std::to_string(most) + " storage buffers, and drawing needs " + std::to_string(kBatchBindings.size()));
     constexpr VkShaderStageFlags kBothStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
@@ -125,8 +125,10 @@ DrawPipelines::DrawPipelines(const std::shared_ptr<Gpu>& gpu, VkSampleCountFlagB
     create.pushConstantRangeCount = 1;
     create.pPushConstantRanges = &push;
     layout = {gpu, gpu->vk.vkCreatePipelineLayout, create, "vkCreatePipelineLayout"};
+}
 
-    const auto make = [&](const Program& program) { return make_pipeline(gpu, layout.get(), samples, program); };
+DrawPipelines::DrawPipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, SkinFormat format, bool listed) {
+    const auto make = [&](const Program& program) { return make_pipeline(gpu, layouts.layout.get(), samples, program); };
     ground = make({.vertex = kGroundVertex, .fragment = kGroundFragment});
     shadow = make({.vertex = kCharacterVertex, .fragment = kShadowFragment, .vertex_constant = true, .skin_format = format, .listed = listed});
     character = make({.vertex = kCharacterVertex, .fragment = kCharacterFragment, .skin_format = format, .listed = listed, .depth = true});

@@ -13,18 +13,18 @@ namespace throng {
 inline constexpr VkFormat kColorFormat = VK_FORMAT_R8G8B8A8_SRGB;
 inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 
-// Descriptor sets: 0 the scene (one uniform buffer), 1 a batch (seven storage buffers), 2 a material (one texture).
-// Cull mode, viewport and scissor are dynamic.
-struct DrawPipelines {
-    DrawPipelines() = default;
-    // Of crowds whose skin matrices have this format, and whose instances are listed or not.
-    DrawPipelines(const std::shared_ptr<Gpu>& gpu, VkSampleCountFlagBits samples, SkinFormat format, bool listed);
-
-    SkinFormat skin_format = SkinFormat::kAffine;
-    bool is_listed = false;
+// What all pipelines share. Descriptor sets: 0 the scene (one uniform buffer), 1 a batch (seven storage buffers), 2 a material (one texture).
+struct DrawLayouts {
+    explicit DrawLayouts(const std::shared_ptr<Gpu>& gpu);
 
     OwnedSetLayout scene_set, batch_set, material_set;
     OwnedPipelineLayout layout;
+};
+
+// Of crowds whose skin matrices have this format, and whose instances are listed or not. Cull mode, viewport and scissor are dynamic.
+struct DrawPipelines {
+    DrawPipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, SkinFormat format, bool listed);
+
     OwnedPipeline ground;              // over the whole picture, without depth
     OwnedPipeline shadow;              // characters laid flat on the ground, without depth
     OwnedPipeline character;           // of opaque materials

@@ -1,0 +1,31 @@
+// What the shaders know of the whole picture: camera, sun, ground.
+#pragma once
+
+#include "crowd/crowd_state.h"
+#include "draw/draw_io.h"
+#include "draw/owned.h"
+
+#include <throng/draw.h>
+
+namespace throng {
+
+// Everything is measured in the crowd's own size: a file's unit may be a metre or a centimetre. Throws kInvalidArgument where the camera is not one.
+io::DrawScene make_scene(const CrowdState& crowd, const Bounds& bounds, const Camera& camera, float aspect_ratio, const DrawOptions& options);
+
+// The scene in a descriptor set.
+class SceneBinding {
+public:
+    SceneBinding(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout);
+
+    // Waits for the frames before that read it.
+    void record(VkCommandBuffer commands, const io::DrawScene& scene) const;
+    VkDescriptorSet set() const { return set_; }
+
+private:
+    std::shared_ptr<Gpu> gpu_;
+    Buffer buffer_;
+    OwnedPool pool_;
+    VkDescriptorSet set_ = VK_NULL_HANDLE;
+};
+
+}  // namespace throng
