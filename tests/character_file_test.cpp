@@ -38,7 +38,8 @@ Character compile(const Asset& asset, double error) {
 Asset make_full_asset(const AssetSettings& settings) {
     Asset asset = make_asset(settings);
     asset.images = {{.name = "sk\xC3\xADn", .encoded = Bytes(33, std::byte{7})}, {.name = "", .encoded = {}}};
-    asset.materials = {{.name = "cloth", .base_color = {0.1f, -0.0f, 1, 0.5f}, .image = 1, .alpha_mode = AlphaMode::kMask, .alpha_cutoff = 0.25f, .double_sided = true},
+    asset.materials = {{.name = "cloth", .base_color = {0.1f, -0.0f, 1, 0.5f}, .image = 1, .alpha_mode = AlphaMode::kMask, .alpha_cutoff = 0.25f, .double_sided = true, .metallic = 0.1f, .roughness = 0.2f, .metallic_roughness_image = 0,
+                        .normal_image = 1, .normal_scale = -2, .occlusion_image = 0, .occlusion_strength = 0.5f, .emissive = {3, 4, 5}, .emissive_image = 1},
                        {.name = std::string("a\0b\n", 4), .image = kNone, .alpha_mode = AlphaMode::kBlend},
                        {.name = "", .image = 0}};
     asset.warnings = {"first", "", "third"};
@@ -72,8 +73,8 @@ auto fields_of(const Skin& skin) {
     return std::tie(name, first_entry, joint_count);
 }
 auto fields_of(const AssetMaterial& material) {
-    const auto& [name, base_color, image, alpha_mode, alpha_cutoff, double_sided] = material;
-    return std::tie(name, base_color, image, alpha_mode, alpha_cutoff, double_sided);
+    const auto& [name, base_color, image, alpha_mode, alpha_cutoff, double_sided, metallic, roughness, metallic_roughness_image, normal_image, normal_scale, occlusion_image, occlusion_strength, emissive, emissive_image] = material;
+    return std::tie(name, base_color, image, alpha_mode, alpha_cutoff, double_sided, metallic, roughness, metallic_roughness_image, normal_image, normal_scale, occlusion_image, occlusion_strength, emissive, emissive_image);
 }
 auto fields_of(const AssetImage& image) {
     const auto& [name, encoded] = image;
@@ -248,7 +249,7 @@ bool leads_nowhere_else(const Character& c) {
         }
     }
     for (const AssetMaterial& material : c.materials)
-        if (material.image != kNone) need(material.image, c.images.size());
+        visit_images([&](auto member) { if (material.*member != kNone) need(material.*member, c.images.size()); });
     return good;
 }
 
@@ -365,15 +366,15 @@ TEST(CharacterFile, EveryTruncationAndEveryTrailingByteIsRefused) {
 TEST(CharacterFile, OtherVersionsAreRefusedWithAWayOut) {
     for (const bool sealed : {true, false}) {  // another version may have another checksum
         Forged forged(small_file(0));
-        forged.header().version = 2;
+        forged.header().version = 3;
         Result<Character> result = load(sealed ? forged.sealed() : forged.bytes());
         ASSERT_FALSE(result);
         EXPECT_EQ(result.error().code, ErrorCode::kUnsupported);
-        EXPECT_EQ(result.error().text(), "small.throng: version 2, this throng reads version 1; compile it anew from its source, or update throng");
+        EXPECT_EQ(result.error().text(), "small.throng: version 3, this throng reads version 2; compile it anew from its source, or update throng");
         forged.header().version = 0;
         result = load(sealed ? forged.sealed() : forged.bytes());
         ASSERT_FALSE(result);
-        EXPECT_EQ(result.error().text(), "small.throng: version 0, this throng reads version 1; compile it anew from its source");
+        EXPECT_EQ(result.error().text(), "small.throng: version 0, this throng reads version 2; compile it anew from its source");
     }
 }
 
@@ -537,6 +538,8 @@ TEST(CharacterFile, CraftedContentIsRefused) {
             {"a time of weights that is no number", [](Forged& f) { f.at<float>(S::kMorphTimes, 0) = kNan; }, "morph times[0]"},
             {"two rows of weights at one time", [](Forged& f) { f.at<float>(S::kMorphTimes, 1) = f.at<float>(S::kMorphTimes, 0); }, "morph times[1]"},
             {"a material of no image", [](Forged& f) { f.at<MaterialRecord>(S::kMaterials, 0).image = 2; }, "materials[0]"},
+            {"an emission of no image", [](Forged& f) { f.at<MaterialRecord>(S::kMaterials, 0).emissive_image = 2; }, "materials[0]"},
+            {"a roughness that is no number", [](Forged& f) { f.at<MaterialRecord>(S::kMaterials, 2).roughness = kNan; }, "materials[2]"},
             {"a name of two lines", [](Forged& f) { f.at<char>(S::kText, 0) = '\n'; }, "control characters"},
             {"a warning that rewrites the terminal", [](Forged& f) { f.at<char>(S::kText, -1) = '\x1B'; }, "control characters"},
             {"an unknown alpha mode", [](Forged& f) { f.at<MaterialRecord>(S::kMaterials, 0).alpha_mode = 3; }, "alpha_mode"},

@@ -256,7 +256,7 @@ TEST(Import, UnneededPartsMayBeBroken) {
     b.json["extras"] = {{"a", nullptr}};
     b.json["samplers"] = 5;
     b.json["accessors"][kPosition]["min"] = "wrong";
-    b.json["materials"] = {{{"normalTexture", {{"index", 77}}}, {"emissiveFactor", "red"}}};
+    b.json["materials"] = {{{"extensions", {{"KHR_materials_sheen", "soft"}}}}};
     b.json["nodes"][1]["name"] = 5;
     b.json["accessors"].push_back({{"bufferView", 1234}});  // not used
     const Asset asset = loaded(b);
@@ -1004,6 +1004,9 @@ TEST(Import, Materials) {
     EXPECT_TRUE(has_warning(asset, "textures[1]: has no PNG or JPEG image"));
     EXPECT_TRUE(has_warning(asset, "materials[2].alphaMode: 'GLASS' is unknown"));
 
+    EXPECT_EQ(asset.materials[0].metallic, 1);
+    EXPECT_EQ(asset.materials[0].emissive, (std::array<float, 3>{}));
+
     b.json["textures"][0]["source"] = 2;
     expect_refused(b, "textures[0].source", "index 2, but images has 2 entries");
     b.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = 2;
@@ -1012,6 +1015,42 @@ TEST(Import, Materials) {
     expect_refused(b, "materials[0].pbrMetallicRoughness.baseColorFactor", "must have 4 numbers");
     b.json["materials"][0] = "red";
     expect_refused(b, "materials[0]", "must be an object");
+}
+
+TEST(Import, MaterialsHaveAllTexturesThatShareTheirCoordinates) {
+    GlbBuilder b = tiny_character();
+    const size_t view = b.add_view(std::vector<std::byte>(3));
+    b.json["images"] = Json::array();
+    b.json["textures"] = Json::array();
+    for (size_t i = 0; i < 5; ++i) {
+        b.json["images"].push_back({{"bufferView", view}, {"mimeType", "image/png"}, {"name", std::to_string(i)}});
+        b.json["textures"].push_back({{"source", i}});
+    }
+    b.json["materials"] = {{{"pbrMetallicRoughness", {{"metallicFactor", 0.25}, {"roughnessFactor", 0.75}, {"baseColorTexture", {{"index", 0}, {"texCoord", 1}}}, {"metallicRoughnessTexture", {{"index", 1}, {"texCoord", 1}}}}},
+                            {"normalTexture", {{"index", 2}, {"texCoord", 1}, {"scale", 0.5}}},
+                            {"occlusionTexture", {{"index", 3}, {"texCoord", 1}, {"strength", 0.125}}},
+                            {"emissiveTexture", {{"index", 4}, {"texCoord", 1}}},
+                            {"emissiveFactor", {1, 0.5, 0}},
+                            {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", 4}}}}}}};
+    const auto name_of = [](const Asset& asset, uint32_t image) { return image == kNone ? "none" : asset.images.at(image).name; };
+    const Asset asset = loaded(b);
+    const AssetMaterial& material = asset.materials[0];
+    EXPECT_EQ(std::tuple(material.metallic, material.roughness, material.normal_scale, material.occlusion_strength), std::tuple(0.25f, 0.75f, 0.5f, 0.125f));
+    EXPECT_EQ(material.emissive, (std::array<float, 3>{4, 2, 0}));
+    EXPECT_EQ(name_of(asset, material.image), "0");
+    EXPECT_EQ(name_of(asset, material.metallic_roughness_image), "1");
+    EXPECT_EQ(name_of(asset, material.normal_image), "2");
+    EXPECT_EQ(name_of(asset, material.occlusion_image), "3");
+    EXPECT_EQ(name_of(asset, material.emissive_image), "4");
+
+    b.json["materials"][0]["normalTexture"].erase("texCoord");
+    const Asset other_set = loaded(b);
+    EXPECT_EQ(other_set.materials[0].normal_image, kNone);
+    EXPECT_EQ(name_of(other_set, other_set.materials[0].emissive_image), "4");
+    EXPECT_TRUE(has_warning(other_set, "materials[0].normalTexture: uses other texture coordinates"));
+    b.json["materials"][0]["normalTexture"]["index"] = 5;
+    b.json["materials"][0]["normalTexture"]["texCoord"] = 1;
+    expect_refused(b, "materials[0].normalTexture.index", "index 5");
 }
 
 // A character without its texture is still a character.

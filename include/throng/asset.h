@@ -66,9 +66,23 @@ struct AssetMaterial {
     AlphaMode alpha_mode = AlphaMode::kOpaque;
     float alpha_cutoff = 0.5f;
     bool double_sided = false;
+    float metallic = 1, roughness = 1;             // 0..1
+    uint32_t metallic_roughness_image = kNone;     // linear: green times roughness, blue times metallic
+    uint32_t normal_image = kNone;                 // linear; tangent space: x along texture u, y against v
+    float normal_scale = 1;                        // of x and y
+    uint32_t occlusion_image = kNone;              // linear: red, the part of the ambient light that arrives
+    float occlusion_strength = 1;                  // 0..1
+    std::array<float, 3> emissive{};               // linear; KHR_materials_emissive_strength is a factor of it
+    uint32_t emissive_image = kNone;               // sRGB, times `emissive`
 };
 
-// A base colour texture in use: PNG or JPEG bytes, still encoded.
+// Calls visit(member) for each member of AssetMaterial that is an index of an image.
+template <class Visit>
+void visit_images(const Visit& visit) {
+    for (const auto member : {&AssetMaterial::image, &AssetMaterial::metallic_roughness_image, &AssetMaterial::normal_image, &AssetMaterial::occlusion_image, &AssetMaterial::emissive_image}) visit(member);
+}
+
+// A texture in use: PNG or JPEG bytes, still encoded.
 struct AssetImage {
     std::string name;
     std::vector<std::byte> encoded;  // empty where the file could not be found; a warning says so
@@ -85,7 +99,7 @@ struct AssetPrimitive {
     uint32_t material = kNone;
     std::vector<Vec3<float>> positions;
     std::vector<Vec3<float>> normals;              // optional
-    std::vector<std::array<float, 2>> texcoords;   // optional; the set that the material's texture uses
+    std::vector<std::array<float, 2>> texcoords;   // optional; the set that the material's textures use
     std::vector<std::array<float, 4>> colors;      // optional, linear
     uint32_t influence_count = 0;                  // per vertex: 4 per JOINTS_n set; 0 where the primitive is not skinned
     std::vector<uint16_t> influence_joints;        // [vertex][influence_count], index into AssetSkin::joints

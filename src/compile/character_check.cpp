@@ -342,9 +342,12 @@ private:
     void check_materials() const {
         for (size_t i = 0; i < c_.materials.size(); ++i) {
             const AssetMaterial& material = c_.materials[i];
-            if (material.image != kNone && material.image >= c_.images.size())
-                fail(at("materials", i), "image " + text(material.image) + " of " + text(c_.images.size()));
-            if (!all_finite(material.base_color) || !std::isfinite(material.alpha_cutoff)) fail(at("materials", i), "is not finite");
+            visit_images([&](auto member) {
+                if (material.*member != kNone && material.*member >= c_.images.size())
+                    fail(at("materials", i), "image " + text(material.*member) + " of " + text(c_.images.size()));
+            });
+            const std::array factors{material.alpha_cutoff, material.metallic, material.roughness, material.normal_scale, material.occlusion_strength};
+            if (!all_finite(material.base_color) || !all_finite(material.emissive) || !all_finite(factors)) fail(at("materials", i), "is not finite");
         }
     }
 

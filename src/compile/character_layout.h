@@ -14,7 +14,7 @@ static_assert(std::endian::native == std::endian::little, "compiled files are li
 
 // As PNG's: no text begins with such a byte, and a transfer that rewrites line ends spoils it ("PNG Specification", second edition, 5.2).
 inline constexpr std::array<char, 8> kMagic{'\x89', 't', 'h', 'r', 'o', 'n', 'g', '\n'};
-inline constexpr uint32_t kVersion = 1;
+inline constexpr uint32_t kVersion = 2;
 inline constexpr uint64_t kAlignment_bytes = 16;  // of sections
 
 struct Header {
@@ -78,8 +78,12 @@ struct MaterialRecord {
     uint32_t alpha_mode = 0;  // of AlphaMode
     float alpha_cutoff = 0;
     uint32_t double_sided = 0;  // 0 or 1
+    float metallic = 0, roughness = 0;
+    uint32_t metallic_roughness_image = kNone, normal_image = kNone, occlusion_image = kNone, emissive_image = kNone;
+    float normal_scale = 0, occlusion_strength = 0;
+    std::array<float, 3> emissive{};
 };
-static_assert(sizeof(MaterialRecord) == 32);
+static_assert(sizeof(MaterialRecord) == 76);
 
 // Of a Morph, all but its name.
 struct MorphRecord {

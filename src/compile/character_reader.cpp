@@ -162,7 +162,16 @@ private:
                 .image = record.image,
                 .alpha_mode = static_cast<AlphaMode>(record.alpha_mode),
                 .alpha_cutoff = record.alpha_cutoff,
-                .double_sided = bool_of(SectionId::kMaterials, "double_sided", record.double_sided)};
+                .double_sided = bool_of(SectionId::kMaterials, "double_sided", record.double_sided),
+                .metallic = record.metallic,
+                .roughness = record.roughness,
+                .metallic_roughness_image = record.metallic_roughness_image,
+                .normal_image = record.normal_image,
+                .normal_scale = record.normal_scale,
+                .occlusion_image = record.occlusion_image,
+                .occlusion_strength = record.occlusion_strength,
+                .emissive = record.emissive,
+                .emissive_image = record.emissive_image};
     }
 
     // Where each piece of a section of bytes ends: ascending, the last at the section's end.

@@ -44,7 +44,16 @@ MaterialRecord record_of(const AssetMaterial& material) {
             .image = material.image,
             .alpha_mode = static_cast<uint32_t>(material.alpha_mode),
             .alpha_cutoff = material.alpha_cutoff,
-            .double_sided = material.double_sided};
+            .double_sided = material.double_sided,
+            .metallic = material.metallic,
+            .roughness = material.roughness,
+            .metallic_roughness_image = material.metallic_roughness_image,
+            .normal_image = material.normal_image,
+            .occlusion_image = material.occlusion_image,
+            .emissive_image = material.emissive_image,
+            .normal_scale = material.normal_scale,
+            .occlusion_strength = material.occlusion_strength,
+            .emissive = material.emissive};
 }
 
 MorphRecord record_of(const Morph& morph) { return {.node = morph.node, .target = morph.target, .default_weight = morph.default_weight}; }

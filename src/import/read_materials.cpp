@@ -1,12 +1,15 @@
 #include "import/readers.h"
 #include "import/uri.h"
 
+#include <algorithm>
 #include <map>
 
 namespace throng::gltf {
 namespace {
 
-// Reads each image once, at its first use: normal maps and the like are never read.
+constexpr double kBrightest = 65504;  // of what shines by itself: the largest half float
+
+// Reads each image once, at its first use.
 class Images {
 public:
     Images(Reading& reading, Asset& asset)
@@ -79,6 +82,61 @@ AlphaMode read_alpha_mode(Reading& reading, const JsonView& json) {
     return AlphaMode::kOpaque;
 }
 
+// The textures of one material, which all use the same set of texture coordinates: that of the first.
+class Textures {
+public:
+    Textures(Reading& reading, Images& images) : reading_(reading), images_(images) {}
+
+    // The image of the texture at `key`, or kNone.
+    uint32_t read(const JsonView& json, const char* key) {
+        const auto info = json.optional_object(key);
+        if (!info) return kNone;
+        uint64_t set = info->optional_uint("texCoord", 0);
+        if (const auto transform = info->extension("KHR_texture_transform")) {
+            set = transform->optional_uint("texCoord", set);
+            reading_.warnings.add(info->place(), "KHR_texture_transform is ignored");
+        }
+        const auto bounded_set = uint32_t(std::min<uint64_t>(set, kNone));
+        if (has_set_ && bounded_set != set_) {
+            reading_.warnings.add(info->place(), "uses other texture coordinates than the material's first texture: it is left out");
+            return kNone;
+        }
+        has_set_ = true;
+        set_ = bounded_set;
+        return images_.of_texture(*info);
+    }
+    uint32_t set() const { return set_; }
+
+private:
+    Reading& reading_;
+    Images& images_;
+    bool has_set_ = false;
+    uint32_t set_ = 0;
+};
+
+void read_metallic_roughness(const JsonView& pbr, Textures& textures, AssetMaterial& material) {
+    std::array<double, 4> color{};
+    if (pbr.optional_numbers("baseColorFactor", color))
+        for (size_t c = 0; c < 4; ++c) material.base_color[c] = float(color[c]);
+    material.metallic = float(pbr.optional_number("metallicFactor", 1));
+    material.roughness = float(pbr.optional_number("roughnessFactor", 1));
+    material.image = textures.read(pbr, "baseColorTexture");
+    material.metallic_roughness_image = textures.read(pbr, "metallicRoughnessTexture");
+}
+
+void read_surface(const JsonView& json, Textures& textures, AssetMaterial& material) {
+    material.normal_image = textures.read(json, "normalTexture");
+    if (material.normal_image != kNone) material.normal_scale = float(json.required_object("normalTexture").optional_number("scale", 1));
+    material.occlusion_image = textures.read(json, "occlusionTexture");
+    if (material.occlusion_image != kNone) material.occlusion_strength = float(json.required_object("occlusionTexture").optional_number("strength", 1));
+    std::array<double, 3> emissive{};
+    json.optional_numbers("emissiveFactor", emissive);
+    const auto extension = json.extension("KHR_materials_emissive_strength");
+    const double strength = extension ? extension->optional_number("emissiveStrength", 1) : 1;
+    for (size_t c = 0; c < 3; ++c) material.emissive[c] = float(std::clamp(emissive[c] * strength, 0.0, kBrightest));
+    material.emissive_image = textures.read(json, "emissiveTexture");
+}
+
 }  // namespace
 
 std::vector<uint32_t> read_materials(Reading& reading, Asset& asset) {
@@ -94,20 +152,10 @@ std::vector<uint32_t> read_materials(Reading& reading, Asset& asset) {
         material.alpha_mode = read_alpha_mode(reading, json);
         material.alpha_cutoff = float(json.optional_number("alphaCutoff", 0.5));
         material.double_sided = json.optional_bool("doubleSided", false);
-        const auto pbr = json.optional_object("pbrMetallicRoughness");
-        if (!pbr) continue;
-        std::array<double, 4> color{};
-        if (pbr->optional_numbers("baseColorFactor", color))
-            for (size_t c = 0; c < 4; ++c) material.base_color[c] = float(color[c]);
-        const auto texture_info = pbr->optional_object("baseColorTexture");
-        if (!texture_info) continue;
-        material.image = images.of_texture(*texture_info);
-        uint64_t set = texture_info->optional_uint("texCoord", 0);
-        if (const auto transform = texture_info->extension("KHR_texture_transform")) {
-            set = transform->optional_uint("texCoord", set);
-            reading.warnings.add(texture_info->place(), "KHR_texture_transform is ignored");
-        }
-        texcoord_sets[i] = uint32_t(std::min<uint64_t>(set, kNone));
+        Textures textures(reading, images);
+        if (const auto pbr = json.optional_object("pbrMetallicRoughness")) read_metallic_roughness(*pbr, textures, material);
+        read_surface(json, textures, material);
+        texcoord_sets[i] = textures.set();
     }
     return texcoord_sets;
 }

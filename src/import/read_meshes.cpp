@@ -120,7 +120,9 @@ private:
     }
 
     void read_texcoords(const AssetMaterial& material, uint32_t set) {
-        if (!read_texcoord_set(set) && material.image != kNone)
+        bool has_texture = false;
+        visit_images([&](auto member) { has_texture = has_texture || material.*member != kNone; });
+        if (!read_texcoord_set(set) && has_texture)
             warn("its material has a texture, but it has no texture coordinates for it");
     }
 
