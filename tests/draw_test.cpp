@@ -1,6 +1,9 @@
 // The draw: cameras that hold a crowd, pictures that survive a PNG, and a square whose colour says what was drawn.
 #include <throng/draw.h>
 
+#include "crowd/crowd_state.h"
+#include "draw/light_reference.h"
+#include "draw/scene.h"
 #include "gpu/barrier.h"
 #include "gpu/buffer.h"
 #include "tests/test_device.h"
@@ -11,7 +14,10 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <numbers>
+#include <optional>
+#include <stdexcept>
 
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
@@ -159,6 +165,19 @@ Affine placed_at(float x) { return placed({.translation = {x, 0, 0}}); }
 Affine turned() { return placed({.rotation = axis_angle(Vec3<float>{0, 1, 0}, std::numbers::pi_v<float>)}); }
 Affine mirrored() { return placed({.scale = {-1, 1, 1}}); }
 
+// Made once for each number of samples, since making pipelines takes most of a small picture's time.
+Renderer& shared_renderer(uint32_t samples, const DrawOptions& options = {}) {
+    static std::map<uint32_t, Renderer> renderers;
+    if (!renderers.contains(samples)) {
+        Result<Renderer> renderer = Renderer::create(test_device(), {.width = kWidth, .height = kHeight, .samples = samples});
+        if (!renderer) throw std::runtime_error(renderer.error().text());
+        renderers.emplace(samples, std::move(*renderer));
+    }
+    Renderer& renderer = renderers.at(samples);
+    EXPECT_TRUE(renderer.set_options(options));
+    return renderer;
+}
+
 // Draws a crowd of `asset`, an instance for each placement, seen along -z: one unit is 14 pixels, x = 0 is in the middle.
 Picture draw(const Asset& asset, const std::vector<Affine>& placements = {Affine{}}, uint32_t samples = 1, double clip_time_s = 0) {
     const Result<Character> character = compile_character(asset, kExact);
@@ -169,9 +188,7 @@ Picture draw(const Asset& asset, const std::vector<Affine>& placements = {Affine
     const std::vector<Playback> playback(placements.size(), {.first = {.clip = 0, .time_s = clip_time_s, .loop = false}});
     EXPECT_TRUE(crowd->set_playback(0, playback));
     EXPECT_TRUE(crowd->update(0));
-    Result<Renderer> renderer = Renderer::create(test_device(), {.width = kWidth, .height = kHeight, .samples = samples});
-    EXPECT_TRUE(renderer) << (renderer ? "" : renderer.error().text());
-    const Result<RenderResult> result = renderer->render(*crowd, {.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 0}, .vertical_field_of_view_rad = 0.7f});
+    const Result<RenderResult> result = shared_renderer(samples).render(*crowd, {.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 0}, .vertical_field_of_view_rad = 0.7f});
     EXPECT_TRUE(result) << (result ? "" : result.error().text());
     EXPECT_GE(result->draw_ms, 0);
     EXPECT_EQ(result->picture.rgba.size(), kWidth * kHeight * 4);
@@ -194,7 +211,7 @@ Pixel at(const Picture& picture, double x, double y) {
 bool is_red(const Pixel& p) { return p.r > 100 && p.r > 2 * p.g && p.r > 2 * p.b; }
 bool is_green(const Pixel& p) { return p.g > 100 && p.g > 2 * p.r && p.g > 2 * p.b; }
 bool is_blue(const Pixel& p) { return p.b > 100 && p.b > 2 * p.r && p.b > 2 * p.g; }
-bool is_grey(const Pixel& p) { return std::max({p.r, p.g, p.b}) - std::min({p.r, p.g, p.b}) < 40; }
+bool is_pale(const Pixel& p) { return std::max({p.r, p.g, p.b}) - std::min({p.r, p.g, p.b}) < 90; }  // the ground, the sky, white
 
 TEST(Draw, ShowsFrontFacesUprightAndNothingElse) {
     for (const uint32_t samples : {1u, 4u}) {
@@ -202,15 +219,15 @@ TEST(Draw, ShowsFrontFacesUprightAndNothingElse) {
         EXPECT_TRUE(is_red(at(picture, 0, 0.5)));
         EXPECT_TRUE(is_red(at(picture, -0.4, 0.1)));
         EXPECT_TRUE(is_red(at(picture, 0.4, 0.9)));
-        EXPECT_TRUE(is_grey(at(picture, 0, 1.3))) << "above";
-        EXPECT_TRUE(is_grey(at(picture, 0, -0.3))) << "below";
-        EXPECT_TRUE(is_grey(at(picture, -0.7, 0.5)));
-        EXPECT_TRUE(is_grey(at(picture, 0.7, 0.5)));
+        EXPECT_TRUE(is_pale(at(picture, 0, 1.3))) << "above";
+        EXPECT_TRUE(is_pale(at(picture, 0, -0.3))) << "below";
+        EXPECT_TRUE(is_pale(at(picture, -0.7, 0.5)));
+        EXPECT_TRUE(is_pale(at(picture, 0.7, 0.5)));
     }
 }
 
 TEST(Draw, CullsBackFacesOfOneSidedMaterials) {
-    EXPECT_TRUE(is_grey(at(draw(square(), {turned()}), 0, 0.5)));
+    EXPECT_TRUE(is_pale(at(draw(square(), {turned()}), 0, 0.5)));
     Asset both = square();
     both.materials[0].double_sided = true;
     const Pixel front = at(draw(both), 0, 0.5), back = at(draw(both, {turned()}), 0, 0.5);
@@ -222,7 +239,7 @@ TEST(Draw, MirroredInstancesKeepTheirFrontFaces) {
     const Pixel plain = at(draw(square()), 0, 0.5), mirror = at(draw(square(), {mirrored()}), 0, 0.5);
     EXPECT_TRUE(is_red(mirror));
     EXPECT_NEAR(plain.r, mirror.r, 2);
-    EXPECT_TRUE(is_grey(at(draw(square(), {turned() * mirrored()}), 0, 0.5)));
+    EXPECT_TRUE(is_pale(at(draw(square(), {turned() * mirrored()}), 0, 0.5)));
 }
 
 TEST(Draw, LeavesOutWhatAMaskSays) {
@@ -233,10 +250,10 @@ TEST(Draw, LeavesOutWhatAMaskSays) {
         asset.materials[0].alpha_cutoff = cutoff;
         return at(draw(asset), 0, 0.5);
     };
-    EXPECT_TRUE(is_grey(centre(AlphaMode::kMask, 0.4f, 0.5f)));
+    EXPECT_TRUE(is_pale(centre(AlphaMode::kMask, 0.4f, 0.5f)));
     EXPECT_TRUE(is_red(centre(AlphaMode::kMask, 0.4f, 0.3f)));
     EXPECT_TRUE(is_red(centre(AlphaMode::kOpaque, 0.4f, 0.5f)));
-    EXPECT_TRUE(is_grey(centre(AlphaMode::kBlend, 0.4f, 0.1f)));
+    EXPECT_TRUE(is_pale(centre(AlphaMode::kBlend, 0.4f, 0.1f)));
     EXPECT_TRUE(is_red(centre(AlphaMode::kBlend, 0.6f, 0.9f)));
 }
 
@@ -244,13 +261,13 @@ TEST(Draw, PlacesEveryInstance) {
     const Picture picture = draw(square(), {placed_at(-1.2f), placed_at(1.2f)});
     EXPECT_TRUE(is_red(at(picture, -1.2, 0.5)));
     EXPECT_TRUE(is_red(at(picture, 1.2, 0.5)));
-    EXPECT_TRUE(is_grey(at(picture, 0, 0.5)));
+    EXPECT_TRUE(is_pale(at(picture, 0, 0.5)));
 }
 
 TEST(Draw, ShowsThePoseOfTheLastUpdate) {
     const Picture picture = draw(square(), {Affine{}}, 1, 1.0);
     EXPECT_TRUE(is_red(at(picture, 1, 0.5)));
-    EXPECT_TRUE(is_grey(at(picture, 0, 0.5)));
+    EXPECT_TRUE(is_pale(at(picture, 0, 0.5)));
 }
 
 std::vector<std::byte> png_bytes(const Picture& picture) {
@@ -271,7 +288,7 @@ TEST(Draw, MapsTextures) {
     EXPECT_TRUE(is_red(at(picture, -0.25, 0.75)));
     EXPECT_TRUE(is_green(at(picture, 0.25, 0.75)));
     EXPECT_TRUE(is_blue(at(picture, -0.25, 0.25)));
-    EXPECT_TRUE(is_grey(at(picture, 0.25, 0.25)));
+    EXPECT_TRUE(is_pale(at(picture, 0.25, 0.25)));
 }
 
 TEST(Draw, MultipliesFactorTextureAndVertexColor) {
@@ -295,8 +312,8 @@ TEST(Draw, AppliesMorphs) {
         return draw(asset, {placed_at(-1), Affine{}}, 1, 1.0);  // the clip moves the squares by 1
     };
     const Picture still = with(0, 0), moved = with(1, 0), turned_away = with(0, 1);
-    EXPECT_TRUE(is_red(at(still, 1, 0.5)) && is_red(at(still, 0, 0.5)) && is_grey(at(still, -1, 0.5)));
-    EXPECT_TRUE(is_grey(at(moved, 1, 0.5)) && is_red(at(moved, 0, 0.5)) && is_red(at(moved, -1, 0.5)));
+    EXPECT_TRUE(is_red(at(still, 1, 0.5)) && is_red(at(still, 0, 0.5)) && is_pale(at(still, -1, 0.5)));
+    EXPECT_TRUE(is_pale(at(moved, 1, 0.5)) && is_red(at(moved, 0, 0.5)) && is_red(at(moved, -1, 0.5)));
     EXPECT_LT(at(turned_away, 0, 0.5).r + 20, at(still, 0, 0.5).r) << "darker";
     EXPECT_EQ(draw(square(), {placed_at(-1), Affine{}}, 1, 1.0).rgba, still.rgba) << "weights of 0 change nothing";
 }
@@ -435,6 +452,179 @@ TEST(Renderer, RefusesWrongOptions) {
     }
     ASSERT_TRUE(renderer.set_options({.exposure = 2}));
     EXPECT_EQ(renderer.options().exposure, 2);
+}
+
+// A crowd of `asset` at `placements`, as `camera` sees it.
+Picture pictured(const Asset& asset, const std::vector<Affine>& placements, const Camera& camera, const DrawOptions& options, const CrowdSettings& settings = {}) {
+    const Result<Character> character = compile_character(asset, kExact);
+    EXPECT_TRUE(character) << (character ? "" : character.error().text());
+    CrowdSettings with_group = settings;
+    with_group.groups = {{&*character, static_cast<uint32_t>(placements.size())}};
+    Result<Crowd> crowd = Crowd::create(test_device(), with_group);
+    EXPECT_TRUE(crowd && crowd->set_placement(0, placements));
+    Result<RenderResult> result = shared_renderer(1, options).render_frame(*crowd, 0, camera);
+    EXPECT_TRUE(result) << (result ? "" : result.error().text());
+    return std::move(result->picture);
+}
+
+Pixel seen_at(const Picture& picture, const Camera& camera, const Vec3<double>& point) {
+    const Vec3<double> seen = project(camera, static_cast<double>(picture.width) / picture.height, point);
+    const auto column = static_cast<size_t>((seen.x + 1) / 2 * picture.width), row = static_cast<size_t>((1 - seen.y) / 2 * picture.height);
+    const uint8_t* p = &picture.rgba.at((row * picture.width + column) * 4);
+    return {p[0], p[1], p[2]};
+}
+int sum_of(const Pixel& p) { return p.r + p.g + p.b; }
+
+// The sun stands behind the camera of kFront, half way up: a square throws a shadow of its size behind it.
+TEST(Draw, ShadowsFallOnTheGroundAndOnOthers) {
+    const DrawOptions lit{.shadows = false, .to_sun = {0, 1, 1}}, shadowed{.to_sun = {0, 1, 1}};
+    const std::vector<Affine> places{Affine{}, placed({.translation = {0, 0, -0.6f}})};
+    const Camera above{.eye = {0, 4, -4}, .target = {0, 0, -0.5f}}, beside{.eye = {3, 1, 2}, .target = {0, 0.5f, -0.3f}};
+    const auto darkens = [&](const Picture& without_any, const Picture& with, const Camera& camera, const Vec3<double>& point) {
+        const int without = sum_of(seen_at(without_any, camera, point)), shaded = sum_of(seen_at(with, camera, point));
+        EXPECT_TRUE(shaded == without || shaded < 0.8 * without) << shaded << " of " << without;
+        return shaded < without;
+    };
+    const Picture one = pictured(square(), {Affine{}}, above, lit), two = pictured(square(), places, beside, lit);
+    for (const bool culls : {false, true}) {
+        const Picture one_shadowed = pictured(square(), {Affine{}}, above, shadowed, {.culls = culls}), two_shadowed = pictured(square(), places, beside, shadowed, {.culls = culls});
+        EXPECT_TRUE(darkens(one, one_shadowed, above, {0, 0, -0.5})) << "the ground behind";
+        EXPECT_FALSE(darkens(one, one_shadowed, above, {0, 0, -1.2})) << "beyond the shadow";
+        EXPECT_FALSE(darkens(one, one_shadowed, above, {0.7, 0, -0.5})) << "beside it";
+        EXPECT_TRUE(darkens(two, two_shadowed, beside, {0, 0.2, -0.6})) << "the square behind, at its foot";
+        EXPECT_FALSE(darkens(two, two_shadowed, beside, {0, 0.7, -0.6})) << "and above";
+        EXPECT_FALSE(darkens(two, two_shadowed, beside, {0.2, 0.5, 0})) << "a surface does not shadow itself";
+    }
+    Asset masked = square();
+    masked.materials[0].alpha_mode = AlphaMode::kMask;
+    masked.materials[0].base_color[3] = 0.2f;
+    EXPECT_FALSE(darkens(one, pictured(masked, {Affine{}}, above, shadowed), above, {0, 0, -0.5})) << "what a mask leaves out throws none";
+}
+
+double linear(double srgb) { return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4); }
+double encoded(double color) { return 255 * (color <= 0.0031308 ? 12.92 * color : 1.055 * std::pow(color, 1 / 2.4) - 0.055); }
+
+// `images` are of one pixel each; `normal` is in world space.
+void expect_lit_as_the_reference(const char* what, const AssetMaterial& material, const std::vector<std::array<uint8_t, 4>>& images, const Vec3<double>& normal, const DrawOptions& options) {
+    Asset asset = square();
+    asset.materials = {material};
+    for (const auto& rgba : images) asset.images.push_back({.name = "image", .encoded = png_bytes({1, 1, {rgba.begin(), rgba.end()}})});
+    const Camera camera{.eye = {0.7f, 0.9f, 1.6f}, .target = {0, 0.5f, 0}};
+    const Picture picture = pictured(asset, {Affine{}}, camera, options);
+    const Result<Character> character = compile_character(asset, kExact);
+    const Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&*character, 1}}});
+    const io::DrawScene scene = make_scene(crowd->state(), camera, {picture.width, picture.height}, 512, options);
+
+    LitSurface surface{.normal = normal, .albedo = {material.base_color[0], material.base_color[1], material.base_color[2]}, .metallic = material.metallic, .roughness = material.roughness,
+                       .emissive = {material.emissive[0], material.emissive[1], material.emissive[2]}};
+    if (material.metallic_roughness_image != kNone) surface.metallic *= images[0][2] / 255.0, surface.roughness *= images[0][1] / 255.0;
+    if (material.emissive_image != kNone) surface.emissive = Vec3<double>{linear(images[0][0] / 255.0), linear(images[0][1] / 255.0), linear(images[0][2] / 255.0)} * 0.5;
+    const double map_occlusion = material.occlusion_image == kNone ? 1 : 1 + material.occlusion_strength * (images[0][0] / 255.0 - 1);
+    for (const auto& [x, y] : {std::pair(27, 17), {33, 22}, {38, 27}}) {
+        // The place of the middle of the pixel, on the plane z = 0.
+        const double across = (x + 0.5) / picture.width * 2 - 1, down = (y + 0.5) / picture.height * 2 - 1;
+        const auto row = [&](const io::vec4& v) { return Vec3<double>{v.x, v.y, v.z}; };
+        const Vec3<double> eye = row(scene.eye), ray = row(scene.forward) + row(scene.right) * across + row(scene.down) * down;
+        surface.place = eye + ray * (-eye.z / ray.z);
+        ASSERT_LT(std::abs(surface.place.x), 0.45) << "on the square";
+        const double t = std::clamp((surface.place.y - scene.ground.y) / scene.ground.w / 0.25, 0.0, 1.0);
+        surface.occlusion = (0.5 + 0.5 * t * t * (3 - 2 * t)) * map_occlusion;
+        const Vec3<double> expected = pictured_reference(scene, surface.place, reflected_light_reference(scene, surface, 1));
+        const uint8_t* p = &picture.rgba[(static_cast<size_t>(y) * picture.width + static_cast<size_t>(x)) * 4];
+        EXPECT_NEAR(p[0], encoded(std::clamp(expected.x, 0.0, 1.0)), 1.2) << what << " at " << x << ", " << y;
+        EXPECT_NEAR(p[1], encoded(std::clamp(expected.y, 0.0, 1.0)), 1.2) << what;
+        EXPECT_NEAR(p[2], encoded(std::clamp(expected.z, 0.0, 1.0)), 1.2) << what;
+    }
+}
+
+TEST(Draw, MaterialsAreLitAsTheReferenceSays) {
+    const DrawOptions plain{.fog = false}, low{.fog = false, .to_sun = {0.6f, 0.3f, 1}};
+    expect_lit_as_the_reference("rough", {.base_color = {0.5f, 0.3f, 0.2f, 1}, .metallic = 0, .roughness = 1}, {}, {0, 0, 1}, plain);
+    expect_lit_as_the_reference("polished", {.base_color = {0.1f, 0.3f, 0.2f, 1}, .metallic = 0, .roughness = 0.2f}, {}, {0, 0, 1}, low);
+    expect_lit_as_the_reference("metal", {.base_color = {0.9f, 0.6f, 0.2f, 1}, .metallic = 1, .roughness = 0.4f}, {}, {0, 0, 1}, low);
+    expect_lit_as_the_reference("half metal, brighter", {.base_color = {0.2f, 0.6f, 0.2f, 1}, .metallic = 0.5f, .roughness = 0.7f}, {}, {0, 0, 1}, {.fog = false, .exposure = 1.7f});
+    expect_lit_as_the_reference("in fog", {.base_color = {0.2f, 0.2f, 0.2f, 1}, .metallic = 0, .roughness = 0.7f}, {}, {0, 0, 1}, {});
+    expect_lit_as_the_reference("shines", {.base_color = {0.1f, 0.1f, 0.1f, 1}, .metallic = 0, .roughness = 1, .emissive = {0.1f, 3, 0.2f}}, {}, {0, 0, 1}, plain);
+    expect_lit_as_the_reference("maps of metal and occlusion", {.metallic = 0.9f, .roughness = 0.8f, .metallic_roughness_image = 0, .occlusion_image = 0, .occlusion_strength = 0.5f}, {{51, 153, 204, 255}}, {0, 0, 1}, plain);
+    expect_lit_as_the_reference("map of emission", {.base_color = {0, 0, 0, 1}, .metallic = 0, .roughness = 1, .emissive = {0.5f, 0.5f, 0.5f}, .emissive_image = 0}, {{188, 50, 100, 255}}, {0, 0, 1}, plain);
+    expect_lit_as_the_reference("map of normals", {.base_color = {0.6f, 0.6f, 0.6f, 1}, .metallic = 0, .roughness = 0.5f, .normal_image = 0, .normal_scale = 0.8f}, {{200, 60, 220, 255}}, normalized(Vec3<double>{0.8 * (400.0 / 255 - 1), 0.8 * (120.0 / 255 - 1), 440.0 / 255 - 1}), low);
+}
+
+TEST(Draw, FogGrowsWithDistance) {
+    const Camera camera{.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 0}};
+    const std::vector<Affine> places{placed({.translation = {-0.8f, 0, 0}}), placed({.translation = {2, 0, -10}, .scale = {2, 2, 2}})};
+    const Picture clear = pictured(square(), places, camera, {.fog = false}), foggy = pictured(square(), places, camera, {});
+    const auto change = [&](const Vec3<double>& point) { return sum_of(seen_at(foggy, camera, point)) - sum_of(seen_at(clear, camera, point)); };
+    EXPECT_GT(change({2, 1.6, -10}), change({-0.8, 0.8, 0}) + 10);
+    EXPECT_GT(change({-0.8, 0.8, 0}), 0);
+}
+
+// Three joints in a row, behind the square: lines are drawn over it.
+TEST(Draw, SkeletonsShowLevelsOverTheMesh) {
+    Asset asset = square();
+    asset.clips.clear();
+    asset.nodes[0].parent_from_node.translation = {0, 0, 0};
+    asset.nodes.push_back({.name = "second", .parent = 0, .parent_from_node = {.translation = {0, 0.6, -0.3}}});
+    asset.nodes.push_back({.name = "third", .parent = 2, .parent_from_node = {.translation = {0.4, 0, 0}}});
+    asset.skins[0].joints = {0, 2, 3};
+    asset.skins[0].inverse_binds.resize(3);
+    const Camera camera{.eye = {0, 0.5f, 2}, .target = {0, 0.5f, 0}};
+    for (const CrowdSettings& settings : {CrowdSettings{.keep_model_matrices = true}, CrowdSettings{.keep_model_matrices = true, .culls = true}}) {
+        const Picture picture = pictured(asset, {Affine{}}, camera, {.skeletons = true}, settings);
+        const Pixel first = seen_at(picture, camera, {0, 0.3, -0.15}), second = seen_at(picture, camera, {0.2, 0.6, -0.3});
+        EXPECT_EQ(std::tuple(first.r, first.g), std::tuple(0, 255)) << "the second of three levels";
+        EXPECT_NEAR(first.b, encoded(0.4), 1);
+        EXPECT_NEAR(second.r, encoded(0.8), 1) << "the third";
+        EXPECT_EQ(std::tuple(second.g, second.b), std::tuple(0, 255));
+        EXPECT_TRUE(is_red(seen_at(picture, camera, {0.2, 0.3, 0}))) << "beside them the square";
+    }
+    const Result<Character> character = compile_character(square(), kExact);
+    Crowd crowd = crowd_of(*character);
+    const Result<RenderResult> result = shared_renderer(1, {.skeletons = true}).render_frame(crowd, 0, kFront);
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().text(), "skeletons: the crowd keeps no model matrices; set CrowdSettings::keep_model_matrices");
+}
+
+TEST(Draw, BoundsAreTheBoxesOfCulling) {
+    const Result<Character> character = compile_character(square(), kExact);
+    const Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&*character, 1}}});
+    const Group& group = crowd->state().groups[0];
+    const Vec3<double> middle_of_edge{group.posed_max.x, group.posed_max.y, (group.posed_min.z + group.posed_max.z) / 2.0}, low{(group.posed_min.x + group.posed_max.x) / 2.0, group.posed_min.y, group.posed_max.z};
+    const Camera camera{.eye = {2, 2, 3}, .target = {0.4f, 0.5f, 0}};
+    for (const bool culls : {false, true}) {
+        const Picture with = pictured(square(), {Affine{}}, camera, {.bounds = true}, {.culls = culls});
+        for (const Vec3<double>& point : {middle_of_edge, low}) {
+            const Pixel p = seen_at(with, camera, point);
+            EXPECT_NEAR(p.r, 255, 1);
+            EXPECT_NEAR(p.g, encoded(0.75), 1);
+            EXPECT_NEAR(p.b, encoded(0.1), 1);
+        }
+    }
+}
+
+// A camera that moves: the map's texels stay where they are.
+TEST(ShadowMap, MovesInWholeTexels) {
+    const Bounds bounds{{-20, 0, -20}, {20, 2, 20}};
+    const Vec3<float> sun = normalized(Vec3<float>{-0.45f, 0.85f, 0.5f});
+    constexpr uint32_t kSize = 1024;
+    const Vec3<float> point{3, 1, -2};
+    const auto place_in = [&](const ShadowFit& fit, size_t row) { return double{dot(Vec3<float>{fit.map_from_world[row][0], fit.map_from_world[row][1], fit.map_from_world[row][2]}, point) + fit.map_from_world[row][3]} * kSize; };
+    std::optional<ShadowFit> before;
+    int compared = 0;
+    for (int step = 0; step < 40; ++step) {
+        const Camera camera{.eye = {0.07f * static_cast<float>(step), 3, 12}, .target = {0.02f * static_cast<float>(step), 0, 0}};
+        const ShadowFit fit = fit_shadow(camera, make_view(camera, 1.5f), bounds, sun, kSize);
+        for (size_t row = 0; row < 2; ++row) {
+            EXPECT_GT(place_in(fit, row), 2);
+            EXPECT_LT(place_in(fit, row), kSize - 2);
+            if (!before || before->map_from_world[row][0] != fit.map_from_world[row][0]) continue;
+            const double moved = place_in(fit, row) - place_in(*before, row);
+            EXPECT_NEAR(moved, std::round(moved), 0.01);
+            ++compared;
+        }
+        before = fit;
+    }
+    EXPECT_GT(compared, 60) << "the size of a texel seldom changes";
 }
 
 TEST(WorldBounds, HoldEveryInstance) {

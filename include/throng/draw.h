@@ -42,6 +42,8 @@ struct DrawOptions {
     bool fog = true;      // the ground and what is far away fade into the horizon
     float exposure = 1;   // all light is multiplied by it; above 0
     Vec3<float> to_sun{-0.45f, 0.85f, 0.5f};  // world space, of any length; y at least a twentieth of it
+    bool skeletons = false;  // a line from each joint to its parent, over everything, coloured by level; of crowds that keep model matrices
+    bool bounds = false;     // the boxes that culling goes by
 };
 
 // What the camera sees of a picture of this size, shadows of the crowd included, for an update of it that is drawn by the same camera and options.

@@ -79,6 +79,8 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
       joint_count(character.rig.joint_count()),
       palette_count(static_cast<uint32_t>(character.palette.size())),
       vertex_count(static_cast<uint32_t>(character.vertices.size())),
+      parents(character.rig.parents),
+      level_count(character.rig.level_count),
       sections(character.sections),
       materials(character.materials),
       images(character.images),

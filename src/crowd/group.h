@@ -56,6 +56,8 @@ struct Group {
     uint32_t joint_count = 0;
     uint32_t palette_count = 0;
     uint32_t vertex_count = 0;
+    std::vector<uint32_t> parents;         // draw: of joints, or kNone
+    uint32_t level_count = 0;
     std::vector<float> clip_durations_s;
     std::vector<MeshSection> sections;
     std::vector<AssetMaterial> materials;

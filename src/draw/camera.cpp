@@ -21,6 +21,29 @@ Axes look_along(const Vec3<float>& direction) {
     return {right, cross(right, forward), forward};
 }
 
+// Of the box that each group has in model space.
+Bounds bounds_of(const CrowdState& state, Vec3<float> Group::*box_min, Vec3<float> Group::*box_max) {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    Bounds bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+    for (const Batch& batch : state.batches) {
+        const Group& group = state.groups[batch.group];
+        const Vec3<float> centre = (group.*box_min + group.*box_max) * 0.5f, half = (group.*box_max - group.*box_min) * 0.5f;
+        for (uint32_t i = 0; i < batch.instance_count; ++i) {
+            const Affine& placement = state.placements[batch.first_instance + i];
+            // The box around the placed box, without its eight corners.
+            const auto reach_along = [&](int r) {
+                const auto& row = placement.row[static_cast<size_t>(r)];
+                return std::abs(row[0]) * half.x + std::abs(row[1]) * half.y + std::abs(row[2]) * half.z;
+            };
+            const Vec3<float> middle = transform_point(placement, centre), reach{reach_along(0), reach_along(1), reach_along(2)};
+            const Vec3<float> low = middle - reach, high = middle + reach;
+            bounds.min = {std::min(bounds.min.x, low.x), std::min(bounds.min.y, low.y), std::min(bounds.min.z, low.z)};
+            bounds.max = {std::max(bounds.max.x, high.x), std::max(bounds.max.y, high.y), std::max(bounds.max.z, high.z)};
+        }
+    }
+    return bounds;
+}
+
 }  // namespace
 
 View make_view(const Camera& camera, float aspect_ratio) {
@@ -40,28 +63,9 @@ View make_view(const Camera& camera, float aspect_ratio) {
     return view;
 }
 
-Bounds world_bounds(const Crowd& crowd) {
-    const CrowdState& state = crowd.state();
-    constexpr float kInfinity = std::numeric_limits<float>::infinity();
-    Bounds bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-    for (const Batch& batch : state.batches) {
-        const Group& group = state.groups[batch.group];
-        const Vec3<float> centre = (group.bounds_min + group.bounds_max) * 0.5f, half = (group.bounds_max - group.bounds_min) * 0.5f;
-        for (uint32_t i = 0; i < batch.instance_count; ++i) {
-            const Affine& placement = state.placements[batch.first_instance + i];
-            // The box around the placed box, without its eight corners.
-            const auto reach_along = [&](int r) {
-                const auto& row = placement.row[static_cast<size_t>(r)];
-                return std::abs(row[0]) * half.x + std::abs(row[1]) * half.y + std::abs(row[2]) * half.z;
-            };
-            const Vec3<float> middle = transform_point(placement, centre), reach{reach_along(0), reach_along(1), reach_along(2)};
-            const Vec3<float> low = middle - reach, high = middle + reach;
-            bounds.min = {std::min(bounds.min.x, low.x), std::min(bounds.min.y, low.y), std::min(bounds.min.z, low.z)};
-            bounds.max = {std::max(bounds.max.x, high.x), std::max(bounds.max.y, high.y), std::max(bounds.max.z, high.z)};
-        }
-    }
-    return bounds;
-}
+Bounds rest_bounds(const CrowdState& crowd) { return bounds_of(crowd, &Group::bounds_min, &Group::bounds_max); }
+Bounds posed_bounds(const CrowdState& crowd) { return bounds_of(crowd, &Group::posed_min, &Group::posed_max); }
+Bounds world_bounds(const Crowd& crowd) { return rest_bounds(crowd.state()); }
 
 CrowdView view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, const DrawOptions& options) {
     const View view = make_view(camera, static_cast<float>(width) / static_cast<float>(std::max(height, 1u)));

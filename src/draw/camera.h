@@ -18,6 +18,10 @@ struct View {
 // Throws kInvalidArgument where the camera is not one.
 View make_view(const Camera& camera, float aspect_ratio);
 
+// World bounds of the instances' rest poses, and of all their poses as far as culling knows them, by their placements.
+Bounds rest_bounds(const CrowdState& crowd);
+Bounds posed_bounds(const CrowdState& crowd);
+
 inline constexpr float kLowestSun = 0.05f;  // the sine of its height above the horizon
 
 // Unit, world space.

@@ -7,7 +7,7 @@
 #include "morph/morph_io.h"
 #include "skin/skin_io.h"
 
-layout(constant_id = 0) const bool kShadow = false;  // thrown onto the ground, along the light
+layout(constant_id = 0) const bool kShadow = false;  // as the sun sees it, for the shadow map
 layout(constant_id = 1) const uint kSkinFormat = 0;  // throng::SkinFormat
 layout(constant_id = 2) const bool kListed = false;  // what is drawn lies in list
 
@@ -54,20 +54,18 @@ void main() {
     const Affine placement = world_from_model[instance];
     const Affine model_from_bind = blended_skin_matrix(push.first_influences, push.influence_sets, gl_VertexIndex, instance * push.palette_count);
     const Affine world_from_bind = affine_multiply(placement, model_from_bind);
-    vec3 world = affine_point(world_from_bind, vertex.position_normal.xyz + morphs.position);
+    const vec4 world = vec4(affine_point(world_from_bind, vertex.position_normal.xyz + morphs.position), 1);
+    out_texcoord = uintBitsToFloat(vertex.texcoord_color_delta.xy);
+    out_color = unpackUnorm4x8(vertex.texcoord_color_delta.z);
     if (kShadow) {
-        world -= scene.to_light.xyz * (max(world.y - scene.ground.y, 0) / scene.to_light.y);
+        gl_Position = vec4(2 * dot(scene.map_from_world[0], world) - 1, 2 * dot(scene.map_from_world[1], world) - 1, dot(scene.map_from_world[2], world), 1);
     } else {
         vec3 bind_normal = unpack_normal(floatBitsToUint(vertex.position_normal.w));
         if (push.morph_count > 0) bind_normal = normalize(bind_normal) + morphs.normal;
         const vec3 normal = transform_normal(world_from_bind, bind_normal);
         out_normal = normal * inversesqrt(max(dot(normal, normal), 1e-30));
-        out_texcoord = uintBitsToFloat(vertex.texcoord_color_delta.xy);
-        out_color = unpackUnorm4x8(vertex.texcoord_color_delta.z);
         out_mirrored = dot(placement.row0.xyz, cross(placement.row1.xyz, placement.row2.xyz)) < 0 ? 1 : 0;
+        out_world = world.xyz;
+        gl_Position = vec4(dot(scene.clip_from_world[0], world), dot(scene.clip_from_world[1], world), dot(scene.clip_from_world[2], world), dot(scene.clip_from_world[3], world));
     }
-    out_world = world;
-    const vec4 point = vec4(world, 1);
-    gl_Position = vec4(dot(scene.clip_from_world[0], point), dot(scene.clip_from_world[1], point), dot(scene.clip_from_world[2], point),
-                       dot(scene.clip_from_world[3], point));
 }

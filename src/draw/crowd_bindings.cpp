@@ -1,6 +1,16 @@
 #include "draw/crowd_bindings.h"
 
 namespace throng {
+namespace {
+
+// Of each joint its parent, or kNone, and its level.
+std::vector<std::array<uint32_t, 2>> levels_of(const std::vector<uint32_t>& parents) {
+    std::vector<std::array<uint32_t, 2>> levels;
+    for (const uint32_t parent : parents) levels.push_back({parent, parent == kNone ? 0 : levels[parent][1] + 1});
+    return levels;
+}
+
+}  // namespace
 
 CrowdBindings::CrowdBindings(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, const MaterialSampling& sampling, const CrowdState& crowd) : life_(crowd.life) {
     for (const Group& group : crowd.groups) materials.emplace_back(gpu, group, layouts.material_set.get(), sampling, warnings);
@@ -13,6 +23,13 @@ CrowdBindings::CrowdBindings(const std::shared_ptr<Gpu>& gpu, const DrawLayouts&
                                                                         group.morphs ? group.morphs->deltas : group.vertices, batch.morphs.or_else(group.vertices), batch.list.or_else(group.vertices)};
             of_batch[skin] = Bindings(gpu, layouts.batch_set.get(), group.name, kBatchBindings, ranges);
         }
+    }
+    if (!crowd.batches.front().kept_model.handle()) return;
+    for (const Group& group : crowd.groups) joint_parents_.push_back(upload(gpu, group.name + ": parents and levels of joints", levels_of(group.parents)));
+    for (const Batch& batch : crowd.batches) {
+        const Buffer& parents = joint_parents_[batch.group];
+        const std::array<BufferRange, kBatchBindings.size()> ranges{parents, parents, batch.kept_model, batch.placements, parents, parents, batch.list.or_else(parents)};
+        skeletons_.emplace_back(gpu, layouts.batch_set.get(), crowd.groups[batch.group].name, kBatchBindings, ranges);
     }
 }
 

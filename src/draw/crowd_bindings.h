@@ -17,6 +17,7 @@ struct CrowdBindings {
 
     bool is_of(const CrowdState& crowd) const { return life_.lock() == crowd.life; }
     bool is_of_none() const { return life_.expired(); }
+    VkDescriptorSet skeleton_set_of(uint32_t batch) const { return skeletons_[batch].set(); }
     VkDescriptorSet set_of(const CrowdState& crowd, uint32_t batch) const { return batches_[batch][crowd.batches[batch].current_skin].set(); }
 
     std::vector<GroupMaterials> materials;  // [group_count]
@@ -25,6 +26,8 @@ struct CrowdBindings {
 private:
     std::weak_ptr<const CrowdLife> life_;
     std::vector<std::array<Bindings, 2>> batches_;  // [batch_count][current_skin]
+    std::vector<Buffer> joint_parents_;             // [group_count], where model matrices are kept
+    std::vector<Bindings> skeletons_;               // [batch_count], likewise; the layout is that of a batch
 };
 
 // Of all crowds that a renderer has drawn and that still live. What belonged to others may go: their commands have finished before them.

@@ -1,19 +1,17 @@
-// Recording the draws of a crowd: every batch, every section, every level of detail.
+// Recording the draws of a crowd: every batch, every section, every level of detail; and the lines over it.
 #pragma once
 
 #include "draw/crowd_bindings.h"
 
-#include <functional>
-
 namespace throng {
 
-struct DrawnSection {
-    const DrawMaterial& material;
-    bool mirrors;  // the batch has mirrored instances, whose front faces wind the other way: then the fragment shader culls
-};
+enum class DrawPass { kShadow, kPicture };
 
-// Within a render pass, with the scene bound; `pipeline_of` chooses by what is drawn.
-void draw_crowd(VkCommandBuffer commands, const CrowdState& crowd, const CrowdBindings& bindings, VkPipelineLayout layout,
-                const std::function<VkPipeline(const DrawnSection&)>& pipeline_of);
+// Within the pass, with the scene bound.
+void draw_crowd(VkCommandBuffer commands, const CrowdState& crowd, const CrowdBindings& bindings, VkPipelineLayout layout, const CharacterPipelines& pipelines, DrawPass pass);
+
+// Of all instances, or of those that are listed. Skeletons need CrowdSettings::keep_model_matrices.
+void draw_skeletons(VkCommandBuffer commands, const CrowdState& crowd, const CrowdBindings& bindings, VkPipelineLayout layout, const LinePipelines& pipelines);
+void draw_bounds(VkCommandBuffer commands, const CrowdState& crowd, const CrowdBindings& bindings, VkPipelineLayout layout, const LinePipelines& pipelines);
 
 }  // namespace throng

@@ -4,17 +4,24 @@
 #include "gpu/shader_types.h"
 THRONG_IO_BEGIN
 
-// One for the whole picture. World space; std140 and std430 agree on it.
+// One for the whole picture. World space; std140 and std430 agree on it. Light is linear; of the sun and the sky as a white diffuse surface reflects it.
 struct DrawScene {
     vec4 clip_from_world[4];  // rows
-    vec4 eye;
+    vec4 map_from_world[3];   // rows, of the shadow map: place in it and height towards the sun, all 0..1
+    vec4 eye;                 // w: exposure
     vec4 forward;             // the ray through a point (x, y) of the picture, each -1..1, y downward, is
     vec4 right;               // forward + x * right + y * down
     vec4 down;
-    vec4 to_light;            // unit
-    vec4 ground;              // centre x, height, centre z; w: radius at which it has faded into the horizon
-    vec4 scale;               // x: cell of the grid, y: distance of the haze, z: height of the contact darkening
-    vec4 light;               // x: exposure, y: 1 with haze, 0 without
+    vec4 to_sun;              // unit
+    vec4 ground;              // centre x, height, centre z; w: size of a character
+    vec4 fog;                 // x: what a length of 1 takes away, to first order
+    vec4 picture;             // x, y: pixels
+    vec4 shadow;              // x: texels of the map, each way; y: world size of the larger side of one; z: 1 with shadows, 0 without
+    vec4 sun_light;
+    vec4 sky_light;           // on a surface that looks up
+    vec4 bounce_light;        // on one that looks down
+    vec4 horizon, zenith;     // of the sky
+    vec4 ground_albedo;
 };
 
 // A section of a mesh, for all instances of a batch.
@@ -24,10 +31,22 @@ struct DrawPush {
     uint influence_sets;
     uint palette_count;
     vec4 base_color;
-    float alpha_cutoff;  // fragments below it are left out, in the pipeline that discards
+    vec4 emissive;          // w: strength of the occlusion texture
+    float alpha_cutoff;     // fragments below it are left out, in the pipeline that discards
     uint double_sided;
     uint first_morph, morph_count;  // of the section; count 0: none
     uint detail;                    // the level of detail that is drawn, where instances are listed
+    float metallic, roughness;
+    float normal_scale;             // 0: there is no normal map
+};
+
+// Of the lines over a crowd.
+struct LinePush {
+    vec4 box_centre, box_half_extent;  // of boxes: model space
+    uint joint_count;                  // of skeletons
+    uint level_count;
+    uint instance_count;
+    uint unused0;
 };
 
 THRONG_IO_END

@@ -12,47 +12,59 @@ MaterialSampling::MaterialSampling(const std::shared_ptr<Gpu>& gpu) : white(make
 }
 
 GroupMaterials::GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout, const MaterialSampling& sampling,
-                               std::vector<std::string>& warnings)
-    : textures_(group.images.size()) {
-    for (const MeshSection& section : group.sections) {
-        if (section.material >= group.materials.size() || section.index_count == 0) continue;
-        const uint32_t image = group.materials[section.material].image;
-        if (image < textures_.size() && !textures_[image].handle()) textures_[image] = make_texture(gpu, group.images[image], warnings);
-    }
+                               std::vector<std::string>& warnings) {
+    std::vector<bool> used(group.materials.size());
+    for (const MeshSection& section : group.sections)
+        if (section.material < used.size() && section.index_count > 0) used[section.material] = true;
 
     const auto count = static_cast<uint32_t>(group.materials.size() + 1);
-    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count};
+    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count * kMaterialTextures};
     VkDescriptorPoolCreateInfo create{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
     create.maxSets = count;
     create.poolSizeCount = 1;
     create.pPoolSizes = &size;
     pool_ = OwnedPool(gpu, gpu->vk.vkCreateDescriptorPool, create, "vkCreateDescriptorPool");
 
-    const auto add = [&](DrawMaterial material, VkImageView view) {
-        VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-        allocate.descriptorPool = pool_.get();
-        allocate.descriptorSetCount = 1;
-        allocate.pSetLayouts = &layout;
-        check(gpu->vk.vkAllocateDescriptorSets(gpu->device, &allocate, &material.set), "vkAllocateDescriptorSets");
-        const VkDescriptorImageInfo image{sampling.sampler.get(), view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+    for (size_t i = 0; i < group.materials.size(); ++i) {
+        const AssetMaterial& material = group.materials[i];
+        const auto view = [&](uint32_t image, VkFormat format) { return texture(gpu, group, used[i] ? image : kNone, format, sampling, warnings).view(); };
+        add(gpu, layout, sampling.sampler.get(), material,
+            {view(material.image, kColorTexture), view(material.metallic_roughness_image, kNumberTexture), view(material.normal_image, kNumberTexture), view(material.occlusion_image, kNumberTexture),
+             view(material.emissive_image, kColorTexture)});
+    }
+    std::array<VkImageView, kMaterialTextures> whites{};
+    whites.fill(sampling.white.view());
+    add(gpu, layout, sampling.sampler.get(), {}, whites);
+}
+
+const Image& GroupMaterials::texture(const std::shared_ptr<Gpu>& gpu, const Group& group, uint32_t image, VkFormat format, const MaterialSampling& sampling, std::vector<std::string>& warnings) {
+    if (image >= group.images.size()) return sampling.white;
+    const std::pair key(image, format);
+    const auto found = textures_.find(key);
+    return found != textures_.end() ? found->second : textures_.emplace(key, make_texture(gpu, group.images[image], format, warnings)).first->second;
+}
+
+void GroupMaterials::add(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout, VkSampler sampler, const AssetMaterial& material, const std::array<VkImageView, kMaterialTextures>& views) {
+    constexpr float kBlendCutoff = 0.5f;
+    DrawMaterial& added = materials_.emplace_back(DrawMaterial{.factors = material});
+    added.masked = material.alpha_mode != AlphaMode::kOpaque;
+    added.alpha_cutoff = material.alpha_mode == AlphaMode::kMask ? material.alpha_cutoff : material.alpha_mode == AlphaMode::kBlend ? kBlendCutoff : 0;
+    visit_images([&](auto member) { added.has_maps = added.has_maps || (member != &AssetMaterial::image && material.*member != kNone); });
+    VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+    allocate.descriptorPool = pool_.get();
+    allocate.descriptorSetCount = 1;
+    allocate.pSetLayouts = &layout;
+    check(gpu->vk.vkAllocateDescriptorSets(gpu->device, &allocate, &added.set), "vkAllocateDescriptorSets");
+    for (uint32_t i = 0; i < kMaterialTextures; ++i) {
+        const VkDescriptorImageInfo image{sampler, views[i], VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-        write.dstSet = material.set;
+        write.dstSet = added.set;
+        write.dstBinding = i;
         write.descriptorCount = 1;
         write.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
         write.pImageInfo = &image;
         gpu->vk.vkUpdateDescriptorSets(gpu->device, 1, &write, 0, nullptr);
-        materials_.push_back(material);
-    };
-    constexpr float kBlendCutoff = 0.5f;
-    for (const AssetMaterial& material : group.materials) {
-        const bool has_texture = material.image < textures_.size() && textures_[material.image].handle();
-        add({.base_color = material.base_color,
-             .alpha_cutoff = material.alpha_mode == AlphaMode::kMask ? material.alpha_cutoff : material.alpha_mode == AlphaMode::kBlend ? kBlendCutoff : 0,
-             .masked = material.alpha_mode != AlphaMode::kOpaque,
-             .double_sided = material.double_sided},
-            has_texture ? textures_[material.image].view() : sampling.white.view());
     }
-    add({}, sampling.white.view());
 }
 
 }  // namespace throng

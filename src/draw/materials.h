@@ -4,15 +4,20 @@
 #include "crowd/group.h"
 #include "draw/textures.h"
 
+#include <array>
+#include <map>
 #include <vector>
 
 namespace throng {
 
+inline constexpr uint32_t kMaterialTextures = 5;  // base colour, metallic and roughness, normal, occlusion, emission
+
 struct DrawMaterial {
-    std::array<float, 4> base_color{1, 1, 1, 1};
+    AssetMaterial factors;
     // Below it a fragment is left out. A blended material is drawn as one with a mask at 0.5: characters are not sorted.
     float alpha_cutoff = 0;
-    bool masked = false, double_sided = false;
+    bool masked = false;
+    bool has_maps = false;  // more textures than that of the base colour
     VkDescriptorSet set = VK_NULL_HANDLE;
 };
 
@@ -32,7 +37,10 @@ public:
     const DrawMaterial& of(const MeshSection& section) const { return section.material < materials_.size() - 1 ? materials_[section.material] : materials_.back(); }
 
 private:
-    std::vector<Image> textures_;          // [image_count], empty where unused
+    const Image& texture(const std::shared_ptr<Gpu>& gpu, const Group& group, uint32_t image, VkFormat format, const MaterialSampling& sampling, std::vector<std::string>& warnings);
+    void add(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout, VkSampler sampler, const AssetMaterial& material, const std::array<VkImageView, kMaterialTextures>& views);
+
+    std::map<std::pair<uint32_t, VkFormat>, Image> textures_;  // by image
     OwnedPool pool_;
     std::vector<DrawMaterial> materials_;  // the group's, then the one of sections without
 };

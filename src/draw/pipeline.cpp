@@ -2,7 +2,9 @@
 
 #include "base/failure.h"
 #include "draw/draw_io.h"
+#include "draw/materials.h"
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -24,20 +26,30 @@ constexpr uint32_t kGroundVertex[] = {
 constexpr uint32_t kGroundFragment[] = {
 #include "draw/ground.frag.inc"
 };
-
-struct Program {
-    std::span<const uint32_t> vertex, fragment;
-    bool vertex_constant = false, fragment_constant = false;  // constant_id 0
-    SkinFormat skin_format = SkinFormat::kAffine;             // constant_id 1 of the vertex shader
-    bool listed = false;                                      // constant_id 2 of the vertex shader
-    bool depth = false;
+constexpr uint32_t kSkeletonVertex[] = {
+#include "draw/skeleton.vert.inc"
+};
+constexpr uint32_t kBoundsVertex[] = {
+#include "draw/bounds.vert.inc"
+};
+constexpr uint32_t kLineFragment[] = {
+#include "draw/line.frag.inc"
 };
 
-OwnedSetLayout make_set_layout(const std::shared_ptr<Gpu>& gpu, VkDescriptorType type, uint32_t count, VkShaderStageFlags stages) {
+enum class Depth { kNone, kTested, kAlone };  // kAlone: of the shadow map, nothing else is written
+
+struct Program {
+    std::span<const uint32_t> vertex, fragment;  // no fragment shader: depth is written
+    std::array<uint32_t, 3> vertex_constants{};
+    std::array<uint32_t, 2> fragment_constants{};
+    Depth depth = Depth::kNone;
+};
+
+OwnedSetLayout make_set_layout(const std::shared_ptr<Gpu>& gpu, const std::vector<VkDescriptorType>& types, VkShaderStageFlags stages) {
     std::vector<VkDescriptorSetLayoutBinding> bindings;
-    for (uint32_t i = 0; i < count; ++i) bindings.push_back({i, type, 1, stages, nullptr});
+    for (const VkDescriptorType type : types) bindings.push_back({static_cast<uint32_t>(bindings.size()), type, 1, stages, nullptr});
     VkDescriptorSetLayoutCreateInfo create{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
-    create.bindingCount = count;
+    create.bindingCount = static_cast<uint32_t>(bindings.size());
     create.pBindings = bindings.data();
     return {gpu, gpu->vk.vkCreateDescriptorSetLayout, create, "vkCreateDescriptorSetLayout"};
 }
@@ -50,15 +62,18 @@ OwnedShader make_shader(const std::shared_ptr<Gpu>& gpu, std::span<const uint32_
 }
 
 OwnedPipeline make_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout layout, VkSampleCountFlagBits samples, const Program& program) {
-    const OwnedShader vertex = make_shader(gpu, program.vertex), fragment = make_shader(gpu, program.fragment);
-    const std::array<uint32_t, 3> vertex_values{program.vertex_constant, static_cast<uint32_t>(program.skin_format), program.listed};
-    const uint32_t fragment_value = program.fragment_constant;
     constexpr VkSpecializationMapEntry kEntries[] = {{0, 0, 4}, {1, 4, 4}, {2, 8, 4}};
-    const VkSpecializationInfo vertex_constants{3, kEntries, sizeof vertex_values, vertex_values.data()};
-    const VkSpecializationInfo fragment_constants{1, kEntries, sizeof fragment_value, &fragment_value};
-    std::array<VkPipelineShaderStageCreateInfo, 2> stages{};
-    stages[0] = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_VERTEX_BIT, vertex.get(), "main", &vertex_constants};
-    stages[1] = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_FRAGMENT_BIT, fragment.get(), "main", &fragment_constants};
+    const VkSpecializationInfo vertex_constants{3, kEntries, sizeof program.vertex_constants, program.vertex_constants.data()};
+    const VkSpecializationInfo fragment_constants{2, kEntries, sizeof program.fragment_constants, program.fragment_constants.data()};
+    const OwnedShader vertex = make_shader(gpu, program.vertex);
+    OwnedShader fragment;
+    std::vector<VkPipelineShaderStageCreateInfo> stages;
+    stages.push_back({VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_VERTEX_BIT, vertex.get(), "main", &vertex_constants});
+    if (!program.fragment.empty()) {
+        fragment = make_shader(gpu, program.fragment);
+        stages.push_back({VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_FRAGMENT_BIT, fragment.get(), "main", &fragment_constants});
+    }
+    const bool depth_alone = program.depth == Depth::kAlone;
 
     // Vertices are fetched by the shader.
     const VkPipelineVertexInputStateCreateInfo vertex_input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
@@ -71,28 +86,31 @@ OwnedPipeline make_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout la
     rasterization.polygonMode = VK_POLYGON_MODE_FILL;
     rasterization.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
     rasterization.lineWidth = 1;
+    // What the sun grazes is put farther from it, so that it does not shadow itself between the texels of the map.
+    rasterization.depthBiasEnable = depth_alone;
+    rasterization.depthBiasSlopeFactor = -1.5f;
     VkPipelineMultisampleStateCreateInfo multisample{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
-    multisample.rasterizationSamples = samples;
+    multisample.rasterizationSamples = depth_alone ? VK_SAMPLE_COUNT_1_BIT : samples;
     VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
-    depth.depthTestEnable = program.depth;
-    depth.depthWriteEnable = program.depth;
+    depth.depthTestEnable = program.depth != Depth::kNone;
+    depth.depthWriteEnable = program.depth != Depth::kNone;
     depth.depthCompareOp = VK_COMPARE_OP_GREATER;  // reversed depth
     VkPipelineColorBlendAttachmentState attachment{};
     attachment.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
     VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
-    blend.attachmentCount = 1;
+    blend.attachmentCount = depth_alone ? 0 : 1;
     blend.pAttachments = &attachment;
     constexpr std::array dynamic_states{VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR, VK_DYNAMIC_STATE_CULL_MODE};
     VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
     dynamic.dynamicStateCount = dynamic_states.size();
     dynamic.pDynamicStates = dynamic_states.data();
     VkPipelineRenderingCreateInfo rendering{VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO};
-    rendering.colorAttachmentCount = 1;
+    rendering.colorAttachmentCount = blend.attachmentCount;
     rendering.pColorAttachmentFormats = &kColorFormat;
     rendering.depthAttachmentFormat = kDepthFormat;
 
     VkGraphicsPipelineCreateInfo create{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO, &rendering};
-    create.stageCount = stages.size();
+    create.stageCount = static_cast<uint32_t>(stages.size());
     create.pStages = stages.data();
     create.pVertexInputState = &vertex_input;
     create.pInputAssemblyState = &assembly;
@@ -114,11 +132,11 @@ DrawLayouts::DrawLayouts(const std::shared_ptr<Gpu>& gpu) {
     if (const uint32_t most = gpu->properties.limits.maxPerStageDescriptorStorageBuffers; kBatchBindings.size() > most)
         throw Failure(ErrorCode::kUnsupported, gpu->properties.deviceName, "a shader stage has " + std::to_string(most) + " storage buffers, and drawing needs " + std::to_string(kBatchBindings.size()));
     constexpr VkShaderStageFlags kBothStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
-    scene_set = make_set_layout(gpu, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, kBothStages);
-    batch_set = make_set_layout(gpu, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kBatchBindings.size(), VK_SHADER_STAGE_VERTEX_BIT);
-    material_set = make_set_layout(gpu, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT);
+    scene_set = make_set_layout(gpu, {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER}, kBothStages);
+    batch_set = make_set_layout(gpu, std::vector(kBatchBindings.size(), VK_DESCRIPTOR_TYPE_STORAGE_BUFFER), VK_SHADER_STAGE_VERTEX_BIT);
+    material_set = make_set_layout(gpu, std::vector(kMaterialTextures, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER), VK_SHADER_STAGE_FRAGMENT_BIT);
     const std::array sets{scene_set.get(), batch_set.get(), material_set.get()};
-    const VkPushConstantRange push{kBothStages, 0, sizeof(io::DrawPush)};
+    const VkPushConstantRange push{kBothStages, 0, std::max(sizeof(io::DrawPush), sizeof(io::LinePush))};
     VkPipelineLayoutCreateInfo create{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
     create.setLayoutCount = sets.size();
     create.pSetLayouts = sets.data();
@@ -127,12 +145,24 @@ DrawLayouts::DrawLayouts(const std::shared_ptr<Gpu>& gpu) {
     layout = {gpu, gpu->vk.vkCreatePipelineLayout, create, "vkCreatePipelineLayout"};
 }
 
-DrawPipelines::DrawPipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, SkinFormat format, bool listed) {
+OwnedPipeline make_ground_pipeline(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples) {
+    return make_pipeline(gpu, layouts.layout.get(), samples, {.vertex = kGroundVertex, .fragment = kGroundFragment});
+}
+
+CharacterPipelines::CharacterPipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, SkinFormat format, bool listed) {
     const auto make = [&](const Program& program) { return make_pipeline(gpu, layouts.layout.get(), samples, program); };
-    ground = make({.vertex = kGroundVertex, .fragment = kGroundFragment});
-    shadow = make({.vertex = kCharacterVertex, .fragment = kShadowFragment, .vertex_constant = true, .skin_format = format, .listed = listed});
-    character = make({.vertex = kCharacterVertex, .fragment = kCharacterFragment, .skin_format = format, .listed = listed, .depth = true});
-    character_discards = make({.vertex = kCharacterVertex, .fragment = kCharacterFragment, .fragment_constant = true, .skin_format = format, .listed = listed, .depth = true});
+    const auto vertex_constants = [&](bool is_shadow) { return std::array<uint32_t, 3>{is_shadow, static_cast<uint32_t>(format), listed}; };
+    shadow[0] = make({.vertex = kCharacterVertex, .vertex_constants = vertex_constants(true), .depth = Depth::kAlone});
+    shadow[1] = make({.vertex = kCharacterVertex, .fragment = kShadowFragment, .vertex_constants = vertex_constants(true), .depth = Depth::kAlone});
+    for (uint32_t discards = 0; discards < 2; ++discards)
+        for (uint32_t has_maps = 0; has_maps < 2; ++has_maps)
+            into_picture[discards][has_maps] = make({.vertex = kCharacterVertex, .fragment = kCharacterFragment, .vertex_constants = vertex_constants(false), .fragment_constants = {discards, has_maps}, .depth = Depth::kTested});
+}
+
+LinePipelines::LinePipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, bool listed) {
+    const std::array<uint32_t, 3> constants{listed};
+    skeletons = make_pipeline(gpu, layouts.layout.get(), samples, {.vertex = kSkeletonVertex, .fragment = kLineFragment, .vertex_constants = constants});
+    bounds = make_pipeline(gpu, layouts.layout.get(), samples, {.vertex = kBoundsVertex, .fragment = kLineFragment, .vertex_constants = constants, .depth = Depth::kTested});
 }
 
 }  // namespace throng

@@ -13,7 +13,7 @@ namespace throng {
 inline constexpr VkFormat kColorFormat = VK_FORMAT_R8G8B8A8_SRGB;
 inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 
-// What all pipelines share. Descriptor sets: 0 the scene (one uniform buffer), 1 a batch (seven storage buffers), 2 a material (one texture).
+// What all pipelines share. Descriptor sets: 0 the scene (one uniform buffer, the shadow map), 1 a batch (seven storage buffers), 2 a material (its textures).
 struct DrawLayouts {
     explicit DrawLayouts(const std::shared_ptr<Gpu>& gpu);
 
@@ -21,14 +21,24 @@ struct DrawLayouts {
     OwnedPipelineLayout layout;
 };
 
-// Of crowds whose skin matrices have this format, and whose instances are listed or not. Cull mode, viewport and scissor are dynamic.
-struct DrawPipelines {
-    DrawPipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, SkinFormat format, bool listed);
+// The ground over the whole picture, without depth.
+OwnedPipeline make_ground_pipeline(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples);
 
-    OwnedPipeline ground;              // over the whole picture, without depth
-    OwnedPipeline shadow;              // characters laid flat on the ground, without depth
-    OwnedPipeline character;           // of opaque materials
-    OwnedPipeline character_discards;  // of materials with a mask, and of batches with mirrored instances
+// Of crowds whose skin matrices have this format, and whose instances are listed or not. Cull mode, viewport and scissor are dynamic.
+struct CharacterPipelines {
+    CharacterPipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, SkinFormat format, bool listed);
+
+    // Those that discard: of materials with a mask; and in the picture of batches with mirrored instances, whose front faces wind the other way.
+    std::array<OwnedPipeline, 2> shadow;                       // [discards]: into the shadow map
+    std::array<std::array<OwnedPipeline, 2>, 2> into_picture;  // [discards][has_maps]
+};
+
+// Lines over a crowd whose instances are listed or not.
+struct LinePipelines {
+    LinePipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, bool listed);
+
+    OwnedPipeline skeletons;  // without depth: over everything
+    OwnedPipeline bounds;
 };
 
 inline constexpr std::array<BindingInfo, 7> kBatchBindings{{{0}, {1}, {2}, {3}, {4}, {5}, {6}}};  // vertices, influences, skin matrices, placements, morph differences, active morphs, list

@@ -44,12 +44,13 @@ struct RendererState {
     RenderResult render(const Crowd& crowd, const Camera& camera);
     RenderResult render_frame(Crowd& crowd, float time_step_s, const Camera& camera);
     void record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera);
-    void resize(uint32_t width, uint32_t height) { targets = Targets(gpu, width, height, samples); }
+    void resize(uint32_t width, uint32_t height);
 
     std::shared_ptr<Gpu> gpu;
     VkSampleCountFlagBits samples;
     DrawOptions options;
     Targets targets;
+    ShadowMap shadow_map;
     DrawTimer timer;
 
 private:
@@ -57,26 +58,40 @@ private:
     struct Frame {
         const CrowdState& crowd;
         const CrowdBindings& bindings;
-        const DrawPipelines& pipelines;
+        const CharacterPipelines& characters;
+        const LinePipelines* lines;  // where an option draws some
         io::DrawScene scene;
     };
     Frame prepare(const Crowd& crowd, const Camera& camera);
-    const DrawPipelines& pipelines_of(const CrowdState& crowd);
+    const CharacterPipelines& pipelines_of(const CrowdState& crowd);
+    const LinePipelines& lines_of(const CrowdState& crowd);
     void record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) const;
     void record_frame(VkCommandBuffer commands, const Frame& frame);
-    void draw(VkCommandBuffer commands, const Frame& frame) const;
+    void draw_shadows(VkCommandBuffer commands, const Frame& frame) const;
+    void draw_picture(VkCommandBuffer commands, const Frame& frame) const;
     RenderResult result_of(const Frame& frame) const;
 
     DrawLayouts layouts_;
     MaterialSampling sampling_;
     SceneBinding scene_;
-    std::map<std::pair<SkinFormat, bool>, DrawPipelines> pipelines_;  // by skin format, and whether a crowd lists what is drawn
+    OwnedPipeline ground_;
+    std::map<std::pair<SkinFormat, bool>, CharacterPipelines> characters_;  // by skin format, and whether a crowd lists what is drawn
+    std::map<bool, LinePipelines> lines_;                                   // by the latter
     CrowdBindingsCache crowds_;
 };
 
 RendererState::RendererState(std::shared_ptr<Gpu> gpu_in, const RendererSettings& settings)
     : gpu(with_graphics(std::move(gpu_in))), samples(lower_samples(*gpu, settings.samples)), options(checked(settings.options)),
-      targets(gpu, settings.width, settings.height, samples), timer(gpu), layouts_(gpu), sampling_(gpu), scene_(gpu, layouts_.scene_set.get()) {}
+      targets(gpu, settings.width, settings.height, samples), shadow_map(gpu, settings.width, settings.height), timer(gpu), layouts_(gpu), sampling_(gpu), scene_(gpu, layouts_.scene_set.get(), shadow_map),
+      ground_(make_ground_pipeline(gpu, layouts_, samples)) {}
+
+void RendererState::resize(uint32_t width, uint32_t height) {
+    Targets resized(gpu, width, height, samples);
+    ShadowMap map(gpu, width, height);
+    scene_ = SceneBinding(gpu, layouts_.scene_set.get(), map);
+    targets = std::move(resized);
+    shadow_map = std::move(map);
+}
 
 RenderResult RendererState::render(const Crowd& crowd, const Camera& camera) {
     const Frame frame = prepare(crowd, camera);
@@ -106,14 +121,22 @@ void RendererState::record(VkCommandBuffer commands, Crowd& crowd, float time_st
 RendererState::Frame RendererState::prepare(const Crowd& crowd, const Camera& camera) {
     const CrowdState& state = crowd.state();
     if (state.gpu != gpu) throw Failure(ErrorCode::kInvalidArgument, "render", "the crowd lives on another device");
-    const io::DrawScene scene = make_scene(state, world_bounds(crowd), camera, targets.aspect_ratio(), options);
-    return {state, crowds_.of(gpu, layouts_, sampling_, state), pipelines_of(state), scene};
+    if (options.skeletons && !state.batches.front().kept_model.handle())
+        throw Failure(ErrorCode::kInvalidArgument, "skeletons", "the crowd keeps no model matrices; set CrowdSettings::keep_model_matrices");
+    const io::DrawScene scene = make_scene(state, camera, targets.extent(), shadow_map.size(), options);
+    return {state, crowds_.of(gpu, layouts_, sampling_, state), pipelines_of(state), options.skeletons || options.bounds ? &lines_of(state) : nullptr, scene};
 }
 
-const DrawPipelines& RendererState::pipelines_of(const CrowdState& crowd) {
+const CharacterPipelines& RendererState::pipelines_of(const CrowdState& crowd) {
     const std::pair key(crowd.skin_format, crowd.cull.has_value());
-    const auto found = pipelines_.find(key);
-    return found != pipelines_.end() ? found->second : pipelines_.emplace(key, DrawPipelines(gpu, layouts_, samples, key.first, key.second)).first->second;
+    const auto found = characters_.find(key);
+    return found != characters_.end() ? found->second : characters_.emplace(key, CharacterPipelines(gpu, layouts_, samples, key.first, key.second)).first->second;
+}
+
+const LinePipelines& RendererState::lines_of(const CrowdState& crowd) {
+    const bool listed = crowd.cull.has_value();
+    const auto found = lines_.find(listed);
+    return found != lines_.end() ? found->second : lines_.emplace(listed, LinePipelines(gpu, layouts_, samples, listed)).first->second;
 }
 
 void RendererState::record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) const {
@@ -125,24 +148,32 @@ void RendererState::record_frame(VkCommandBuffer commands, const Frame& frame) {
     memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, kDrawRead);
     scene_.record(commands, frame.scene);
     timer.begin(commands);
-    targets.begin(commands);
-    draw(commands, frame);
-    targets.end(commands);
+    const VkDescriptorSet scene_set = scene_.set();
+    gpu->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layouts_.layout.get(), 0, 1, &scene_set, 0, nullptr);
+    draw_shadows(commands, frame);
+    draw_picture(commands, frame);
     timer.end(commands);
 }
 
-// Ground, shadows on it, characters over both.
-void RendererState::draw(VkCommandBuffer commands, const Frame& frame) const {
-    const DrawPipelines& pipelines = frame.pipelines;
+// Without shadows the map is empty: the scene says not to look at it.
+void RendererState::draw_shadows(VkCommandBuffer commands, const Frame& frame) const {
+    shadow_map.begin(commands);
+    if (options.shadows) draw_crowd(commands, frame.crowd, frame.bindings, layouts_.layout.get(), frame.characters, DrawPass::kShadow);
+    shadow_map.end(commands);
+}
+
+// Ground, characters over it, lines over both.
+void RendererState::draw_picture(VkCommandBuffer commands, const Frame& frame) const {
     const VkPipelineLayout layout = layouts_.layout.get();
-    const VkDescriptorSet scene_set = scene_.set();
-    gpu->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &scene_set, 0, nullptr);
+    targets.begin(commands);
     gpu->vk.vkCmdSetCullMode(commands, VK_CULL_MODE_NONE);
-    gpu->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines.ground.get());
+    gpu->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, ground_.get());
     gpu->vk.vkCmdDraw(commands, 3, 1, 0, 0);
-    if (options.shadows) draw_crowd(commands, frame.crowd, frame.bindings, layout, [&](const DrawnSection&) { return pipelines.shadow.get(); });
-    draw_crowd(commands, frame.crowd, frame.bindings, layout,
-               [&](const DrawnSection& section) { return (section.material.masked || section.mirrors ? pipelines.character_discards : pipelines.character).get(); });
+    draw_crowd(commands, frame.crowd, frame.bindings, layout, frame.characters, DrawPass::kPicture);
+    gpu->vk.vkCmdSetCullMode(commands, VK_CULL_MODE_NONE);
+    if (options.bounds) draw_bounds(commands, frame.crowd, frame.bindings, layout, *frame.lines);
+    if (options.skeletons) draw_skeletons(commands, frame.crowd, frame.bindings, layout, *frame.lines);
+    targets.end(commands);
 }
 
 RenderResult RendererState::result_of(const Frame& frame) const {

@@ -25,57 +25,83 @@ float ground_height(const CrowdState& state, const Bounds& bounds) {
     return height;
 }
 
-}  // namespace
-
-io::DrawScene make_scene(const CrowdState& state, const Bounds& bounds, const Camera& camera, float aspect_ratio, const DrawOptions& options) {
-    const View view = make_view(camera, aspect_ratio);
-    const Vec3<float> centre = (bounds.min + bounds.max) * 0.5f;
-    const float half_diagonal = length(bounds.max - bounds.min) / 2;
-    const float farthest = std::max(length(camera.eye - centre) + half_diagonal, 1e-6f);
-    float character_size = 0;  // of the largest
+// Of the largest.
+float character_size(const CrowdState& state) {
+    float size = 0;
     for (const Batch& batch : state.batches) {
         const Group& group = state.groups[batch.group];
         const float scale = std::cbrt(std::abs(determinant(state.placements[batch.first_instance])));
-        character_size = std::max(character_size, length(group.bounds_max - group.bounds_min) * scale);
+        size = std::max(size, length(group.bounds_max - group.bounds_min) * scale);
     }
-    character_size = std::max(character_size, 1e-6f);
+    return std::max(size, 1e-6f);
+}
+
+}  // namespace
+
+io::DrawScene make_scene(const CrowdState& state, const Camera& camera, const VkExtent2D& picture, uint32_t map_size, const DrawOptions& options) {
+    const auto width = static_cast<float>(picture.width), height = static_cast<float>(picture.height);
+    const View view = make_view(camera, width / height);
+    const Bounds bounds = rest_bounds(state), posed = posed_bounds(state);
+    const Vec3<float> centre = (bounds.min + bounds.max) * 0.5f, to_sun = direction_to_sun(options);
+    const float farthest = std::max(length(camera.eye - centre) + length(bounds.max - bounds.min) / 2, 1e-6f);
+    const ShadowFit shadow = fit_shadow(camera, view, posed, to_sun, map_size);
 
     io::DrawScene scene{};
-    for (size_t r = 0; r < 4; ++r) {
-        const auto& row = view.clip_from_world[r];
-        scene.clip_from_world[r] = {row[0], row[1], row[2], row[3]};
-    }
-    scene.eye = to_vec4(camera.eye);
+    const auto set_rows = [](auto& rows, const auto& from) { std::ranges::transform(from, rows, [](const auto& row) { return io::vec4{row[0], row[1], row[2], row[3]}; }); };
+    set_rows(scene.clip_from_world, view.clip_from_world);
+    set_rows(scene.map_from_world, shadow.map_from_world);
+    scene.eye = to_vec4(camera.eye, options.exposure);
     scene.forward = to_vec4(view.forward);
     scene.right = to_vec4(view.right * view.half_width);
     scene.down = to_vec4(view.up * -view.half_height);
-    scene.to_light = to_vec4(direction_to_sun(options));
-    scene.ground = {centre.x, ground_height(state, bounds), centre.z, half_diagonal * 2.2f + character_size};
-    scene.scale = {character_size, farthest * 2.5f, character_size * 0.25f, 0};
-    scene.light = {options.exposure, options.fog ? 1.0f : 0.0f, 0, 0};
+    scene.to_sun = to_vec4(to_sun);
+    scene.ground = {centre.x, ground_height(state, bounds), centre.z, character_size(state)};
+    constexpr float kFog = 0.1f;  // what it takes of the farthest character
+    scene.fog = {options.fog ? kFog / farthest : 0, 0, 0, 0};
+    scene.picture = {width, height, 0, 0};
+    scene.shadow = {static_cast<float>(map_size), shadow.texel, options.shadows ? 1.0f : 0.0f, 0};
+    // A clear morning. The ground reflects what it gets of sun and sky, less what the characters on it keep away.
+    const Vec3<float> sun_light{1.25f, 1.12f, 0.93f}, sky_light{0.34f, 0.42f, 0.55f}, albedo{0.25f, 0.28f, 0.17f};
+    constexpr float kOpen = 0.6f;
+    scene.sun_light = to_vec4(sun_light);
+    scene.sky_light = to_vec4(sky_light);
+    const Vec3<float> arrives = (sun_light * to_sun.y + sky_light) * kOpen;
+    scene.bounce_light = {arrives.x * albedo.x, arrives.y * albedo.y, arrives.z * albedo.z, 0};
+    scene.horizon = {0.62f, 0.74f, 0.88f, 0};
+    scene.zenith = {0.13f, 0.32f, 0.68f, 0};
+    scene.ground_albedo = to_vec4(albedo);
     return scene;
 }
 
-SceneBinding::SceneBinding(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout)
+SceneBinding::SceneBinding(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout, const ShadowMap& shadow_map)
     : gpu_(gpu), buffer_(gpu, "scene", sizeof(io::DrawScene), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT) {
-    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1};
+    constexpr std::array kSizes{VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1}, VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1}};
     VkDescriptorPoolCreateInfo create{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
     create.maxSets = 1;
-    create.poolSizeCount = 1;
-    create.pPoolSizes = &size;
+    create.poolSizeCount = kSizes.size();
+    create.pPoolSizes = kSizes.data();
     pool_ = OwnedPool(gpu, gpu->vk.vkCreateDescriptorPool, create, "vkCreateDescriptorPool");
     VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
     allocate.descriptorPool = pool_.get();
     allocate.descriptorSetCount = 1;
     allocate.pSetLayouts = &layout;
     check(gpu->vk.vkAllocateDescriptorSets(gpu->device, &allocate, &set_), "vkAllocateDescriptorSets");
-    const VkDescriptorBufferInfo info{buffer_.handle(), 0, buffer_.size_bytes()};
-    VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-    write.dstSet = set_;
-    write.descriptorCount = 1;
-    write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-    write.pBufferInfo = &info;
-    gpu->vk.vkUpdateDescriptorSets(gpu->device, 1, &write, 0, nullptr);
+    VkSamplerCreateInfo nearest{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};  // shaders fetch single texels
+    sampler_ = OwnedSampler(gpu, gpu->vk.vkCreateSampler, nearest, "vkCreateSampler");
+
+    const VkDescriptorBufferInfo scene{buffer_.handle(), 0, buffer_.size_bytes()};
+    const VkDescriptorImageInfo map{sampler_.get(), shadow_map.view(), VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL};
+    std::array<VkWriteDescriptorSet, 2> writes{};
+    for (uint32_t binding = 0; binding < 2; ++binding) {
+        writes[binding].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+        writes[binding].dstSet = set_;
+        writes[binding].dstBinding = binding;
+        writes[binding].descriptorCount = 1;
+        writes[binding].descriptorType = kSizes[binding].type;
+    }
+    writes[0].pBufferInfo = &scene;
+    writes[1].pImageInfo = &map;
+    gpu->vk.vkUpdateDescriptorSets(gpu->device, 2, writes.data(), 0, nullptr);
 }
 
 void SceneBinding::record(VkCommandBuffer commands, const io::DrawScene& scene) const {

@@ -1,21 +1,22 @@
-// What the shaders know of the whole picture: camera, sun, ground.
+// What the shaders know of the whole picture: camera, sun, sky, ground.
 #pragma once
 
 #include "crowd/crowd_state.h"
 #include "draw/draw_io.h"
 #include "draw/owned.h"
+#include "draw/shadow_map.h"
 
 #include <throng/draw.h>
 
 namespace throng {
 
 // Everything is measured in the crowd's own size: a file's unit may be a metre or a centimetre. Throws kInvalidArgument where the camera is not one.
-io::DrawScene make_scene(const CrowdState& crowd, const Bounds& bounds, const Camera& camera, float aspect_ratio, const DrawOptions& options);
+io::DrawScene make_scene(const CrowdState& crowd, const Camera& camera, const VkExtent2D& picture, uint32_t map_size, const DrawOptions& options);
 
-// The scene in a descriptor set.
+// The scene and the shadow map in a descriptor set.
 class SceneBinding {
 public:
-    SceneBinding(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout);
+    SceneBinding(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout, const ShadowMap& shadow_map);
 
     // Waits for the frames before that read it.
     void record(VkCommandBuffer commands, const io::DrawScene& scene) const;
@@ -24,6 +25,7 @@ public:
 private:
     std::shared_ptr<Gpu> gpu_;
     Buffer buffer_;
+    OwnedSampler sampler_;
     OwnedPool pool_;
     VkDescriptorSet set_ = VK_NULL_HANDLE;
 };

@@ -1,15 +1,12 @@
 #version 460
-// shadow: the ground where the sun does not arrive. It writes the ground's colour anew instead of blending over it, so that triangles
-// of a shadow may overlap.
+// shadow: leaves out what a mask leaves out; depth is all that is written.
 #include "draw/draw_io.h"
 
-layout(set = 0, binding = 0, std140) uniform Scene { DrawScene scene; };
-layout(location = 0) in vec3 in_world;
-layout(location = 0) out vec4 out_color;
-
-#include "draw/light.glsl"
+layout(set = 2, binding = 0) uniform sampler2D base_color_texture;
+layout(push_constant) uniform Push { DrawPush push; };
+layout(location = 2) in vec2 in_texcoord;
+layout(location = 3) in vec4 in_color;
 
 void main() {
-    const float kLeak = 0.25;  // a shadow that is not quite black looks soft
-    out_color = vec4(ground_color(in_world, kLeak), 1);
+    if (texture(base_color_texture, in_texcoord).a * push.base_color.a * in_color.a < push.alpha_cutoff) discard;
 }

@@ -25,7 +25,7 @@ public:
     VkImage picture() const { return (resolved_.handle() ? resolved_ : color_).handle(); }
     uint32_t width() const { return width_; }
     uint32_t height() const { return height_; }
-    float aspect_ratio() const { return static_cast<float>(width_) / static_cast<float>(height_); }
+    VkExtent2D extent() const { return {width_, height_}; }
 
 private:
     std::shared_ptr<Gpu> gpu_;

@@ -42,12 +42,13 @@ Picture decode_image(const AssetImage& image) {
     return picture;
 }
 
-Image upload_texture(const std::shared_ptr<Gpu>& gpu, std::string_view what, const Picture& picture) {
+Image upload_texture(const std::shared_ptr<Gpu>& gpu, std::string_view what, const Picture& picture, VkFormat format) {
     const auto mip_count = static_cast<uint32_t>(std::bit_width(std::max(picture.width, picture.height)));
     Image texture(gpu, {.what = what,
                         .width = picture.width,
                         .height = picture.height,
                         .mip_count = mip_count,
+                        .format = format,
                         .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
     const Buffer staging(gpu, what, picture.rgba.size(), 0, MemoryKind::kUpload);
     std::memcpy(staging.mapped(), picture.rgba.data(), picture.rgba.size());
@@ -84,9 +85,9 @@ Image upload_texture(const std::shared_ptr<Gpu>& gpu, std::string_view what, con
     return texture;
 }
 
-Image make_texture(const std::shared_ptr<Gpu>& gpu, const AssetImage& image, std::vector<std::string>& warnings) {
+Image make_texture(const std::shared_ptr<Gpu>& gpu, const AssetImage& image, VkFormat format, std::vector<std::string>& warnings) {
     try {
-        return upload_texture(gpu, "image '" + image.name + "'", decode_image(image));
+        return upload_texture(gpu, "image '" + image.name + "'", decode_image(image), format);
     } catch (const Failure& failure) {
         if (failure.error.code != ErrorCode::kInvalidFile && failure.error.code != ErrorCode::kLimit) throw;
         warnings.push_back(failure.error.text() + "; drawn white");
@@ -95,7 +96,7 @@ Image make_texture(const std::shared_ptr<Gpu>& gpu, const AssetImage& image, std
 }
 
 Image make_white_texture(const std::shared_ptr<Gpu>& gpu) {
-    return upload_texture(gpu, "white texture", {.width = 1, .height = 1, .rgba = {255, 255, 255, 255}});
+    return upload_texture(gpu, "white texture", {.width = 1, .height = 1, .rgba = {255, 255, 255, 255}}, kColorTexture);
 }
 
 }  // namespace throng

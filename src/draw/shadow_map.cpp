@@ -1,0 +1,95 @@
+#include "draw/shadow_map.h"
+
+#include "draw/pipeline.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+namespace throng {
+namespace {
+
+constexpr uint32_t kLeastSize = 512, kMostSize = 4096;  // 4 MiB, and 64
+constexpr double kMargin = 4;                           // texels around what is fitted, for the filter
+constexpr Access kMapWrite{VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
+                           VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT};
+constexpr Access kMapRead{VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT};
+
+struct Interval {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    void add(double value) {
+        low = std::min(low, value);
+        high = std::max(high, value);
+    }
+};
+
+}  // namespace
+
+ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed, const Vec3<float>& to_sun, uint32_t map_size) {
+    // The map's axes hang on the sun alone: what does not move has its place on a fixed grid of texels.
+    const Vec3<double> sun = to_sun.as<double>(), eye = camera.eye.as<double>();
+    const Vec3<double> across = normalized(std::abs(sun.y) > 0.9999 ? Vec3<double>{1, 0, 0} : cross(Vec3<double>{0, 1, 0}, sun));
+    const std::array axes{across, cross(sun, across), sun};
+    std::array<Interval, 3> of_crowd;
+    double reach = 0;  // of the camera: no shadow falls farther away
+    const auto low = posed.min.as<double>(), high = posed.max.as<double>();
+    for (int i = 0; i < 8; ++i) {
+        const Vec3<double> corner{i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z};
+        for (size_t k = 0; k < 3; ++k) of_crowd[k].add(dot(axes[k], corner));
+        reach = std::max(reach, length(corner - eye) + (high.y - low.y) / sun.y);
+    }
+    std::array<Interval, 2> seen;
+    for (size_t k = 0; k < 2; ++k) {
+        seen[k].add(dot(axes[k], eye));
+        for (int i = 0; i < 4; ++i) {
+            const Vec3<double> ray = view.forward.as<double>() + view.right.as<double>() * ((i & 1 ? 1 : -1) * double{view.half_width}) + view.up.as<double>() * ((i & 2 ? 1 : -1) * double{view.half_height});
+            seen[k].add(dot(axes[k], eye + ray * reach));
+        }
+    }
+
+    ShadowFit fit;
+    const auto set_row = [&](size_t row, const Vec3<double>& axis, double from, double size) {
+        const Vec3<double> scaled = axis * (1 / size);
+        fit.map_from_world[row] = {static_cast<float>(scaled.x), static_cast<float>(scaled.y), static_cast<float>(scaled.z), static_cast<float>(-from / size)};
+    };
+    for (size_t k = 0; k < 2; ++k) {
+        const double from = std::max(of_crowd[k].low, seen[k].low), to = std::max(std::min(of_crowd[k].high, seen[k].high), from);
+        const double least = std::max((to - from) / (map_size - 2 * kMargin - 1), 1e-9 * std::max(reach, 1e-20));
+        const double texel = std::exp2(std::ceil(4 * std::log2(least)) / 4);  // grows in steps, so that a camera that moves on keeps the grid
+        set_row(k, axes[k], (std::floor(from / texel) - kMargin) * texel, texel * map_size);
+        fit.texel = std::max(fit.texel, static_cast<float>(texel));
+    }
+    const double height = std::max(of_crowd[2].high - of_crowd[2].low, 1e-9 * std::max(reach, 1e-20));
+    set_row(2, axes[2], of_crowd[2].low - 0.1 * height, 1.2 * height);
+    return fit;
+}
+
+ShadowMap::ShadowMap(std::shared_ptr<Gpu> gpu, uint32_t picture_width, uint32_t picture_height)
+    : gpu_(std::move(gpu)), size_(std::min(std::clamp(std::bit_ceil(2 * std::min(std::max(picture_width, picture_height), kMostSize)), kLeastSize, kMostSize), gpu_->properties.limits.maxImageDimension2D)) {
+    image_ = Image(gpu_, {.what = "shadow map", .width = size_, .height = size_, .format = kDepthFormat, .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
+}
+
+void ShadowMap::begin(VkCommandBuffer commands) const {
+    transition(*gpu_, commands, {.image = image_.handle(), .aspect = VK_IMAGE_ASPECT_DEPTH_BIT, .to = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, .before = kMapRead | kMapWrite, .after = kMapWrite});
+    VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+    depth.imageView = image_.view();
+    depth.imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
+    depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
+    depth.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
+    rendering.renderArea = {{0, 0}, {size_, size_}};
+    rendering.layerCount = 1;
+    rendering.pDepthAttachment = &depth;
+    gpu_->vk.vkCmdBeginRendering(commands, &rendering);
+    const VkViewport viewport{0, 0, static_cast<float>(size_), static_cast<float>(size_), 0, 1};
+    gpu_->vk.vkCmdSetViewport(commands, 0, 1, &viewport);
+    gpu_->vk.vkCmdSetScissor(commands, 0, 1, &rendering.renderArea);
+}
+
+void ShadowMap::end(VkCommandBuffer commands) const {
+    gpu_->vk.vkCmdEndRendering(commands);
+    transition(*gpu_, commands, {.image = image_.handle(), .aspect = VK_IMAGE_ASPECT_DEPTH_BIT, .from = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, .to = VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL,
+                                 .before = kMapWrite, .after = kMapRead});
+}
+
+}  // namespace throng
