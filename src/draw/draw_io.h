@@ -14,7 +14,7 @@ struct DrawScene {
     vec4 down;
     vec4 to_sun;              // unit
     vec4 ground;              // centre x, height, centre z; w: size of a character
-    vec4 fog;                 // x: what a length of 1 takes away, to first order
+    vec4 fog;                 // x: at a distance of 1 / x it leaves 1 / e
     vec4 picture;             // x, y: pixels
     vec4 shadow;              // x: texels of the map, each way; y: world size of the larger side of one; z: 1 with shadows, 0 without
     vec4 sun_light;

@@ -63,9 +63,9 @@ vec3 reflected_light(Surface surface, vec3 to_eye, float sun) {
 
 vec3 through_fog(vec3 color, vec3 world) {
     const vec3 way = world - scene.eye.xyz;
-    const float distance_to_it = length(way);
+    const float depth = scene.fog.x * length(way);
     const vec3 horizon = sky_color(normalize(vec3(way.x, 0, way.z) + vec3(1e-20, 0, 0)));
-    return mix(horizon, color, exp(-scene.fog.x * distance_to_it));
+    return mix(horizon, color, exp(-depth * depth));
 }
 
 // The Khronos PBR Neutral tone mapper: below 0.76 colours stay what they are.

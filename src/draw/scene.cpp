@@ -57,11 +57,11 @@ io::DrawScene make_scene(const CrowdState& state, const Camera& camera, const Vk
     scene.to_sun = to_vec4(to_sun);
     scene.ground = {centre.x, ground_height(state, bounds), centre.z, character_size(state)};
     constexpr float kFog = 0.1f;  // what it takes of the farthest character
-    scene.fog = {options.fog ? kFog / farthest : 0, 0, 0, 0};
+    scene.fog = {options.fog ? std::sqrt(-std::log(1 - kFog)) / farthest : 0, 0, 0, 0};
     scene.picture = {width, height, 0, 0};
     scene.shadow = {static_cast<float>(map_size), shadow.texel, options.shadows ? 1.0f : 0.0f, 0};
     // A clear morning. The ground reflects what it gets of sun and sky, less what the characters on it keep away.
-    const Vec3<float> sun_light{1.25f, 1.12f, 0.93f}, sky_light{0.34f, 0.42f, 0.55f}, albedo{0.25f, 0.28f, 0.17f};
+    const Vec3<float> sun_light{1.25f, 1.12f, 0.93f}, sky_light{0.34f, 0.42f, 0.55f}, albedo{0.31f, 0.29f, 0.235f};
     constexpr float kOpen = 0.6f;
     scene.sun_light = to_vec4(sun_light);
     scene.sky_light = to_vec4(sky_light);
