@@ -104,6 +104,7 @@ void add_compile(CLI::App& app);
 void add_controller(CLI::App& app);
 void add_pose(CLI::App& app);
 void add_render(CLI::App& app);
+void add_view(CLI::App& app);
 void add_generate(CLI::App& app);
 void add_bench(CLI::App& app);
 void add_bench_frame(CLI::App& bench);

@@ -52,18 +52,26 @@ std::vector<std::string> controller_files(const SceneOptions& options) {
     return of_files;
 }
 
-CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, bool culls) : culls_(culls) {
+SceneCast::SceneCast(const SceneOptions& options) {
     check_lengths(options);
     const std::vector<std::string> controller_of = controller_files(options);
-    const std::vector<Character> characters = load_characters(options.files, options.compile);
-    Scatter field = scatter(characters, {options.counts.empty() ? deal_out(options.count, characters.size()) : options.counts, options.sizes, options.formation, options.spacing, options.seed});
-    std::vector<Controller> controllers(characters.size());
+    characters = load_characters(options.files, options.compile);
+    controllers.resize(characters.size());
     for (size_t k = 0; k < characters.size(); ++k) {
-        kinds_.push_back({field.groups[k].instance_count, {characters[k].bounds_min, characters[k].bounds_max}});
         if (controller_of[k].empty()) continue;
         controllers[k] = unwrap(load_controller(controller_of[k]));
-        unwrap(check_controller(controllers[k], characters[k]));
-        field.groups[k].controller = &controllers[k];
+        unwrap(check_controller(*controllers[k], characters[k]));
+    }
+}
+
+CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, bool culls) : culls_(culls) {
+    const SceneCast cast(options);
+    const std::vector<Character>& characters = cast.characters;
+    Scatter field = scatter(characters, {options.counts.empty() ? deal_out(options.count, characters.size()) : options.counts, options.sizes, options.formation, options.spacing, options.seed});
+    for (size_t k = 0; k < characters.size(); ++k) {
+        kinds_.push_back({field.groups[k].instance_count, {characters[k].bounds_min, characters[k].bounds_max}});
+        if (!cast.controllers[k]) continue;
+        field.groups[k].controller = &*cast.controllers[k];
         has_controllers_ = true;
     }
     print_progress("placing " + std::to_string(field.placement.size()) + " characters");

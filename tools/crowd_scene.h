@@ -33,9 +33,17 @@ void add_scene_options(CLI::App& app, SceneOptions& options);
 // The controller of each file, [files], or an empty name. Throws CommandError.
 std::vector<std::string> controller_files(const SceneOptions& options);
 
+// Reads the files, with progress and warnings on stderr, and the controllers that they are to have. Throws CommandError, also where counts or sizes do not fit the files.
+struct SceneCast {
+    explicit SceneCast(const SceneOptions& options);
+
+    std::vector<Character> characters;                   // [files]
+    std::vector<std::optional<Controller>> controllers;  // [files]
+};
+
 class CrowdScene {
 public:
-    // Reads the files, with progress and warnings on stderr. Throws CommandError.
+    // Throws CommandError, as SceneCast does.
     CrowdScene(const Device& device, const SceneOptions& options, bool culls);
 
     Crowd& crowd() { return *crowd_; }

@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
     add_controller(app);
     add_pose(app);
     add_render(app);
+    add_view(app);
     add_generate(app);
     add_bench(app);
     add_tune(app);

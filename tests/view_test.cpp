@@ -1,0 +1,298 @@
+// throng view under Xvfb: driven by scripted input, and once by a real keyboard's and mouse's, and looked at.
+#include "tests/display.h"
+#include "tests/tool_runner.h"
+#include "tools/view/orbit.h"
+#include "tools/view/pick.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#define STB_IMAGE_STATIC
+#define STB_IMAGE_IMPLEMENTATION
+#define STBI_ONLY_PNG
+#include <stb/stb_image.h>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <thread>
+
+namespace throng {
+namespace {
+
+using namespace test;
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+struct Rectangle {
+    int left, top, right, bottom;
+};
+
+struct Seen {
+    int width = 0, height = 0;
+    std::vector<uint8_t> rgba;
+
+    const uint8_t* at(int x, int y) const { return &rgba[(static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)) * 4]; }
+    Rectangle all() const { return {0, 0, width, height}; }
+};
+
+int distance(const uint8_t* a, const uint8_t* b) { return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]); }
+
+// The part of the rectangle, 0..1, for which `is` says yes.
+template <class Is>
+double part(const Rectangle& of, const Is& is) {
+    int count = 0;
+    for (int y = of.top; y < of.bottom; ++y)
+        for (int x = of.left; x < of.right; ++x) count += is(x, y);
+    return double(count) / ((of.right - of.left) * (of.bottom - of.top));
+}
+
+double changed(const Seen& a, const Seen& b, const Rectangle& of) {
+    return part(of, [&](int x, int y) { return distance(a.at(x, y), b.at(x, y)) > 24; });
+}
+
+class View : public testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        folder_ = fs::path(testing::TempDir()) / ("throng_view_" + std::to_string(getpid()));
+        fs::create_directories(folder_);
+        display_ = std::make_unique<Display>(kScreen);
+        for (const auto& [name, seed] : {std::pair{"one", "1"}, {"other", "5"}}) {
+            const Outcome run = run_tool({"generate", "--joints", "40", "--levels", "12", "--faces", "600", "--seed", seed, "--out", file(name) + ".glb"});
+            ASSERT_TRUE(run.succeeded()) << run;
+        }
+    }
+    static void TearDownTestSuite() {
+        display_.reset();
+        fs::remove_all(folder_);
+    }
+
+    static constexpr const char* kScreen = "800x600x24";
+    static std::string file(const std::string& name) { return (folder_ / name).string(); }
+
+    static std::map<std::string, std::string> environment() {
+        return {{"DISPLAY", display_->name()},
+                {"VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation"},
+                {"VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT"}};
+    }
+
+    // Runs the events, under the validation layer, which must have nothing to say. What stays is in state_.
+    static Outcome view(const std::string& events, std::vector<std::string> arguments = {}) {
+        std::ofstream(file("events.txt")) << events;
+        arguments.insert(arguments.begin(), {"view", file("one.glb"), "--size", "640x400", "--script", file("events.txt"), "--dump", file("dump.json")});
+        const Outcome run = run_tool(arguments, {.environment = environment(), .time_limit_s = 120});
+        EXPECT_EQ(run.exit_code, 0) << run;
+        for (const char* word : {"VUID", "Validation", "SYNC-HAZARD", "UNASSIGNED"}) EXPECT_EQ((run.out + run.err).find(word), std::string::npos) << run;
+        state_ = Json::parse(read_file(file("dump.json")), nullptr, false);
+        EXPECT_FALSE(state_.is_discarded());
+        return run;
+    }
+
+    static Seen seen(const std::string& name) {
+        Seen out;
+        uint8_t* bytes = stbi_load(file(name).c_str(), &out.width, &out.height, nullptr, 4);
+        if (!bytes) {
+            ADD_FAILURE() << name << ": " << stbi_failure_reason();
+            return {1, 1, {0, 0, 0, 0}};
+        }
+        out.rgba.assign(bytes, bytes + size_t(out.width) * size_t(out.height) * 4);
+        stbi_image_free(bytes);
+        return out;
+    }
+
+    static std::vector<float> eye() { return state_["eye"].get<std::vector<float>>(); }
+
+    static inline fs::path folder_;
+    static inline std::unique_ptr<Display> display_;
+    static inline Json state_;
+};
+
+// Of a window without panels, by which the crowd, and not only the ground, is seen.
+constexpr Rectangle kMiddle{200, 120, 440, 300};
+// Hides the panels and pauses.
+constexpr const char* kStill = "0 hold tab\n0 hold space\n1 let tab\n1 let space\n";
+
+TEST_F(View, ShowsTheCrowdAndFollowsTheMouse) {
+    const Outcome run = view(std::string(kStill) + "4 shot " + file("first.png") + "\n5 move 320 200\n6 press left\n7 move 420 200\n8 release left\n9 shot " + file("turned.png") +
+                             "\n10 press left\n11 move 320 200\n12 release left\n13 shot " + file("back.png") + "\n14 scroll 5\n15 shot " + file("closer.png") +
+                             "\n16 press right\n17 move 380 240\n18 release right\n19 shot " + file("panned.png") + "\n");
+    EXPECT_TRUE(run.err.empty()) << run;
+    const Seen first = seen("first.png"), turned = seen("turned.png"), back = seen("back.png"), closer = seen("closer.png"), panned = seen("panned.png");
+    ASSERT_EQ(first.width, 640);
+    ASSERT_EQ(first.height, 400);
+    // The ground changes little along a row; characters do.
+    EXPECT_GT(part(kMiddle, [&](int x, int y) { return distance(first.at(x, y), first.at(x + 3, y)) > 40; }), 0.02);
+    EXPECT_GT(changed(first, turned, kMiddle), 0.1);
+    EXPECT_LT(changed(first, back, first.all()), 0.005) << "paused, and turned back";
+    EXPECT_GT(changed(back, closer, kMiddle), 0.1);
+    EXPECT_GT(changed(closer, panned, kMiddle), 0.1);
+}
+
+TEST_F(View, AnimatesUnlessItIsPaused) {
+    view("0 hold tab\n1 let tab\n3 shot " + file("early.png") + "\n20 shot " + file("late.png") + "\n21 hold space\n22 let space\n23 shot " + file("paused.png") + "\n30 shot " + file("still.png") +
+         "\n31 type .\n32 shot " + file("stepped.png") + "\n");
+    EXPECT_GT(changed(seen("early.png"), seen("late.png"), kMiddle), 0.01);
+    EXPECT_EQ(seen("paused.png").rgba, seen("still.png").rgba);
+    EXPECT_NE(seen("still.png").rgba, seen("stepped.png").rgba);
+}
+
+TEST_F(View, ListsItsKeys) {
+    view(std::string(kStill) + "4 shot " + file("without.png") + "\n5 type ?\n8 shot " + file("with.png") + "\n9 hold escape\n10 let escape\n12 shot " + file("again.png") + "\n");
+    const Seen without = seen("without.png"), with = seen("with.png"), again = seen("again.png");
+    const auto is_panel = [](const Seen& in) { return part(kMiddle, [&](int x, int y) { return *std::max_element(in.at(x, y), in.at(x, y) + 3) < 70; }); };
+    EXPECT_LT(is_panel(without), 0.3);
+    EXPECT_GT(is_panel(with), 0.6);
+    EXPECT_GT(part(kMiddle, [&](int x, int y) { return *std::min_element(with.at(x, y), with.at(x, y) + 3) > 150; }), 0.003) << "its writing";
+    EXPECT_EQ(without.rgba, again.rgba);
+    EXPECT_FALSE(state_["shows_keys"]);
+}
+
+TEST_F(View, AClickInspects) {
+    static constexpr Rectangle kInspector{360, 24, 610, 60};
+    view("0 hold space\n1 let space\n3 shot " + file("none.png") + "\n4 move 325 170\n5 press left\n6 release left\n9 shot " + file("one.png") + "\n", {"--count", "1"});
+    EXPECT_EQ(state_["selected"], 0);
+    const auto dark = [](const Seen& in) { return part(kInspector, [&](int x, int y) { return *std::max_element(in.at(x, y), in.at(x, y) + 3) < 70; }); };
+    EXPECT_LT(dark(seen("none.png")), 0.2);
+    EXPECT_GT(dark(seen("one.png")), 0.6);
+    // Beside it there is nobody.
+    view("4 move 325 170\n5 press left\n6 release left\n8 move 630 20\n", {"--count", "1"});
+    EXPECT_EQ(state_["selected"], 0);
+    view("4 move 634 200\n5 press left\n6 release left\n8 move 630 20\n", {"--count", "1"});
+    EXPECT_TRUE(state_["selected"].is_null());
+}
+
+TEST_F(View, ChangesTheNumber) {
+    view("2 move 188 76\n3 press left\n6 release left\n10 shot " + file("many.png") + "\n", {"--count", "2"});
+    EXPECT_GT(state_["count"], 200) << "the middle of the slider, which is logarithmic";
+    EXPECT_LT(state_["count"], 500);
+    view("2 type +\n4 type +\n6 type +\n8 type -\n", {"--count", "3"});
+    EXPECT_EQ(state_["count"], 10) << "5, 10, 20, 10";
+}
+
+TEST_F(View, DropsReplaceTheScene) {
+    std::ofstream(file("broken.glb")) << "glTF, it says";
+    const Outcome run = view(std::string(kStill) + "4 shot " + file("one.png") + "\n5 drop " + file("broken.glb") + "\n8 shot " + file("still_one.png") + "\n9 drop " + file("other.glb") + " " + file("one.glb") +
+                                 "\n20 drop " + file("nobody.glb") + "\n24 shot " + file("both.png") + "\n",
+                             {"--count", "4"});
+    EXPECT_NE(run.err.find("broken.glb"), std::string::npos) << run;
+    EXPECT_NE(run.err.find("nobody.glb"), std::string::npos) << run;
+    EXPECT_EQ(state_["files"], (Json{"other.glb", "one.glb"}));
+    EXPECT_NE(state_["message"].get<std::string>().find("nobody.glb"), std::string::npos) << "said in the window";
+    EXPECT_EQ(state_["count"], 4);
+    const Seen one = seen("one.png"), still_one = seen("still_one.png"), both = seen("both.png");
+    EXPECT_LT(changed(one, still_one, kMiddle), 0.01);
+    EXPECT_GT(changed(one, both, kMiddle), 0.05);
+}
+
+TEST_F(View, FollowsTheSizeOfTheWindow) {
+    view(std::string(kStill) + "3 resize 500 320\n12 shot " + file("small.png") + "\n13 resize 720 450\n22 shot " + file("large.png") + "\n");
+    const Seen small = seen("small.png"), large = seen("large.png");
+    EXPECT_EQ(std::pair(small.width, small.height), std::pair(500, 320));
+    EXPECT_EQ(std::pair(large.width, large.height), std::pair(720, 450));
+    EXPECT_EQ(state_["size"], (Json{720, 450}));
+    EXPECT_GT(part({300, 180, 420, 300}, [&](int x, int y) { return distance(large.at(x, y), large.at(x + 3, y)) > 40; }), 0.02);
+}
+
+// The keyboard and the mouse of the display, through the server and GLFW. Times here only make sure that two events do not fall into one frame.
+TEST_F(View, TakesRealInput) {
+    const std::string shot = file("real.png");
+    const auto run_command = [](const std::string& words) { return std::system(("DISPLAY=" + display_->name() + " xdotool " + words + " > /dev/null").c_str()); };
+    const auto take_shot = [&] {
+        fs::remove(shot);
+        run_command("key F12");
+        for (int tries = 0; tries < 600 && !fs::exists(shot); ++tries) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        return seen("real.png");
+    };
+    Outcome run;
+    std::thread viewer([&] { run = run_tool({"view", file("one.glb"), "--size", "640x400", "--screenshot", shot}, {.environment = {{"DISPLAY", display_->name()}}, .time_limit_s = 120}); });
+    EXPECT_EQ(run_command("search --sync --onlyvisible --name '^throng$'"), 0);
+    run_command("mousemove 320 200 sleep 0.3 key Tab sleep 0.3 key space sleep 0.3");
+    take_shot();  // the message goes
+    const Seen before = take_shot();
+    run_command("mousedown 1 sleep 0.3 mousemove 420 200 sleep 0.3 mouseup 1 sleep 0.3");
+    const Seen after = take_shot();
+    run_command("key ctrl+q");
+    viewer.join();
+    EXPECT_TRUE(run.succeeded()) << run;
+    EXPECT_GT(changed(before, after, kMiddle), 0.1);
+}
+
+TEST_F(View, EndsAfterItsFramesWithAPicture) {
+    const Outcome run = run_tool({"view", file("one.glb"), "--size", "640x400", "--after", "3", "--screenshot", file("end.png")}, {.environment = environment(), .time_limit_s = 120});
+    EXPECT_TRUE(run.succeeded()) << run;
+    EXPECT_EQ(seen("end.png").width, 640);
+}
+
+TEST_F(View, RefusesInOneLine) {
+    const auto refused = [](std::vector<std::string> arguments, const std::string& named, const std::string& display) {
+        arguments.insert(arguments.begin(), "view");
+        const Outcome run = run_tool(arguments, {.environment = {{"DISPLAY", display}}, .time_limit_s = 120});
+        EXPECT_TRUE(run.refused(named)) << testing::PrintToString(arguments) << "\n" << run;
+    };
+    refused({file("one.glb")}, "DISPLAY", "");
+    refused({file("one.glb")}, "DISPLAY", ":12345");
+    refused({file("nobody.glb")}, "nobody.glb", display_->name());
+    refused({file("one.glb"), "--size", "1x1"}, "--size", display_->name());
+    refused({file("one.glb"), "--count", "200000"}, "100000", display_->name());
+    refused({file("one.glb"), "--device", "nobody's"}, "nobody's", display_->name());
+    std::ofstream(file("wrong.txt")) << "1 move 2\n";
+    refused({file("one.glb"), "--script", file("wrong.txt")}, "wrong.txt:1", display_->name());
+}
+
+TEST(ViewOrbit, GoesWhereTheHandGoes) {
+    using view::Orbit;
+    Orbit orbit;
+    orbit.reset({.eye = {0, 3, 10}, .target = {0, 1, 0}});
+    const auto near = [](const Vec3<float>& a, const Vec3<float>& b) { return length(a - b) < 1e-4f; };
+    EXPECT_TRUE(near(orbit.camera().eye, {0, 3, 10}));
+    orbit.turn(3.14159265f, 0);
+    EXPECT_TRUE(near(orbit.camera().eye, {0, 3, -10})) << "half round";
+    orbit.turn(0, 100);
+    EXPECT_LT(orbit.camera().eye.y, 1 + length(Vec3<float>{0, 2, 10})) << "never straight above";
+    orbit.reset({.eye = {0, 1, 10}, .target = {0, 1, 0}});
+    orbit.zoom(0.5f);
+    EXPECT_TRUE(near(orbit.camera().eye, {0, 1, 5}));
+    orbit.look(0.5f, 0);
+    EXPECT_TRUE(near(orbit.camera().eye, {0, 1, 5})) << "only the head turns";
+    EXPECT_LT(orbit.camera().target.x, -1) << "to the left";
+    orbit.reset({.eye = {0, 1, 10}, .target = {0, 1, 0}});
+    orbit.fly(0, 0, 0.5f);
+    EXPECT_TRUE(near(orbit.camera().eye, {0, 1, 5}));
+    EXPECT_TRUE(near(orbit.camera().target, {0, 1, -5}));
+    orbit.reset({.eye = {0, 1, 10}, .target = {0, 1, 0}, .vertical_field_of_view_rad = 2 * std::atan(0.5f)});
+    orbit.pan(0.5f, 0.25f);
+    EXPECT_TRUE(near(orbit.camera().target, {5, 3.5f, 0})) << "half and a quarter of the picture's height there, 10";
+}
+
+TEST(ViewProjection, UndoesItself) {
+    const Camera camera{.eye = {3, 4, 9}, .target = {0, 1, -2}};
+    const view::Projection projection(camera, 1.6f);
+    const Vec3<float> middle = projection.project(camera.target);
+    EXPECT_NEAR(middle.x, 0.5f, 1e-5f);
+    EXPECT_NEAR(middle.y, 0.5f, 1e-5f);
+    const auto ray = projection.ray(0.2f, 0.9f);
+    const Vec3<float> point = projection.project(ray.origin + ray.direction * 7.0f);
+    EXPECT_NEAR(point.x, 0.2f, 1e-5f);
+    EXPECT_NEAR(point.y, 0.9f, 1e-5f);
+    EXPECT_NEAR(point.z, 7, 1e-4f);
+    EXPECT_LT(projection.project(camera.eye * 2.0f).z, 0) << "behind";
+}
+
+TEST(ViewPick, MeetsBoxesWhereTheyStand) {
+    // Turned by a quarter about y, twice as large, and moved: x from -4 to 0, z from -6 to 2.
+    const view::PlacedBox box{{-2, 0, -1}, {2, 1, 1}, to_affine(Trs<float>{axis_angle(Vec3<float>{0, 1, 0}, 1.57079633f), {-2, 0, -2}, {2, 2, 2}})};
+    const auto along_z = [&](float x, float y, float from) { return view::distance_to(box, {{x, y, from}, {0, 0, -1}}); };
+    EXPECT_NEAR(along_z(-2, 1, 10).value_or(-1), 8, 1e-4f);
+    EXPECT_NEAR(along_z(-2, 1, 0).value_or(-1), 0, 1e-4f) << "from within";
+    EXPECT_FALSE(along_z(0.5f, 1, 10));
+    EXPECT_FALSE(along_z(-2, 2.5f, 10));
+    EXPECT_FALSE(along_z(-2, 1, -7)) << "it lies behind";
+    EXPECT_FALSE(view::distance_to({box.min, box.max, to_affine(Trs<float>{.scale = {1, 0, 1}})}, {{0, 5, 0}, {0, -1, 0}})) << "flat";
+}
+
+}  // namespace
+}  // namespace throng

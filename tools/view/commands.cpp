@@ -1,0 +1,112 @@
+#include "tools/view/commands.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace throng::view {
+namespace {
+
+// Steps of the number that are easy to say: 1, 2, 5, 10, 20, 50 …
+void change_count(State& state, bool up) {
+    const auto next = [&](double count) {
+        const double decade = std::pow(10.0, std::floor(std::log10(count) + 1e-9));
+        for (const double step : {1.0, 2.0, 5.0, 10.0})
+            if (step * decade > count + 0.5) return step * decade;
+        return count;
+    };
+    const auto before = [&](double count) {
+        const double decade = std::pow(10.0, std::floor(std::log10(count) - 1e-9));
+        for (const double step : {5.0, 2.0, 1.0})
+            if (step * decade < count - 0.5) return step * decade;
+        return 1.0;
+    };
+    const double count = state.wanted.count;
+    state.wanted.count = static_cast<uint32_t>(std::clamp(up ? next(count) : before(count), 1.0, double{kMostCharacters}));
+}
+
+void step_back(State& state) {
+    if (state.shows_keys) state.shows_keys = false;
+    else if (state.selected) state.selected.reset();
+    else state.message.clear();
+}
+
+constexpr std::array kCommands{
+    Command{"?", "these keys", '?', 0, [](State& s) { s.shows_keys = !s.shows_keys; }},
+    Command{"space", "pause, go on", 0, GLFW_KEY_SPACE, [](State& s) { s.paused = !s.paused; }},
+    Command{".", "one frame on", '.', 0, [](State& s) { s.paused = s.steps = true; }},
+    Command{"+", "more characters", '+', 0, [](State& s) { change_count(s, true); }},
+    Command{"-", "fewer characters", '-', 0, [](State& s) { change_count(s, false); }},
+    Command{"l", "culling and levels of detail", 'l', 0, [](State& s) { s.wanted.culls = !s.wanted.culls; }},
+    Command{"h", "shadows", 'h', 0, [](State& s) { s.drawing.shadows = !s.drawing.shadows; }},
+    Command{"g", "fog", 'g', 0, [](State& s) { s.drawing.fog = !s.drawing.fog; }},
+    Command{"r", "see the whole crowd", 'r', 0, [](State& s) { s.resets_view = true; }},
+    Command{"f", "fly, or orbit", 'f', 0, [](State& s) { s.flies = !s.flies; }},
+    Command{"tab", "panels", 0, GLFW_KEY_TAB, [](State& s) { s.shows_panels = !s.shows_panels; }},
+    Command{"p, F12", "screenshot", 'p', GLFW_KEY_F12, [](State& s) { s.takes_screenshot = true; }},
+    Command{"escape", "close, select none", 0, GLFW_KEY_ESCAPE, step_back},
+    Command{"ctrl+q", "quit", 0, GLFW_KEY_Q, [](State& s) { s.closes = true; }, true},
+};
+
+constexpr std::array kGestures{
+    Gesture{"orbit; when flying, look around", "drag"},
+    Gesture{"pan", "right drag, or shift + drag"},
+    Gesture{"closer, farther", "wheel"},
+    Gesture{"inspect a character", "click"},
+    Gesture{"fly; faster", "w a s d q e; shift"},
+    Gesture{"show them", "drop .glb, .gltf, .throng"},
+    Gesture{"use it", "drop a controller's .json"},
+};
+
+void fly_by_keys(State& state) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const auto axis = [](int more, int less) { return static_cast<float>(ImGui::IsKeyDown(more)) - static_cast<float>(ImGui::IsKeyDown(less)); };
+    const float step = io.DeltaTime * (io.KeyShift ? 1.2f : 0.3f);  // of the way to the crowd, a second
+    const float right = axis(GLFW_KEY_D, GLFW_KEY_A), up = axis(GLFW_KEY_E, GLFW_KEY_Q), forward = axis(GLFW_KEY_W, GLFW_KEY_S);
+    if (right == 0 && up == 0 && forward == 0) return;
+    state.camera = kByHand;
+    state.orbit.fly(right * step, up * step, forward * step);
+}
+
+void take_keys(State& state, std::span<const KeyPress> pressed) {
+    const ImGuiIO& io = ImGui::GetIO();
+    if (io.WantTextInput) return;
+    for (const Command& command : kCommands) {
+        const bool typed = command.character && std::find(io.InputQueueCharacters.begin(), io.InputQueueCharacters.end(), command.character) != io.InputQueueCharacters.end();
+        const auto is_it = [&](const KeyPress& press) { return press.key == command.key && press.with_ctrl == command.with_ctrl; };
+        if (typed || (command.key && std::ranges::any_of(pressed, is_it))) command.run(state);
+    }
+    if (!io.KeyCtrl) fly_by_keys(state);
+}
+
+void take_drags(State& state) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const float x = io.MouseDelta.x / io.DisplaySize.y, y = io.MouseDelta.y / io.DisplaySize.y;  // picture heights
+    const bool pans = ImGui::IsMouseDown(ImGuiMouseButton_Right) || ImGui::IsMouseDown(ImGuiMouseButton_Middle) || (ImGui::IsMouseDown(ImGuiMouseButton_Left) && io.KeyShift);
+    constexpr float kTurn_rad = 3.5f, kLook_rad = 1.2f;  // by a drag over the height of the picture
+    const bool turns = !pans && ImGui::IsMouseDown(ImGuiMouseButton_Left);
+    if (((pans || turns) && (x != 0 || y != 0)) || io.MouseWheel != 0) state.camera = kByHand;
+    if (pans) state.orbit.pan(-x, y);
+    else if (turns && state.flies) state.orbit.look(-x * kLook_rad, y * kLook_rad);
+    else if (turns) state.orbit.turn(-x * kTurn_rad, y * kTurn_rad);
+    if (io.MouseWheel != 0) state.orbit.zoom(std::pow(0.88f, std::clamp(io.MouseWheel, -10.0f, 10.0f)));
+}
+
+}  // namespace
+
+std::span<const Command> commands() { return kCommands; }
+std::span<const Gesture> gestures() { return kGestures; }
+
+std::optional<Click> take_commands(State& state, std::span<const KeyPress> pressed) {
+    take_keys(state, pressed);
+    const ImGuiIO& io = ImGui::GetIO();
+    if (io.WantCaptureMouse) return std::nullopt;
+    take_drags(state);
+    constexpr float kStill = 4;  // pixels: a hand trembles
+    if (!ImGui::IsMouseReleased(ImGuiMouseButton_Left) || io.MouseDragMaxDistanceSqr[ImGuiMouseButton_Left] > kStill * kStill) return std::nullopt;
+    return Click{io.MousePos.x / io.DisplaySize.x, io.MousePos.y / io.DisplaySize.y};
+}
+
+}  // namespace throng::view

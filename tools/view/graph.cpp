@@ -1,0 +1,83 @@
+#include "tools/view/panels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace throng::view {
+namespace {
+
+// Of the stages in their order, drawing last: by hue, in steps that stay apart for the colour-blind too (after Okabe and Ito, 2008).
+constexpr std::array<ImU32, kTimedCount> kColors{IM_COL32(204, 121, 167, 255), IM_COL32(230, 159, 0, 255), IM_COL32(0, 158, 115, 255), IM_COL32(86, 180, 233, 255), IM_COL32(170, 170, 80, 255),
+                                                 IM_COL32(213, 94, 0, 255),    IM_COL32(240, 228, 66, 255), IM_COL32(0, 114, 178, 255), IM_COL32(118, 128, 146, 255)};
+
+// The next larger of 1, 2, 5 times a power of ten.
+float round_up(float ms) {
+    const float decade = std::pow(10.0f, std::floor(std::log10(std::max(ms, 1e-3f))));
+    for (const float step : {1.0f, 2.0f, 5.0f})
+        if (ms <= step * decade) return step * decade;
+    return 10 * decade;
+}
+
+float sum(const FrameTimes& times) {
+    float total = 0;
+    for (const float time : times) total += time;
+    return total;
+}
+
+// Stages upon each other, the latest frame at the right.
+void draw_bars(const History& history, ImVec2 from, ImVec2 to) {
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    float most = 0.01f;
+    for (size_t frame = 0; frame < history.size(); ++frame) most = std::max(most, sum(history.ago(frame)));
+    const float top = round_up(most), width = (to.x - from.x) / History::kFrames, height = to.y - from.y;
+    for (size_t frame = 0; frame < history.size(); ++frame) {
+        const float right = to.x - static_cast<float>(frame) * width;
+        float y = to.y;
+        for (size_t i = 0; i < kTimedCount; ++i) {
+            const float above = y - history.ago(frame)[i] / top * height;
+            if (y - above > 0.05f) list.AddRectFilled({right - width, above}, {right, y}, kColors[i]);
+            y = above;
+        }
+    }
+    for (const float part : {0.0f, 0.5f, 1.0f}) {
+        const float y = to.y - part * height;
+        std::array<char, 24> text{};
+        std::snprintf(text.data(), text.size(), part == 1 ? "%.4g ms" : "%.4g", double{part * top});
+        list.AddLine({from.x, y}, {to.x, y}, IM_COL32(255, 255, 255, 40));
+        list.AddText({to.x + scaled(6), y - ImGui::GetFontSize() / 2}, ImGui::GetColorU32(ImGuiCol_TextDisabled), text.data());
+    }
+}
+
+void draw_legend(const FrameTimes& mean) {
+    const float side = ImGui::GetFontSize() * 0.6f;
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    ImGui::TextDisabled("GPU");
+    ImGui::SameLine();
+    ImGui::Text("%.2f ms", double{sum(mean)});
+    for (size_t i = 0; i < kTimedCount; ++i) {
+        if (mean[i] <= 0) continue;  // stages that this crowd has none of
+        ImGui::SameLine(0, scaled(14));
+        const ImVec2 at = ImGui::GetCursorScreenPos();
+        const float down = (ImGui::GetFontSize() - side) / 2;
+        list.AddRectFilled({at.x, at.y + down}, {at.x + side, at.y + down + side}, kColors[i], 2);
+        ImGui::SetCursorScreenPos({at.x + side + scaled(5), at.y});
+        ImGui::Text("%s %.2f", timed_name(i), double{mean[i]});
+    }
+}
+
+}  // namespace
+
+void draw_graph(const Measured& measured) {
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    const float gap = scaled(kPanelGap), left = scaled(kSettingsWidth) + 2 * gap, height = scaled(kGraphHeight);
+    ImGui::SetNextWindowPos({left, display.y - gap - height});
+    ImGui::SetNextWindowSize({display.x - left - gap, height});
+    ImGui::Begin("graph", nullptr, kFixedPanel | ImGuiWindowFlags_NoScrollbar);
+    draw_legend(measured.history.mean());
+    const ImVec2 from = ImGui::GetCursorScreenPos(), room = ImGui::GetContentRegionAvail();
+    draw_bars(measured.history, {from.x, from.y + scaled(8)}, {from.x + room.x - scaled(58), from.y + room.y - scaled(4)});
+    ImGui::End();
+}
+
+}  // namespace throng::view

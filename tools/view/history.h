@@ -1,0 +1,46 @@
+// GPU times of the last frames, for the graph.
+#pragma once
+
+#include "tools/stages.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+namespace throng::view {
+
+// Stages of an update, and then drawing; milliseconds.
+inline constexpr size_t kTimedCount = tools::kStages.size() + 1;
+using FrameTimes = std::array<float, kTimedCount>;
+
+class History {
+public:
+    static constexpr size_t kFrames = 240;
+
+    void add(const StageTimes& stages, double draw_ms) {
+        FrameTimes& times = frames_[count_++ % kFrames];
+        for (size_t i = 0; i < tools::kStages.size(); ++i) times[i] = static_cast<float>(stages.*tools::kStages[i].second);
+        times.back() = static_cast<float>(draw_ms);
+    }
+    void clear() { count_ = 0; }
+
+    size_t size() const { return std::min(count_, kFrames); }
+    // 0 is the latest.
+    const FrameTimes& ago(size_t frames) const { return frames_[(count_ - 1 - frames) % kFrames]; }
+    // Of the latest, so that figures can be read.
+    FrameTimes mean() const {
+        const size_t count = std::min<size_t>(size(), 20);
+        FrameTimes mean{};
+        for (size_t frame = 0; frame < count; ++frame)
+            for (size_t i = 0; i < kTimedCount; ++i) mean[i] += ago(frame)[i] / static_cast<float>(count);
+        return mean;
+    }
+
+private:
+    std::array<FrameTimes, kFrames> frames_{};
+    size_t count_ = 0;
+};
+
+inline const char* timed_name(size_t timed) { return timed < tools::kStages.size() ? tools::kStages[timed].first : "draw"; }
+
+}  // namespace throng::view

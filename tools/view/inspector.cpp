@@ -1,0 +1,85 @@
+#include "tools/view/panels.h"
+
+#include <algorithm>
+
+namespace throng::view {
+namespace {
+
+// Returns whether it was changed.
+bool clip_rows(const char* title, const Character& character, ClipPlayback& playing) {
+    bool changed = false;
+    ImGui::PushID(title);
+    begin_row(title);
+    changed |= choose_clip("##clip", character, playing.clip);
+    if (playing.clip != kNone) {
+        const float duration_s = character.clips[playing.clip].duration_s;
+        float time_s = std::min(static_cast<float>(playing.time_s), duration_s);
+        begin_row("at");
+        if (ImGui::SliderFloat("##time", &time_s, 0, duration_s, "%.2f s", ImGuiSliderFlags_AlwaysClamp)) {
+            playing.time_s = double{time_s};
+            changed = true;
+        }
+        begin_row("speed");
+        changed |= ImGui::SliderFloat("##speed", &playing.speed, -2, 2, "%.2f", ImGuiSliderFlags_AlwaysClamp);
+    }
+    ImGui::PopID();
+    return changed;
+}
+
+void clips(Scene& scene, uint32_t instance, const Character& character) {
+    Playback playback = scene.playback_of(instance);
+    bool changed = clip_rows("first", character, playback.first);
+    ImGui::Spacing();
+    changed |= clip_rows("second", character, playback.second);
+    ImGui::Spacing();
+    begin_row("blend");
+    float second = 1 - playback.weight;
+    if (ImGui::SliderFloat("##weight", &second, 0, 1, "%.2f of the second", ImGuiSliderFlags_AlwaysClamp)) {
+        playback.weight = std::clamp(1 - second, 0.0f, 1.0f);
+        changed = true;
+    }
+    if (changed) scene.set_playback_of(instance, playback);
+}
+
+// What the device had in the last frame; what is changed is sent.
+void parameters(Scene& scene, uint32_t instance, const Controller& controller, const std::vector<float>& values) {
+    for (uint32_t p = 0; p < std::min(values.size(), controller.parameters.size()); ++p) {
+        float value = values[p];
+        if (parameter_row(controller, p, value)) scene.set_parameter_of(instance, p, value);
+    }
+    ImGui::Spacing();
+    for (const ControllerLayer& layer : controller.layers) {
+        begin_row("layer");
+        ImGui::Text("%s, %zu states", layer.name.c_str(), layer.states.size());
+    }
+}
+
+}  // namespace
+
+void draw_inspector(State& state, Scene& scene, const Measured& measured) {
+    const uint32_t instance = *state.selected;
+    const uint32_t group = scene.group_of(instance);
+    const Character& character = scene.cast().characters[group];
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    const float gap = scaled(kPanelGap);
+    ImGui::SetNextWindowPos({display.x - gap, gap}, ImGuiCond_Always, {1, 0});
+    ImGui::SetNextWindowSizeConstraints({scaled(kInspectorWidth), 0}, {scaled(kInspectorWidth), display.y - 2 * gap});
+    ImGui::Begin("inspector", nullptr, kFixedPanel | ImGuiWindowFlags_AlwaysAutoResize);
+    ImGui::Text("Character %u", instance);
+    ImGui::SameLine();
+    ImGui::TextDisabled("%s", character.name.c_str());
+    ImGui::SameLine(scaled(kInspectorWidth) - scaled(34));
+    if (ImGui::SmallButton("x")) state.selected.reset();
+    ImGui::Separator();
+    begin_row("joints");
+    ImGui::Text("%u in %u levels", character.rig.joint_count(), character.rig.level_count);
+    const Affine& world_from_model = scene.box_of(instance).world_from_model;
+    begin_row("stands at");
+    ImGui::Text("%.2f, %.2f, %.2f", double{world_from_model.row[0][3]}, double{world_from_model.row[1][3]}, double{world_from_model.row[2][3]});
+    ImGui::Spacing();
+    if (const Controller* controller = scene.controller_of(group)) parameters(scene, instance, *controller, measured.parameters);
+    else if (!character.clips.empty()) clips(scene, instance, character);
+    ImGui::End();
+}
+
+}  // namespace throng::view

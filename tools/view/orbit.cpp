@@ -1,0 +1,72 @@
+#include "tools/view/orbit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace throng::view {
+namespace {
+
+constexpr float kLeastPitch_rad = -0.3f, kMostPitch_rad = 1.5f;  // that a hand turns to: from a little below, so as not to dive under the ground, to almost from above
+constexpr float kSteepest_rad = 1.55f;                            // beyond it the picture would have no up
+
+Vec3<float> direction_of(float yaw_rad, float pitch_rad) { return {std::cos(pitch_rad) * std::sin(yaw_rad), std::sin(pitch_rad), std::cos(pitch_rad) * std::cos(yaw_rad)}; }
+
+}  // namespace
+
+void Orbit::reset(const Camera& camera) {
+    const Vec3<float> back = camera.eye - camera.target, unit = normalized(back);
+    target_ = camera.target;
+    distance_ = reach_ = std::max(length(back), 1e-6f);
+    yaw_rad_ = std::atan2(unit.x, unit.z);
+    pitch_rad_ = std::clamp(std::asin(std::clamp(unit.y, -1.0f, 1.0f)), -kSteepest_rad, kSteepest_rad);
+    field_of_view_rad_ = camera.vertical_field_of_view_rad;
+}
+
+Vec3<float> Orbit::to_eye() const { return direction_of(yaw_rad_, pitch_rad_); }
+
+Camera Orbit::camera() const { return {target_ + to_eye() * distance_, target_, field_of_view_rad_}; }
+
+void Orbit::turn(float yaw_rad, float pitch_rad) {
+    yaw_rad_ += yaw_rad;
+    pitch_rad_ = std::clamp(pitch_rad_ + pitch_rad, std::min(kLeastPitch_rad, pitch_rad_), std::max(kMostPitch_rad, pitch_rad_));
+}
+
+void Orbit::look(float yaw_rad, float pitch_rad) {
+    const Vec3<float> eye = camera().eye;
+    turn(yaw_rad, pitch_rad);
+    target_ = eye - to_eye() * distance_;
+}
+
+void Orbit::pan(float right, float up) {
+    const Projection axes(camera(), 1);
+    target_ = target_ + (axes.right() * right + axes.up() * up) * (2 * distance_ * std::tan(field_of_view_rad_ / 2));
+}
+
+void Orbit::zoom(float factor) { distance_ = std::clamp(distance_ * factor, reach_ * 1e-4f, reach_ * 20); }
+
+void Orbit::fly(float right, float up, float forward) {
+    const Vec3<float> ahead = to_eye() * -1.0f, aside{-ahead.z, 0, ahead.x};
+    target_ = target_ + (normalized(aside) * right + Vec3<float>{0, up, 0} + ahead * forward) * reach_;
+}
+
+void Orbit::look_at(const Vec3<float>& world_place, float distance) {
+    target_ = world_place;
+    distance_ = distance;
+}
+
+Projection::Projection(const Camera& camera, float aspect_ratio)
+    : eye_(camera.eye), forward_(normalized(camera.target - camera.eye)), half_height_(std::tan(camera.vertical_field_of_view_rad / 2)) {
+    right_ = normalized(cross(forward_, Vec3<float>{0, 1, 0}));
+    up_ = cross(right_, forward_);
+    half_width_ = half_height_ * aspect_ratio;
+}
+
+Projection::Ray Projection::ray(float x, float y) const { return {eye_, forward_ + right_ * ((2 * x - 1) * half_width_) + up_ * ((1 - 2 * y) * half_height_)}; }
+
+Vec3<float> Projection::project(const Vec3<float>& world_place) const {
+    const Vec3<float> from_eye = world_place - eye_;
+    const float depth = dot(from_eye, forward_);
+    return {0.5f + 0.5f * dot(from_eye, right_) / (depth * half_width_), 0.5f - 0.5f * dot(from_eye, up_) / (depth * half_height_), depth};
+}
+
+}  // namespace throng::view

@@ -1,0 +1,52 @@
+// The camera as a hand moves it: around a place, along the picture, or through the crowd. No window is involved.
+#pragma once
+
+#include <throng/draw.h>
+
+namespace throng::view {
+
+class Orbit {
+public:
+    // Looks as `camera` does; its distance is the measure of how fast fly() goes and how far zoom() may.
+    void reset(const Camera& camera);
+    Camera camera() const;
+
+    // About the target; about the eye. Radians: to the left, up.
+    void turn(float yaw_rad, float pitch_rad);
+    void look(float yaw_rad, float pitch_rad);
+    // Moves eye and target along the picture: in picture heights at the target's distance.
+    void pan(float right, float up);
+    // Below 1: closer.
+    void zoom(float factor);
+    // Moves eye and target, in lengths of reset()'s distance: along the picture's right, the world's up, and forward.
+    void fly(float right, float up, float forward);
+    // Keeps the distance and the direction.
+    void look_at(const Vec3<float>& world_place, float distance);
+
+private:
+    Vec3<float> to_eye() const;  // unit
+
+    Vec3<float> target_;
+    float distance_ = 1, yaw_rad_ = 0, pitch_rad_ = 0, reach_ = 1, field_of_view_rad_ = 0.7f;
+};
+
+// The picture's axes, to go from its points to rays and back. Points of the picture: 0..1 from the left and the top.
+class Projection {
+public:
+    Projection(const Camera& camera, float aspect_ratio);
+
+    struct Ray {
+        Vec3<float> origin, direction;  // world space; as long as it may be
+    };
+    Ray ray(float x, float y) const;
+    // z is the distance along the line of sight; what is behind the eye has none that is positive.
+    Vec3<float> project(const Vec3<float>& world_place) const;
+    const Vec3<float>& right() const { return right_; }  // unit, world space
+    const Vec3<float>& up() const { return up_; }
+
+private:
+    Vec3<float> eye_, right_, up_, forward_;
+    float half_width_, half_height_;
+};
+
+}  // namespace throng::view

@@ -1,0 +1,187 @@
+#include "tools/command.h"
+#include "tools/view/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace throng::view {
+namespace {
+
+// Dealt out by their shares, as long as there are enough.
+std::vector<uint32_t> deal_out(uint32_t count, std::span<const uint32_t> shares) {
+    const uint64_t whole = std::accumulate(shares.begin(), shares.end(), uint64_t{0});
+    std::vector<uint32_t> counts;
+    uint64_t before = 0;
+    for (const uint32_t share : shares) {
+        counts.push_back(static_cast<uint32_t>(count * (before + share) / whole - count * before / whole));
+        before += share;
+    }
+    return counts;
+}
+
+// Loops stay within their duration, so that the time of hours is as exact as that of seconds.
+double moved_on(const Character& character, const ClipPlayback& clip, double seconds) {
+    const double time_s = clip.time_s + seconds * double{clip.speed};
+    const double duration_s = clip.clip == kNone ? 0 : double{character.clips[clip.clip].duration_s};
+    if (!clip.loop || duration_s <= 0) return std::clamp(time_s, 0.0, duration_s);
+    return time_s - std::floor(time_s / duration_s) * duration_s;
+}
+
+}  // namespace
+
+Scene::Shown::Shown(Cast of, const SceneSettings& made_so) : settings(made_so), playback(of.characters.size()), parameters(of.characters.size()) {
+    for (size_t group = 0; group < of.controllers.size(); ++group)
+        if (of.controllers[group])
+            for (const ControllerParameter& parameter : of.controllers[group]->parameters) parameters[group].push_back(parameter.initial);
+    cast = std::make_shared<const Cast>(std::move(of));
+}
+
+Scene::Scene(const Device& device, Cast cast, const SceneSettings& settings) : device_(device), shown_(std::move(cast), settings) {
+    make_field();
+    make_crowd();
+}
+
+void Scene::set_settings(const SceneSettings& settings) {
+    Shown wanted = shown_;
+    wanted.settings = settings;
+    remake(std::move(wanted));
+}
+
+void Scene::set_cast(Cast cast) { remake({std::move(cast), settings()}); }
+
+void Scene::remake(Shown wanted) {
+    const auto same_field = [&] {
+        const SceneSettings &a = wanted.settings, &b = shown_.settings;
+        return wanted.cast == shown_.cast && a.count == b.count && a.seed == b.seed && a.formation == b.formation && a.spacing == b.spacing;
+    };
+    const bool keeps_field = same_field();
+    std::swap(shown_, wanted);
+    try {
+        if (!keeps_field) make_field();
+        make_crowd();
+    } catch (const tools::CommandError&) {
+        std::swap(shown_, wanted);
+        if (!keeps_field) make_field();
+        make_crowd();
+        throw;
+    }
+}
+
+void Scene::make_field() {
+    const SceneSettings& of = settings();
+    field_ = tools::scatter(cast().characters, {deal_out(of.count, cast().shares), cast().heights, of.formation, double{of.spacing}, of.seed});
+    for (size_t group = 0; group < field_.groups.size(); ++group) {
+        field_.groups[group].controller = controller_of(static_cast<uint32_t>(group));
+        field_.groups[group].moves_placements = false;  // so that who is clicked at stands where it is known to
+    }
+    playing_.assign(field_.playback.size(), {});
+    uint32_t instance = 0;
+    for (uint32_t group = 0; group < field_.groups.size(); ++group)
+        for (uint32_t i = 0; i < instance_count_of(group); ++i, ++instance) playing_[instance] = {chosen(group, instance), clock_s_};
+}
+
+void Scene::make_crowd() {
+    crowd_.reset();  // first: two large ones need not fit the device together
+    const SceneSettings& of = settings();
+    crowd_.emplace(tools::unwrap(Crowd::create(
+        device_, {.groups = field_.groups, .path = of.path, .skin_format = of.format, .scan = of.scan, .keep_model_matrices = of.keeps_joints, .culls = of.culls})));
+    director_.emplace(field_.groups, of.seed);
+    for (uint32_t group = 0; group < field_.groups.size(); ++group) {
+        if (!controller_of(group)) send_playback(group);
+        for (uint32_t p = 0; p < parameters(group).size(); ++p)
+            if (parameters(group)[p] != controller_of(group)->parameters[p].initial) set_parameter(group, p, parameters(group)[p]);
+    }
+    tools::unwrap(crowd_->set_placement(0, field_.placement));
+    bounds_ = world_bounds(*crowd_);
+}
+
+void Scene::advance(float time_step_s) {
+    if (directs_) director_->direct(*crowd_, time_step_s);
+    clock_s_ += double{time_step_s};
+}
+
+uint32_t Scene::group_of(uint32_t instance) const {
+    uint32_t group = 0;
+    for (uint32_t end = instance_count_of(0); instance >= end; end += instance_count_of(group)) ++group;
+    return group;
+}
+
+uint32_t Scene::first_instance_of(uint32_t group) const {
+    return std::accumulate(field_.groups.begin(), field_.groups.begin() + group, 0u, [](uint32_t sum, const CrowdGroup& one) { return sum + one.instance_count; });
+}
+
+Playback Scene::chosen(uint32_t group, uint32_t instance) const {
+    Playback playback = field_.playback[instance];
+    const GroupPlayback& wanted = group_playback(group);
+    if (wanted.own) return playback;
+    const Character& character = cast().characters[group];
+    playback.first.clip = wanted.first;
+    playback.second.clip = wanted.second;
+    playback.weight = wanted.weight;
+    for (ClipPlayback* clip : {&playback.first, &playback.second}) clip->time_s = moved_on(character, *clip, 0);
+    return playback;
+}
+
+void Scene::set_group_playback(uint32_t group, const GroupPlayback& playback) {
+    shown_.playback[group] = playback;
+    const uint32_t first = first_instance_of(group);
+    for (uint32_t i = first; i < first + instance_count_of(group); ++i) {
+        const Playback wanted = chosen(group, i), now = playback_of(i);
+        Playback& next = playing_[i].from;
+        next = wanted;
+        // Clips that go on playing do so from where they are.
+        if (now.first.clip == next.first.clip) next.first.time_s = now.first.time_s;
+        if (now.second.clip == next.second.clip) next.second.time_s = now.second.time_s;
+        playing_[i].since_s = clock_s_;
+    }
+    send_playback(group);
+}
+
+void Scene::send_playback(uint32_t group) {
+    const uint32_t first = first_instance_of(group);
+    std::vector<Playback> now(instance_count_of(group));
+    for (uint32_t i = 0; i < now.size(); ++i) now[i] = playback_of(first + i);
+    tools::unwrap(crowd_->set_playback(first, now));
+}
+
+Playback Scene::playback_of(uint32_t instance) const {
+    const Playing& playing = playing_[instance];
+    const Character& character = cast().characters[group_of(instance)];
+    Playback now = playing.from;
+    for (ClipPlayback* clip : {&now.first, &now.second}) clip->time_s = moved_on(character, *clip, clock_s_ - playing.since_s);
+    return now;
+}
+
+void Scene::set_playback_of(uint32_t instance, const Playback& playback) {
+    tools::unwrap(crowd_->set_playback(instance, {&playback, 1}));
+    playing_[instance] = {playback, clock_s_};
+}
+
+void Scene::set_parameter(uint32_t group, uint32_t parameter, float value) {
+    const bool lasts = controller_of(group)->parameters[parameter].type != ParameterType::kTrigger;
+    if (lasts) shown_.parameters[group][parameter] = value;
+    const uint32_t first = first_instance_of(group);
+    for (uint32_t i = first; i < first + instance_count_of(group); ++i) set_parameter_of(i, parameter, value);
+}
+
+void Scene::set_parameter_of(uint32_t instance, uint32_t parameter, float value) { tools::unwrap(crowd_->set_parameters(instance, parameter, {&value, 1})); }
+
+PlacedBox Scene::box_of(uint32_t instance) const {
+    const Character& character = cast().characters[group_of(instance)];
+    return {character.bounds_min, character.bounds_max, field_.placement[instance]};
+}
+
+std::optional<uint32_t> Scene::pick(const Projection::Ray& ray) const {
+    std::optional<uint32_t> nearest;
+    float least = 0;
+    for (uint32_t instance = 0; instance < field_.placement.size(); ++instance) {
+        const std::optional<float> distance = distance_to(box_of(instance), ray);
+        if (!distance || (nearest && *distance >= least)) continue;
+        nearest = instance;
+        least = *distance;
+    }
+    return nearest;
+}
+
+}  // namespace throng::view

@@ -1,0 +1,124 @@
+// The crowd that is shown: the characters of files, how they stand, and what each plays, which is known here too, for whoever looks at one.
+#pragma once
+
+#include "tools/director.h"
+#include "tools/scatter.h"
+#include "tools/view/pick.h"
+
+#include <throng/throng.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace throng::view {
+
+// What comes from files.
+struct Cast {
+    std::vector<Character> characters;                   // not empty
+    std::vector<std::optional<Controller>> controllers;  // [characters]
+    std::vector<uint32_t> shares;                        // [characters], of the whole number
+    std::vector<double> heights;                         // as ScatterSettings has them
+
+    // Of each as many, without controllers, of one size.
+    explicit Cast(std::vector<Character> of) : characters(std::move(of)), controllers(characters.size()), shares(characters.size(), 1) {}
+};
+
+// A change of any of these makes the crowd anew.
+struct SceneSettings {
+    uint32_t count = 100;
+    uint64_t seed = 1;
+    tools::Formation formation = tools::Formation::kGrid;
+    float spacing = 1;
+    std::string scan = "auto";
+    UpdatePath path = UpdatePath::kAuto;
+    SkinFormat format = SkinFormat::kAffine;
+    bool culls = true;          // and with it levels of detail
+    bool keeps_joints = false;  // their matrices, which skeletons are drawn from
+
+    bool operator==(const SceneSettings&) const = default;
+};
+inline constexpr uint32_t kMostCharacters = 100'000;
+
+// What all characters of a file without a controller play.
+struct GroupPlayback {
+    bool own = true;                 // clips and weights of each character's own, by the seed; else those below, at times of their own
+    uint32_t first = 0, second = 0;  // clips
+    float weight = 1;
+
+    bool operator==(const GroupPlayback&) const = default;
+};
+
+class Scene {
+public:
+    // Throws a CommandError where such a crowd cannot be made, as the next two do, which then leave the scene as it was. The device must be idle.
+    Scene(const Device& device, Cast cast, const SceneSettings& settings);
+    void set_settings(const SceneSettings& settings);
+    void set_cast(Cast cast);
+
+    const Cast& cast() const { return *shown_.cast; }
+    const SceneSettings& settings() const { return shown_.settings; }
+    Crowd& crowd() { return *crowd_; }
+    const Bounds& bounds() const { return bounds_; }  // of the rest poses, world space
+
+    // Before an update by this time step.
+    void advance(float time_step_s);
+
+    uint32_t group_of(uint32_t instance) const;
+    uint32_t instance_count_of(uint32_t group) const { return field_.groups[group].instance_count; }
+    const Controller* controller_of(uint32_t group) const { return cast().controllers[group] ? &*cast().controllers[group] : nullptr; }
+
+    // Of groups without a controller.
+    const GroupPlayback& group_playback(uint32_t group) const { return shown_.playback[group]; }
+    void set_group_playback(uint32_t group, const GroupPlayback& playback);
+    Playback playback_of(uint32_t instance) const;  // as it is now: times have moved on
+    void set_playback_of(uint32_t instance, const Playback& playback);
+
+    // Whether characters with controllers are told something now and then. They keep what they have been told last.
+    bool directs() const { return directs_; }
+    void set_directs(bool directs) { directs_ = directs; }
+    // What all characters of a group with a controller have been told last, at first what they start with.
+    const std::vector<float>& parameters(uint32_t group) const { return shown_.parameters[group]; }
+    // Of all characters of the group, or of one.
+    void set_parameter(uint32_t group, uint32_t parameter, float value);
+    void set_parameter_of(uint32_t instance, uint32_t parameter, float value);
+
+    // In the rest pose.
+    PlacedBox box_of(uint32_t instance) const;
+    std::optional<uint32_t> pick(const Projection::Ray& ray) const;
+
+private:
+    struct Shown {
+        std::shared_ptr<const Cast> cast;
+        SceneSettings settings;
+        std::vector<GroupPlayback> playback;         // [characters]
+        std::vector<std::vector<float>> parameters;  // [characters][parameters of its controller]
+
+        Shown() = default;
+        Shown(Cast of, const SceneSettings& made_so);
+    };
+    struct Playing {
+        Playback from;       // what it played then
+        double since_s = 0;  // of the clock
+    };
+
+    void remake(Shown wanted);
+    void make_field();
+    void make_crowd();
+    uint32_t first_instance_of(uint32_t group) const;
+    Playback chosen(uint32_t group, uint32_t instance) const;
+    void send_playback(uint32_t group);
+
+    Device device_;
+    Shown shown_;
+    tools::Scatter field_;
+    std::vector<Playing> playing_;  // [instances]
+    std::optional<Crowd> crowd_;
+    std::optional<tools::Director> director_;
+    Bounds bounds_;
+    double clock_s_ = 0;
+    bool directs_ = true;
+};
+
+}  // namespace throng::view

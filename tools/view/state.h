@@ -1,0 +1,63 @@
+// What panels, keys and the mouse change, and the viewer obeys.
+#pragma once
+
+#include "tools/view/history.h"
+#include "tools/view/orbit.h"
+#include "tools/view/scene.h"
+
+#include <throng/draw.h>
+
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace throng::view {
+
+inline constexpr const char* kByHand = "by hand";
+
+struct State {
+    SceneSettings wanted;  // made so at the end of the frame; what cannot be made goes back to what is
+    std::optional<int> sliding_count;  // while the slider is held
+    DrawOptions drawing;
+    Orbit orbit;
+    bool flies = false;    // drags turn the head, not the crowd
+    std::string camera = kByHand;  // or a path of tools::CameraPath, which leads `orbit` until the hand takes it
+
+    bool paused = false;
+    bool steps = false;    // one frame on, though it is paused
+    float time_factor = 1;
+
+    bool shows_panels = true, shows_keys = false;
+    std::optional<uint32_t> selected;
+
+    bool resets_view = true;
+    bool takes_screenshot = false;
+    bool closes = false;
+
+    // Said in the window for a while; what is wrong on stderr too.
+    void say(std::string text) {
+        message = std::move(text);
+        message_is_error = false;
+        message_age_s = 0;
+    }
+    void complain(std::string text) {
+        say(std::move(text));
+        message_is_error = true;
+        std::cerr << "throng: " << message << "\n";
+    }
+    std::string message;
+    bool message_is_error = false;
+    float message_age_s = 0;
+};
+
+// What is known about the last frames.
+struct Measured {
+    std::string device;
+    History history;
+    float frame_ms = 0;  // from one picture to the next
+    std::vector<uint32_t> drawn;     // of each level of detail
+    std::vector<float> parameters;   // of the selected character's controller
+};
+
+}  // namespace throng::view

@@ -1,0 +1,269 @@
+#include "tools/view/viewer.h"
+
+#include "tools/command.h"
+#include "tools/view/commands.h"
+#include "tools/view/panels.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace throng::view {
+namespace {
+
+using tools::CommandError;
+using tools::unwrap;
+
+constexpr float kLongestStep_s = 0.1f;  // after a pause of any kind the crowd goes on where it was
+constexpr float kScriptedStep_s = 1 / 60.0f;
+
+Cast make_cast(const tools::SceneOptions& options) {
+    tools::SceneCast files(options);
+    Cast cast(std::move(files.characters));
+    cast.controllers = std::move(files.controllers);
+    if (!options.counts.empty()) cast.shares = options.counts;
+    cast.heights = options.sizes;
+    return cast;
+}
+
+SceneSettings make_settings(const tools::SceneOptions& options) {
+    const uint64_t count = options.counts.empty() ? options.count : std::accumulate(options.counts.begin(), options.counts.end(), uint64_t{0});
+    if (count > kMostCharacters) throw CommandError(std::to_string(count) + " characters: a window shows at most " + std::to_string(kMostCharacters) + "; 'throng render' draws more");
+    return {.count = static_cast<uint32_t>(count), .seed = options.seed, .formation = options.formation, .spacing = static_cast<float>(options.spacing), .scan = options.scan};
+}
+
+// The first that is not there yet.
+std::string free_name() {
+    for (int number = 1;; ++number) {
+        const std::string name = "throng_" + std::to_string(number) + ".png";
+        if (!std::filesystem::exists(name)) return name;
+    }
+}
+
+}  // namespace
+
+Viewer::Viewer(const ViewOptions& options)
+    : options_(options),
+      window_(options.size.width, options.size.height),
+      context_(window_, options.device),
+      device_(unwrap(Device::adopt(context_.adopted()))),
+      swapchain_(context_),
+      canvas_(context_),
+      gui_(window_, context_, canvas_.render_pass()),
+      submission_(context_),
+      probe_(context_),
+      renderer_(unwrap(Renderer::create(device_, options.size))),
+      scene_(device_, make_cast(options.scene), make_settings(options.scene)) {
+    if (!options.script.empty()) script_.emplace(options.script);
+    state_.wanted = scene_.settings();
+    state_.drawing = renderer_.options();
+    measured_.device = device_.info().name;
+    const tools::CameraPath path = tools::make_camera_path(options.camera);
+    if (!options.camera.eye.empty()) {
+        state_.orbit.reset(path.at(0, {}));
+        state_.resets_view = false;
+    } else if (options.camera.path != "fit") {
+        state_.camera = options.camera.path;
+    }
+}
+
+Viewer::~Viewer() { vkDeviceWaitIdle(context_.device()); }
+
+void Viewer::run() {
+    window_.show();
+    while (!is_done()) {
+        if (state_.paused && !is_scripted()) glfwWaitEventsTimeout(0.1);  // nothing changes but by input
+        else glfwPollEvents();
+        if (window_.size().width == 0 || window_.size().height == 0) {  // minimised
+            glfwWaitEvents();
+            continue;
+        }
+        take_dropped();
+        take_loaded();
+        show_frame();
+        take_settings();
+    }
+    if (!options_.dump.empty()) write_dump();
+}
+
+bool Viewer::is_done() const {
+    return window_.closes() || state_.closes || (options_.frames && frame_ >= *options_.frames) || (script_ && script_->ends_by(frame_));
+}
+
+void Viewer::show_frame() {
+    if (swapchain_.is_stale(window_.size())) resize();
+    const std::optional<uint32_t> image = swapchain_.acquire();
+    if (!image) return;
+    gui_.take_input(swapchain_.extent());
+    if (script_) shot_ = script_->play(frame_, window_).value_or("");
+    if (is_scripted()) ImGui::GetIO().DeltaTime = kScriptedStep_s;
+    ImGui::NewFrame();
+    draw_panels();
+    ImGui::Render();
+    const bool is_last = options_.frames && frame_ + 1 == *options_.frames && !options_.screenshot.empty();
+    if (std::exchange(state_.takes_screenshot, false) || is_last) shot_ = options_.screenshot.empty() ? free_name() : options_.screenshot;
+
+    record(*image);
+    submission_.submit(swapchain_.acquired(), swapchain_.written(*image));
+    swapchain_.present(*image);
+    submission_.wait();
+    if (!shot_.empty()) save_shot();
+    measure();
+    ++frame_;
+}
+
+void Viewer::resize() {
+    check(vkDeviceWaitIdle(context_.device()), "vkDeviceWaitIdle");
+    swapchain_.recreate(window_.size());
+    const VkExtent2D extent = swapchain_.extent();
+    canvas_.resize(extent);
+    unwrap(renderer_.resize(extent.width, extent.height));
+}
+
+// A path leads the camera until the hand takes it, which goes on from there.
+void Viewer::move_camera(float aspect_ratio) {
+    if (std::exchange(state_.resets_view, false)) state_.orbit.reset(fit_camera(scene_.bounds(), aspect_ratio));
+    if (state_.camera == kByHand) {
+        path_.reset();
+        return;
+    }
+    if (!path_ || path_name_ != state_.camera) {
+        path_name_ = state_.camera;
+        path_.emplace(path_name_);
+        path_time_s_ = 0;
+    }
+    const PlacedBox followed = scene_.box_of(state_.selected.value_or(std::min(path_->followed_character(), scene_.settings().count - 1)));
+    state_.orbit.reset(path_->at(path_time_s_, {scene_.bounds(), aspect_ratio, followed.world_from_model, {followed.min, followed.max}}));
+    path_time_s_ += double{ImGui::GetIO().DeltaTime};
+}
+
+void Viewer::draw_panels() {
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    const float aspect_ratio = display.x / display.y;
+    if (const std::optional<Click> click = take_commands(state_, window_.take_pressed())) state_.selected = scene_.pick(Projection(state_.orbit.camera(), aspect_ratio).ray(click->x, click->y));
+    move_camera(aspect_ratio);
+    if (state_.selected) draw_selection(state_, scene_);
+    if (state_.shows_panels) {
+        draw_settings(state_, scene_, measured_);
+        draw_graph(measured_);
+        if (state_.selected) draw_inspector(state_, scene_, measured_);
+    }
+    if (state_.shows_keys) draw_keys(state_);
+    draw_message(state_);
+}
+
+void Viewer::record(uint32_t image) {
+    const float time_step_s = next_time_step();
+    scene_.advance(time_step_s);
+    unwrap(renderer_.set_options(state_.drawing));
+    const VkCommandBuffer commands = submission_.begin();
+    unwrap(renderer_.record(commands, scene_.crowd(), time_step_s, state_.orbit.camera()));
+    if (state_.selected) probe_.record(commands, scene_.crowd(), *state_.selected);
+    canvas_.record_picture(commands, renderer_.picture());
+    canvas_.record_panels(commands);
+    canvas_.record_copy(commands, swapchain_.image(image));
+    if (!shot_.empty()) canvas_.record_read_back(commands);
+}
+
+float Viewer::next_time_step() {
+    const auto now = std::chrono::steady_clock::now();
+    const float passed_s = std::chrono::duration<float>(now - std::exchange(last_frame_, now)).count();
+    measured_.frame_ms += (passed_s * 1000 - measured_.frame_ms) * 0.1f;
+    if (std::exchange(state_.steps, false)) return kScriptedStep_s;
+    if (state_.paused) return 0;
+    return (is_scripted() ? kScriptedStep_s : std::min(passed_s, kLongestStep_s)) * state_.time_factor;
+}
+
+void Viewer::measure() {
+    if (const Result<StageTimes> times = scene_.crowd().stage_times()) measured_.history.add(*times, renderer_.draw_ms());
+    if (state_.selected) measured_.parameters = probe_.read();
+    constexpr uint64_t kEvery = 15;  // frames: it waits for the device
+    if (frame_ % kEvery != 0 || !scene_.settings().culls) return;
+    measured_.drawn.clear();
+    for (const DrawnInstance& one : unwrap(scene_.crowd().read_drawn())) {
+        measured_.drawn.resize(std::max<size_t>(measured_.drawn.size(), one.detail + 1));
+        ++measured_.drawn[one.detail];
+    }
+}
+
+void Viewer::save_shot() {
+    const Result<void> written = write_png(shot_, canvas_.read());
+    if (is_scripted()) unwrap(written);
+    else if (written) state_.say("saved " + shot_.string());
+    else state_.complain(written.error().text());
+    shot_.clear();
+}
+
+void Viewer::take_dropped() {
+    std::vector<std::string> files;
+    for (std::string& file : window_.take_dropped()) (file.ends_with(".json") ? dropped_controllers_ : files).push_back(std::move(file));
+    if (files.empty()) return;
+    state_.say("reading " + std::filesystem::path(files.front()).filename().string() + (files.size() > 1 ? " …" : ""));
+    loader_.start(std::move(files), options_.scene.compile);
+}
+
+// What is wrong with a file or a setting is said in the window, and on stderr, and the scene stays.
+void Viewer::take_loaded() {
+    try {
+        if (std::optional<std::vector<Character>> characters = loader_.take(is_scripted())) {
+            scene_.set_cast(Cast(std::move(*characters)));
+            state_.selected.reset();
+            state_.resets_view = true;
+            state_.message.clear();
+        }
+        if (loader_.is_busy()) return;
+        for (const std::string& file : std::exchange(dropped_controllers_, {})) use_controller(file);
+    } catch (const CommandError& error) {
+        state_.complain(error.what());
+    }
+}
+
+// For those characters that it fits.
+void Viewer::use_controller(const std::string& file) {
+    const Controller controller = unwrap(load_controller(file));
+    Cast cast = scene_.cast();
+    std::string why;
+    size_t fitting = 0;
+    for (size_t k = 0; k < cast.characters.size(); ++k) {
+        const Result<void> fits = check_controller(controller, cast.characters[k]);
+        if (!fits) why = fits.error().text();
+        else cast.controllers[k] = controller, ++fitting;
+    }
+    if (fitting == 0) throw CommandError(why);
+    scene_.set_cast(std::move(cast));
+}
+
+void Viewer::take_settings() {
+    if (state_.wanted == scene_.settings()) return;
+    const bool moves = state_.wanted.count != scene_.settings().count || state_.wanted.formation != scene_.settings().formation;
+    try {
+        scene_.set_settings(state_.wanted);
+        if (moves) state_.resets_view = true;
+    } catch (const CommandError& error) {
+        state_.complain(error.what());
+    }
+    state_.wanted = scene_.settings();
+    if (state_.selected && *state_.selected >= scene_.settings().count) state_.selected.reset();
+}
+
+void Viewer::write_dump() const {
+    const Camera camera = state_.orbit.camera();
+    nlohmann::json files = nlohmann::json::array();
+    for (const Character& character : scene_.cast().characters) files.push_back(character.name);
+    const nlohmann::json dump{{"frames", frame_},
+                              {"files", files},
+                              {"count", scene_.settings().count},
+                              {"scan", scene_.settings().scan},
+                              {"culls", scene_.settings().culls},
+                              {"selected", state_.selected ? nlohmann::json(*state_.selected) : nlohmann::json()},
+                              {"paused", state_.paused},
+                              {"shows_keys", state_.shows_keys},
+                              {"message", state_.message},
+                              {"size", {swapchain_.extent().width, swapchain_.extent().height}},
+                              {"eye", {camera.eye.x, camera.eye.y, camera.eye.z}},
+                              {"target", {camera.target.x, camera.target.y, camera.target.z}},
+                              {"drawn", measured_.drawn}};
+    const std::string text = dump.dump(2) + "\n";
+    tools::write_file(options_.dump, std::as_bytes(std::span(text)));
+}
+
+}  // namespace throng::view

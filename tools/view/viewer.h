@@ -1,0 +1,81 @@
+// The window and what it shows, frame by frame.
+#pragma once
+
+#include "tools/crowd_scene.h"
+#include "tools/view/canvas.h"
+#include "tools/view/gui.h"
+#include "tools/view/loader.h"
+#include "tools/view/probe.h"
+#include "tools/view/script.h"
+#include "tools/view/state.h"
+#include "tools/view/submission.h"
+#include "tools/view/swapchain.h"
+
+#include <chrono>
+#include <filesystem>
+
+namespace throng::view {
+
+struct ViewOptions {
+    tools::SceneOptions scene;
+    tools::CameraOptions camera;
+    std::string device;
+    RendererSettings size;
+    std::optional<uint64_t> frames;  // then it ends
+    std::string screenshot;          // file of screenshots, also of the last of these frames; empty: names are made up, and there is none of the last
+    std::string script, dump;        // files, for tests
+};
+
+class Viewer {
+public:
+    // Throws a CommandError: a file that cannot be read, no display, no device that fits it.
+    explicit Viewer(const ViewOptions& options);
+    ~Viewer();
+    Viewer(const Viewer&) = delete;
+    Viewer& operator=(const Viewer&) = delete;
+
+    // Until the window is closed. Throws a CommandError where the device fails.
+    void run();
+
+private:
+    bool is_done() const;
+    bool is_scripted() const { return script_ || options_.frames; }  // then every frame is a sixtieth of a second, however long it takes
+    void show_frame();
+    void resize();
+    void move_camera(float aspect_ratio);
+    void draw_panels();
+    void record(uint32_t image);
+    float next_time_step();
+    void measure();
+    void save_shot();
+    void take_dropped();
+    void take_loaded();
+    void use_controller(const std::string& file);
+    void take_settings();
+    void write_dump() const;
+
+    ViewOptions options_;
+    Window window_;
+    Context context_;
+    Device device_;
+    Swapchain swapchain_;
+    Canvas canvas_;
+    Gui gui_;
+    Submission submission_;
+    Probe probe_;
+    Renderer renderer_;
+    Scene scene_;
+    Loader loader_;
+    std::vector<std::string> dropped_controllers_;  // files, to be used once the characters are there
+    std::optional<Script> script_;
+    State state_;
+    Measured measured_;
+    std::optional<tools::CameraPath> path_;  // of state_.camera
+    std::string path_name_;
+    double path_time_s_ = 0;
+    std::chrono::steady_clock::time_point last_frame_ = std::chrono::steady_clock::now();
+    std::filesystem::path shot_;  // to be written of this frame; empty: none
+    uint64_t frame_ = 0;
+};
+
+}  // namespace throng::view

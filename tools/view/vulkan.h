@@ -1,0 +1,85 @@
+// Vulkan as the window needs it beside throng: linked to the system's loader, as Debian's build of Dear ImGui is. Whatever fails throws a CommandError.
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace throng::view {
+
+// Throws, naming the call and its result.
+void check(VkResult result, const char* call);
+
+// A handle that is destroyed with its owner; movable.
+template <class Handle, auto Destroy>
+class Owned {
+public:
+    Owned() = default;
+    // `create` is the call, named `call` in messages, that takes device, info, allocator and handle.
+    template <class Info>
+    Owned(VkDevice device, VkResult (*create)(VkDevice, const Info*, const VkAllocationCallbacks*, Handle*), const Info& info, const char* call) : device_(device) {
+        check(create(device, &info, nullptr, &handle_), call);
+    }
+    ~Owned() {
+        if (handle_) Destroy(device_, handle_, nullptr);
+    }
+    Owned(Owned&& other) noexcept : device_(other.device_), handle_(std::exchange(other.handle_, {})) {}
+    Owned& operator=(Owned&& other) noexcept {
+        std::swap(device_, other.device_);
+        std::swap(handle_, other.handle_);
+        return *this;
+    }
+
+    Handle get() const { return handle_; }
+
+private:
+    VkDevice device_ = VK_NULL_HANDLE;
+    Handle handle_ = VK_NULL_HANDLE;
+};
+
+using OwnedImage = Owned<VkImage, vkDestroyImage>;
+using OwnedImageView = Owned<VkImageView, vkDestroyImageView>;
+using OwnedMemory = Owned<VkDeviceMemory, vkFreeMemory>;
+using OwnedBuffer = Owned<VkBuffer, vkDestroyBuffer>;
+using OwnedRenderPass = Owned<VkRenderPass, vkDestroyRenderPass>;
+using OwnedFramebuffer = Owned<VkFramebuffer, vkDestroyFramebuffer>;
+using OwnedSemaphore = Owned<VkSemaphore, vkDestroySemaphore>;
+using OwnedFence = Owned<VkFence, vkDestroyFence>;
+using OwnedCommandPool = Owned<VkCommandPool, vkDestroyCommandPool>;
+using OwnedDescriptorPool = Owned<VkDescriptorPool, vkDestroyDescriptorPool>;
+using OwnedSwapchain = Owned<VkSwapchainKHR, vkDestroySwapchainKHR>;
+
+// Memory of the device for something with these needs, of a type with `properties`.
+OwnedMemory allocate_memory(VkPhysicalDevice physical_device, VkDevice device, const VkMemoryRequirements& needs, VkMemoryPropertyFlags properties);
+
+// What the device copies to, and the host reads then.
+class HostBuffer {
+public:
+    HostBuffer() = default;
+    HostBuffer(VkPhysicalDevice physical_device, VkDevice device, VkDeviceSize size_bytes);
+
+    VkBuffer get() const { return buffer_.get(); }
+    // Behind what is copied to it.
+    void record_end(VkCommandBuffer commands) const;
+    // What has been copied to it, once that has run.
+    std::vector<uint8_t> read() const;
+
+private:
+    VkDevice device_ = VK_NULL_HANDLE;
+    VkDeviceSize size_bytes_ = 0;
+    OwnedMemory memory_;
+    OwnedBuffer buffer_;
+};
+
+// What an image was last used for, and is used for next.
+struct ImageUse {
+    VkPipelineStageFlags2 stage = VK_PIPELINE_STAGE_2_NONE;
+    VkAccessFlags2 access = VK_ACCESS_2_NONE;
+    VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
+};
+inline constexpr ImageUse kCopiedTo{VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL};
+void transition(VkCommandBuffer commands, VkImage image, const ImageUse& before, const ImageUse& after);
+
+}  // namespace throng::view
