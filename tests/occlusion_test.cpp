@@ -132,6 +132,44 @@ TEST(Occlusion, WhatAppearsIsAnimatedAtOnce) {
     EXPECT_TRUE(same_bits(previous, *crowd.read_skin_matrices(0))) << "what appears has not moved";
 }
 
+// From anywhere to anywhere, in one submission each: the picture is that of a crowd that is animated and drawn entirely, to the pixel, shadows included.
+TEST(Occlusion, AThousandRandomViewsLoseNothing) {
+    constexpr uint32_t kCount = 60, kViews = 1000;
+    Character character = *compile_character(*make_creature({.joint_count = 20, .level_count = 6, .face_count = 150}));
+    character.details.clear();  // full detail
+    character.detail_ranges.clear();
+    character.detail_indices.clear();
+    character.joint_details.clear();
+    Random random(21);
+    const double size = character.size;
+    std::vector<Affine> places;
+    for (uint32_t i = 0; i < kCount; ++i) {
+        const double scale = i % 6 == 0 ? 5 : 1;  // some that hide others well
+        places.push_back(to_affine(Trs<double>{axis_angle(Vec3<double>{0, 1, 0}, random.between(0, 6)), {random.between(-9, 9) * size, -character.bounds_min.y * scale, random.between(-9, 9) * size}, {scale, scale, scale}}).as<float>());
+    }
+    const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
+    Crowd crowd = create({.groups = {{&character, kCount}}, .culls = true, .skips_updates = true}), whole = create({.groups = {{&character, kCount}}});
+    for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_placement(0, places) && one->set_playback(0, playbacks));
+    Result<Renderer> renderer = Renderer::create(test_device(), {.width = 48, .height = 36});
+    ASSERT_TRUE(renderer);
+    uint64_t drawn = 0, in_view = 0;
+    const Group& group = crowd.state().groups[0];
+    const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(), ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
+    for (uint32_t number = 0; number < kViews; ++number) {
+        const double height = character.bounds_max.y - character.bounds_min.y;
+        const Camera camera{.eye = Vec3<double>{random.between(-10, 10) * size, random.between(0.1, 3) * height, random.between(-10, 10) * size}.as<float>(), .target = Vec3<double>{random.between(-5, 5) * size, height, random.between(-5, 5) * size}.as<float>()};
+        const Result<RenderResult> seen = renderer->render_frame(crowd, 0.01f, camera), wanted = renderer->render_frame(whole, 0.01f, camera);
+        ASSERT_TRUE(seen && wanted) << (seen ? "" : seen.error().text());
+        ASSERT_EQ(seen->picture.rgba, wanted->picture.rgba) << "view " << number;
+        const CrowdView view = view_of(camera, 48, 36, world_bounds(crowd));
+        const io::CullView planes = cull_view_of(&view, 0);
+        for (const Affine& place : places) in_view += seen_by(planes, place.as<double>(), box) > 0;
+        drawn += drawn_of(crowd).size();
+    }
+    EXPECT_LT(drawn, in_view * 9 / 10) << "some are hidden";
+    std::printf("  of %llu in view %llu are drawn\n", static_cast<unsigned long long>(in_view), static_cast<unsigned long long>(drawn));
+}
+
 TEST(Occlusion, WrongUseIsRefused) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 2}}, .culls = true}), plain = create({.groups = {{&character, 2}}});

@@ -39,6 +39,7 @@ Camera fit_camera(const Bounds& bounds, float aspect_ratio);
 // How pictures look; may change from frame to frame.
 struct DrawOptions {
     bool shadows = true;
+    bool occlusion = true;  // of crowds that cull, render_frame() and record() leave out who is hidden behind others; draws the depths of those that were visible in the last frame
     bool fog = true;      // the ground and what is far away fade into the horizon
     float exposure = 1;   // all light is multiplied by it; above 0
     Vec3<float> to_sun{-0.45f, 0.85f, 0.5f};  // world space, of any length; y at least a twentieth of it

@@ -11,6 +11,8 @@
 
 #include <throng/character.h>
 
+#include <algorithm>
+
 namespace throng {
 
 // A set of joints that are animated in one pass.
@@ -89,6 +91,8 @@ struct Group {
 
     // Instances that are not drawn may be left as they are: nothing but a picture shows their pose, and none builds upon the one before.
     bool animates_drawn_only() const { return !fused.empty() && !sockets && !(controller && controller->is_inertial); }
+    // Of a level of detail: the set of joints that it has, and of influences that refer to no others.
+    uint32_t influence_set_of(uint32_t detail) const { return fused.size() > 1 ? std::min(detail, static_cast<uint32_t>(fused.size()) - 1) : 0; }
     bool has_root_motion() const { return controller && root_rows.size_bytes() > sizeof(io::vec4); }
     uint32_t socket_flags() const { return socket_space == SocketSpace::kWorld ? io::kSocketsToWorld : 0; }
     uint32_t socket_count() const { return sockets ? static_cast<uint32_t>(sockets->joints.size()) : 0; }

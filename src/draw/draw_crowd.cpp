@@ -51,6 +51,7 @@ void draw_crowd(VkCommandBuffer commands, const CrowdState& crowd, const CrowdBi
         const Group& group = crowd.groups[batch.group];
         // Mirrored, a front face winds the other way: then the fragment shader culls.
         const bool mirrors = has_mirrored_instances(crowd, batch);
+        if (mirrors && pass == DrawPass::kOccluders) continue;  // it would take a shader that culls
         const VkDescriptorSet batch_set = bindings.set_of(crowd, batch_index);
         vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 1, 1, &batch_set, 0, nullptr);
         vk.vkCmdBindIndexBuffer(commands, group.indices.handle(), 0, VK_INDEX_TYPE_UINT32);
@@ -59,7 +60,7 @@ void draw_crowd(VkCommandBuffer commands, const CrowdState& crowd, const CrowdBi
             if (section.index_count == 0) continue;
             const DrawMaterial& material = bindings.materials[batch.group].of(section);
             const bool is_shadow = pass == DrawPass::kShadow;
-            const OwnedPipeline& pipeline = is_shadow ? pipelines.shadow[material.masked] : pipelines.into_picture[material.masked || mirrors][material.has_maps];
+            const OwnedPipeline& pipeline = is_shadow ? pipelines.shadow[material.masked] : pass == DrawPass::kOccluders ? pipelines.occluder[material.masked] : pipelines.into_picture[material.masked || mirrors][material.has_maps];
             vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
             vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 2, 1, &material.set, 0, nullptr);
             vk.vkCmdSetCullMode(commands, is_shadow || material.factors.double_sided || mirrors ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
@@ -71,6 +72,7 @@ void draw_crowd(VkCommandBuffer commands, const CrowdState& crowd, const CrowdBi
                 continue;
             }
             for (push.detail = 0; push.detail <= group.details.size(); ++push.detail) {
+                push.first_influences = section.first_influences + group.influence_set_of(push.detail) * group.influence_count;
                 set_push();
                 vk.vkCmdDrawIndexedIndirect(commands, batch.draws.handle(), (section_index * io::kDetailLevels + push.detail) * sizeof(io::DrawCommand), 1, sizeof(io::DrawCommand));
             }

@@ -5,7 +5,7 @@
 
 namespace throng {
 
-enum class DrawPass { kShadow, kPicture };
+enum class DrawPass { kShadow, kOccluders, kPicture };
 
 // Within the pass, with the scene bound.
 void draw_crowd(VkCommandBuffer commands, const CrowdState& crowd, const CrowdBindings& bindings, VkPipelineLayout layout, const CharacterPipelines& pipelines, DrawPass pass);

@@ -32,17 +32,24 @@ constexpr uint32_t kSkeletonVertex[] = {
 constexpr uint32_t kBoundsVertex[] = {
 #include "draw/bounds.vert.inc"
 };
+constexpr uint32_t kFarthestVertex[] = {
+#include "draw/farthest.vert.inc"
+};
+constexpr uint32_t kFarthestFragment[] = {
+#include "draw/farthest.frag.inc"
+};
 constexpr uint32_t kLineFragment[] = {
 #include "draw/line.frag.inc"
 };
 
-enum class Depth { kNone, kTested, kAlone };  // kAlone: of the shadow map, nothing else is written
+enum class Depth { kNone, kTested, kAlone, kShadowMap };  // the last two: nothing else is written
 
 struct Program {
     std::span<const uint32_t> vertex, fragment;  // no fragment shader: depth is written
     std::array<uint32_t, 3> vertex_constants{};
     std::array<uint32_t, 2> fragment_constants{};
     Depth depth = Depth::kNone;
+    VkFormat color_format = kColorFormat;
 };
 
 OwnedSetLayout make_set_layout(const std::shared_ptr<Gpu>& gpu, const std::vector<VkDescriptorType>& types, VkShaderStageFlags stages) {
@@ -73,7 +80,7 @@ OwnedPipeline make_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout la
         fragment = make_shader(gpu, program.fragment);
         stages.push_back({VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_FRAGMENT_BIT, fragment.get(), "main", &fragment_constants});
     }
-    const bool depth_alone = program.depth == Depth::kAlone;
+    const bool is_shadow_map = program.depth == Depth::kShadowMap, depth_alone = is_shadow_map || program.depth == Depth::kAlone;
 
     // Vertices are fetched by the shader.
     const VkPipelineVertexInputStateCreateInfo vertex_input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
@@ -87,10 +94,10 @@ OwnedPipeline make_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout la
     rasterization.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
     rasterization.lineWidth = 1;
     // What the sun grazes is put farther from it, so that it does not shadow itself between the texels of the map.
-    rasterization.depthBiasEnable = depth_alone;
+    rasterization.depthBiasEnable = is_shadow_map;
     rasterization.depthBiasSlopeFactor = -1.5f;
     VkPipelineMultisampleStateCreateInfo multisample{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
-    multisample.rasterizationSamples = depth_alone ? VK_SAMPLE_COUNT_1_BIT : samples;
+    multisample.rasterizationSamples = is_shadow_map ? VK_SAMPLE_COUNT_1_BIT : samples;
     VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
     depth.depthTestEnable = program.depth != Depth::kNone;
     depth.depthWriteEnable = program.depth != Depth::kNone;
@@ -106,8 +113,8 @@ OwnedPipeline make_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout la
     dynamic.pDynamicStates = dynamic_states.data();
     VkPipelineRenderingCreateInfo rendering{VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO};
     rendering.colorAttachmentCount = blend.attachmentCount;
-    rendering.pColorAttachmentFormats = &kColorFormat;
-    rendering.depthAttachmentFormat = kDepthFormat;
+    rendering.pColorAttachmentFormats = &program.color_format;
+    rendering.depthAttachmentFormat = program.color_format == kColorFormat ? kDepthFormat : VK_FORMAT_UNDEFINED;
 
     VkGraphicsPipelineCreateInfo create{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO, &rendering};
     create.stageCount = static_cast<uint32_t>(stages.size());
@@ -149,11 +156,17 @@ OwnedPipeline make_ground_pipeline(const std::shared_ptr<Gpu>& gpu, const DrawLa
     return make_pipeline(gpu, layouts.layout.get(), samples, {.vertex = kGroundVertex, .fragment = kGroundFragment});
 }
 
+OwnedPipeline make_farthest_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout layout) {
+    return make_pipeline(gpu, layout, VK_SAMPLE_COUNT_1_BIT, {.vertex = kFarthestVertex, .fragment = kFarthestFragment, .color_format = kFarthestFormat});
+}
+
 CharacterPipelines::CharacterPipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, SkinFormat format, bool listed) {
     const auto make = [&](const Program& program) { return make_pipeline(gpu, layouts.layout.get(), samples, program); };
     const auto vertex_constants = [&](bool is_shadow) { return std::array<uint32_t, 3>{is_shadow, static_cast<uint32_t>(format), listed}; };
-    shadow[0] = make({.vertex = kCharacterVertex, .vertex_constants = vertex_constants(true), .depth = Depth::kAlone});
-    shadow[1] = make({.vertex = kCharacterVertex, .fragment = kShadowFragment, .vertex_constants = vertex_constants(true), .depth = Depth::kAlone});
+    shadow[0] = make({.vertex = kCharacterVertex, .vertex_constants = vertex_constants(true), .depth = Depth::kShadowMap});
+    shadow[1] = make({.vertex = kCharacterVertex, .fragment = kShadowFragment, .vertex_constants = vertex_constants(true), .depth = Depth::kShadowMap});
+    occluder[0] = make({.vertex = kCharacterVertex, .vertex_constants = vertex_constants(false), .depth = Depth::kAlone});
+    occluder[1] = make({.vertex = kCharacterVertex, .fragment = kShadowFragment, .vertex_constants = vertex_constants(false), .depth = Depth::kAlone});
     for (uint32_t discards = 0; discards < 2; ++discards)
         for (uint32_t has_maps = 0; has_maps < 2; ++has_maps)
             into_picture[discards][has_maps] = make({.vertex = kCharacterVertex, .fragment = kCharacterFragment, .vertex_constants = vertex_constants(false), .fragment_constants = {discards, has_maps}, .depth = Depth::kTested});

@@ -12,6 +12,7 @@ namespace throng {
 
 inline constexpr VkFormat kColorFormat = VK_FORMAT_R8G8B8A8_SRGB;
 inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
+inline constexpr VkFormat kFarthestFormat = VK_FORMAT_R32_SFLOAT;  // draw/occluders.h
 
 // What all pipelines share. Descriptor sets: 0 the scene (one uniform buffer, the shadow map), 1 a batch (seven storage buffers), 2 a material (its textures).
 struct DrawLayouts {
@@ -24,12 +25,16 @@ struct DrawLayouts {
 // The ground over the whole picture, without depth.
 OwnedPipeline make_ground_pipeline(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples);
 
+// Depths of several samples -> the farthest (draw/occluders.h).
+OwnedPipeline make_farthest_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout layout);
+
 // Of crowds whose skin matrices have this format, and whose instances are listed or not. Cull mode, viewport and scissor are dynamic.
 struct CharacterPipelines {
     CharacterPipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, SkinFormat format, bool listed);
 
     // Those that discard: of materials with a mask; and in the picture of batches with mirrored instances, whose front faces wind the other way.
     std::array<OwnedPipeline, 2> shadow;                       // [discards]: into the shadow map
+    std::array<OwnedPipeline, 2> occluder;                     // [discards]: depths alone, of the camera
     std::array<std::array<OwnedPipeline, 2>, 2> into_picture;  // [discards][has_maps]
 };
 

@@ -5,6 +5,7 @@
 #include "draw/crowd_bindings.h"
 #include "draw/draw_crowd.h"
 #include "draw/draw_timer.h"
+#include "draw/occluders.h"
 #include "draw/pipeline.h"
 #include "draw/scene.h"
 #include "draw/targets.h"
@@ -65,7 +66,8 @@ private:
     Frame prepare(const Crowd& crowd, const Camera& camera);
     const CharacterPipelines& pipelines_of(const CrowdState& crowd);
     const LinePipelines& lines_of(const CrowdState& crowd);
-    void record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) const;
+    void record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera, const Frame& frame);
+    void bind_scene(VkCommandBuffer commands, const Frame& frame) const;
     void record_frame(VkCommandBuffer commands, const Frame& frame);
     void draw_shadows(VkCommandBuffer commands, const Frame& frame) const;
     void draw_picture(VkCommandBuffer commands, const Frame& frame) const;
@@ -78,6 +80,7 @@ private:
     std::map<std::pair<SkinFormat, bool>, CharacterPipelines> characters_;  // by skin format, and whether a crowd lists what is drawn
     std::map<bool, LinePipelines> lines_;                                   // by the latter
     CrowdBindingsCache crowds_;
+    std::optional<Occluders> occluders_;  // made when first needed
 };
 
 RendererState::RendererState(std::shared_ptr<Gpu> gpu_in, const RendererSettings& settings)
@@ -90,6 +93,7 @@ void RendererState::resize(uint32_t width, uint32_t height) {
     ShadowMap map(gpu, width, height);
     scene_ = SceneBinding(gpu, layouts_.scene_set.get(), map);
     targets = std::move(resized);
+    occluders_.reset();
     shadow_map = std::move(map);
 }
 
@@ -105,7 +109,7 @@ RenderResult RendererState::render(const Crowd& crowd, const Camera& camera) {
 RenderResult RendererState::render_frame(Crowd& crowd, float time_step_s, const Camera& camera) {
     const Frame frame = prepare(crowd, camera);
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
-        record_update(commands, crowd, time_step_s, camera);
+        record_update(commands, crowd, time_step_s, camera, frame);
         record_frame(commands, frame);
         targets.record_read_back(commands);
     });
@@ -114,7 +118,7 @@ RenderResult RendererState::render_frame(Crowd& crowd, float time_step_s, const 
 
 void RendererState::record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) {
     const Frame frame = prepare(crowd, camera);
-    record_update(commands, crowd, time_step_s, camera);
+    record_update(commands, crowd, time_step_s, camera, frame);
     record_frame(commands, frame);
 }
 
@@ -139,17 +143,32 @@ const LinePipelines& RendererState::lines_of(const CrowdState& crowd) {
     return found != lines_.end() ? found->second : lines_.emplace(listed, LinePipelines(gpu, layouts_, samples, listed)).first->second;
 }
 
-void RendererState::record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) const {
-    const CrowdView view = view_of(camera, targets.width(), targets.height(), world_bounds(crowd), options);
-    crowd.state().record(commands, time_step_s, crowd.state().cull ? &view : nullptr);
+void RendererState::record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera, const Frame& frame) {
+    CrowdState& state = crowd.state();
+    if (!state.cull) return state.record(commands, time_step_s, nullptr);
+    CrowdView view = view_of(camera, targets.width(), targets.height(), world_bounds(crowd), options);
+    view.occlusion = options.occlusion && (gpu->properties.limits.sampledImageDepthSampleCounts & samples);
+    state.record(commands, time_step_s, &view);
+    if (!view.occlusion) return;
+    if (!occluders_) occluders_.emplace(gpu, targets.width(), targets.height(), samples);
+    bind_scene(commands, frame);
+    occluders_->begin(commands);
+    draw_crowd(commands, frame.crowd, frame.bindings, layouts_.layout.get(), frame.characters, DrawPass::kOccluders);
+    occluders_->end(commands);
+    state.record_disoccluded(commands, occluders_->depths());
+}
+
+// And what the crowd's update has written becomes visible to draws.
+void RendererState::bind_scene(VkCommandBuffer commands, const Frame& frame) const {
+    memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, kDrawRead);
+    scene_.record(commands, frame.scene);
+    const VkDescriptorSet scene_set = scene_.set();
+    gpu->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layouts_.layout.get(), 0, 1, &scene_set, 0, nullptr);
 }
 
 void RendererState::record_frame(VkCommandBuffer commands, const Frame& frame) {
-    memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, kDrawRead);
-    scene_.record(commands, frame.scene);
+    bind_scene(commands, frame);
     timer.begin(commands);
-    const VkDescriptorSet scene_set = scene_.set();
-    gpu->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layouts_.layout.get(), 0, 1, &scene_set, 0, nullptr);
     draw_shadows(commands, frame);
     draw_picture(commands, frame);
     timer.end(commands);

@@ -1,0 +1,10 @@
+#version 460
+// farthest: of a pixel's samples, where nearer is greater. A device's own resolve need not know the least (lavapipe's does not).
+layout(set = 0, binding = 0) uniform sampler2DMS depths;
+layout(location = 0) out float out_depth;
+
+void main() {
+    const int count = textureSamples(depths);
+    out_depth = 1;
+    for (int i = 0; i < count; ++i) out_depth = min(out_depth, texelFetch(depths, ivec2(gl_FragCoord.xy), i).x);
+}

@@ -1,0 +1,107 @@
+#include "draw/occluders.h"
+
+#include "draw/pipeline.h"
+
+namespace throng {
+namespace {
+
+constexpr Access kDepthAccess{VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
+                              VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT};
+constexpr Access kColorWrite{VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT};
+constexpr Access kFragmentRead{VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT};
+
+void begin_rendering(const Gpu& gpu, VkCommandBuffer commands, uint32_t width, uint32_t height, const VkRenderingAttachmentInfo* color, const VkRenderingAttachmentInfo* depth) {
+    VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
+    rendering.renderArea = {{0, 0}, {width, height}};
+    rendering.layerCount = 1;
+    rendering.colorAttachmentCount = color ? 1 : 0;
+    rendering.pColorAttachments = color;
+    rendering.pDepthAttachment = depth;
+    gpu.vk.vkCmdBeginRendering(commands, &rendering);
+    const VkViewport viewport{0, 0, static_cast<float>(width), static_cast<float>(height), 0, 1};
+    gpu.vk.vkCmdSetViewport(commands, 0, 1, &viewport);
+    gpu.vk.vkCmdSetScissor(commands, 0, 1, &rendering.renderArea);
+}
+
+}  // namespace
+
+Occluders::Occluders(std::shared_ptr<Gpu> gpu, uint32_t width, uint32_t height, VkSampleCountFlagBits samples) : gpu_(std::move(gpu)), width_(width), height_(height) {
+    const bool several = samples != VK_SAMPLE_COUNT_1_BIT;
+    depth_ = Image(gpu_, {.what = "depths of occluders", .width = width, .height = height, .format = kDepthFormat,
+                          .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VkImageUsageFlags{several ? VK_IMAGE_USAGE_SAMPLED_BIT : VK_IMAGE_USAGE_TRANSFER_SRC_BIT}, .samples = samples});
+    if (!several) return;
+    farthest_ = Image(gpu_, {.what = "farthest depths of occluders", .width = width, .height = height, .format = kFarthestFormat, .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
+    VkSamplerCreateInfo nearest{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};  // the shader fetches
+    sampler_ = OwnedSampler(gpu_, gpu_->vk.vkCreateSampler, nearest, "vkCreateSampler");
+    const VkDescriptorSetLayoutBinding binding{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
+    VkDescriptorSetLayoutCreateInfo set_create{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+    set_create.bindingCount = 1;
+    set_create.pBindings = &binding;
+    set_layout_ = {gpu_, gpu_->vk.vkCreateDescriptorSetLayout, set_create, "vkCreateDescriptorSetLayout"};
+    const VkDescriptorSetLayout set_layout = set_layout_.get();
+    VkPipelineLayoutCreateInfo layout_create{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+    layout_create.setLayoutCount = 1;
+    layout_create.pSetLayouts = &set_layout;
+    layout_ = {gpu_, gpu_->vk.vkCreatePipelineLayout, layout_create, "vkCreatePipelineLayout"};
+    pipeline_ = make_farthest_pipeline(gpu_, layout_.get());
+
+    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
+    VkDescriptorPoolCreateInfo pool_create{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+    pool_create.maxSets = 1;
+    pool_create.poolSizeCount = 1;
+    pool_create.pPoolSizes = &size;
+    pool_ = OwnedPool(gpu_, gpu_->vk.vkCreateDescriptorPool, pool_create, "vkCreateDescriptorPool");
+    VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+    allocate.descriptorPool = pool_.get();
+    allocate.descriptorSetCount = 1;
+    allocate.pSetLayouts = &set_layout;
+    check(gpu_->vk.vkAllocateDescriptorSets(gpu_->device, &allocate, &set_), "vkAllocateDescriptorSets");
+    const VkDescriptorImageInfo image{sampler_.get(), depth_.view(), VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL};
+    VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+    write.dstSet = set_;
+    write.descriptorCount = 1;
+    write.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+    write.pImageInfo = &image;
+    gpu_->vk.vkUpdateDescriptorSets(gpu_->device, 1, &write, 0, nullptr);
+}
+
+void Occluders::begin(VkCommandBuffer commands) const {
+    transition(*gpu_, commands, {.image = depth_.handle(), .aspect = VK_IMAGE_ASPECT_DEPTH_BIT, .to = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, .before = kDepthAccess | kFragmentRead | kTransferRead, .after = kDepthAccess});
+    VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+    depth.imageView = depth_.view();
+    depth.imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
+    depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
+    depth.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    depth.clearValue.depthStencil = {0, 0};  // infinitely far
+    begin_rendering(*gpu_, commands, width_, height_, nullptr, &depth);
+}
+
+void Occluders::end(VkCommandBuffer commands) const {
+    gpu_->vk.vkCmdEndRendering(commands);
+    transition(*gpu_, commands, {.image = depth_.handle(), .aspect = VK_IMAGE_ASPECT_DEPTH_BIT, .from = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
+                                 .to = has_samples() ? VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, .before = kDepthAccess, .after = has_samples() ? kFragmentRead : kTransferRead});
+    if (has_samples()) resolve(commands);
+}
+
+void Occluders::resolve(VkCommandBuffer commands) const {
+    transition(*gpu_, commands, {.image = farthest_.handle(), .to = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, .before = kTransferRead, .after = kColorWrite});
+    VkRenderingAttachmentInfo color{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+    color.imageView = farthest_.view();
+    color.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+    color.loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;  // all of it is written
+    color.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    begin_rendering(*gpu_, commands, width_, height_, &color, nullptr);
+    gpu_->vk.vkCmdSetCullMode(commands, VK_CULL_MODE_NONE);
+    gpu_->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.get());
+    gpu_->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &set_, 0, nullptr);
+    gpu_->vk.vkCmdDraw(commands, 3, 1, 0, 0);
+    gpu_->vk.vkCmdEndRendering(commands);
+    transition(*gpu_, commands, {.image = farthest_.handle(), .from = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, .to = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, .before = kColorWrite, .after = kTransferRead});
+}
+
+DepthImage Occluders::depths() const {
+    const Image& image = has_samples() ? farthest_ : depth_;
+    return {.image = image.handle(), .aspect = VkImageAspectFlags{has_samples() ? VK_IMAGE_ASPECT_COLOR_BIT : VK_IMAGE_ASPECT_DEPTH_BIT}, .width = width_, .height = height_, .reversed = true};
+}
+
+}  // namespace throng
