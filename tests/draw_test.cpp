@@ -599,6 +599,12 @@ TEST(Draw, SkeletonsShowLevelsOverTheMesh) {
         EXPECT_TRUE(is_red(seen_at(picture, camera, {0.2, 0.3, 0}))) << "beside them the square";
     }
     const Result<Character> character = compile_character(square(), kExact);
+    Crowd unseen = crowd_of(*character, {.keep_model_matrices = true, .culls = true});
+    const CrowdView away = view_of({.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 9}}, kWidth, kHeight, world_bounds(unseen));
+    ASSERT_TRUE(unseen.update(0, &away));
+    const Picture with_lines = shared_renderer(1, {.skeletons = true, .bounds = true}).render(unseen, kFront)->picture, without = shared_renderer(1).render(unseen, kFront)->picture;
+    EXPECT_EQ(with_lines.rgba, without.rgba) << "what is not listed has none";
+
     Crowd crowd = crowd_of(*character);
     const Result<RenderResult> result = shared_renderer(1, {.skeletons = true}).render_frame(crowd, 0, kFront);
     ASSERT_FALSE(result);

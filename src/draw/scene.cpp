@@ -60,15 +60,17 @@ io::DrawScene make_scene(const CrowdState& state, const Camera& camera, const Vk
     scene.fog = {options.fog ? std::sqrt(-std::log(1 - kFog)) / farthest : 0, 0, 0, 0};
     scene.picture = {width, height, 0, 0};
     scene.shadow = {static_cast<float>(map_size), shadow.texel, options.shadows ? 1.0f : 0.0f, 0};
-    // A clear morning. The ground reflects what it gets of sun and sky, less what the characters on it keep away.
-    const Vec3<float> sun_light{1.25f, 1.12f, 0.93f}, sky_light{0.34f, 0.42f, 0.55f}, albedo{0.31f, 0.29f, 0.235f};
+    // A clear day, from a low red sun to a high one. The ground reflects what it gets of sun and sky, less what the characters on it keep away.
+    const float day = std::clamp((to_sun.y - kLowestSun) / 0.55f, 0.0f, 1.0f);
+    const auto by_day = [&](const Vec3<float>& low, const Vec3<float>& high) { return low + (high - low) * day; };
+    const Vec3<float> sun_light = by_day({1.3f, 0.7f, 0.36f}, {1.25f, 1.12f, 0.93f}), sky_light = by_day({0.28f, 0.3f, 0.4f}, {0.34f, 0.42f, 0.55f}), albedo{0.31f, 0.29f, 0.235f};
+    const Vec3<float> arrives = sun_light * to_sun.y + sky_light;
     constexpr float kOpen = 0.6f;
     scene.sun_light = to_vec4(sun_light);
     scene.sky_light = to_vec4(sky_light);
-    const Vec3<float> arrives = (sun_light * to_sun.y + sky_light) * kOpen;
-    scene.bounce_light = {arrives.x * albedo.x, arrives.y * albedo.y, arrives.z * albedo.z, 0};
-    scene.horizon = {0.62f, 0.74f, 0.88f, 0};
-    scene.zenith = {0.13f, 0.32f, 0.68f, 0};
+    scene.bounce_light = to_vec4(Vec3<float>{arrives.x * albedo.x, arrives.y * albedo.y, arrives.z * albedo.z} * kOpen);
+    scene.horizon = to_vec4(by_day({0.86f, 0.66f, 0.5f}, {0.62f, 0.74f, 0.88f}));
+    scene.zenith = to_vec4(by_day({0.16f, 0.25f, 0.48f}, {0.13f, 0.32f, 0.68f}));
     scene.ground_albedo = to_vec4(albedo);
     return scene;
 }
