@@ -165,6 +165,28 @@ TEST_F(View, AClickInspects) {
     EXPECT_TRUE(state_["selected"].is_null());
 }
 
+TEST_F(View, DrawsSkeletonsInTheColoursOfTheirLevels) {
+    view(std::string(kStill) + "4 shot " + file("flesh.png") + "\n5 type k\n9 shot " + file("bones.png") + "\n", {"--count", "4"});
+    EXPECT_TRUE(state_["skeletons"]);
+    const auto strong = [](const Seen& in, size_t channel) {
+        return part(in.all(), [&](int x, int y) {
+            const uint8_t* c = in.at(x, y);
+            return c[channel] > 150 && c[(channel + 1) % 3] < 110 && c[(channel + 2) % 3] < 110;
+        });
+    };
+    const Seen flesh = seen("flesh.png"), bones = seen("bones.png");
+    for (const size_t channel : {0, 1, 2}) EXPECT_GT(strong(bones, channel), strong(flesh, channel) + 2e-4) << channel << ": red roots, green middles, blue tips";
+}
+
+TEST_F(View, ADroppedControllerDrives) {
+    const Outcome run = view("2 drop " THRONG_SOURCE_DIR "/examples/controllers/guard.json\n5 move 325 170\n6 press left\n7 release left\n12 move 630 20\n", {"--count", "1"});
+    EXPECT_TRUE(run.err.empty()) << run;
+    EXPECT_EQ(state_["selected"], 0);
+    EXPECT_EQ(state_["parameters"].size(), 2) << "speed and attack, as the device has them";
+    const Outcome wrong = view("2 drop " THRONG_SOURCE_DIR "/examples/controllers/willow.json\n6 move 630 20\n", {"--count", "1"});
+    EXPECT_NE(wrong.err.find("gust"), std::string::npos) << "a clip that it has not: " << wrong;
+}
+
 TEST_F(View, ChangesTheNumber) {
     view("2 move 188 76\n3 press left\n6 release left\n10 shot " + file("many.png") + "\n", {"--count", "2"});
     EXPECT_GT(state_["count"], 200) << "the middle of the slider, which is logarithmic";

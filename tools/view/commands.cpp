@@ -40,6 +40,8 @@ constexpr std::array kCommands{
     Command{"+", "more characters", '+', 0, [](State& s) { change_count(s, true); }},
     Command{"-", "fewer characters", '-', 0, [](State& s) { change_count(s, false); }},
     Command{"l", "culling and levels of detail", 'l', 0, [](State& s) { s.wanted.culls = !s.wanted.culls; }},
+    Command{"k", "skeletons", 'k', 0, [](State& s) { s.drawing.skeletons = !s.drawing.skeletons; }},
+    Command{"b", "boxes that culling goes by", 'b', 0, [](State& s) { s.drawing.bounds = !s.drawing.bounds; }},
     Command{"h", "shadows", 'h', 0, [](State& s) { s.drawing.shadows = !s.drawing.shadows; }},
     Command{"g", "fog", 'g', 0, [](State& s) { s.drawing.fog = !s.drawing.fog; }},
     Command{"r", "see the whole crowd", 'r', 0, [](State& s) { s.resets_view = true; }},

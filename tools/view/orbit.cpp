@@ -49,11 +49,6 @@ void Orbit::fly(float right, float up, float forward) {
     target_ = target_ + (normalized(aside) * right + Vec3<float>{0, up, 0} + ahead * forward) * reach_;
 }
 
-void Orbit::look_at(const Vec3<float>& world_place, float distance) {
-    target_ = world_place;
-    distance_ = distance;
-}
-
 Projection::Projection(const Camera& camera, float aspect_ratio)
     : eye_(camera.eye), forward_(normalized(camera.target - camera.eye)), half_height_(std::tan(camera.vertical_field_of_view_rad / 2)) {
     right_ = normalized(cross(forward_, Vec3<float>{0, 1, 0}));

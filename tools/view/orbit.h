@@ -20,8 +20,6 @@ public:
     void zoom(float factor);
     // Moves eye and target, in lengths of reset()'s distance: along the picture's right, the world's up, and forward.
     void fly(float right, float up, float forward);
-    // Keeps the distance and the direction.
-    void look_at(const Vec3<float>& world_place, float distance);
 
 private:
     Vec3<float> to_eye() const;  // unit

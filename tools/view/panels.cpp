@@ -132,6 +132,10 @@ void choose_camera(State& state) {
 
 void picture_section(State& state) {
     choose_camera(state);
+    ImGui::Checkbox("skeletons", &state.drawing.skeletons);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("a colour for each level");
+    ImGui::SameLine(scaled(130));
+    ImGui::Checkbox("boxes", &state.drawing.bounds);
     ImGui::Checkbox("shadows", &state.drawing.shadows);
     ImGui::SameLine(scaled(130));
     ImGui::Checkbox("fog", &state.drawing.fog);

@@ -154,7 +154,9 @@ void Viewer::draw_panels() {
 void Viewer::record(uint32_t image) {
     const float time_step_s = next_time_step();
     scene_.advance(time_step_s);
-    unwrap(renderer_.set_options(state_.drawing));
+    DrawOptions drawing = state_.drawing;
+    drawing.skeletons = scene_.settings().keeps_joints;  // a crowd that keeps joints comes a frame later
+    unwrap(renderer_.set_options(drawing));
     const VkCommandBuffer commands = submission_.begin();
     unwrap(renderer_.record(commands, scene_.crowd(), time_step_s, state_.orbit.camera()));
     if (state_.selected) probe_.record(commands, scene_.crowd(), *state_.selected);
@@ -233,6 +235,7 @@ void Viewer::use_controller(const std::string& file) {
 }
 
 void Viewer::take_settings() {
+    state_.wanted.keeps_joints = state_.drawing.skeletons;
     if (state_.wanted == scene_.settings()) return;
     const bool moves = state_.wanted.count != scene_.settings().count || state_.wanted.formation != scene_.settings().formation;
     try {
@@ -242,6 +245,7 @@ void Viewer::take_settings() {
         state_.complain(error.what());
     }
     state_.wanted = scene_.settings();
+    state_.drawing.skeletons = state_.wanted.keeps_joints;
     if (state_.selected && *state_.selected >= scene_.settings().count) state_.selected.reset();
 }
 
@@ -254,6 +258,9 @@ void Viewer::write_dump() const {
                               {"count", scene_.settings().count},
                               {"scan", scene_.settings().scan},
                               {"culls", scene_.settings().culls},
+                              {"skeletons", scene_.settings().keeps_joints},
+                              {"directs", scene_.directs()},
+                              {"parameters", measured_.parameters},
                               {"selected", state_.selected ? nlohmann::json(*state_.selected) : nlohmann::json()},
                               {"paused", state_.paused},
                               {"shows_keys", state_.shows_keys},
