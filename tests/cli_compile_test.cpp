@@ -122,7 +122,7 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
     std::string bytes = read_file(compiled);
     bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
     std::ofstream(damaged, std::ios::binary) << bytes;
-    bytes[8] = 2;
+    bytes[8] = 3;
     std::ofstream(newer, std::ios::binary) << bytes;
     std::ofstream(file("cut.throng"), std::ios::binary) << bytes.substr(0, 5) << std::string(1, '\0');
     std::ofstream(file("text.glb")) << "This is not glTF.\n";
@@ -145,7 +145,7 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
                                            {{"compile", source(), "-o", source()}, "the source itself"},
                                            {{"compile", compiled, "-o", out}, "compiled already"},
                                            {{"compile", damaged, "-o", out}, "damaged.throng: is damaged"},
-                                           {{"compile", newer, "-o", out}, "newer.throng: version 2, this throng reads version 1"},
+                                           {{"compile", newer, "-o", out}, "newer.throng: version 3, this throng reads version 2"},
                                            {{"compile", source(), "-o", file("text.glb")}, "text.glb is there, and not a compiled character"},
                                            {{"compile", source(), "-o", out, "--error", "0"}, "--error"},
                                            {{"compile", source(), "-o", out, "--error", "-1"}, "-1"},
@@ -165,7 +165,7 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
                                            {{"compile", compiled, "-o", out, "--error", "1"}, "sound.throng is compiled already"},
                                            {{"compile", source(), "-o", out, "--root-motion", "nobody"}, "there is no joint 'nobody'"},
                                            {{"info", compiled, "--root-motion", "spine"}, "sound.throng is compiled already, with its own root motion"},
-                                           {{"info", newer}, "newer.throng: version 2, this throng reads version 1"},
+                                           {{"info", newer}, "newer.throng: version 3, this throng reads version 2"},
                                            {{"info", file("cut.throng")}, "cut.throng"}}) {
         const Outcome run = run_tool(c.arguments, {.time_limit_s = 20});
         EXPECT_TRUE(run.refused(c.named)) << testing::PrintToString(c.arguments) << "\n" << run;

@@ -64,7 +64,7 @@ SceneCast::SceneCast(const SceneOptions& options) {
     }
 }
 
-CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, bool culls) : culls_(culls) {
+CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdSettings settings) : culls_(settings.culls) {
     const SceneCast cast(options);
     const std::vector<Character>& characters = cast.characters;
     Scatter field = scatter(characters, {options.counts.empty() ? deal_out(options.count, characters.size()) : options.counts, options.sizes, options.formation, options.spacing, options.seed});
@@ -75,7 +75,9 @@ CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, bool c
         has_controllers_ = true;
     }
     print_progress("placing " + std::to_string(field.placement.size()) + " characters");
-    crowd_.emplace(unwrap(Crowd::create(device, {.groups = field.groups, .scan = options.scan, .culls = culls})));
+    settings.groups = field.groups;
+    settings.scan = options.scan;
+    crowd_.emplace(unwrap(Crowd::create(device, settings)));
     director_.emplace(field.groups, options.seed);
     uint32_t first = 0;
     for (const CrowdGroup& group : field.groups) {

@@ -43,8 +43,8 @@ struct SceneCast {
 
 class CrowdScene {
 public:
-    // Throws CommandError, as SceneCast does.
-    CrowdScene(const Device& device, const SceneOptions& options, bool culls);
+    // `settings` without groups and scan. Throws CommandError, as SceneCast does.
+    CrowdScene(const Device& device, const SceneOptions& options, CrowdSettings settings);
 
     Crowd& crowd() { return *crowd_; }
     const Crowd& crowd() const { return *crowd_; }

@@ -64,6 +64,8 @@ void add_render(CLI::App& app) {
                                           "until the film is there)");
     add_device_option(command, options->device);
     command.add_flag("--everything", options->everything, "animate and draw all, at full detail, also what the picture does not show");
+    command.add_flag("--skeletons", options->skeletons, "a line from each joint to its parent, over everything, coloured by level");
+    command.add_flag("--bounds", options->bounds, "the boxes that culling goes by");
     command.add_flag("--json", options->json, "print the stage times as JSON");
     command.footer("Examples:\n  throng render fox.glb --out fox.png\n  throng render fox.glb knight.glb --count 1000 --size 1280x720 --time 2 --seed 3 --out crowd.png\n"
                    "  throng render walker.glb --count 500 --placement disc --camera orbit:seconds=10 --frames 0:300 --out orbit.mp4\n"

@@ -9,12 +9,22 @@ RendererSettings parse_size(const std::string& text) {
     return {.width = *width, .height = *height};
 }
 
+namespace {
+
+// Skeletons are drawn of all joints.
+CrowdSettings crowd_settings(const RenderOptions& options) {
+    return {.keep_model_matrices = options.skeletons, .culls = !options.everything, .reduces_joints = !options.everything && !options.skeletons};
+}
+
+}  // namespace
+
 Shot::Shot(const Device& device, const RenderOptions& options)
     : size_(parse_size(options.size)),
       path_(make_camera_path(options.camera)),
-      scene_(device, options.scene, !options.everything),
+      scene_(device, options.scene, crowd_settings(options)),
       renderer_(unwrap(Renderer::create(device, size_))),
       everything_(options.everything) {
+    unwrap(renderer_.set_options({.skeletons = options.skeletons, .bounds = options.bounds}));
     scene_.follow(path_.followed_character());
     scene_.start();
 }

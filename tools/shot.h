@@ -17,7 +17,7 @@ struct RenderOptions {
     double time_s = 0;                 // of the first picture
     std::string frames, shard;         // empty: one picture; all frames
     double fps = 30;
-    bool everything = false, json = false;
+    bool everything = false, skeletons = false, bounds = false, json = false;
 };
 
 // Of the picture. Throws CommandError.

@@ -71,7 +71,7 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     placements.resize(instance_count);
     dirty_playbacks_.add(0, instance_count);
     dirty_placements_.add(0, instance_count);
-    if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, 8 + 5 * staged->wave_count());  // control, cull, morph, fused, pace, the three of them that record_disoccluded() has, and five stages a wave
+    if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, 9 + 5 * staged->wave_count());  // control, cull, morph, fused, pace, the three of them that record_disoccluded() has and what comes before it, and five stages a wave
 }
 
 // Refuses at once what cannot fit, before gigabytes are allocated on the way to failing.
@@ -372,6 +372,7 @@ void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& 
     if (!cull) throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "CrowdSettings::culls is not set");
     constexpr Access kConsumers = kShaderRead | kVertexRead | kIndirectRead;
     memory_barrier(*gpu, commands, kConsumers, kShaderWrite);  // what was listed has been drawn
+    if (timer) timer->leave_out(commands);
     cull->record_disoccluded(commands, depths, timer.get());
     fused->record_listed(commands, timer.get());
     pace->record(commands, timer.get());

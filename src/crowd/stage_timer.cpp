@@ -51,6 +51,7 @@ std::optional<StageTimes> StageTimer::read_if_finished() const {
     const uint64_t mask = gpu_->timestamp_valid_bits >= 64 ? ~uint64_t{0} : (uint64_t{1} << gpu_->timestamp_valid_bits) - 1;
     StageTimes times;
     for (size_t i = 0; i < stages_.size(); ++i) {
+        if (!stages_[i]) continue;
         const uint64_t elapsed = (ticks[i + 1] - ticks[i]) & mask;
         times.*stages_[i] += static_cast<double>(elapsed) * double{gpu_->properties.limits.timestampPeriod} * 1e-6;
     }

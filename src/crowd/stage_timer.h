@@ -20,6 +20,8 @@ public:
     // begin() once an update, then end_stage() after each stage, at most most_stages times; a stage may come several times.
     void begin(VkCommandBuffer commands);
     void end_stage(VkCommandBuffer commands, double StageTimes::*stage);
+    // What has come since the last stage is none of the update's.
+    void leave_out(VkCommandBuffer commands) { end_stage(commands, nullptr); }
 
     // Throws kInvalidArgument where no update has finished.
     StageTimes read() const;

@@ -152,9 +152,11 @@ void RendererState::record_update(VkCommandBuffer commands, Crowd& crowd, float 
     if (!view.occlusion) return;
     if (!occluders_) occluders_.emplace(gpu, targets.width(), targets.height(), samples);
     bind_scene(commands, frame);
+    timer.begin_occluders(commands);
     occluders_->begin(commands);
     draw_crowd(commands, frame.crowd, frame.bindings, layouts_.layout.get(), frame.characters, DrawPass::kOccluders);
     occluders_->end(commands);
+    timer.end_occluders(commands);
     state.record_disoccluded(commands, occluders_->depths());
 }
 
