@@ -372,7 +372,6 @@ void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& 
     if (!cull) throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "CrowdSettings::culls is not set");
     constexpr Access kConsumers = kShaderRead | kVertexRead | kIndirectRead;
     memory_barrier(*gpu, commands, kConsumers, kShaderWrite);  // what was listed has been drawn
-    if (timer) timer->leave_out(commands);
     cull->record_disoccluded(commands, depths, timer.get());
     fused->record_listed(commands, timer.get());
     pace->record(commands, timer.get());

@@ -124,6 +124,7 @@ void CullStage::record_disoccluded(VkCommandBuffer commands, const DepthImage& d
         for (size_t i = 0; i < members_.size(); ++i) members_[i].reveal = kernels_.reveal.bind(RevealBuffers{buffers_of(i), pyramid_->levels()});
     }
     is_half_done_ = false;
+    if (timer) timer->leave_out(commands);
     pyramid_->record(commands, kernels_.pyramid, depths);
     for_each_batch(commands, [&](const Member& member, const Batch& batch) {
         const io::RevealPush push{.cull = push_of(batch), .width = depths.width, .height = depths.height, .sign = depths.reversed ? 1.0f : -1.0f};
