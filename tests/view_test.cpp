@@ -83,6 +83,7 @@ protected:
     // Runs the events, under the validation layer, which must have nothing to say. What stays is in state_.
     static Outcome view(const std::string& events, std::vector<std::string> arguments = {}) {
         std::ofstream(file("events.txt")) << events;
+        if (std::ranges::find(arguments, "--count") == arguments.end()) arguments.insert(arguments.end(), {"--count", "12"});
         arguments.insert(arguments.begin(), {"view", file("one.glb"), "--size", "640x400", "--script", file("events.txt"), "--dump", file("dump.json")});
         const Outcome run = run_tool(arguments, {.environment = environment(), .time_limit_s = 120});
         EXPECT_EQ(run.exit_code, 0) << run;
@@ -175,7 +176,8 @@ TEST_F(View, DrawsSkeletonsInTheColoursOfTheirLevels) {
         });
     };
     const Seen flesh = seen("flesh.png"), bones = seen("bones.png");
-    for (const size_t channel : {0, 1, 2}) EXPECT_GT(strong(bones, channel), strong(flesh, channel) + 2e-4) << channel << ": red roots, green middles, blue tips";
+    // Roots are red, as this creature is.
+    for (const size_t channel : {1, 2}) EXPECT_GT(strong(bones, channel), strong(flesh, channel) + 2e-4) << channel << ": green middles, blue tips";
 }
 
 TEST_F(View, ADroppedControllerDrives) {

@@ -25,7 +25,7 @@ void draw_selection(const State& state, const Scene& scene) {
         for (const size_t axis : {size_t{1}, size_t{2}, size_t{4}}) {
             const Vec3<float>&a = corners[c], &b = corners[c | axis];
             if ((c & axis) || a.z <= 0 || b.z <= 0) continue;
-            ImGui::GetBackgroundDrawList()->AddLine({a.x * display.x, a.y * display.y}, {b.x * display.x, b.y * display.y}, IM_COL32(255, 196, 64, 230), scaled(1.5f));
+            ImGui::GetBackgroundDrawList()->AddLine({a.x * display.x, a.y * display.y}, {b.x * display.x, b.y * display.y}, IM_COL32(120, 205, 255, 255), scaled(2));
         }
 }
 
