@@ -1357,6 +1357,7 @@ TEST(Import, InvalidFiles) {
         "mesh_index_oor.gltf", "skeleton_oor.gltf", "ibm_oor.gltf", "anim_sampler_oor.gltf", "anim_node_oor.gltf",
         "vjoint_oor.glb", "node__node_loop.gltf", "node__node_loop_scene.gltf", "node__node_parent_override.gltf",
         "node__unresolved_child_node.gltf", "skin__unresolved_joint.gltf",
+        "material__unresolved_normal.gltf", "material__unresolved_emissive.gltf",
         "GltfImporter__Test__scene-invalid-cycle.gltf", "GltfImporter__Test__scene-invalid-cycle-deep.gltf",
         "GltfImporter__Test__scene-invalid-multiple-parents.gltf", "mesh_data__index_buffer_oob.gltf",
         "mesh_data__index_buffer_primitive_restart.gltf", "GltfImporter__Test__mesh-invalid-sparse-indices.gltf",
@@ -1393,8 +1394,6 @@ TEST(Import, InvalidFiles) {
                                           "node__skin_with_no_mesh.gltf",
                                           "scene__non_root_node.gltf",
                                           "mesh_data__colors_non_clamped.gltf",
-                                          "material__unresolved_normal.gltf",
-                                          "material__unresolved_emissive.gltf",
                                           "animation__channel_duplicate_targets.gltf",
                                           "GltfImporter__Test__camera-invalid.gltf",
                                           "GltfImporter__Test__light-invalid.gltf"};
