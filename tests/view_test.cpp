@@ -5,6 +5,8 @@
 #include "tools/view/pick.h"
 
 #include <gtest/gtest.h>
+
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #define STB_IMAGE_STATIC
@@ -169,15 +171,17 @@ TEST_F(View, AClickInspects) {
 TEST_F(View, DrawsSkeletonsInTheColoursOfTheirLevels) {
     view(std::string(kStill) + "4 shot " + file("flesh.png") + "\n5 type k\n9 shot " + file("bones.png") + "\n", {"--count", "4"});
     EXPECT_TRUE(state_["skeletons"]);
-    const auto strong = [](const Seen& in, size_t channel) {
-        return part(in.all(), [&](int x, int y) {
-            const uint8_t* c = in.at(x, y);
-            return c[channel] > 150 && c[(channel + 1) % 3] < 110 && c[(channel + 2) % 3] < 110;
+    const Seen flesh = seen("flesh.png"), bones = seen("bones.png");
+    // Of what the lines have changed: joints near the roots are orange and yellow, those of the tips are blue.
+    const auto changed_to = [&](const auto& is_color) {
+        return part(bones.all(), [&](int x, int y) {
+            const uint8_t *now = bones.at(x, y), *before = flesh.at(x, y);
+            const int difference = std::abs(now[0] - before[0]) + std::abs(now[1] - before[1]) + std::abs(now[2] - before[2]);
+            return difference > 90 && is_color(int{now[0]}, int{now[1]}, int{now[2]});
         });
     };
-    const Seen flesh = seen("flesh.png"), bones = seen("bones.png");
-    // Roots are red, as this creature is.
-    for (const size_t channel : {1, 2}) EXPECT_GT(strong(bones, channel), strong(flesh, channel) + 2e-4) << channel << ": green middles, blue tips";
+    EXPECT_GT(changed_to([](int r, int g, int b) { return r > b + 80 && g > b + 50; }), 1e-3) << "yellow";
+    EXPECT_GT(changed_to([](int r, int, int b) { return b > r + 60; }), 1e-4) << "blue";
 }
 
 TEST_F(View, ADroppedControllerDrives) {
