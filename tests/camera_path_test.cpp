@@ -22,7 +22,7 @@ const CameraSubject kSubjects[] = {subject_of({40, 1, 30}), subject_of({1, 2, 1.
 
 // Clip space x / w and y / w; infinite behind the camera.
 Vec3<float> seen_at(const Camera& camera, const Vec3<float>& p) {
-    const CrowdView view = view_of(camera, 1600, 900, {});
+    const CrowdView view = *view_of(camera, 1600, 900, {});
     const auto row = [&](size_t r) { return view.clip_from_world[r][0] * p.x + view.clip_from_world[r][1] * p.y + view.clip_from_world[r][2] * p.z + view.clip_from_world[r][3]; };
     return row(3) > 0 ? Vec3<float>{row(0) / row(3), row(1) / row(3), 0} : Vec3<float>{INFINITY, INFINITY, 0};
 }

@@ -49,8 +49,9 @@ TEST(Cull, ListsWhatTheReferenceSees) {
         const Group& group = crowd.state().groups[0];
         const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(), ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
         for (int round = 0; round < 8; ++round) {
-            CrowdView view = view_of(random_camera(random, extent), kWidth, kHeight, {});
+            CrowdView view = *view_of(random_camera(random, extent), kWidth, kHeight, {});
             view.shadow = random.vector(20).as<float>();
+            if (round % 3 > 0) view.ground = static_cast<float>(random.between(-0.3, 0.3) * extent);
             view.detail_pixels = static_cast<float>(random.between(0.1, 3));
             ASSERT_TRUE(crowd.update(0.01f, &view));
             const io::CullView planes = cull_view_of(&view, 0);
@@ -114,7 +115,7 @@ void expect_same_where_drawn(const CrowdGroup& group, UpdatePath path, bool only
     for (Crowd* crowd : {&viewed, &whole}) ASSERT_TRUE(crowd->set_placement(0, places) && (group.controller || crowd->set_playback(0, playbacks)) && crowd->update(0.1f));
     uint32_t skipped = 0;
     for (int update = 0; update < 6; ++update) {
-        const CrowdView view = view_of(random_camera(random, 30), kWidth, kHeight, {});
+        const CrowdView view = *view_of(random_camera(random, 30), kWidth, kHeight, {});
         std::vector<std::vector<Affine>> before;
         for (uint32_t i = 0; i < kCount; ++i) before.push_back(*viewed.read_skin_matrices(i));
         ASSERT_TRUE(viewed.update(0.1f, &view) && whole.update(0.1f));
@@ -162,7 +163,7 @@ TEST(Cull, BatchesChangeNothing) {
     EXPECT_EQ(parts->outputs().size(), 4u);
     Random random(9);
     const std::vector<Affine> places = random_places(random, 10, 20);
-    const CrowdView view = view_of({.eye = {0, 10, 40}, .target = {5, 0, 0}}, kWidth, kHeight, {});
+    const CrowdView view = *view_of({.eye = {0, 10, 40}, .target = {5, 0, 0}}, kWidth, kHeight, {});
     for (Crowd* crowd : {&whole, &*parts}) ASSERT_TRUE(crowd->set_placement(0, places) && crowd->update(0, &view));
     const auto sorted = [](Crowd& crowd) {
         std::map<uint32_t, uint32_t> details;
@@ -190,7 +191,7 @@ TEST(Cull, PicturesAreThoseOfEverything) {
     for (int frame = 0; frame < 60; ++frame) {
         const double turn = 0.2 * frame;
         const Camera camera{.eye = Vec3<double>{25 * std::sin(turn), 2 + 0.2 * frame, 25 * std::cos(turn)}.as<float>(), .target = Vec3<double>{20 * std::sin(turn + 2), 0, 20 * std::cos(turn + 2)}.as<float>()};
-        CrowdView view = view_of(camera, kWidth, kHeight, world_bounds(viewed));
+        CrowdView view = *view_of(camera, kWidth, kHeight, world_bounds(viewed));
         const bool exact = frame % 2 == 0;  // full detail
         if (exact) view.detail_pixels = 1e-20f;
         ASSERT_TRUE(viewed.update(0.05f, &view) && whole.update(0.05f));
@@ -210,7 +211,7 @@ TEST(Cull, PicturesAreThoseOfEverything) {
 TEST(Cull, WrongViewsAreRefused) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 2}}, .culls = true}), plain = create({.groups = {{&character, 2}}});
-    const CrowdView sound = view_of({}, 4, 3, {});
+    const CrowdView sound = *view_of({}, 4, 3, {});
     EXPECT_TRUE(crowd.update(0, &sound));
     const Result<void> unprepared = plain.update(0, &sound);
     ASSERT_FALSE(unprepared);
@@ -218,7 +219,8 @@ TEST(Cull, WrongViewsAreRefused) {
     EXPECT_FALSE(plain.read_drawn());
     const float kInfinity = std::numeric_limits<float>::infinity();
     for (const auto spoil : std::initializer_list<void (*)(CrowdView&)>{[](CrowdView& v) { v.clip_from_world[1][2] = NAN; }, [](CrowdView& v) { v.eye.y = NAN; }, [](CrowdView& v) { v.pixels = 0; },
-                                                                        [](CrowdView& v) { v.detail_pixels = -1; }, [](CrowdView& v) { v.shadow.x = NAN; }}) {
+                                                                        [](CrowdView& v) { v.detail_pixels = -1; }, [](CrowdView& v) { v.shadow.x = NAN; }, [](CrowdView& v) { v.ground = NAN; },
+                                                                        [](CrowdView& v) { v.full_rate_pixels = std::numeric_limits<float>::infinity(); }, [](CrowdView& v) { v.budget_ms = -1; }}) {
         CrowdView view = sound;
         spoil(view);
         const Result<void> updated = crowd.update(0, &view);
@@ -228,6 +230,39 @@ TEST(Cull, WrongViewsAreRefused) {
     CrowdView far = sound;
     far.pixels = kInfinity;
     EXPECT_TRUE(crowd.update(0, &far)) << "full detail";
+}
+
+// What was set before it is taken up by the next one.
+TEST(Cull, ARefusedUpdateTakesNothingUp) {
+    const Character character = small_character();
+    Crowd crowd = create({.groups = {{&character, 3}}, .culls = true});
+    Affine place;
+    place.row[0][3] = 5;
+    ASSERT_TRUE(crowd.set_placement(1, {&place, 1}));
+    CrowdView view = *view_of({}, 4, 3, {});
+    view.eye.y = NAN;
+    EXPECT_FALSE(crowd.update(0, &view));
+    ASSERT_TRUE(crowd.update(0));
+    EXPECT_TRUE(same_bits(download<Affine>(test_gpu(), crowd.state().batches[0].placements), {Affine(), place, Affine()}));
+}
+
+// Positions are read by the joints that the level has which is drawn.
+TEST(Cull, PositionsAreThoseOfTheLevel) {
+    const Character character = creature_with_details();
+    Crowd crowd = create({.groups = {{&character, 1}}, .path = UpdatePath::kFused, .culls = true, .reduces_joints = true});
+    ASSERT_GT(crowd.state().groups[0].fused.size(), 1u);
+    const Playback playback{.first = {.clip = 0, .time_s = 0.4}};
+    ASSERT_TRUE(crowd.set_playback(0, {&playback, 1}));
+    CrowdView view = *view_of({.eye = {0, 0, 3 * character.size}, .target = {0, 0, 0}}, kWidth, kHeight, {});
+    view.detail_pixels = 1e9f;
+    ASSERT_TRUE(crowd.update(0, &view));
+    const uint32_t detail = drawn_of(crowd).at(0).detail;
+    ASSERT_GT(detail, 0u);
+    const std::vector<Vec3<float>> got = *crowd.read_positions(0);
+    const std::vector<Vec3<double>> all = reference_positions(character, *reference_pose(character, playback));
+    double worst = 0;
+    for (size_t v = 0; v < got.size(); ++v) worst = std::max(worst, length(got[v].as<double>() - all[v]));
+    EXPECT_LE(worst, 1.01 * double{character.details[detail - 1].error} + 1e-5 * double{character.size});
 }
 
 }  // namespace

@@ -600,7 +600,7 @@ TEST(Draw, SkeletonsShowLevelsOverTheMesh) {
     }
     const Result<Character> character = compile_character(square(), kExact);
     Crowd unseen = crowd_of(*character, {.keep_model_matrices = true, .culls = true});
-    const CrowdView away = view_of({.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 9}}, kWidth, kHeight, world_bounds(unseen));
+    const CrowdView away = *view_of({.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 9}}, kWidth, kHeight, world_bounds(unseen));
     ASSERT_TRUE(unseen.update(0, &away));
     const Picture with_lines = shared_renderer(1, {.skeletons = true, .bounds = true}).render(unseen, kFront)->picture, without = shared_renderer(1).render(unseen, kFront)->picture;
     EXPECT_EQ(with_lines.rgba, without.rgba) << "what is not listed has none";

@@ -83,6 +83,7 @@ layout(set = 0, binding = 59, std430) buffer Buffer59 { RevealPush reveal_pushes
 layout(set = 0, binding = 60, std430) buffer Buffer60 { PyramidPush pyramid_pushes[]; };
 layout(set = 0, binding = 61, std430) buffer Buffer61 { PacePush pace_pushes[]; };
 layout(set = 0, binding = 62, std430) buffer Buffer62 { LinePush line_pushes[]; };
+layout(set = 0, binding = 63, std430) buffer Buffer63 { SkinSection skin_sections[]; };
 
 layout(local_size_x = 1) in;
 void main() {}

@@ -1,6 +1,7 @@
 // Updates that do not animate everything that is drawn: who is animated when, and how skin matrices go on meanwhile.
 #include "bind/skin_format.h"
 #include "cull/cull_reference.h"
+#include "crowd/stage_timer.h"
 #include "crowd/cull_stage.h"
 #include "pace/pace_reference.h"
 #include "tests/crowd_cases.h"
@@ -25,7 +26,7 @@ std::vector<Affine> rows_of(uint32_t count, double size) {
 }
 
 CrowdView view_along(float full_rate_pixels) {
-    CrowdView view = view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}, .vertical_field_of_view_rad = 1.5f}, kWidth, kHeight, {});
+    CrowdView view = *view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}, .vertical_field_of_view_rad = 1.5f}, kWidth, kHeight, {});
     view.detail_pixels = 1e-20f;
     view.full_rate_pixels = full_rate_pixels;
     return view;
@@ -68,7 +69,7 @@ void expect_paced(const CrowdGroup& group, SkinFormat format, bool keeps_previou
     Random random(4);
     const std::vector<Playback> playbacks = random_playbacks(random, *group.character, kCount);
     for (Crowd* crowd : {&paced, &whole}) ASSERT_TRUE(crowd->set_placement(0, places) && (group.controller || crowd->set_playback(0, playbacks)));
-    const CrowdView near = view_along(40), away = view_of({.eye = {0, 0, 10}, .target = {0, 0, 90}}, kWidth, kHeight, {});
+    const CrowdView near = view_along(40), away = *view_of({.eye = {0, 0, 10}, .target = {0, 0, 90}}, kWidth, kHeight, {});
     struct Way {
         std::vector<Affine> shown, ahead;
         uint32_t left = 0;
@@ -204,6 +205,60 @@ TEST(Pace, CoarserLevelsHaveFewerJoints) {
         EXPECT_TRUE(detail == 0 || sets[detail].joint_count <= sets[detail - 1].joint_count);
     }
     EXPECT_LT(sets.back().joint_count, character.rig.joint_count() / 2);
+}
+
+// Matrices of joints that only the finer level has were not animated before: they do not wait for their turn, and have not moved.
+TEST(Pace, AFinerLevelIsAnimatedAtOnce) {
+    const Character character = *compile_character(*make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}), {.error = 0});
+    constexpr uint32_t kCount = 8;
+    Crowd crowd = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .keep_previous_matrices = true, .culls = true, .skips_updates = true, .reduces_joints = true});
+    Crowd whole = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused});
+    Random random(12);
+    const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
+    const std::vector<Affine> places(kCount, to_affine(Trs<double>{.translation = {0, 0, -20.0 * character.size}}).as<float>());
+    for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_placement(0, places) && one->set_playback(0, playbacks));
+    CrowdView view = view_along(1e6f);  // every eighth update
+    for (const float detail_pixels : {1e6f, 1e6f, 1e6f, 1e-20f}) {
+        view.detail_pixels = detail_pixels;
+        ASSERT_TRUE(crowd.update(0.05f, &view) && whole.update(0.05f));
+        for (const DrawnInstance& one : drawn_of(crowd)) EXPECT_EQ(one.detail == 0, detail_pixels < 1);
+    }
+    for (uint32_t i = 0; i < kCount; ++i) {
+        EXPECT_TRUE(same_bits(*crowd.read_skin_matrices(i), *whole.read_skin_matrices(i))) << "instance " << i;
+        EXPECT_TRUE(same_bits(previous_of(crowd, i), *crowd.read_skin_matrices(i))) << "instance " << i;
+    }
+    ASSERT_TRUE(crowd.update(0.05f, &view));
+    EXPECT_LT(animated_in_last_update(crowd), kCount) << "then it waits again";
+}
+
+// Times of updates that are under way are those of the newest that has finished, once each.
+TEST(Pace, TimesComeLateAndOnce) {
+    if (!test_gpu()->has_timestamps()) GTEST_SKIP() << "the queue has no timestamps";
+    StageTimer timer(test_gpu(), 2);
+    EXPECT_FALSE(timer.take_newest());
+    const auto record = [&](VkCommandBuffer commands, double StageTimes::*stage) {
+        timer.begin(commands);
+        timer.end_stage(commands, stage);
+    };
+    test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
+        record(commands, &StageTimes::cull);
+        EXPECT_FALSE(timer.take_newest()) << "recorded, not run";
+    });
+    const std::optional<StageTimes> first = timer.take_newest();
+    ASSERT_TRUE(first);
+    EXPECT_EQ(first->total(), first->cull);
+    EXPECT_FALSE(timer.take_newest()) << "taken";
+    EXPECT_EQ(timer.read().cull, first->cull) << "but still there";
+    test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
+        for (int i = 0; i < 6; ++i) {
+            record(commands, &StageTimes::scan);
+            EXPECT_FALSE(timer.take_newest()) << "an older one's times are not the newest's";
+            EXPECT_EQ(i < 3 ? timer.read().cull : first->cull, first->cull);
+        }
+    });
+    const std::optional<StageTimes> later = timer.take_newest();
+    ASSERT_TRUE(later);
+    EXPECT_EQ(later->total(), later->scan);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Skinned positions against the reference: 4 and 8 influences, several sections, several instances.
+// Skinned vertices against the reference: 4 and 8 influences, several sections, several instances, both blends.
 #include "skin/skin.h"
 #include "morph/morph_io.h"
 #include "skin/skin_reference.h"
@@ -7,14 +7,25 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstring>
+#include <numeric>
 
 namespace throng {
 namespace {
 
 using namespace test;
 
+void normalize_weights(std::span<Influences> of_vertex) {
+    float sum = 0;
+    for (Influences& four : of_vertex) sum += std::accumulate(four.weights.begin(), four.weights.end(), 0.0f);
+    if (sum == 0) of_vertex[0].weights[0] = sum = 1;
+    for (Influences& four : of_vertex)
+        for (float& weight : four.weights) weight /= sum;
+}
+
 // Sections in any order and of any size, the pools' first elements used by none of them.
-Character make_mesh(Random& random, uint32_t palette_count, const std::vector<std::pair<uint32_t, uint32_t>>& sections) {
+// `sums_to_one`: weights do, as dual quaternions need it.
+Character make_mesh(Random& random, uint32_t palette_count, const std::vector<std::pair<uint32_t, uint32_t>>& sections, bool sums_to_one = false) {
     Character character;
     character.palette.resize(palette_count);
     character.influences.resize(5);
@@ -26,15 +37,16 @@ Character make_mesh(Random& random, uint32_t palette_count, const std::vector<st
         section.first_influences = static_cast<uint32_t>(character.influences.size());
         section.influence_sets = influence_sets;
         section.first_morph = static_cast<uint32_t>(character.morphs.size());
-        section.morph_count = random.below(5);
+        section.morph_count = character.sections.size() % 2 == 0 ? 0 : 1 + random.below(4);
         character.morphs.resize(character.morphs.size() + section.morph_count);
         character.sections.push_back(section);
         for (uint32_t v = 0; v < vertex_count; ++v) {
-            character.vertices.push_back({.position = random.vector(1).as<float>()});
+            character.vertices.push_back({.position = random.vector(1).as<float>(), .normal_octahedral = random.below(0xFFFFFFFFu)});
             if (section.morph_count > 0 && random.chance(0.7)) {
                 character.vertices.back().first_delta = static_cast<uint32_t>(character.morph_deltas.size() + 1);
                 for (uint32_t m = 0; m < section.morph_count; ++m) character.morph_deltas.push_back({.position = random.vector(0.2).as<float>()});
             }
+            const size_t first = character.influences.size();
             for (uint32_t set = 0; set < influence_sets; ++set) {
                 Influences influences;
                 for (size_t i = 0; i < 4; ++i) {
@@ -43,88 +55,148 @@ Character make_mesh(Random& random, uint32_t palette_count, const std::vector<st
                 }
                 character.influences.push_back(influences);
             }
+            if (sums_to_one) normalize_weights(std::span(character.influences).subspan(first));
         }
     }
     return character;
 }
 
-struct Skinned {
-    std::vector<io::vec4> got;
-    std::vector<Vec3<double>> wanted;
+// As the kernel rounds them.
+Vec3<double> unpacked(uint32_t octahedral) {
+    const auto fraction = [](uint32_t bits) { return std::max(static_cast<int16_t>(bits & 0xFFFF) / 32767.0, -1.0); };
+    const double x = fraction(octahedral), y = fraction(octahedral >> 16), z = 1 - std::abs(x) - std::abs(y);
+    if (z >= 0) return normalized(Vec3<double>{x, y, z});
+    return normalized(Vec3<double>{(1 - std::abs(y)) * (x < 0 ? -1 : 1), (1 - std::abs(x)) * (y < 0 ? -1 : 1), z});
+}
+
+// By the inverse transpose, which is made of cross products of the columns, over the determinant.
+Vec3<double> transformed_normal(const AffineT<double>& m, const Vec3<double>& n) {
+    const auto column = [&](size_t k) { return Vec3<double>{m.row[0][k], m.row[1][k], m.row[2][k]}; };
+    const Vec3<double> sum = cross(column(1), column(2)) * n.x + cross(column(2), column(0)) * n.y + cross(column(0), column(1)) * n.z;
+    return normalized(determinant(m) < 0 ? sum * -1.0 : sum);
+}
+
+struct SkinCase {
+    uint32_t instance = 0, instance_count = 1;
+    SkinFormat format = SkinFormat::kAffine;
+    SkinBlend blend = SkinBlend::kLinear;
 };
 
-// One instance of several, every section but `left_out`.
-Skinned run_skin(const Character& character, uint32_t instance, uint32_t instance_count, uint32_t left_out, Random& random) {
+struct Skinned {
+    std::vector<SkinnedVertex> got;
+    std::vector<Vec3<double>> wanted;
+    std::vector<Vec3<double>> wanted_normals;
+};
+
+std::vector<uint32_t> stored(SkinFormat format, const AffineT<double>& matrix, const Trs<double>& parts) {
+    std::vector<float> floats;
+    if (format == SkinFormat::kSimilarity) {
+        const auto& [q, t, s] = parts.as<float>();
+        floats = {q.x, q.y, q.z, q.w, t.x, t.y, t.z, s.x};
+    } else {
+        for (const auto& row : matrix.row)
+            for (const double x : row) floats.push_back(static_cast<float>(x));
+    }
+    std::vector<uint32_t> words(floats.size());
+    std::memcpy(words.data(), floats.data(), floats.size() * sizeof(float));
+    return words;
+}
+
+// One instance of several, every section.
+Skinned run_skin(const Character& character, const SkinCase& of, Random& random) {
     const auto palette_count = static_cast<uint32_t>(character.palette.size());
-    std::vector<Affine> matrices;
+    std::vector<uint32_t> matrices;
     std::vector<AffineT<double>> of_instance;
-    for (uint32_t i = 0; i < instance_count; ++i)
+    for (uint32_t i = 0; i < of.instance_count; ++i)
         for (uint32_t entry = 0; entry < palette_count; ++entry) {
-            matrices.push_back(to_affine(random.trs(2, 0.5)).as<float>());
-            if (i == instance) of_instance.push_back(matrices.back().as<double>());
+            Trs<double> parts = random.trs(2, 0.5);
+            if (of.blend != SkinBlend::kLinear) parts.scale = {parts.scale.x, parts.scale.x, parts.scale.x};
+            const std::vector<uint32_t> words = stored(of.format, to_affine(parts), parts);
+            matrices.insert(matrices.end(), words.begin(), words.end());
+            if (i == of.instance) of_instance.push_back(to_affine(parts.as<float>().as<double>()));
         }
     // Of morphs of all sections, fewer than all, none.
-    std::vector<io::ActiveMorph> shown(instance_count * size_t{io::kActiveMorphs});
+    std::vector<io::ActiveMorph> shown(of.instance_count * size_t{io::kActiveMorphs});
     std::vector<WeightedMorph> of_instance_shown;
-    for (uint32_t i = 0; i < instance_count; ++i)
+    for (uint32_t i = 0; i < of.instance_count; ++i)
         for (uint32_t k = 0, count = character.morphs.empty() ? 0 : random.below(io::kActiveMorphs + 1); k < count; ++k) {
             const uint32_t morph = random.below(static_cast<uint32_t>(character.morphs.size()));
             const auto weight = static_cast<float>(random.between(-1, 1));
             shown[i * io::kActiveMorphs + k] = {morph, weight};
-            if (i == instance) of_instance_shown.push_back({morph, double{weight}});
+            if (i == of.instance) of_instance_shown.push_back({morph, double{weight}});
         }
+    const SkinTables tables(test_gpu(), character, std::array{0u});
     const Guarded<MorphDelta> deltas(character.morph_deltas);
     const Guarded<io::ActiveMorph> active(shown);
     const Guarded<Vertex> vertices(character.vertices);
     const Guarded<Influences> influences(character.influences);
-    const Guarded<Affine> skin_matrices(matrices);
-    const Guarded<io::vec4> positions(poison<io::vec4>(character.vertices.size()));
-    const Kernel kernel = skin_kernel(test_gpu(), SkinFormat::kAffine);
-    for (uint32_t s = 0; s < character.sections.size(); ++s) {
-        const MeshSection& section = character.sections[s];
-        if (s == left_out) continue;
-        run_invocations(kernel, SkinBuffers{vertices, influences, skin_matrices, positions, deltas, active},
-                        io::SkinPush{.first_vertex = section.first_vertex, .vertex_count = section.vertex_count, .first_influences = section.first_influences, .influence_sets = section.influence_sets, .first_palette_entry = instance * palette_count, .first_morph = section.first_morph, .morph_count = section.morph_count, .first_active = instance * io::kActiveMorphs},
-                        section.vertex_count);
+    const Guarded<uint32_t> skin_matrices(matrices);
+    const Guarded<SkinnedVertex> skinned(poison<SkinnedVertex>(character.vertices.size()));
+    const Kernel kernel = skin_kernel(test_gpu(), of.format, of.blend, false);
+    run_workgroups(kernel, SkinBuffers{vertices, influences, skin_matrices, skinned, deltas, active, tables.sections, tables.vertices, vertices, vertices},
+                   io::SkinPush{.section_count = static_cast<uint32_t>(character.sections.size()), .vertex_count = static_cast<uint32_t>(character.vertices.size()), .palette_count = palette_count, .first_instance = of.instance, .influence_offset = 0, .only_animated = 0}, 1);
+    Skinned out{skinned.read(), skin_reference(character, of_instance, of_instance_shown, of.blend), {}};
+    for (const MeshSection& section : character.sections) {
+        for (uint32_t v = 0; v < section.vertex_count; ++v) {
+            std::vector<WeightedTransform> transforms;
+            for (uint32_t set = 0; set < section.influence_sets; ++set) {
+                const Influences& four = character.influences[section.first_influences + v * section.influence_sets + set];
+                for (size_t i = 0; i < 4; ++i)
+                    if (four.weights[i] != 0) transforms.push_back({double{four.weights[i]}, of_instance[four.entries[i]]});
+            }
+            const AffineT<double> transform = blended_transform(of.blend, transforms);
+            const bool known = section.morph_count == 0 && std::abs(determinant(transform)) > 0.01;  // a matrix that flattens has no normals
+            out.wanted_normals.push_back(known ? transformed_normal(transform, unpacked(character.vertices[section.first_vertex + v].normal_octahedral)) : Vec3<double>{});
+        }
     }
-    return {positions.read(), skin_reference(character, of_instance, of_instance_shown)};
+    return out;
 }
 
-double distance(const io::vec4& got, const Vec3<double>& wanted) {
-    const double d = length(Vec3<double>{got.x, got.y, got.z} - wanted);
+double distance(const Vec3<float>& got, const Vec3<double>& wanted) {
+    const double d = length(got.as<double>() - wanted);
     return std::isnan(d) ? 1e9 : d;
 }
 
+// Largest errors of positions, and of normals in radians.
+struct Errors {
+    double position = 0, normal = 0;
+    size_t positions = 0, normals = 0;
+
+    void add(const Skinned& skinned) {
+        ASSERT_EQ(skinned.got.size(), skinned.wanted.size());
+        for (size_t v = 0; v < skinned.got.size(); ++v) {
+            position = std::max(position, distance(skinned.got[v].position, skinned.wanted[v]));
+            ++positions;
+            if (length(skinned.wanted_normals[v]) == 0) continue;
+            normal = std::max(normal, length(unpacked(skinned.got[v].normal_octahedral) - skinned.wanted_normals[v]));
+            ++normals;
+        }
+    }
+};
+
 TEST(Skin, FollowsTheReference) {
-    double worst = 0;
-    size_t compared = 0;
+    Errors errors;
     for (const uint32_t palette_count : {1u, 40u, 65'536u}) {
         Random random(palette_count);
         const Character character = make_mesh(random, palette_count, {{1, 1}, {63, 2}, {64, 1}, {65, 2}, {200, 1}, {7, 3}});
-        for (const uint32_t instance : {0u, 1u, 2u}) {
-            const Skinned skinned = run_skin(character, instance, 3, kNone, random);
-            ASSERT_EQ(skinned.got.size(), skinned.wanted.size());
-            for (size_t v = 0; v < skinned.got.size(); ++v) {
-                worst = std::max(worst, distance(skinned.got[v], skinned.wanted[v]));
-                EXPECT_EQ(skinned.got[v].w, 1);
-            }
-            compared += skinned.got.size();
-        }
+        for (const uint32_t instance : {0u, 1u, 2u}) errors.add(run_skin(character, {instance, 3}, random));
     }
-    EXPECT_LE(worst, 3e-6);
-    std::printf("  %zu vertices in 6 sections, 4 to 12 influences: largest error %.1e of about 3\n", compared, worst);
+    EXPECT_LE(errors.position, 3e-6);
+    EXPECT_LE(errors.normal, 1e-4);
+    EXPECT_GT(errors.normals, 1000u);
+    std::printf("  %zu vertices in 6 sections, 4 to 12 influences: largest error %.1e of about 3; of %zu normals %.1e rad\n", errors.positions, errors.position, errors.normals, errors.normal);
 }
 
-TEST(Skin, ASectionWritesOnlyItsVertices) {
-    Random random(8);
-    const Character character = make_mesh(random, 10, {{50, 1}, {50, 2}, {50, 1}});
-    const Skinned skinned = run_skin(character, 0, 1, 1, random);
-    for (size_t v = 0; v < skinned.got.size(); ++v) {
-        if (v >= 50 && v < 100) {
-            EXPECT_TRUE(std::isnan(skinned.got[v].x)) << "vertex " << v << " belongs to the section that was left out";
-        } else {
-            EXPECT_LE(distance(skinned.got[v], skinned.wanted[v]), 3e-6) << "vertex " << v;
-        }
+TEST(Skin, DualQuaternionsFollowTheReference) {
+    for (const SkinFormat format : {SkinFormat::kAffine, SkinFormat::kSimilarity}) {
+        Errors errors;
+        Random random(9);
+        const Character character = make_mesh(random, 40, {{1, 1}, {130, 2}, {65, 1}, {7, 3}}, true);
+        for (const uint32_t instance : {0u, 2u}) errors.add(run_skin(character, {instance, 3, format, SkinBlend::kDualQuaternion}, random));
+        EXPECT_LE(errors.position, 3e-5);
+        EXPECT_LE(errors.normal, 1e-4);
+        EXPECT_GT(errors.normals, 50u);
+        std::printf("  %zu vertices: largest error %.1e; of %zu normals %.1e rad\n", errors.positions, errors.position, errors.normals, errors.normal);
     }
 }
 
@@ -137,6 +209,37 @@ TEST(Skin, TheReferenceWeighsPositions) {
     skin[0].row[0][3] = 4;   // moves by 4 along x
     skin[1].row[1][3] = -8;  // by -8 along y
     EXPECT_EQ(skin_reference(character, skin)[0], (Vec3<double>{1 + 3, 2 - 2, 3}));
+}
+
+// Kavan's example: half way along a forearm that is twisted by 170 degrees, linear blending leaves a twelfth of its girth, dual quaternions all of it.
+TEST(Skin, ATwistedLimbKeepsItsGirth) {
+    constexpr double kTwist = 170 * 3.14159265358979 / 180;
+    const std::array half{WeightedTransform{0.5, {}}, WeightedTransform{0.5, to_affine(Trs<double>{axis_angle(Vec3<double>{1, 0, 0}, kTwist), {}, {1, 1, 1}})}};
+    const Vec3<double> skin{0.7, 0.6, 0.8};
+    const auto girth = [&](SkinBlend blend) {
+        const Vec3<double> p = transform_point(blended_transform(blend, half), skin);
+        EXPECT_NEAR(p.x, 0.7, 1e-12) << "along the limb";
+        return std::hypot(p.y, p.z);
+    };
+    EXPECT_NEAR(girth(SkinBlend::kLinear), std::cos(kTwist / 2), 1e-12);
+    EXPECT_NEAR(girth(SkinBlend::kDualQuaternion), 1, 1e-12);
+}
+
+// A bend about an elbow that is nowhere near the origin is one about the elbow, and one transform alone is what it is, on either side of the quaternions.
+TEST(Skin, DualQuaternionsKnowNoOrigin) {
+    Random random(4);
+    for (int round = 0; round < 50; ++round) {
+        Trs<double> parts = random.trs(5, 0.5);
+        parts.scale = {parts.scale.x, parts.scale.x, parts.scale.x};
+        const AffineT<double> one = to_affine(parts), moved = to_affine(Trs<double>{random.rotation(), random.vector(20), {1, 1, 1}});
+        const Vec3<double> p = random.vector(3);
+        const auto blended = [&](const AffineT<double>& a, const AffineT<double>& b, double weight) { return blended_transform(SkinBlend::kDualQuaternion, std::array{WeightedTransform{weight, a}, WeightedTransform{1 - weight, b}}); };
+        EXPECT_LE(length(transform_point(blended(one, one, 0.3), p) - transform_point(one, p)), 1e-12);
+        parts.rotation = random.rotation();
+        parts.scale = {1, 1, 1};
+        const AffineT<double> rigid = to_affine(Trs<double>{random.rotation(), random.vector(2), {1, 1, 1}}), other = to_affine(parts);
+        EXPECT_LE(length(transform_point(blended(moved * rigid, moved * other, 0.6), p) - transform_point(moved * blended(rigid, other, 0.6), p)), 1e-10) << "in another place likewise";
+    }
 }
 
 }  // namespace

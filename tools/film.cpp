@@ -70,6 +70,8 @@ nlohmann::json settings_of(const RenderOptions& options) {
             {"size", options.size},
             {"time", options.time_s},
             {"fps", options.fps},
+            {"skinning", static_cast<int>(options.skin_blend)},
+            {"skin_once", options.skins_once},
             {"everything", options.everything}};
 }
 

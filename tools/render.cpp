@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
 
 namespace throng::tools {
 namespace {
@@ -64,6 +65,9 @@ void add_render(CLI::App& app) {
                                           "until the film is there)");
     add_device_option(command, options->device);
     command.add_flag("--everything", options->everything, "animate and draw all, at full detail, also what the picture does not show");
+    static const std::map<std::string, SkinBlend> blends{{"linear", SkinBlend::kLinear}, {"dual-quaternion", SkinBlend::kDualQuaternion}};
+    command.add_option("--skinning", options->skin_blend, "linear, or dual-quaternion: joints that twist keep their girth")->transform(CLI::CheckedTransformer(blends))->default_str("linear");
+    command.add_flag("--skin-once", options->skins_once, "skin vertices once a frame, in compute, not once for the shadows and once for the picture");
     command.add_flag("--skeletons", options->skeletons, "a line from each joint to its parent, over everything, coloured by level");
     command.add_flag("--bounds", options->bounds, "the boxes that culling goes by");
     command.add_flag("--json", options->json, "print the stage times as JSON");

@@ -13,7 +13,7 @@ namespace {
 
 // Skeletons are drawn of all joints.
 CrowdSettings crowd_settings(const RenderOptions& options) {
-    return {.keep_model_matrices = options.skeletons, .culls = !options.everything, .reduces_joints = !options.everything && !options.skeletons};
+    return {.keep_model_matrices = options.skeletons, .culls = !options.everything, .reduces_joints = !options.everything && !options.skeletons, .skin_blend = options.skin_blend, .skins_once = options.skins_once};
 }
 
 }  // namespace
@@ -31,7 +31,7 @@ Shot::Shot(const Device& device, const RenderOptions& options)
 
 RenderResult Shot::draw(double step_s, double time_s) {
     const Camera camera = path_.at(time_s, scene_.subject(static_cast<float>(size_.width) / static_cast<float>(size_.height)));
-    const CrowdView view = view_of(camera, size_.width, size_.height, scene_.bounds());
+    const CrowdView view = unwrap(view_of(camera, size_.width, size_.height, scene_.bounds()));
     scene_.step(static_cast<float>(step_s), everything_ ? nullptr : &view);
     return unwrap(renderer_.render(scene_.crowd(), camera));
 }

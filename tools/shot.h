@@ -17,7 +17,8 @@ struct RenderOptions {
     double time_s = 0;                 // of the first picture
     std::string frames, shard;         // empty: one picture; all frames
     double fps = 30;
-    bool everything = false, skeletons = false, bounds = false, json = false;
+    SkinBlend skin_blend = SkinBlend::kLinear;
+    bool skins_once = false, everything = false, skeletons = false, bounds = false, json = false;
 };
 
 // Of the picture. Throws CommandError.

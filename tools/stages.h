@@ -8,13 +8,15 @@
 
 namespace throng::tools {
 
-inline constexpr std::array<std::pair<const char*, double StageTimes::*>, 8> kStages{{{"control", &StageTimes::control},
+inline constexpr std::array<std::pair<const char*, double StageTimes::*>, 10> kStages{{{"control", &StageTimes::control},
                                                                                       {"cull", &StageTimes::cull},
                                                                                       {"sample", &StageTimes::sample},
                                                                                       {"blend", &StageTimes::blend},
                                                                                       {"procedural", &StageTimes::procedural},
                                                                                       {"scan", &StageTimes::scan},
                                                                                       {"bind", &StageTimes::bind},
-                                                                                      {"fused", &StageTimes::fused}}};
+                                                                                      {"fused", &StageTimes::fused},
+                                                                                      {"pace", &StageTimes::pace},
+                                                                                      {"skin", &StageTimes::skin}}};
 
 }  // namespace throng::tools

@@ -95,16 +95,24 @@ enum class SkinFormat {
 // Bytes of one matrix.
 uint32_t skin_format_bytes(SkinFormat format);
 
+// How throng skins vertices: in Crowd::read_positions(), OutputBlock::skinned_buffer and Renderer. docs/skinning.md compares them.
+enum class SkinBlend {
+    kLinear,          // the weighted sum of the skin matrices: any character; joints that bend or twist far lose volume
+    kDualQuaternion,  // rotations and translations as dual quaternions, which keep it (L. Kavan et al., Geometric Skinning with Approximate Dual Quaternion Blending, 2008), scales linearly.
+                      // For characters whose scales and inverse binds are uniform
+};
+
 // What a camera sees: where CrowdSettings::culls, an update for a view animates only what that shows, and lists it for the draw.
 struct CrowdView {
     std::array<std::array<float, 4>, 4> clip_from_world{};  // rows; a world point is seen where -w <= x, y <= w and 0 <= z <= w
     Vec3<float> eye;          // world space
     float pixels = 1000;      // that a length of 1 takes at a distance of 1: the picture's height / (2 tan(half the vertical field of view))
-    float detail_pixels = 1;  // a coarser level of detail is drawn where its surfaces lie within so many pixels of the finest one's
+    float detail_pixels = 1;  // a coarser level of detail is drawn where its surfaces lie within so many pixels of the finest one's, as long as they are in the middle of the picture, which stretches towards its edges
     Vec3<float> shadow;       // what is drawn throws its shadow as far as this, world space: so what is outside but throws one inside is drawn too
+    float ground = -1e30f;    // world y; nothing below it is seen, so a shadow that falls goes no farther
     // Where CrowdSettings::skips_updates: a character whose box is at least so many pixels across is animated in every update, one of half as many in every second, of a quarter in
     // every fourth, a smaller one in every eighth; 0: all in every one.
-    float full_rate_pixels = 0;
+    float full_rate_pixels = 0;  // at most 1e30
     // Where CrowdSettings::skips_updates: GPU time that the update of the whole crowd may take, in milliseconds; as long as it takes longer, full_rate_pixels (at least 1) is raised from update to update,
     // and lowered again, not below itself, when there is time to spare. 0: as long as it takes. Needs timestamps.
     float budget_ms = 0;
@@ -136,11 +144,22 @@ struct CrowdSettings {
     bool culls = false;                // updates may be for a view
     // Such updates may animate what is small on the screen less often than others, with culls; its skin matrices go on evenly from one pose to the next. Doubles the memory of skin matrices.
     bool skips_updates = false;
-    // Coarser levels of detail have fewer joints (Character::joint_details), with culls: their skin matrices are written only for these, and only the influences of their level refer to no others.
+    // Coarser levels of detail have fewer joints (Character::joint_details), with culls: their skin matrices are written only for these, and only the influences of their level refer to no others. Kept model
+    // matrices likewise.
     bool reduces_joints = false;
+    SkinBlend skin_blend = SkinBlend::kLinear;
+    // Every vertex that is drawn is skinned once, in compute, into OutputBlock::skinned_buffer, for several passes (shadow maps, depths, the picture) or others who read vertices; Renderer does so then.
+    // 16 bytes a vertex and instance.
+    bool skins_once = false;
     bool timestamps = true;            // measure the stages; costs one query a stage and one more
     uint32_t event_capacity = 16384;   // events of one update that feedback() can hold; the others are counted
     uint32_t watch_capacity = 64;      // instances that watch() takes
+};
+
+// Of OutputBlock::skinned_buffer.
+struct SkinnedVertex {
+    Vec3<float> position;
+    uint32_t normal_octahedral = 0;  // of length 1, as Vertex's
 };
 
 // Skin matrices of consecutive instances of one group, in one buffer: [instance_count][palette_count] in CrowdSettings::skin_format,
@@ -156,7 +175,8 @@ struct CrowdSettings {
 // {uint32_t morph; float weight;}[instance_count][kActiveMorphLimit], the largest weight by magnitude first, weight 0 where there are fewer: bind position += weight * MorphDelta,
 // before skinning. `list_buffer`, where CrowdSettings::culls, holds uint32_t[5 + instance_count]: how many instances are drawn, where those of each of four levels of detail begin
 // behind the fifth word, then their numbers in the block, level by level, ascending; and `draw_buffer` VkDrawIndexedIndirectCommand[section_count][4], whose n-th instance is the n-th of its
-// level in the list. Instances that are not in the list keep the matrices of the last update that drew them; in one that draws them anew, the previous ones are those of the update itself. A block's buffers fit the device's storage-buffer range; offsets are 0.
+// level in the list. `skinned_buffer`, where CrowdSettings::skins_once, holds SkinnedVertex[instance_count][vertex_count], morphed and skinned, model space, in the order of Character::vertices; of instances that
+// are listed, those vertices that their level of detail has. Instances that are not in the list keep the matrices of the last update that drew them (where previous ones are kept, in turns those of the last two); in one that draws them anew, the previous ones are those of the update itself. A block's buffers fit the device's storage-buffer range; offsets are 0.
 // Valid once the recorded commands have run, until the next record() runs; written by compute shaders, and made visible by
 // record() to later compute, vertex and transfer reads on the same queue.
 struct OutputBlock {
@@ -179,13 +199,15 @@ struct OutputBlock {
     VkBuffer morph_buffer = VK_NULL_HANDLE;
     VkBuffer list_buffer = VK_NULL_HANDLE;
     VkBuffer draw_buffer = VK_NULL_HANDLE;
+    uint32_t vertex_count = 0;
+    VkBuffer skinned_buffer = VK_NULL_HANDLE;
 };
 
 // GPU time of each stage in the last finished update, summed over its dispatches, milliseconds. `fused` is sample, blend, scan and
-// bind of the groups that are updated in one pass. `pace` takes the matrices of what is not animated in this update towards their next pose. `blend` has the weights of morphs too.
+// bind of the groups that are updated in one pass. `pace` takes the matrices of what is not animated in this update towards their next pose; `skin` is that of CrowdSettings::skins_once. `blend` has the weights of morphs too.
 struct StageTimes {
-    double control = 0, cull = 0, sample = 0, blend = 0, procedural = 0, scan = 0, bind = 0, fused = 0, pace = 0;
-    double total() const { return control + cull + sample + blend + procedural + scan + bind + fused + pace; }
+    double control = 0, cull = 0, sample = 0, blend = 0, procedural = 0, scan = 0, bind = 0, fused = 0, pace = 0, skin = 0;
+    double total() const { return control + cull + sample + blend + procedural + scan + bind + fused + pace + skin; }
 };
 
 // An event of a controller's clip that an instance passed.
@@ -218,7 +240,7 @@ struct CrowdState;  // internal
 class Crowd {
 public:
     // Errors: kInvalidArgument (unknown scan, no instances), kUnsupported (the scan method,
-    // the fused path or the skin format does not apply to a character), what controllers, sockets and procedural rules have wrong, kLimit (names what exceeds which limit of the device), kOutOfMemory.
+    // the fused path, the skin format or the skin blend does not apply to a character), what controllers, sockets and procedural rules have wrong, kLimit (names what exceeds which limit of the device), kOutOfMemory.
     static Result<Crowd> create(const Device& device, const CrowdSettings& settings);
     Crowd(Crowd&&) noexcept;
     Crowd& operator=(Crowd&&) noexcept;
@@ -283,13 +305,13 @@ public:
     Result<void> update(float time_step_s, const CrowdView* view = nullptr);
 
     std::span<const OutputBlock> outputs() const;
-    // Of the last update that has finished. Errors: kInvalidArgument where timestamps are off or nothing has run yet.
+    // Of the newest update that has finished, of the last four. Errors: kInvalidArgument where timestamps are off or nothing has run yet.
     Result<StageTimes> stage_times() const;
 
     // Copies of one instance's results; they submit and wait. Shapes: [palette_count], [joint_count], [vertex_count].
     Result<std::vector<Affine>> read_skin_matrices(uint32_t instance);
     Result<std::vector<Affine>> read_model_matrices(uint32_t instance);
-    // Morphed and skinned on the GPU, model space, in the order of Character::vertices.
+    // Morphed and skinned on the GPU, model space, in the order of Character::vertices; where CrowdSettings::reduces_joints, of instances that the last update has listed.
     Result<std::vector<Vec3<float>>> read_positions(uint32_t instance);
 
     // What the last update has listed, in the order of the lists. Errors: kInvalidArgument where not CrowdSettings::culls.

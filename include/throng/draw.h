@@ -47,8 +47,8 @@ struct DrawOptions {
     bool bounds = false;     // the boxes that culling goes by
 };
 
-// What the camera sees of a picture of this size, shadows of the crowd included, for an update of it that is drawn by the same camera and options.
-CrowdView view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, const DrawOptions& options = {});
+// What the camera sees of a picture of this size, shadows of the crowd included, for an update of it that is drawn by the same camera and options. Errors: kInvalidArgument (camera, exposure, sun).
+Result<CrowdView> view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, const DrawOptions& options = {});
 
 struct RendererSettings {
     uint32_t width = 1920, height = 1080;  // at most the device's limit

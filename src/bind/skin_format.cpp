@@ -44,6 +44,15 @@ bool is_similarity(const Affine& m) {
     return square > 0 && near(dot(row(1), row(1)), square) && near(dot(row(2), row(2)), square) && near(dot(row(0), row(1)), 0) && near(dot(row(0), row(2)), 0) && near(dot(row(1), row(2)), 0);
 }
 
+// Why skin matrices are not all a rotation, a translation and a uniform scale, "which is all that" something can do.
+std::string similarity_obstacle(const Character& character, const std::string& which_is_all_that) {
+    if (!character.rig.uniform_scale) return "a joint is scaled differently along x, y and z; rotation, translation and one scale is all that " + which_is_all_that;
+    for (size_t entry = 0; entry < character.palette.size(); ++entry)
+        if (!is_similarity(character.palette[entry].joint_from_bind))
+            return "the inverse bind matrix of palette entry " + std::to_string(entry) + " is no rotation, translation and uniform scale, which is all that " + which_is_all_that;
+    return {};
+}
+
 }  // namespace
 
 uint32_t skin_format_bytes(SkinFormat format) {
@@ -51,12 +60,11 @@ uint32_t skin_format_bytes(SkinFormat format) {
 }
 
 std::string skin_format_obstacle(SkinFormat format, const Character& character) {
-    if (format != SkinFormat::kSimilarity) return {};
-    if (!character.rig.uniform_scale) return "a joint is scaled differently along x, y and z, which 32-byte skin matrices cannot hold; use another format";
-    for (size_t entry = 0; entry < character.palette.size(); ++entry)
-        if (!is_similarity(character.palette[entry].joint_from_bind))
-            return "the inverse bind matrix of palette entry " + std::to_string(entry) + " is no rotation, translation and uniform scale, which is all that 32-byte skin matrices can hold; use another format";
-    return {};
+    return format == SkinFormat::kSimilarity ? similarity_obstacle(character, "32-byte skin matrices can hold; use another format") : "";
+}
+
+std::string skin_blend_obstacle(SkinBlend blend, const Character& character) {
+    return blend == SkinBlend::kDualQuaternion ? similarity_obstacle(character, "dual quaternions can blend; use the linear blend") : "";
 }
 
 std::vector<Affine> unpack_skin(SkinFormat format, std::span<const std::byte> bytes) {

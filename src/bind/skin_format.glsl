@@ -42,4 +42,10 @@ Affine load_skin(uint index) {
     return unpack(skin_affines[index]);
 }
 
+// Of a matrix that is one.
+Similarity load_skin_similarity(uint index) {
+    if (kSkinFormat == kSkinSimilarity) return unpack(skin_similarities[index]);
+    return similarity_from_affine(load_skin(index));
+}
+
 #endif

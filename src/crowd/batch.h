@@ -8,7 +8,8 @@ namespace throng {
 struct Batch {
     uint32_t group = 0;
     uint32_t first_instance = 0, instance_count = 0;
-    uint32_t blending_count = 0;  // instances in which both clips have weight
+    uint32_t blending_count = 0;  // instances in which both clips have weight, as last set
+    bool blends = false;          // whether there are any in the update that is under way
     Buffer placements;
     Buffer playbacks, cursors;                    // two clips an instance
     Buffer layers, parameters, voices, roots;     // layers, where the group has a controller; roots where it has root motion
@@ -22,8 +23,9 @@ struct Batch {
     Buffer targets, springs;  // where the group has procedural rules
     Buffer posed;      // where the group has room for poses: io::InstancePose[instance_count], a table of words
     // Where CrowdSettings::culls (cull/cull_io.h): what is drawn and what is animated, tables of words; what is kept of each instance; what animates it and what draws it,
-    // VkDispatchIndirectCommand[kWorkSections] and io::DrawCommand[section_count][kDetailLevels].
+    // VkDispatchIndirectCommand[kWorkSections + 1], the last one of skinning what is drawn, and io::DrawCommand[section_count][kDetailLevels].
     Buffer list, work, states, dispatches, draws;
+    Buffer skinned;  // where CrowdSettings::skins_once: SkinnedVertex[instance_count][vertex_count]
     Buffer ahead;  // where CrowdSettings::skips_updates: skin matrices that instances go on towards
     Bindings control;
 

@@ -9,8 +9,8 @@
 #include "control/control_reference.h"
 #include "control/layer_commands.h"
 #include "control/playback.h"
+#include "cull/cull_io.h"
 #include "gpu/barrier.h"
-#include "skin/skin.h"
 
 #include <algorithm>
 #include <cmath>
@@ -34,7 +34,7 @@ io::RootState standing_at(const Affine& world_from_model) {
 }  // namespace
 
 CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& settings)
-    : gpu(std::move(gpu_in)), skin_format(settings.skin_format), control_(control_kernel(gpu)) {
+    : gpu(std::move(gpu_in)), skin_format(settings.skin_format), skin_blend(settings.skin_blend), control_(control_kernel(gpu)) {
     uint64_t total = 0;
     for (const CrowdGroup& group : settings.groups) {
         if (!group.character) throw Failure(ErrorCode::kInvalidArgument, "crowd", "a group has no character");
@@ -49,7 +49,9 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     for (const CrowdGroup& group : settings.groups) {
         if (const std::string obstacle = skin_format_obstacle(skin_format, *group.character); !obstacle.empty())
             throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin format", obstacle);
-        groups.emplace_back(gpu, group, choose_path(*gpu, settings, group), settings.culls && settings.reduces_joints);
+        if (const std::string obstacle = skin_blend_obstacle(skin_blend, *group.character); !obstacle.empty())
+            throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin blend", obstacle);
+        groups.emplace_back(gpu, group, choose_path(*gpu, settings, group), settings);
         make_batches(static_cast<uint32_t>(groups.size() - 1), settings);
         const auto rest = static_cast<uint32_t>(group.character->clips.size());
         const io::SlotPlayback rest_slot{.clip = rest, .loop = 0, .time_s = 0, .speed = 0};
@@ -68,10 +70,11 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     controllers.emplace(gpu, groups, batches, feedback ? &*feedback : nullptr);
     poses.emplace(gpu, groups, batches);
     morphs.emplace(gpu, groups, batches);
+    if (settings.skins_once) skin.emplace(gpu, groups, batches, cull ? &*cull : nullptr, settings);
     placements.resize(instance_count);
     dirty_playbacks_.add(0, instance_count);
     dirty_placements_.add(0, instance_count);
-    if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, 9 + 5 * staged->wave_count());  // control, cull, morph, fused, pace, the three of them that record_disoccluded() has and what comes before it, and five stages a wave
+    if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, 11 + 5 * staged->wave_count());  // control, cull, morph, fused, pace, skin, the four of them that record_disoccluded() has and what comes before it, and five stages a wave
 }
 
 // Refuses at once what cannot fit, before gigabytes are allocated on the way to failing.
@@ -81,7 +84,8 @@ void CrowdState::check_memory(const CrowdSettings& settings) const {
         const uint64_t matrices = 1 + (settings.keep_model_matrices ? group.character->rig.joint_count() : 0);
         const uint64_t morph_bytes = group.character->morphs.empty() ? 0 : kMorphs_bytes;
         const uint64_t skin_bytes = group.character->palette.size() * uint64_t{skin_format_bytes(skin_format)} * (1 + (settings.keep_previous_matrices ? 1 : 0) + (settings.culls && settings.skips_updates ? 1 : 0));
-        needed_bytes += group.instance_count * (matrices * kMatrix_bytes + skin_bytes + morph_bytes + sizeof(io::InstancePlayback) + sizeof(io::InstanceCursor));
+        const uint64_t skinned_bytes = settings.skins_once ? group.character->vertices.size() * sizeof(SkinnedVertex) : 0;
+        needed_bytes += group.instance_count * (matrices * kMatrix_bytes + skin_bytes + skinned_bytes + morph_bytes + sizeof(io::InstancePlayback) + sizeof(io::InstanceCursor));
         needed_bytes += std::min(group.pose_capacity, group.instance_count) * uint64_t{group.character->rig.joint_count()} * sizeof(io::JointPose);
     }
     if (needed_bytes > gpu->largest_heap_bytes())
@@ -95,11 +99,12 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
     const uint64_t joint_bytes = std::max(group.controller && group.controller->is_inertial ? sizeof(io::InertiaState) : kMatrix_bytes,
                                           group.controller ? group.controller->model_layer_count * sizeof(io::ModelRotations) : 0);
     const uint64_t spring_bytes = group.procedural ? group.procedural->spring_count * sizeof(io::SpringState) : 0;
+    const uint64_t skinned_bytes = settings.skins_once ? group.vertex_count * sizeof(SkinnedVertex) : 0;
     const uint64_t target_bytes = group.procedural ? group.procedural->target_count * sizeof(io::vec4) : 0;
-    const uint64_t instance_bytes = std::max({group.joint_count * joint_bytes, group.palette_count * kMatrix_bytes, spring_bytes, target_bytes, group.morphs ? kMorphs_bytes : 0});
+    const uint64_t instance_bytes = std::max({group.joint_count * joint_bytes, group.palette_count * kMatrix_bytes, spring_bytes, target_bytes, skinned_bytes, group.morphs ? kMorphs_bytes : 0});
     const uint64_t capacity = std::min<uint64_t>(arena_limit_bytes(*gpu) / instance_bytes, gpu->properties.limits.maxComputeWorkGroupCount[0]);
     if (capacity == 0)
-        throw Failure(ErrorCode::kLimit, group.name, "the matrices of one instance (" + std::to_string(instance_bytes) +
+        throw Failure(ErrorCode::kLimit, group.name, "what one instance takes (" + std::to_string(instance_bytes) +
                                                          " bytes) exceed the device's storage-buffer range of " + std::to_string(arena_limit_bytes(*gpu)));
     const uint64_t batch_count = (count + capacity - 1) / capacity;
     for (uint64_t i = 0; i < batch_count; ++i) {
@@ -118,10 +123,11 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
         }
         if (group.procedural) make_procedural_state(batch);
         if (settings.culls) make_list(gpu, group, batch);
-        batch.placements = storage("placements", n * kMatrix_bytes);
+        batch.placements = make_table<Affine>(gpu, group.name + ": placements", n);
         for (size_t k = 0; k < (settings.keep_previous_matrices ? 2 : 1); ++k)
             batch.skins[k] = storage("skin matrices", n * std::max(group.palette_count, 1u) * skin_format_bytes(skin_format));
         if (settings.culls && settings.skips_updates && group.animates_drawn_only()) batch.ahead = storage("skin matrices ahead", batch.skins[0].size_bytes());
+        if (settings.skins_once) batch.skinned = storage("skinned vertices", n * std::max(group.vertex_count, 1u) * sizeof(SkinnedVertex));
         if (group.morphs) batch.morphs = storage("active morphs", n * kMorphs_bytes);
         if (group.morphs && group.controller) batch.voice_times = storage("times of voices", n * group.controller->voice_limit * sizeof(float));
         if (group.sockets) batch.sockets = storage("sockets", n * group.socket_count() * kMatrix_bytes);
@@ -145,7 +151,9 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
                            .target_buffer = batch.targets.handle(),
                            .morph_buffer = batch.morphs.handle(),
                            .list_buffer = batch.list.handle(),
-                           .draw_buffer = batch.draws.handle()});
+                           .draw_buffer = batch.draws.handle(),
+                           .vertex_count = group.vertex_count,
+                           .skinned_buffer = batch.skinned.handle()});
         batches.push_back(std::move(batch));
     }
     instance_count += count;
@@ -344,11 +352,13 @@ void CrowdState::upload_changes(VkCommandBuffer commands) {
 void CrowdState::record(VkCommandBuffer commands, float time_step_s, const CrowdView* view) {
     if (view && !cull) throw Failure(ErrorCode::kInvalidArgument, "view", "CrowdSettings::culls is not set");
     if (!std::isfinite(time_step_s)) throw Failure(ErrorCode::kInvalidArgument, "time step", "must be finite");
+    const io::CullView seen = cull_view_of(view, paced_full_rate_pixels(view));
     constexpr Access kConsumers = kShaderRead | kVertexRead | kTransferRead | kIndirectRead;
     // Whoever reads the last update's results must be done.
     memory_barrier(*gpu, commands, kConsumers | kShaderWrite | kTransferWrite, kShaderRead | kShaderWrite | kTransferWrite);
     upload_changes(commands);
-    if (cull) cull->record_view(commands, view, paced_full_rate_pixels(view));
+    if (cull) cull->record_view(commands, seen);
+    for (Batch& batch : batches) batch.blends = batch.blending_count > 0;
     procedural->begin_update(commands, time_step_s);
     if (feedback) feedback->begin(commands);
     controllers->record_commands(commands);
@@ -362,6 +372,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     fused->record(commands, timer.get());
     pace->record(commands, timer.get());
     staged->record(commands, timer.get());
+    if (skin) skin->record(commands, timer.get());
     if (feedback) feedback->end(commands, watched_);
     if (!has_updated_) copy_to_previous(commands);
     has_updated_ = true;
@@ -370,12 +381,13 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
 
 void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths) {
     if (!cull) throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "CrowdSettings::culls is not set");
-    constexpr Access kConsumers = kShaderRead | kVertexRead | kIndirectRead;
+    constexpr Access kConsumers = kShaderRead | kVertexRead | kTransferRead | kIndirectRead;
     memory_barrier(*gpu, commands, kConsumers, kShaderWrite);  // what was listed has been drawn
     cull->record_disoccluded(commands, depths, timer.get());
     fused->record_listed(commands, timer.get());
     pace->record(commands, timer.get());
-    memory_barrier(*gpu, commands, kShaderWrite, kConsumers | kTransferRead);
+    if (skin) skin->record_animated(commands, timer.get());
+    memory_barrier(*gpu, commands, kShaderWrite, kConsumers);
 }
 
 // Raised by what the last update took more than the budget, at most by half, and lowered more slowly, so that it settles.
@@ -383,7 +395,7 @@ float CrowdState::paced_full_rate_pixels(const CrowdView* view) {
     if (!view) return 0;
     if (!(view->budget_ms > 0) || !timer) return view->full_rate_pixels;
     constexpr float kSlack = 0.9f, kMost = 1e6f;
-    if (const std::optional<StageTimes> times = timer->read_if_finished()) {
+    if (const std::optional<StageTimes> times = timer->take_newest()) {
         const auto load = static_cast<float>(times->total()) / view->budget_ms;
         pace_ = std::clamp(load > 1 ? pace_ * std::min(load, 1.5f) : load < kSlack ? pace_ * 0.95f : pace_, 1.0f, kMost);
     }
@@ -434,26 +446,24 @@ std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
     const Batch& batch = batch_of(instance);
     const Group& group = groups[batch.group];
     if (group.vertex_count == 0) return {};
-    if (!skin_) skin_ = skin_kernel(gpu, skin_format);
-    const Buffer positions(gpu, group.name + ": skinned positions", group.vertex_count * uint64_t{sizeof(io::vec4)}, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    const Bindings bindings = skin_->bind(SkinBuffers{group.vertices, group.influences, batch.skin(), positions, group.morphs ? group.morphs->deltas : group.vertices, batch.morphs.or_else(group.vertices)});
+    if (!skin_kernel_) skin_kernel_ = skin_kernel(gpu, skin_format, skin_blend, false);
+    const Buffer skinned(gpu, group.name + ": skinned vertices", group.vertex_count * sizeof(SkinnedVertex), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    const Bindings bindings = skin_kernel_->bind(skin_buffers(group, batch, batch.skin(), skinned, group.vertices));
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
         memory_barrier(*gpu, commands, kShaderWrite, kShaderRead);
-        for (const MeshSection& section : group.sections)
-            skin_->dispatch_invocations(commands, bindings,
-                                      io::SkinPush{.first_vertex = section.first_vertex,
-                                                   .vertex_count = section.vertex_count,
-                                                   .first_influences = section.first_influences,
-                                                   .influence_sets = section.influence_sets,
-                                                   .first_palette_entry = (instance - batch.first_instance) * group.palette_count,
-                                                   .first_morph = section.first_morph,
-                                                   .morph_count = section.morph_count,
-                                                   .first_active = (instance - batch.first_instance) * io::kActiveMorphs},
-                                      section.vertex_count);
+        io::SkinPush push = skin_push(group);
+        push.first_instance = instance - batch.first_instance;
+        push.influence_offset = joint_set_of(batch, push.first_instance) * group.influence_count;
+        skin_kernel_->dispatch_workgroups(commands, bindings, push, 1);
     });
-    std::vector<Vec3<float>> out;
-    for (const io::vec4& p : download<io::vec4>(gpu, positions)) out.push_back({p.x, p.y, p.z});
-    return out;
+    std::vector<Vec3<float>> positions;
+    for (const SkinnedVertex& vertex : download<SkinnedVertex>(gpu, skinned)) positions.push_back(vertex.position);
+    return positions;
+}
+
+// Of joints that an instance's skin matrices are of; those of the finest, where it has not been drawn.
+uint32_t CrowdState::joint_set_of(const Batch& batch, uint32_t instance) const {
+    return batch.states.handle() ? download<uint32_t>(gpu, BufferRange(batch.states.handle(), instance * sizeof(uint32_t), sizeof(uint32_t)))[0] >> io::kStateSetShift : 0;
 }
 
 std::vector<DrawnInstance> CrowdState::read_drawn() const {
@@ -470,7 +480,7 @@ uint64_t CrowdState::size_bytes() const {
     uint64_t sum = staged->size_bytes() + controllers->size_bytes() + (feedback ? feedback->size_bytes() : 0) + (cull ? cull->size_bytes() : 0);
     for (const Group& group : groups) sum += group.size_bytes();
     for (const Batch& batch : batches)
-        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.voice_times, &batch.morphs, &batch.inertias, &batch.inertia_states, &batch.rotations, &batch.targets, &batch.springs, &batch.sockets, &batch.posed, &batch.list, &batch.work, &batch.states, &batch.dispatches, &batch.draws, &batch.ahead, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
+        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.voice_times, &batch.morphs, &batch.inertias, &batch.inertia_states, &batch.rotations, &batch.targets, &batch.springs, &batch.sockets, &batch.posed, &batch.list, &batch.work, &batch.states, &batch.dispatches, &batch.draws, &batch.ahead, &batch.skinned, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
     return sum;
 }
 

@@ -10,6 +10,7 @@
 #include "crowd/fused_update.h"
 #include "crowd/pace_stage.h"
 #include "crowd/procedural_stage.h"
+#include "crowd/skin_stage.h"
 #include "crowd/pose_stage.h"
 #include "crowd/morph_stage.h"
 #include "crowd/staged_update.h"
@@ -49,6 +50,7 @@ struct CrowdState {
     std::shared_ptr<const CrowdLife> life = std::make_shared<const CrowdLife>();
     uint32_t instance_count = 0;
     SkinFormat skin_format = SkinFormat::kAffine;
+    SkinBlend skin_blend = SkinBlend::kLinear;
     std::vector<Group> groups;
     std::vector<Batch> batches;
     std::vector<OutputBlock> outputs;
@@ -63,6 +65,7 @@ struct CrowdState {
     std::optional<ControllerStage> controllers;
     std::optional<PoseStage> poses;
     std::optional<MorphStage> morphs;
+    std::optional<SkinStage> skin;  // where CrowdSettings::skins_once
 
 private:
     void make_batches(uint32_t group, const CrowdSettings& settings);
@@ -80,10 +83,11 @@ private:
     void count_blending(uint32_t first_instance, std::span<const io::InstancePlayback> changed);
     void check_range(uint32_t first_instance, size_t count, const char* what) const;
     const Batch& batch_of(uint32_t instance) const;
+    uint32_t joint_set_of(const Batch& batch, uint32_t instance) const;
     uint32_t index_of(const Batch& batch) const { return static_cast<uint32_t>(&batch - batches.data()); }
 
     Kernel control_;
-    std::optional<Kernel> skin_;  // made when positions are first read back
+    std::optional<Kernel> skin_kernel_;  // made when positions are first read back
     std::vector<io::InstancePlayback> playbacks_;    // [instance_count], as last set
     bool has_updated_ = false;
     float pace_ = 1;  // what the budget makes of CrowdView::full_rate_pixels, as a factor

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace throng {
 namespace {
@@ -15,15 +16,15 @@ uint32_t workgroups_of(uint32_t instance_count) { return (instance_count + io::k
 
 io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
     constexpr float kMost = 1e30f;
-    io::CullView seen{.eye = {0, 0, 0, kMost}};
+    io::CullView seen{.eye = {0, 0, 0, kMost}, .ground = -kMost};
     if (!view) return seen;
     const auto& rows = view->clip_from_world;
     for (const auto& row : rows)
         if (!std::ranges::all_of(row, [](float f) { return std::isfinite(f); })) throw Failure(ErrorCode::kInvalidArgument, "view", "clip_from_world must be finite");
     const Vec3<float>&eye = view->eye, &shadow = view->shadow;
-    if (!std::isfinite(length(eye)) || !std::isfinite(length(shadow))) throw Failure(ErrorCode::kInvalidArgument, "view", "eye and shadow must be finite");
+    if (!std::isfinite(length(eye)) || !std::isfinite(length(shadow)) || !std::isfinite(view->ground)) throw Failure(ErrorCode::kInvalidArgument, "view", "eye, shadow and ground must be finite");
     if (!(view->pixels > 0) || !(view->detail_pixels > 0)) throw Failure(ErrorCode::kInvalidArgument, "view", "pixels and detail_pixels must be above 0");
-    if (!(full_rate_pixels >= 0) || !(view->budget_ms >= 0)) throw Failure(ErrorCode::kInvalidArgument, "view", "full_rate_pixels and budget_ms must not be negative");
+    if (!(full_rate_pixels >= 0 && full_rate_pixels <= kMost) || !(view->budget_ms >= 0)) throw Failure(ErrorCode::kInvalidArgument, "view", "full_rate_pixels and budget_ms must not be negative, and the first is at most 1e30");
     // A point is inside where its clip coordinates are: -w <= x, y <= w and 0 <= z <= w (G. Gribb and K. Hartmann, Fast Extraction of Viewing Frustum Planes, 2001).
     const auto plane = [&](float of_w, size_t row, float of_row) {
         const auto at = [&](size_t k) { return of_w * rows[3][k] + of_row * rows[row][k]; };
@@ -33,8 +34,9 @@ io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
     std::ranges::copy(planes, seen.planes);
     for (size_t r = 0; r < 4; ++r) seen.clip_from_world[r] = {rows[r][0], rows[r][1], rows[r][2], rows[r][3]};
     seen.eye = {eye.x, eye.y, eye.z, std::min(view->pixels / view->detail_pixels, kMost)};
-    seen.shadow = {shadow.x, shadow.y, shadow.z, full_rate_pixels > 0 ? std::min(view->pixels / full_rate_pixels, kMost) : 0};
+    seen.shadow = {shadow.x, shadow.y, shadow.z, full_rate_pixels > 0 ? std::clamp(view->pixels / full_rate_pixels, std::numeric_limits<float>::min(), kMost) : 0};
     seen.occlusion = view->occlusion;
+    seen.ground = view->ground;
     return seen;
 }
 
@@ -50,11 +52,11 @@ void make_list(const std::shared_ptr<Gpu>& gpu, const Group& group, Batch& batch
         }
     constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
     batch.draws = upload(gpu, group.name + ": draw commands", draws, kUsage);
-    batch.dispatches = upload(gpu, group.name + ": dispatch commands", std::vector<VkDispatchIndirectCommand>(io::kWorkSections, {0, 1, 1}), kUsage);
+    batch.dispatches = upload(gpu, group.name + ": dispatch commands", std::vector<VkDispatchIndirectCommand>(io::kWorkSections + 1, {0, 1, 1}), kUsage);
 }
 
 CullStage::CullStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const CrowdSettings& settings)
-    : gpu_(std::move(gpu)), groups_(groups), batches_(batches), keeps_previous_(settings.keep_previous_matrices), may_skip_(settings.skips_updates), kernels_(gpu_), view_(upload(gpu_, "view", std::vector{cull_view_of(nullptr, 0)})) {
+    : gpu_(std::move(gpu)), groups_(groups), batches_(batches), keeps_previous_(settings.keep_previous_matrices), may_skip_(settings.skips_updates), kernels_(gpu_), view_(upload_table(gpu_, "view", std::vector{cull_view_of(nullptr, 0)})) {
     for (size_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
         const std::string name = groups_[batch.group].name;
@@ -70,8 +72,7 @@ CullStage::CullStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
 
 CullBuffers CullStage::buffers_of(size_t batch) const { return {view_, batches_[batch].placements, batches_[batch].states, members_[batch].verdicts, members_[batch].counts}; }
 
-void CullStage::record_view(VkCommandBuffer commands, const CrowdView* view, float full_rate_pixels) {
-    io::CullView seen = cull_view_of(view, full_rate_pixels);
+void CullStage::record_view(VkCommandBuffer commands, io::CullView seen) {
     seen.update_number = update_number_++;
     is_half_done_ = seen.occlusion != 0;
     record_update(*gpu_, commands, view_, 0, std::span<const io::CullView>(&seen, 1));
@@ -95,42 +96,49 @@ io::CullPush CullStage::push_of(const Batch& batch) const {
 
 template <class Dispatch>
 void CullStage::for_each_batch(VkCommandBuffer commands, const Dispatch& dispatch) const {
-    for (size_t i = 0; i < members_.size(); ++i) dispatch(members_[i], batches_[i]);
+    for (size_t i = 0; i < members_.size(); ++i) dispatch(i);
     memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite | kIndirectRead);
 }
 
 void CullStage::record(VkCommandBuffer commands, StageTimer* timer) const {
-    for_each_batch(commands, [&](const Member& member, const Batch& batch) { kernels_.cull.dispatch_invocations(commands, member.cull, push_of(batch), batch.instance_count); });
+    for_each_batch(commands, [&](size_t i) { kernels_.cull.dispatch_invocations(commands, members_[i].cull, push_of(batches_[i]), batches_[i].instance_count); });
     record_lists(commands, timer);
 }
 
 void CullStage::record_lists(VkCommandBuffer commands, StageTimer* timer) const {
-    for_each_batch(commands, [&](const Member& member, const Batch& batch) {
+    for_each_batch(commands, [&](size_t i) {
+        const Batch& batch = batches_[i];
         const Group& group = groups_[batch.group];
         io::OffsetsPush push{.workgroup_count = workgroups_of(batch.instance_count), .section_count = static_cast<uint32_t>(group.sections.size()), .instances_of_workgroup = {1, 1, 1, 1}};
         const std::array of_sets{&io::uvec4::x, &io::uvec4::y, &io::uvec4::z, &io::uvec4::w};
         for (size_t set = 0; set < group.fused.size(); ++set) push.instances_of_workgroup.*of_sets[set] = group.fused[set].plan.scan.instances_per_workgroup;
-        kernels_.offsets.dispatch_workgroups(commands, member.offsets, push, 1);
+        kernels_.offsets.dispatch_workgroups(commands, members_[i].offsets, push, 1);
     });
-    for_each_batch(commands, [&](const Member& member, const Batch& batch) { kernels_.list.dispatch_invocations(commands, member.list, push_of(batch), batch.instance_count); });
+    for_each_batch(commands, [&](size_t i) { kernels_.list.dispatch_invocations(commands, members_[i].list, push_of(batches_[i]), batches_[i].instance_count); });
     if (timer) timer->end_stage(commands, &StageTimes::cull);
 }
 
 void CullStage::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths, StageTimer* timer) {
     if (!is_half_done_) throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "the last record() was not for a view with occlusion, or this has been recorded for it");
     if (!depths.image || depths.width == 0 || depths.height == 0) throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "there is no depth image");
-    if (!pyramid_ || pyramid_->width() != depths.width || pyramid_->height() != depths.height) {
-        pyramid_.emplace(gpu_, kernels_.pyramid, depths.width, depths.height);
-        for (size_t i = 0; i < members_.size(); ++i) members_[i].reveal = kernels_.reveal.bind(RevealBuffers{buffers_of(i), pyramid_->levels()});
-    }
+    const Reveal& reveal = reveal_for(depths);
     is_half_done_ = false;
     if (timer) timer->leave_out(commands);
-    pyramid_->record(commands, kernels_.pyramid, depths);
-    for_each_batch(commands, [&](const Member& member, const Batch& batch) {
-        const io::RevealPush push{.cull = push_of(batch), .width = depths.width, .height = depths.height, .sign = depths.reversed ? 1.0f : -1.0f};
-        kernels_.reveal.dispatch_invocations(commands, member.reveal, push, batch.instance_count);
+    reveal.pyramid.record(commands, kernels_.pyramid, depths);
+    for_each_batch(commands, [&](size_t i) {
+        const io::RevealPush push{.cull = push_of(batches_[i]), .width = depths.width, .height = depths.height, .sign = depths.reversed ? 1.0f : -1.0f};
+        kernels_.reveal.dispatch_invocations(commands, reveal.members[i], push, batches_[i].instance_count);
     });
     record_lists(commands, timer);
+}
+
+const CullStage::Reveal& CullStage::reveal_for(const DepthImage& depths) {
+    if (!reveals_.empty() && reveals_.back().pyramid.has_room_for(depths)) return reveals_.back();
+    const bool may_double = 2 * sizeof(float) * depths.width * depths.height <= gpu_->properties.limits.maxStorageBufferRange;
+    Reveal made{DepthPyramid(gpu_, kernels_.pyramid, depths.width, (!reveals_.empty() && may_double ? 2 : 1) * depths.height), {}};
+    for (size_t i = 0; i < members_.size(); ++i) made.members.push_back(kernels_.reveal.bind(RevealBuffers{buffers_of(i), made.pyramid.levels()}));
+    reveals_.push_back(std::move(made));
+    return reveals_.back();
 }
 
 std::vector<DrawnInstance> CullStage::read(uint32_t batch_index) const {
@@ -147,7 +155,8 @@ std::vector<DrawnInstance> CullStage::read(uint32_t batch_index) const {
 uint64_t CullStage::size_bytes() const {
     uint64_t sum = view_.size_bytes();
     for (const Member& member : members_) sum += member.verdicts.size_bytes() + member.counts.size_bytes();
-    return sum + (pyramid_ ? pyramid_->size_bytes() : 0);
+    for (const Reveal& reveal : reveals_) sum += reveal.pyramid.size_bytes();
+    return sum;
 }
 
 }  // namespace throng

@@ -22,25 +22,31 @@ public:
     // Of all batches, which have a list; keeps references to both.
     CullStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const CrowdSettings& settings);
 
-    // full_rate_pixels replaces the view's.
-    void record_view(VkCommandBuffer commands, const CrowdView* view, float full_rate_pixels);
+    // `seen`: of cull_view_of().
+    void record_view(VkCommandBuffer commands, io::CullView seen);
     void record(VkCommandBuffer commands, StageTimer* timer) const;
     // The second half of an update for a view with occlusion. Throws kInvalidArgument where the last record_view() was for none, or its second half is recorded already.
     void record_disoccluded(VkCommandBuffer commands, const DepthImage& depths, StageTimer* timer);
     // Of a batch, after the last update that has finished.
     std::vector<DrawnInstance> read(uint32_t batch) const;
+    const Buffer& verdicts(uint32_t batch) const { return members_[batch].verdicts; }
     uint64_t size_bytes() const;
 
 private:
     struct Member {
         Buffer verdicts, counts;
-        Bindings cull, reveal, offsets, list;
+        Bindings cull, offsets, list;
+    };
+    struct Reveal {
+        DepthPyramid pyramid;
+        std::vector<Bindings> members;  // [batch]
     };
     io::CullPush push_of(const Batch& batch) const;
     void record_lists(VkCommandBuffer commands, StageTimer* timer) const;
     template <class Dispatch>
     void for_each_batch(VkCommandBuffer commands, const Dispatch& dispatch) const;
     CullBuffers buffers_of(size_t batch) const;
+    const Reveal& reveal_for(const DepthImage& depths);
 
     std::shared_ptr<Gpu> gpu_;
     const std::vector<Group>& groups_;
@@ -50,7 +56,8 @@ private:
     Buffer view_;
     uint32_t update_number_ = 0;
     bool is_half_done_ = false;  // record_disoccluded() is to come
-    std::optional<DepthPyramid> pyramid_;  // made when it is first needed
+    // Made when they are first needed, for the largest picture so far. Smaller ones are kept with what is bound to them, since updates may be under way that use them; each has twice the room of the one before, where the device can bind it.
+    std::vector<Reveal> reveals_;
     std::vector<Member> members_;  // [batch]
 };
 

@@ -7,14 +7,13 @@
 
 namespace throng {
 
-// Of pictures of one size.
+// Of pictures of up to some number of texels.
 class DepthPyramid {
 public:
-    // Throws kLimit where the device cannot hold it in one storage buffer.
+    // Has room for pictures of this size, and others of no more texels. Throws kLimit where the device cannot hold it in one storage buffer.
     DepthPyramid(std::shared_ptr<Gpu> gpu, const Kernel& kernel, uint32_t width, uint32_t height);
 
-    uint32_t width() const { return width_; }
-    uint32_t height() const { return height_; }
+    bool has_room_for(const DepthImage& depths) const;
     const Buffer& levels() const { return levels_; }
     uint64_t size_bytes() const { return picture_.size_bytes() + levels_.size_bytes(); }
 
@@ -23,7 +22,6 @@ public:
 
 private:
     std::shared_ptr<Gpu> gpu_;
-    uint32_t width_, height_;
     Buffer picture_;  // float[height][width]
     Buffer levels_;   // cull/cull_io.h
     Bindings from_picture_, from_levels_;

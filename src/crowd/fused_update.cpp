@@ -84,7 +84,7 @@ void FusedUpdate::record_set(VkCommandBuffer commands, const Member& member, uin
     const Kernels& kernels = kernels_[batch.group][set];
     const FusedJoints& joints = group.fused[set];
     const SetBindings& bindings = member.sets[set];
-    const Kernel& kernel = group.controller || batch.blending_count > 0 ? kernels.blending : kernels.single;
+    const Kernel& kernel = group.controller || batch.blends ? kernels.blending : kernels.single;
     io::FusedPush push{.joint_count = joints.joint_count, .rig_joint_count = group.joint_count, .instance_count = batch.instance_count, .palette_count = group.palette_count, .rest_track = static_cast<uint32_t>(group.clip_durations_s.size()) * group.joint_count, .voice_limit = group.controller ? group.controller->voice_limit : 0};
     if (!is_listed(group)) return record_fused(commands, kernel, bindings.skins[batch.current_skin], joints.plan, push);
     push.section = io::kAnimated + set;

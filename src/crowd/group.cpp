@@ -61,7 +61,7 @@ GroupController::GroupController(const std::shared_ptr<Gpu>& gpu, const Controll
     if (model_layer_count > 0) parents = upload_table(gpu, character.name + ": parents", character.rig.parents);
 }
 
-Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice, bool reduces_joints)
+Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice, const CrowdSettings& settings)
     : Group(gpu, *group.character, choice) {
     if (group.controller) controller.emplace(gpu, *group.controller, *group.character, group.moves_placements);
     socket_space = group.socket_space;
@@ -69,8 +69,9 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const Pat
     if (group.procedural) make_procedural(gpu, *group.procedural, *group.character);
     uniform_scale = group.character->rig.uniform_scale;
     pose_capacity = std::min(group.pose_capacity, group.instance_count);
-    bound_poses(*group.character);
-    if (reduces_joints && animates_drawn_only()) reduce_joints(gpu, *group.character);
+    bound_poses(*group.character, settings.skin_blend);
+    if (settings.culls && settings.reduces_joints && animates_drawn_only()) reduce_joints(gpu, *group.character);
+    make_skin_tables(gpu, *group.character);
     if (pose_capacity > 0) poses = make_table<io::JointPose>(gpu, name + ": poses of CrowdGroup::pose_capacity", uint64_t{pose_capacity} * joint_count);
 }
 
@@ -141,8 +142,14 @@ void Group::reduce_joints(const std::shared_ptr<Gpu>& gpu, const Character& char
     influences = upload(gpu, name + ": influences", all);
 }
 
+void Group::make_skin_tables(const std::shared_ptr<Gpu>& gpu, const Character& character) {
+    std::vector<uint32_t> influence_offsets;
+    for (uint32_t detail = 0; detail <= details.size(); ++detail) influence_offsets.push_back(influence_set_of(detail) * influence_count);
+    skin_tables = SkinTables(gpu, character, influence_offsets);
+}
+
 // What blends of clips, and what is put on top of them, may add to the boxes of clips.
-void Group::bound_poses(const Character& character) {
+void Group::bound_poses(const Character& character, SkinBlend blend) {
     constexpr float kBlends = 0.1f, kAnything = 0.5f;  // of the character's size
     posed_min = bounds_min;
     posed_max = bounds_max;
@@ -150,7 +157,8 @@ void Group::bound_poses(const Character& character) {
         posed_min = {std::min(posed_min.x, clip.bounds_min.x), std::min(posed_min.y, clip.bounds_min.y), std::min(posed_min.z, clip.bounds_min.z)};
         posed_max = {std::max(posed_max.x, clip.bounds_max.x), std::max(posed_max.y, clip.bounds_max.y), std::max(posed_max.z, clip.bounds_max.z)};
     }
-    const float margin = character.size * (controller || procedural || pose_capacity > 0 ? kAnything : kBlends);
+    // Those boxes are of linear blends, which dual quaternions leave.
+    const float margin = character.size * (controller || procedural || pose_capacity > 0 || blend != SkinBlend::kLinear ? kAnything : kBlends);
     posed_min = posed_min - Vec3<float>{margin, margin, margin};
     posed_max = posed_max + Vec3<float>{margin, margin, margin};
 }
@@ -175,7 +183,7 @@ void Group::make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint
 }
 
 uint64_t Group::size_bytes() const {
-    uint64_t sum = scan ? scan->links().size_bytes() : 0;
+    uint64_t sum = skin_tables.size_bytes() + (scan ? scan->links().size_bytes() : 0);
     for (const FusedJoints& joints : fused) sum += joints.tables.size_bytes();
     if (sockets) sum += sockets->table.size_bytes() + sockets->slots.size_bytes();
     if (procedural) sum += procedural->tables.size_bytes();

@@ -8,6 +8,7 @@
 #include "gpu/kernel.h"
 #include "morph/morph.h"
 #include "procedural/procedural_tables.h"
+#include "skin/skin.h"
 
 #include <throng/character.h>
 
@@ -52,7 +53,7 @@ struct GroupProcedural {
 };
 
 struct Group {
-    Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice, bool reduces_joints);
+    Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice, const CrowdSettings& settings);
 
     std::string name;
     uint32_t joint_count = 0;
@@ -87,6 +88,7 @@ struct Group {
     Buffer poses;                          // io::JointPose[pose_capacity][joint_count], as set by the application
     Buffer vertices, influences, indices;  // skin, draw; influences of each set of joints one after another
     uint32_t influence_count = 0;          // of one set
+    SkinTables skin_tables;                // skin
     std::optional<MorphTables> morphs;     // morph, skin, draw; where the character has any
 
     // Instances that are not drawn may be left as they are: nothing but a picture shows their pose, and none builds upon the one before.
@@ -103,7 +105,8 @@ private:
     void make_procedural(const std::shared_ptr<Gpu>& gpu, const ProceduralRules& rules, const Character& character);
     void make_details(const std::shared_ptr<Gpu>& gpu, const Character& character);
     void reduce_joints(const std::shared_ptr<Gpu>& gpu, const Character& character);
-    void bound_poses(const Character& character);
+    void make_skin_tables(const std::shared_ptr<Gpu>& gpu, const Character& character);
+    void bound_poses(const Character& character, SkinBlend blend);
     void make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint32_t>& joints);
     Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const PathChoice& choice);
 };

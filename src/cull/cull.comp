@@ -4,8 +4,6 @@
 #include "cull/cull.glsl"
 
 layout(local_size_x = kCullWorkgroupSize) in;
-layout(set = 0, binding = 0, std430) readonly buffer View { CullView view; };
-layout(set = 0, binding = 1, std430) readonly buffer Placements { Affine world_from_model[]; };
 layout(set = 0, binding = 2, std430) buffer States { uint states[]; };
 layout(set = 0, binding = 3, std430) writeonly buffer Verdicts { uint verdicts[]; };
 #include "cull/count.glsl"
@@ -15,7 +13,8 @@ void main() {
     const uint instance = gl_GlobalInvocationID.x;
     count_begin();
     if (instance < push.instance_count) {
-        const Affine placement = world_from_model[instance];
+        const CullView view = load_view();
+        const Affine placement = AFFINE_AT(placement_rows, instance);
         uint verdict = 0, state = states[instance];
         const bool waits = view.occlusion != 0 && (state & kStateVisible) == 0;
         if (!is_seen(view, placement, push.centre.xyz, push.half_extent.xyz)) {

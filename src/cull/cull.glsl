@@ -1,22 +1,49 @@
 // What a view sees, and in how much detail; defined by cull_reference.h.
 #include "cull/cull_io.h"
 #include "gpu/affine.glsl"
+#include "gpu/table.glsl"
 
+TABLE_OF_ROWS(0, View, view_rows);             // CullView
+TABLE_OF_ROWS(1, Placements, placement_rows);  // world_from_model
+
+vec4 view_row(uint index) { return uintBitsToFloat(ROW_AT(view_rows, index)); }
+
+CullView load_view() {
+    CullView view;
+    for (uint i = 0; i < 6; ++i) view.planes[i] = view_row(i);
+    for (uint i = 0; i < 4; ++i) view.clip_from_world[i] = view_row(6 + i);
+    view.eye = view_row(10);
+    view.shadow = view_row(11);
+    const uvec4 last = ROW_AT(view_rows, 12);
+    view.update_number = last.x;
+    view.occlusion = last.y;
+    view.ground = uintBitsToFloat(last.z);
+    return view;
+}
+
+// No length grows by more: by the products of m's columns, of which each row's sum bounds it; where they are at right angles it is the longest column.
 float largest_scale(Affine m) {
     const vec3 x = vec3(m.row0.x, m.row1.x, m.row2.x), y = vec3(m.row0.y, m.row1.y, m.row2.y), z = vec3(m.row0.z, m.row1.z, m.row2.z);
-    return sqrt(max(max(dot(x, x), dot(y, y)), dot(z, z)));
+    const float xy = abs(dot(x, y)), xz = abs(dot(x, z)), yz = abs(dot(y, z));
+    return sqrt(max(max(dot(x, x) + xy + xz, dot(y, y) + xy + yz), dot(z, z) + xz + yz));
+}
+
+// The way that the shadow of a box takes: of its highest point down to the ground.
+vec3 shadow_of(CullView view, Affine world_from_model, vec3 centre, vec3 half_extent) {
+    const float top = dot(world_from_model.row1, vec4(centre, 1)) + dot(abs(world_from_model.row1.xyz), half_extent);
+    return view.shadow.xyz * clamp((top - view.ground) / max(-view.shadow.y, 1e-30), 0, 1);
 }
 
 // The box, and the way that its shadow takes, are outside where they lie behind one plane.
 bool is_seen(CullView view, Affine world_from_model, vec3 centre, vec3 half_extent) {
-    const vec3 middle = affine_point(world_from_model, centre);
+    const vec3 middle = affine_point(world_from_model, centre), shadow = shadow_of(view, world_from_model, centre, half_extent);
     bool seen = true;
     for (uint i = 0; i < 6; ++i) {
         const vec3 normal = view.planes[i].xyz;
         const vec3 along = vec3(dot(normal, vec3(world_from_model.row0.x, world_from_model.row1.x, world_from_model.row2.x)),
                                 dot(normal, vec3(world_from_model.row0.y, world_from_model.row1.y, world_from_model.row2.y)),
                                 dot(normal, vec3(world_from_model.row0.z, world_from_model.row1.z, world_from_model.row2.z)));
-        const float reach = dot(abs(along), half_extent) + max(dot(normal, view.shadow.xyz), 0);
+        const float reach = dot(abs(along), half_extent) + max(dot(normal, shadow), 0);
         seen = seen && dot(normal, middle) + view.planes[i].w + reach >= 0;
     }
     return seen;
@@ -50,15 +77,16 @@ uint verdict_of(CullView view, CullPush push, Affine world_from_model, uint inst
     const uint detail = detail_of(view, distance_to_it, scale, push.detail_errors, push.detail_count);
     const uint period = push.may_skip != 0 ? period_of(view, distance_to_it, scale, push.half_extent.xyz) : 1;
     const bool was_drawn = (state & kStateDrawn) != 0;
-    const bool is_due = !was_drawn || ((view.update_number + instance) & (period - 1)) == 0;  // staggered
-    const bool is_at_once = is_due && (!was_drawn || period == 1);
+    const uint joint_set = min(detail, push.joint_set_count - 1), last_set = state >> kStateSetShift;
+    const bool has_joints = was_drawn && joint_set >= last_set;  // coarser sets are parts of finer ones
+    const bool is_due = !has_joints || ((view.update_number + instance) & (period - 1)) == 0;  // staggered
+    const bool is_at_once = is_due && (!has_joints || period == 1);
     uint left = was_drawn ? state >> kStateLeftShift & kStateLeftMask : 0;
     if (is_due) left = is_at_once ? 0 : period;
     uint verdict = kVerdictInView | kVerdictDrawn | detail;
-    const uint section = min(detail, push.joint_set_count - 1) + (is_at_once ? kAnimated : kAnimatedAhead);
-    if (is_due) verdict |= kVerdictAnimated | section << kVerdictSectionShift;
+    if (is_due) verdict |= kVerdictAnimated | (joint_set + (is_at_once ? kAnimated : kAnimatedAhead)) << kVerdictSectionShift;
     if (!is_at_once && (left > 0 || push.keeps_previous != 0)) verdict |= kVerdictGoesOn;
-    if (!was_drawn && push.keeps_previous != 0) verdict |= kVerdictAppears;
-    state = kStateDrawn | kStateVisible | left << kStateStepShift | (left > 0 ? left - 1 : 0) << kStateLeftShift;
+    if (!has_joints && push.keeps_previous != 0) verdict |= kVerdictAppears;
+    state = kStateDrawn | kStateVisible | (left > 0 ? left - 1 : 0) << kStateLeftShift | left << kStateStepShift | (is_due ? joint_set : last_set) << kStateSetShift;
     return verdict;
 }

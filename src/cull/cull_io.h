@@ -43,16 +43,19 @@ THRONG_IO_CONSTANT kStateVisible = 2u;  // not hidden in the last one
 THRONG_IO_CONSTANT kStateLeftShift = 2; // of the updates that its matrices still take to the next pose
 THRONG_IO_CONSTANT kStateLeftMask = 15u;
 THRONG_IO_CONSTANT kStateStepShift = 6;  // of the part of the way that they take in this one: 1 / it; 0: none
+THRONG_IO_CONSTANT kStateStepMask = 15u;
+THRONG_IO_CONSTANT kStateSetShift = 10;  // of the set of joints that they have, or are going on to
 
 // What is drawn; world space.
 struct CullView {
     vec4 planes[6];           // a point p is inside where dot(xyz, p) + w >= 0
     vec4 clip_from_world[4];  // rows
     vec4 eye;                 // w: the pixels that a length of 1 takes at a distance of 1, over those by which a level of detail may be off
-    vec4 shadow;              // how far a point's shadow falls: what is drawn throws one. w: pixels of a length of 1 at a distance of 1, over those from which on characters are animated in every update; 0: all are
+    vec4 shadow;              // how far a point's shadow falls at most: what is drawn throws one. w: pixels of a length of 1 at a distance of 1, over those from which on characters are animated in every update; 0: all are
     uint update_number;       // modulo 2^32
     uint occlusion;           // whether what was hidden in the last update waits
-    uint unused0, unused1;
+    float ground;             // y: no shadow falls below it
+    uint unused;
 };
 
 // Of the characters of a batch.

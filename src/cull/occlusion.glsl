@@ -8,7 +8,7 @@ vec4 column_to_clip(CullView view, Affine m, uint k) { return to_clip(view, vec4
 
 // The box, and the way that its shadow takes, cover a rectangle of the picture, and nothing of them is nearer than `nearest`: hidden where all that has been drawn there is nearer still.
 bool is_hidden(CullView view, Affine world_from_model, vec3 centre, vec3 half_extent) {
-    const vec4 middle = to_clip(view, vec4(affine_point(world_from_model, centre), 1)), shadow = to_clip(view, vec4(view.shadow.xyz, 0));
+    const vec4 middle = to_clip(view, vec4(affine_point(world_from_model, centre), 1)), shadow = to_clip(view, vec4(shadow_of(view, world_from_model, centre, half_extent), 0));
     const vec4 x = column_to_clip(view, world_from_model, 0) * half_extent.x, y = column_to_clip(view, world_from_model, 1) * half_extent.y, z = column_to_clip(view, world_from_model, 2) * half_extent.z;
     const float kNothing = 3e38;
     vec2 low = vec2(kNothing), high = vec2(-kNothing);

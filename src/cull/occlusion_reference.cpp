@@ -8,10 +8,11 @@ namespace throng {
 
 double shown_by(const io::CullView& view, const AffineT<double>& world_from_model, const CullBox& box, std::span<const float> depths, uint32_t width, uint32_t height) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const Vec3<double> way = shadow_of(view, world_from_model, box);
     double left = kInfinity, right = -kInfinity, top = kInfinity, bottom = -kInfinity, nearest = -kInfinity;
     for (uint32_t corner = 0; corner < 16; ++corner) {
         const auto side = [&](uint32_t bit) { return (corner & bit) != 0 ? 1.0 : -1.0; };
-        const Vec3<double> shadow = (corner & 8) != 0 ? Vec3<double>{view.shadow.x, view.shadow.y, view.shadow.z} : Vec3<double>{};
+        const Vec3<double> shadow = (corner & 8) != 0 ? way : Vec3<double>{};
         const Vec3<double> point = transform_point(world_from_model, box.centre + Vec3<double>{side(1) * box.half_extent.x, side(2) * box.half_extent.y, side(4) * box.half_extent.z}) + shadow;
         const auto clip = [&](size_t row) {
             const io::vec4& r = view.clip_from_world[row];

@@ -6,7 +6,7 @@ layout(local_size_x = kCullWorkgroupSize) in;
 layout(set = 0, binding = 0, std430) buffer Counts { uvec4 counts[]; };  // [workgroup][kCounters / 4]: before, how many; after, where they begin
 layout(set = 0, binding = 1, std430) writeonly buffer List { uint list[]; };
 layout(set = 0, binding = 2, std430) writeonly buffer Work { uint work[]; };
-layout(set = 0, binding = 3, std430) writeonly buffer Dispatches { uint dispatches[]; };  // [kWorkSections] of three words
+layout(set = 0, binding = 3, std430) writeonly buffer Dispatches { uint dispatches[]; };  // [kWorkSections + 1] of three words
 layout(set = 0, binding = 4, std430) buffer Draws { DrawCommand draws[]; };     // [section][kDetailLevels]
 layout(push_constant) uniform Push { OffsetsPush push; };
 
@@ -14,6 +14,12 @@ const uint kFours = kCounters / 4;
 shared uvec4 sums[kCullWorkgroupSize][kFours];
 shared uint totals[kCounters];
 shared uint begins[kCounters];
+
+void set_dispatch(uint command, uint workgroups) {
+    dispatches[3 * command] = workgroups;
+    dispatches[3 * command + 1] = 1;
+    dispatches[3 * command + 2] = 1;
+}
 
 void main() {
     const uint invocation = gl_LocalInvocationID.x;
@@ -49,13 +55,13 @@ void main() {
     }
     for (uint i = invocation; i < push.section_count * kDetailLevels; i += kCullWorkgroupSize) draws[i].instance_count = totals[i % kDetailLevels];
     if (invocation < kDetailLevels) list[kListBegins + invocation] = begins[invocation] - kFirstListed;
-    if (invocation == 0) list[kListCount] = totals[0] + totals[1] + totals[2] + totals[3];
+    const uint drawn_count = totals[0] + totals[1] + totals[2] + totals[3];
+    if (invocation == 0) list[kListCount] = drawn_count;
+    if (invocation == kWorkSections) set_dispatch(kWorkSections, drawn_count);
     if (invocation >= kWorkSections) return;
     const uint count = totals[kDetailLevels + invocation];
     const uint instances_of_workgroup = invocation < kGoingOn ? push.instances_of_workgroup[invocation % kDetailLevels] : 1;
     work[2 * invocation] = begins[kDetailLevels + invocation];
     work[2 * invocation + 1] = count;
-    dispatches[3 * invocation] = (count + instances_of_workgroup - 1) / instances_of_workgroup;
-    dispatches[3 * invocation + 1] = 1;
-    dispatches[3 * invocation + 2] = 1;
+    set_dispatch(invocation, (count + instances_of_workgroup - 1) / instances_of_workgroup);
 }

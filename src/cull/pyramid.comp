@@ -1,5 +1,5 @@
 #version 460
-// pyramid: a level of a depth pyramid from the one before it, or from the picture. One invocation for each texel that is written.
+// pyramid: a level of a depth pyramid from the one before it, or from the picture. One invocation for each texel that is written, or for several.
 #include "cull/cull_io.h"
 
 layout(local_size_x = kCullWorkgroupSize) in;
@@ -8,11 +8,12 @@ layout(set = 0, binding = 1, std430) writeonly buffer Coarse { float coarse[]; }
 layout(push_constant) uniform Push { PyramidPush push; };
 
 void main() {
-    const uint width = (push.width + 1) / 2, height = (push.height + 1) / 2;
-    if (gl_GlobalInvocationID.x >= width * height) return;
-    const uint column = 2 * (gl_GlobalInvocationID.x % width), row = 2 * (gl_GlobalInvocationID.x / width);
-    const uint right = min(column + 1, push.width - 1), below = min(row + 1, push.height - 1);
-    const uint first = push.first_read + row * push.width, second = push.first_read + below * push.width;
-    const vec4 four = push.sign * vec4(fine[first + column], fine[first + right], fine[second + column], fine[second + right]);
-    coarse[push.first_written + gl_GlobalInvocationID.x] = min(min(four.x, four.y), min(four.z, four.w));
+    const uint width = (push.width + 1) / 2, count = width * ((push.height + 1) / 2), stride = gl_NumWorkGroups.x * kCullWorkgroupSize;
+    for (uint i = gl_GlobalInvocationID.x; i < count; i += stride) {
+        const uint column = 2 * (i % width), row = 2 * (i / width);
+        const uint right = min(column + 1, push.width - 1), below = min(row + 1, push.height - 1);
+        const uint first = push.first_read + row * push.width, second = push.first_read + below * push.width;
+        const vec4 four = push.sign * vec4(fine[first + column], fine[first + right], fine[second + column], fine[second + right]);
+        coarse[push.first_written + i] = min(min(four.x, four.y), min(four.z, four.w));
+    }
 }

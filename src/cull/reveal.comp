@@ -5,8 +5,6 @@
 #include "cull/cull.glsl"
 
 layout(local_size_x = kCullWorkgroupSize) in;
-layout(set = 0, binding = 0, std430) readonly buffer View { CullView view; };
-layout(set = 0, binding = 1, std430) readonly buffer Placements { Affine world_from_model[]; };
 layout(set = 0, binding = 2, std430) buffer States { uint states[]; };
 layout(set = 0, binding = 3, std430) buffer Verdicts { uint verdicts[]; };
 #include "cull/count.glsl"
@@ -19,7 +17,8 @@ void main() {
     const uint instance = gl_GlobalInvocationID.x;
     count_begin();
     if (instance < push.cull.instance_count) {
-        const Affine placement = world_from_model[instance];
+        const CullView view = load_view();
+        const Affine placement = AFFINE_AT(placement_rows, instance);
         uint verdict = verdicts[instance] & (kVerdictDetailMask | kVerdictInView | kVerdictDrawn), state = states[instance];
         const bool hidden = (verdict & kVerdictInView) == 0 || is_hidden(view, placement, push.cull.centre.xyz, push.cull.half_extent.xyz);
         if ((verdict & kVerdictDrawn) != 0) {

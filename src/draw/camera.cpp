@@ -65,17 +65,30 @@ View make_view(const Camera& camera, float aspect_ratio) {
 
 Bounds rest_bounds(const CrowdState& crowd) { return bounds_of(crowd, &Group::bounds_min, &Group::bounds_max); }
 Bounds posed_bounds(const CrowdState& crowd) { return bounds_of(crowd, &Group::posed_min, &Group::posed_max); }
+const DrawOptions& checked(const DrawOptions& options) {
+    if (!(options.exposure > 0 && std::isfinite(options.exposure))) throw Failure(ErrorCode::kInvalidArgument, "draw options", "exposure must be finite and above 0");
+    const float height = normalized(options.to_sun).y;
+    if (!(height >= kLowestSun)) throw Failure(ErrorCode::kInvalidArgument, "draw options", "the sun must stand above the horizon: to_sun is finite, and its y at least a twentieth of its length");
+    return options;
+}
+
 Bounds world_bounds(const Crowd& crowd) { return rest_bounds(crowd.state()); }
 
-CrowdView view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, const DrawOptions& options) {
+CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, const DrawOptions& options) {
     const View view = make_view(camera, static_cast<float>(width) / static_cast<float>(std::max(height, 1u)));
     const Vec3<float> to_sun = direction_to_sun(options);
     constexpr float kHighest = 2;  // above the ground, in heights of the crowd at rest
-    const float reach = options.shadows ? kHighest * (bounds.max.y - bounds.min.y) / to_sun.y : 0;
+    constexpr float kDeepest = 0.25f;  // below it, likewise: rest poses may float above the floor that clips walk on
+    const float extent = bounds.max.y - bounds.min.y, reach = options.shadows ? kHighest * extent / to_sun.y : 0;
     return {.clip_from_world = view.clip_from_world,
             .eye = camera.eye,
             .pixels = static_cast<float>(std::max(height, 1u)) / (2 * view.half_height),
-            .shadow = to_sun * -reach};
+            .shadow = to_sun * -reach,
+            .ground = bounds.min.y - kDeepest * extent};
+}
+
+Result<CrowdView> view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, const DrawOptions& options) {
+    return as_result([&] { return crowd_view_of(camera, width, height, bounds, checked(options)); });
 }
 
 // Both fits below look at corners in the camera's axes, relative to the centre of the bounds: `side` along one axis of the picture, and

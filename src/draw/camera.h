@@ -22,6 +22,12 @@ View make_view(const Camera& camera, float aspect_ratio);
 Bounds rest_bounds(const CrowdState& crowd);
 Bounds posed_bounds(const CrowdState& crowd);
 
+// As view_of() of throng/draw.h. Throws kInvalidArgument where the camera is not one.
+CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, const DrawOptions& options);
+
+// Throws kInvalidArgument where they are none.
+const DrawOptions& checked(const DrawOptions& options);
+
 inline constexpr float kLowestSun = 0.05f;  // the sine of its height above the horizon
 
 // Unit, world space.

@@ -19,7 +19,7 @@ CrowdBindings::CrowdBindings(const std::shared_ptr<Gpu>& gpu, const DrawLayouts&
         std::array<Bindings, 2>& of_batch = batches_.emplace_back();
         for (size_t skin = 0; skin < 2; ++skin) {
             if (!batch.skins[skin].handle()) continue;
-            const std::array<BufferRange, kBatchBindings.size()> ranges{group.vertices, group.influences, batch.skins[skin], batch.placements,
+            const std::array<BufferRange, kBatchBindings.size()> ranges{group.vertices, group.influences, batch.skinned.handle() ? batch.skinned : batch.skins[skin], batch.placements,
                                                                         group.morphs ? group.morphs->deltas : group.vertices, batch.morphs.or_else(group.vertices), batch.list.or_else(group.vertices)};
             of_batch[skin] = Bindings(gpu, layouts.batch_set.get(), group.name, kBatchBindings, ranges);
         }

@@ -29,7 +29,8 @@ io::DrawPush push_of(const Group& group, const MeshSection& section, const DrawM
             .morph_count = section.morph_count,
             .metallic = f.metallic,
             .roughness = f.roughness,
-            .normal_scale = f.normal_image == kNone ? 0 : f.normal_scale};
+            .normal_scale = f.normal_image == kNone ? 0 : f.normal_scale,
+            .vertex_count = group.vertex_count};
 }
 
 constexpr uint32_t kLineVertices = 6;  // two triangles

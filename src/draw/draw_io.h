@@ -38,6 +38,7 @@ struct DrawPush {
     uint detail;                    // the level of detail that is drawn, where instances are listed
     float metallic, roughness;
     float normal_scale;             // 0: there is no normal map
+    uint vertex_count;              // of the character
 };
 
 // Of the lines over a crowd.

@@ -46,7 +46,7 @@ enum class Depth { kNone, kTested, kAlone, kShadowMap };  // the last two: nothi
 
 struct Program {
     std::span<const uint32_t> vertex, fragment;  // no fragment shader: depth is written
-    std::array<uint32_t, 3> vertex_constants{};
+    std::array<uint32_t, 5> vertex_constants{};
     std::array<uint32_t, 2> fragment_constants{};
     Depth depth = Depth::kNone;
     VkFormat color_format = kColorFormat;
@@ -69,8 +69,8 @@ OwnedShader make_shader(const std::shared_ptr<Gpu>& gpu, std::span<const uint32_
 }
 
 OwnedPipeline make_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout layout, VkSampleCountFlagBits samples, const Program& program) {
-    constexpr VkSpecializationMapEntry kEntries[] = {{0, 0, 4}, {1, 4, 4}, {2, 8, 4}};
-    const VkSpecializationInfo vertex_constants{3, kEntries, sizeof program.vertex_constants, program.vertex_constants.data()};
+    constexpr VkSpecializationMapEntry kEntries[] = {{0, 0, 4}, {1, 4, 4}, {2, 8, 4}, {3, 12, 4}, {4, 16, 4}};
+    const VkSpecializationInfo vertex_constants{5, kEntries, sizeof program.vertex_constants, program.vertex_constants.data()};
     const VkSpecializationInfo fragment_constants{2, kEntries, sizeof program.fragment_constants, program.fragment_constants.data()};
     const OwnedShader vertex = make_shader(gpu, program.vertex);
     OwnedShader fragment;
@@ -160,9 +160,9 @@ OwnedPipeline make_farthest_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipeline
     return make_pipeline(gpu, layout, VK_SAMPLE_COUNT_1_BIT, {.vertex = kFarthestVertex, .fragment = kFarthestFragment, .color_format = kFarthestFormat});
 }
 
-CharacterPipelines::CharacterPipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, SkinFormat format, bool listed) {
+CharacterPipelines::CharacterPipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, const VertexKind& kind) {
     const auto make = [&](const Program& program) { return make_pipeline(gpu, layouts.layout.get(), samples, program); };
-    const auto vertex_constants = [&](bool is_shadow) { return std::array<uint32_t, 3>{is_shadow, static_cast<uint32_t>(format), listed}; };
+    const auto vertex_constants = [&](bool is_shadow) { return std::array<uint32_t, 5>{is_shadow, static_cast<uint32_t>(kind.format), kind.listed, static_cast<uint32_t>(kind.blend), kind.skinned}; };
     shadow[0] = make({.vertex = kCharacterVertex, .vertex_constants = vertex_constants(true), .depth = Depth::kShadowMap});
     shadow[1] = make({.vertex = kCharacterVertex, .fragment = kShadowFragment, .vertex_constants = vertex_constants(true), .depth = Depth::kShadowMap});
     occluder[0] = make({.vertex = kCharacterVertex, .vertex_constants = vertex_constants(false), .depth = Depth::kAlone});
@@ -173,7 +173,7 @@ CharacterPipelines::CharacterPipelines(const std::shared_ptr<Gpu>& gpu, const Dr
 }
 
 LinePipelines::LinePipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, bool listed) {
-    const std::array<uint32_t, 3> constants{listed};
+    const std::array<uint32_t, 5> constants{listed};
     skeletons = make_pipeline(gpu, layouts.layout.get(), samples, {.vertex = kSkeletonVertex, .fragment = kLineFragment, .vertex_constants = constants});
     bounds = make_pipeline(gpu, layouts.layout.get(), samples, {.vertex = kBoundsVertex, .fragment = kLineFragment, .vertex_constants = constants, .depth = Depth::kTested});
 }

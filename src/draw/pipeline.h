@@ -28,9 +28,18 @@ OwnedPipeline make_ground_pipeline(const std::shared_ptr<Gpu>& gpu, const DrawLa
 // Depths of several samples -> the farthest (draw/occluders.h).
 OwnedPipeline make_farthest_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout layout);
 
-// Of crowds whose skin matrices have this format, and whose instances are listed or not. Cull mode, viewport and scissor are dynamic.
+// How a crowd's vertices come about.
+struct VertexKind {
+    SkinFormat format = SkinFormat::kAffine;
+    SkinBlend blend = SkinBlend::kLinear;
+    bool listed = false;   // instances are
+    bool skinned = false;  // by the crowd
+    friend auto operator<=>(const VertexKind&, const VertexKind&) = default;
+};
+
+// Cull mode, viewport and scissor are dynamic.
 struct CharacterPipelines {
-    CharacterPipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, SkinFormat format, bool listed);
+    CharacterPipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, const VertexKind& kind);
 
     // Those that discard: of materials with a mask; and in the picture of batches with mirrored instances, whose front faces wind the other way.
     std::array<OwnedPipeline, 2> shadow;                       // [discards]: into the shadow map
@@ -46,6 +55,6 @@ struct LinePipelines {
     OwnedPipeline bounds;
 };
 
-inline constexpr std::array<BindingInfo, 7> kBatchBindings{{{0}, {1}, {2}, {3}, {4}, {5}, {6}}};  // vertices, influences, skin matrices, placements, morph differences, active morphs, list
+inline constexpr std::array<BindingInfo, 7> kBatchBindings{{{0}, {1}, {2}, {3}, {4}, {5}, {6}}};  // vertices, influences, skin matrices or skinned vertices, placements, morph differences, active morphs, list
 
 }  // namespace throng

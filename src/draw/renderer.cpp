@@ -30,13 +30,6 @@ VkSampleCountFlagBits lower_samples(const Gpu& gpu, uint32_t wanted) {
     return VK_SAMPLE_COUNT_1_BIT;
 }
 
-DrawOptions checked(const DrawOptions& options) {
-    if (!(options.exposure > 0 && std::isfinite(options.exposure))) throw Failure(ErrorCode::kInvalidArgument, "draw options", "exposure must be finite and above 0");
-    const float height = normalized(options.to_sun).y;
-    if (!(height >= kLowestSun)) throw Failure(ErrorCode::kInvalidArgument, "draw options", "the sun must stand above the horizon: to_sun is finite, and its y at least a twentieth of its length");
-    return options;
-}
-
 }  // namespace
 
 struct RendererState {
@@ -77,7 +70,7 @@ private:
     MaterialSampling sampling_;
     SceneBinding scene_;
     OwnedPipeline ground_;
-    std::map<std::pair<SkinFormat, bool>, CharacterPipelines> characters_;  // by skin format, and whether a crowd lists what is drawn
+    std::map<VertexKind, CharacterPipelines> characters_;
     std::map<bool, LinePipelines> lines_;                                   // by the latter
     CrowdBindingsCache crowds_;
     std::optional<Occluders> occluders_;  // made when first needed
@@ -132,9 +125,9 @@ RendererState::Frame RendererState::prepare(const Crowd& crowd, const Camera& ca
 }
 
 const CharacterPipelines& RendererState::pipelines_of(const CrowdState& crowd) {
-    const std::pair key(crowd.skin_format, crowd.cull.has_value());
-    const auto found = characters_.find(key);
-    return found != characters_.end() ? found->second : characters_.emplace(key, CharacterPipelines(gpu, layouts_, samples, key.first, key.second)).first->second;
+    const VertexKind kind{crowd.skin_format, crowd.skin_blend, crowd.cull.has_value(), crowd.skin.has_value()};
+    const auto found = characters_.find(kind);
+    return found != characters_.end() ? found->second : characters_.emplace(kind, CharacterPipelines(gpu, layouts_, samples, kind)).first->second;
 }
 
 const LinePipelines& RendererState::lines_of(const CrowdState& crowd) {
@@ -146,7 +139,7 @@ const LinePipelines& RendererState::lines_of(const CrowdState& crowd) {
 void RendererState::record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera, const Frame& frame) {
     CrowdState& state = crowd.state();
     if (!state.cull) return state.record(commands, time_step_s, nullptr);
-    CrowdView view = view_of(camera, targets.width(), targets.height(), world_bounds(crowd), options);
+    CrowdView view = crowd_view_of(camera, targets.width(), targets.height(), world_bounds(crowd), options);
     view.occlusion = options.occlusion && (gpu->properties.limits.sampledImageDepthSampleCounts & samples);
     state.record(commands, time_step_s, &view);
     if (!view.occlusion) return;

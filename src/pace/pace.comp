@@ -36,7 +36,7 @@ vec4 went_on(vec4 previous, vec4 ahead, uint step, bool is_rotation) {
 
 void main() {
     const uint instance = WORD_AT(work, WORD_AT(work, 2 * push.section) + gl_WorkGroupID.x);
-    const uint step = push.section == kGoingOn ? states[instance] >> kStateStepShift : 0;
+    const uint step = push.section == kGoingOn ? states[instance] >> kStateStepShift & kStateStepMask : 0;
     for (uint row = gl_LocalInvocationID.x; row < push.row_count; row += kPaceWorkgroupSize) {
         const uint at = instance * push.row_count + row;
         if (kSkinFormat == kSkinHalfAffine) {

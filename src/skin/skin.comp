@@ -1,30 +1,57 @@
 #version 460
-// skin: positions of one instance's vertices in model space, for those who read them back; the draw skins in its vertex shader.
-// One invocation per vertex.
-#include "skin/skin_io.h"
+// skin: vertices of instances, morphed and skinned, in model space: for several passes, or for those who read them back.
+// One workgroup per instance. Cost of a vertex: 4 + 32 bytes read, 24 and a skin matrix for each four influences, of which most are in caches; 16 written.
 #include "bind/bind_io.h"
+#include "cull/cull_io.h"
 #include "morph/morph_io.h"
+#include "skin/skin_io.h"
 
 layout(local_size_x = kSkinWorkgroupSize) in;
+layout(constant_id = 1) const uint kSkinFormat = kSkinAffine;
+layout(constant_id = 2) const uint kSkinBlend = kSkinLinear;
+layout(constant_id = 3) const bool kListed = false;  // what is skinned lies in list
 layout(set = 0, binding = 0, std430) readonly buffer Vertices { VertexRows vertices[]; };
 layout(set = 0, binding = 1, std430) readonly buffer InfluenceWords { uvec2 influences[]; };
-layout(set = 0, binding = 3, std430) writeonly buffer Positions { vec4 positions[]; };
+layout(set = 0, binding = 3, std430) writeonly buffer Skinned { uvec4 skinned[]; };  // [instance][vertex], throng::SkinnedVertex
 layout(set = 0, binding = 4, std430) readonly buffer MorphDeltas { uvec4 morph_deltas[]; };
 layout(set = 0, binding = 5, std430) readonly buffer ActiveMorphs { ActiveMorph active_morphs[]; };
+layout(set = 0, binding = 6, std430) readonly buffer Sections { SkinSection sections[]; };  // [detail][section]
+layout(set = 0, binding = 7, std430) readonly buffer ListedVertices { uint listed_vertices[]; };
+layout(set = 0, binding = 8, std430) readonly buffer List { uint list[]; };  // cull/cull_io.h
+layout(set = 0, binding = 9, std430) readonly buffer Verdicts { uint verdicts[]; };
 layout(push_constant) uniform Push { SkinPush push; };
 
-layout(constant_id = 1) const uint kSkinFormat = kSkinAffine;
 #define SKIN_SET 0
 #define SKIN_BINDING 2
 #include "bind/skin_format.glsl"
 #include "skin/skin.glsl"
+#include "skin/normal.glsl"
 #include "morph/apply.glsl"
 
+// Of the n-th that is listed.
+uint detail_of(uint n) {
+    uint detail = 0;
+    for (uint k = 1; k < kDetailLevels; ++k)
+        if (n >= list[kListBegins + k]) detail = k;
+    return detail;
+}
+
 void main() {
-    const uint vertex = gl_GlobalInvocationID.x;
-    if (vertex >= push.vertex_count) return;
-    const Affine model_from_bind = blended_skin_matrix(push.first_influences, push.influence_sets, vertex, push.first_palette_entry);
-    const VertexRows rows = vertices[push.first_vertex + vertex];
-    const vec3 position = rows.position_normal.xyz + sum_of_morphs(rows.texcoord_color_delta.w, push.first_morph, push.morph_count, push.first_active).position;
-    positions[push.first_vertex + vertex] = vec4(affine_point(model_from_bind, position), 1);
+    const uint n = gl_WorkGroupID.x;
+    const uint instance = kListed ? list[kFirstListed + n] : push.first_instance + n;
+    if (kListed && push.only_animated != 0 && (verdicts[instance] & kVerdictAnimated) == 0) return;
+    const uint first_section = kListed ? detail_of(n) * push.section_count : 0;
+    const uint first_written = (kListed ? instance : n) * push.vertex_count;
+    for (uint s = 0; s < push.section_count; ++s) {
+        const SkinSection section = sections[first_section + s];
+        for (uint i = gl_LocalInvocationID.x; i < section.listed_count; i += kSkinWorkgroupSize) {
+            const uint vertex = listed_vertices[section.first_listed + i];
+            const VertexRows rows = vertices[section.first_vertex + vertex];
+            const MorphSum morphs = sum_of_morphs(rows.texcoord_color_delta.w, section.first_morph, section.morph_count, instance * kActiveMorphs);
+            const Affine model_from_bind = blended_skin_matrix(section.first_influences + push.influence_offset, section.influence_sets, vertex, instance * push.palette_count);
+            const vec3 position = affine_point(model_from_bind, rows.position_normal.xyz + morphs.position);
+            const vec3 normal = transform_normal(model_from_bind, morphed_normal(floatBitsToUint(rows.position_normal.w), section.morph_count, morphs.normal));
+            skinned[first_written + section.first_vertex + vertex] = uvec4(floatBitsToUint(position), pack_normal(normal));
+        }
+    }
 }

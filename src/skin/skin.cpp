@@ -1,5 +1,8 @@
 #include "skin/skin.h"
 
+#include <algorithm>
+#include <numeric>
+
 namespace throng {
 namespace {
 
@@ -7,10 +10,54 @@ constexpr uint32_t kSpirv[] = {
 #include "skin/skin.comp.inc"
 };
 
+static_assert(io::kSkinLinear == static_cast<uint32_t>(SkinBlend::kLinear) && io::kSkinDualQuaternion == static_cast<uint32_t>(SkinBlend::kDualQuaternion));
+
+// Ascending.
+std::vector<uint32_t> vertices_of(std::span<const uint32_t> indices) {
+    std::vector<uint32_t> vertices(indices.begin(), indices.end());
+    std::ranges::sort(vertices);
+    vertices.erase(std::ranges::unique(vertices).begin(), vertices.end());
+    return vertices;
+}
+
+std::vector<uint32_t> all_of(uint32_t vertex_count) {
+    std::vector<uint32_t> vertices(vertex_count);
+    std::iota(vertices.begin(), vertices.end(), 0u);
+    return vertices;
+}
+
 }  // namespace
 
-Kernel skin_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format) {
-    return Kernel(gpu, {.name = "skin", .spirv = kSpirv, .constants = {static_cast<uint32_t>(format)}});
+SkinTables::SkinTables(const std::shared_ptr<Gpu>& gpu, const Character& character, std::span<const uint32_t> influence_offsets) {
+    std::vector<io::SkinSection> all_sections;
+    std::vector<uint32_t> all_vertices;
+    for (size_t detail = 0; detail < influence_offsets.size(); ++detail) {
+        for (size_t s = 0; s < character.sections.size(); ++s) {
+            const MeshSection& section = character.sections[s];
+            std::vector<uint32_t> listed;
+            if (detail == 0) {
+                listed = all_of(section.vertex_count);
+            } else {
+                const IndexRange& range = character.detail_ranges[(detail - 1) * character.sections.size() + s];
+                listed = vertices_of(std::span(character.detail_indices).subspan(range.first_index, range.index_count));
+            }
+            all_sections.push_back({.first_vertex = section.first_vertex,
+                                    .first_influences = section.first_influences + influence_offsets[detail],
+                                    .influence_sets = section.influence_sets,
+                                    .first_morph = section.first_morph,
+                                    .morph_count = section.morph_count,
+                                    .first_listed = static_cast<uint32_t>(all_vertices.size()),
+                                    .listed_count = static_cast<uint32_t>(listed.size()),
+                                    .unused = 0});
+            all_vertices.insert(all_vertices.end(), listed.begin(), listed.end());
+        }
+    }
+    sections = upload(gpu, character.name + ": sections of levels of detail", all_sections);
+    vertices = upload(gpu, character.name + ": vertices of levels of detail", all_vertices);
+}
+
+Kernel skin_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format, SkinBlend blend, bool listed) {
+    return Kernel(gpu, {.name = "skin", .spirv = kSpirv, .constants = {static_cast<uint32_t>(format), static_cast<uint32_t>(blend), listed}});
 }
 
 }  // namespace throng

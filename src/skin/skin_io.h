@@ -6,6 +6,10 @@ THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kSkinWorkgroupSize = 64;
 
+// throng::SkinBlend
+THRONG_IO_CONSTANT kSkinLinear = 0;
+THRONG_IO_CONSTANT kSkinDualQuaternion = 1;
+
 // throng::Vertex as a float4, position and normal (its bits), and four words: the bits of two floats, the texture coordinate; colour; first_delta. A number as
 // small as first_delta may not go through a float: as one it would be denormal, and a device may take it for 0.
 struct VertexRows {
@@ -13,15 +17,22 @@ struct VertexRows {
     uvec4 texcoord_color_delta;
 };
 
-// A section of a mesh, for one instance.
-struct SkinPush {
+// A section of a mesh in one level of detail.
+struct SkinSection {
     uint first_vertex;
-    uint vertex_count;
     uint first_influences;
     uint influence_sets;
-    uint first_palette_entry;  // of the instance: instance * palette_count
-    uint first_morph, morph_count;  // of the section; count 0: none
-    uint first_active;         // of the instance: instance * kActiveMorphs
+    uint first_morph, morph_count;   // count 0: none
+    uint first_listed, listed_count; // which of its vertices the level has
+    uint unused;
+};
+
+struct SkinPush {
+    uint section_count;
+    uint vertex_count, palette_count;  // of the character
+    uint first_instance;               // where nothing is listed; its vertices are written first
+    uint influence_offset;             // likewise, of influences from those of the section
+    uint only_animated;                // of those listed, only who is animated in this half of the update
 };
 
 THRONG_IO_END

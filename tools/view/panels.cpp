@@ -21,6 +21,7 @@ constexpr std::array kPaths{Named{UpdatePath::kAuto, "auto", "fused where it app
                             Named{UpdatePath::kStaged, "staged", "one after another"}};
 constexpr std::array kFormats{Named{SkinFormat::kAffine, "affine, 48 bytes", "three rows of four floats"}, Named{SkinFormat::kHalfAffine, "half, 24 bytes", "three rows of four half floats"},
                               Named{SkinFormat::kSimilarity, "similarity, 32 bytes", "rotation, translation and one scale"}};
+constexpr std::array kBlends{Named{SkinBlend::kLinear, "linear", "weighted sums of skin matrices"}, Named{SkinBlend::kDualQuaternion, "dual quaternion", "joints that twist keep their girth"}};
 
 template <class T, size_t count>
 void choose(const char* id, const std::array<Named<T>, count>& all, T& value) {
@@ -118,6 +119,10 @@ void update_section(State& state, Scene& scene) {
     choose("##path", kPaths, state.wanted.path);
     begin_row("output");
     choose("##format", kFormats, state.wanted.format);
+    begin_row("skinning");
+    choose("##blend", kBlends, state.wanted.blend);
+    ImGui::Checkbox("vertices once a frame", &state.wanted.skins_once);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("in compute, for the shadows and the picture");
     ImGui::Checkbox("only what is seen, as fine as it is seen", &state.wanted.culls);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("culling and levels of detail");
 }

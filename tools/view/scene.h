@@ -34,6 +34,8 @@ struct SceneSettings {
     std::string scan = "auto";
     UpdatePath path = UpdatePath::kAuto;
     SkinFormat format = SkinFormat::kAffine;
+    SkinBlend blend = SkinBlend::kLinear;
+    bool skins_once = false;
     bool culls = true;          // and with it levels of detail
     bool keeps_joints = false;  // their matrices, which skeletons are drawn from
 
