@@ -1,5 +1,7 @@
 #include "draw/materials.h"
 
+#include "draw/descriptors.h"
+
 namespace throng {
 
 MaterialSampling::MaterialSampling(const std::shared_ptr<Gpu>& gpu) : white(make_white_texture(gpu)) {
@@ -18,12 +20,7 @@ GroupMaterials::GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& gro
         if (section.material < used.size() && section.index_count > 0) used[section.material] = true;
 
     const auto count = static_cast<uint32_t>(group.materials.size() + 1);
-    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count * kMaterialTextures};
-    VkDescriptorPoolCreateInfo create{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-    create.maxSets = count;
-    create.poolSizeCount = 1;
-    create.pPoolSizes = &size;
-    pool_ = OwnedPool(gpu, gpu->vk.vkCreateDescriptorPool, create, "vkCreateDescriptorPool");
+    pool_ = make_descriptor_pool(gpu, count, {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count * kMaterialTextures}});
 
     for (size_t i = 0; i < group.materials.size(); ++i) {
         const AssetMaterial& material = group.materials[i];
@@ -50,21 +47,8 @@ void GroupMaterials::add(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout 
     added.masked = material.alpha_mode != AlphaMode::kOpaque;
     added.alpha_cutoff = material.alpha_mode == AlphaMode::kMask ? material.alpha_cutoff : material.alpha_mode == AlphaMode::kBlend ? kBlendCutoff : 0;
     visit_images([&](auto member) { added.has_maps = added.has_maps || (member != &AssetMaterial::image && material.*member != kNone); });
-    VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-    allocate.descriptorPool = pool_.get();
-    allocate.descriptorSetCount = 1;
-    allocate.pSetLayouts = &layout;
-    check(gpu->vk.vkAllocateDescriptorSets(gpu->device, &allocate, &added.set), "vkAllocateDescriptorSets");
-    for (uint32_t i = 0; i < kMaterialTextures; ++i) {
-        const VkDescriptorImageInfo image{sampler, views[i], VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
-        VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-        write.dstSet = added.set;
-        write.dstBinding = i;
-        write.descriptorCount = 1;
-        write.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-        write.pImageInfo = &image;
-        gpu->vk.vkUpdateDescriptorSets(gpu->device, 1, &write, 0, nullptr);
-    }
+    added.set = allocate_set(*gpu, pool_, layout);
+    for (uint32_t i = 0; i < kMaterialTextures; ++i) write_image(*gpu, added.set, i, {sampler, views[i], VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
 }
 
 }  // namespace throng

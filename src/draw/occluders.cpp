@@ -1,5 +1,6 @@
 #include "draw/occluders.h"
 
+#include "draw/descriptors.h"
 #include "draw/pipeline.h"
 
 namespace throng {
@@ -45,24 +46,9 @@ Occluders::Occluders(std::shared_ptr<Gpu> gpu, uint32_t width, uint32_t height, 
     layout_ = {gpu_, gpu_->vk.vkCreatePipelineLayout, layout_create, "vkCreatePipelineLayout"};
     pipeline_ = make_farthest_pipeline(gpu_, layout_.get());
 
-    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
-    VkDescriptorPoolCreateInfo pool_create{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-    pool_create.maxSets = 1;
-    pool_create.poolSizeCount = 1;
-    pool_create.pPoolSizes = &size;
-    pool_ = OwnedPool(gpu_, gpu_->vk.vkCreateDescriptorPool, pool_create, "vkCreateDescriptorPool");
-    VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-    allocate.descriptorPool = pool_.get();
-    allocate.descriptorSetCount = 1;
-    allocate.pSetLayouts = &set_layout;
-    check(gpu_->vk.vkAllocateDescriptorSets(gpu_->device, &allocate, &set_), "vkAllocateDescriptorSets");
-    const VkDescriptorImageInfo image{sampler_.get(), depth_.view(), VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL};
-    VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-    write.dstSet = set_;
-    write.descriptorCount = 1;
-    write.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-    write.pImageInfo = &image;
-    gpu_->vk.vkUpdateDescriptorSets(gpu_->device, 1, &write, 0, nullptr);
+    pool_ = make_descriptor_pool(gpu_, 1, {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1}});
+    set_ = allocate_set(*gpu_, pool_, set_layout);
+    write_image(*gpu_, set_, 0, {sampler_.get(), depth_.view(), VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL});
 }
 
 void Occluders::begin(VkCommandBuffer commands) const {

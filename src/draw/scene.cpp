@@ -1,6 +1,7 @@
 #include "draw/scene.h"
 
 #include "draw/camera.h"
+#include "draw/descriptors.h"
 #include "gpu/barrier.h"
 
 #include <algorithm>
@@ -77,33 +78,20 @@ io::DrawScene make_scene(const CrowdState& state, const Camera& camera, const Vk
 
 SceneBinding::SceneBinding(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout, const ShadowMap& shadow_map)
     : gpu_(gpu), buffer_(gpu, "scene", sizeof(io::DrawScene), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT) {
-    constexpr std::array kSizes{VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1}, VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1}};
-    VkDescriptorPoolCreateInfo create{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-    create.maxSets = 1;
-    create.poolSizeCount = kSizes.size();
-    create.pPoolSizes = kSizes.data();
-    pool_ = OwnedPool(gpu, gpu->vk.vkCreateDescriptorPool, create, "vkCreateDescriptorPool");
-    VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-    allocate.descriptorPool = pool_.get();
-    allocate.descriptorSetCount = 1;
-    allocate.pSetLayouts = &layout;
-    check(gpu->vk.vkAllocateDescriptorSets(gpu->device, &allocate, &set_), "vkAllocateDescriptorSets");
+    pool_ = make_descriptor_pool(gpu, 1, {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1}, {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1}});
+    set_ = allocate_set(*gpu, pool_, layout);
     VkSamplerCreateInfo nearest{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};  // shaders fetch single texels
     sampler_ = OwnedSampler(gpu, gpu->vk.vkCreateSampler, nearest, "vkCreateSampler");
 
     const VkDescriptorBufferInfo scene{buffer_.handle(), 0, buffer_.size_bytes()};
-    const VkDescriptorImageInfo map{sampler_.get(), shadow_map.view(), VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL};
-    std::array<VkWriteDescriptorSet, 2> writes{};
-    for (uint32_t binding = 0; binding < 2; ++binding) {
-        writes[binding].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
-        writes[binding].dstSet = set_;
-        writes[binding].dstBinding = binding;
-        writes[binding].descriptorCount = 1;
-        writes[binding].descriptorType = kSizes[binding].type;
-    }
-    writes[0].pBufferInfo = &scene;
-    writes[1].pImageInfo = &map;
-    gpu->vk.vkUpdateDescriptorSets(gpu->device, 2, writes.data(), 0, nullptr);
+    VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+    write.dstSet = set_;
+    write.dstBinding = 0;
+    write.descriptorCount = 1;
+    write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+    write.pBufferInfo = &scene;
+    gpu->vk.vkUpdateDescriptorSets(gpu->device, 1, &write, 0, nullptr);
+    write_image(*gpu, set_, 1, {sampler_.get(), shadow_map.view(), VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL});
 }
 
 void SceneBinding::record(VkCommandBuffer commands, const io::DrawScene& scene) const {
