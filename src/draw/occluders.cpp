@@ -2,29 +2,9 @@
 
 #include "draw/descriptors.h"
 #include "draw/pipeline.h"
+#include "draw/rendering.h"
 
 namespace throng {
-namespace {
-
-constexpr Access kDepthAccess{VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
-                              VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT};
-constexpr Access kColorWrite{VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT};
-constexpr Access kFragmentRead{VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT};
-
-void begin_rendering(const Gpu& gpu, VkCommandBuffer commands, uint32_t width, uint32_t height, const VkRenderingAttachmentInfo* color, const VkRenderingAttachmentInfo* depth) {
-    VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
-    rendering.renderArea = {{0, 0}, {width, height}};
-    rendering.layerCount = 1;
-    rendering.colorAttachmentCount = color ? 1 : 0;
-    rendering.pColorAttachments = color;
-    rendering.pDepthAttachment = depth;
-    gpu.vk.vkCmdBeginRendering(commands, &rendering);
-    const VkViewport viewport{0, 0, static_cast<float>(width), static_cast<float>(height), 0, 1};
-    gpu.vk.vkCmdSetViewport(commands, 0, 1, &viewport);
-    gpu.vk.vkCmdSetScissor(commands, 0, 1, &rendering.renderArea);
-}
-
-}  // namespace
 
 Occluders::Occluders(std::shared_ptr<Gpu> gpu, uint32_t width, uint32_t height, VkSampleCountFlagBits samples) : gpu_(std::move(gpu)), width_(width), height_(height) {
     const bool several = samples != VK_SAMPLE_COUNT_1_BIT;
@@ -53,13 +33,8 @@ Occluders::Occluders(std::shared_ptr<Gpu> gpu, uint32_t width, uint32_t height, 
 
 void Occluders::begin(VkCommandBuffer commands) const {
     transition(*gpu_, commands, {.image = depth_.handle(), .aspect = VK_IMAGE_ASPECT_DEPTH_BIT, .to = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, .before = kDepthAccess | kFragmentRead | kTransferRead, .after = kDepthAccess});
-    VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-    depth.imageView = depth_.view();
-    depth.imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
-    depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
-    depth.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-    depth.clearValue.depthStencil = {0, 0};  // infinitely far
-    begin_rendering(*gpu_, commands, width_, height_, nullptr, &depth);
+    const VkRenderingAttachmentInfo depth = depth_attachment(depth_, VK_ATTACHMENT_STORE_OP_STORE);
+    begin_rendering(*gpu_, commands, {width_, height_}, nullptr, &depth);
 }
 
 void Occluders::end(VkCommandBuffer commands) const {
@@ -71,12 +46,8 @@ void Occluders::end(VkCommandBuffer commands) const {
 
 void Occluders::resolve(VkCommandBuffer commands) const {
     transition(*gpu_, commands, {.image = farthest_.handle(), .to = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, .before = kTransferRead, .after = kColorWrite});
-    VkRenderingAttachmentInfo color{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-    color.imageView = farthest_.view();
-    color.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    color.loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;  // all of it is written
-    color.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-    begin_rendering(*gpu_, commands, width_, height_, &color, nullptr);
+    const VkRenderingAttachmentInfo color = color_attachment(farthest_, VK_ATTACHMENT_STORE_OP_STORE);
+    begin_rendering(*gpu_, commands, {width_, height_}, &color, nullptr);
     gpu_->vk.vkCmdSetCullMode(commands, VK_CULL_MODE_NONE);
     gpu_->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.get());
     gpu_->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &set_, 0, nullptr);

@@ -1,6 +1,7 @@
 #include "draw/shadow_map.h"
 
 #include "draw/pipeline.h"
+#include "draw/rendering.h"
 
 #include <algorithm>
 #include <bit>
@@ -11,9 +12,6 @@ namespace {
 
 constexpr uint32_t kLeastSize = 512, kMostSize = 4096;  // 4 MiB, and 64
 constexpr double kMargin = 4;                           // texels around what is fitted, for the filter
-constexpr Access kMapWrite{VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
-                           VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT};
-constexpr Access kMapRead{VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT};
 
 struct Interval {
     double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -70,26 +68,15 @@ ShadowMap::ShadowMap(std::shared_ptr<Gpu> gpu, uint32_t picture_width, uint32_t 
 }
 
 void ShadowMap::begin(VkCommandBuffer commands) const {
-    transition(*gpu_, commands, {.image = image_.handle(), .aspect = VK_IMAGE_ASPECT_DEPTH_BIT, .to = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, .before = kMapRead | kMapWrite, .after = kMapWrite});
-    VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-    depth.imageView = image_.view();
-    depth.imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
-    depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
-    depth.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-    VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
-    rendering.renderArea = {{0, 0}, {size_, size_}};
-    rendering.layerCount = 1;
-    rendering.pDepthAttachment = &depth;
-    gpu_->vk.vkCmdBeginRendering(commands, &rendering);
-    const VkViewport viewport{0, 0, static_cast<float>(size_), static_cast<float>(size_), 0, 1};
-    gpu_->vk.vkCmdSetViewport(commands, 0, 1, &viewport);
-    gpu_->vk.vkCmdSetScissor(commands, 0, 1, &rendering.renderArea);
+    transition(*gpu_, commands, {.image = image_.handle(), .aspect = VK_IMAGE_ASPECT_DEPTH_BIT, .to = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, .before = kFragmentRead | kDepthAccess, .after = kDepthAccess});
+    const VkRenderingAttachmentInfo depth = depth_attachment(image_, VK_ATTACHMENT_STORE_OP_STORE);
+    begin_rendering(*gpu_, commands, {size_, size_}, nullptr, &depth);
 }
 
 void ShadowMap::end(VkCommandBuffer commands) const {
     gpu_->vk.vkCmdEndRendering(commands);
     transition(*gpu_, commands, {.image = image_.handle(), .aspect = VK_IMAGE_ASPECT_DEPTH_BIT, .from = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, .to = VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL,
-                                 .before = kMapWrite, .after = kMapRead});
+                                 .before = kDepthAccess, .after = kFragmentRead});
 }
 
 }  // namespace throng

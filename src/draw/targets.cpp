@@ -2,15 +2,9 @@
 
 #include "base/failure.h"
 #include "draw/pipeline.h"
+#include "draw/rendering.h"
 
 namespace throng {
-namespace {
-
-constexpr Access kColorWrite{VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT};
-constexpr Access kDepthAccess{VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
-                              VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT};
-
-}  // namespace
 
 Targets::Targets(std::shared_ptr<Gpu> gpu, uint32_t width, uint32_t height, VkSampleCountFlagBits samples) : gpu_(std::move(gpu)), width_(width), height_(height) {
     const VkPhysicalDeviceLimits& limits = gpu_->properties.limits;
@@ -32,32 +26,14 @@ void Targets::begin(VkCommandBuffer commands) const {
     const bool resolves = resolved_.handle() != VK_NULL_HANDLE;
     if (resolves) prepare(resolved_, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, kColorWrite | kTransferRead, kColorWrite);
 
-    VkRenderingAttachmentInfo color{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-    color.imageView = color_.view();
-    color.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    color.loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;  // the ground covers all of it
-    color.storeOp = resolves ? VK_ATTACHMENT_STORE_OP_DONT_CARE : VK_ATTACHMENT_STORE_OP_STORE;
+    VkRenderingAttachmentInfo color = color_attachment(color_, resolves ? VK_ATTACHMENT_STORE_OP_DONT_CARE : VK_ATTACHMENT_STORE_OP_STORE);  // the ground covers all of it
     if (resolves) {
         color.resolveMode = VK_RESOLVE_MODE_AVERAGE_BIT;
         color.resolveImageView = resolved_.view();
         color.resolveImageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     }
-    VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-    depth.imageView = depth_.view();
-    depth.imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
-    depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
-    depth.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-    depth.clearValue.depthStencil = {0, 0};  // infinitely far
-    VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
-    rendering.renderArea = {{0, 0}, {width_, height_}};
-    rendering.layerCount = 1;
-    rendering.colorAttachmentCount = 1;
-    rendering.pColorAttachments = &color;
-    rendering.pDepthAttachment = &depth;
-    gpu_->vk.vkCmdBeginRendering(commands, &rendering);
-    const VkViewport viewport{0, 0, static_cast<float>(width_), static_cast<float>(height_), 0, 1};
-    gpu_->vk.vkCmdSetViewport(commands, 0, 1, &viewport);
-    gpu_->vk.vkCmdSetScissor(commands, 0, 1, &rendering.renderArea);
+    const VkRenderingAttachmentInfo depth = depth_attachment(depth_, VK_ATTACHMENT_STORE_OP_DONT_CARE);
+    begin_rendering(*gpu_, commands, extent(), &color, &depth);
 }
 
 void Targets::end(VkCommandBuffer commands) const {

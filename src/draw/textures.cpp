@@ -17,12 +17,8 @@
 #include <stb/stb_image.h>
 
 namespace throng {
-namespace {
 
 static_assert(STBI_MAX_DIMENSIONS == kTextureDimensionLimit);
-constexpr Access kSampled{VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT};
-
-}  // namespace
 
 Picture decode_image(const AssetImage& image) {
     const std::string place = "image '" + image.name + "'";
@@ -79,8 +75,8 @@ Image upload_texture(const std::shared_ptr<Gpu>& gpu, std::string_view what, con
         }
         if (mip_count > 1)
             transition(*gpu, commands, {.image = texture.handle(), .mip_count = mip_count - 1, .from = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                                        .to = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, .before = kTransferRead, .after = kSampled});
-        written(mip_count - 1, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, kSampled);
+                                        .to = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, .before = kTransferRead, .after = kFragmentRead});
+        written(mip_count - 1, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, kFragmentRead);
     });
     return texture;
 }
