@@ -3,7 +3,7 @@
 #include "compile/character_file.h"
 #include "compile/character_layout.h"
 #include "compile/crc64.h"
-#include "tests/glb_builder.h"
+#include "tests/files.h"
 #include "tests/test_device.h"
 #include "tests/test_rig.h"
 
@@ -753,7 +753,6 @@ TEST(CharacterFile, FilesAreReplacedAsAWhole) {
     const TemporaryFolder folder;
     const std::filesystem::path path = folder.path() / "file", other = folder.path() / "other";
     const auto write = [&](const std::filesystem::path& to, const std::string& text) { return as_result([&] { replace_file(to, std::as_bytes(std::span(text))); }); };
-    const auto content = [](const std::filesystem::path& of) { return std::string(std::istreambuf_iterator<char>(std::ifstream(of, std::ios::binary).rdbuf()), {}); };
     // What stands under the temporary name, be it a link, is another's.
     std::ofstream(other) << "other";
     const std::filesystem::path taken = path.string() + ".part" + std::to_string(getpid()) + ".0";
@@ -761,9 +760,9 @@ TEST(CharacterFile, FilesAreReplacedAsAWhole) {
     for (const std::string text : {"long text", "", "short"}) {
         const Result<void> written = write(path, text);
         ASSERT_TRUE(written) << written.error().text();
-        EXPECT_EQ(content(path), text);
+        EXPECT_EQ(read_file(path), text);
     }
-    EXPECT_EQ(content(other), "other");
+    EXPECT_EQ(read_file(other), "other");
     EXPECT_TRUE(std::filesystem::is_symlink(taken));
     const Result<void> nowhere = write(folder.path() / "nowhere" / "file", "text");
     ASSERT_FALSE(nowhere);

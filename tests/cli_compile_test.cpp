@@ -1,4 +1,5 @@
 // `throng compile`, and the other commands with what it writes in place of its source.
+#include "tests/files.h"
 #include "tests/tool_runner.h"
 
 #include <gtest/gtest.h>

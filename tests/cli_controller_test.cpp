@@ -1,4 +1,5 @@
 // `throng controller`: check and graph.
+#include "tests/files.h"
 #include "tests/tool_runner.h"
 
 #include <gtest/gtest.h>

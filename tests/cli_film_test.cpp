@@ -1,4 +1,5 @@
 // Films by the command line: frames that are kept, shared among runs, and refused; a film of them.
+#include "tests/files.h"
 #include "tests/tool_runner.h"
 
 #include <gtest/gtest.h>

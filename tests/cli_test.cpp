@@ -1,4 +1,5 @@
 // The command line as a user meets it: what it prints, what it writes, and one clear line for whatever is wrong.
+#include "tests/files.h"
 #include "tests/tool_runner.h"
 
 #include <gtest/gtest.h>

@@ -2,13 +2,12 @@
 #include "control/controller_rules.h"
 #include "control/json_lines.h"
 #include "tests/controller_cases.h"
+#include "tests/files.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <fstream>
 #include <random>
-#include <unistd.h>
 
 namespace throng {
 namespace {
@@ -136,8 +135,7 @@ TEST(ControllerJson, TheLeastControllerIsALayer) {
 }
 
 TEST(ControllerJson, TheDocumentsExampleIsOne) {
-    std::ifstream file(THRONG_SOURCE_DIR "/docs/controller.md");
-    const std::string page(std::istreambuf_iterator<char>(file), {}), fence = "```json\n";
+    const std::string page = read_file(THRONG_SOURCE_DIR "/docs/controller.md"), fence = "```json\n";
     const size_t begin = page.find(fence) + fence.size();
     std::string example = page.substr(begin, page.find("```", begin) - begin);
     EXPECT_EQ(error_of(example), "");
@@ -236,16 +234,16 @@ TEST(ControllerJson, NoBytesCrashIt) {
 }
 
 TEST(ControllerJson, AFileIsReadAsItsTextIs) {
-    const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / ("throng_controller_" + std::to_string(getpid()) + ".json");
-    std::ofstream(path) << kCompleteController;
+    const TemporaryFolder temporary;
+    const std::filesystem::path path = temporary.write("controller.json", kCompleteController);
     const Result<Controller> read = load_controller(path);
     ASSERT_TRUE(read) << read.error().text();
     EXPECT_EQ(read->name, path.filename());
     EXPECT_EQ(read->layers.size(), 3u);
-    std::ofstream(path) << std::string(kJsonTextLimit_bytes + 1, ' ');
+    temporary.write("controller.json", std::string(kJsonTextLimit_bytes + 1, ' '));
     EXPECT_EQ(load_controller(path).error().code, ErrorCode::kLimit);
     std::filesystem::remove(path);
-    const Result<Controller> missing = load_controller(path), folder = load_controller(testing::TempDir());
+    const Result<Controller> missing = load_controller(path), folder = load_controller(temporary.path());
     EXPECT_EQ(missing.error().code, ErrorCode::kFile);
     EXPECT_EQ(missing.error().text(), path.filename().string() + ": no such file");
     EXPECT_EQ(folder.error().code, ErrorCode::kFile);

@@ -1,5 +1,6 @@
 // docs/controller.schema.json against what throng reads and refuses. Skips without python3-jsonschema.
 #include "tests/controller_cases.h"
+#include "tests/files.h"
 
 #include <throng/controller.h>
 
@@ -7,10 +8,8 @@
 
 #include <array>
 #include <cstdio>
-#include <fstream>
 #include <random>
 #include <sys/wait.h>
-#include <unistd.h>
 
 namespace throng {
 namespace {
@@ -20,17 +19,10 @@ namespace fs = std::filesystem;
 
 class ControllerSchema : public testing::Test {
 protected:
-    void SetUp() override { fs::create_directories(folder_); }
-    void TearDown() override { fs::remove_all(folder_); }
-
     // What the schema says of each text; empty where there is no validator.
     std::vector<std::string> verdicts(const std::vector<std::string>& texts) {
         std::string names;
-        for (size_t i = 0; i < texts.size(); ++i) {
-            const fs::path path = folder_ / (std::to_string(i) + ".json");
-            std::ofstream(path, std::ios::binary) << texts[i];
-            names += " " + path.string();
-        }
+        for (size_t i = 0; i < texts.size(); ++i) names += " " + folder_.write(std::to_string(i) + ".json", texts[i]).string();
         const std::string source = THRONG_SOURCE_DIR;
         for (const char* python : {"python3", "/usr/bin/python3"}) {  // Debian's package is of Debian's Python
             const std::string command =
@@ -57,7 +49,7 @@ protected:
     }
 
 private:
-    fs::path folder_ = fs::path(testing::TempDir()) / ("throng_controller_schema_" + std::to_string(getpid()));
+    TemporaryFolder folder_;
 };
 
 #define SKIP_WITHOUT_VALIDATOR(verdicts) \
@@ -65,10 +57,7 @@ private:
 
 TEST_F(ControllerSchema, TakesTheExamplesAndWhatThrongReads) {
     std::vector<std::string> texts{kCompleteController, R"({"layers": [{"name": "all"}]})", R"({"layers": [{"name": "all", "transitions": []}]})"};
-    for (const auto& example : fs::directory_iterator(fs::path(THRONG_SOURCE_DIR) / "examples/controllers")) {
-        std::ifstream file(example.path(), std::ios::binary);
-        texts.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
-    }
+    for (const auto& example : fs::directory_iterator(fs::path(THRONG_SOURCE_DIR) / "examples/controllers")) texts.push_back(read_file(example.path()));
     EXPECT_GE(texts.size(), 6u);
     const std::vector<std::string> said = verdicts(texts);
     SKIP_WITHOUT_VALIDATOR(said);

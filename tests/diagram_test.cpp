@@ -3,13 +3,12 @@
 #include "bench/diagrams/diagram.h"
 #include "bench/skeletons.h"
 #include "scan/scan_table.h"
+#include "tests/files.h"
 
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <map>
 #include <set>
-#include <sstream>
 
 namespace throng::bench {
 namespace {
@@ -90,10 +89,8 @@ TEST(Diagram, EveryMethodHasAPicture) {
 
 TEST(Diagram, TheDocumentationHasTheCurrentOnes) {
     for (const Diagram& diagram : scan_diagrams()) {
-        std::ifstream file(std::string(THRONG_SOURCE_DIR) + "/docs/scan/" + diagram.name + ".svg", std::ios::binary);
-        std::stringstream text;
-        text << file.rdbuf();
-        EXPECT_TRUE(text.str() == diagram.svg) << diagram.name << ": run throng bench diagrams --out docs/scan";
+        const std::string text = test::read_file(std::string(THRONG_SOURCE_DIR) + "/docs/scan/" + diagram.name + ".svg");
+        EXPECT_TRUE(text == diagram.svg) << diagram.name << ": run throng bench diagrams --out docs/scan";
     }
 }
 

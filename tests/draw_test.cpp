@@ -6,13 +6,13 @@
 #include "draw/scene.h"
 #include "gpu/barrier.h"
 #include "gpu/buffer.h"
+#include "tests/files.h"
 #include "tests/test_device.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -28,15 +28,7 @@ namespace throng {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A folder of this test's own.
-fs::path fresh_folder() {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    const fs::path folder = fs::path(testing::TempDir()) / (std::string("throng_draw_") + info->name());
-    fs::remove_all(folder);
-    fs::create_directories(folder);
-    return folder;
-}
+using test::TemporaryFolder;
 
 // Where a point falls in the picture: -1..1 across and upward where it is inside, and the distance in front of the eye.
 Vec3<double> project(const Camera& camera, double aspect_ratio, const Vec3<double>& point) {
@@ -102,7 +94,8 @@ Picture gradient(uint32_t width, uint32_t height) {
 }
 
 TEST(WritePng, RoundTrips) {
-    const fs::path path = fresh_folder() / "picture.png";
+    const TemporaryFolder folder;
+    const fs::path path = folder.path() / "picture.png";
     const Picture picture = gradient(13, 7);
     ASSERT_TRUE(write_png(path, picture));
     ASSERT_TRUE(write_png(path, picture)) << "replaces";
@@ -112,11 +105,12 @@ TEST(WritePng, RoundTrips) {
     ASSERT_EQ(std::tuple(width, height, channels), std::tuple(13, 7, 4));
     EXPECT_TRUE(std::equal(picture.rgba.begin(), picture.rgba.end(), read));
     stbi_image_free(read);
-    EXPECT_EQ(std::distance(fs::directory_iterator(path.parent_path()), {}), 1) << "the temporary file is gone";
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1) << "the temporary file is gone";
 }
 
 TEST(WritePng, FailsWithoutLeavingAnything) {
-    const fs::path folder = fresh_folder();
+    const TemporaryFolder temporary;
+    const fs::path& folder = temporary.path();
     const Result<void> absent = write_png(folder / "absent" / "picture.png", gradient(2, 2));
     ASSERT_FALSE(absent);
     EXPECT_EQ(absent.error().code, ErrorCode::kFile);
@@ -271,10 +265,9 @@ TEST(Draw, ShowsThePoseOfTheLastUpdate) {
 }
 
 std::vector<std::byte> png_bytes(const Picture& picture) {
-    const fs::path path = fresh_folder() / "texture.png";
-    EXPECT_TRUE(write_png(path, picture));
-    std::ifstream file(path, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    const TemporaryFolder folder;
+    EXPECT_TRUE(write_png(folder.path() / "texture.png", picture));
+    const std::string text = test::read_file(folder.path() / "texture.png");
     const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
     return {bytes, bytes + text.size()};
 }

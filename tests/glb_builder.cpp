@@ -2,8 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <random>
 
 namespace throng::test {
 namespace {
@@ -103,25 +101,6 @@ std::string base64(std::span<const std::byte> bytes) {
         for (size_t k = 0; k < 4; ++k) out.push_back(i + k > bytes.size() ? '=' : kAlphabet[bits >> (18 - 6 * k) & 63]);
     }
     return out;
-}
-
-TemporaryFolder::TemporaryFolder() {
-    std::random_device random;
-    path_ =
-        std::filesystem::temp_directory_path() / ("throng_test_" + std::to_string(random()) + std::to_string(random()));
-    std::filesystem::create_directories(path_);
-}
-
-TemporaryFolder::~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-}
-
-std::filesystem::path TemporaryFolder::write(const std::string& name, const std::string& content) const {
-    const std::filesystem::path file = path_ / name;
-    std::filesystem::create_directories(file.parent_path());
-    std::ofstream(file, std::ios::binary) << content;
-    return file;
 }
 
 }  // namespace throng::test

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
@@ -47,20 +46,5 @@ GlbBuilder tiny_character();
 enum : size_t { kPosition, kJoints, kWeights, kIndices, kInverseBinds, kTimes, kRotations };
 
 std::string base64(std::span<const std::byte> bytes);
-
-// A folder that goes away with its files.
-class TemporaryFolder {
-public:
-    TemporaryFolder();
-    ~TemporaryFolder();
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-    std::filesystem::path write(const std::string& name, const std::string& content) const;
-    const std::filesystem::path& path() const { return path_; }
-
-private:
-    std::filesystem::path path_;
-};
 
 }  // namespace throng::test

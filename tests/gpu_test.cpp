@@ -18,6 +18,7 @@
 #include "scan/scan.h"
 #include "scan/scan_shaders.h"
 #include "skin/skin_io.h"
+#include "tests/files.h"
 #include "tests/kernel_runner.h"
 
 #include <throng/transform.h>
@@ -25,11 +26,9 @@
 #include <cstddef>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <regex>
-#include <sstream>
 
 namespace throng {
 namespace {
@@ -308,9 +307,7 @@ TEST(Gpu, EveryStructOfTheIoHeadersIsCompared) {
     size_t found = 0;
     for (const auto& file : std::filesystem::recursive_directory_iterator(source)) {
         if (!file.path().filename().string().ends_with("_io.h")) continue;
-        std::stringstream text;
-        text << std::ifstream(file.path()).rdbuf();
-        const std::string content = text.str();
+        const std::string content = read_file(file.path());
         const std::regex declaration("struct (\\w+) \\{");
         for (auto match = std::sregex_iterator(content.begin(), content.end(), declaration); match != std::sregex_iterator(); ++match) {
             EXPECT_TRUE(compared.contains((*match)[1])) << (*match)[1] << " of " << file.path() << " is missing in gpu_test.cpp and layout.comp";

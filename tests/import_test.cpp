@@ -1,4 +1,5 @@
 #include "glb_builder.h"
+#include "tests/files.h"
 #include "tests/test_device.h"
 
 #include <throng/asset.h>

@@ -3,6 +3,7 @@
 #include "bench/scan_tune.h"
 #include "bench/skeletons.h"
 #include "scan/scan_planner.h"
+#include "tests/files.h"
 #include "tests/test_device.h"
 #include "tests/test_rig.h"
 
@@ -107,8 +108,8 @@ TEST(ScanCosts, ComeFromTheCacheWhereItHasThem) {
     const Gpu& gpu = *test_device().gpu();
     const char* before = std::getenv("XDG_CACHE_HOME");
     const std::string saved = before ? before : "";
-    const auto folder = std::filesystem::temp_directory_path() / ("throng_costs_" + std::to_string(std::hash<std::string>{}(testing::TempDir())));
-    setenv("XDG_CACHE_HOME", folder.c_str(), 1);
+    const TemporaryFolder folder;
+    setenv("XDG_CACHE_HOME", folder.path().c_str(), 1);
     EXPECT_EQ(scan_costs(gpu).origin, built_in_scan_costs(gpu).origin);
     const std::filesystem::path file = scan_costs_file(gpu);
     std::filesystem::create_directories(file.parent_path());
@@ -119,7 +120,6 @@ TEST(ScanCosts, ComeFromTheCacheWhereItHasThem) {
     const ScanCosts costs = scan_costs(gpu);
     EXPECT_EQ(costs.row_ns, built_in_scan_costs(gpu).row_ns) << "a damaged file is not used";
     EXPECT_NE(costs.origin.find(file.string()), std::string::npos) << "and the reason names it: " << costs.origin;
-    std::filesystem::remove_all(folder);
     if (before) setenv("XDG_CACHE_HOME", saved.c_str(), 1);
     else unsetenv("XDG_CACHE_HOME");
 }

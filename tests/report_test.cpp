@@ -6,17 +6,18 @@
 #include "bench/report/plot.h"
 #include "bench/report/records.h"
 #include "bench/scan_report.h"
+#include "tests/files.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <unistd.h>
 
 namespace throng::bench {
 namespace {
+
+using test::TemporaryFolder;
 
 const std::vector<std::string> kMethods{"gateau2012_walk", "compressed", "serial", "fragments", "not_known_yet", "auto"};
 
@@ -49,15 +50,6 @@ std::string failure_of(const auto& body) {
     return "none";
 }
 
-class TemporaryFile {
-public:
-    explicit TemporaryFile(const std::string& content) : path(std::filesystem::temp_directory_path() / ("report_test_" + std::to_string(getpid()) + ".jsonl")) {
-        std::ofstream(path) << content;
-    }
-    ~TemporaryFile() { std::filesystem::remove(path); }
-    const std::filesystem::path path;
-};
-
 TEST(Report, HasEachMethodInFigureTableAndLegend) {
     const std::string html = scan_report(records_of("levels"));
     for (const std::string& method : kMethods) {
@@ -80,8 +72,9 @@ TEST(Report, NeedsNothingBeyondItself) {
 }
 
 TEST(Report, TakesNoTextForMarkupOrForACommand) {
-    const TemporaryFile untouched("");
-    const std::string remove = "rm " + untouched.path.string();
+    const TemporaryFolder folder;
+    const std::filesystem::path untouched = folder.write("untouched", "");
+    const std::string remove = "rm " + untouched.string();
     for (const std::string& evil : {std::string("<script>x</script>&\"'"), "`" + remove + "`", "'\nsystem('" + remove + "')\n'", "\"\n!" + remove + "\n", std::string("\\\"@x$data1{/Bold ^_")}) {
         std::vector<Json> records = records_of("levels");
         const std::vector<Json> more = records_of("on_chip");
@@ -97,7 +90,7 @@ TEST(Report, TakesNoTextForMarkupOrForACommand) {
         EXPECT_EQ(count_of(html, "<script>"), 1u) << evil;  // the page's own
         EXPECT_EQ(count_of(plot, "<script>"), 0u) << evil;
         EXPECT_EQ(count_of(html, "<title>serial"), count_of(html, "data-series=\"serial")) << evil;
-        EXPECT_TRUE(std::filesystem::exists(untouched.path)) << evil;
+        EXPECT_TRUE(std::filesystem::exists(untouched)) << evil;
     }
     EXPECT_NE(scan_levels_plot(std::vector{record("levels", "serial", 15, 1)}).find("A GPU"), std::string::npos);
 }
@@ -143,8 +136,8 @@ TEST(Report, SaysThatGnuplotIsMissing) {
 
 TEST(Report, NamesTheLineThatIsNoRecord) {
     const auto read = [](const std::string& content) {
-        const TemporaryFile file(content);
-        return read_records(file.path);
+        const TemporaryFolder folder;
+        return read_records(folder.write("records.jsonl", content));
     };
     EXPECT_EQ(read("{\"bench\": \"scan\"}\n\n{\"bench\": \"update\"}").size(), 2u);
     EXPECT_NE(failure_of([&] { read("{}\n\n{\"bench\": \n"); }).find(".jsonl:3: "), std::string::npos);

@@ -3,7 +3,7 @@
 #include "control/layer_commands.h"
 #include "sample/sample_reference.h"
 #include "tests/crowd_cases.h"
-#include "tests/glb_builder.h"
+#include "tests/files.h"
 
 #include <algorithm>
 #include <cmath>

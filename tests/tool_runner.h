@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <map>
 #include <ostream>
 #include <string>
@@ -36,7 +35,5 @@ struct Outcome {
 };
 
 Outcome run_tool(const std::vector<std::string>& arguments, const RunSettings& settings = {});
-
-std::string read_file(const std::filesystem::path& path);
 
 }  // namespace throng::test

@@ -1,5 +1,6 @@
 // throng view under Xvfb: driven by scripted input, and once by a real keyboard's and mouse's, and looked at.
 #include "tests/display.h"
+#include "tests/files.h"
 #include "tests/tool_runner.h"
 #include "tools/view/orbit.h"
 #include "tools/view/pick.h"
