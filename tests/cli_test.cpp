@@ -1,14 +1,10 @@
 // The command line as a user meets it: what it prints, what it writes, and one clear line for whatever is wrong.
 #include "tests/files.h"
+#include "tests/png.h"
 #include "tests/tool_runner.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-
-#define STB_IMAGE_STATIC
-#define STB_IMAGE_IMPLEMENTATION
-#define STBI_ONLY_PNG
-#include <stb/stb_image.h>
 
 #include <unistd.h>
 
@@ -250,15 +246,12 @@ TEST_F(Cli, RenderWritesAPictureOfTheAskedSize) {
     EXPECT_EQ(read_file(file("a.png")), read_file(file("b.png")));
     EXPECT_NE(read_file(file("a.png")), read_file(file("c.png")));
 
-    int width = 0, height = 0, channels = 0;
-    stbi_uc* pixels = stbi_load(file("a.png").c_str(), &width, &height, &channels, 4);
-    ASSERT_TRUE(pixels);
-    EXPECT_EQ(width, 320);
-    EXPECT_EQ(height, 200);
-    std::set<std::array<stbi_uc, 4>> colors;
-    for (int i = 0; i < width * height; ++i) colors.insert({pixels[4 * i], pixels[4 * i + 1], pixels[4 * i + 2], pixels[4 * i + 3]});
+    const Png picture = read_png(file("a.png"));
+    EXPECT_EQ(picture.width, 320);
+    EXPECT_EQ(picture.height, 200);
+    std::set<std::array<uint8_t, 4>> colors;
+    for (size_t i = 0; i < picture.rgba.size(); i += 4) colors.insert({picture.rgba[i], picture.rgba[i + 1], picture.rgba[i + 2], picture.rgba[i + 3]});
     EXPECT_GT(colors.size(), 100u);
-    stbi_image_free(pixels);
 
     // Fewer characters than files.
     const Outcome one = run_tool({"render", creature(), creature(), "--size", "64x64", "--out", file("one.png")});

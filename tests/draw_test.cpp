@@ -7,6 +7,7 @@
 #include "gpu/barrier.h"
 #include "gpu/buffer.h"
 #include "tests/files.h"
+#include "tests/png.h"
 #include "tests/test_device.h"
 
 #include <gtest/gtest.h>
@@ -18,11 +19,6 @@
 #include <numbers>
 #include <optional>
 #include <stdexcept>
-
-#define STB_IMAGE_STATIC
-#define STB_IMAGE_IMPLEMENTATION
-#define STBI_ONLY_PNG
-#include <stb/stb_image.h>
 
 namespace throng {
 namespace {
@@ -99,12 +95,9 @@ TEST(WritePng, RoundTrips) {
     const Picture picture = gradient(13, 7);
     ASSERT_TRUE(write_png(path, picture));
     ASSERT_TRUE(write_png(path, picture)) << "replaces";
-    int width = 0, height = 0, channels = 0;
-    stbi_uc* read = stbi_load(path.c_str(), &width, &height, &channels, 0);
-    ASSERT_NE(read, nullptr);
-    ASSERT_EQ(std::tuple(width, height, channels), std::tuple(13, 7, 4));
-    EXPECT_TRUE(std::equal(picture.rgba.begin(), picture.rgba.end(), read));
-    stbi_image_free(read);
+    const test::Png read = test::read_png(path);
+    EXPECT_EQ(std::tuple(read.width, read.height, read.channels), std::tuple(13, 7, 4));
+    EXPECT_EQ(read.rgba, picture.rgba);
     EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1) << "the temporary file is gone";
 }
 

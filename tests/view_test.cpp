@@ -1,25 +1,20 @@
 // throng view under Xvfb: driven by scripted input, and once by a real keyboard's and mouse's, and looked at.
 #include "tests/display.h"
 #include "tests/files.h"
+#include "tests/png.h"
 #include "tests/tool_runner.h"
 #include "tools/view/orbit.h"
 #include "tools/view/pick.h"
 
 #include <gtest/gtest.h>
-
-#include <cstdlib>
 #include <nlohmann/json.hpp>
-
-#define STB_IMAGE_STATIC
-#define STB_IMAGE_IMPLEMENTATION
-#define STBI_ONLY_PNG
-#include <stb/stb_image.h>
 
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <thread>
 
@@ -35,13 +30,7 @@ struct Rectangle {
     int left, top, right, bottom;
 };
 
-struct Seen {
-    int width = 0, height = 0;
-    std::vector<uint8_t> rgba;
-
-    const uint8_t* at(int x, int y) const { return &rgba[(static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)) * 4]; }
-    Rectangle all() const { return {0, 0, width, height}; }
-};
+Rectangle all_of(const Png& picture) { return {0, 0, picture.width, picture.height}; }
 
 int distance(const uint8_t* a, const uint8_t* b) { return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]); }
 
@@ -54,7 +43,7 @@ double part(const Rectangle& of, const Is& is) {
     return double(count) / ((of.right - of.left) * (of.bottom - of.top));
 }
 
-double changed(const Seen& a, const Seen& b, const Rectangle& of) {
+double changed(const Png& a, const Png& b, const Rectangle& of) {
     return part(of, [&](int x, int y) { return distance(a.at(x, y), b.at(x, y)) > 24; });
 }
 
@@ -96,17 +85,7 @@ protected:
         return run;
     }
 
-    static Seen seen(const std::string& name) {
-        Seen out;
-        uint8_t* bytes = stbi_load(file(name).c_str(), &out.width, &out.height, nullptr, 4);
-        if (!bytes) {
-            ADD_FAILURE() << name << ": " << stbi_failure_reason();
-            return {1, 1, {0, 0, 0, 0}};
-        }
-        out.rgba.assign(bytes, bytes + size_t(out.width) * size_t(out.height) * 4);
-        stbi_image_free(bytes);
-        return out;
-    }
+    static Png seen(const std::string& name) { return read_png(file(name)); }
 
     static std::vector<float> eye() { return state_["eye"].get<std::vector<float>>(); }
 
@@ -125,13 +104,13 @@ TEST_F(View, ShowsTheCrowdAndFollowsTheMouse) {
                              "\n10 press left\n11 move 320 200\n12 release left\n13 shot " + file("back.png") + "\n14 scroll 5\n15 shot " + file("closer.png") +
                              "\n16 press right\n17 move 380 240\n18 release right\n19 shot " + file("panned.png") + "\n");
     EXPECT_TRUE(run.err.empty()) << run;
-    const Seen first = seen("first.png"), turned = seen("turned.png"), back = seen("back.png"), closer = seen("closer.png"), panned = seen("panned.png");
+    const Png first = seen("first.png"), turned = seen("turned.png"), back = seen("back.png"), closer = seen("closer.png"), panned = seen("panned.png");
     ASSERT_EQ(first.width, 640);
     ASSERT_EQ(first.height, 400);
     // The ground changes little along a row; characters do.
     EXPECT_GT(part(kMiddle, [&](int x, int y) { return distance(first.at(x, y), first.at(x + 3, y)) > 40; }), 0.02);
     EXPECT_GT(changed(first, turned, kMiddle), 0.1);
-    EXPECT_LT(changed(first, back, first.all()), 0.005) << "paused, and turned back";
+    EXPECT_LT(changed(first, back, all_of(first)), 0.005) << "paused, and turned back";
     EXPECT_GT(changed(back, closer, kMiddle), 0.1);
     EXPECT_GT(changed(closer, panned, kMiddle), 0.1);
 }
@@ -146,8 +125,8 @@ TEST_F(View, AnimatesUnlessItIsPaused) {
 
 TEST_F(View, ListsItsKeys) {
     view(std::string(kStill) + "4 shot " + file("without.png") + "\n5 type ?\n8 shot " + file("with.png") + "\n9 hold escape\n10 let escape\n12 shot " + file("again.png") + "\n");
-    const Seen without = seen("without.png"), with = seen("with.png"), again = seen("again.png");
-    const auto is_panel = [](const Seen& in) { return part(kMiddle, [&](int x, int y) { return *std::max_element(in.at(x, y), in.at(x, y) + 3) < 70; }); };
+    const Png without = seen("without.png"), with = seen("with.png"), again = seen("again.png");
+    const auto is_panel = [](const Png& in) { return part(kMiddle, [&](int x, int y) { return *std::max_element(in.at(x, y), in.at(x, y) + 3) < 70; }); };
     EXPECT_LT(is_panel(without), 0.3);
     EXPECT_GT(is_panel(with), 0.6);
     EXPECT_GT(part(kMiddle, [&](int x, int y) { return *std::min_element(with.at(x, y), with.at(x, y) + 3) > 150; }), 0.003) << "its writing";
@@ -159,7 +138,7 @@ TEST_F(View, AClickInspects) {
     static constexpr Rectangle kInspector{360, 24, 610, 60};
     view("0 hold space\n1 let space\n3 shot " + file("none.png") + "\n4 move 325 170\n5 press left\n6 release left\n9 shot " + file("one.png") + "\n", {"--count", "1"});
     EXPECT_EQ(state_["selected"], 0);
-    const auto dark = [](const Seen& in) { return part(kInspector, [&](int x, int y) { return *std::max_element(in.at(x, y), in.at(x, y) + 3) < 70; }); };
+    const auto dark = [](const Png& in) { return part(kInspector, [&](int x, int y) { return *std::max_element(in.at(x, y), in.at(x, y) + 3) < 70; }); };
     EXPECT_LT(dark(seen("none.png")), 0.2);
     EXPECT_GT(dark(seen("one.png")), 0.6);
     // Beside it there is nobody.
@@ -172,10 +151,10 @@ TEST_F(View, AClickInspects) {
 TEST_F(View, DrawsSkeletonsInTheColoursOfTheirLevels) {
     view(std::string(kStill) + "4 shot " + file("flesh.png") + "\n5 type k\n9 shot " + file("bones.png") + "\n", {"--count", "4"});
     EXPECT_TRUE(state_["skeletons"]);
-    const Seen flesh = seen("flesh.png"), bones = seen("bones.png");
+    const Png flesh = seen("flesh.png"), bones = seen("bones.png");
     // Of what the lines have changed: joints near the roots are orange and yellow, those of the tips are blue.
     const auto changed_to = [&](const auto& is_color) {
-        return part(bones.all(), [&](int x, int y) {
+        return part(all_of(bones), [&](int x, int y) {
             const uint8_t *now = bones.at(x, y), *before = flesh.at(x, y);
             const int difference = std::abs(now[0] - before[0]) + std::abs(now[1] - before[1]) + std::abs(now[2] - before[2]);
             return difference > 90 && is_color(int{now[0]}, int{now[1]}, int{now[2]});
@@ -212,14 +191,14 @@ TEST_F(View, DropsReplaceTheScene) {
     EXPECT_EQ(state_["files"], (Json{"other.glb", "one.glb"}));
     EXPECT_NE(state_["message"].get<std::string>().find("nobody.glb"), std::string::npos) << "said in the window";
     EXPECT_EQ(state_["count"], 4);
-    const Seen one = seen("one.png"), still_one = seen("still_one.png"), both = seen("both.png");
+    const Png one = seen("one.png"), still_one = seen("still_one.png"), both = seen("both.png");
     EXPECT_LT(changed(one, still_one, kMiddle), 0.01);
     EXPECT_GT(changed(one, both, kMiddle), 0.05);
 }
 
 TEST_F(View, FollowsTheSizeOfTheWindow) {
     view(std::string(kStill) + "3 resize 500 320\n12 shot " + file("small.png") + "\n13 resize 720 450\n22 shot " + file("large.png") + "\n");
-    const Seen small = seen("small.png"), large = seen("large.png");
+    const Png small = seen("small.png"), large = seen("large.png");
     EXPECT_EQ(std::pair(small.width, small.height), std::pair(500, 320));
     EXPECT_EQ(std::pair(large.width, large.height), std::pair(720, 450));
     EXPECT_EQ(state_["size"], (Json{720, 450}));
@@ -241,9 +220,9 @@ TEST_F(View, TakesRealInput) {
     EXPECT_EQ(run_command("search --sync --onlyvisible --name '^throng$'"), 0);
     run_command("mousemove 320 200 sleep 0.3 key Tab sleep 0.3 key space sleep 0.3");
     take_shot();  // the message goes
-    const Seen before = take_shot();
+    const Png before = take_shot();
     run_command("mousedown 1 sleep 0.3 mousemove 420 200 sleep 0.3 mouseup 1 sleep 0.3");
-    const Seen after = take_shot();
+    const Png after = take_shot();
     run_command("key ctrl+q");
     viewer.join();
     EXPECT_TRUE(run.succeeded()) << run;
