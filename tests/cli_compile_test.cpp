@@ -1,48 +1,24 @@
 // `throng compile`, and the other commands with what it writes in place of its source.
-#include "tests/files.h"
 #include "tests/tool_runner.h"
 
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
-
-#include <unistd.h>
-
 #include <algorithm>
-#include <fstream>
 #include <set>
 
 namespace throng {
 namespace {
 
 using namespace test;
-using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
-// A folder of the test's own, with a creature in it.
-class CliCompile : public testing::Test {
+// With a creature in the folder.
+class CliCompile : public ToolTest {
 protected:
     static void SetUpTestSuite() {
-        folder_ = fs::path(testing::TempDir()) / ("throng_cli_compile_" + std::to_string(getpid()));
-        fs::create_directories(folder_);
-        const Outcome run = run_tool({"generate", "--joints", "30", "--levels", "9", "--faces", "400", "--out", source()});
-        ASSERT_TRUE(run.succeeded()) << run;
+        ToolTest::SetUpTestSuite();
+        generate("creature.glb", {"--joints", "30", "--levels", "9", "--faces", "400"});
     }
-    static void TearDownTestSuite() { fs::remove_all(folder_); }
 
-    static std::string file(const std::string& name) { return (folder_ / name).string(); }
     static std::string source() { return file("creature.glb"); }
-    static std::set<fs::path> files() { return {fs::directory_iterator(folder_), {}}; }
-
-    static Json json_of(std::vector<std::string> arguments) {
-        arguments.push_back("--json");
-        const Outcome run = run_tool(arguments);
-        EXPECT_TRUE(run.succeeded()) << testing::PrintToString(arguments) << "\n" << run;
-        Json json = Json::parse(run.out, nullptr, false);
-        EXPECT_FALSE(json.is_discarded()) << run;
-        return json;
-    }
-
-    static inline fs::path folder_;
 };
 
 TEST_F(CliCompile, WhatIsWrittenGivesWhatItsSourceGives) {
@@ -118,61 +94,51 @@ TEST_F(CliCompile, ItSaysWhatItWroteAndHowExactItIs) {
 }
 
 TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
-    const std::string compiled = file("sound.throng"), damaged = file("damaged.throng"), newer = file("newer.throng"), out = file("out.throng");
+    const std::string compiled = file("sound.throng"), out = file("out.throng");
     ASSERT_TRUE(run_tool({"compile", source(), "-o", compiled}).succeeded());
     std::string bytes = read_file(compiled);
     bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
-    std::ofstream(damaged, std::ios::binary) << bytes;
+    const std::string damaged = write("damaged.throng", bytes);
     bytes[8] = 3;
-    std::ofstream(newer, std::ios::binary) << bytes;
-    std::ofstream(file("cut.throng"), std::ios::binary) << bytes.substr(0, 5) << std::string(1, '\0');
-    std::ofstream(file("text.glb")) << "This is not glTF.\n";
+    const std::string newer = write("newer.throng", bytes);
+    write("cut.throng", bytes.substr(0, 5) + '\0');
+    write("text.glb", "This is not glTF.\n");
     fs::create_directory(file("folder"));
-    struct Case {
-        std::vector<std::string> arguments;
-        std::string named;
-    };
-    const std::set<fs::path> before = files();
     const std::string source_before = read_file(source()), compiled_before = read_file(compiled);
-    for (const Case& c : std::vector<Case>{{{"compile"}, "file"},
-                                           {{"compile", source()}, "--out"},
-                                           {{"compile", file("missing.glb"), "-o", out}, "missing.glb"},
-                                           {{"compile", file("folder"), "-o", out}, "folder"},
-                                           {{"compile", file("text.glb"), "-o", out}, "text.glb"},
-                                           {{"compile", file("text.glb"), "-o", compiled}, "text.glb"},
-                                           {{"compile", source(), "-o", file("nowhere/out.throng")}, "nowhere"},
-                                           {{"compile", source(), "-o", file("folder")}, "folder"},
-                                           {{"compile", source(), "-o", "/dev/null"}, "/dev/null"},
-                                           {{"compile", source(), "-o", source()}, "the source itself"},
-                                           {{"compile", compiled, "-o", out}, "compiled already"},
-                                           {{"compile", damaged, "-o", out}, "damaged.throng: is damaged"},
-                                           {{"compile", newer, "-o", out}, "newer.throng: version 3, this throng reads version 2"},
-                                           {{"compile", source(), "-o", file("text.glb")}, "text.glb is there, and not a compiled character"},
-                                           {{"compile", source(), "-o", out, "--error", "0"}, "--error"},
-                                           {{"compile", source(), "-o", out, "--error", "-1"}, "-1"},
-                                           {{"compile", source(), "-o", out, "--error", "11"}, "'11'"},
-                                           {{"compile", source(), "-o", out, "--error", "nan"}, "'nan'"},
-                                           {{"compile", source(), "-o", out, "--error", "1x"}, "'1x'"},
-                                           {{"compile", source(), "-o", out, "--error", ""}, "--error"},
-                                           {{"info", damaged}, "damaged.throng: is damaged"},
-                                           {{"pose", damaged}, "damaged.throng: is damaged"},
-                                           {{"render", damaged, "--out", file("picture.png")}, "damaged.throng: is damaged"},
-                                           {{"bench", damaged}, "damaged.throng: is damaged"},
-                                           {{"info", compiled, "--error", "0.01"}, "sound.throng is compiled already"},
-                                           {{"pose", compiled, "--error", "exact"}, "sound.throng is compiled already"},
-                                           {{"render", source(), compiled, "--error", "1", "--out", file("picture.png")}, "sound.throng is compiled already"},
-                                           {{"bench", compiled, "--error", "1"}, "sound.throng is compiled already"},
-                                           {{"bench", "frame", compiled, "--error", "1"}, "sound.throng is compiled already"},
-                                           {{"compile", compiled, "-o", out, "--error", "1"}, "sound.throng is compiled already"},
-                                           {{"compile", source(), "-o", out, "--root-motion", "nobody"}, "there is no joint 'nobody'"},
-                                           {{"info", compiled, "--root-motion", "spine"}, "sound.throng is compiled already, with its own root motion"},
-                                           {{"info", newer}, "newer.throng: version 3, this throng reads version 2"},
-                                           {{"info", file("cut.throng")}, "cut.throng"}}) {
-        const Outcome run = run_tool(c.arguments, {.time_limit_s = 20});
-        EXPECT_TRUE(run.refused(c.named)) << testing::PrintToString(c.arguments) << "\n" << run;
-        EXPECT_EQ(run.out, "") << testing::PrintToString(c.arguments);
-    }
-    EXPECT_EQ(files(), before) << "something was left behind";
+    expect_refused({{{"compile"}, "file"},
+                    {{"compile", source()}, "--out"},
+                    {{"compile", file("missing.glb"), "-o", out}, "missing.glb"},
+                    {{"compile", file("folder"), "-o", out}, "folder"},
+                    {{"compile", file("text.glb"), "-o", out}, "text.glb"},
+                    {{"compile", file("text.glb"), "-o", compiled}, "text.glb"},
+                    {{"compile", source(), "-o", file("nowhere/out.throng")}, "nowhere"},
+                    {{"compile", source(), "-o", file("folder")}, "folder"},
+                    {{"compile", source(), "-o", "/dev/null"}, "/dev/null"},
+                    {{"compile", source(), "-o", source()}, "the source itself"},
+                    {{"compile", compiled, "-o", out}, "compiled already"},
+                    {{"compile", damaged, "-o", out}, "damaged.throng: is damaged"},
+                    {{"compile", newer, "-o", out}, "newer.throng: version 3, this throng reads version 2"},
+                    {{"compile", source(), "-o", file("text.glb")}, "text.glb is there, and not a compiled character"},
+                    {{"compile", source(), "-o", out, "--error", "0"}, "--error"},
+                    {{"compile", source(), "-o", out, "--error", "-1"}, "-1"},
+                    {{"compile", source(), "-o", out, "--error", "11"}, "'11'"},
+                    {{"compile", source(), "-o", out, "--error", "nan"}, "'nan'"},
+                    {{"compile", source(), "-o", out, "--error", "1x"}, "'1x'"},
+                    {{"compile", source(), "-o", out, "--error", ""}, "--error"},
+                    {{"info", damaged}, "damaged.throng: is damaged"},
+                    {{"pose", damaged}, "damaged.throng: is damaged"},
+                    {{"render", damaged, "--out", file("picture.png")}, "damaged.throng: is damaged"},
+                    {{"bench", damaged}, "damaged.throng: is damaged"},
+                    {{"info", compiled, "--error", "0.01"}, "sound.throng is compiled already"},
+                    {{"pose", compiled, "--error", "exact"}, "sound.throng is compiled already"},
+                    {{"render", source(), compiled, "--error", "1", "--out", file("picture.png")}, "sound.throng is compiled already"},
+                    {{"bench", compiled, "--error", "1"}, "sound.throng is compiled already"},
+                    {{"bench", "frame", compiled, "--error", "1"}, "sound.throng is compiled already"},
+                    {{"compile", compiled, "-o", out, "--error", "1"}, "sound.throng is compiled already"},
+                    {{"compile", source(), "-o", out, "--root-motion", "nobody"}, "there is no joint 'nobody'"},
+                    {{"info", compiled, "--root-motion", "spine"}, "sound.throng is compiled already, with its own root motion"},
+                    {{"info", newer}, "newer.throng: version 3, this throng reads version 2"},
+                    {{"info", file("cut.throng")}, "cut.throng"}});
     EXPECT_EQ(read_file(source()), source_before);
     EXPECT_EQ(read_file(compiled), compiled_before);
     EXPECT_TRUE(fs::is_empty(file("folder")));

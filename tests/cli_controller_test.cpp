@@ -1,47 +1,28 @@
 // `throng controller`: check and graph.
-#include "tests/files.h"
 #include "tests/tool_runner.h"
 
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
-
-#include <unistd.h>
-
-#include <fstream>
 #include <set>
 
 namespace throng {
 namespace {
 
 using namespace test;
-using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
-// A folder of the test's own, with a creature in it.
-class CliController : public testing::Test {
+// With a creature in the folder.
+class CliController : public ToolTest {
 protected:
     static void SetUpTestSuite() {
-        folder_ = fs::path(testing::TempDir()) / ("throng_cli_controller_" + std::to_string(getpid()));
-        fs::create_directories(folder_);
-        const Outcome run = run_tool({"generate", "--joints", "40", "--levels", "12", "--faces", "200", "--out", file("creature.glb")});
-        ASSERT_TRUE(run.succeeded()) << run;
+        ToolTest::SetUpTestSuite();
+        generate("creature.glb", {"--joints", "40", "--levels", "12", "--faces", "200"});
     }
-    static void TearDownTestSuite() { fs::remove_all(folder_); }
 
-    static std::string file(const std::string& name) { return (folder_ / name).string(); }
-    static std::set<fs::path> files() { return {fs::directory_iterator(folder_), {}}; }
     static std::string example(const std::string& name) { return std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" + name + ".json"; }
-    static std::string write(const std::string& name, const std::string& text) {
-        std::ofstream(file(name), std::ios::binary) << text;
-        return file(name);
-    }
     static size_t count_of(const std::string& what, const std::string& text) {
         size_t count = 0;
         for (size_t at = text.find(what); at != text.npos; at = text.find(what, at + 1)) ++count;
         return count;
     }
-
-    static inline fs::path folder_;
 };
 
 TEST_F(CliController, CheckSaysWhatThereIs) {
@@ -135,31 +116,21 @@ TEST_F(CliController, WithoutGraphvizThatIsSaidAndADotFileIsStillWritten) {
 TEST_F(CliController, WrongInputIsRefusedAndNothingIsLeftBehind) {
     const std::string creature = file("creature.glb"), swim = "{\"layers\": [\n{\"name\": \"body\", \"states\": {\"swim\": {\"clip\": \"swim\"}}";
     const std::string swimmer = write("swimmer.json", swim + "}]}"), wrong = write("wrong.json", swim + ",\n\"transitions\": [{\"to\": \"swin\", \"exit\": 1}]}]}");
-    struct Case {
-        std::vector<std::string> arguments;
-        std::string named;
-    };
-    const std::set<fs::path> before = files();
-    for (const Case& c : std::vector<Case>{{{"controller"}, "check or graph"},
-                                           {{"controller", "chekc", swimmer}, "chekc"},
-                                           {{"controller", "check"}, "file"},
-                                           {{"controller", "check", file("missing.json")}, "missing.json: no such file"},
-                                           {{"controller", "check", folder_.string()}, "not a regular file"},
-                                           {{"controller", "check", creature}, "creature.glb:1: not JSON"},
-                                           {{"controller", "check", wrong},
-                                            "wrong.json:3: layers[0].transitions[0].to: there is no state 'swin'; did you mean 'swim'? There is: swim"},
-                                           {{"controller", "check", swimmer, "--character", creature},
-                                            "swimmer.json with creature.glb: layers[0].states.swim.clip: there is no clip 'swim'. There are: idle, walk, fly, glide, roar"},
-                                           {{"controller", "check", swimmer, "--character", swimmer}, "swimmer.json"},
-                                           {{"controller", "graph", swimmer}, "--out"},
-                                           {{"controller", "graph", swimmer, "-o", file("a.png")}, "neither in .svg nor in .dot"},
-                                           {{"controller", "graph", swimmer, "-o", file("nowhere/a.svg")}, "nowhere"},
-                                           {{"controller", "graph", wrong, "-o", file("a.dot")}, "wrong.json:3"}}) {
-        const Outcome run = run_tool(c.arguments, {.time_limit_s = 20});
-        EXPECT_TRUE(run.refused(c.named)) << testing::PrintToString(c.arguments) << "\n" << run;
-        EXPECT_EQ(run.out, "");
-    }
-    EXPECT_EQ(files(), before) << "something was left behind";
+    expect_refused({{{"controller"}, "check or graph"},
+                    {{"controller", "chekc", swimmer}, "chekc"},
+                    {{"controller", "check"}, "file"},
+                    {{"controller", "check", file("missing.json")}, "missing.json: no such file"},
+                    {{"controller", "check", folder_->path().string()}, "not a regular file"},
+                    {{"controller", "check", creature}, "creature.glb:1: not JSON"},
+                    {{"controller", "check", wrong},
+                     "wrong.json:3: layers[0].transitions[0].to: there is no state 'swin'; did you mean 'swim'? There is: swim"},
+                    {{"controller", "check", swimmer, "--character", creature},
+                     "swimmer.json with creature.glb: layers[0].states.swim.clip: there is no clip 'swim'. There are: idle, walk, fly, glide, roar"},
+                    {{"controller", "check", swimmer, "--character", swimmer}, "swimmer.json"},
+                    {{"controller", "graph", swimmer}, "--out"},
+                    {{"controller", "graph", swimmer, "-o", file("a.png")}, "neither in .svg nor in .dot"},
+                    {{"controller", "graph", swimmer, "-o", file("nowhere/a.svg")}, "nowhere"},
+                    {{"controller", "graph", wrong, "-o", file("a.dot")}, "wrong.json:3"}});
 }
 
 }  // namespace

@@ -1,11 +1,5 @@
 // Films by the command line: frames that are kept, shared among runs, and refused; a film of them.
-#include "tests/files.h"
 #include "tests/tool_runner.h"
-
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
-
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -17,24 +11,16 @@ namespace throng {
 namespace {
 
 using namespace test;
-
-using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
 // Two creatures, of which one has a controller. Frames 0 to 3 of some of them, tiny, a second apart so that controllers are told something.
-class CliFilm : public testing::Test {
+class CliFilm : public ToolTest {
 protected:
     static void SetUpTestSuite() {
-        folder_ = fs::path(testing::TempDir()) / ("throng_film_" + std::to_string(getpid()));
-        fs::create_directories(folder_);
-        for (const char* kind : {"walker", "dragon"}) {
-            const Outcome run = run_tool({"generate", kind, "--joints", "50", "--levels", "12", "--faces", "600", "--out", file(std::string(kind) + ".glb")});
-            ASSERT_TRUE(run.succeeded()) << run;
-        }
+        ToolTest::SetUpTestSuite();
+        for (const std::string kind : {"walker", "dragon"}) generate(kind + ".glb", {kind, "--joints", "50", "--levels", "12", "--faces", "600"});
     }
-    static void TearDownTestSuite() { fs::remove_all(folder_); }
 
-    static std::string file(const std::string& name) { return (folder_ / name).string(); }
     static std::vector<std::string> arguments(const std::string& out, const std::vector<std::string>& more = {}) {
         std::vector<std::string> all{"render", file("walker.glb"), file("dragon.glb"), "--controller", file("walker.glb") + "=" + THRONG_SOURCE_DIR "/examples/controllers/walker.json", "--count", "6", "--placement", "disc",
                                      "--camera", "flyover:seconds=5", "--size", "64x36", "--frames", "0:4", "--fps", "1", "--out", out};
@@ -51,8 +37,6 @@ protected:
         fs::create_directory(file(name));
         return file(name);
     }
-
-    static inline fs::path folder_;
 };
 
 TEST_F(CliFilm, AFrameIsTheSameWhicheverAreDrawn) {

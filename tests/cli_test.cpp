@@ -1,12 +1,6 @@
 // The command line as a user meets it: what it prints, what it writes, and one clear line for whatever is wrong.
-#include "tests/files.h"
 #include "tests/png.h"
 #include "tests/tool_runner.h"
-
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
-
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -26,8 +20,6 @@ namespace throng {
 namespace {
 
 using namespace test;
-
-using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
 std::set<std::string> keys(const Json& object) {
@@ -49,35 +41,21 @@ double difference(const Json& a, const Json& b) {
 constexpr int kJoints = 40, kLevels = 12;
 constexpr double kTolerance = 2e-5;  // of a creature some units long: float against double
 
-// A folder of the test's own, with a creature in it.
-class Cli : public testing::Test {
+// With a creature in the folder.
+class Cli : public ToolTest {
 protected:
     static void SetUpTestSuite() {
-        folder_ = fs::path(testing::TempDir()) / ("throng_cli_" + std::to_string(getpid()));
-        fs::create_directories(folder_);
-        const Outcome run = run_tool({"generate", "--joints", std::to_string(kJoints), "--levels", std::to_string(kLevels), "--faces", "600", "--out", creature()});
-        ASSERT_TRUE(run.succeeded()) << run;
+        ToolTest::SetUpTestSuite();
+        generate("creature.glb", {"--joints", std::to_string(kJoints), "--levels", std::to_string(kLevels), "--faces", "600"});
     }
-    static void TearDownTestSuite() { fs::remove_all(folder_); }
 
-    static std::string file(const std::string& name) { return (folder_ / name).string(); }
     static std::string creature() { return file("creature.glb"); }
 
-    static Json json_of(std::vector<std::string> arguments) {
-        arguments.push_back("--json");
-        const Outcome run = run_tool(arguments);
-        EXPECT_TRUE(run.succeeded()) << testing::PrintToString(arguments) << "\n" << run;
-        Json json = Json::parse(run.out, nullptr, false);
-        EXPECT_FALSE(json.is_discarded()) << run;
-        return json;
-    }
     static Json pose(std::vector<std::string> arguments) {
         arguments.insert(arguments.begin(), {"pose", creature()});
         return json_of(arguments);
     }
     static double clip_duration_s(size_t clip) { return json_of({"info", creature()})["clips"][clip]["duration_s"]; }
-
-    static inline fs::path folder_;
 };
 
 // The largest difference between all matrices and positions of two poses.
@@ -481,16 +459,12 @@ TEST_F(Cli, DevicesAreListed) {
 }
 
 TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
-    std::ofstream(file("empty.glb")).close();
-    std::ofstream(file("text.glb")) << "This is not glTF.\n";
-    std::ofstream(file("json.gltf")) << "{\"hello\": 1}\n";
+    write("empty.glb", "");
+    write("text.glb", "This is not glTF.\n");
+    write("json.gltf", "{\"hello\": 1}\n");
     fs::create_directory(file("folder"));
     const std::string png = file("picture.png");
-    struct Case {
-        std::vector<std::string> arguments;
-        std::string named;
-    };
-    const std::vector<Case> cases{
+    expect_refused({
         {{}, "command"},
         {{"dance"}, "dance"},
         {{"info"}, "file"},
@@ -567,15 +541,7 @@ TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
         {{"bench", "baselines", "--levels", "15", "--rate", "10000", "--device", "cpu"}, "storage-buffer range"},
         {{"bench", "baselines", "--json", file("none/x.jsonl")}, "none"},
         {{"devices", "all"}, "all"},
-    };
-    std::set<fs::path> before{fs::directory_iterator(folder_), {}};
-    for (const Case& c : cases) {
-        const Outcome run = run_tool(c.arguments, {.time_limit_s = 20});
-        EXPECT_TRUE(run.refused(c.named)) << testing::PrintToString(c.arguments) << "\n" << run;
-        EXPECT_EQ(run.out, "") << testing::PrintToString(c.arguments);
-        EXPECT_LT(run.time_s, 10) << testing::PrintToString(c.arguments);
-    }
-    EXPECT_EQ((std::set<fs::path>{fs::directory_iterator(folder_), {}}), before) << "something was left behind";
+    });
     EXPECT_TRUE(fs::is_empty(file("folder")));
 }
 

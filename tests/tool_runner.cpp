@@ -58,4 +58,31 @@ Outcome run_tool(const std::vector<std::string>& arguments, const RunSettings& s
     return run;
 }
 
+void ToolTest::generate(const std::string& name, std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "generate");
+    arguments.insert(arguments.end(), {"--out", file(name)});
+    const Outcome run = run_tool(arguments);
+    ASSERT_TRUE(run.succeeded()) << run;
+}
+
+Json ToolTest::json_of(std::vector<std::string> arguments) {
+    arguments.push_back("--json");
+    const Outcome run = run_tool(arguments);
+    EXPECT_TRUE(run.succeeded()) << testing::PrintToString(arguments) << "\n" << run;
+    Json json = Json::parse(run.out, nullptr, false);
+    EXPECT_FALSE(json.is_discarded()) << run;
+    return json;
+}
+
+void ToolTest::expect_refused(const std::vector<Refused>& cases) {
+    const std::set<std::filesystem::path> before = files();
+    for (const auto& [arguments, named] : cases) {
+        const Outcome run = run_tool(arguments, {.time_limit_s = 20});
+        EXPECT_TRUE(run.refused(named)) << testing::PrintToString(arguments) << "\n" << run;
+        EXPECT_EQ(run.out, "") << testing::PrintToString(arguments);
+        EXPECT_LT(run.time_s, 10) << testing::PrintToString(arguments);
+    }
+    EXPECT_EQ(files(), before) << "something was left behind";
+}
+
 }  // namespace throng::test

@@ -1,13 +1,22 @@
 // Runs the command line as a user does, in a process of its own.
 #pragma once
 
+#include "tests/files.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <ostream>
+#include <set>
 #include <string>
 #include <vector>
 
 namespace throng::test {
+
+using Json = nlohmann::json;
 
 struct RunSettings {
     std::map<std::string, std::string> environment;
@@ -35,5 +44,29 @@ struct Outcome {
 };
 
 Outcome run_tool(const std::vector<std::string>& arguments, const RunSettings& settings = {});
+
+// What the tool does in a folder of the tests' own.
+class ToolTest : public testing::Test {
+protected:
+    struct Refused {
+        std::vector<std::string> arguments;
+        std::string named;
+    };
+
+    static void SetUpTestSuite() { folder_ = std::make_unique<TemporaryFolder>(); }
+    static void TearDownTestSuite() { folder_.reset(); }
+
+    static std::string file(const std::string& name) { return (folder_->path() / name).string(); }
+    static std::string write(const std::string& name, const std::string& content) { return folder_->write(name, content).string(); }
+    static std::set<std::filesystem::path> files() { return {std::filesystem::directory_iterator(folder_->path()), {}}; }
+    // A creature in that file.
+    static void generate(const std::string& name, std::vector<std::string> arguments);
+    // What the command prints with --json.
+    static Json json_of(std::vector<std::string> arguments);
+    // Each in one line that names the thing, with nothing on stdout, soon, and with no file more or less.
+    static void expect_refused(const std::vector<Refused>& cases);
+
+    static inline std::unique_ptr<TemporaryFolder> folder_;
+};
 
 }  // namespace throng::test

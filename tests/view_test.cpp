@@ -1,29 +1,20 @@
 // throng view under Xvfb: driven by scripted input, and once by a real keyboard's and mouse's, and looked at.
 #include "tests/display.h"
-#include "tests/files.h"
 #include "tests/png.h"
 #include "tests/tool_runner.h"
 #include "tools/view/orbit.h"
 #include "tools/view/pick.h"
 
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
-
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <thread>
 
 namespace throng {
 namespace {
 
 using namespace test;
-
-using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
 struct Rectangle {
@@ -47,24 +38,19 @@ double changed(const Png& a, const Png& b, const Rectangle& of) {
     return part(of, [&](int x, int y) { return distance(a.at(x, y), b.at(x, y)) > 24; });
 }
 
-class View : public testing::Test {
+class View : public ToolTest {
 protected:
     static void SetUpTestSuite() {
-        folder_ = fs::path(testing::TempDir()) / ("throng_view_" + std::to_string(getpid()));
-        fs::create_directories(folder_);
+        ToolTest::SetUpTestSuite();
         display_ = std::make_unique<Display>(kScreen);
-        for (const auto& [name, seed] : {std::pair{"one", "1"}, {"other", "5"}}) {
-            const Outcome run = run_tool({"generate", "--joints", "40", "--levels", "12", "--faces", "600", "--seed", seed, "--out", file(name) + ".glb"});
-            ASSERT_TRUE(run.succeeded()) << run;
-        }
+        for (const auto& [name, seed] : {std::pair{"one.glb", "1"}, {"other.glb", "5"}}) generate(name, {"--joints", "40", "--levels", "12", "--faces", "600", "--seed", seed});
     }
     static void TearDownTestSuite() {
         display_.reset();
-        fs::remove_all(folder_);
+        ToolTest::TearDownTestSuite();
     }
 
     static constexpr const char* kScreen = "800x600x24";
-    static std::string file(const std::string& name) { return (folder_ / name).string(); }
 
     static std::map<std::string, std::string> environment() {
         return {{"DISPLAY", display_->name()},
@@ -74,9 +60,8 @@ protected:
 
     // Runs the events, under the validation layer, which must have nothing to say. What stays is in state_.
     static Outcome view(const std::string& events, std::vector<std::string> arguments = {}) {
-        std::ofstream(file("events.txt")) << events;
         if (std::ranges::find(arguments, "--count") == arguments.end()) arguments.insert(arguments.end(), {"--count", "12"});
-        arguments.insert(arguments.begin(), {"view", file("one.glb"), "--size", "640x400", "--script", file("events.txt"), "--dump", file("dump.json")});
+        arguments.insert(arguments.begin(), {"view", file("one.glb"), "--size", "640x400", "--script", write("events.txt", events), "--dump", file("dump.json")});
         const Outcome run = run_tool(arguments, {.environment = environment(), .time_limit_s = 120});
         EXPECT_EQ(run.exit_code, 0) << run;
         for (const char* word : {"VUID", "Validation", "SYNC-HAZARD", "UNASSIGNED"}) EXPECT_EQ((run.out + run.err).find(word), std::string::npos) << run;
@@ -89,7 +74,6 @@ protected:
 
     static std::vector<float> eye() { return state_["eye"].get<std::vector<float>>(); }
 
-    static inline fs::path folder_;
     static inline std::unique_ptr<Display> display_;
     static inline Json state_;
 };
@@ -182,7 +166,7 @@ TEST_F(View, ChangesTheNumber) {
 }
 
 TEST_F(View, DropsReplaceTheScene) {
-    std::ofstream(file("broken.glb")) << "glTF, it says";
+    write("broken.glb", "glTF, it says");
     const Outcome run = view(std::string(kStill) + "4 shot " + file("one.png") + "\n5 drop " + file("broken.glb") + "\n8 shot " + file("still_one.png") + "\n9 drop " + file("other.glb") + " " + file("one.glb") +
                                  "\n20 drop " + file("nobody.glb") + "\n24 shot " + file("both.png") + "\n",
                              {"--count", "4"});
@@ -247,8 +231,7 @@ TEST_F(View, RefusesInOneLine) {
     refused({file("one.glb"), "--size", "1x1"}, "--size", display_->name());
     refused({file("one.glb"), "--count", "200000"}, "100000", display_->name());
     refused({file("one.glb"), "--device", "nobody's"}, "nobody's", display_->name());
-    std::ofstream(file("wrong.txt")) << "1 move 2\n";
-    refused({file("one.glb"), "--script", file("wrong.txt")}, "wrong.txt:1", display_->name());
+    refused({file("one.glb"), "--script", write("wrong.txt", "1 move 2\n")}, "wrong.txt:1", display_->name());
 }
 
 TEST(ViewOrbit, GoesWhereTheHandGoes) {
