@@ -7,14 +7,13 @@
 #include "tests/test_rig.h"
 
 #include <cstdio>
+#include <numbers>
 #include <set>
 
 namespace throng::bench {
 namespace {
 
 using namespace test;
-
-constexpr double kPi = 3.14159265358979323846;
 
 ReferencePose pose_of(const Character& character, const Playback& playback) {
     Result<ReferencePose> pose = reference_pose(character, playback);
@@ -175,7 +174,7 @@ TEST(Baseline, BlendingErrsMoreTheMoreAChainBends) {
     for (const Baseline& baseline : baselines()) {
         double last = 1e-6;  // of the size: rounding
         for (const double degrees : {30.0, 60.0, 120.0, 180.0}) {
-            const Character character = bending_chain(degrees * kPi / 180);
+            const Character character = bending_chain(degrees * std::numbers::pi / 180);
             const double error = error_of(baseline, character, baseline.bake(character, {}), {.first = {.clip = 0}, .second = {.clip = 1}, .weight = 0.5f});
             std::printf("  %s: a chain of %.2f m, straight and bent by %.0f degrees, blended half: %.1f mm off\n", std::string(baseline.name).c_str(), double{character.size}, degrees,
                         error * character.size * 1000);

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 namespace throng {
 namespace {
@@ -17,7 +18,6 @@ constexpr uint32_t kSpirv[] = {
 #include "inertia.comp.inc"
 };
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kBound = 2e-6;  // of an element of the matrix
 constexpr double kTimeStep_s = 1.0 / 60;
 
@@ -88,7 +88,7 @@ TEST(Inertia, AnOffsetThatGrowsHasNoSpeed) {
     EXPECT_NEAR(shrinking.rotation.size, 0.4, 1e-12);
 
     const auto turned = [](double angle_rad) { return Trs<double>{axis_angle(Vec3<double>{1, 0, 0}, angle_rad), {}, {1, 1, 1}}; };
-    EXPECT_NEAR(inertia_begin_reference({turned(kPi - 0.1), turned(kPi + 0.1), rest, rest}, kTimeStep_s).rotation.speed, -12, 1e-9) << "from beyond half a turn";
+    EXPECT_NEAR(inertia_begin_reference({turned(std::numbers::pi - 0.1), turned(std::numbers::pi + 0.1), rest, rest}, kTimeStep_s).rotation.speed, -12, 1e-9) << "from beyond half a turn";
 }
 
 TEST(Inertia, TheShadersFollowTheReference) {
@@ -107,8 +107,8 @@ TEST(Inertia, TheShadersFollowTheReference) {
         const Trs<double> target = random.trs(1, 0.3);
         const Vec3<double> axis = random.direction();
         Trs<double> shown = target, before = target;
-        shown.rotation = axis_angle(axis, kPi - random.between(0.001, 0.02)) * target.rotation;
-        before.rotation = axis_angle(axis, kPi + random.between(0.001, 0.02)) * target.rotation;
+        shown.rotation = axis_angle(axis, std::numbers::pi - random.between(0.001, 0.02)) * target.rotation;
+        before.rotation = axis_angle(axis, std::numbers::pi + random.between(0.001, 0.02)) * target.rotation;
         for (const Trs<double>& t : {shown, before, target, target}) poses.push_back(to_pose(t));
     }
     const auto count = static_cast<uint32_t>(poses.size() / 4);

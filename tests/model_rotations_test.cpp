@@ -5,11 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <numbers>
 
 namespace throng::test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 // The rotation of model_from_joint of a character without scale, as columns.
 double direction_error(const Affine& got, const Quaternion<double>& wanted) {
@@ -70,7 +69,7 @@ TEST(ModelRotations, TheLowestLayerIsTheSameInEitherSpace) {
 // A chain: hips, spine, head, and something that hangs from it and has no part in the aim; one clip turns the hips by a quarter turn, the other aims.
 class AimingCharacter {
 public:
-    Quaternion<double> turn = axis_angle(Vec3<double>{0, 1, 0}, kPi / 2), spine = axis_angle(Vec3<double>{1, 0, 0}, 0.5), head = axis_angle(Vec3<double>{0, 1, 0}, -0.3), charm = axis_angle(Vec3<double>{0, 0, 1}, 0.7);
+    Quaternion<double> turn = axis_angle(Vec3<double>{0, 1, 0}, std::numbers::pi / 2), spine = axis_angle(Vec3<double>{1, 0, 0}, 0.5), head = axis_angle(Vec3<double>{0, 1, 0}, -0.3), charm = axis_angle(Vec3<double>{0, 0, 1}, 0.7);
     Character character;
     Controller controller;
 

@@ -11,13 +11,13 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numbers>
 
 namespace throng {
 namespace {
 
 using namespace test;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kExactKeys = 1e-6;  // of the size: what rows added for cubic tracks leave
 
 Character compile(const Asset& asset, double error) {
@@ -116,7 +116,7 @@ struct OneJoint {
     void spin(double turns, double key_degrees, const Vec3<double>& axis) {
         std::vector<float> times_s, values;
         for (int key = 0; key * key_degrees <= turns * 360 + 0.1; ++key) {
-            const Quaternion<double> q = axis_angle(normalized(axis), key * key_degrees * kPi / 180);
+            const Quaternion<double> q = axis_angle(normalized(axis), key * key_degrees * std::numbers::pi / 180);
             times_s.push_back(static_cast<float>(key) / 30);
             for (const double c : {q.x, q.y, q.z, q.w}) values.push_back(static_cast<float>(c));
         }

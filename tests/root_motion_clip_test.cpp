@@ -8,13 +8,14 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 namespace throng {
 namespace {
 
 using namespace test;
+using std::numbers::pi;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr Vec3<double> kUp{0, 1, 0};
 
 struct ModelPose {
@@ -25,7 +26,7 @@ using Motion = std::function<ModelPose(double time_s)>;
 
 // On a circle to the left, 1.2 m/s and 50 degrees/s, with what a walk has beside: two steps a second.
 ModelPose walk(double time_s) {
-    const double yaw = 50 * kPi / 180 * time_s, radius = 1.2 / (50 * kPi / 180), phase = 2 * kPi * time_s;
+    const double yaw = 50 * pi / 180 * time_s, radius = 1.2 / (50 * pi / 180), phase = 2 * pi * time_s;
     const Quaternion<double> swing = axis_angle(normalized(Vec3<double>{1, 0, 0.4}), 0.15 * std::sin(phase));
     return {axis_angle(kUp, yaw) * swing, {0.1 + radius * (1 - std::cos(yaw)), 0.9 + 0.04 * std::sin(2 * phase), -0.2 + radius * std::sin(yaw)}};
 }
@@ -33,7 +34,7 @@ ModelPose walk(double time_s) {
 // A walker: hips, which a leg hangs on, under an armature that is turned and scaled as exporters do; the armature is a joint or not.
 struct Walker {
     Asset asset{.name = "walker"};
-    Trs<double> armature{axis_angle(normalized(Vec3<double>{1, 0.1, 0}), -kPi / 2), {0.3, -0.1, 0.2}, {0.01, 0.01, 0.01}};
+    Trs<double> armature{axis_angle(normalized(Vec3<double>{1, 0.1, 0}), -pi / 2), {0.3, -0.1, 0.2}, {0.01, 0.01, 0.01}};
     enum : uint32_t { kArmature, kHips, kLeg };
 
     explicit Walker(bool armature_is_joint) {
@@ -73,7 +74,7 @@ struct Walker {
         };
         for (const float time_s : times_s) {
             const ModelPose pose = motion(time_s);
-            const Quaternion<double> q = back * pose.rotation, swing = axis_angle(Vec3<double>{1, 0, 0}, 0.5 * std::sin(2 * kPi * double{time_s}));
+            const Quaternion<double> q = back * pose.rotation, swing = axis_angle(Vec3<double>{1, 0, 0}, 0.5 * std::sin(2 * pi * double{time_s}));
             const Vec3<double> p = transform_vector(to_affine(Trs<double>{.rotation = back}), pose.position - armature.translation) * (1 / armature.scale.x);
             append(rotations, {q.x, q.y, q.z, q.w});
             append(translations, {p.x, p.y, p.z});
@@ -160,7 +161,7 @@ TEST(RootMotionOfClips, RowsAreEvenAndExactAtBothEnds) {
         const RootRows rows = rows_of(taken, clip);
         EXPECT_EQ(rows.front(), (std::array<float, 4>{0, 0, 1, 0}));
         const ModelPose begin = walk(0), end = walk(clip.duration_s);
-        const double yaw = 50 * kPi / 180 * double{clip.duration_s};
+        const double yaw = 50 * pi / 180 * double{clip.duration_s};
         const GroundMove last{rows.back()[0], rows.back()[1], rows.back()[2], rows.back()[3]};
         EXPECT_NEAR(last.cos, std::cos(yaw), 0.01) << "a pelvis that rolls turns a little";
         EXPECT_NEAR(std::hypot(last.cos, last.sin), 1, 1e-6);
@@ -249,7 +250,7 @@ TEST(RootMotionOfClips, StepsAreTakenWhole) {
 
 TEST(RootMotionOfClips, TurnsOfAnySizeAreFollowed) {
     Walker walker(true);
-    const auto spin = [](double degrees_per_s) { return [degrees_per_s](double time_s) { return ModelPose{axis_angle(kUp, degrees_per_s * kPi / 180 * time_s) * axis_angle(Vec3<double>{0, 0, 1}, 0.3), {0.2, 0.9, -0.1}}; }; };
+    const auto spin = [](double degrees_per_s) { return [degrees_per_s](double time_s) { return ModelPose{axis_angle(kUp, degrees_per_s * pi / 180 * time_s) * axis_angle(Vec3<double>{0, 0, 1}, 0.3), {0.2, 0.9, -0.1}}; }; };
     walker.move("fast", times(2, 10), spin(1000));  // 17 degrees a row: the chord is 1.1 % shorter than the radius of 0.2
     expect_put_together(walker, 2e-3);
     walker.asset.clips.clear();
@@ -269,7 +270,7 @@ TEST(RootMotionOfClips, TurnsOfAnySizeAreFollowed) {
 // Over the head and back on the feet: that is no turn about +y.
 TEST(RootMotionOfClips, ASomersaultIsNoTurn) {
     Walker walker(false);
-    walker.move("somersault", times(1, 30), [](double time_s) { return ModelPose{axis_angle(Vec3<double>{1, 0, 0}, 2 * kPi * time_s), {0, 0.9 + time_s * (1 - time_s), 2 * time_s}}; });
+    walker.move("somersault", times(1, 30), [](double time_s) { return ModelPose{axis_angle(Vec3<double>{1, 0, 0}, 2 * pi * time_s), {0, 0.9 + time_s * (1 - time_s), 2 * time_s}}; });
     expect_put_together(walker, 1e-3);
     const Character taken = compile(walker.asset, kTaken);
     for (const auto& row : taken.root_rows) EXPECT_NEAR(row[2], 1, 1e-4);

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 namespace throng {
 namespace {
@@ -120,10 +121,9 @@ TEST(Sample, SkipsClipsWithoutWeight) {
 
 // One clip of two rows; each joint turns by an angle of its own, from nothing to half a turn.
 TEST(Sample, ArcsOfEverySize) {
-    constexpr double kPi = 3.14159265358979323846;
-    std::vector<double> angles_rad{0, kPi};
-    for (double angle = 1e-9; angle < kPi; angle *= 1.1) angles_rad.push_back(angle);
-    for (const double distance : {1e-6, 1e-5, 1e-4, 1e-3, 1e-2}) angles_rad.push_back(kPi - distance);
+    std::vector<double> angles_rad{0, std::numbers::pi};
+    for (double angle = 1e-9; angle < std::numbers::pi; angle *= 1.1) angles_rad.push_back(angle);
+    for (const double distance : {1e-6, 1e-5, 1e-4, 1e-3, 1e-2}) angles_rad.push_back(std::numbers::pi - distance);
     for (const double angle : {1e-3, 2e-3, 3e-3}) {  // where the kernel changes from the chord to the arc
         angles_rad.push_back(angle * 0.9999);
         angles_rad.push_back(angle);

@@ -5,11 +5,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
+#include <numbers>
 
 namespace throng::test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 // Sorted times within 0..duration_s; the first axis has both ends, the others neither, so that tracks start late and end early.
 std::vector<float> make_axis(Random& random, double duration_s, uint32_t key_count, bool with_ends) {
@@ -125,7 +124,7 @@ Vec3<double> Random::vector(double extent) {
 }
 
 Vec3<double> Random::direction() {
-    const double z = between(-1, 1), angle_rad = between(0, 2 * kPi), r = std::sqrt(1 - z * z);
+    const double z = between(-1, 1), angle_rad = between(0, 2 * std::numbers::pi), r = std::sqrt(1 - z * z);
     return {r * std::cos(angle_rad), r * std::sin(angle_rad), z};
 }
 

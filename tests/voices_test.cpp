@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 namespace throng {
 namespace {
@@ -318,8 +319,7 @@ TEST(Voices, RotationsThatCancel) {
     const std::vector<Part> both{{0, 1, 0.5f}, {1, 1, 0.5f}};
     const std::vector<Layers> instances{{base, {.is_additive = true, .parts = both}}, {base, {.is_additive = true, .weight = 0.5f, .parts = both}}, {{.parts = both}}};
     const std::vector<Affine> local = stage.run(instances);
-    constexpr double kPi = 3.14159265358979323846;
-    const std::array<double, 3> angles_rad{kPi, -kPi / 2, kPi};  // about x; of an override both are the same half turn
+    const std::array<double, 3> angles_rad{std::numbers::pi, -std::numbers::pi / 2, std::numbers::pi};  // about x; of an override both are the same half turn
     for (size_t i = 0; i < instances.size(); ++i) {
         const Trs<double> wanted{.rotation = axis_angle(Vec3<double>{1, 0, 0}, angles_rad[i]), .translation = {i == 1 ? 1.0 : 2.0, 0, 0}};
         EXPECT_LE(error_of(local[i], wanted), kBound) << "instance " << i;
