@@ -165,9 +165,7 @@ Character bending_chain(double angle_rad) {
     asset.clips = {straight, bent};
     asset.meshes.push_back({.name = "mesh", .primitives = {primitive}});
     asset.mesh_instances.push_back({.node = 0, .mesh = 0, .skin = 0});
-    Result<Character> character = compile_character(asset, kExact);
-    EXPECT_TRUE(character) << (character ? "" : character.error().text());
-    return std::move(*character);
+    return compiled(asset);
 }
 
 TEST(Baseline, BlendingErrsMoreTheMoreAChainBends) {

@@ -25,15 +25,6 @@ using Bytes = std::vector<std::byte>;
 
 constexpr double kErrors[] = {0, 1e-4};  // exact and packed
 
-Character compile(const Asset& asset, double error) {
-    Result<Character> character = compile_character(asset, {.error = error});
-    if (!character) {
-        ADD_FAILURE() << character.error().text();
-        return {};
-    }
-    return std::move(*character);
-}
-
 // With all that a character may have, and names that are no plain text.
 Asset make_full_asset(const AssetSettings& settings) {
     Asset asset = make_asset(settings);
@@ -49,7 +40,7 @@ Asset make_full_asset(const AssetSettings& settings) {
 
 // A file of a few kilobytes.
 Bytes small_file(double error) {
-    Character character = compile(make_full_asset({.name = "small.glb", .joint_count = 4, .clip_count = 2, .axis_count = 2, .key_count = 3, .vertex_count = 6, .morph_count = 2}), error);
+    Character character = compiled(make_full_asset({.name = "small.glb", .joint_count = 4, .clip_count = 2, .axis_count = 2, .key_count = 3, .vertex_count = 6, .morph_count = 2}), {.error = error});
     character.root_rows = {{0, 0, 1, 0}, {0, 1, 0.8f, 0.6f}, {0, 0, 1, 0}, {1, 0, 0, -1}, {1, 2, -1, 0}};
     character.clips[0].root_row_count = character.clips[1].first_root_row = 2;
     character.clips[1].root_row_count = 3;
@@ -267,7 +258,7 @@ TEST(CharacterFile, RigsComeBackBitForBit) {
     for (const double error : kErrors) {
         for (const AssetSettings& settings : {AssetSettings{}, AssetSettings{.joint_count = 1, .clip_count = 0}, AssetSettings{.joint_count = 70, .shape = RigShape::kComb, .key_count = 12},
                                               AssetSettings{.seed = 3, .scale_spread = 0}, AssetSettings{.cubic = true}, AssetSettings{.vertex_count = 0}}) {
-            const Character character = compile(make_full_asset(settings), error);
+            const Character character = compiled(make_full_asset(settings), {.error = error});
             EXPECT_EQ(character.packed, error > 0);
             expect_round_trip(character);
         }
@@ -277,7 +268,7 @@ TEST(CharacterFile, RigsComeBackBitForBit) {
 TEST(CharacterFile, AFileIsKnownByItsFirstBytesWhateverItsName) {
     const TemporaryFolder folder;
     for (const double error : kErrors) {
-        const Character character = compile(make_full_asset({}), error);
+        const Character character = compiled(make_full_asset({}), {.error = error});
         const std::filesystem::path path = folder.path() / "no extension";
         for (int again = 0; again < 2; ++again) {  // and replaces what is there
             const Result<void> saved = save_character(character, path);
@@ -303,7 +294,7 @@ TEST(CharacterFile, RealCharactersComeBackBitForBit) {
         const Result<Asset> asset = load_asset(entry.path());
         if (!asset) continue;  // import_test's business
         for (const double error : kErrors) {
-            const Character character = compile(*asset, error);
+            const Character character = compiled(*asset, {.error = error});
             const std::filesystem::path path = folder.path() / "character.throng";
             const Result<void> saved = save_character(character, path);
             ASSERT_TRUE(saved) << saved.error().text();
@@ -613,7 +604,7 @@ TEST(CharacterFile, CraftedFullRotationsAreRefused) {
         for (const double c : {q.x, q.y, q.z, q.w}) turn.values.push_back(static_cast<float>(c));
     }
     asset.clips[0].tracks = {turn};
-    const Character good = compile(asset, 1e-4);
+    const Character good = compiled(asset, {.error = 1e-4});
     const uint32_t position = good.tracks[0].rotation;
     uint32_t layout = 0;
     std::memcpy(&layout, &good.keys[position][3], 4);
@@ -639,7 +630,7 @@ TEST(CharacterFile, UniformScaleIsLookedAtInEveryRow) {
     }
     asset.clips[0].tracks = {grow};
     for (const double error : kErrors) {
-        const Character good = compile(asset, error);
+        const Character good = compiled(asset, {.error = error});
         ASSERT_TRUE(good.rig.uniform_scale);
         expect_round_trip(good);
         for (uint32_t row = 0; row < good.clips[0].row_count; ++row) {
@@ -686,7 +677,7 @@ TEST(CharacterFile, NoChangedWordLeadsAStageOutOfItsBuffers) {
 
 TEST(CharacterFile, WhatWouldBeRefusedIsNotWritten) {
     const TemporaryFolder folder;
-    const Character good = compile(make_full_asset({}), 0);
+    const Character good = compiled(make_full_asset({}));
     const auto expect_unsaved = [&](const char* named, const std::function<void(Character&)>& change) {
         Character character = good;
         change(character);
@@ -710,7 +701,7 @@ TEST(CharacterFile, WhatWouldBeRefusedIsNotWritten) {
 }
 
 TEST(CharacterFile, LimitsAreNamed) {
-    const Character good = compile(make_full_asset({}), 0);
+    const Character good = compiled(make_full_asset({}));
     const auto expect_limit = [&](const char* named, const std::function<void(Character&)>& change) {
         Character character = good;
         change(character);
@@ -721,7 +712,7 @@ TEST(CharacterFile, LimitsAreNamed) {
     };
     expect_limit("the limit is 65535", [](Character& c) { c.rig.parents.resize(65'536, kNone); });
     expect_limit("the limit is 65536", [](Character& c) { c.palette.resize(65'537); });
-    for (const Character& character : {good, compile(make_full_asset({}), 1e-4)}) {
+    for (const Character& character : {good, compiled(make_full_asset({}), {.error = 1e-4})}) {
         const uint64_t size_bytes = write_character(character).size();
         EXPECT_EQ(write_character(character, size_bytes).size(), size_bytes);
         for (const uint64_t limit_bytes : {uint64_t{1000}, size_bytes / 2, size_bytes - 1}) {
@@ -739,8 +730,8 @@ TEST(CharacterFile, MessagesStayOneLine) {
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().text().find('\n'), std::string::npos) << result.error().text();
 
-    EXPECT_EQ(compile(make_full_asset({}), 0).materials[1].name, "a?b?");
-    Character character = compile(make_full_asset({}), 0);
+    EXPECT_EQ(compiled(make_full_asset({})).materials[1].name, "a?b?");
+    Character character = compiled(make_full_asset({}));
     character.name = "a\nb";
     const Result<void> saved = save_character(character, "/nowhere/none.throng");
     ASSERT_FALSE(saved);

@@ -16,15 +16,6 @@ namespace {
 
 using namespace test;
 
-Character compile(const Asset& asset) {
-    Result<Character> character = compile_character(asset, kExact);
-    if (!character) {
-        ADD_FAILURE() << character.error().text();
-        return {};
-    }
-    return std::move(*character);
-}
-
 Error refusal_of(const Asset& asset) {
     const Result<Character> character = compile_character(asset, kExact);
     if (!character) return character.error();
@@ -196,7 +187,7 @@ TrackErrors clip_errors(const Asset& asset, const Character& character, uint32_t
 TEST(Compile, LinearAndSteppedClipsAreExact) {
     for (const uint64_t seed : {1u, 2u, 3u}) {
         const Asset asset = make_asset({.joint_count = 30, .seed = seed, .clip_count = 3, .axis_count = 5, .key_count = 9});
-        const Character character = compile(asset);
+        const Character character = compiled(asset);
         ASSERT_EQ(character.clips.size(), 3u);
         for (uint32_t clip = 0; clip < 3; ++clip) {
             const TrackErrors errors = clip_errors(asset, character, clip);
@@ -215,7 +206,7 @@ TEST(Compile, LinearAndSteppedClipsAreExact) {
             EXPECT_EQ(character.find_clip(asset.clips[clip].name), clip);
         }
     }
-    EXPECT_EQ(compile(make_asset({})).find_clip("no such clip"), kNone);
+    EXPECT_EQ(compiled(make_asset({})).find_clip("no such clip"), kNone);
 }
 
 TEST(Compile, CubicClipsAreRefinedToTheBound) {
@@ -223,7 +214,7 @@ TEST(Compile, CubicClipsAreRefinedToTheBound) {
     uint32_t rows = 0;
     for (const uint64_t seed : {4u, 5u, 6u}) {
         const Asset asset = make_asset({.joint_count = 20, .seed = seed, .clip_count = 2, .key_count = 5, .cubic = true});
-        const Character character = compile(asset);
+        const Character character = compiled(asset);
         for (uint32_t clip = 0; clip < 2; ++clip) {
             const TrackErrors errors = clip_errors(asset, character, clip);
             worst.rotation_rad = std::max(worst.rotation_rad, errors.rotation_rad);
@@ -246,7 +237,7 @@ TEST(Compile, ACubicTrackThatMeetsItsChordIsRefined) {
     const uint32_t joint = builder.node(kNone);
     builder.mesh(joint, builder.skin({joint}));
     builder.track(joint, TrackTarget::kTranslation, {0, 1}, {0, 0, 0, 0, 0, 0, 3, 0, 0, 3, 0, 0, 1, 0, 0, 0, 0, 0}, Interpolation::kCubicSpline);
-    const Character character = compile(builder.asset);
+    const Character character = compiled(builder.asset);
     EXPECT_GT(character.clips[0].refined_row_count, 100u);
     EXPECT_LE(clip_errors(builder.asset, character, 0).translation, 1.3e-6 * character.size);
 }
@@ -260,7 +251,7 @@ TEST(Compile, WhatDoesNotChangeIsStoredOnce) {
     builder.track(b, TrackTarget::kTranslation, {0, 1}, {9, 9, 9, 4, 5, 6, 9, 9, 9, 0, 0, 0, 4, 5, 6, 0, 0, 0}, Interpolation::kCubicSpline);  // tangents move it
     builder.track(b, TrackTarget::kScale, {0, 1}, {0, 0, 0, 3, 3, 3, 0, 0, 0, 0, 0, 0, 3, 3, 3, 0, 0, 0}, Interpolation::kCubicSpline);       // these do not
     builder.track(b, TrackTarget::kRotation, {0, 2}, {0, 0, 0, 1, 0, 0, 1, 0});
-    const Character character = compile(builder.asset);
+    const Character character = compiled(builder.asset);
     EXPECT_EQ(character.clips[0].row_stride, 2u);
     EXPECT_EQ(character.keys.size(), 3 * 2 + 3 + 2 * size_t{character.clips[0].row_count}) << "rest pose, constants, rows";
     const Trs<double> first = sample_reference(character, 0, 0.3)[0], second = sample_reference(character, 0, 1.9)[1];
@@ -274,7 +265,7 @@ TEST(Compile, AClipMayMoveNothingThatShows) {
     const uint32_t joint = builder.node(kNone), camera = builder.node(kNone);
     builder.mesh(joint, builder.skin({joint}));
     builder.track(camera, TrackTarget::kTranslation, {0, 3}, {0, 0, 0, 1, 1, 1});
-    const Character character = compile(builder.asset);
+    const Character character = compiled(builder.asset);
     EXPECT_EQ(character.rig.joint_count(), 1u);
     EXPECT_EQ(character.clips[0].row_count, 1u);
     EXPECT_EQ(character.clips[0].row_stride, 0u);
@@ -284,7 +275,7 @@ TEST(Compile, AClipMayMoveNothingThatShows) {
 
 TEST(Compile, NeighbouringRotationsLieInOneHemisphere) {
     const Asset asset = make_asset({.joint_count = 40, .seed = 7, .clip_count = 2, .key_count = 12});
-    const Character character = compile(asset);
+    const Character character = compiled(asset);
     size_t flipped = 0;
     for (const AssetClip& clip : asset.clips)
         for (const AssetTrack& track : clip.tracks)
@@ -318,7 +309,7 @@ TEST(Compile, HalfATurnGoesTheSourcesWay) {
         const Quaternion<float> from = random.rotation().as<float>(), to = (from.as<double>() * axis_angle(random.direction(), 3.14159265358979)).as<float>();
         builder.track(joint, TrackTarget::kRotation, {0, 1}, {from.x, from.y, from.z, from.w, to.x, to.y, to.z, to.w});
     }
-    const Character character = compile(builder.asset);
+    const Character character = compiled(builder.asset);
     EXPECT_EQ(character.clips[0].row_count, 3u) << "a row in the middle";
     EXPECT_LE(clip_errors(builder.asset, character, 0).rotation_rad, 1e-6);
 }
@@ -354,7 +345,7 @@ TEST(Compile, AFarLargerUnionDropsRowsWithinTheBound) {
         }
         builder.track(wheel, TrackTarget::kRotation, times_s, values);
     }
-    const Character character = compile(builder.asset);
+    const Character character = compiled(builder.asset);
     const Clip& clip = character.clips[0];
     const TrackErrors errors = clip_errors(builder.asset, character, 0);
     std::printf("  %zu keys of 211 tracks; union of %u rows, %u dropped; largest error %.1e of the size, %.1e rad\n", size_t{clip.source_key_count}, clip.row_count + clip.dropped_row_count, clip.dropped_row_count, errors.translation / character.size, errors.rotation_rad);
@@ -393,7 +384,7 @@ TEST(Compile, FoldingStaticNodesChangesNothing) {
             builder.track(node, TrackTarget::kTranslation, {0, 0.4f, 1}, {0, 0, 0, 0.2f, 0.1f, 0, 0.1f, 0.3f, 0.2f});
             builder.track(node, TrackTarget::kScale, {0, 1}, {1, 1, 1, 1.2f, 0.9f, 1.1f}, Interpolation::kStep);
         }
-        const Character character = compile(builder.asset);
+        const Character character = compiled(builder.asset);
         folded += build_rig(builder.asset).folded_node_count;
         for (uint32_t joint = 0; joint < character.rig.joint_count(); ++joint) {
             const uint32_t node = character.rig.nodes[joint], parent = character.rig.parents[joint];
@@ -428,7 +419,7 @@ TEST(Compile, AnUnevenlyScaledNodeIsKept) {
         middle.scale = scale;
         const uint32_t root = builder.node(kNone), joint = builder.node(builder.node(root, middle));
         builder.mesh(root, builder.skin({joint}));
-        EXPECT_EQ(compile(builder.asset).rig.joint_count(), scale.x == scale.y && scale.y == scale.z ? 1u : 2u);
+        EXPECT_EQ(compiled(builder.asset).rig.joint_count(), scale.x == scale.y && scale.y == scale.z ? 1u : 2u);
     }
     Builder builder;
     Trs<double> even = moved(1, 0, 0), uneven = moved(0, 1, 0);
@@ -436,7 +427,7 @@ TEST(Compile, AnUnevenlyScaledNodeIsKept) {
     uneven.scale = {1, 2, 1};
     const uint32_t root = builder.node(kNone, even), middle = builder.node(root, uneven), joint = builder.node(middle, moved(0, 0, 1));
     builder.mesh(root, builder.skin({joint}));
-    const Character character = compile(builder.asset);
+    const Character character = compiled(builder.asset);
     ASSERT_EQ(character.rig.joint_count(), 2u);
     EXPECT_EQ(character.rig.nodes, (std::vector<uint32_t>{middle, joint}));
     EXPECT_EQ(character.rig.rest[0].scale, (Vec3<float>{2, 4, 2}));
@@ -447,7 +438,7 @@ TEST(Compile, TheRigIsMeasured) {
     Builder builder;
     const uint32_t a = builder.node(kNone), b = builder.node(a), c = builder.node(b), d = builder.node(a), e = builder.node(kNone);
     builder.mesh(a, builder.skin({e, d, c, b, a}));
-    const Character character = compile(builder.asset);
+    const Character character = compiled(builder.asset);
     EXPECT_EQ(character.rig.nodes, (std::vector<uint32_t>{a, b, c, d, e})) << "depth first";
     EXPECT_EQ(character.rig.parents, (std::vector<uint32_t>{kNone, 0, 1, 0, kNone}));
     EXPECT_EQ(character.rig.level_count, 3u);
@@ -465,7 +456,7 @@ TEST(Compile, LargeRigsInAnyOrder) {
     std::vector<uint32_t> joints;
     for (uint32_t i = 0; i < kCount; ++i) joints.push_back(builder.node(i + 1 == kCount ? kNone : i + 1 + (i % 2 == 0 && i + 2 < kCount ? 1 : 0), moved(0.001, 0, 0)));
     builder.mesh(0, builder.skin(joints));
-    const Character character = compile(builder.asset);
+    const Character character = compiled(builder.asset);
     ASSERT_EQ(character.rig.joint_count(), kCount);
     EXPECT_EQ(character.rig.nodes[0], kCount - 1);
     for (uint32_t joint = 1; joint < kCount; ++joint) {
@@ -484,7 +475,7 @@ TEST(Compile, LimitsAreNamed) {
     EXPECT_TRUE(contains(error.text(), "65535") && contains(error.text(), "built")) << error.text();
     joints.pop_back();
     builder.asset.skins[0] = {.name = "skin", .joints = joints, .inverse_binds = std::vector<Affine>(joints.size())};
-    EXPECT_EQ(compile(builder.asset).rig.joint_count(), 65'535u);
+    EXPECT_EQ(compiled(builder.asset).rig.joint_count(), 65'535u);
     // Two skins of as many joints, not equal: more palette entries than 16 bits hold.
     builder.skin(joints);
     builder.asset.skins[1].inverse_binds[5].row[0][3] = 1;
@@ -506,7 +497,7 @@ TEST(Compile, ASkinWithoutAMeshIsEnough) {
     Builder builder;
     const uint32_t a = builder.node(kNone), b = builder.node(a, moved(0, 3, 4));
     builder.skin({a, b});
-    const Character character = compile(builder.asset);
+    const Character character = compiled(builder.asset);
     EXPECT_EQ(character.palette.size(), 2u);
     EXPECT_TRUE(character.vertices.empty());
     EXPECT_FLOAT_EQ(character.size, 5) << "of the joints, where there is no mesh";
@@ -523,7 +514,7 @@ TEST(Compile, EqualSkinsShareTheirPalette) {
     builder.skin({a, b});
     builder.asset.skins[3].inverse_binds[1].row[1][3] = 2;
     for (uint32_t skin = 0; skin < 4; ++skin) builder.mesh(a, skin);
-    const Character character = compile(builder.asset);
+    const Character character = compiled(builder.asset);
     EXPECT_EQ(character.palette.size(), 6u) << "two each of three different skins";
     ASSERT_EQ(character.skins.size(), 4u);
     EXPECT_EQ(character.skins[2].first_entry, character.skins[0].first_entry);
@@ -547,7 +538,7 @@ TEST(Compile, ARigidMeshFollowsItsNode) {
     builder.skin({joint});
     builder.mesh(sword);
     builder.track(joint, TrackTarget::kTranslation, {0, 1}, {1, 0, 0, 5, 0, 0});
-    const Character character = compile(builder.asset);
+    const Character character = compiled(builder.asset);
     EXPECT_EQ(character.rig.joint_count(), 1u) << "hand and sword stand still";
     ASSERT_EQ(character.palette.size(), 2u);
     EXPECT_EQ(character.sections[0].skin, kNone);
@@ -563,7 +554,7 @@ TEST(Compile, AnAnimatedNodeThatCarriesAMeshIsAJoint) {
     const uint32_t wheel = builder.node(builder.node(kNone, moved(0, 0, 5)));
     builder.mesh(wheel);
     builder.track(wheel, TrackTarget::kRotation, {0, 1}, {0, 0, 0, 1, 0, 0, 1, 0});
-    const Character character = compile(builder.asset);
+    const Character character = compiled(builder.asset);
     EXPECT_EQ(character.rig.nodes, (std::vector<uint32_t>{wheel}));
     const ReferencePose pose = *reference_pose(character, {.first = {.clip = 0, .time_s = 0.5}});
     const Vec3<double> corner = reference_positions(character, pose)[1];
@@ -576,7 +567,7 @@ TEST(Compile, AMirroringNodeTurnsTheWindingRound) {
     mirror.scale = {-1, 1, 1};
     builder.mesh(builder.node(kNone, mirror));
     builder.mesh(builder.node(kNone));
-    const Character character = compile(builder.asset);
+    const Character character = compiled(builder.asset);
     EXPECT_EQ(character.indices, (std::vector<uint32_t>{0, 2, 1, 0, 1, 2}));
 }
 
@@ -586,7 +577,7 @@ TEST(Compile, WeightsAreBroughtToOne) {
     builder.mesh(a, builder.skin({a, b, c}), 8);
     AssetPrimitive& primitive = builder.asset.meshes[0].primitives[0];
     primitive.influence_weights = {1, 2, 1, 0, 0, 3, 0, 1,   0.5f, 0, 0, 0, 0, 0, 0, 0,   0, 0, 0, 0, 0, 0, 0, 0};
-    const Character character = compile(builder.asset);
+    const Character character = compiled(builder.asset);
     EXPECT_EQ(character.sections[0].influence_sets, 2u);
     ASSERT_EQ(character.influences.size(), 6u);
     EXPECT_EQ(character.influences[0].weights, (std::array<float, 4>{0.125f, 0.25f, 0.125f, 0}));
@@ -604,7 +595,7 @@ TEST(Compile, PrimitivesWithoutJointsFollowTheirNode) {
     const uint32_t root = builder.node(kNone, moved(0, 0, 2)), joint = builder.node(root, moved(3, 0, 0));
     builder.mesh(root, builder.skin({joint}));
     builder.asset.meshes[0].primitives.push_back({.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .indices = {0, 1, 2}});
-    const Character character = compile(builder.asset);
+    const Character character = compiled(builder.asset);
     ASSERT_EQ(character.sections.size(), 2u);
     EXPECT_EQ(character.sections[0].skin, 0u);
     EXPECT_EQ(character.sections[1].skin, kNone);

@@ -14,11 +14,7 @@ namespace {
 
 using namespace test;
 
-Character packed_character(const AssetSettings& settings) {
-    Result<Character> character = compile_character(make_asset(settings), {.error = 1e-4});
-    EXPECT_TRUE(character) << character.error().text();
-    return *character;
-}
+Character packed_character(const AssetSettings& settings) { return compiled(make_asset(settings), {.error = 1e-4}); }
 
 double crowd_error(Crowd& crowd, const Character& character, const std::vector<Playback>& playbacks, bool with_model = true) {
     double worst = 0;

@@ -39,15 +39,6 @@ const AssetMorphTrack* track_of(const AssetClip& clip, uint32_t node) {
     return found == clip.morph_tracks.end() ? nullptr : &*found;
 }
 
-Character compiled(const Asset& asset, const CompileSettings& settings = kExact) {
-    Result<Character> character = compile_character(asset, settings);
-    if (!character) {
-        ADD_FAILURE() << character.error().text();
-        std::abort();
-    }
-    return std::move(*character);
-}
-
 // One clip, of one second, that moves one joint and the weights that `tracks` say; three targets of which the first moves the first vertex.
 Asset small_asset(std::vector<AssetMorphTrack> tracks = {}) {
     Asset asset = make_asset({.joint_count = 3, .scale_spread = 0, .clip_count = 2, .vertex_count = 6});

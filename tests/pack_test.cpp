@@ -20,15 +20,6 @@ using namespace test;
 
 constexpr double kExactKeys = 1e-6;  // of the size: what rows added for cubic tracks leave
 
-Character compile(const Asset& asset, double error) {
-    Result<Character> character = compile_character(asset, {.error = error});
-    if (!character) {
-        ADD_FAILURE() << character.error().text();
-        return {};
-    }
-    return std::move(*character);
-}
-
 PackedTrack track_at(const Character& character, uint32_t position) {
     std::array<std::array<float, 4>, 2> keys{character.keys[position]};
     if (packed_row_bits(std::bit_cast<PackedTrack>(keys)) > 0) keys[1] = character.keys[position + 1];
@@ -70,7 +61,7 @@ bool has_full_rotation(const Character& character, uint32_t clip) {
 // The one thing whose bits are given, not chosen, are full rotations: clips with such may miss a small bound, if the least bound does too, and
 // must say so.
 void expect_within(const Asset& asset, double bound, size_t most_times) {
-    const Character exact = compile(asset, 0), packed = compile(asset, bound);
+    const Character exact = compiled(asset), packed = compiled(asset, {.error = bound});
     ASSERT_TRUE(packed.packed);
     ASSERT_EQ(packed.clips.size(), exact.clips.size());
     size_t missed = 0;
@@ -81,7 +72,7 @@ void expect_within(const Asset& asset, double bound, size_t most_times) {
         if (clip.error > bound) {
             ++missed;
             EXPECT_TRUE(has_full_rotation(packed, index));
-            if (!finest.packed) finest = compile(asset, 1e-6);
+            if (!finest.packed) finest = compiled(asset, {.error = 1e-6});
             EXPECT_GT(finest.clips[index].error, bound) << "it could be kept";
             EXPECT_LE(clip.error, 2e-4);
         }
@@ -170,7 +161,7 @@ TEST(Pack, BoundsOutsideTheRangeAreRefused) {
 TEST(Pack, TheRestPoseIsConstants) {
     Asset asset = make_asset({.joint_count = 40, .clip_count = 0});
     asset.nodes[7].parent_from_node.rotation = {0.6, 0, 0, -0.8};
-    const Character exact = compile(asset, 0), packed = compile(asset, 1e-4);
+    const Character exact = compiled(asset), packed = compiled(asset, {.error = 1e-4});
     EXPECT_TRUE(packed.packed);
     EXPECT_EQ(packed.words.size(), 3u);
     for (const JointTracks& tracks : packed.tracks)
@@ -187,7 +178,7 @@ TEST(Pack, EqualConstantsAreStoredOnce) {
     OneJoint one;
     one.track(TrackTarget::kTranslation, {0, 1}, {0.5f, 0, 0, 0.5f, 0, 0});
     one.asset.clips.push_back(one.asset.clips[0]);
-    const Character packed = compile(one.asset, 1e-4);
+    const Character packed = compiled(one.asset, {.error = 1e-4});
     EXPECT_EQ(packed.keys.size(), 4u) << "three of the rest pose, one of both clips";
     EXPECT_EQ(packed.tracks[0].translation, packed.tracks[1].translation);
     EXPECT_EQ(packed.tracks[0].rotation, packed.tracks[2].rotation) << "as in the rest pose";
@@ -207,7 +198,7 @@ TEST(Pack, ATrackWithinTheToleranceBecomesAConstant) {
             values.insert(values.end(), {static_cast<float>(3 + tremble * std::sin(key)), 0, 0});
         }
         one.track(TrackTarget::kTranslation, times_s, values);
-        const Character packed = compile(one.asset, 1e-4);
+        const Character packed = compiled(one.asset, {.error = 1e-4});
         EXPECT_EQ(packed.clips[0].animated_track_count, tremble > 1e-3 ? 1u : 0u);
         EXPECT_EQ(packed.clips[0].row_count > 1, tremble > 1e-3);
         expect_within(one.asset, 1e-4, 1000);
@@ -223,7 +214,7 @@ TEST(Pack, StepTracksHoldAndSwitchAtTheirKeys) {
     }
     one.track(TrackTarget::kTranslation, times_s, values);
     one.track(TrackTarget::kRotation, {0.05f, 1.23f, 2.34f, 3.45f}, {0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 1, 0, 0.6f, 0, 0, 0.8f}, Interpolation::kStep);
-    const Character exact = compile(one.asset, 0), packed = compile(one.asset, 1e-4);
+    const Character exact = compiled(one.asset), packed = compiled(one.asset, {.error = 1e-4});
     const PackedTrack rotation = track_at(packed, packed.tracks[0].rotation);
     EXPECT_TRUE(rotation.layout & kPackedStep);
     EXPECT_LE(packed.clips[0].row_count, 5u) << "two ends, and two switches";
@@ -245,7 +236,7 @@ TEST(Pack, RowsWhereAStepTrackChangesAreKept) {
     }
     one.track(TrackTarget::kRotation, times_s, values);
     one.track(TrackTarget::kTranslation, {0, 0.7f, 1.1f, 2.9f}, {0, 0, 0, 1, 0, 0, 1.00001f, 0, 0, 0, 0, 0}, Interpolation::kStep);
-    const Character packed = compile(one.asset, 1e-3);
+    const Character packed = compiled(one.asset, {.error = 1e-3});
     EXPECT_EQ(packed.times_s, (std::vector<float>{0, 0.7f, 1.1f, 2.9f}));
 }
 
@@ -259,7 +250,7 @@ TEST(Pack, UniformScaleStaysUniform) {
     }
     one.track(TrackTarget::kScale, times_s, values);
     one.spin(0.3, 10, {1, 2, 3});
-    const Character packed = compile(one.asset, 1e-3);
+    const Character packed = compiled(one.asset, {.error = 1e-3});
     ASSERT_TRUE(packed.rig.uniform_scale);
     ASSERT_GT(packed_row_bits(track_at(packed, packed.tracks[0].scale)), 0u);
     for (int i = 0; i < 600; ++i) {
@@ -278,7 +269,7 @@ TEST(Pack, RotationsThroughHalfAndWholeTurns) {
                 one.spin(turns, key_degrees, axis);
                 SCOPED_TRACE(testing::Message() << turns << " turns, keys every " << key_degrees << " degrees");
                 expect_within(one.asset, 1e-4, 2000);
-                const Character packed = compile(one.asset, 1e-4);
+                const Character packed = compiled(one.asset, {.error = 1e-4});
                 const bool full = (track_at(packed, packed.tracks[0].rotation).layout & kPackedFull) != 0;
                 if (key_degrees > 100) continue;
                 EXPECT_EQ(full, turns >= 0.5) << "after half a turn no component is away from 0 throughout";
@@ -288,7 +279,7 @@ TEST(Pack, RotationsThroughHalfAndWholeTurns) {
 TEST(Pack, AnUnreachableBoundIsSaid) {
     OneJoint one;
     one.spin(2, 9, {1, 2, 3});  // full rotations have 16 bits
-    const Character exact = compile(one.asset, 0), packed = compile(one.asset, 1e-6);
+    const Character exact = compiled(one.asset), packed = compiled(one.asset, {.error = 1e-6});
     EXPECT_GT(packed.clips[0].error, 1e-6);
     EXPECT_LE(packed.clips[0].error, 1e-4);
     EXPECT_LE(vertex_error(exact, packed, 0, 1000), packed.clips[0].error + kExactKeys);
@@ -313,10 +304,10 @@ TEST(Pack, ABoundThatTheFinestKeysKeepIsKept) {
         }
         one.asset.clips[0].tracks.push_back(shake);
     }
-    const double finest = compile(one.asset, 1e-6).clips[0].error;
+    const double finest = compiled(one.asset, {.error = 1e-6}).clips[0].error;
     ASSERT_GT(finest, 1e-6);
     for (double above = 1.01; above < 1.5; above += 0.02) {
-        const Character packed = compile(one.asset, finest * above);
+        const Character packed = compiled(one.asset, {.error = finest * above});
         EXPECT_LE(packed.clips[0].error, finest * above) << above;
         EXPECT_TRUE(packed.warnings.empty()) << packed.warnings[0];
     }
@@ -327,7 +318,7 @@ TEST(Pack, ABoundThatTheFinestKeysKeepIsKept) {
 TEST(Pack, ArcsWithoutRowsAreMeasured) {
     OneJoint one;
     one.spin(0.25, 90, {0, 0, 1});
-    const Character exact = compile(one.asset, 0);
+    const Character exact = compiled(one.asset);
     const double bound = 1e-4 * double{exact.size};
     const std::vector<Box> boxes = influence_boxes(exact);
     EXPECT_LE(pack_clip(exact, 0, boxes, {bound, 1000}).error, bound);
@@ -356,7 +347,7 @@ TEST(Pack, WithoutASkinTheJointsAreMeasured) {
     Asset asset = make_asset({.joint_count = 30, .clip_count = 1});
     asset.meshes.clear();
     asset.mesh_instances.clear();
-    const Character exact = compile(asset, 0), packed = compile(asset, 1e-4);
+    const Character exact = compiled(asset), packed = compiled(asset, {.error = 1e-4});
     EXPECT_LE(packed.clips[0].error, 1e-4);
     EXPECT_GT(packed.clips[0].animated_track_count, 10u);
     for (int i = 0; i <= 200; ++i) {

@@ -93,15 +93,6 @@ std::vector<float> times(double duration_s, double rate) {
     return out;
 }
 
-Character compile(const Asset& asset, const CompileSettings& settings) {
-    Result<Character> character = compile_character(asset, settings);
-    if (!character) {
-        ADD_FAILURE() << character.error().text();
-        return {};
-    }
-    return std::move(*character);
-}
-
 const CompileSettings kTaken{.error = 0, .root_motion_joint = "hips"};
 
 RootRows rows_of(const Character& character, const Clip& clip) { return RootRows(character.root_rows).subspan(clip.first_root_row, clip.root_row_count); }
@@ -123,7 +114,7 @@ double put_together_error(const Character& whole, const Character& taken, uint32
 }
 
 void expect_put_together(const Walker& walker, double between) {
-    const Character whole = compile(walker.asset, kExact), taken = compile(walker.asset, kTaken);
+    const Character whole = compiled(walker.asset), taken = compiled(walker.asset, kTaken);
     for (uint32_t clip = 0; clip < whole.clips.size(); ++clip) {
         SCOPED_TRACE(whole.clips[clip].name);
         EXPECT_GE(taken.clips[clip].root_row_count, 2u);
@@ -150,7 +141,7 @@ TEST(RootMotionOfClips, WhatIsTakenAndWhatIsLeftMakeTheOriginal) {
 TEST(RootMotionOfClips, RowsAreEvenAndExactAtBothEnds) {
     Walker walker(true);
     for (const double duration_s : {2.0, 31.0 / 30, 0.5, 0.01}) walker.move("walk", times(duration_s, 30), walk);
-    const Character taken = compile(walker.asset, kTaken);
+    const Character taken = compiled(walker.asset, kTaken);
     const std::array<uint32_t, 4> counts{121, 63, 31, 2};
     uint32_t first = 0;
     for (size_t i = 0; i < counts.size(); ++i) {
@@ -175,7 +166,7 @@ TEST(RootMotionOfClips, RowsAreEvenAndExactAtBothEnds) {
 TEST(RootMotionOfClips, WhatIsLeftStaysWhereTheClipBegins) {
     Walker walker(false);
     walker.move("walk", times(2, 30), walk);
-    const Character taken = compile(walker.asset, kTaken);
+    const Character taken = compiled(walker.asset, kTaken);
     const uint32_t hips = 0;
     ASSERT_EQ(taken.rig.names[hips], "hips");
     const ReferencePose begin = *reference_pose(taken, {.first = {0, 0, 1, false}});
@@ -198,10 +189,10 @@ TEST(RootMotionOfClips, WhatIsLeftStaysWhereTheClipBegins) {
 TEST(RootMotionOfClips, TwoCyclesWalkOn) {
     Walker walker(true);
     walker.move("walk", times(2, 30), walk);  // whole periods of all that sways
-    const Character taken = compile(walker.asset, kTaken);
+    const Character taken = compiled(walker.asset, kTaken);
     walker.asset.clips.clear();
     walker.move("twice", times(4, 30), walk);
-    const Character twice = compile(walker.asset, kExact);
+    const Character twice = compiled(walker.asset);
     const RootRows rows = rows_of(taken, taken.clips[0]);
     for (double time_s = 0; time_s < 2; time_s += 1.0 / 30) {
         const GroundMove place = move_between(rows, 0, phase_at(time_s, 2, false), 1);
@@ -214,8 +205,8 @@ TEST(RootMotionOfClips, AClipThatStaysHasNoRows) {
     Walker walker(true);
     const auto nod = [](double time_s) { return ModelPose{axis_angle(Vec3<double>{1, 0, 0}, 0.2 * std::sin(6 * time_s)), {0.1, 0.9 + 0.1 * std::sin(6 * time_s), 0.3}}; };
     walker.move("idle", times(1, 30), nod);
-    const Character whole = compile(walker.asset, kExact);
-    Character taken = compile(walker.asset, kTaken);
+    const Character whole = compiled(walker.asset);
+    Character taken = compiled(walker.asset, kTaken);
     EXPECT_EQ(taken.keys, whole.keys);
     EXPECT_TRUE(taken.root_rows.empty());
     ASSERT_EQ(taken.warnings.size(), 1u);
@@ -224,11 +215,11 @@ TEST(RootMotionOfClips, AClipThatStaysHasNoRows) {
     walker.move("walk", times(1, 30), walk);
     walker.clip("nothing", 0);
     walker.move("idle again", times(1, 30), nod);
-    taken = compile(walker.asset, kTaken);
+    taken = compiled(walker.asset, kTaken);
     EXPECT_TRUE(taken.warnings.empty());
     for (const uint32_t clip : {0u, 2u, 3u}) EXPECT_EQ(taken.clips[clip].root_row_count + taken.clips[clip].first_root_row, 0u);
     EXPECT_EQ(taken.clips[1].root_row_count, 61u);
-    const Character all = compile(walker.asset, kExact);
+    const Character all = compiled(walker.asset);
     for (const uint32_t clip : {0u, 2u, 3u}) {
         EXPECT_EQ(taken.clips[clip].size_bytes, all.clips[clip].size_bytes);
         for (double time_s = 0; time_s < 1; time_s += 0.07) EXPECT_EQ(points(taken, clip, time_s), points(all, clip, time_s));
@@ -239,7 +230,7 @@ TEST(RootMotionOfClips, AClipThatStaysHasNoRows) {
 TEST(RootMotionOfClips, StepsAreTakenWhole) {
     Walker walker(true);
     walker.move("steps", {0, 0.255f, 0.71f, 1}, [](double time_s) { return ModelPose{axis_angle(kUp, time_s), {3 * time_s, 0.9, 0.2}}; }, Interpolation::kStep);
-    const Character whole = compile(walker.asset, kExact), taken = compile(walker.asset, kTaken);
+    const Character whole = compiled(walker.asset), taken = compiled(walker.asset, kTaken);
     EXPECT_EQ(taken.clips[0].row_count, 4u);
     for (double time_s = 0; time_s <= 1; time_s += 0.003) {
         const bool jumping = std::abs(time_s - 0.255) < 0.017 || std::abs(time_s - 0.71) < 0.017 || time_s > 0.983;
@@ -257,7 +248,7 @@ TEST(RootMotionOfClips, TurnsOfAnySizeAreFollowed) {
     walker.move("half turns", times(4, 1), spin(180));
     walker.move("back", times(2, 30), spin(-720));
     expect_put_together(walker, 1e-3);
-    const Character taken = compile(walker.asset, kTaken);
+    const Character taken = compiled(walker.asset, kTaken);
     for (const Clip& clip : taken.clips)
         for (uint32_t row = 1; row < clip.row_count; ++row) {
             const uint32_t word = taken.tracks[static_cast<size_t>(&clip - taken.clips.data()) * taken.rig.joint_count() + Walker::kHips].rotation;
@@ -272,7 +263,7 @@ TEST(RootMotionOfClips, ASomersaultIsNoTurn) {
     Walker walker(false);
     walker.move("somersault", times(1, 30), [](double time_s) { return ModelPose{axis_angle(Vec3<double>{1, 0, 0}, 2 * pi * time_s), {0, 0.9 + time_s * (1 - time_s), 2 * time_s}}; });
     expect_put_together(walker, 1e-3);
-    const Character taken = compile(walker.asset, kTaken);
+    const Character taken = compiled(walker.asset, kTaken);
     for (const auto& row : taken.root_rows) EXPECT_NEAR(row[2], 1, 1e-4);
 }
 
@@ -297,7 +288,7 @@ TEST(RootMotionOfClips, MistakesAreNamed) {
     EXPECT_TRUE(compile_character(nearly, kTaken));
     Asset mirrored = walker.asset;
     mirrored.nodes[Walker::kArmature].parent_from_node.scale = {-0.01, -0.01, -0.01};
-    const Character whole = compile(mirrored, kExact), taken = compile(mirrored, kTaken);
+    const Character whole = compiled(mirrored), taken = compiled(mirrored, kTaken);
     for (double time_s = 0; time_s < 1; time_s += 0.05) EXPECT_LE(put_together_error(whole, taken, 0, time_s), 1e-3);
 }
 
@@ -306,7 +297,7 @@ TEST(RootMotionOfClips, PackedClipsKeepTheirBound) {
     walker.move("walk", times(2, 30), walk);
     walker.move("slow", times(3, 24), [](double time_s) { return walk(time_s / 2); });
     for (const double bound : {1e-3, 1e-4}) {
-        const Character exact = compile(walker.asset, kTaken), packed = compile(walker.asset, {.error = bound, .root_motion_joint = "hips"});
+        const Character exact = compiled(walker.asset, kTaken), packed = compiled(walker.asset, {.error = bound, .root_motion_joint = "hips"});
         ASSERT_TRUE(packed.packed);
         EXPECT_EQ(packed.root_rows, exact.root_rows);
         for (uint32_t clip = 0; clip < packed.clips.size(); ++clip) {
@@ -326,7 +317,7 @@ TEST(RootMotionOfClips, AFileKeepsIt) {
     walker.move("again", times(1, 30), walk);
     const TemporaryFolder folder;
     for (const double error : {0.0, 1e-4}) {
-        const Character taken = compile(walker.asset, {.error = error, .root_motion_joint = "hips"});
+        const Character taken = compiled(walker.asset, {.error = error, .root_motion_joint = "hips"});
         const Result<void> saved = save_character(taken, folder.path() / "walker.throng");
         ASSERT_TRUE(saved) << saved.error().text();
         const Result<Character> again = load_character(folder.path() / "walker.throng");
@@ -428,7 +419,7 @@ Character walkers(double error) {
     walker.move("walk", times(2, 30), walk);
     walker.move("stroll", times(1.5, 24), [](double time_s) { return ModelPose{axis_angle(kUp, -0.3 * time_s), {0, 0.9, 0.8 * time_s}}; });
     walker.move("idle", times(1, 30), [](double) { return ModelPose{{}, {0, 0.9, 0}}; });
-    return compile(walker.asset, {.error = error, .root_motion_joint = "hips"});
+    return compiled(walker.asset, {.error = error, .root_motion_joint = "hips"});
 }
 
 const Affine kSomewhere = to_affine(Trs<double>{axis_angle(normalized(Vec3<double>{0.1, 1, 0.2}), 1.1), {5, 1, -3}, {2, 2, 2}}).as<float>();

@@ -1,9 +1,9 @@
 #include "tests/test_rig.h"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <numbers>
 
@@ -201,11 +201,11 @@ Asset make_asset(const AssetSettings& settings) {
     return asset;
 }
 
-Character make_character(const AssetSettings& settings) {
-    Result<Character> character = compile_character(make_asset(settings), kExact);
+Character compiled(const Asset& asset, const CompileSettings& settings) {
+    Result<Character> character = compile_character(asset, settings);
     if (!character) {
-        std::fprintf(stderr, "%s\n", character.error().text().c_str());
-        std::abort();
+        ADD_FAILURE() << character.error().text();
+        return {};
     }
     return std::move(*character);
 }

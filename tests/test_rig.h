@@ -68,7 +68,9 @@ struct AssetSettings {
 };
 // Every node a joint of the one skin, node k below make_parents()[k].
 Asset make_asset(const AssetSettings& settings);
-Character make_character(const AssetSettings& settings);  // compiled; ends the program where that fails
+// Fails the test, and is empty, where it cannot be compiled.
+Character compiled(const Asset& asset, const CompileSettings& settings = kExact);
+inline Character make_character(const AssetSettings& settings) { return compiled(make_asset(settings)); }
 
 // A matrix's linear part is compared relative to its largest element (at least 1), its translation relative to the size.
 // Infinite where a number is not finite.
