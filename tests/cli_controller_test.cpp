@@ -1,4 +1,5 @@
 // `throng controller`: check and graph.
+#include "tests/text.h"
 #include "tests/tool_runner.h"
 
 #include <set>
@@ -18,11 +19,6 @@ protected:
     }
 
     static std::string example(const std::string& name) { return std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" + name + ".json"; }
-    static size_t count_of(const std::string& what, const std::string& text) {
-        size_t count = 0;
-        for (size_t at = text.find(what); at != text.npos; at = text.find(what, at + 1)) ++count;
-        return count;
-    }
 };
 
 TEST_F(CliController, CheckSaysWhatThereIs) {
@@ -66,12 +62,12 @@ TEST_F(CliController, GraphHasEveryStateAndTransition) {
     const Outcome run = run_tool({"controller", "graph", example("dragon"), "-o", file("dragon.dot")});
     ASSERT_TRUE(run.succeeded()) << run;
     const std::string dot = read_file(file("dragon.dot"));
-    EXPECT_EQ(count_of("subgraph cluster_", dot), 3u);
-    EXPECT_EQ(count_of("_any [", dot), 3u);
-    EXPECT_EQ(count_of("fillcolor", dot), 1u);
-    EXPECT_EQ(count_of("_state", dot), 12 + 17 * 2 - 3u) << "12 nodes; 17 edges with two ends, of which 3 are any state";
-    EXPECT_EQ(count_of(" -> ", dot), 17u);
-    EXPECT_EQ(count_of("style=dashed];", dot), 3 + 3u) << "inertial fades, and any state";
+    EXPECT_EQ(count_of(dot, "subgraph cluster_"), 3u);
+    EXPECT_EQ(count_of(dot, "_any ["), 3u);
+    EXPECT_EQ(count_of(dot, "fillcolor"), 1u);
+    EXPECT_EQ(count_of(dot, "_state"), 12 + 17 * 2 - 3u) << "12 nodes; 17 edges with two ends, of which 3 are any state";
+    EXPECT_EQ(count_of(dot, " -> "), 17u);
+    EXPECT_EQ(count_of(dot, "style=dashed];"), 3 + 3u) << "inertial fades, and any state";
     for (const char* said :
          {"label=\"tail (additive, mask tail, weight 0.6 * pace)\"", "layer0_state0 [label=\"stand\\nidle\", penwidth=2.5]",
           "label=\"fidget\\nidle\\nonce, speed 1.5\"", "layer0_any -> layer0_state3 [label=\" jump triggered, grounded \\n 0.2 s, interrupts \"]",
@@ -96,8 +92,8 @@ TEST_F(CliController, GraphIsDrawnByGraphviz) {
         const std::string svg = read_file(file("drawn.svg"));
         EXPECT_TRUE(svg.starts_with("<?xml") && svg.find("</svg>") != svg.npos) << svg.substr(0, 200);
         if (name == "walker") {
-            EXPECT_EQ(count_of("class=\"node\"", svg), 2u);
-            EXPECT_EQ(count_of("class=\"edge\"", svg), 2u);
+            EXPECT_EQ(count_of(svg, "class=\"node\""), 2u);
+            EXPECT_EQ(count_of(svg, "class=\"edge\""), 2u);
         }
     }
     fs::remove(file("drawn.svg"));

@@ -4,6 +4,7 @@
 #include "sample/sample_reference.h"
 #include "tests/test_device.h"
 #include "tests/test_rig.h"
+#include "tests/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,8 +23,6 @@ Error refusal_of(const Asset& asset) {
     ADD_FAILURE() << "nothing was refused";
     return {};
 }
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 // ---- glTF 2.0, appendix C, without a look at src/compile
 

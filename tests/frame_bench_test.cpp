@@ -5,6 +5,7 @@
 #include "bench/frame_traffic.h"
 #include "bench/scan_report.h"
 #include "tests/kernel_runner.h"
+#include "tests/text.h"
 #include "tools/creature.h"
 
 #include <algorithm>
@@ -15,6 +16,7 @@
 namespace throng::bench {
 namespace {
 
+using test::count_of;
 using Json = nlohmann::json;
 
 constexpr uint32_t kJoints = 40, kLevels = 12, kCharacters = 30;
@@ -211,12 +213,6 @@ TEST(FrameBench, HostTimeCountsWhereASoftwareDevicesTimestampsAreTooShort) {
 Json frame_record(const char* variant, const char* path, double ms) {
     return {{"bench", "frame"}, {"configuration", kConfiguration}, {"variant", variant}, {"path", path}, {"characters", kCharacters}, {"joints", kJoints}, {"levels", kLevels},
             {"ms", {{"median", ms}, {"p5", 0.9 * ms}, {"p95", 1.2 * ms}}}, {"times_fill_floor", ms / 4}, {"device", "A GPU"}};
-}
-
-size_t count_of(const std::string& text, const std::string& part) {
-    size_t count = 0;
-    for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-    return count;
 }
 
 TEST(FrameBench, TheReportHasASectionOfIt) {

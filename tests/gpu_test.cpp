@@ -20,6 +20,7 @@
 #include "skin/skin_io.h"
 #include "tests/files.h"
 #include "tests/kernel_runner.h"
+#include "tests/text.h"
 
 #include <throng/transform.h>
 
@@ -61,8 +62,6 @@ Error error_of(const std::function<void()>& body) {
     ADD_FAILURE() << "nothing was refused";
     return {};
 }
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 // ---- Buffers
 

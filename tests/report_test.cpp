@@ -7,6 +7,7 @@
 #include "bench/report/records.h"
 #include "bench/scan_report.h"
 #include "tests/files.h"
+#include "tests/text.h"
 
 #include <gtest/gtest.h>
 
@@ -17,6 +18,7 @@
 namespace throng::bench {
 namespace {
 
+using test::count_of;
 using test::TemporaryFolder;
 
 const std::vector<std::string> kMethods{"gateau2012_walk", "compressed", "serial", "fragments", "not_known_yet", "auto"};
@@ -33,12 +35,6 @@ std::vector<Json> records_of(const std::string& experiment) {
     for (size_t m = 0; m < kMethods.size(); ++m)
         for (const double levels : {15.0, 60.0, 120.0}) records.push_back(record(experiment, kMethods[m], levels, 60 + 31 * static_cast<double>(m) + levels));
     return records;
-}
-
-size_t count_of(const std::string& text, const std::string& part) {
-    size_t count = 0;
-    for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-    return count;
 }
 
 std::string failure_of(const auto& body) {
