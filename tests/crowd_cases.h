@@ -9,6 +9,7 @@
 
 #include <throng/reference.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -46,6 +47,23 @@ inline Controller example(const char* name) {
     Result<Controller> controller = load_controller(std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" + name + ".json");
     EXPECT_TRUE(controller) << (controller ? "" : controller.error().text());
     return std::move(*controller);
+}
+
+inline std::vector<ReferenceCharacter> references(const Character& character, const Controller& controller, uint32_t count) {
+    std::vector<ReferenceCharacter> all;
+    for (uint32_t i = 0; i < count; ++i) all.push_back(std::move(*ReferenceCharacter::create(character, controller)));
+    return all;
+}
+
+// A value for one of its parameters.
+struct ParameterChange {
+    uint32_t parameter = 0;
+    std::array<float, 1> value{};
+};
+inline ParameterChange random_change(Random& random, const Controller& controller) {
+    const uint32_t parameter = random.below(static_cast<uint32_t>(controller.parameters.size()));
+    const bool is_float = controller.parameters[parameter].type == ParameterType::kFloat;
+    return {parameter, {is_float ? static_cast<float>(random.between(-2, 3)) : static_cast<float>(random.below(2))}};
 }
 
 inline Character small_character() { return make_character({.name = "small", .joint_count = 20}); }
@@ -99,6 +117,15 @@ inline double instance_error(Crowd& crowd, uint32_t instance, const Character& c
         const double distance = length(got[i].as<double>() - wanted[i]) / character.size;
         worst = std::isnan(distance) ? std::numeric_limits<double>::infinity() : std::max(worst, distance);
     }
+    return worst;
+}
+
+// Of the matrices of all joints and of the skin, as matrix_error() says.
+inline double model_error(Crowd& crowd, uint32_t instance, const ReferencePose& wanted, double size) {
+    const std::vector<Affine> model = *crowd.read_model_matrices(instance), skin = *crowd.read_skin_matrices(instance);
+    double worst = 0;
+    for (size_t i = 0; i < model.size(); ++i) worst = std::max(worst, matrix_error(model[i], wanted.model_from_joint[i], size));
+    for (size_t i = 0; i < skin.size(); ++i) worst = std::max(worst, matrix_error(skin[i], wanted.model_from_bind[i], size));
     return worst;
 }
 

@@ -8,12 +8,6 @@
 namespace throng::test {
 namespace {
 
-std::vector<ReferenceCharacter> references(const Character& character, const Controller& controller, uint32_t count) {
-    std::vector<ReferenceCharacter> all;
-    for (uint32_t i = 0; i < count; ++i) all.push_back(std::move(*ReferenceCharacter::create(character, controller)));
-    return all;
-}
-
 double matrix_error(std::span<const Affine> matrices, std::span<const AffineT<double>> wanted, double size) {
     EXPECT_EQ(matrices.size(), wanted.size());
     double worst = 0;
@@ -34,8 +28,7 @@ void follow(UpdatePath path, const char* name, double error) {
     Random random(11);
     for (uint32_t update = 1; update <= kUpdates; ++update) {
         for (uint32_t i = 0; i < kInstances; ++i) {
-            const uint32_t parameter = random.below(static_cast<uint32_t>(controller.parameters.size()));
-            const std::array value{controller.parameters[parameter].type == ParameterType::kFloat ? static_cast<float>(random.between(-2, 3)) : static_cast<float>(random.below(2))};
+            const auto [parameter, value] = random_change(random, controller);
             ASSERT_TRUE(crowd.set_parameters(i, parameter, value));
             ASSERT_TRUE(wanted[i].set_parameters(parameter, value));
         }

@@ -19,15 +19,6 @@ double direction_error(const Affine& got, const Quaternion<double>& wanted) {
     return worst;
 }
 
-double error_of(Crowd& crowd, uint32_t instance, const ReferenceCharacter& wanted, double size) {
-    const ReferencePose pose = wanted.pose();
-    const std::vector<Affine> model = *crowd.read_model_matrices(instance), skin = *crowd.read_skin_matrices(instance);
-    double worst = 0;
-    for (size_t i = 0; i < model.size(); ++i) worst = std::max(worst, matrix_error(model[i], pose.model_from_joint[i], size));
-    for (size_t i = 0; i < skin.size(); ++i) worst = std::max(worst, matrix_error(skin[i], pose.model_from_bind[i], size));
-    return worst;
-}
-
 double difference(const Quaternion<double>& a, const Quaternion<double>& b) { return std::sqrt(std::max(0.0, 1 - dot(a, b) * dot(a, b))); }
 
 ReferenceLayer layer_of(const Trs<double>& pose, double weight, bool in_model_space) { return {.weight = weight, .voices = {{.pose = pose, .first = {}}}, .in_model_space = in_model_space}; }
@@ -127,8 +118,7 @@ void follow(const Character& character, uint32_t instances, uint32_t layer_count
     Controller controller = direct_layers(layer_count, masks);
     for (uint32_t i = 0; i < layer_count; i += 2) controller.layers[layer_count - 1 - i].model_space_rotations = true;
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = instances, .controller = &controller}}, .path = path, .keep_model_matrices = true});
-    std::vector<ReferenceCharacter> wanted;
-    for (uint32_t i = 0; i < instances; ++i) wanted.push_back(std::move(*ReferenceCharacter::create(character, controller)));
+    std::vector<ReferenceCharacter> wanted = references(character, controller, instances);
     double worst = 0;
     for (int update = 0; update < 6; ++update) {
         for (uint32_t i = 0; i < instances; ++i) {
@@ -144,7 +134,7 @@ void follow(const Character& character, uint32_t instances, uint32_t layer_count
         ASSERT_TRUE(crowd.update(0.07f));
         for (uint32_t i = 0; i < instances; ++i) {
             ASSERT_TRUE(wanted[i].update(0.07f));
-            worst = std::max(worst, error_of(crowd, i, wanted[i], character.size));
+            worst = std::max(worst, model_error(crowd, i, wanted[i].pose(), character.size));
         }
     }
     EXPECT_LE(worst, 1e-4);
@@ -175,8 +165,7 @@ TEST(ModelRotations, AStateMachineFollowsTheReference) {
     }
     ASSERT_GT(changed, 0u);
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller, .pose_capacity = 3}}, .keep_model_matrices = true});
-    std::vector<ReferenceCharacter> wanted;
-    for (uint32_t i = 0; i < kInstances; ++i) wanted.push_back(std::move(*ReferenceCharacter::create(character, controller)));
+    std::vector<ReferenceCharacter> wanted = references(character, controller, kInstances);
     for (uint32_t i = 0; i < 3; ++i) {
         ASSERT_TRUE(crowd.set_pose(i, character.rig.rest, 2));
         ASSERT_TRUE(wanted[i].set_pose(character.rig.rest, 2));
@@ -185,15 +174,14 @@ TEST(ModelRotations, AStateMachineFollowsTheReference) {
     double worst = 0;
     for (int update = 0; update < 40; ++update) {
         for (uint32_t i = 0; i < kInstances; ++i) {
-            const uint32_t parameter = random.below(static_cast<uint32_t>(controller.parameters.size()));
-            const std::array value{controller.parameters[parameter].type == ParameterType::kFloat ? static_cast<float>(random.between(-2, 3)) : static_cast<float>(random.below(2))};
+            const auto [parameter, value] = random_change(random, controller);
             ASSERT_TRUE(crowd.set_parameters(i, parameter, value) && wanted[i].set_parameters(parameter, value));
         }
         const auto step_s = static_cast<float>(random.between(0, 0.1));
         ASSERT_TRUE(crowd.update(step_s));
         for (ReferenceCharacter& one : wanted) ASSERT_TRUE(one.update(step_s));
         if (update % 5 != 4) continue;
-        for (uint32_t i = 0; i < kInstances; ++i) worst = std::max(worst, error_of(crowd, i, wanted[i], character.size));
+        for (uint32_t i = 0; i < kInstances; ++i) worst = std::max(worst, model_error(crowd, i, wanted[i].pose(), character.size));
     }
     EXPECT_LE(worst, 1e-4);
     std::printf("  dragon, %zu layers in model space: largest error %.1e of the size\n", changed, worst);

@@ -400,8 +400,7 @@ TEST(Morph, CrowdsWithAControllerShowThem) {
         controller.layers = {{.name = "body"}, {.name = "face"}, {.name = "talk", .mode = LayerMode::kAdditive}};
         constexpr uint32_t kInstances = 30;
         Crowd crowd = create({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}}, .path = path});
-        std::vector<ReferenceCharacter> wanted;
-        for (uint32_t i = 0; i < kInstances; ++i) wanted.push_back(std::move(*ReferenceCharacter::create(character, controller)));
+        std::vector<ReferenceCharacter> wanted = references(character, controller, kInstances);
         Random random(9);
         for (int update = 0; update < 12; ++update) {
             for (uint32_t i = 0; i < kInstances; ++i)

@@ -28,14 +28,6 @@ std::vector<Trs<float>> bent(Random& random, const Character& character) {
     return pose;
 }
 
-double model_error(Crowd& crowd, uint32_t instance, const ReferencePose& wanted, double size) {
-    const std::vector<Affine> model = *crowd.read_model_matrices(instance), skin = *crowd.read_skin_matrices(instance);
-    double worst = 0;
-    for (size_t i = 0; i < model.size(); ++i) worst = std::max(worst, matrix_error(model[i], wanted.model_from_joint[i], size));
-    for (size_t i = 0; i < skin.size(); ++i) worst = std::max(worst, matrix_error(skin[i], wanted.model_from_bind[i], size));
-    return worst;
-}
-
 // Of the update path that the settings ask for, and the same without room for poses.
 struct Twins {
     Crowd posed, plain;
@@ -54,14 +46,12 @@ void follow(UpdatePath path, const char* name, double error) {
     const Character character = creature(60, 15, error);
     const Controller controller = example(name);
     Twins crowds({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}}, .path = path, .keep_model_matrices = true}, kPosed);
-    std::vector<ReferenceCharacter> wanted;
-    for (uint32_t i = 0; i < kInstances; ++i) wanted.push_back(std::move(*ReferenceCharacter::create(character, controller)));
+    std::vector<ReferenceCharacter> wanted = references(character, controller, kInstances);
     Random random(23);
     double worst = 0;
     for (uint32_t update = 0; update < kUpdates; ++update) {
         for (uint32_t i = 0; i < kInstances; ++i) {
-            const uint32_t parameter = random.below(static_cast<uint32_t>(controller.parameters.size()));
-            const std::array value{controller.parameters[parameter].type == ParameterType::kFloat ? static_cast<float>(random.between(-2, 3)) : static_cast<float>(random.below(2))};
+            const auto [parameter, value] = random_change(random, controller);
             for (Crowd* crowd : {&crowds.posed, &crowds.plain}) ASSERT_TRUE(crowd->set_parameters(i, parameter, value));
             ASSERT_TRUE(wanted[i].set_parameters(parameter, value));
         }
