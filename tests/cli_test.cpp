@@ -273,7 +273,7 @@ TEST_F(Cli, BenchHasARecordForEachScanMethod) {
         EXPECT_EQ(record["commit"], "abc1234");
         EXPECT_LT(record["max_error"], 1e-4);
         EXPECT_GE(record["memory_bytes"], 50 * kJoints * 48);
-        EXPECT_EQ(keys(record["stages"]), (std::set<std::string>{"control", "cull", "sample", "blend", "procedural", "scan", "bind", "fused", "pace", "skin"}));
+        EXPECT_EQ(keys(record["stages"]), (std::set<std::string>{"control", "steer", "cull", "sample", "blend", "procedural", "scan", "bind", "fused", "pace", "skin"}));
         for (const Json& spread : {record["stages"]["scan"], record["total"]}) {
             EXPECT_EQ(keys(spread), (std::set<std::string>{"median_ms", "p5_ms", "p95_ms"}));
             EXPECT_LE(spread["p5_ms"], spread["median_ms"]);

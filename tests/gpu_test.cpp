@@ -19,6 +19,7 @@
 #include "scan/scan_shaders.h"
 #include "skin/skin_io.h"
 #include "tests/files.h"
+#include "steer/steer_io.h"
 #include "tests/kernel_runner.h"
 #include "tests/text.h"
 
@@ -209,6 +210,10 @@ std::map<std::string, Layout> layouts_in_cpp() {
         {"CullPush", {sizeof(io::CullPush), {MEMBER(CullPush, centre), MEMBER(CullPush, half_extent), MEMBER(CullPush, detail_errors), MEMBER(CullPush, instance_count), MEMBER(CullPush, detail_count), MEMBER(CullPush, joint_set_count), MEMBER(CullPush, keeps_previous), MEMBER(CullPush, may_skip), MEMBER(CullPush, unused0), MEMBER(CullPush, unused1), MEMBER(CullPush, unused2)}}},
         {"RevealPush", {sizeof(io::RevealPush), {MEMBER(RevealPush, cull), MEMBER(RevealPush, width), MEMBER(RevealPush, height), MEMBER(RevealPush, sign), MEMBER(RevealPush, unused)}}},
         {"PyramidPush", {sizeof(io::PyramidPush), {MEMBER(PyramidPush, width), MEMBER(PyramidPush, height), MEMBER(PyramidPush, first_read), MEMBER(PyramidPush, first_written), MEMBER(PyramidPush, sign)}}},
+        {"AgentPlace", {sizeof(io::AgentPlace), {MEMBER(AgentPlace, x), MEMBER(AgentPlace, z), MEMBER(AgentPlace, radius), MEMBER(AgentPlace, next)}}},
+        {"AgentState", {sizeof(io::AgentState), {MEMBER(AgentState, speed), MEMBER(AgentState, patience), MEMBER(AgentState, stands)}}},
+        {"PlacesPush", {sizeof(io::PlacesPush), {MEMBER(PlacesPush, instance_count), MEMBER(PlacesPush, first_agent), MEMBER(PlacesPush, radius), MEMBER(PlacesPush, inverse_cell), MEMBER(PlacesPush, bucket_mask)}}},
+        {"SteerPush", {sizeof(io::SteerPush), {MEMBER(SteerPush, instance_count), MEMBER(SteerPush, first_agent), MEMBER(SteerPush, inverse_cell), MEMBER(SteerPush, bucket_mask), MEMBER(SteerPush, speed), MEMBER(SteerPush, turn_cos), MEMBER(SteerPush, turn_sin), MEMBER(SteerPush, time_step_s), MEMBER(SteerPush, is_carried), MEMBER(SteerPush, parameter_count), MEMBER(SteerPush, speed_parameter)}}},
         {"PacePush", {sizeof(io::PacePush), {MEMBER(PacePush, section), MEMBER(PacePush, row_count)}}},
         {"OffsetsPush", {sizeof(io::OffsetsPush), {MEMBER(OffsetsPush, workgroup_count), MEMBER(OffsetsPush, section_count), MEMBER(OffsetsPush, unused0), MEMBER(OffsetsPush, unused1), MEMBER(OffsetsPush, instances_of_workgroup)}}},
         {"DrawCommand", {sizeof(io::DrawCommand), {MEMBER(DrawCommand, index_count), MEMBER(DrawCommand, instance_count), MEMBER(DrawCommand, first_index), MEMBER(DrawCommand, vertex_offset), MEMBER(DrawCommand, first_instance)}}},

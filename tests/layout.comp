@@ -19,6 +19,7 @@
 #include "sample/sample_io.h"
 #include "scan/scan_io.h"
 #include "skin/skin_io.h"
+#include "steer/steer_io.h"
 
 layout(set = 0, binding = 0, std430) buffer Buffer0 { SlotPlayback slot_playbacks[]; };
 layout(set = 0, binding = 1, std430) buffer Buffer1 { InstancePlayback instance_playbacks[]; };
@@ -83,7 +84,11 @@ layout(set = 0, binding = 59, std430) buffer Buffer59 { RevealPush reveal_pushes
 layout(set = 0, binding = 60, std430) buffer Buffer60 { PyramidPush pyramid_pushes[]; };
 layout(set = 0, binding = 61, std430) buffer Buffer61 { PacePush pace_pushes[]; };
 layout(set = 0, binding = 62, std430) buffer Buffer62 { LinePush line_pushes[]; };
-layout(set = 0, binding = 63, std430) buffer Buffer63 { SkinSection skin_sections[]; };
+layout(set = 0, binding = 67, std430) buffer Buffer67 { SkinSection skin_sections[]; };
+layout(set = 0, binding = 63, std430) buffer Buffer63 { AgentPlace agent_places[]; };
+layout(set = 0, binding = 64, std430) buffer Buffer64 { AgentState agent_states[]; };
+layout(set = 0, binding = 65, std430) buffer Buffer65 { PlacesPush places_pushes[]; };
+layout(set = 0, binding = 66, std430) buffer Buffer66 { SteerPush steer_pushes[]; };
 
 layout(local_size_x = 1) in;
 void main() {}

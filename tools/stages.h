@@ -8,7 +8,8 @@
 
 namespace throng::tools {
 
-inline constexpr std::array<std::pair<const char*, double StageTimes::*>, 10> kStages{{{"control", &StageTimes::control},
+inline constexpr std::array<std::pair<const char*, double StageTimes::*>, 11> kStages{{{"control", &StageTimes::control},
+                                                                                      {"steer", &StageTimes::steer},
                                                                                       {"cull", &StageTimes::cull},
                                                                                       {"sample", &StageTimes::sample},
                                                                                       {"blend", &StageTimes::blend},

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -67,6 +68,15 @@ struct LayerBlend {
 // Of what is written of sockets: model_from_joint, or world_from_joint by the instance's placement.
 enum class SocketSpace { kModel, kWorld };
 
+// How characters find their way over the ground, the plane of world x and z, y up: agents, that walk to their destinations and out of each other's way (docs/steering.md). An agent looks and walks along +z of its
+// model space, and has its place at that space's origin.
+struct Steering {
+    float radius = 0.3f;  // world units; two agents do not come nearer to each other than the sum of their radii, or three quarters of it after having been held up
+    float speed = 1.4f;   // world units a second, at most
+    float turn = 3;       // radians a second, at most
+    uint32_t speed_parameter = kNone;  // of the controller: is told in each update how fast the agent wants to walk, in units of its model space a second; 0: it stands
+};
+
 // Instances of one character. Instances of a crowd are numbered group after group. Without a controller each plays what set_playback()
 // says, two clips at most; with one, its layers (docs/controller.md). All are read by Crowd::create() and not kept.
 struct CrowdGroup {
@@ -77,6 +87,7 @@ struct CrowdGroup {
     std::vector<uint32_t> sockets;  // joints, at most 64, whose transforms are written in each update, for attachments
     SocketSpace socket_space = SocketSpace::kWorld;
     const ProceduralRules* procedural = nullptr;  // moves joints after the blend; such groups are updated stage by stage
+    std::optional<Steering> steering;  // makes its instances agents. Root motion carries them, where it moves placements; else they are moved as fast as they want
     uint32_t pose_capacity = 0;     // instances that may have a pose of set_pose() at the same time; 48 bytes a joint each, 0: no cost at all
 };
 
@@ -171,6 +182,7 @@ struct SkinnedVertex {
 // by the application's own shaders or copies between two updates. `root_buffer`, where the group has a controller and its character root motion, holds float4[instance_count][5], of which the
 // first is the last update's move over the ground: x, z, cosine and sine of the turn about +y, in the character's space before it. `target_buffer`, where the group has procedural rules with targets, holds
 // float4[instance_count][target_count], a place of the world and in w the weight, and may be written likewise.
+// `destination_buffer`, where the group steers, holds float4[instance_count], a place of the world and in w whether the agent has a destination (1 or 0), and may be written likewise.
 // `morph_buffer`, where the character has morphs, holds what each instance shows of them,
 // {uint32_t morph; float weight;}[instance_count][kActiveMorphLimit], the largest weight by magnitude first, weight 0 where there are fewer: bind position += weight * MorphDelta,
 // before skinning. `list_buffer`, where CrowdSettings::culls, holds uint32_t[5 + instance_count]: how many instances are drawn, where those of each of four levels of detail begin
@@ -196,6 +208,7 @@ struct OutputBlock {
     VkBuffer root_buffer = VK_NULL_HANDLE;
     uint32_t target_count = 0;
     VkBuffer target_buffer = VK_NULL_HANDLE;
+    VkBuffer destination_buffer = VK_NULL_HANDLE;
     VkBuffer morph_buffer = VK_NULL_HANDLE;
     VkBuffer list_buffer = VK_NULL_HANDLE;
     VkBuffer draw_buffer = VK_NULL_HANDLE;
@@ -206,8 +219,8 @@ struct OutputBlock {
 // GPU time of each stage in the last finished update, summed over its dispatches, milliseconds. `fused` is sample, blend, scan and
 // bind of the groups that are updated in one pass. `pace` takes the matrices of what is not animated in this update towards their next pose; `skin` is that of CrowdSettings::skins_once. `blend` has the weights of morphs too.
 struct StageTimes {
-    double control = 0, cull = 0, sample = 0, blend = 0, procedural = 0, scan = 0, bind = 0, fused = 0, pace = 0, skin = 0;
-    double total() const { return control + cull + sample + blend + procedural + scan + bind + fused + pace + skin; }
+    double control = 0, steer = 0, cull = 0, sample = 0, blend = 0, procedural = 0, scan = 0, bind = 0, fused = 0, pace = 0, skin = 0;
+    double total() const { return control + steer + cull + sample + blend + procedural + scan + bind + fused + pace + skin; }
 };
 
 // An event of a controller's clip that an instance passed.
@@ -270,6 +283,11 @@ public:
     // target, value not finite, weight outside 0..1; wind: velocity beyond 1e6, gust outside 0..1, wavelength below 1e-6).
     Result<void> set_target(uint32_t instance, uint32_t target, const Vec3<float>& world_place, float weight);
     Result<void> set_wind(const Wind& wind);
+    // Of agents (CrowdGroup::steering), from the next record() on: where they walk, each to one of the places, of which the height does not matter; an agent stands where it is as long as it has no destination, and others keep
+    // away from it. It arrives within its radius; then it stands, and goes back when it has been pushed away by twice that. 16 bytes are uploaded for each. Errors: kInvalidArgument (instance out of range, its group has no
+    // steering, place not finite).
+    Result<void> set_destination(uint32_t first_instance, std::span<const Vec3<float>> world_places);
+    Result<void> clear_destination(uint32_t first_instance, uint32_t count);
     // A pose from outside (a ragdoll, a cut scene), parent_from_joint[joint_count], in place of the animated one, which goes on below it (procedural rules move it too); taken up by the next
     // record(). If the instance had none, it fades in within `fade_s` seconds, 0: at once; it counts as having one until it is cleared, so a call in each frame replaces
     // the pose and lets the fade go on. clear_pose() fades out; the room for the pose is free again when that is done. A pose set meanwhile fades in from where it is.

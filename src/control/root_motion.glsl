@@ -1,19 +1,6 @@
-// How far a clip moves its character: step 8 of docs/controller.md. A place on the ground is (x, z, cos, sin): a turn about +y, then a shift.
+// How far a clip moves its character: step 8 of docs/controller.md.
 // The includer declares the table `root_rows`.
-
-// b, then a.
-vec4 compose_places(vec4 a, vec4 b) {
-    return vec4(a.z * b.x + a.w * b.y + a.x, a.z * b.y - a.w * b.x + a.y, a.z * b.z - a.w * b.w, a.z * b.w + a.w * b.z);
-}
-
-vec4 inverse_place(vec4 a) {
-    return vec4(a.w * a.y - a.z * a.x, -(a.z * a.y + a.w * a.x), a.z, -a.w);
-}
-
-vec4 turned_to_length_one(vec4 a) {
-    const float squared = dot(a.zw, a.zw);
-    return vec4(a.xy, squared > 1e-12 ? a.zw * inversesqrt(squared) : vec2(1, 0));
-}
+#include "gpu/ground.glsl"
 
 // Relative to where the clip begins.
 vec4 place_at(ControlClip clip, uint phase) {
@@ -55,8 +42,5 @@ void end_move() {
     if ((push.flags & kPushMovesPlacements) == 0) return;
     const vec4 place = turned_to_length_one(compose_places(roots[instance].place, move));
     roots[instance].place = place;
-    for (uint row = 0; row < 3; ++row) {
-        const vec4 base = roots[instance].base[row];
-        placements[3 * instance + row] = vec4(base.x * place.z - base.z * place.w, base.y, base.x * place.w + base.z * place.z, base.x * place.x + base.z * place.y + base.w);
-    }
+    for (uint row = 0; row < 3; ++row) placements[3 * instance + row] = placed_row(roots[instance].base[row], place);
 }

@@ -21,6 +21,7 @@ struct Batch {
     Buffer voice_times, morphs;                   // where the character has morphs: of voices, where it has a controller too; io::ActiveMorph[instance_count][kActiveMorphs]
     Buffer sockets;    // Affine[instance_count][socket_count]
     Buffer targets, springs;  // where the group has procedural rules
+    Buffer destinations, agents;  // where the group steers: float4[instance_count], io::AgentState[instance_count]
     Buffer posed;      // where the group has room for poses: io::InstancePose[instance_count], a table of words
     // Where CrowdSettings::culls (cull/cull_io.h): what is drawn and what is animated, tables of words; what is kept of each instance; what animates it and what draws it,
     // VkDispatchIndirectCommand[kWorkSections + 1], the last one of skinning what is drawn, and io::DrawCommand[section_count][kDetailLevels].

@@ -76,6 +76,14 @@ Result<void> Crowd::set_wind(const Wind& wind) {
     return as_result([&] { state_->procedural->set_wind(wind); });
 }
 
+Result<void> Crowd::set_destination(uint32_t first_instance, std::span<const Vec3<float>> world_places) {
+    return as_result([&] { state_->set_destination(first_instance, world_places); });
+}
+
+Result<void> Crowd::clear_destination(uint32_t first_instance, uint32_t count) {
+    return as_result([&] { state_->clear_destination(first_instance, count); });
+}
+
 Result<void> Crowd::set_pose(uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s) {
     return as_result([&] { state_->set_pose(instance, parent_from_joint, fade_s); });
 }

@@ -49,6 +49,7 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     for (const CrowdGroup& group : settings.groups) {
         if (const std::string obstacle = skin_format_obstacle(skin_format, *group.character); !obstacle.empty())
             throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin format", obstacle);
+        check_steering(group);
         if (const std::string obstacle = skin_blend_obstacle(skin_blend, *group.character); !obstacle.empty())
             throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin blend", obstacle);
         groups.emplace_back(gpu, group, choose_path(*gpu, settings, group), settings);
@@ -68,13 +69,14 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     staged.emplace(gpu, groups, batches, skin_format, *procedural);
     make_feedback(settings);
     controllers.emplace(gpu, groups, batches, feedback ? &*feedback : nullptr);
+    steer.emplace(gpu, groups, batches);
     poses.emplace(gpu, groups, batches);
     morphs.emplace(gpu, groups, batches);
     if (settings.skins_once) skin.emplace(gpu, groups, batches, cull ? &*cull : nullptr, settings);
     placements.resize(instance_count);
     dirty_playbacks_.add(0, instance_count);
     dirty_placements_.add(0, instance_count);
-    if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, 11 + 5 * staged->wave_count());  // control, cull, morph, fused, pace, skin, the four of them that record_disoccluded() has and what comes before it, and five stages a wave
+    if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, 12 + 5 * staged->wave_count());  // control, steer, cull, morph, fused, pace, skin, the four of them that record_disoccluded() has and what comes before it, and five stages a wave
 }
 
 // Refuses at once what cannot fit, before gigabytes are allocated on the way to failing.
@@ -122,6 +124,10 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
             batch.cursors = storage("cursors", n * sizeof(io::InstanceCursor));
         }
         if (group.procedural) make_procedural_state(batch);
+        if (group.steering) {
+            batch.destinations = upload(gpu, group.name + ": destinations", std::vector<io::vec4>(n));
+            batch.agents = upload(gpu, group.name + ": agents", std::vector<io::AgentState>(n, {.speed = 0, .patience = 1, .stands = 0}));
+        }
         if (settings.culls) make_list(gpu, group, batch);
         batch.placements = make_table<Affine>(gpu, group.name + ": placements", n);
         for (size_t k = 0; k < (settings.keep_previous_matrices ? 2 : 1); ++k)
@@ -149,6 +155,7 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
                            .root_buffer = batch.roots.handle(),
                            .target_count = group.procedural ? group.procedural->target_count : 0,
                            .target_buffer = batch.targets.handle(),
+                           .destination_buffer = batch.destinations.handle(),
                            .morph_buffer = batch.morphs.handle(),
                            .list_buffer = batch.list.handle(),
                            .draw_buffer = batch.draws.handle(),
@@ -313,6 +320,35 @@ void CrowdState::set_target(uint32_t instance, uint32_t target, const Vec3<float
     procedural->set_target(index_of(batch), (instance - batch.first_instance) * count + target, {world_place.x, world_place.y, world_place.z, weight});
 }
 
+const Batch& CrowdState::batch_of_agent(uint32_t instance) const {
+    const Batch& batch = batch_of(instance);
+    const Group& group = groups[batch.group];
+    if (!group.steering) throw Failure(ErrorCode::kInvalidArgument, "destination of instance " + std::to_string(instance), group.name + " has no steering");
+    return batch;
+}
+
+void CrowdState::set_destination(uint32_t first_instance, std::span<const Vec3<float>> world_places) {
+    check_range(first_instance, world_places.size(), "destination");
+    for (uint32_t i = 0; i < world_places.size(); ++i) {
+        batch_of_agent(first_instance + i);
+        if (!std::isfinite(world_places[i].x) || !std::isfinite(world_places[i].y) || !std::isfinite(world_places[i].z))
+            throw Failure(ErrorCode::kInvalidArgument, "destination of instance " + std::to_string(first_instance + i), "a number is not finite");
+    }
+    for (uint32_t i = 0; i < world_places.size(); ++i) {
+        const Batch& batch = batch_of(first_instance + i);
+        steer->set_destination(index_of(batch), first_instance + i - batch.first_instance, {world_places[i].x, world_places[i].y, world_places[i].z, 1});
+    }
+}
+
+void CrowdState::clear_destination(uint32_t first_instance, uint32_t count) {
+    check_range(first_instance, count, "destination");
+    for (uint32_t i = first_instance; i < first_instance + count; ++i) batch_of_agent(i);
+    for (uint32_t i = first_instance; i < first_instance + count; ++i) {
+        const Batch& batch = batch_of(i);
+        steer->set_destination(index_of(batch), i - batch.first_instance, {});
+    }
+}
+
 void CrowdState::set_pose(uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s) {
     check_range(instance, 1, "pose");
     const Batch& batch = batch_of(instance);
@@ -356,17 +392,19 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     constexpr Access kConsumers = kShaderRead | kVertexRead | kTransferRead | kIndirectRead;
     // Whoever reads the last update's results must be done.
     memory_barrier(*gpu, commands, kConsumers | kShaderWrite | kTransferWrite, kShaderRead | kShaderWrite | kTransferWrite);
+    if (feedback) feedback->begin(commands);  // before anything is taken up, since it may refuse
     upload_changes(commands);
     if (cull) cull->record_view(commands, seen);
     for (Batch& batch : batches) batch.blends = batch.blending_count > 0;
     procedural->begin_update(commands, time_step_s);
-    if (feedback) feedback->begin(commands);
+    steer->begin_update(commands);
     controllers->record_commands(commands);
     poses->record(commands, time_step_s);
     take_turns();
     memory_barrier(*gpu, commands, kTransferWrite, kShaderRead | kShaderWrite | kVertexRead);
     if (timer) timer->begin(commands);
     record_control(commands, time_step_s);
+    steer->record(commands, time_step_s, timer.get());
     if (cull) cull->record(commands, timer.get());
     morphs->record(commands, timer.get());
     fused->record(commands, timer.get());
@@ -477,10 +515,10 @@ std::vector<DrawnInstance> CrowdState::read_drawn() const {
 }
 
 uint64_t CrowdState::size_bytes() const {
-    uint64_t sum = staged->size_bytes() + controllers->size_bytes() + (feedback ? feedback->size_bytes() : 0) + (cull ? cull->size_bytes() : 0);
+    uint64_t sum = staged->size_bytes() + controllers->size_bytes() + steer->size_bytes() + (feedback ? feedback->size_bytes() : 0) + (cull ? cull->size_bytes() : 0);
     for (const Group& group : groups) sum += group.size_bytes();
     for (const Batch& batch : batches)
-        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.voice_times, &batch.morphs, &batch.inertias, &batch.inertia_states, &batch.rotations, &batch.targets, &batch.springs, &batch.sockets, &batch.posed, &batch.list, &batch.work, &batch.states, &batch.dispatches, &batch.draws, &batch.ahead, &batch.skinned, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
+        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.voice_times, &batch.morphs, &batch.inertias, &batch.inertia_states, &batch.rotations, &batch.targets, &batch.springs, &batch.destinations, &batch.agents, &batch.sockets, &batch.posed, &batch.list, &batch.work, &batch.states, &batch.dispatches, &batch.draws, &batch.ahead, &batch.skinned, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
     return sum;
 }
 

@@ -13,6 +13,7 @@
 #include "crowd/skin_stage.h"
 #include "crowd/pose_stage.h"
 #include "crowd/morph_stage.h"
+#include "crowd/steer_stage.h"
 #include "crowd/staged_update.h"
 #include "control/control_io.h"
 
@@ -34,6 +35,8 @@ struct CrowdState {
     void set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend);
     void set_parameters(uint32_t instance, uint32_t parameter, std::span<const float> values);
     void set_target(uint32_t instance, uint32_t target, const Vec3<float>& world_place, float weight);
+    void set_destination(uint32_t first_instance, std::span<const Vec3<float>> world_places);
+    void clear_destination(uint32_t first_instance, uint32_t count);
     void set_pose(uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s);
     void clear_pose(uint32_t instance, float fade_s);
     void watch(std::span<const uint32_t> instances);
@@ -63,6 +66,7 @@ struct CrowdState {
     std::optional<StagedUpdate> staged;
     std::optional<FeedbackRing> feedback;
     std::optional<ControllerStage> controllers;
+    std::optional<SteerStage> steer;
     std::optional<PoseStage> poses;
     std::optional<MorphStage> morphs;
     std::optional<SkinStage> skin;  // where CrowdSettings::skins_once
@@ -75,6 +79,7 @@ private:
     void make_layers(Batch& batch) const;
     void make_procedural_state(Batch& batch) const;
     void send(uint32_t instance, io::ControlCommand command);
+    const Batch& batch_of_agent(uint32_t instance) const;
     const GroupController& controller_of(uint32_t instance, const char* what) const;
     void check_memory(const CrowdSettings& settings) const;
     void upload_changes(VkCommandBuffer commands);

@@ -65,6 +65,7 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const Pat
     : Group(gpu, *group.character, choice) {
     if (group.controller) controller.emplace(gpu, *group.controller, *group.character, group.moves_placements);
     socket_space = group.socket_space;
+    steering = group.steering;
     if (!group.sockets.empty()) make_sockets(gpu, group.sockets);
     if (group.procedural) make_procedural(gpu, *group.procedural, *group.character);
     uniform_scale = group.character->rig.uniform_scale;

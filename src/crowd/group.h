@@ -10,7 +10,7 @@
 #include "procedural/procedural_tables.h"
 #include "skin/skin.h"
 
-#include <throng/character.h>
+#include <throng/crowd.h>
 
 #include <algorithm>
 
@@ -74,6 +74,7 @@ struct Group {
     std::optional<GroupController> controller;
     std::optional<GroupSockets> sockets;
     SocketSpace socket_space = SocketSpace::kWorld;
+    std::optional<Steering> steering;
     std::optional<GroupProcedural> procedural;
     Buffer root_rows;                      // (x, z, cos, sin) of clips with root motion
     bool packed = false;

@@ -1,0 +1,107 @@
+#include "crowd/steer_stage.h"
+
+#include "base/failure.h"
+#include "gpu/barrier.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+namespace throng {
+
+void check_steering(const CrowdGroup& group) {
+    if (!group.steering) return;
+    const Steering& steering = *group.steering;
+    const auto check = [&](const char* what, float value, float least) {
+        constexpr float kMost = 1e6f;
+        if (!(value >= least && value <= kMost)) throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": steering", std::string(what) + " " + std::to_string(value) + "; give one from " + (least > 0 ? "0.000001" : "0") + " to 1000000");
+    };
+    check("radius", steering.radius, 1e-6f);
+    check("speed", steering.speed, 0);
+    check("turn", steering.turn, 0);
+    const size_t parameter_count = group.controller ? group.controller->parameters.size() : 0;
+    if (steering.speed_parameter != kNone && steering.speed_parameter >= parameter_count)
+        throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": steering", "parameter " + std::to_string(steering.speed_parameter) + " of a group that has " + std::to_string(parameter_count));
+}
+
+SteerStage::SteerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches)
+    : gpu_(std::move(gpu)), groups_(groups), batches_(batches), member_of_batch_(batches.size(), kNone) {
+    constexpr float kReach = 2;  // as steer.glsl has it
+    uint64_t agent_count = 0;
+    float largest_radius = 0;
+    for (const Batch& batch : batches_) {
+        if (!groups_[batch.group].steering) continue;
+        agent_count += batch.instance_count;
+        largest_radius = std::max(largest_radius, groups_[batch.group].steering->radius);
+    }
+    if (agent_count == 0) return;
+    const uint64_t bucket_count = std::bit_ceil(2 * agent_count);
+    kernels_.emplace(gpu_);
+    places_ = make_table<io::AgentPlace>(gpu_, "places of agents", agent_count);
+    heads_ = make_table<uint32_t>(gpu_, "buckets of agents", bucket_count);
+    bucket_mask_ = static_cast<uint32_t>(bucket_count - 1);
+    inverse_cell_ = 1 / (kReach * 2 * largest_radius);
+    uint32_t first_agent = 0;
+    for (uint32_t i = 0; i < batches_.size(); ++i) {
+        const Batch& batch = batches_[i];
+        if (!groups_[batch.group].steering) continue;
+        member_of_batch_[i] = static_cast<uint32_t>(members_.size());
+        members_.push_back({.batch = i,
+                            .first_agent = first_agent,
+                            .destinations = std::vector<io::vec4>(batch.instance_count),
+                            .dirty = {},
+                            .places = kernels_->places.bind(PlacesBuffers{batch.placements, places_, heads_}),
+                            .steer = kernels_->steer.bind(SteerBuffers{places_, heads_, batch.destinations, batch.agents, batch.placements, batch.roots.or_else(batch.agents), batch.parameters.or_else(batch.agents)})});
+        first_agent += batch.instance_count;
+    }
+}
+
+void SteerStage::set_destination(uint32_t batch, uint32_t instance, const io::vec4& place_and_whether) {
+    Member& member = members_[member_of_batch_[batch]];
+    member.destinations[instance] = place_and_whether;
+    member.dirty.add(instance, 1);
+}
+
+void SteerStage::begin_update(VkCommandBuffer commands) {
+    if (members_.empty()) return;
+    for (Member& member : members_)
+        for (const auto& [first, count] : member.dirty.take())
+            record_update(*gpu_, commands, batches_[member.batch].destinations, first, std::span<const io::vec4>(member.destinations).subspan(first, count));
+    gpu_->vk.vkCmdFillBuffer(commands, heads_.handle(), 0, VK_WHOLE_SIZE, io::kNobody);
+}
+
+void SteerStage::record(VkCommandBuffer commands, float time_step_s, StageTimer* timer) const {
+    if (members_.empty() || !(time_step_s > 0)) return;
+    for (const Member& member : members_) record_places(commands, member);
+    memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    for (const Member& member : members_) record_steps(commands, member, time_step_s);
+    memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    if (timer) timer->end_stage(commands, &StageTimes::steer);
+}
+
+void SteerStage::record_places(VkCommandBuffer commands, const Member& member) const {
+    const Batch& batch = batches_[member.batch];
+    const io::PlacesPush push{batch.instance_count, member.first_agent, groups_[batch.group].steering->radius, inverse_cell_, bucket_mask_};
+    kernels_->places.dispatch_invocations(commands, member.places, push, batch.instance_count);
+}
+
+void SteerStage::record_steps(VkCommandBuffer commands, const Member& member, float time_step_s) const {
+    const Batch& batch = batches_[member.batch];
+    const Group& group = groups_[batch.group];
+    const double turn_rad = std::min(double{group.steering->turn} * double{time_step_s}, std::numbers::pi);
+    const io::SteerPush push{.instance_count = batch.instance_count,
+                             .first_agent = member.first_agent,
+                             .inverse_cell = inverse_cell_,
+                             .bucket_mask = bucket_mask_,
+                             .speed = group.steering->speed,
+                             .turn_cos = static_cast<float>(std::cos(turn_rad)),
+                             .turn_sin = static_cast<float>(std::sin(turn_rad)),
+                             .time_step_s = time_step_s,
+                             .is_carried = batch.roots.handle() && group.controller->moves_placements,
+                             .parameter_count = group.controller ? group.controller->parameter_count : 0,
+                             .speed_parameter = group.steering->speed_parameter};
+    kernels_->steer.dispatch_invocations(commands, member.steer, push, batch.instance_count);
+}
+
+}  // namespace throng

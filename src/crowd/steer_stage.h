@@ -1,0 +1,53 @@
+// The steer stage of groups with CrowdGroup::steering: destinations of the application; agents -> a step further. All agents of the crowd keep out of each other's way.
+#pragma once
+
+#include "crowd/batch.h"
+#include "crowd/dirty_ranges.h"
+#include "crowd/group.h"
+#include "crowd/stage_timer.h"
+#include "steer/steer.h"
+
+#include <optional>
+
+namespace throng {
+
+// Throws kInvalidArgument where it cannot be.
+void check_steering(const CrowdGroup& group);
+
+class SteerStage {
+public:
+    // Of those batches whose group steers; keeps references to both.
+    SteerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches);
+
+    // `instance` is of the batch. `place_and_whether`: the last is 1, or 0 for none.
+    void set_destination(uint32_t batch, uint32_t instance, const io::vec4& place_and_whether);
+
+    // Uploads what changed, and empties the buckets. Nothing where the crowd has no agents.
+    void begin_update(VkCommandBuffer commands);
+    // Behind control: what follows sees where agents stand.
+    void record(VkCommandBuffer commands, float time_step_s, StageTimer* timer) const;
+    uint64_t size_bytes() const { return places_.size_bytes() + heads_.size_bytes(); }
+
+private:
+    struct Member {
+        uint32_t batch = 0;
+        uint32_t first_agent = 0;
+        std::vector<io::vec4> destinations;  // as set
+        DirtyRanges dirty;
+        Bindings places, steer;
+    };
+    void record_places(VkCommandBuffer commands, const Member& member) const;
+    void record_steps(VkCommandBuffer commands, const Member& member, float time_step_s) const;
+
+    std::shared_ptr<Gpu> gpu_;
+    const std::vector<Group>& groups_;
+    const std::vector<Batch>& batches_;
+    std::optional<SteerKernels> kernels_;
+    std::vector<Member> members_;
+    std::vector<uint32_t> member_of_batch_;
+    Buffer places_, heads_;  // of all agents
+    uint32_t bucket_mask_ = 0;
+    float inverse_cell_ = 0;
+};
+
+}  // namespace throng

@@ -1,0 +1,16 @@
+// Cells of the ground, and the buckets of a hash table that they share (M. Teschner et al., Optimized Spatial Hashing for Collision Detection of Deformable Objects, VMV 2003).
+#ifndef THRONG_STEER_GRID_GLSL
+#define THRONG_STEER_GRID_GLSL
+#include "steer/steer_io.h"
+
+ivec2 cell_of(vec2 place, float inverse_cell) {
+    const float most = 1e9;  // what is beyond shares the outermost cells
+    return ivec2(clamp(floor(place * inverse_cell), vec2(-most), vec2(most)));
+}
+
+uint bucket_of(ivec2 cell, uint bucket_mask) {
+    const uint mixed = uint(cell.x) * 73856093u ^ uint(cell.y) * 19349663u;
+    return (mixed ^ mixed >> 15) & bucket_mask;
+}
+
+#endif

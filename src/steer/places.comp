@@ -1,0 +1,20 @@
+#version 460
+// places: where all agents are, and a list of those in each bucket of cells. In which order a list has them is left to chance; nothing depends on it.
+// One invocation per agent. Cost: 8 bytes of a placement read, 16 written, one atomic exchange.
+// Source: S. Green, Particle Simulation using CUDA, NVIDIA 2008 (the grid by atomics). Difference: lists instead of a fixed number of places for each cell.
+#include "steer/grid.glsl"
+
+layout(local_size_x = kSteerWorkgroupSize) in;
+layout(set = 0, binding = 0, std430) readonly buffer Placements { vec4 placements[]; };  // world_from_model, three rows each
+layout(set = 0, binding = 1, std430) writeonly buffer Places { AgentPlace places[]; };
+layout(set = 0, binding = 2, std430) buffer Heads { uint heads[]; };
+layout(push_constant) uniform Push { PlacesPush push; };
+
+void main() {
+    const uint instance = gl_GlobalInvocationID.x;
+    if (instance >= push.instance_count) return;
+    const vec2 place = vec2(placements[3 * instance].w, placements[3 * instance + 2].w);
+    const uint agent = push.first_agent + instance;
+    const uint next = atomicExchange(heads[bucket_of(cell_of(place, push.inverse_cell), push.bucket_mask)], agent);
+    places[agent] = AgentPlace(place.x, place.y, push.radius, next);
+}

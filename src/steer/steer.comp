@@ -1,0 +1,117 @@
+#version 460
+// steer: an agent takes a step towards its destination and out of the way of others, and turns where it wants to go. Or, where clips carry it, turns and says how fast it wants to go.
+// One invocation per agent. Cost: 16 bytes read for an agent without a destination; else 116 read, 64 to 128 written, and 4 for each of nine buckets, 16 and some 40 operations for each agent in them.
+// Source: C. Reynolds, Steering Behaviors for Autonomous Characters, GDC 1999 (arrival, separation). Difference: a speed limit that keeps any two from touching, whatever they want; passing on the right; patience.
+#include "gpu/ground.glsl"
+#include "gpu/table.glsl"
+#include "control/controller_io.h"
+#include "steer/grid.glsl"
+#include "steer/steer.glsl"
+
+layout(local_size_x = kSteerWorkgroupSize) in;
+TABLE_OF_ROWS(0, Places, places);
+TABLE_OF_WORDS(1, Heads, heads);
+layout(set = 0, binding = 2, std430) readonly buffer Destinations { vec4 destinations[]; };
+layout(set = 0, binding = 3, std430) buffer States { AgentState states[]; };
+layout(set = 0, binding = 4, std430) buffer Placements { vec4 placements[]; };  // world_from_model, three rows each
+layout(set = 0, binding = 5, std430) buffer Roots { RootState roots[]; };
+layout(set = 0, binding = 6, std430) writeonly buffer Parameters { float parameters[]; };
+layout(push_constant) uniform Push { SteerPush push; };
+
+uint instance;
+
+// A bucket holds agents of other cells too, and one may serve two of the nine cells.
+void meet_cell(Agent agent, ivec2 cell, inout Met met) {
+    uint other = WORD_AT(heads, bucket_of(cell, push.bucket_mask));
+    for (uint count = 0; other != kNobody && count < kMostMet; ++count) {
+        const uvec4 row = ROW_AT(places, other);
+        const vec2 place = uintBitsToFloat(row.xy);
+        if (other != agent.index && cell_of(place, push.inverse_cell) == cell) meet(agent, place, uintBitsToFloat(row.z), met);
+        other = row.w;
+    }
+}
+
+Met meet_all(Agent agent) {
+    Met met = Met(ivec2(0), push.speed);
+    const ivec2 centre = cell_of(agent.place, push.inverse_cell);
+    for (int k = 0; k < 9; ++k) meet_cell(agent, centre + ivec2(k % 3 - 1, k / 3 - 1), met);
+    return met;
+}
+
+// A turn about +y of model space, as (cosine, sine), towards a direction over the ground; within what the update allows.
+vec2 turn_towards(vec2 world_direction, vec4 x_axis, vec4 z_axis) {
+    const float determinant = x_axis.x * z_axis.z - x_axis.z * z_axis.x;
+    const vec2 model = vec2(z_axis.z * world_direction.x - z_axis.x * world_direction.y, x_axis.x * world_direction.y - x_axis.z * world_direction.x) * sign(determinant);
+    const float size = length(model);
+    if (!(size > 0)) return vec2(1, 0);
+    const vec2 wanted = vec2(model.y, model.x) / size;
+    return wanted.x >= push.turn_cos ? wanted : vec2(push.turn_cos, wanted.y < 0 ? -push.turn_sin : push.turn_sin);
+}
+
+void tell_speed(float model_speed) {
+    if (push.speed_parameter != kNobody) parameters[instance * push.parameter_count + push.speed_parameter] = model_speed;
+}
+
+void stop(AgentState state) {
+    if (state.speed == 0 && state.stands == 0) return;
+    states[instance] = AgentState(0, 1, 0);
+    tell_speed(0);
+}
+
+// The columns keep their lengths, however often they are turned.
+void place_anew(vec4 x_axis, vec4 z_axis, vec3 shift, vec2 turn) {
+    const vec3 x = turn.x * x_axis.xyz - turn.y * z_axis.xyz, z = turn.y * x_axis.xyz + turn.x * z_axis.xyz;
+    const float mend = sqrt((dot(x_axis.xyz, x_axis.xyz) + dot(z_axis.xyz, z_axis.xyz)) / (dot(x, x) + dot(z, z)));
+    for (int row = 0; row < 3; ++row) {
+        const vec4 before = placements[3 * instance + row];
+        placements[3 * instance + row] = vec4(mend * x[row], before.y, mend * z[row], before.w + shift[row]);
+    }
+}
+
+void main() {
+    instance = gl_GlobalInvocationID.x;
+    if (instance >= push.instance_count) return;
+    const vec4 destination = destinations[instance];
+    AgentState state = states[instance];
+    const vec4 row0 = placements[3 * instance], row1 = placements[3 * instance + 1], row2 = placements[3 * instance + 2];
+    const vec4 x_axis = vec4(row0.x, row1.x, row2.x, 0), z_axis = vec4(row0.z, row1.z, row2.z, 0);
+    Agent agent;
+    agent.index = push.first_agent + instance;
+    agent.place = vec2(row0.w, row2.w);
+    agent.radius = uintBitsToFloat(ROW_AT(places, agent.index).z);
+    agent.time_step_s = push.time_step_s;
+    const float scale = length(z_axis), upright = length(z_axis.xz);
+    const vec2 way = destination.xz - agent.place;
+    const float remaining = length(way);
+    if (!(destination.w > 0) || !(remaining < 1e30) || !(upright > 1e-6 * scale)) {
+        stop(state);
+        return;
+    }
+    agent.heading = z_axis.xz / upright;
+    const bool stands = remaining < (state.stands != 0 ? 2 : 1) * agent.radius;
+    agent.ahead = stands ? vec2(0) : way / remaining;
+    agent.comfort = stands ? 0 : min(remaining / (3 * agent.radius), 1);
+    agent.width = mix(kSlimmest, 1, state.patience);
+    const Met met = meet_all(agent);
+
+    const float hurry = stands ? 0 : min(push.speed, remaining / kArrival_s);
+    vec2 wish = hurry * agent.ahead + vec2(met.push) * (kShyness * push.speed / kFixed);
+    const float eagerness = length(wish);
+    if (eagerness < kLeastWish * push.speed) wish = vec2(0);
+    if (eagerness > push.speed) wish *= push.speed / eagerness;
+    float speed = min(max(dot(wish, agent.heading), 0), min(met.speed_limit, state.speed + kAcceleration * push.speed * push.time_step_s));
+    speed = min(speed, (stands ? agent.radius : min(remaining, agent.radius)) / push.time_step_s);
+    const bool is_held_up = !stands && speed < kHeldUp * hurry;
+    state.patience = clamp(state.patience + push.time_step_s * (is_held_up ? -1 / kPatience_s : 1 / kRecovery_s), 0, 1);
+    states[instance] = AgentState(speed, state.patience, stands ? 1 : 0);
+    tell_speed(speed / scale);
+
+    const vec2 turn = turn_towards(wish, x_axis, z_axis);
+    if (push.is_carried != 0) {
+        const vec4 place = turned_to_length_one(compose_places(roots[instance].place, vec4(0, 0, turn)));
+        roots[instance].place = place;
+        for (uint row = 0; row < 3; ++row) placements[3 * instance + row] = placed_row(roots[instance].base[row], place);
+    } else {
+        place_anew(x_axis, z_axis, z_axis.xyz * (speed * push.time_step_s / scale), turn);
+    }
+}

@@ -1,0 +1,28 @@
+// The definition of the steer stage (docs/steering.md), in double precision: each agent meets each other one, without a grid.
+#pragma once
+
+#include <throng/crowd.h>
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace throng {
+
+struct SteeredAgent {
+    Steering steering;
+    bool is_carried = false;  // by the root motion of its clips: it only turns
+    AffineT<double> world_from_model;
+    std::optional<Vec3<double>> destination;
+    double speed = 0;         // that it wanted in the last update, world units a second
+    double patience = 1;
+    bool stands = false;
+
+    // What the controller is told.
+    double model_speed() const;
+};
+
+// All of them after an update, time_step_s > 0.
+std::vector<SteeredAgent> steer_reference(std::span<const SteeredAgent> agents, double time_step_s);
+
+}  // namespace throng

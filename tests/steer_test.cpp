@@ -1,0 +1,359 @@
+// Agents: each step against the reference, that no order changes a byte, and that crowds get where they want to.
+#include "steer/steer_reference.h"
+#include "control/root_motion_reference.h"
+#include "tests/crowd_cases.h"
+#include "tests/kernel_runner.h"
+
+#include <throng/draw.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace throng::test {
+namespace {
+
+constexpr float kWalk = 1.3f;  // units a second, of the clip
+
+// Something small, whose first clip walks ahead where that is asked for.
+Character body(bool walks) {
+    Character character = make_character({.name = "body", .joint_count = 2});
+    if (!walks) return character;
+    character.root_rows = {{0, 0, 1, 0}, {0, kWalk * character.clips[0].duration_s, 1, 0}};
+    character.clips[0].first_root_row = 0;
+    character.clips[0].root_row_count = 2;
+    return character;
+}
+
+// Walks as fast as it is told.
+Controller walker(const Character& character) {
+    return {.name = "walker",
+            .parameters = {{.name = "alert"}, {.name = "speed"}},
+            .layers = {{.name = "body", .states = {{.name = "walk", .points = {{.clip = character.clips[0].name}}, .speed = 1 / kWalk, .speed_parameter = "speed"}}}}};
+}
+constexpr uint32_t kSpeed = 1;
+
+template <class T>
+std::vector<T> all_of(Crowd& crowd, VkBuffer OutputBlock::*buffer, uint32_t per_instance = 1) {
+    std::vector<T> all;
+    for (const OutputBlock& block : crowd.outputs()) {
+        const std::vector<T> part = block.*buffer ? download<T>(crowd.state().gpu, {block.*buffer, 0, block.instance_count * per_instance * sizeof(T)}) : std::vector<T>(block.instance_count * per_instance);
+        all.insert(all.end(), part.begin(), part.end());
+    }
+    return all;
+}
+std::vector<Affine> placements_of(Crowd& crowd) { return all_of<Affine>(crowd, &OutputBlock::placement_buffer); }
+
+Affine at(double x, double z, double yaw = 0, double scale = 1) { return to_affine(Trs<double>{axis_angle(Vec3<double>{0, 1, 0}, yaw), {x, 0, z}, {scale, scale, scale}}).as<float>(); }
+
+double apart(const Affine& a, const Affine& b) { return std::hypot(double{a.row[0][3]} - b.row[0][3], double{a.row[2][3]} - b.row[2][3]); }
+
+// A crowd, and what the reference makes of each of its updates.
+class Followed {
+public:
+    Followed(const CrowdSettings& settings, const std::vector<Affine>& places, const std::vector<std::optional<Vec3<float>>>& destinations) : crowd_(create(settings)), destinations_(destinations) {
+        EXPECT_TRUE(crowd_.set_placement(0, places));
+        for (uint32_t i = 0; i < destinations.size(); ++i)
+            if (destinations[i]) EXPECT_TRUE(crowd_.set_destination(i, {&*destinations[i], 1}));
+        for (const CrowdGroup& group : settings.groups) groups_.insert(groups_.end(), group.instance_count, group);
+        before_ = places;
+        states_.assign(places.size(), {.speed = 0, .patience = 1, .stands = 0});
+    }
+
+    Crowd& crowd() { return crowd_; }
+
+    void step(float time_step_s) {
+        ASSERT_TRUE(crowd_.update(time_step_s));
+        const std::vector<Affine> after = placements_of(crowd_);
+        const std::vector<io::AgentState> states = states_now();
+        std::vector<SteeredAgent> agents;
+        std::vector<uint32_t> who;
+        for (uint32_t i = 0; i < after.size(); ++i) {
+            if (!groups_[i].steering) {
+                EXPECT_EQ(after[i], before_[i]);
+                continue;
+            }
+            SteeredAgent agent{.steering = *groups_[i].steering, .is_carried = is_carried(i), .world_from_model = before_[i].as<double>() * move_of(i), .destination = {}, .speed = double{states_[i].speed}, .patience = double{states_[i].patience}, .stands = states_[i].stands != 0};
+            if (destinations_[i]) agent.destination = destinations_[i]->as<double>();
+            agents.push_back(agent);
+            who.push_back(i);
+        }
+        const std::vector<SteeredAgent> wanted = steer_reference(agents, double{time_step_s});
+        for (size_t k = 0; k < who.size(); ++k) {
+            const uint32_t i = who[k];
+            SCOPED_TRACE("instance " + std::to_string(i));
+            const double scale = length(Vec3<double>{wanted[k].world_from_model.row[0][2], wanted[k].world_from_model.row[1][2], wanted[k].world_from_model.row[2][2]}), speed = double{groups_[i].steering->speed};
+            for (size_t row = 0; row < 3; ++row)
+                for (size_t column = 0; column < 4; ++column) {
+                    const double value = wanted[k].world_from_model.row[row][column];
+                    EXPECT_NEAR(after[i].row[row][column], value, column == 3 ? 1e-4 * speed * double{time_step_s} + 3e-7 * (std::abs(value) + 10) : 1e-3 * scale) << row << ", " << column;
+                }
+            EXPECT_NEAR(states[i].speed, wanted[k].speed, 1e-3 * speed);
+            EXPECT_NEAR(states[i].patience, wanted[k].patience, 1e-5);
+            EXPECT_EQ(states[i].stands != 0, wanted[k].stands);
+            moved_ += apart(after[i], before_[i]);
+            standing_ += wanted[k].stands;
+            impatient_ += wanted[k].patience < 1;
+            if (groups_[i].steering->speed_parameter == kNone || !destinations_[i]) continue;
+            EXPECT_NEAR(parameter_of(i), wanted[k].model_speed(), 1e-3 * speed / scale);
+        }
+        before_ = after;
+        states_ = states;
+    }
+
+    double moved() const { return moved_; }
+    uint64_t standing() const { return standing_; }
+    uint64_t impatient() const { return impatient_; }
+
+private:
+    bool is_carried(uint32_t i) const { return groups_[i].controller && groups_[i].moves_placements && !groups_[i].character->root_rows.empty(); }
+    const OutputBlock& block_of(uint32_t i) const {
+        return *std::ranges::find_if(crowd_.outputs(), [&](const OutputBlock& block) { return i < block.first_instance + block.instance_count; });
+    }
+    // Of this update, of which root motion is a part.
+    AffineT<double> move_of(uint32_t i) const {
+        AffineT<double> move;
+        if (!is_carried(i)) return move;
+        const OutputBlock& block = block_of(i);
+        const io::vec4 m = download<io::vec4>(crowd_.state().gpu, {block.root_buffer, (i - block.first_instance) * sizeof(io::RootState), sizeof(io::vec4)})[0];
+        move.row = {{{m.z, 0, m.w, m.x}, {0, 1, 0, 0}, {-m.w, 0, m.z, m.y}}};
+        return move;
+    }
+    double parameter_of(uint32_t i) const {
+        const OutputBlock& block = block_of(i);
+        return double{download<float>(crowd_.state().gpu, {block.parameter_buffer, ((i - block.first_instance) * block.parameter_count + kSpeed) * sizeof(float), sizeof(float)})[0]};
+    }
+    std::vector<io::AgentState> states_now() const {
+        std::vector<io::AgentState> states;
+        for (const Batch& batch : crowd_.state().batches) {
+            const std::vector<io::AgentState> part = batch.agents.handle() ? download<io::AgentState>(crowd_.state().gpu, batch.agents) : std::vector<io::AgentState>(batch.instance_count);
+            states.insert(states.end(), part.begin(), part.end());
+        }
+        return states;
+    }
+
+    Crowd crowd_;
+    std::vector<CrowdGroup> groups_;  // [instances]
+    std::vector<std::optional<Vec3<float>>> destinations_;
+    std::vector<Affine> before_;
+    std::vector<io::AgentState> states_;
+    double moved_ = 0;
+    uint64_t standing_ = 0, impatient_ = 0;
+};
+
+// Agents of several kinds and sizes, close together; some on the borders of cells, at the same place, at their destination or without one, mirrored or leaning.
+struct Mixture {
+    static constexpr uint32_t kCounts[] = {90, 5, 40, 60};
+    Character still = body(false), walking = body(true);
+    Controller controller = walker(walking);
+    CrowdSettings settings{.groups = {{.character = &still, .instance_count = kCounts[0], .steering = Steering{}},
+                                      {.character = &still, .instance_count = kCounts[1]},
+                                      {.character = &walking, .instance_count = kCounts[2], .controller = &controller, .steering = Steering{.radius = 0.5f, .speed = 2, .turn = 2, .speed_parameter = kSpeed}},
+                                      {.character = &walking, .instance_count = kCounts[3], .controller = &controller, .moves_placements = false, .steering = Steering{.radius = 0.2f, .speed = 0.9f, .turn = 5, .speed_parameter = kSpeed}}}};
+    std::vector<Affine> places;
+    std::vector<std::optional<Vec3<float>>> destinations;
+
+    Mixture(double x, double z, uint64_t seed) {
+        constexpr double kExtent = 6, kCell = 2;  // four times the largest radius
+        Random random(seed);
+        for (const uint32_t count : kCounts)
+            for (uint32_t i = 0; i < count; ++i) {
+                const auto away = [&] { return random.chance(0.1) ? kCell * (static_cast<double>(random.below(5)) - 2) : random.between(-kExtent, kExtent); };
+                Trs<double> place{axis_angle(Vec3<double>{0, 1, 0}, random.between(-3, 3)), {x + away(), random.between(-1, 1), z + away()}, {}};
+                place.scale = Vec3<double>{1, 1, 1} * random.between(0.5, 2);
+                if (random.chance(0.2)) place.scale.x = -place.scale.x;
+                if (random.chance(0.2)) place.rotation = place.rotation * axis_angle(random.direction(), 0.4);
+                places.push_back(random.chance(0.05) && !places.empty() ? places[random.below(static_cast<uint32_t>(places.size()))] : to_affine(place).as<float>());
+                const Vec3<double> far{x + random.between(-20, 20), random.between(-1, 1), z + random.between(-20, 20)};
+                const auto& row = places.back().row;
+                if (random.chance(0.1)) destinations.push_back({});
+                else destinations.push_back(random.chance(0.2) ? Vec3<float>{row[0][3], 5, row[2][3]} : far.as<float>());
+            }
+        for (uint32_t i = kCounts[0]; i < kCounts[0] + kCounts[1]; ++i) destinations[i].reset();
+    }
+};
+
+void follow(double x, double z, uint64_t seed) {
+    const Mixture mixture(x, z, seed);
+    Followed followed(mixture.settings, mixture.places, mixture.destinations);
+    for (int update = 0; update < 14 && !::testing::Test::HasFailure(); ++update) {
+        SCOPED_TRACE("update " + std::to_string(update));
+        followed.step(update == 9 ? 1.5f : 0.1f);
+    }
+    EXPECT_GT(followed.moved(), 50);
+    EXPECT_GT(followed.standing(), 50u);
+    EXPECT_GT(followed.impatient(), 50u);
+}
+
+TEST(Steer, FollowsTheReference) { follow(0, 0, 1); }
+TEST(Steer, FollowsTheReferenceFarFromTheOrigin) { follow(4000, -10000, 2); }
+
+TEST(Steer, NeitherOrderNorBatchesChangeAByte) {
+    const Mixture mixture(-3, 7, 3);
+    Crowd whole = create(mixture.settings), again = create(mixture.settings);
+    Result<Crowd> parts = Crowd::create(device_of_workgroups(13), mixture.settings);
+    ASSERT_TRUE(parts) << parts.error().text();
+    EXPECT_GT(parts->outputs().size(), 10u);
+    for (Crowd* crowd : {&whole, &again, &*parts}) {
+        ASSERT_TRUE(crowd->set_placement(0, mixture.places));
+        for (uint32_t i = 0; i < mixture.destinations.size(); ++i)
+            if (mixture.destinations[i]) ASSERT_TRUE(crowd->set_destination(i, {&*mixture.destinations[i], 1}));
+        for (int update = 0; update < 60; ++update) ASSERT_TRUE(crowd->update(0.05f));
+    }
+    EXPECT_TRUE(same_bits(placements_of(whole), placements_of(again)));
+    EXPECT_TRUE(same_bits(placements_of(whole), placements_of(*parts)));
+}
+
+// Until all stand at their destinations, or so many seconds have passed. Gives how much nearer than the sum of their radii two have come, as a part of it.
+double walk_home(Crowd& crowd, std::span<const Vec3<float>> destinations, float radius, double seconds, bool begins_apart = true) {
+    double worst = 0;
+    for (double passed_s = 0; passed_s < seconds; passed_s += 0.05) {
+        EXPECT_TRUE(crowd.update(0.05f));
+        const std::vector<Affine> places = placements_of(crowd);
+        bool is_home = true;
+        for (size_t i = 0; i < places.size(); ++i) {
+            is_home = is_home && std::hypot(places[i].row[0][3] - destinations[i].x, places[i].row[2][3] - destinations[i].z) <= 2 * radius;
+            for (size_t k = 0; begins_apart && k < i; ++k) worst = std::max(worst, 1 - apart(places[i], places[k]) / (2 * double{radius}));
+        }
+        if (is_home) return worst;
+    }
+    ADD_FAILURE() << "not all have arrived";
+    return worst;
+}
+
+TEST(Steer, CrowdsThatCrossGetThrough) {
+    const Character character = body(false);
+    constexpr float kRadius = 0.3f;
+    std::vector<Affine> places;
+    std::vector<Vec3<float>> destinations;
+    Random random(4);
+    for (int column = 0; column < 5; ++column)
+        for (int row = 0; row < 4; ++row)
+            for (const bool north : {false, true}) {  // two groups, one towards +z, the other towards +x
+                const double along = 4 + 1.4 * row + random.between(-0.2, 0.2), across = 1.4 * column - 2.8 + random.between(-0.2, 0.2);
+                places.push_back(north ? at(across, -along) : at(-along, across));
+                destinations.push_back(Vec3<double>{north ? across : 12 - along, 0, north ? 12 - along : across}.as<float>());
+            }
+    const auto count = static_cast<uint32_t>(places.size());
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = count, .steering = Steering{.radius = kRadius}}}});
+    ASSERT_TRUE(crowd.set_placement(0, places) && crowd.set_destination(0, destinations));
+    EXPECT_LE(walk_home(crowd, destinations, kRadius, 60), 0.25 + 1e-4);
+}
+
+TEST(Steer, EveryoneAtOnePlacePartsAndArrives) {
+    const Character character = body(false);
+    constexpr uint32_t kCount = 24;
+    constexpr float kRadius = 0.3f;
+    std::vector<Vec3<float>> destinations;
+    for (uint32_t i = 0; i < kCount; ++i) destinations.push_back(Vec3<double>{5 * std::cos(0.26 * i), 0, 5 * std::sin(0.26 * i)}.as<float>());
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = kCount, .steering = Steering{.radius = kRadius}}}});
+    ASSERT_TRUE(crowd.set_destination(0, destinations));
+    walk_home(crowd, destinations, kRadius, 60, false);
+    const std::vector<Affine> places = placements_of(crowd);
+    for (uint32_t i = 0; i < kCount; ++i)
+        for (uint32_t k = 0; k < i; ++k) EXPECT_GT(apart(places[i], places[k]), 0.75 * 2 * kRadius);
+}
+
+TEST(Steer, ClipsCarryThoseThatHaveRootMotion) {
+    const Character character = body(true);
+    const Controller controller = walker(character);
+    const std::vector<Affine> places{at(0, 0, 3), at(5, 0, 1, 2)};
+    const std::vector<Vec3<float>> destinations{{0.2f, 0, 6}, {-1, 0, 0.3f}};  // each in the other's way
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .controller = &controller, .steering = Steering{.speed_parameter = kSpeed}}}});
+    ASSERT_TRUE(crowd.set_placement(0, places) && crowd.set_destination(0, destinations));
+    double walked = 0;
+    Affine last = places[0];
+    for (int update = 0; update < 300; ++update) {
+        ASSERT_TRUE(crowd.update(0.05f));
+        const Affine now = placements_of(crowd)[0];
+        walked += apart(now, last);
+        EXPECT_LE(apart(now, last), 0.05 * 1.4 * 1.001);
+        last = now;
+    }
+    const std::vector<Affine> arrived = placements_of(crowd);
+    for (uint32_t i = 0; i < 2; ++i) EXPECT_LE(std::hypot(arrived[i].row[0][3] - destinations[i].x, arrived[i].row[2][3] - destinations[i].z), 0.3);
+    EXPECT_LT(walked, 8);
+    EXPECT_EQ(all_of<float>(crowd, &OutputBlock::parameter_buffer, 2)[kSpeed], 0);
+}
+
+TEST(Steer, NobodyMovesWithoutADestinationOrTime) {
+    const Mixture mixture(0, 0, 5);
+    Crowd crowd = create(mixture.settings);
+    ASSERT_TRUE(crowd.set_placement(0, mixture.places));
+    for (int update = 0; update < 3; ++update) ASSERT_TRUE(crowd.update(0.1f));
+    EXPECT_TRUE(same_bits(placements_of(crowd), mixture.places));
+    for (uint32_t i = 0; i < mixture.destinations.size(); ++i)
+        if (mixture.destinations[i]) ASSERT_TRUE(crowd.set_destination(i, {&*mixture.destinations[i], 1}));
+    for (const float step_s : {0.0f, -0.1f}) ASSERT_TRUE(crowd.update(step_s));
+    EXPECT_TRUE(same_bits(placements_of(crowd), mixture.places));
+    ASSERT_TRUE(crowd.update(0.1f) && crowd.update(0.1f));
+    EXPECT_FALSE(same_bits(placements_of(crowd), mixture.places));
+}
+
+TEST(Steer, ADestinationIsTakenAwayOrWrittenOnTheGpu) {
+    const Character character = body(true);
+    const Controller controller = walker(character);
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .controller = &controller, .moves_placements = false, .steering = Steering{.speed_parameter = kSpeed}}}});
+    const std::vector<Affine> places{at(0, 0), at(9, 0)};
+    ASSERT_TRUE(crowd.set_placement(0, places) && crowd.set_destination(0, std::array{Vec3<float>{0, 0, 9}}));
+    const auto walk = [&] {
+        const std::vector<Affine> before = placements_of(crowd);
+        for (int update = 0; update < 10; ++update) EXPECT_TRUE(crowd.update(0.1f));
+        const std::vector<Affine> after = placements_of(crowd);
+        return std::array{apart(before[0], after[0]), apart(before[1], after[1])};
+    };
+    EXPECT_GT(walk()[0], 0.5);
+    EXPECT_GT(all_of<float>(crowd, &OutputBlock::parameter_buffer, 2)[kSpeed], 1);
+    ASSERT_TRUE(crowd.clear_destination(0, 2));
+    EXPECT_EQ(walk(), (std::array{0.0, 0.0}));
+    EXPECT_EQ(all_of<float>(crowd, &OutputBlock::parameter_buffer, 2)[kSpeed], 0);
+    run_on_gpu([&](VkCommandBuffer commands) {
+        const io::vec4 there{9, 0, 9, 1};
+        test_gpu()->vk.vkCmdUpdateBuffer(commands, crowd.outputs()[0].destination_buffer, sizeof there, sizeof there, &there);
+        memory_barrier(*test_gpu(), commands, kTransferWrite, kShaderRead);
+    });
+    const std::array moved = walk();
+    EXPECT_EQ(moved[0], 0);
+    EXPECT_GT(moved[1], 0.5);
+}
+
+// Who has walked into the picture is drawn, and who has left it is not.
+TEST(Steer, WhatAViewSeesIsWhereTheyStandNow) {
+    const Character character = body(false);
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .steering = Steering{.speed = 10}}}, .culls = true});
+    const std::vector<Affine> places{at(0, -400), at(0, 0)};
+    ASSERT_TRUE(crowd.set_placement(0, places));
+    ASSERT_TRUE(crowd.set_destination(0, std::array{Vec3<float>{0, 0, 0}, Vec3<float>{0, 0, 400}}));
+    const CrowdView view = view_of({.eye = {0, 60, 0.1f}, .target = {0, 0, 0}}, 64, 64, {});
+    const auto drawn = [&] {
+        std::vector<uint32_t> who;
+        for (const DrawnInstance& one : drawn_of(crowd)) who.push_back(one.instance);
+        return who;
+    };
+    ASSERT_TRUE(crowd.update(0.01f, &view));
+    EXPECT_EQ(drawn(), std::vector{1u});
+    for (int update = 0; update < 1600; ++update) ASSERT_TRUE(crowd.update(0.028f, &view));
+    EXPECT_EQ(drawn(), std::vector{0u});
+}
+
+TEST(Steer, MistakesAreNamed) {
+    const Character character = body(false);
+    const auto refusal = [](const auto& result) { return result ? std::string() : result.error().text(); };
+    const auto refused = [&](const Steering& steering) { return refusal(Crowd::create(test_device(), {.groups = {{.character = &character, .instance_count = 1, .steering = steering}}})); };
+    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_NE(refused({.radius = 0}).find("radius 0.0"), std::string::npos);
+    EXPECT_NE(refused({.radius = kNan}).find("radius"), std::string::npos);
+    EXPECT_NE(refused({.speed = -1}).find("speed -1"), std::string::npos);
+    EXPECT_NE(refused({.turn = std::numeric_limits<float>::infinity()}).find("turn"), std::string::npos);
+    EXPECT_NE(refused({.speed_parameter = 0}).find("parameter 0 of a group that has 0"), std::string::npos);
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .steering = Steering{}}, {.character = &character, .instance_count = 1}}});
+    EXPECT_NE(refusal(crowd.set_destination(1, std::vector<Vec3<float>>(2))).find("instance 2"), std::string::npos);
+    EXPECT_NE(refusal(crowd.set_destination(2, std::vector<Vec3<float>>(2))).find("of a crowd of 3"), std::string::npos);
+    EXPECT_NE(refusal(crowd.set_destination(1, std::array{Vec3<float>{0, kNan, 0}})).find("instance 1: a number is not finite"), std::string::npos);
+    EXPECT_NE(refusal(crowd.clear_destination(0, 3)).find("has no steering"), std::string::npos);
+    EXPECT_NE(refusal(crowd.clear_destination(1, 0xFFFFFFFF)).find("of a crowd of 3"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace throng::test
