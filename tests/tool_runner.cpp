@@ -30,7 +30,8 @@ std::string contents(std::FILE* file) {
 
 Outcome run_tool(const std::vector<std::string>& arguments, const RunSettings& settings) {
     std::FILE *out = std::tmpfile(), *err = std::tmpfile();
-    std::vector<const char*> words{THRONG_TOOL};
+    const char* program = settings.program ? settings.program : THRONG_TOOL;
+    std::vector<const char*> words{program};
     for (const std::string& argument : arguments) words.push_back(argument.c_str());
     words.push_back(nullptr);
     const auto start = std::chrono::steady_clock::now();
@@ -44,7 +45,7 @@ Outcome run_tool(const std::vector<std::string>& arguments, const RunSettings& s
         setrlimit(RLIMIT_CORE, &no_core);
         if (settings.memory_limit_bytes > 0 && !kAddressSanitizer) setrlimit(RLIMIT_AS, &memory);
         alarm(settings.time_limit_s);  // survives exec, and kills
-        execv(THRONG_TOOL, const_cast<char* const*>(words.data()));
+        execvp(program, const_cast<char* const*>(words.data()));
         _exit(127);
     }
     int status = 0;

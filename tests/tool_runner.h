@@ -22,6 +22,7 @@ struct RunSettings {
     std::map<std::string, std::string> environment;
     uint64_t memory_limit_bytes = 0;  // of the address space; 0: none
     unsigned time_limit_s = 300;
+    const char* program = nullptr;    // another one than the tool, of the PATH
     const char* out_path = nullptr;   // where standard output goes; it is not captured then
 };
 

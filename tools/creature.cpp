@@ -54,7 +54,7 @@ Asset assemble(const CreatureSettings& settings) {
     Asset asset;
     asset.name = "creature";
     asset.nodes.resize(body.joint_count());
-    asset.nodes[0].name = "root";
+    asset.nodes[0].name = "body";  // not "root": three.js takes that name for the whole scene
     for (const creature::Chain& chain : body.chains)
         for (uint32_t k = 0; k < chain.joint_count; ++k)
             asset.nodes[chain.first_joint + k].name = creature::name_of(chain.part) + std::string("_") +

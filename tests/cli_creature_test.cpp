@@ -1,0 +1,41 @@
+// Creatures that the command line writes, as another program reads them: three.js.
+#include "tests/tool_runner.h"
+
+#include <cmath>
+
+namespace throng::test {
+namespace {
+
+class CliCreature : public ToolTest {};
+
+struct Kind {
+    const char *name, *clip;
+    size_t joint_count;
+};
+
+TEST_F(CliCreature, ThreeJsSeesThemInTheSamePoses) {
+    if (run_tool({"-e", "require('fs').accessSync('/usr/share/javascript/three/three.js')"}, {.program = "node"}).exit_code != 0) GTEST_SKIP() << "no node, or no libjs-three";
+    for (const Kind& kind : {Kind{"dragon", "fly", 300}, Kind{"willow", "gust", 240}, Kind{"walker", "run", 160}, Kind{"centipede", "walk", 1000}}) {
+        SCOPED_TRACE(kind.name);
+        generate("creature.glb", {kind.name});
+        const Outcome run = run_tool({THRONG_SOURCE_DIR "/tests/three_reader.js", file("creature.glb"), kind.clip, "0.37"}, {.program = "node"});
+        ASSERT_TRUE(run.succeeded()) << run;
+        const Json read = Json::parse(run.out);
+        const Json wanted = json_of({"pose", file("creature.glb"), "--clip", kind.clip, "--time", "0.37", "--reference"})["skins"][0]["jointWorld"];
+        EXPECT_GE(read["clips"].size(), 2u);
+        EXPECT_GE(read["faces"], 1000);
+        EXPECT_LE(read["faces"], 3000);
+        ASSERT_EQ(read["joints"].size(), kind.joint_count);
+        ASSERT_EQ(wanted.size(), kind.joint_count);
+        double worst = 0, largest = 0;
+        for (size_t joint = 0; joint < kind.joint_count; ++joint)
+            for (size_t i = 0; i < 16; ++i) {
+                worst = std::max(worst, std::abs(read["joints"][joint][i].get<double>() - wanted[joint][i].get<double>()));
+                largest = std::max(largest, std::abs(wanted[joint][i].get<double>()));
+            }
+        EXPECT_LE(worst, 1e-5 * largest);
+    }
+}
+
+}  // namespace
+}  // namespace throng::test
