@@ -1,6 +1,9 @@
 #include "tools/crowd_scene.h"
 
+#include "tools/agents.h"
+
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <span>
@@ -70,9 +73,11 @@ CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdS
     Scatter field = scatter(characters, {options.counts.empty() ? deal_out(options.count, characters.size()) : options.counts, options.sizes, options.formation, options.spacing, options.seed});
     for (size_t k = 0; k < characters.size(); ++k) {
         kinds_.push_back({field.groups[k].instance_count, {characters[k].bounds_min, characters[k].bounds_max}});
+        if (options.steer) field.groups[k].steering = steering_of(characters[k], cast.controllers[k] ? &*cast.controllers[k] : nullptr, field.scales[k]);
+        has_feedback_ = has_feedback_ || options.steer;
         if (!cast.controllers[k]) continue;
         field.groups[k].controller = &*cast.controllers[k];
-        has_controllers_ = true;
+        has_feedback_ = true;
     }
     print_progress("placing " + std::to_string(field.placement.size()) + " characters");
     settings.groups = field.groups;
@@ -85,6 +90,8 @@ CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdS
         first += group.instance_count;
     }
     unwrap(crowd_->set_placement(0, field.placement));
+    if (options.steer) destinations_ = each_others_places(field.groups, field.placement, options.seed);
+    has_controllers_ = std::ranges::any_of(cast.controllers, [](const std::optional<Controller>& controller) { return controller.has_value(); });
     placement_ = std::move(field.placement);
     bounds_ = world_bounds(*crowd_);
     follow(0);
@@ -96,7 +103,7 @@ void CrowdScene::follow(uint32_t character) {
     world_from_followed_ = placement_[character];
     uint32_t end = 0;
     followed_bounds_ = std::ranges::find_if(kinds_, [&](const Kind& kind) { return character < (end += kind.count); })->model_bounds;
-    if (has_controllers_) unwrap(crowd_->watch({&character, 1}));
+    if (has_feedback_) unwrap(crowd_->watch({&character, 1}));
 }
 
 CameraSubject CrowdScene::subject(float aspect_ratio) const { return {bounds_, aspect_ratio, world_from_followed_, followed_bounds_}; }
@@ -106,16 +113,25 @@ void CrowdScene::start() {
     update(0, nullptr);
     constexpr int kSteps = 120;
     for (int i = 0; has_controllers_ && i < kSteps; ++i) step_unseen(0.1f);
+    if (!destinations_.empty()) unwrap(crowd_->set_destination(0, destinations_));
 }
 
 void CrowdScene::step(float step_s, const CrowdView* view) {
-    direct(step_s);
-    update(step_s, view);
+    constexpr float kMost_s = 0.05f;
+    const float parts = destinations_.empty() ? 1 : std::max(std::ceil(step_s / kMost_s), 1.0f);
+    const auto part = [&](const CrowdView* seen) {
+        direct(step_s / parts);
+        update(step_s / parts, seen);
+    };
+    for (float k = 1; k < parts; ++k) part(unseen());
+    part(view);
 }
 
-void CrowdScene::step_unseen(float step_s) {
+void CrowdScene::step_unseen(float step_s) { step(step_s, unseen()); }
+
+const CrowdView* CrowdScene::unseen() const {
     static constexpr CrowdView kNothing{.clip_from_world = {{{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, -1}}}};  // w is -1 everywhere
-    step(step_s, culls_ ? &kNothing : nullptr);
+    return culls_ ? &kNothing : nullptr;
 }
 
 void CrowdScene::update(float step_s, const CrowdView* view) {

@@ -25,6 +25,7 @@ struct SceneOptions {
     Formation formation = Formation::kGrid;
     double spacing = 1;
     uint64_t seed = 1;
+    bool steer = false;
 };
 
 // The files, and all options of a scene. Wrong numbers of counts and sizes are said by the parser.
@@ -56,9 +57,9 @@ public:
     // As the last update left it.
     CameraSubject subject(float aspect_ratio) const;
 
-    // Compiles what updates need, and lets characters with controllers live for 12 s, or they would be in step. The first step follows.
+    // Compiles what updates need, and lets characters with controllers live for 12 s, or they would be in step; with --steer all then set out. The first step follows.
     void start();
-    // Tells controllers something, an update, and what comes back of it.
+    // Tells controllers something, an update, and what comes back of it. With --steer in parts of at most 1/20 s, so that agents see each other in time.
     void step(float step_s, const CrowdView* view);
     // The same, but what a view would show is not animated. All go on in time, and are in the state that a step with any view would have left them in.
     void step_unseen(float step_s);
@@ -72,6 +73,8 @@ private:
         uint32_t count;
         Bounds model_bounds;
     };
+    // A view of nothing, where the crowd culls.
+    const CrowdView* unseen() const;
     void update(float step_s, const CrowdView* view);
 
     std::optional<Crowd> crowd_;
@@ -79,9 +82,10 @@ private:
     std::vector<Kind> kinds_;          // [files]
     std::vector<Affine> placement_;    // [characters], as they were placed
     Bounds bounds_;
+    std::vector<Vec3<float>> destinations_;  // [characters], with --steer
     Affine world_from_followed_;
     Bounds followed_bounds_;
-    bool culls_ = false, has_controllers_ = false;
+    bool culls_ = false, has_controllers_ = false, has_feedback_ = false;
 };
 
 }  // namespace throng::tools

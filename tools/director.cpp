@@ -32,7 +32,8 @@ Director::Director(std::span<const CrowdGroup> groups, uint64_t seed) : random_(
     uint32_t first = 0;
     for (const CrowdGroup& group : groups) {
         Cast cast{first, group.instance_count, {}};
-        for (uint32_t p = 0; group.controller && p < group.controller->parameters.size(); ++p) cast.parameters.push_back(parameter_range(*group.controller, p));
+        for (uint32_t p = 0; group.controller && p < group.controller->parameters.size(); ++p)
+            if (!group.steering || group.steering->speed_parameter != p) cast.parameters.emplace_back(p, parameter_range(*group.controller, p));
         if (group.instance_count > 0 && !cast.parameters.empty()) casts_.push_back(std::move(cast));
         first += group.instance_count;
     }
@@ -44,8 +45,7 @@ void Director::direct(Crowd& crowd, double step_s) {
         cast.owed += cast.instance_count * std::min(kTold_per_s * std::abs(step_s), 1.0);
         for (; cast.owed >= 1; cast.owed -= 1) {
             const auto instance = cast.first_instance + static_cast<uint32_t>(random_.unit() * cast.instance_count);
-            const auto parameter = static_cast<uint32_t>(random_.unit() * static_cast<double>(cast.parameters.size()));
-            const ParameterRange& range = cast.parameters[parameter];
+            const auto& [parameter, range] = cast.parameters[static_cast<size_t>(random_.unit() * static_cast<double>(cast.parameters.size()))];
             const double unit = random_.unit();
             const auto value = static_cast<float>(range.type == ParameterType::kFloat ? creature::mix(range.least, range.most, unit) : std::round(unit));
             unwrap(crowd.set_parameters(instance, parameter, {&value, 1}));

@@ -6,6 +6,7 @@
 #include <throng/crowd.h>
 
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace throng::tools {
@@ -28,7 +29,7 @@ public:
 private:
     struct Cast {
         uint32_t first_instance, instance_count;
-        std::vector<ParameterRange> parameters;
+        std::vector<std::pair<uint32_t, ParameterRange>> parameters;  // their numbers, without that which steering tells
         double owed = 0;  // of a character that is not told yet
     };
     std::vector<Cast> casts_;

@@ -62,6 +62,7 @@ nlohmann::json settings_of(const RenderOptions& options) {
             {"placement", static_cast<int>(scene.formation)},
             {"spacing", scene.spacing},
             {"seed", scene.seed},
+            {"steer", scene.steer},
             {"scan", scene.scan},
             {"error", scene.compile.error},
             {"camera", options.camera.path},

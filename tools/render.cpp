@@ -58,6 +58,7 @@ void add_render(CLI::App& app) {
     command.add_option("--size", options->size, "of the picture")->capture_default_str();
     command.add_option("--time", options->time_s, "seconds after the start; every character starts at a time of its own")->check(finite())->capture_default_str();
     add_camera_options(command, options->camera);
+    command.add_flag("--steer", options->scene.steer, "characters walk, each to the place of another of its kind, and out of each other's way; a controller's parameter \"speed\" is told how fast. Wants --spacing 2 or more");
     CLI::Option* frames = command.add_option("--frames", options->frames, "FIRST:END: a film, of frames FIRST to END - 1; frame 0 is the picture at --time");
     command.add_option("--fps", options->fps, "frames a second")->needs(frames)->check(finite())->check(CLI::Range(0.1, 1000.0))->capture_default_str();
     command.add_option("--shard", options->shard, "I/N: only the frames whose number divided by N leaves I; the same bytes as without")->needs(frames);
@@ -73,6 +74,7 @@ void add_render(CLI::App& app) {
     command.add_flag("--json", options->json, "print the stage times as JSON");
     command.footer("Examples:\n  throng render fox.glb --out fox.png\n  throng render fox.glb knight.glb --count 1000 --size 1280x720 --time 2 --seed 3 --out crowd.png\n"
                    "  throng render walker.glb --count 500 --placement disc --camera orbit:seconds=10 --frames 0:300 --out orbit.mp4\n"
+                   "  throng render walker.glb --count 60 --spacing 2.5 --steer --controller walker_steer.json --eye 0,14,12 --target 0,0,0 --frames 0:600 --out walk.mp4\n"
                    "  throng render dragon.glb walker.glb --sizes 4,1.8 --counts 20,900 --controller walker.glb=walker.json --camera follow:character=17 --frames 0:240 --shard 0/4 --out frame_%04d.png");
     command.callback([options] { run_render(*options); });
 }

@@ -23,11 +23,6 @@ Affine placed(const Character& character, double scale, double x, double z, doub
     return (world_from_scaled * to_affine(Trs<double>{.translation = {-center_x, 0, -center_z}})).as<float>();
 }
 
-double footprint(const Character& character) {
-    const Vec3<float> extent = character.bounds_max - character.bounds_min;
-    return std::max({double{extent.x}, double{extent.z}, 0.3 * extent.y, 1e-6});
-}
-
 // How much larger than in their files characters are.
 std::vector<double> scales(std::span<const Character> characters, const std::vector<double>& heights) {
     double largest = 0;
@@ -55,6 +50,11 @@ void check_room(std::span<const PlacementKind> kinds) {
 
 }  // namespace
 
+double footprint(const Character& character) {
+    const Vec3<float> extent = character.bounds_max - character.bounds_min;
+    return std::max({double{extent.x}, double{extent.z}, 0.3 * extent.y, 1e-6});
+}
+
 std::vector<uint32_t> deal_out(uint32_t count, size_t parts) {
     std::vector<uint32_t> counts;
     for (size_t k = 0; k < parts; ++k) counts.push_back(static_cast<uint32_t>(uint64_t{count} * (k + 1) / parts - uint64_t{count} * k / parts));
@@ -74,7 +74,7 @@ Scatter scatter(std::span<const Character> characters, const ScatterSettings& se
     Random random(settings.seed);
     const std::vector<Place> places = place(settings.formation, kinds, random);
     const Freedom free = places.size() > 1 ? freedom(settings.formation) : Freedom();
-    Scatter out;
+    Scatter out{.scales = scale};
     for (size_t k = 0, next = 0; k < characters.size(); ++k) {
         out.groups.push_back({&characters[k], kinds[k].count});
         const double shift = free.shift * kinds[k].pitch;

@@ -23,7 +23,11 @@ struct Scatter {
     std::vector<CrowdGroup> groups;     // one for each character
     std::vector<Playback> playback;     // [instance_count], groups one after the other, as a Crowd numbers them
     std::vector<Affine> placement;
+    std::vector<double> scales;         // [characters], how much larger than in their files
 };
+
+// How wide a character is on the ground, in its file's units.
+double footprint(const Character& character);
 
 // `count` in as many parts, as even as can be.
 std::vector<uint32_t> deal_out(uint32_t count, size_t parts);

@@ -298,12 +298,12 @@ public:
     Result<void> clear_pose(uint32_t instance, float fade_s = 0);
 
     // From the next record() on, placement, move and sockets of these instances come back with the feedback. Replaces the ones before. Errors: kInvalidArgument (instance out of
-    // range, or no group has a controller or sockets), kLimit (more than CrowdSettings::watch_capacity).
+    // range, or no group has a controller, sockets or steering), kLimit (more than CrowdSettings::watch_capacity).
     Result<void> watch(std::span<const uint32_t> instances);
 
     // What the updates that have finished since the last call reported, oldest first; does not wait. An update's feedback is kept until the fourth
     // record() after it: with fewer than four updates in flight, one call between two record()s misses nothing. Empty where no group
-    // has a controller or sockets.
+    // has a controller, sockets or steering.
     Result<std::vector<Feedback>> feedback();
 
     // Records one update into the caller's command buffer (recording, outside a render pass, of the adopted queue's family):

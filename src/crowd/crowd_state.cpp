@@ -171,14 +171,14 @@ void CrowdState::make_feedback(const CrowdSettings& settings) {
     bool any = false;
     uint64_t most_sockets = 0;
     for (const Group& group : groups) {
-        any = any || group.controller || group.sockets;
+        any = any || group.controller || group.sockets || group.steering;
         most_sockets = std::max<uint64_t>(most_sockets, group.socket_count());
     }
     if (any) feedback.emplace(gpu, settings.event_capacity, watch_capacity_ * (kWatchedInstance_bytes + most_sockets * kMatrix_bytes));
 }
 
 void CrowdState::watch(std::span<const uint32_t> instances) {
-    if (!feedback) throw Failure(ErrorCode::kInvalidArgument, "watch", "no group has a controller or sockets: there is no feedback");
+    if (!feedback) throw Failure(ErrorCode::kInvalidArgument, "watch", "no group has a controller, sockets or steering: there is no feedback");
     if (instances.size() > watch_capacity_)
         throw Failure(ErrorCode::kLimit, "watch", std::to_string(instances.size()) + " instances; CrowdSettings::watch_capacity is " + std::to_string(watch_capacity_));
     std::vector<Watched> watched;

@@ -1,6 +1,6 @@
 #version 460
 // steer: an agent takes a step towards its destination and out of the way of others, and turns where it wants to go. Or, where clips carry it, turns and says how fast it wants to go.
-// One invocation per agent. Cost: 16 bytes read for an agent without a destination; else 116 read, 64 to 128 written, and 4 for each of nine buckets, 16 and some 40 operations for each agent in them.
+// One invocation per agent. Cost: docs/steering.md; 128 bytes read, 60 written, and 16 read for each agent in nine buckets.
 // Source: C. Reynolds, Steering Behaviors for Autonomous Characters, GDC 1999 (arrival, separation). Difference: a speed limit that keeps any two from touching, whatever they want; passing on the right; patience.
 #include "gpu/ground.glsl"
 #include "gpu/table.glsl"
