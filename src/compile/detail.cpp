@@ -1,7 +1,8 @@
 #include "compile/detail.h"
 
 #include "bind/bind_reference.h"
-#include "scan/scan_reference.h"
+#include "compile/sampled_poses.h"
+#include "morph/morph_reference.h"
 #include "skin/skin_reference.h"
 
 #include <meshoptimizer.h>
@@ -17,14 +18,15 @@ constexpr size_t kFewest = 64 * 3;       // indices, below which nothing is gain
 constexpr double kShare = 0.35;          // of the triangles of the level before that a level aims at
 constexpr double kWorthwhile = 0.8;      // of them, above which it is not kept
 constexpr float kLargestError = 0.2f;    // of a section's extent, by quadrics
+constexpr uint32_t kPoses = 8;           // of all clips together, that errors are measured in
+constexpr float kLeastError = 1e-6f;     // of the character's size, which rounding does not tell from none
 
-// Vertices where the rest pose has them, so that errors are in model space.
-std::vector<Vec3<float>> resting_positions(const Character& character) {
-    std::vector<AffineT<double>> local;
-    for (const Trs<float>& joint : character.rig.rest) local.push_back(to_affine(joint.as<double>()));
-    const std::vector<AffineT<double>> model = scan_reference(character.rig.parents, local);
+// In model space.
+std::vector<Vec3<float>> positions_in(const Character& character, const SampledPose& pose) {
+    const std::vector<MorphLayer> layers{{.voices = {{.clip = pose.clip, .time_s = pose.time_s}}}};
+    const std::vector<WeightedMorph> morphs = active_morphs_reference(morphs_reference(character, layers));
     std::vector<Vec3<float>> positions;
-    for (const Vec3<double>& p : skin_reference(character, bind_reference(character.palette, model))) positions.push_back(p.as<float>());
+    for (const Vec3<double>& p : skin_reference(character, bind_reference(character.palette, model_from_joint_of(character, pose)), morphs)) positions.push_back(p.as<float>());
     return positions;
 }
 
@@ -56,46 +58,86 @@ float squared_distance(const Vec3<float>& p, const Vec3<float>& a, const Vec3<fl
     return is_above ? height * height / squared : nearest;
 }
 
-// How far a vertex of the fine mesh lies from the coarse one at most; the quadrics' own measure is a mean, several times too low for this. Of large meshes a part of the vertices is looked at.
-float distance_between(std::span<const uint32_t> fine, std::span<const uint32_t> coarse, std::span<const Vec3<float>> positions) {
-    constexpr size_t kMostPairs = 20'000'000;  // some tenths of a second
-    const size_t stride = 1 + fine.size() * (coarse.size() / 3) / kMostPairs;
-    float furthest = 0;
-    for (size_t i = 0; i < fine.size(); i += stride) {
-        float nearest = std::numeric_limits<float>::infinity();
-        for (size_t k = 0; k < coarse.size() && nearest > furthest; k += 3)
-            nearest = std::min(nearest, squared_distance(positions[fine[i]], positions[coarse[k]], positions[coarse[k + 1]], positions[coarse[k + 2]]));
-        furthest = std::max(furthest, nearest);
+// Vertices of the fine mesh that the coarse one lacks.
+std::vector<uint32_t> lost_vertices(std::span<const uint32_t> fine, std::span<const uint32_t> coarse, size_t vertex_count) {
+    std::vector<bool> is_lost(vertex_count);
+    for (const uint32_t vertex : fine) is_lost[vertex] = true;
+    for (const uint32_t vertex : coarse) is_lost[vertex] = false;
+    std::vector<uint32_t> lost;
+    for (uint32_t vertex = 0; vertex < vertex_count; ++vertex)
+        if (is_lost[vertex]) lost.push_back(vertex);
+    return lost;
+}
+
+// How far one of the vertices lies from the mesh at most, where that is more than `known`; the quadrics' own measure is a mean, several times too low for this. Of large meshes not all vertices may be looked at, but some of
+// each part.
+float furthest_from(std::span<const uint32_t> mesh, std::span<const uint32_t> vertices, std::span<const Vec3<float>> positions, float known) {
+    constexpr size_t kPasses = 16, kMostSteps = 5'000'000;  // some hundredths of a second
+    float furthest = known * known;
+    size_t closest = 0;  // where the search for the last vertex ended, so that most end where they begin
+    for (size_t pass = 0, steps = 0; pass < kPasses; ++pass) {
+        for (size_t i = pass; i < vertices.size() && steps < kMostSteps; i += kPasses) {
+            float nearest = std::numeric_limits<float>::infinity();
+            for (size_t n = 0, k = closest; n < mesh.size() && nearest > furthest; n += 3, k = k + 3 < mesh.size() ? k + 3 : 0) {
+                ++steps;
+                const float distance = squared_distance(positions[vertices[i]], positions[mesh[k]], positions[mesh[k + 1]], positions[mesh[k + 2]]);
+                if (distance >= nearest) continue;
+                nearest = distance;
+                closest = k;
+            }
+            furthest = std::max(furthest, nearest);
+        }
     }
     return std::sqrt(furthest);
+}
+
+std::span<const uint32_t> indices_of(const Character& character, const MeshSection& section) { return std::span(character.indices).subspan(section.first_index, section.index_count); }
+
+// Each level's triangles; as long as they become markedly fewer.
+void make_levels(Character& character) {
+    const std::vector<Vec3<float>> positions = positions_in(character, {.clip = static_cast<uint32_t>(character.clips.size())});
+    size_t count_before = character.indices.size();
+    for (double share = kShare; count_before > kFewest && character.details.size() < kDetailLimit; share *= kShare) {
+        std::vector<IndexRange> ranges;
+        std::vector<uint32_t> level;
+        for (const MeshSection& section : character.sections) {
+            const std::span<const uint32_t> indices = indices_of(character, section);
+            std::vector<uint32_t> coarse;
+            if (!indices.empty()) coarse = simplified(indices, std::span(positions).subspan(section.first_vertex, section.vertex_count), static_cast<size_t>(share * section.index_count));
+            if (coarse.empty()) coarse.assign(indices.begin(), indices.end());  // nothing vanishes
+            ranges.push_back({static_cast<uint32_t>(character.detail_indices.size() + level.size()), static_cast<uint32_t>(coarse.size())});
+            level.insert(level.end(), coarse.begin(), coarse.end());
+        }
+        if (static_cast<double>(level.size()) > kWorthwhile * static_cast<double>(count_before)) break;
+        character.details.push_back({kLeastError * character.size});
+        character.detail_ranges.insert(character.detail_ranges.end(), ranges.begin(), ranges.end());
+        character.detail_indices.insert(character.detail_indices.end(), level.begin(), level.end());
+        count_before = level.size();
+    }
+}
+
+// Raises the errors of all levels to what they are in the pose.
+void measure_in(Character& character, const SampledPose& pose) {
+    const std::vector<Vec3<float>> positions = positions_in(character, pose);
+    float error = 0;
+    for (size_t level = 0; level < character.details.size(); ++level) {
+        error = std::max(error, character.details[level].error);
+        for (size_t i = 0; i < character.sections.size(); ++i) {
+            const MeshSection& section = character.sections[i];
+            const IndexRange& range = character.detail_ranges[level * character.sections.size() + i];
+            const auto mesh = std::span(character.detail_indices).subspan(range.first_index, range.index_count);
+            error = furthest_from(mesh, lost_vertices(indices_of(character, section), mesh, section.vertex_count), std::span(positions).subspan(section.first_vertex, section.vertex_count), error);
+        }
+        character.details[level].error = error;
+    }
 }
 
 }  // namespace
 
 void make_details(Character& character) {
-    const std::vector<Vec3<float>> positions = resting_positions(character);
-    size_t count_before = character.indices.size();
-    double share = 1;
-    for (float error = 0; count_before > kFewest && character.details.size() < kDetailLimit;) {
-        share *= kShare;
-        std::vector<IndexRange> ranges;
-        std::vector<uint32_t> level;
-        for (const MeshSection& section : character.sections) {
-            const auto indices = std::span(character.indices).subspan(section.first_index, section.index_count);
-            const auto vertices = std::span(positions).subspan(section.first_vertex, section.vertex_count);
-            std::vector<uint32_t> coarse;
-            if (!indices.empty()) coarse = simplified(indices, vertices, static_cast<size_t>(share * section.index_count));
-            if (coarse.empty()) coarse.assign(indices.begin(), indices.end());  // nothing vanishes
-            error = std::max(error, distance_between(indices, coarse, vertices));
-            ranges.push_back({static_cast<uint32_t>(character.detail_indices.size() + level.size()), static_cast<uint32_t>(coarse.size())});
-            level.insert(level.end(), coarse.begin(), coarse.end());
-        }
-        if (static_cast<double>(level.size()) > kWorthwhile * static_cast<double>(count_before)) break;
-        character.details.push_back({error});
-        character.detail_ranges.insert(character.detail_ranges.end(), ranges.begin(), ranges.end());
-        character.detail_indices.insert(character.detail_indices.end(), level.begin(), level.end());
-        count_before = level.size();
-    }
+    make_levels(character);
+    if (character.details.empty()) return;
+    for (const SampledPose& pose : sampled_poses(character, kPoses)) measure_in(character, pose);
 }
 
 }  // namespace throng
