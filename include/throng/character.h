@@ -155,7 +155,9 @@ struct MeshSection {
 
 // A coarser mesh of the same vertices. Level 0 is the sections' own; these are 1 and on.
 struct DetailLevel {
-    float error = 0;  // how far a vertex of level 0 lies from the surface of this one at most, model space, in the rest pose; not less than that of the level before
+    // How far a vertex of level 0 lies from the surface of this one at most, model space, where that has the joints that joint_details gives it: in the rest pose and in poses of clips that the compiler has
+    // looked at. Compiled levels have more than 0. Not less than that of the level before.
+    float error = 0;
 };
 struct IndexRange {
     uint32_t first_index = 0, index_count = 0;
@@ -181,8 +183,8 @@ struct Character {
     std::vector<DetailLevel> details;            // at most kDetailLimit
     std::vector<IndexRange> detail_ranges;       // [details][sections], of detail_indices
     std::vector<uint32_t> detail_indices;        // relative to the section's first vertex
-    // [joint_count], or empty: the coarsest level of detail in which the joint moves by itself, not above its parent's. In coarser ones its skin matrices are those of the next joint above it that
-    // does, as if the joints between them were in the bind pose: it moves vertices by no more than the level's error.
+    // [joint_count], or empty, as of a character without clips, of which nothing is known: the coarsest level of detail in which the joint moves by itself, not above its parent's. In coarser ones its
+    // skin matrices are those of the next joint above it that does, as if the joints between them were in the bind pose: in the rest pose and in poses of all clips that displaces vertices by no more than a third of the level's error.
     std::vector<uint32_t> joint_details;
     std::vector<AssetMaterial> materials;
     std::vector<AssetImage> images;

@@ -13,6 +13,12 @@ void Box::add(const Vec3<double>& p) {
     empty = false;
 }
 
+void Box::add(const Box& box) {
+    if (box.empty) return;
+    add(box.low);
+    add(box.high);
+}
+
 Vec3<double> Box::corner(size_t index) const { return {index & 1 ? high.x : low.x, index & 2 ? high.y : low.y, index & 4 ? high.z : low.z}; }
 
 double Box::largest_distance() const {
@@ -48,10 +54,9 @@ std::vector<Vec3<double>> places_of(const Character& character, const MeshSectio
     return places;
 }
 
-}  // namespace
-
-std::vector<Box> influence_boxes(const Character& character) {
-    std::vector<Box> boxes(character.rig.joint_count());
+// Calls visit(palette entry, place in bind space) for each place of each vertex and each entry that moves it.
+template <class Visit>
+void visit_influences(const Character& character, const Visit& visit) {
     for (const MeshSection& section : character.sections) {
         for (uint32_t vertex = 0; vertex < section.vertex_count; ++vertex) {
             const std::vector<Vec3<double>> places = places_of(character, section, character.vertices[section.first_vertex + vertex]);
@@ -59,13 +64,28 @@ std::vector<Box> influence_boxes(const Character& character) {
                 const Influences& influences = character.influences[section.first_influences + vertex * section.influence_sets + set];
                 for (size_t i = 0; i < 4; ++i) {
                     if (!(influences.weights[i] > 0)) continue;
-                    const PaletteEntry& entry = character.palette[influences.entries[i]];
-                    for (const Vec3<double>& place : places) boxes[entry.joint].add(transform_point(entry.joint_from_bind.as<double>(), place));
+                    for (const Vec3<double>& place : places) visit(influences.entries[i], place);
                 }
             }
         }
     }
+}
+
+}  // namespace
+
+std::vector<Box> influence_boxes(const Character& character) {
+    std::vector<Box> boxes(character.rig.joint_count());
+    visit_influences(character, [&](uint16_t number, const Vec3<double>& place) {
+        const PaletteEntry& entry = character.palette[number];
+        boxes[entry.joint].add(transform_point(entry.joint_from_bind.as<double>(), place));
+    });
     add_unskinned(character, boxes);
+    return boxes;
+}
+
+std::vector<Box> bind_boxes(const Character& character) {
+    std::vector<Box> boxes(character.palette.size());
+    visit_influences(character, [&](uint16_t entry, const Vec3<double>& place) { boxes[entry].add(place); });
     return boxes;
 }
 

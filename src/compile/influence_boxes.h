@@ -12,6 +12,7 @@ struct Box {
     bool empty = true;  // while it is made
 
     void add(const Vec3<double>& p);
+    void add(const Box& box);
     Vec3<double> corner(size_t index) const;  // 0 to 7
     double largest_distance() const;          // of a corner from the origin
 };
@@ -19,6 +20,9 @@ struct Box {
 // [joint_count], in joint space: the vertices that the joint's palette entries move with a weight above 0; for joints that move none, a
 // cube whose half diagonal is 2 % of the character's size, or 10 % where no joint moves any.
 std::vector<Box> influence_boxes(const Character& character);
+
+// [palette_count], in bind space: the vertices that the entry moves with a weight above 0; empty where it moves none.
+std::vector<Box> bind_boxes(const Character& character);
 
 // The largest displacement of a point of the box between two transforms of it, whose difference is given; infinity where that is no number.
 // It is a convex function of the point, so a corner has it; and a vertex moves no further than the furthest of its joints takes it.

@@ -1,17 +1,20 @@
 #include "compile/joint_detail.h"
 
+#include "bind/bind_reference.h"
 #include "compile/influence_boxes.h"
-#include "sample/sample_reference.h"
-#include "scan/scan_reference.h"
+#include "compile/sampled_poses.h"
 
 #include <algorithm>
+#include <limits>
 #include <span>
 #include <utility>
 
 namespace throng {
 namespace {
 
-constexpr uint32_t kMostPoses = 32;  // that errors are measured in, of all clips together; at least one a clip
+constexpr uint32_t kPoses = 32;  // of all clips together, that displacements are measured in; at least one a clip
+constexpr size_t kMostSteps = 200'000;  // of them in a pose
+constexpr double kShare = 0.5;   // of the error of a level's surface, by which joints that do not move may add to it
 
 // [palette_count], the skin of each entry; of rigid meshes one that no other has.
 std::vector<uint32_t> skins_of_entries(const Character& character) {
@@ -22,16 +25,6 @@ std::vector<uint32_t> skins_of_entries(const Character& character) {
         std::fill_n(skins.begin() + of.first_entry, of.joint_count, skin);
     }
     return skins;
-}
-
-// Not finite where there is none.
-AffineT<double> inverse(const AffineT<double>& m) {
-    const auto column = [&](size_t k) { return Vec3<double>{m.row[0][k], m.row[1][k], m.row[2][k]}; };
-    const double scale = 1 / determinant(m);
-    const std::array rows{cross(column(1), column(2)) * scale, cross(column(2), column(0)) * scale, cross(column(0), column(1)) * scale};
-    AffineT<double> out;
-    for (size_t r = 0; r < 3; ++r) out.row[r] = {rows[r].x, rows[r].y, rows[r].z, -dot(rows[r], column(3))};
-    return out;
 }
 
 // Palette entries by joint, and within a joint by skin.
@@ -59,72 +52,69 @@ private:
     std::vector<Entry> entries_;
 };
 
-// [pose][joint], model_from_joint at times spread evenly over the clips.
-std::vector<std::vector<AffineT<double>>> sampled_poses(const Character& character) {
-    std::vector<std::vector<AffineT<double>>> poses;
-    const auto clip_count = static_cast<uint32_t>(character.clips.size());
-    const uint32_t of_each = std::max(1u, kMostPoses / std::max(clip_count, 1u));
-    for (uint32_t clip = 0; clip < clip_count; ++clip)
-        for (uint32_t i = 0; i < of_each; ++i) {
-            std::vector<AffineT<double>> local;
-            for (const Trs<double>& joint : sample_reference(character, clip, (i + 0.5) / of_each * double{character.clips[clip].duration_s})) local.push_back(to_affine(joint));
-            poses.push_back(scan_reference(character.rig.parents, local));
-        }
-    return poses;
+AffineT<double> difference(const AffineT<double>& a, const AffineT<double>& b) {
+    AffineT<double> out;
+    for (size_t row = 0; row < 3; ++row)
+        for (size_t column = 0; column < 4; ++column) out.row[row][column] = a.row[row][column] - b.row[row][column];
+    return out;
 }
 
-class JointReducer {
+// How far vertices are displaced at most where neither a joint nor any below it moves, and the palette entries of the one above it stand for theirs.
+class JointDisplacements {
 public:
-    explicit JointReducer(Character& character) : character_(character), entries_(character), boxes_(influence_boxes(character)), poses_(sampled_poses(character)) {
-        // Joints are depth first, so a subtree is a run.
-        const uint32_t joint_count = character.rig.joint_count();
-        subtree_end_.resize(joint_count);
-        for (uint32_t joint = joint_count; joint-- > 0;) {
-            subtree_end_[joint] = std::max(subtree_end_[joint], joint + 1);
-            if (const uint32_t parent = character.rig.parents[joint]; parent != kNone) subtree_end_[parent] = std::max(subtree_end_[parent], subtree_end_[joint]);
+    explicit JointDisplacements(const Character& character)
+        : character_(character), parents_(character.rig.parents), entries_(character), boxes_(bind_boxes(character)), boxes_below_(boxes_), ends_(parents_.size()), bounds_(parents_.size()) {
+        for (uint32_t joint = character.rig.joint_count(); joint-- > 0;) {
+            ends_[joint] = std::max(ends_[joint], joint + 1);
+            const uint32_t parent = parents_[joint];
+            if (parent == kNone) continue;
+            ends_[parent] = std::max(ends_[parent], ends_[joint]);
+            for (const auto& [of_joint, skin, entry] : entries_.of_joint(joint))
+                if (const uint32_t counterpart = entries_.counterpart(entry, parent); counterpart != kNone) boxes_below_[counterpart].add(boxes_below_[entry]);
         }
+        for (const SampledPose& pose : sampled_poses(character, std::max(kPoses, static_cast<uint32_t>(character.clips.size())))) measure_in(pose);
     }
 
-    void reduce(uint32_t detail) {
-        const double bound = character_.details[detail - 1].error;
-        for (uint32_t joint = 0; joint < subtree_end_.size();) {
-            const uint32_t parent = character_.rig.parents[joint];
-            if (parent != kNone && rests(joint, parent, bound)) {
-                joint = subtree_end_[joint];
-                continue;
-            }
-            character_.joint_details[joint] = detail;
-            ++joint;
-        }
-    }
+    double of(uint32_t joint) const { return bounds_[joint]; }  // infinite for roots
 
 private:
-    // Whether all of the subtree may follow `above` as if nothing between them moved.
-    bool rests(uint32_t root, uint32_t above, double bound) const {
-        for (uint32_t joint = root; joint < subtree_end_[root]; ++joint)
-            for (const auto& [of_joint, skin, entry] : entries_.of_joint(joint)) {
-                const uint32_t counterpart = entries_.counterpart(entry, above);
-                if (counterpart == kNone) return false;
-                const AffineT<double> bind_from_joint = inverse(character_.palette[entry].joint_from_bind.as<double>());
-                const AffineT<double> above_from_joint = character_.palette[counterpart].joint_from_bind.as<double>() * bind_from_joint;
-                for (const auto& model_from : poses_)
-                    if (!(displacement(difference(model_from[joint], model_from[above] * above_from_joint), boxes_[joint]) <= bound)) return false;
+    static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+    // From the leaves up. Each joint below is looked at where they are few; else, so that deep skeletons do not take the square of their depth, the way of all of them with this joint and their own after it are added up.
+    void measure_in(const SampledPose& pose) {
+        const size_t most_below = kMostSteps / parents_.size();
+        const std::vector<AffineT<double>> model_from_bind = bind_reference(character_.palette, model_from_joint_of(character_, pose));
+        std::vector<double> furthest(parents_.size()), below(parents_.size());
+        for (uint32_t joint = static_cast<uint32_t>(parents_.size()); joint-- > 0;) {
+            const uint32_t parent = parents_[joint];
+            if (parent == kNone) {
+                furthest[joint] = kInfinity;
+            } else if (ends_[joint] - joint <= most_below) {
+                for (uint32_t one = joint; one < ends_[joint]; ++one) furthest[joint] = std::max(furthest[joint], displaced(one, parent, boxes_, model_from_bind));
+            } else {
+                furthest[joint] = displaced(joint, parent, boxes_below_, model_from_bind) + below[joint];
             }
-        return true;
+            bounds_[joint] = std::max(bounds_[joint], furthest[joint]);
+            if (parent != kNone) below[parent] = std::max(below[parent], furthest[joint]);
+        }
     }
 
-    static AffineT<double> difference(const AffineT<double>& a, const AffineT<double>& b) {
-        AffineT<double> out;
-        for (size_t row = 0; row < 3; ++row)
-            for (size_t column = 0; column < 4; ++column) out.row[row][column] = a.row[row][column] - b.row[row][column];
-        return out;
+    double displaced(uint32_t joint, uint32_t above, const std::vector<Box>& boxes, std::span<const AffineT<double>> model_from_bind) const {
+        double furthest = 0;
+        for (const auto& [of_joint, skin, entry] : entries_.of_joint(joint)) {
+            const uint32_t counterpart = entries_.counterpart(entry, above);
+            if (counterpart == kNone) return kInfinity;
+            if (!boxes[entry].empty) furthest = std::max(furthest, displacement(difference(model_from_bind[entry], model_from_bind[counterpart]), boxes[entry]));
+        }
+        return furthest;
     }
 
-    Character& character_;
+    const Character& character_;
+    const std::vector<uint32_t>& parents_;
     EntryTable entries_;
-    std::vector<Box> boxes_;
-    std::vector<std::vector<AffineT<double>>> poses_;
-    std::vector<uint32_t> subtree_end_;  // [joint]
+    std::vector<Box> boxes_, boxes_below_;  // [entry], in bind space: of its vertices; and of those that the skin's entries below move, too
+    std::vector<uint32_t> ends_;            // [joint]: joints are depth first, so a subtree is a run
+    std::vector<double> bounds_;            // [joint]
 };
 
 }  // namespace
@@ -154,10 +144,22 @@ std::vector<Influences> influences_of_detail(const Character& character, uint32_
 }
 
 void make_joint_details(Character& character) {
-    character.joint_details.assign(character.details.empty() ? 0 : character.rig.joint_count(), 0);
-    if (character.details.empty()) return;
-    JointReducer reducer(character);
-    for (uint32_t detail = 1; detail <= character.details.size(); ++detail) reducer.reduce(detail);
+    character.joint_details.clear();
+    if (character.details.empty() || character.clips.empty()) return;
+    const JointDisplacements displacements(character);
+    character.joint_details.resize(character.rig.joint_count());
+    for (uint32_t level = 1; level <= character.details.size(); ++level) {
+        DetailLevel& detail = character.details[level - 1];
+        const double most = kShare * double{detail.error};
+        double furthest = 0;  // of joints that do not move
+        for (uint32_t joint = 0; joint < character.joint_details.size(); ++joint) {
+            const uint32_t parent = character.rig.parents[joint];
+            if (parent != kNone && character.joint_details[parent] < level) continue;
+            if (displacements.of(joint) <= most) furthest = std::max(furthest, displacements.of(joint));
+            else character.joint_details[joint] = level;
+        }
+        detail.error += static_cast<float>(furthest);
+    }
 }
 
 }  // namespace throng
