@@ -185,7 +185,7 @@ TEST(Pace, CoarserLevelsHaveFewerJoints) {
     const std::vector<Affine> places = rows_of(kCount, 3.0 * character.size);
     for (Crowd* crowd : {&reduced, &whole}) ASSERT_TRUE(crowd->set_placement(0, places) && crowd->set_playback(0, playbacks));
     CrowdView view = view_along(0);
-    view.detail_pixels = 0.1f;
+    view.detail_pixels = 0.2f;
     ASSERT_TRUE(reduced.update(0.1f, &view) && whole.update(0.1f));
     std::array<uint32_t, 4> compared{};
     for (const DrawnInstance& one : drawn_of(reduced)) {
@@ -205,6 +205,8 @@ TEST(Pace, CoarserLevelsHaveFewerJoints) {
         EXPECT_TRUE(detail == 0 || sets[detail].joint_count <= sets[detail - 1].joint_count);
     }
     EXPECT_LT(sets.back().joint_count, character.rig.joint_count() / 2);
+    Crowd posed = create({.groups = {{.character = &character, .instance_count = 1, .pose_capacity = 1}}, .path = UpdatePath::kFused, .culls = true, .reduces_joints = true});
+    EXPECT_EQ(posed.state().groups[0].fused.size(), 1u) << "poses from outside may move any joint";
 }
 
 // Matrices of joints that only the finer level has were not animated before: they do not wait for their turn, and have not moved.

@@ -118,7 +118,7 @@ struct CrowdView {
     std::array<std::array<float, 4>, 4> clip_from_world{};  // rows; a world point is seen where -w <= x, y <= w and 0 <= z <= w
     Vec3<float> eye;          // world space
     float pixels = 1000;      // that a length of 1 takes at a distance of 1: the picture's height / (2 tan(half the vertical field of view))
-    float detail_pixels = 1;  // a coarser level of detail is drawn where its surfaces lie within so many pixels of the finest one's, as long as they are in the middle of the picture, which stretches towards its edges
+    float detail_pixels = 1;  // a coarser level of detail is drawn where its surfaces lie within so many pixels of the finest one's in the rest pose and in clips (DetailLevel::error), as long as they are in the middle of the picture, which stretches towards its edges
     Vec3<float> shadow;       // what is drawn throws its shadow as far as this, world space: so what is outside but throws one inside is drawn too
     float ground = -1e30f;    // world y; nothing below it is seen, so a shadow that falls goes no farther
     // Where CrowdSettings::skips_updates: a character whose box is at least so many pixels across is animated in every update, one of half as many in every second, of a quarter in
@@ -156,7 +156,7 @@ struct CrowdSettings {
     // Such updates may animate what is small on the screen less often than others, with culls; its skin matrices go on evenly from one pose to the next. Doubles the memory of skin matrices.
     bool skips_updates = false;
     // Coarser levels of detail have fewer joints (Character::joint_details), with culls: their skin matrices are written only for these, and only the influences of their level refer to no others. Kept model
-    // matrices likewise.
+    // matrices likewise. Not of groups with CrowdGroup::pose_capacity.
     bool reduces_joints = false;
     SkinBlend skin_blend = SkinBlend::kLinear;
     // Every vertex that is drawn is skinned once, in compute, into OutputBlock::skinned_buffer, for several passes (shadow maps, depths, the picture) or others who read vertices; Renderer does so then.
