@@ -74,6 +74,16 @@ TEST_F(CliFilm, AFrameIsTheSameWhicheverAreDrawn) {
     EXPECT_EQ(read_file(file("picture.png")), frames.at("frame_0000.png"));
 }
 
+// Those that walk have walked as far in a frame whether those before it are drawn or not.
+TEST_F(CliFilm, WhoSteersIsWhereTheFrameSays) {
+    const std::string whole = new_folder("walked"), shared = new_folder("walked_unseen");
+    const std::vector<std::string> steer{"--steer", "--spacing", "2"}, third{"--steer", "--spacing", "2", "--shard", "3/4"};
+    ASSERT_TRUE(film(whole + "/%d.png", steer).succeeded());
+    ASSERT_TRUE(film(shared + "/%d.png", third).succeeded());
+    EXPECT_EQ(contents(shared).at("3.png"), contents(whole).at("3.png"));
+    EXPECT_TRUE(film(whole + "/%d.png").refused("steer true, not false"));
+}
+
 TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
     const std::string folder = new_folder("settings"), out = folder + "/%d.png";
     ASSERT_TRUE(film(out, {"--shard", "3/4"}).succeeded());
