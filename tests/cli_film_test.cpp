@@ -81,7 +81,7 @@ TEST_F(CliFilm, WhoSteersIsWhereTheFrameSays) {
     ASSERT_TRUE(film(whole + "/%d.png", steer).succeeded());
     ASSERT_TRUE(film(shared + "/%d.png", third).succeeded());
     EXPECT_EQ(contents(shared).at("3.png"), contents(whole).at("3.png"));
-    EXPECT_TRUE(film(whole + "/%d.png").refused("steer true, not false"));
+    EXPECT_TRUE(film(whole + "/%d.png", {"--spacing", "2"}).refused("steer true, not false"));
 }
 
 TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
