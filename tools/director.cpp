@@ -4,13 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace throng::tools {
 
 ParameterRange parameter_range(const Controller& controller, uint32_t parameter) {
     const std::string& name = controller.parameters[parameter].name;
-    constexpr float kBeyond = 1.25f;  // of what is compared with, so that either answer happens
-    ParameterRange range{.type = controller.parameters[parameter].type};
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    ParameterRange range{controller.parameters[parameter].type, kInfinity, -kInfinity};
     for (const ControllerLayer& layer : controller.layers) {
         const auto include = [&](float value) {
             range.least = std::min(range.least, value);
@@ -23,9 +24,13 @@ ParameterRange parameter_range(const Controller& controller, uint32_t parameter)
             }
         for (const ControllerTransition& transition : layer.transitions)
             for (const ControllerCondition& condition : transition.conditions)
-                if (condition.parameter == name && range.type == ParameterType::kFloat) include(kBeyond * condition.value);
+                if (condition.parameter == name && range.type == ParameterType::kFloat) {
+                    const float beyond = condition.value == 0 ? 1 : 0.25f * std::abs(condition.value);  // so that either answer happens
+                    include(condition.value - beyond);
+                    include(condition.value + beyond);
+                }
     }
-    return range;
+    return range.least <= range.most ? range : ParameterRange{.type = range.type};
 }
 
 Director::Director(std::span<const CrowdGroup> groups, uint64_t seed) : random_(seed) {
