@@ -1,5 +1,6 @@
-// Formations: as many places as were asked for, apart, the same for the same random numbers.
-#include "tools/placement.h"
+// Formations: as many places as were asked for, apart, the same for the same random numbers; and who stands there.
+#include "tools/command.h"
+#include "tools/scatter.h"
 
 #include <gtest/gtest.h>
 
@@ -101,6 +102,35 @@ TEST(Placement, HeadingsFollowTheFormation) {
         const double ahead = (dx * creature::sine(lane[i].heading_turns) + dz * creature::cosine(lane[i].heading_turns)) / std::hypot(dx, dz);
         EXPECT_GT(ahead, 0.8) << i;
     }
+}
+
+TEST(Placement, WhatIsInfinitelyLargeIsRefused) {
+    for (const double pitch : {1e200, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) EXPECT_THROW(placed(Formation::kGrid, {{4, pitch}}), CommandError) << pitch;
+}
+
+Character of_clips(size_t count) {
+    Character character;
+    character.bounds_max = {1, 2, 1};
+    character.size = 2;
+    for (size_t i = 0; i < count; ++i) character.clips.push_back({.duration_s = 1 + static_cast<float>(i)});
+    return character;
+}
+
+TEST(Scatter, CharactersKeepTheirClipsWhateverTheirNumber) {
+    const std::vector<Character> characters{of_clips(5), of_clips(3)};
+    const Scatter few = scatter(characters, {.counts = {6, 4}}), many = scatter(characters, {.counts = {50, 70}});
+    const auto same = [](const Playback& a, const Playback& b) { return std::tuple(a.first.clip, a.first.time_s, a.second.clip, a.second.time_s, a.weight) == std::tuple(b.first.clip, b.first.time_s, b.second.clip, b.second.time_s, b.weight); };
+    for (size_t i = 0; i < 6; ++i) EXPECT_TRUE(same(few.playback[i], many.playback[i])) << i;
+    for (size_t i = 0; i < 4; ++i) EXPECT_TRUE(same(few.playback[6 + i], many.playback[50 + i])) << i;
+    EXPECT_FALSE(same(few.playback[0], few.playback[1]));
+    EXPECT_FALSE(same(few.playback[0], scatter(characters, {.counts = {6, 4}, .seed = 2}).playback[0]));
+}
+
+TEST(Scatter, TakesTheLargestBounds) {
+    Character character = of_clips(1);
+    character.bounds_min.x = -3e38f;
+    character.bounds_max.x = 3e38f;
+    EXPECT_EQ(scatter({&character, 1}, {.counts = {4}}).placement.size(), 4u);
 }
 
 TEST(Placement, AHundredThousandAtRandom) { EXPECT_EQ(placed(Formation::kRandom, {{100'000, 1}}).size(), 100'000u); }

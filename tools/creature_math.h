@@ -59,12 +59,13 @@ Rotation rotation_to(const Vec& up, const Vec& forward);
 class Random {
 public:
     explicit Random(uint64_t seed) : state_(seed) {}
-    double unit() {  // 0 <= x < 1
+    uint64_t number() {
         uint64_t z = state_ += 0x9E3779B97F4A7C15u;
         z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
         z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-        return double((z ^ (z >> 31)) >> 11) / 9007199254740992.0;
+        return z ^ (z >> 31);
     }
+    double unit() { return double(number() >> 11) / 9007199254740992.0; }  // 0 <= x < 1
     double between(double low, double high) { return mix(low, high, unit()); }
 
 private:

@@ -1,5 +1,7 @@
 #include "tools/placement.h"
 
+#include "tools/command.h"
+
 #include <array>
 #include <functional>
 #include <numeric>
@@ -194,6 +196,7 @@ std::vector<std::vector<Place>> place_within(Formation formation, double area, s
 std::vector<Place> place(Formation formation, std::span<const PlacementKind> kinds, Random& random) {
     double area = 0;
     for (const PlacementKind& kind : kinds) area += kind.count * kind.pitch * kind.pitch;
+    if (!std::isfinite(area)) throw CommandError("the characters are too large to be placed");
     std::vector<std::vector<Place>> placed;
     for (; placed.empty() && area > 0; area *= 1.05) placed = place_within(formation, area, kinds, random);
     std::vector<Place> places;

@@ -23,13 +23,15 @@ Affine placed(const Character& character, double scale, double x, double z, doub
     return (world_from_scaled * to_affine(Trs<double>{.translation = {-center_x, 0, -center_z}})).as<float>();
 }
 
+Vec3<double> extent_of(const Character& character) { return character.bounds_max.as<double>() - character.bounds_min.as<double>(); }
+
 // How much larger than in their files characters are.
 std::vector<double> scales(std::span<const Character> characters, const std::vector<double>& heights) {
     double largest = 0;
     for (const Character& character : characters) largest = std::max(largest, double{character.size});
     std::vector<double> scales;
     for (size_t k = 0; k < characters.size(); ++k) {
-        const double height = characters[k].bounds_max.y - characters[k].bounds_min.y;
+        const double height = extent_of(characters[k]).y;
         if (!heights.empty()) scales.push_back(height > 0 ? heights[k] / height : 1);
         else scales.push_back(characters.size() > 1 && characters[k].size > 0 ? largest / characters[k].size : 1);
     }
@@ -44,15 +46,15 @@ void check_room(std::span<const PlacementKind> kinds) {
         area += kind.count * kind.pitch * kind.pitch;
         least = std::min(least, kind.pitch);
     }
-    if (area / (least * least) > kMostPlaces)
+    if (!(area / (least * least) <= kMostPlaces))
         throw CommandError("--sizes: on the ground of the largest there are more than 40,000,000 places for the smallest; give fewer of the large ones, or sizes that are closer");
 }
 
 }  // namespace
 
 double footprint(const Character& character) {
-    const Vec3<float> extent = character.bounds_max - character.bounds_min;
-    return std::max({double{extent.x}, double{extent.z}, 0.3 * extent.y, 1e-6});
+    const Vec3<double> extent = extent_of(character);
+    return std::max({extent.x, extent.z, 0.3 * extent.y, 1e-6});
 }
 
 std::vector<uint32_t> deal_out(uint32_t count, size_t parts) {
@@ -72,6 +74,7 @@ Scatter scatter(std::span<const Character> characters, const ScatterSettings& se
     check_room(kinds);
 
     Random random(settings.seed);
+    const uint64_t first_stream = Random(settings.seed).number();
     const std::vector<Place> places = place(settings.formation, kinds, random);
     const Freedom free = places.size() > 1 ? freedom(settings.formation) : Freedom();
     Scatter out{.scales = scale};
@@ -80,9 +83,10 @@ Scatter scatter(std::span<const Character> characters, const ScatterSettings& se
         const double shift = free.shift * kinds[k].pitch;
         for (uint32_t i = 0; i < kinds[k].count; ++i) {
             const Place& at = places[next++];
-            out.playback.push_back({random_clip(characters[k], random), random_clip(characters[k], random), static_cast<float>(random.unit())});
-            const double turn_rad = at.heading_turns * 2 * std::numbers::pi + random.between(-free.turn_rad, free.turn_rad);
-            const double z = at.z + random.between(-shift, shift), x = at.x + random.between(-shift, shift);
+            Random own(first_stream + (uint64_t{k} << 32) + i);  // so that it plays the same, however many there are
+            out.playback.push_back({random_clip(characters[k], own), random_clip(characters[k], own), static_cast<float>(own.unit())});
+            const double turn_rad = at.heading_turns * 2 * std::numbers::pi + own.between(-free.turn_rad, free.turn_rad);
+            const double z = at.z + own.between(-shift, shift), x = at.x + own.between(-shift, shift);
             out.placement.push_back(placed(characters[k], scale[k], x, z, turn_rad));
         }
     }
