@@ -122,7 +122,7 @@ CameraPath::CameraPath(const std::string& text) : name_(text.substr(0, text.find
     }
 }
 
-uint32_t CameraPath::followed_character() const { return name_ == "follow" ? static_cast<uint32_t>(parameter("character")) : 0; }
+uint32_t CameraPath::followed_character() const { return follows() ? static_cast<uint32_t>(parameter("character")) : 0; }
 
 Camera CameraPath::at(double time_s, const CameraSubject& subject) const {
     if (still_) return *still_;

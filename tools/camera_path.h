@@ -30,6 +30,7 @@ public:
 
     Camera at(double time_s, const CameraSubject& subject) const;
     // Of the crowd, for CameraSubject.
+    bool follows() const { return name_ == "follow"; }
     uint32_t followed_character() const;
 
 private:

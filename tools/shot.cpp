@@ -1,5 +1,7 @@
 #include "tools/shot.h"
 
+#include <utility>
+
 namespace throng::tools {
 
 RendererSettings parse_size(const std::string& text) {
@@ -23,13 +25,20 @@ Shot::Shot(const Device& device, const RenderOptions& options)
       path_(make_camera_path(options.camera)),
       scene_(device, options.scene, crowd_settings(options)),
       renderer_(unwrap(Renderer::create(device, size_))),
-      everything_(options.everything) {
+      everything_(options.everything),
+      follows_(path_.follows() && !options.scene.controllers.empty()) {
     unwrap(renderer_.set_options({.skeletons = options.skeletons, .bounds = options.bounds}));
     scene_.follow(path_.followed_character());
     scene_.start();
 }
 
+void Shot::skip(double step_s) {
+    scene_.step_unseen(static_cast<float>(step_s));
+    if (follows_) scene_.step_unseen(0);
+}
+
 RenderResult Shot::draw(double step_s, double time_s) {
+    if (follows_) scene_.step_unseen(static_cast<float>(std::exchange(step_s, 0)));
     const Camera camera = path_.at(time_s, scene_.subject(static_cast<float>(size_.width) / static_cast<float>(size_.height)));
     const CrowdView view = unwrap(view_of(camera, size_.width, size_.height, scene_.bounds()));
     scene_.step(static_cast<float>(step_s), everything_ ? nullptr : &view);

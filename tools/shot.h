@@ -30,7 +30,7 @@ public:
 
     // All go on by `step_s`, and are drawn as the camera sees them at `time_s`; or are not.
     RenderResult draw(double step_s, double time_s);
-    void skip(double step_s) { scene_.step_unseen(static_cast<float>(step_s)); }
+    void skip(double step_s);
 
     Crowd& crowd() { return scene_.crowd(); }
     // Of the last update.
@@ -42,6 +42,7 @@ private:
     CrowdScene scene_;
     Renderer renderer_;
     bool everything_;
+    bool follows_;  // a character whom root motion may move: each step is two updates then, one that moves it and one of no time, for what the camera then sees
 };
 
 }  // namespace throng::tools
