@@ -1,4 +1,5 @@
 // Films by the command line: frames that are kept, shared among runs, and refused; a film of them.
+#include "tests/glb_builder.h"
 #include "tests/tool_runner.h"
 
 #include <algorithm>
@@ -6,6 +7,13 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <regex>
+#include <set>
+
+#define STB_IMAGE_STATIC
+#define STB_IMAGE_IMPLEMENTATION
+#define STBI_ONLY_PNG
+#include <stb/stb_image.h>
 
 namespace throng {
 namespace {
@@ -28,6 +36,14 @@ protected:
         return all;
     }
     static Outcome film(const std::string& out, const std::vector<std::string>& more = {}) { return run_tool(arguments(out, more)); }
+    // The same, but with another value of one option.
+    static Outcome film_with(const std::string& out, const std::string& option, const std::string& value) {
+        std::vector<std::string> all = arguments(out);
+        const auto there = std::find(all.begin(), all.end(), option);
+        if (there == all.end()) all.insert(all.end(), {option, value});
+        else *(there + 1) = value;
+        return run_tool(all);
+    }
     static std::map<std::string, std::string> contents(const std::string& folder) {
         std::map<std::string, std::string> files;
         for (const auto& entry : fs::directory_iterator(folder)) files[entry.path().filename()] = read_file(entry.path());
@@ -88,13 +104,70 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
     const std::string folder = new_folder("settings"), out = folder + "/%d.png";
     ASSERT_TRUE(film(out, {"--shard", "3/4"}).succeeded());
     const auto before = contents(folder);
-    const std::pair<std::vector<std::string>, const char*> cases[] = {{{"--time", "2"}, "time 0.0, not 2.0"}, {{"--seed", "2"}, "seed 1, not 2"}, {{"--sizes", "1,2"}, "sizes [], not [1.0,2.0]"}};
-    for (const auto& [more, named] : cases) EXPECT_TRUE(film(out, more).refused(named)) << named;
+    const std::map<std::string, std::pair<std::string, std::string>> others{
+        {"--count", {"7", "count 6, not 7"}}, {"--sizes", {"1,2", "sizes [], not [1.0,2.0]"}}, {"--placement", {"grid", "placement"}}, {"--spacing", {"2", "spacing 1.0, not 2.0"}},
+        {"--controller", {THRONG_SOURCE_DIR "/examples/controllers/walker.json", "controllers"}}, {"--seed", {"2", "seed 1, not 2"}}, {"--scan", {"serial", "scan"}}, {"--error", {"exact", "error"}},
+        {"--size", {"32x36", "size"}}, {"--time", {"2", "time 0.0, not 2.0"}}, {"--camera", {"fit", "camera"}}, {"--fps", {"2", "fps 1.0, not 2.0"}}};
+    for (const auto& [option, other] : others) EXPECT_TRUE(film_with(out, option, other.first).refused(other.second)) << option;
+    for (const char* flag : {"everything", "skeletons", "bounds"}) EXPECT_TRUE(film(out, {std::string("--") + flag}).refused(std::string(flag) + " false, not true")) << flag;
+    std::vector<std::string> replaced = arguments(out);
+    *std::find(replaced.begin(), replaced.end(), "--count") = "--counts";
+    *(std::find(replaced.begin(), replaced.end(), "--counts") + 1) = "4,2";
+    EXPECT_TRUE(run_tool(replaced).refused("count"));
+    const auto camera = std::find(replaced.begin(), replaced.end(), "--camera");
+    replaced.insert(replaced.erase(camera, camera + 2), {"--eye", "1,2,3", "--target", "0,1,0"});
+    EXPECT_TRUE(run_tool(replaced).refused("made with"));
+    // No option has been forgotten: the rest changes no frame.
+    std::set<std::string> known{"--help", "--frames", "--shard", "--out", "--device", "--json", "--everything", "--skeletons", "--bounds", "--counts", "--eye", "--target"};
+    for (const auto& [option, other] : others) known.insert(option);
+    const std::string help = run_tool({"render", "--help"}).out;
+    const std::regex option("\n  (?:-.,)?(--[a-z-]+)");
+    for (std::sregex_iterator found(help.begin(), help.end(), option), end; found != end; ++found) EXPECT_TRUE(known.contains((*found)[1])) << (*found)[1] << ": is it in the settings of films?";
+
+    Json settings = Json::parse(before.at("settings.json"));
+    ASSERT_EQ(settings["updates"].size(), 2u);
+    EXPECT_EQ(settings["updates"][0].get<std::string>().rfind("fused, ", 0), 0u) << settings;
+    settings["updates"][1] = "staged, serial";
+    std::ofstream(folder + "/settings.json") << settings;
+    EXPECT_TRUE(film(out).refused("updates")) << "another scan chosen, as by the costs of throng tune";
+    fs::remove(folder + "/3.png");
+    EXPECT_TRUE(film(out, {"--seed", "2"}).refused("seed 1, not 2")) << "of a shard that has drawn nothing yet";
+    std::ofstream(folder + "/3.png") << before.at("3.png");
     fs::remove(folder + "/settings.json");
     EXPECT_TRUE(film(out).refused("3.png"));
     std::ofstream(folder + "/settings.json") << "no settings";
     EXPECT_TRUE(film(out).refused("settings.json"));
     EXPECT_EQ(contents(folder).at("3.png"), before.at("3.png"));
+}
+
+// Two metres a second: the camera is where its character is in the frame, not where that was before the step.
+TEST_F(CliFilm, TheCameraFollowsRootMotion) {
+    GlbBuilder mover = tiny_character();
+    const size_t places = mover.add<float>({0, 0, 0, 0, 0, 2}, "VEC3", kFloat);
+    mover.json["animations"] = {{{"name", "go"}, {"channels", {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "translation"}}}}}}, {"samplers", {{{"input", kTimes}, {"output", places}}}}}};
+    mover.json["materials"] = {{{"doubleSided", true}, {"pbrMetallicRoughness", {{"baseColorFactor", {0.9, 0, 0, 1}}}}}};
+    mover.json["meshes"][0]["primitives"][0]["material"] = 0;
+    std::ofstream(file("mover.glb"), std::ios::binary) << mover.glb();
+    std::ofstream(file("go.json")) << R"({"layers": [{"name": "body", "states": {"go": {"clip": "go"}}}]})";
+    const Outcome compiled = run_tool({"compile", file("mover.glb"), "--root-motion", "root", "--out", file("mover.throng")});
+    ASSERT_TRUE(compiled.succeeded()) << compiled;
+    const std::string folder = new_folder("followed");
+    const Outcome run = run_tool({"render", file("mover.throng"), "--controller", file("go.json"), "--camera", "follow", "--size", "64x36", "--time", "2", "--frames", "0:2", "--fps", "1000", "--out", folder + "/%d.png"});
+    ASSERT_TRUE(run.succeeded()) << run;
+    int red = 0, other = 0;
+    const auto pixels = [&](const char* frame) {
+        int width = 0, height = 0;
+        const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> read(stbi_load((folder + frame).c_str(), &width, &height, nullptr, 3), &stbi_image_free);
+        EXPECT_TRUE(read && width == 64 && height == 36);
+        return std::vector<int>(read.get(), read.get() + 64 * 36 * 3);
+    };
+    const std::vector<int> after_two_s = pixels("/0.png"), after_a_ms = pixels("/1.png");
+    for (size_t i = 0; i < after_two_s.size(); i += 3) {
+        red += after_a_ms[i] > 2 * after_a_ms[i + 1];
+        other += std::abs(after_two_s[i + 1] - after_a_ms[i + 1]) > 24;
+    }
+    EXPECT_GT(red, 20);
+    EXPECT_LE(other, red / 20);
 }
 
 TEST_F(CliFilm, AFilmHasItsFrames) {
@@ -120,14 +193,7 @@ TEST_F(CliFilm, ControllersAreForFilesThatAreThere) {
 
 TEST_F(CliFilm, WrongOptionsAreRefused) {
     const std::string out = file("%d.png");
-    std::vector<std::string> base = arguments(out);
-    const auto with = [&](const std::string& option, const std::string& value) {
-        std::vector<std::string> all = base;
-        const auto there = std::find(all.begin(), all.end(), option);
-        if (there == all.end()) all.insert(all.end(), {option, value});
-        else *(there + 1) = value;
-        return run_tool(all);
-    };
+    const auto with = [&](const std::string& option, const std::string& value) { return film_with(out, option, value); };
     for (const char* frames : {"4", "4:", ":4", "4:4", "5:4", "0:4:1", "0:1000001", "0:99999999999"}) EXPECT_TRUE(with("--frames", frames).refused("--frames")) << frames;
     for (const char* shard : {"1", "2/2", "0/0", "/2", "1/", "a/b"}) EXPECT_TRUE(with("--shard", shard).refused("--shard")) << shard;
     for (const char* name : {"frame.png", "frame_%4d.png", "frame_%s.png", "%d_%d.png", "frame_%0999d.png", "frame_%d.jpg", "film.avi"}) EXPECT_TRUE(with("--out", file(name)).refused(name)) << name;

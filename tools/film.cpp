@@ -73,7 +73,16 @@ nlohmann::json settings_of(const RenderOptions& options) {
             {"fps", options.fps},
             {"skinning", static_cast<int>(options.skin_blend)},
             {"skin_once", options.skins_once},
-            {"everything", options.everything}};
+                        {"everything", options.everything},
+            {"skeletons", options.skeletons},
+            {"bounds", options.bounds}};
+}
+
+// What was chosen for each file: another device, or costs that `throng tune` has measured, may choose otherwise, which rounds otherwise.
+nlohmann::json updates_of(const Crowd& crowd, size_t file_count) {
+    nlohmann::json updates = nlohmann::json::array();
+    for (uint32_t group = 0; group < file_count; ++group) updates.push_back((crowd.is_fused(group) ? "fused, " : "staged, ") + crowd.scan(group).method);
+    return updates;
 }
 
 struct FilmTimes {
@@ -96,10 +105,11 @@ std::string duration_text(double seconds) {
     return std::to_string(whole / 3600) + " h " + std::to_string(whole / 60 % 60) + " min";
 }
 
-FilmTimes draw_frames(const Device& device, const RenderOptions& options, const FilmPlan& plan, const std::vector<uint32_t>& frames, const nlohmann::json& settings) {
+FilmTimes draw_frames(const Device& device, const RenderOptions& options, const FilmPlan& plan, const std::vector<uint32_t>& frames, nlohmann::json settings) {
     Shot shot(device, options);
+    settings["updates"] = updates_of(shot.crowd(), options.scene.files.size());
     if (plan.is_film) fs::create_directory(plan.folder);
-    plan.files.write_settings(settings);
+    plan.files.keep_settings(settings);
     FilmTimes times;
     uint32_t next = 0;  // frame that all have yet to step to
     const auto step_to = [&](uint32_t frame) { return frame == 0 ? options.time_s : 1 / options.fps; };

@@ -1,5 +1,6 @@
 #include "tools/film_frames.h"
 
+#include "base/replace_file.h"
 #include "tools/command.h"
 
 #define STB_IMAGE_STATIC
@@ -82,11 +83,13 @@ std::filesystem::path FrameFiles::some_frame() const {
 }
 
 void FrameFiles::check_settings(const nlohmann::json& settings) const {
-    const std::filesystem::path frame = some_frame();
-    if (frame.empty()) return;
-    const std::string place = settings_path().string(), advice = "; remove the frames, or give another --out";
+    const std::string place = settings_path().string(), advice = "; remove it and the frames, or give another --out";
     const std::optional<std::string> text = content(settings_path());
-    if (!text) throw CommandError(frame.string() + " is there, but not " + place + ", which says what it was made with" + advice);
+    if (!text) {
+        const std::filesystem::path frame = some_frame();
+        if (frame.empty()) return;
+        throw CommandError(frame.string() + " is there, but not " + place + ", which says what it was made with; remove the frames, or give another --out");
+    }
     const nlohmann::json there = nlohmann::json::parse(*text, nullptr, false);
     for (const auto& [name, value] : settings.items()) {
         const nlohmann::json found = there.is_object() && there.contains(name) ? there[name] : nlohmann::json();
@@ -94,9 +97,11 @@ void FrameFiles::check_settings(const nlohmann::json& settings) const {
     }
 }
 
-void FrameFiles::write_settings(const nlohmann::json& settings) const {
+void FrameFiles::keep_settings(const nlohmann::json& settings) const {
+    check_settings(settings);
     const std::string text = settings.dump(2) + "\n";
-    write_file(settings_path(), std::as_bytes(std::span(text)));
+    unwrap(as_result([&] { create_file(settings_path(), std::as_bytes(std::span(text))); }));
+    check_settings(settings);
 }
 
 std::vector<uint32_t> FrameFiles::missing(const FrameRange& range, const Shard& shard, uint32_t width, uint32_t height) const {

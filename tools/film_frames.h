@@ -33,9 +33,10 @@ public:
     // Beside the frames: their settings.
     std::filesystem::path settings_path() const;
 
-    // Throws CommandError where frames are there that were made with other settings, or nobody knows which. Only what `settings` has is compared.
+    // Throws CommandError where there are other settings, or frames without any. Only what `settings` has is compared.
     void check_settings(const nlohmann::json& settings) const;
-    void write_settings(const nlohmann::json& settings) const;
+    // The same, and writes them where there are none. Of shards that do so at once, one writes, and all compare.
+    void keep_settings(const nlohmann::json& settings) const;
     // Those of the range and shard that are not there as whole pictures of this size.
     std::vector<uint32_t> missing(const FrameRange& range, const Shard& shard, uint32_t width, uint32_t height) const;
 

@@ -13,9 +13,9 @@
 
 namespace throng {
 
-// Writes a new file beside `path`, then renames it: who reads `path` sees the old file or the new one, never half of it. Throws kFile with
-// the system's reason, and leaves nothing behind.
-inline void replace_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+// Writes a new file beside `path`, then has it take that name by `take_name`, a rename() or what behaves like it. Returns the errno of what failed, or 0.
+template <class TakeName>
+int write_beside(const std::filesystem::path& path, std::span<const std::byte> bytes, TakeName take_name) {
     namespace fs = std::filesystem;
     const auto fail = [&](const std::string& what) { throw Failure(ErrorCode::kFile, path.string(), what); };
     std::error_code error;
@@ -36,10 +36,22 @@ inline void replace_file(const std::filesystem::path& path, std::span<const std:
         else if (errno != EINTR) reason = errno;
     }
     if (::close(file) != 0 && reason == 0) reason = errno;
-    if (reason == 0 && ::rename(unfinished.c_str(), path.c_str()) != 0) reason = errno;
-    if (reason == 0) return;
-    ::unlink(unfinished.c_str());
-    fail("cannot be written: " + std::generic_category().message(reason));
+    if (reason == 0 && take_name(unfinished.c_str(), path.c_str()) != 0) reason = errno;
+    if (reason != 0) ::unlink(unfinished.c_str());
+    return reason;
+}
+
+inline void check_written(const std::filesystem::path& path, int reason) {
+    if (reason != 0) throw Failure(ErrorCode::kFile, path.string(), "cannot be written: " + std::generic_category().message(reason));
+}
+
+// Who reads `path` sees the old file or the new one, never half of it. Throws kFile with the system's reason, and leaves nothing behind.
+inline void replace_file(const std::filesystem::path& path, std::span<const std::byte> bytes) { check_written(path, write_beside(path, bytes, ::rename)); }
+
+// The same, but a file that is there already stays: of several that call it at once, one creates it.
+inline void create_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+    const int reason = write_beside(path, bytes, [](const char* unfinished, const char* name) { return ::link(unfinished, name) == 0 ? ::unlink(unfinished) : -1; });
+    if (reason != EEXIST) check_written(path, reason);
 }
 
 }  // namespace throng
