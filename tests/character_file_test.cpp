@@ -447,6 +447,7 @@ TEST(CharacterFile, CraftedContentIsRefused) {
             {"a mean depth that is no number", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).mean_depth = std::numeric_limits<double>::quiet_NaN(); }, "mean depth"},
             {"bounds inside out", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).bounds_min.x = 1e30f; }, "bounds"},
             {"bounds that are not finite", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).bounds_max.y = kInfinity; }, "bounds"},
+            {"bounds wider than any number", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).bounds_min.x = -3e38f, f.at<ScalarsRecord>(S::kScalars).bounds_max.x = 3e38f; }, "bounds"},
             {"no size", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).size = 0; }, "size"},
             {"a size that is no number", [](Forged& f) { f.at<ScalarsRecord>(S::kScalars).size = kNan; }, "size"},
 
@@ -466,6 +467,7 @@ TEST(CharacterFile, CraftedContentIsRefused) {
             {"a negative duration", [](Forged& f) { f.at<ClipRecord>(S::kClips).duration_s = -1; }, "duration"},
             {"a duration without end", [](Forged& f) { f.at<ClipRecord>(S::kClips).duration_s = kInfinity; }, "duration"},
             {"an error that is no number", [](Forged& f) { f.at<ClipRecord>(S::kClips).error = std::numeric_limits<double>::quiet_NaN(); }, "error"},
+            {"bounds of a clip that are wider than any number", [](Forged& f) { f.at<ClipRecord>(S::kClips).bounds_min.z = -3e38f, f.at<ClipRecord>(S::kClips).bounds_max.z = 3e38f; }, "clips[0]"},
             {"a time that is no number", [](Forged& f) { f.at<float>(S::kTimes, 1) = kNan; }, "times[1]"},
             {"a negative time", [](Forged& f) { f.at<float>(S::kTimes, 0) = -1; }, "times[0]"},
             {"a time without end", [](Forged& f) { f.at<float>(S::kTimes, -1) = kInfinity; }, "times["},

@@ -23,6 +23,8 @@ bool all_finite(const Floats& floats) {
     return std::all_of(std::begin(floats), std::end(floats), [](auto f) { return std::isfinite(f); });
 }
 bool all_finite(const Vec3<float>& v) { return all_finite(std::array{v.x, v.y, v.z}); }
+// And so is the extent between two that are finite.
+bool all_finite(const Vec3<float>& low, const Vec3<float>& high) { return all_finite(low) && all_finite(high) && all_finite(high - low); }
 
 std::string at(const char* array, size_t index) { return std::string(array) + "[" + std::to_string(index) + "]"; }
 std::string text(uint64_t number) { return std::to_string(number); }
@@ -80,7 +82,7 @@ private:
 
     void check_scalars() const {
         const Vec3<float>&low = c_.bounds_min, &high = c_.bounds_max;
-        if (!all_finite(low) || !all_finite(high) || low.x > high.x || low.y > high.y || low.z > high.z) fail("bounds", "are no box");
+        if (!all_finite(low, high) || low.x > high.x || low.y > high.y || low.z > high.z) fail("bounds", "are no box");
         if (!(c_.size > 0) || !std::isfinite(c_.size)) fail("size", "is not positive");
     }
 
@@ -114,7 +116,7 @@ private:
             const Clip& clip = c_.clips[i];
             if (!(clip.duration_s >= 0) || !std::isfinite(clip.duration_s)) fail(at("clips", i), "its duration is no time");
             if (!std::isfinite(clip.error)) fail(at("clips", i), "its error is not finite");
-            if (!all_finite(clip.bounds_min) || !all_finite(clip.bounds_max)) fail(at("clips", i), "its bounds are not finite");
+            if (!all_finite(clip.bounds_min, clip.bounds_max)) fail(at("clips", i), "its bounds are not finite");
             if (clip.row_count == 0) fail(at("clips", i), "has no rows");
             if (clip.first_time != next) fail(at("clips", i), "its times begin at " + text(clip.first_time) + ", not " + text(next));
             next += clip.row_count;
