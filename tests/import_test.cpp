@@ -1049,6 +1049,10 @@ TEST(Import, MaterialsHaveAllTexturesThatShareTheirCoordinates) {
     EXPECT_EQ(other_set.materials[0].normal_image, kNone);
     EXPECT_EQ(name_of(other_set, other_set.materials[0].emissive_image), "4");
     EXPECT_TRUE(has_warning(other_set, "materials[0].normalTexture: uses other texture coordinates"));
+    b.json["textures"][0].erase("source");
+    b.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 0;
+    const Asset left_out = loaded(b);
+    EXPECT_EQ(name_of(left_out, left_out.materials[0].metallic_roughness_image), "1") << "a texture without an image decides nothing";
     b.json["materials"][0]["normalTexture"]["index"] = 5;
     b.json["materials"][0]["normalTexture"]["texCoord"] = 1;
     expect_refused(b, "materials[0].normalTexture.index", "index 5");

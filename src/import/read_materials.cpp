@@ -82,7 +82,7 @@ AlphaMode read_alpha_mode(Reading& reading, const JsonView& json) {
     return AlphaMode::kOpaque;
 }
 
-// The textures of one material, which all use the same set of texture coordinates: that of the first.
+// The textures of one material, which all use the same set of texture coordinates: that of the first that has an image.
 class Textures {
 public:
     Textures(Reading& reading, Images& images) : reading_(reading), images_(images) {}
@@ -101,9 +101,11 @@ public:
             reading_.warnings.add(info->place(), "uses other texture coordinates than the material's first texture: it is left out");
             return kNone;
         }
+        const uint32_t image = images_.of_texture(*info);
+        if (image == kNone) return kNone;
         has_set_ = true;
         set_ = bounded_set;
-        return images_.of_texture(*info);
+        return image;
     }
     uint32_t set() const { return set_; }
 
