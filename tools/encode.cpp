@@ -10,6 +10,8 @@
 namespace throng::tools {
 namespace {
 
+constexpr const char* kThreads = "8";  // of the encoder, whose bytes depend on their number: else it takes as many as there are cores
+
 // Throws with the last line that ffmpeg had to say.
 void run_ffmpeg(std::vector<std::string> arguments, const std::string& place) {
     using Start = bench::ChildOutput::Start;
@@ -43,7 +45,7 @@ void encode_film(const FilmPictures& pictures, const std::filesystem::path& out)
     try {
         run_ffmpeg({"-y", "-framerate", rate, "-start_number", std::to_string(pictures.first), "-i", without_numbers(fs::absolute(pictures.folder).string()) + "/%06d.png",
                     "-frames:v", std::to_string(pictures.count), "-vf", "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p", "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709",
-                    "-c:v", "libx264", "-crf", "18", "-fflags", "+bitexact", "-flags:v", "+bitexact", "-map_metadata", "-1", "-movflags", "+faststart", "-f", "mp4", unfinished.string()},
+                    "-c:v", "libx264", "-crf", "18", "-threads", kThreads, "-fflags", "+bitexact", "-flags:v", "+bitexact", "-map_metadata", "-1", "-movflags", "+faststart", "-f", "mp4", unfinished.string()},
                    out.string());
     } catch (...) {
         fs::remove(unfinished, ignored);
