@@ -165,6 +165,15 @@ TEST_F(View, ChangesTheNumber) {
     EXPECT_EQ(state_["count"], 10) << "5, 10, 20, 10";
 }
 
+TEST_F(View, CountsWhatIsDrawn) {
+    const auto drawn = [](const std::string& last) {
+        view("0 hold space\n1 let space\n2 scroll 20\n16 " + last + "\n18 move 630 20\n", {"--count", "40"});
+        return state_["drawn"].get<std::vector<uint32_t>>();
+    };
+    EXPECT_LT(drawn("move 0 0")[0], 40u) << "too near to see all";
+    EXPECT_EQ(drawn("type l"), std::vector{40u}) << "without culling";
+}
+
 TEST_F(View, DropsReplaceTheScene) {
     write("broken.glb", "glTF, it says");
     const Outcome run = view(std::string(kStill) + "4 shot " + file("one.png") + "\n5 drop " + file("broken.glb") + "\n8 shot " + file("still_one.png") + "\n9 drop " + file("other.glb") + " " + file("one.glb") +

@@ -186,7 +186,8 @@ void Viewer::measure() {
     if (const Result<StageTimes> times = scene_.crowd().stage_times()) measured_.history.add(*times, renderer_.draw_ms());
     if (state_.selected) measured_.parameters = probe_.read();
     constexpr uint64_t kEvery = 15;  // frames: it waits for the device
-    if (frame_ % kEvery != 0 || !scene_.settings().culls) return;
+    if (!scene_.settings().culls) return measured_.drawn.assign(1, scene_.settings().count);
+    if (frame_ % kEvery != 0) return;
     measured_.drawn.clear();
     for (const DrawnInstance& one : unwrap(scene_.crowd().read_drawn())) {
         measured_.drawn.resize(std::max<size_t>(measured_.drawn.size(), one.detail + 1));
