@@ -50,7 +50,7 @@ vec3 reflected_light(Surface surface, vec3 to_eye, float sun) {
     const float falloff = n_h * n_h * (alpha2 - 1) + 1;
     const float distribution = alpha2 / (kPi * falloff * falloff);
     const float visibility = 0.5 / max(n_l * sqrt(n_v * n_v * (1 - alpha2) + alpha2) + n_v * sqrt(n_l * n_l * (1 - alpha2) + alpha2), 1e-4);
-    const vec3 fresnel = f0 + (1 - f0) * pow(1 - v_h, 5);
+    const vec3 fresnel = f0 + (1 - f0) * pow(max(1 - v_h, 0), 5);
     const vec3 from_sun = (diffuse * (1 - fresnel) + kPi * distribution * visibility * fresnel) * scene.sun_light.rgb * (n_l * sun);
 
     const vec4 r = roughness * vec4(-1, -0.0275, -0.572, 0.022) + vec4(1, 0.0425, 1.04, -0.04);
@@ -64,7 +64,7 @@ vec3 reflected_light(Surface surface, vec3 to_eye, float sun) {
 vec3 through_fog(vec3 color, vec3 world) {
     const vec3 way = world - scene.eye.xyz;
     const float depth = scene.fog.x * length(way);
-    const vec3 horizon = sky_color(normalize(vec3(way.x, 0, way.z) + vec3(1e-20, 0, 0)));
+    const vec3 horizon = sky_color(normalize(vec3(way.x, 0, way.z) + vec3(1e-10, 0, 0)));
     return mix(horizon, color, exp(-depth * depth));
 }
 

@@ -48,7 +48,7 @@ Vec3<double> reflected_light_reference(const io::DrawScene& scene, const LitSurf
 
 Vec3<double> pictured_reference(const io::DrawScene& scene, const Vec3<double>& place, const Vec3<double>& light) {
     const Vec3<double> way = place - of(scene.eye);
-    const Vec3<double> seen = mixed(sky(scene, normalized(Vec3<double>{way.x + 1e-20, 0, way.z})), light, std::exp(-std::pow(scene.fog.x * length(way), 2))) * double{scene.eye.w};
+    const Vec3<double> seen = mixed(sky(scene, normalized(Vec3<double>{way.x + 1e-10, 0, way.z})), light, std::exp(-std::pow(scene.fog.x * length(way), 2))) * double{scene.eye.w};
     // The Khronos PBR Neutral tone mapper.
     constexpr double kStart = 0.8 - 0.04, kRoom = 1 - kStart;
     const double least = std::min({seen.x, seen.y, seen.z});
