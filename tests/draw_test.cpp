@@ -315,6 +315,34 @@ TEST(Draw, DrawsBrokenImagesWhite) {
     }
 }
 
+// Nor does a normal map that is white instead tilt normals.
+TEST(Draw, BrokenNormalMapsChangeNothing) {
+    Asset asset = square();
+    const Picture without = draw(asset);
+    asset.materials[0].normal_image = 0;
+    asset.images = {{.name = "broken", .encoded = std::vector<std::byte>(9, std::byte{7})}};
+    EXPECT_EQ(draw(asset).rgba, without.rgba);
+}
+
+// Images that say they are large, and have no pixels: each takes a sixth of what there is room for, before it is decoded.
+TEST(Draw, TexturesOfACrowdHaveALimit) {
+    std::vector<std::byte> encoded = png_bytes({1, 1, {255, 255, 255, 255}});
+    for (const size_t side : {16, 20}) encoded[side + 2] = std::byte{0x20}, encoded[side + 3] = std::byte{0};  // 8192, in the header
+    Asset asset = square();
+    asset.images.assign(4, {.name = "vast", .encoded = encoded});
+    AssetMaterial& material = asset.materials[0];
+    material.image = 0, material.metallic_roughness_image = 1, material.normal_image = 2, material.emissive_image = 3;
+    const Result<Character> character = compile_character(asset, kExact);
+    ASSERT_TRUE(character);
+    Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&*character, 1}, {&*character, 1}}});
+    ASSERT_TRUE(crowd && crowd->update(0));
+    const Result<RenderResult> result = shared_renderer(1).render(*crowd, {.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 0}});
+    ASSERT_TRUE(result);
+    const auto warned = [&](const char* of) { return std::ranges::count_if(result->warnings, [&](const std::string& warning) { return warning.find(of) != std::string::npos && warning.ends_with("drawn white"); }); };
+    EXPECT_EQ(warned("cannot be decoded"), 6);
+    EXPECT_EQ(warned("limit of 2147483648 bytes"), 2);
+}
+
 TEST(Renderer, RefusesWhatTheDeviceCannotDo) {
     const Result<Renderer> empty = Renderer::create(test_device(), {.width = 0, .height = 5});
     ASSERT_FALSE(empty);

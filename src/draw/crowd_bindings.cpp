@@ -13,7 +13,8 @@ std::vector<std::array<uint32_t, 2>> levels_of(const std::vector<uint32_t>& pare
 }  // namespace
 
 CrowdBindings::CrowdBindings(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, const MaterialSampling& sampling, const CrowdState& crowd) : life_(crowd.life) {
-    for (const Group& group : crowd.groups) materials.emplace_back(gpu, group, layouts.material_set.get(), sampling, warnings);
+    TextureAccount textures{warnings};
+    for (const Group& group : crowd.groups) materials.emplace_back(gpu, group, layouts.material_set.get(), sampling, textures);
     for (const Batch& batch : crowd.batches) {
         const Group& group = crowd.groups[batch.group];
         std::array<Bindings, 2>& of_batch = batches_.emplace_back();

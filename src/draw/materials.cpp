@@ -14,7 +14,7 @@ MaterialSampling::MaterialSampling(const std::shared_ptr<Gpu>& gpu) : white(make
 }
 
 GroupMaterials::GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout, const MaterialSampling& sampling,
-                               std::vector<std::string>& warnings) {
+                               TextureAccount& account) {
     std::vector<bool> used(group.materials.size());
     for (const MeshSection& section : group.sections)
         if (section.material < used.size() && section.index_count > 0) used[section.material] = true;
@@ -23,22 +23,24 @@ GroupMaterials::GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& gro
     pool_ = make_descriptor_pool(gpu, count, {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count * kMaterialTextures}});
 
     for (size_t i = 0; i < group.materials.size(); ++i) {
-        const AssetMaterial& material = group.materials[i];
-        const auto view = [&](uint32_t image, VkFormat format) { return texture(gpu, group, used[i] ? image : kNone, format, sampling, warnings).view(); };
-        add(gpu, layout, sampling.sampler.get(), material,
-            {view(material.image, kColorTexture), view(material.metallic_roughness_image, kNumberTexture), view(material.normal_image, kNumberTexture), view(material.occlusion_image, kNumberTexture),
-             view(material.emissive_image, kColorTexture)});
+        AssetMaterial material = group.materials[i];
+        const auto view = [&](uint32_t image, VkFormat format) { return texture(gpu, group, used[i] ? image : kNone, format, sampling, account).view(); };
+        const std::array views{view(material.image, kColorTexture), view(material.metallic_roughness_image, kNumberTexture), view(material.normal_image, kNumberTexture),
+                               view(material.occlusion_image, kNumberTexture), view(material.emissive_image, kColorTexture)};
+        if (views[2] == sampling.white.view()) material.normal_image = kNone;  // white would tilt normals
+        add(gpu, layout, sampling.sampler.get(), material, views);
     }
     std::array<VkImageView, kMaterialTextures> whites{};
     whites.fill(sampling.white.view());
     add(gpu, layout, sampling.sampler.get(), {}, whites);
 }
 
-const Image& GroupMaterials::texture(const std::shared_ptr<Gpu>& gpu, const Group& group, uint32_t image, VkFormat format, const MaterialSampling& sampling, std::vector<std::string>& warnings) {
+const Image& GroupMaterials::texture(const std::shared_ptr<Gpu>& gpu, const Group& group, uint32_t image, VkFormat format, const MaterialSampling& sampling, TextureAccount& account) {
     if (image >= group.images.size()) return sampling.white;
     const std::pair key(image, format);
-    const auto found = textures_.find(key);
-    return found != textures_.end() ? found->second : textures_.emplace(key, make_texture(gpu, group.images[image], format, warnings)).first->second;
+    auto found = textures_.find(key);
+    if (found == textures_.end()) found = textures_.emplace(key, make_texture(gpu, group.images[image], format, account)).first;
+    return found->second ? *found->second : sampling.white;
 }
 
 void GroupMaterials::add(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout, VkSampler sampler, const AssetMaterial& material, const std::array<VkImageView, kMaterialTextures>& views) {

@@ -31,16 +31,16 @@ struct MaterialSampling {
 
 class GroupMaterials {
 public:
-    // Only images that a section's material uses are decoded; one that cannot be is white, with a warning. Submits and waits.
-    GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout, const MaterialSampling& sampling, std::vector<std::string>& warnings);
+    // Only images that a section's material uses are decoded; one that cannot be, or is too much, is white, with a warning, and leaves normals as they are. Submits and waits.
+    GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout, const MaterialSampling& sampling, TextureAccount& account);
 
     const DrawMaterial& of(const MeshSection& section) const { return section.material < materials_.size() - 1 ? materials_[section.material] : materials_.back(); }
 
 private:
-    const Image& texture(const std::shared_ptr<Gpu>& gpu, const Group& group, uint32_t image, VkFormat format, const MaterialSampling& sampling, std::vector<std::string>& warnings);
+    const Image& texture(const std::shared_ptr<Gpu>& gpu, const Group& group, uint32_t image, VkFormat format, const MaterialSampling& sampling, TextureAccount& account);
     void add(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout, VkSampler sampler, const AssetMaterial& material, const std::array<VkImageView, kMaterialTextures>& views);
 
-    std::map<std::pair<uint32_t, VkFormat>, Image> textures_;  // by image
+    std::map<std::pair<uint32_t, VkFormat>, std::optional<Image>> textures_;  // by image; none: drawn white
     OwnedPool pool_;
     std::vector<DrawMaterial> materials_;  // the group's, then the one of sections without
 };

@@ -20,7 +20,7 @@ namespace throng {
 
 static_assert(STBI_MAX_DIMENSIONS == kTextureDimensionLimit);
 
-Picture decode_image(const AssetImage& image) {
+Picture decode_image(const AssetImage& image, uint64_t& room_bytes) {
     const std::string place = "image '" + image.name + "'";
     if (image.encoded.empty()) throw Failure(ErrorCode::kInvalidFile, place, "has no content");
     if (image.encoded.size() > static_cast<size_t>(std::numeric_limits<int>::max())) throw Failure(ErrorCode::kLimit, place, "is larger than 2 GiB");
@@ -29,8 +29,12 @@ Picture decode_image(const AssetImage& image) {
     int width = 0, height = 0, channels = 0;
     const auto refuse = [&] { return Failure(ErrorCode::kInvalidFile, place, std::string("cannot be decoded: ") + stbi_failure_reason()); };
     if (!stbi_info_from_memory(bytes, size_bytes, &width, &height, &channels)) throw refuse();
-    if (static_cast<uint64_t>(width) * static_cast<uint64_t>(height) > kTexturePixelLimit)
-        throw Failure(ErrorCode::kLimit, place, std::to_string(width) + " x " + std::to_string(height) + " exceeds the limit of " + std::to_string(kTexturePixelLimit) + " pixels");
+    const uint64_t pixel_count = static_cast<uint64_t>(width) * static_cast<uint64_t>(height), with_mips_bytes = pixel_count * 4 * 4 / 3;
+    const std::string size = std::to_string(width) + " x " + std::to_string(height);
+    if (pixel_count > kTexturePixelLimit) throw Failure(ErrorCode::kLimit, place, size + " exceeds the limit of " + std::to_string(kTexturePixelLimit) + " pixels");
+    if (with_mips_bytes > room_bytes)
+        throw Failure(ErrorCode::kLimit, place, size + " is more than the other textures leave of the limit of " + std::to_string(kTexturesLimit_bytes) + " bytes for those of a crowd");
+    room_bytes -= with_mips_bytes;
     const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(stbi_load_from_memory(bytes, size_bytes, &width, &height, &channels, STBI_rgb_alpha), &stbi_image_free);
     if (!pixels) throw refuse();
     Picture picture{.width = static_cast<uint32_t>(width), .height = static_cast<uint32_t>(height)};
@@ -81,13 +85,14 @@ Image upload_texture(const std::shared_ptr<Gpu>& gpu, std::string_view what, con
     return texture;
 }
 
-Image make_texture(const std::shared_ptr<Gpu>& gpu, const AssetImage& image, VkFormat format, std::vector<std::string>& warnings) {
+std::optional<Image> make_texture(const std::shared_ptr<Gpu>& gpu, const AssetImage& image, VkFormat format, TextureAccount& account) {
     try {
-        return upload_texture(gpu, "image '" + image.name + "'", decode_image(image), format);
+        return upload_texture(gpu, "image '" + image.name + "'", decode_image(image, account.room_bytes), format);
     } catch (const Failure& failure) {
-        if (failure.error.code != ErrorCode::kInvalidFile && failure.error.code != ErrorCode::kLimit) throw;
-        warnings.push_back(failure.error.text() + "; drawn white");
-        return make_white_texture(gpu);
+        const ErrorCode code = failure.error.code;
+        if (code != ErrorCode::kInvalidFile && code != ErrorCode::kLimit && code != ErrorCode::kOutOfMemory) throw;
+        account.warnings.push_back(failure.error.text() + "; drawn white");
+        return std::nullopt;
     }
 }
 

@@ -6,21 +6,30 @@
 #include <throng/character.h>
 #include <throng/draw.h>
 
+#include <optional>
+
 namespace throng {
 
 inline constexpr uint32_t kTextureDimensionLimit = 16'384;
 inline constexpr uint64_t kTexturePixelLimit = uint64_t{1} << 26;  // 256 MiB decoded
+inline constexpr uint64_t kTexturesLimit_bytes = uint64_t{1} << 31;  // of all textures of a crowd, with mipmaps: a small file may ask for a lot
 
-// PNG or JPEG. Throws kInvalidFile, and kLimit above the limits.
-Picture decode_image(const AssetImage& image);
+// PNG or JPEG. Takes what it needs with mipmaps from `room_bytes`, before it decodes. Throws kInvalidFile, and kLimit above the limits.
+Picture decode_image(const AssetImage& image, uint64_t& room_bytes);
 
 inline constexpr VkFormat kColorTexture = VK_FORMAT_R8G8B8A8_SRGB, kNumberTexture = VK_FORMAT_R8G8B8A8_UNORM;
 
 // A texture in SHADER_READ_ONLY_OPTIMAL. Submits and waits.
 Image upload_texture(const std::shared_ptr<Gpu>& gpu, std::string_view what, const Picture& picture, VkFormat format);
 
-// The texture of an image; white, with a warning, where it cannot be decoded. Submits and waits.
-Image make_texture(const std::shared_ptr<Gpu>& gpu, const AssetImage& image, VkFormat format, std::vector<std::string>& warnings);
+// What the textures of a crowd share while they are made.
+struct TextureAccount {
+    std::vector<std::string>& warnings;
+    uint64_t room_bytes = kTexturesLimit_bytes;
+};
+
+// The texture of an image; none, with a warning that it is drawn white, where it cannot be decoded or there is no room for it. Submits and waits.
+std::optional<Image> make_texture(const std::shared_ptr<Gpu>& gpu, const AssetImage& image, VkFormat format, TextureAccount& account);
 Image make_white_texture(const std::shared_ptr<Gpu>& gpu);
 
 }  // namespace throng
