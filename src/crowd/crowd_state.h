@@ -26,6 +26,9 @@ namespace throng {
 
 struct CrowdLife {};
 
+// Nothing has moved it yet.
+io::RootState standing_at(const Affine& world_from_model);
+
 struct CrowdState {
     CrowdState(std::shared_ptr<Gpu> gpu, const CrowdSettings& settings);
 

@@ -1,0 +1,92 @@
+// What comes back from the device.
+#include "crowd/crowd_state.h"
+
+#include "base/failure.h"
+#include "bind/skin_format.h"
+#include "cull/cull_io.h"
+#include "gpu/barrier.h"
+
+namespace throng {
+namespace {
+
+constexpr uint64_t kMatrix_bytes = sizeof(Affine);
+
+}  // namespace
+
+void CrowdState::watch(std::span<const uint32_t> instances) {
+    if (!feedback) throw Failure(ErrorCode::kInvalidArgument, "watch", "no group has a controller, sockets or steering: there is no feedback");
+    if (instances.size() > watch_capacity_)
+        throw Failure(ErrorCode::kLimit, "watch", std::to_string(instances.size()) + " instances; CrowdSettings::watch_capacity is " + std::to_string(watch_capacity_));
+    std::vector<Watched> watched;
+    for (const uint32_t instance : instances) {
+        check_range(instance, 1, "watch");
+        const Batch& batch = batch_of(instance);
+        const auto part = [&](const Buffer& buffer, uint64_t stride_bytes, uint64_t size_bytes) {
+            return buffer.handle() ? BufferRange(buffer.handle(), (instance - batch.first_instance) * stride_bytes, size_bytes) : BufferRange();
+        };
+        const uint64_t socket_bytes = groups[batch.group].socket_count() * kMatrix_bytes;
+        watched.push_back({.instance = instance,
+                           .placement = part(batch.placements, kMatrix_bytes, kMatrix_bytes),
+                           .move = part(batch.roots, sizeof(io::RootState), sizeof(io::RootState::move)),
+                           .sockets = part(batch.sockets, socket_bytes, socket_bytes)});
+    }
+    watched_ = std::move(watched);
+}
+
+std::vector<Feedback> CrowdState::take_feedback() { return feedback ? feedback->take() : std::vector<Feedback>(); }
+
+std::vector<Affine> CrowdState::read_matrices(uint32_t instance, bool model) const {
+    check_range(instance, 1, "read-back");
+    const Batch& batch = batch_of(instance);
+    const Group& group = groups[batch.group];
+    if (model && !batch.kept_model.handle())
+        throw Failure(ErrorCode::kInvalidArgument, "read-back", "model matrices are kept only with CrowdSettings::keep_model_matrices");
+    const uint64_t size_bytes = model ? group.joint_count * kMatrix_bytes : uint64_t{group.palette_count} * skin_format_bytes(skin_format);
+    const BufferRange range(model ? batch.kept_model.handle() : batch.skin().handle(), (instance - batch.first_instance) * size_bytes, size_bytes);
+    return unpack_skin(model ? SkinFormat::kAffine : skin_format, download<std::byte>(gpu, range));
+}
+
+std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
+    check_range(instance, 1, "read-back");
+    const Batch& batch = batch_of(instance);
+    const Group& group = groups[batch.group];
+    if (group.vertex_count == 0) return {};
+    if (!skin_kernel_) skin_kernel_ = skin_kernel(gpu, skin_format, skin_blend, false);
+    const Buffer skinned(gpu, group.name + ": skinned vertices", group.vertex_count * sizeof(SkinnedVertex), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    const Bindings bindings = skin_kernel_->bind(skin_buffers(group, batch, batch.skin(), skinned, group.vertices));
+    gpu->submit_and_wait([&](VkCommandBuffer commands) {
+        memory_barrier(*gpu, commands, kShaderWrite, kShaderRead);
+        io::SkinPush push = skin_push(group);
+        push.first_instance = instance - batch.first_instance;
+        push.influence_offset = joint_set_of(batch, push.first_instance) * group.influence_count;
+        skin_kernel_->dispatch_workgroups(commands, bindings, push, 1);
+    });
+    std::vector<Vec3<float>> positions;
+    for (const SkinnedVertex& vertex : download<SkinnedVertex>(gpu, skinned)) positions.push_back(vertex.position);
+    return positions;
+}
+
+// Of joints that an instance's skin matrices are of; those of the finest, where it has not been drawn.
+uint32_t CrowdState::joint_set_of(const Batch& batch, uint32_t instance) const {
+    return batch.states.handle() ? download<uint32_t>(gpu, BufferRange(batch.states.handle(), instance * sizeof(uint32_t), sizeof(uint32_t)))[0] >> io::kStateSetShift : 0;
+}
+
+std::vector<DrawnInstance> CrowdState::read_drawn() const {
+    if (!cull) throw Failure(ErrorCode::kInvalidArgument, "read-back", "CrowdSettings::culls is not set");
+    std::vector<DrawnInstance> drawn;
+    for (uint32_t batch = 0; batch < batches.size(); ++batch) {
+        const std::vector<DrawnInstance> of_batch = cull->read(batch);
+        drawn.insert(drawn.end(), of_batch.begin(), of_batch.end());
+    }
+    return drawn;
+}
+
+uint64_t CrowdState::size_bytes() const {
+    uint64_t sum = staged->size_bytes() + controllers->size_bytes() + steer->size_bytes() + (feedback ? feedback->size_bytes() : 0) + (cull ? cull->size_bytes() : 0);
+    for (const Group& group : groups) sum += group.size_bytes();
+    for (const Batch& batch : batches)
+        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.voice_times, &batch.morphs, &batch.inertias, &batch.inertia_states, &batch.rotations, &batch.targets, &batch.springs, &batch.destinations, &batch.agents, &batch.sockets, &batch.posed, &batch.list, &batch.work, &batch.states, &batch.dispatches, &batch.draws, &batch.ahead, &batch.skinned, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
+    return sum;
+}
+
+}  // namespace throng
