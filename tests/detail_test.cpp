@@ -116,8 +116,8 @@ TEST(Detail, WithoutClipsNoJointIsLeftOut) {
     EXPECT_GT(character.details[0].error, 0) << "or it would be drawn where there is no view";
 }
 
-// Of a chain of joints at rest only the last moves, by so much.
-Character chain_whose_last_moves(uint32_t joint_count, float by) {
+// Of a chain of joints at rest, of which the last has a vertex, only one moves, by so much.
+Character chain_with_one_that_moves(uint32_t joint_count, uint32_t mover, float by) {
     Character character{.clips = {{.duration_s = 1, .row_count = 1}}, .times_s = {0}, .keys = {{0, 0, 0, 1}, {0, 0, 0, 0}, {1, 1, 1, 0}, {by, 0, 0, 0}}, .skins = {{.joint_count = joint_count}}};
     for (uint32_t joint = 0; joint < joint_count; ++joint) {
         character.rig.parents.push_back(joint - 1);  // of the root: kNone
@@ -125,7 +125,7 @@ Character chain_whose_last_moves(uint32_t joint_count, float by) {
         character.palette.push_back({.joint = joint});
     }
     character.tracks.assign(2 * size_t{joint_count}, {.rotation = 0, .translation = 1, .scale = 2});
-    character.tracks[joint_count - 1].translation = 3;
+    character.tracks[mover].translation = 3;
     character.vertices.resize(1);
     character.influences = {{.weights = {1, 0, 0, 0}, .entries = {static_cast<uint16_t>(joint_count - 1)}}};
     character.sections = {{.vertex_count = 1}};
@@ -135,7 +135,7 @@ Character chain_whose_last_moves(uint32_t joint_count, float by) {
 
 TEST(Detail, JointsOfDeepChainsAreWeighedInOneWalk) {
     constexpr uint32_t kJoints = 20'000;
-    Character far = chain_whose_last_moves(kJoints, 4), near = chain_whose_last_moves(kJoints, 0.25f);
+    Character far = chain_with_one_that_moves(kJoints, kJoints - 1, 4), near = chain_with_one_that_moves(kJoints, kJoints - 1, 0.25f), middle = chain_with_one_that_moves(kJoints, kJoints / 2, 4);
     make_joint_details(far);
     EXPECT_EQ(std::ranges::count(far.joint_details, 1u), kJoints - 1) << "in the second level none but the root moves";
     EXPECT_EQ(far.joint_details[0], 2u);
@@ -144,6 +144,8 @@ TEST(Detail, JointsOfDeepChainsAreWeighedInOneWalk) {
     make_joint_details(near);
     EXPECT_EQ(std::ranges::count(near.joint_details, 0u), kJoints - 1);
     EXPECT_EQ(near.details[0].error, 1.25f);
+    make_joint_details(middle);
+    EXPECT_EQ(std::ranges::count(middle.joint_details, 1u), kJoints / 2) << "those below it rest";
 }
 
 TEST(Detail, SmallMeshesHaveNone) {

@@ -152,6 +152,43 @@ TEST(Occlusion, PicturesMayBeLargeAndChangeInSize) {
     EXPECT_EQ(instances_drawn(crowd).size(), 2u);
 }
 
+// A gap of one column in a wall, at each place after the other: what reaches within a texel of it is drawn, since other roundings drew the wall.
+TEST(Occlusion, ATexelAroundABoxCountsToo) {
+    const Character character = small_character();
+    constexpr uint32_t kCount = 12, kSize = 48;
+    Crowd crowd = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true});
+    const Group& group = crowd.state().groups[0];
+    const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(), ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
+    const double size = length(group.posed_max - group.posed_min);
+    std::vector<Affine> places;
+    for (uint32_t i = 0; i < kCount; ++i) places.push_back(to_affine(Trs<double>{.translation = {(i - 5.5) * 0.37 * size, 0, -10 * size}}).as<float>());
+    ASSERT_TRUE(crowd.set_placement(0, places));
+    CrowdView view = *view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}}, kSize, kSize, {});
+    const CrowdView away = *view_of({.eye = {0, 0, 0}, .target = {0, 0, 1}}, kSize, kSize, {});
+    view.occlusion = true;
+    const io::CullView seen = cull_view_of(&view, 0);
+    uint32_t hidden = 0, shown = 0;
+    for (uint32_t gap = 0; gap < kSize; ++gap) {
+        std::vector<float> depths(kSize * kSize, 1), wider = depths;
+        for (uint32_t i = 0; i < kSize * kSize; ++i) {
+            if (i % kSize == gap) depths[i] = 0;
+            if (i % kSize + 1 >= gap && i % kSize <= gap + 1) wider[i] = 0;
+        }
+        const Image image = depth_image(depths, kSize, kSize);
+        ASSERT_TRUE(crowd.update(0, &away));
+        update(crowd, view, {image.handle(), VK_IMAGE_ASPECT_COLOR_BIT, kSize, kSize});
+        const std::set<uint32_t> drawn = instances_drawn(crowd);
+        for (uint32_t i = 0; i < kCount; ++i) {
+            const bool is_near = shown_by(seen, places[i].as<double>(), box, wider, kSize, kSize) > 0;
+            EXPECT_TRUE(!is_near || drawn.contains(i)) << "instance " << i << ", gap " << gap;
+            shown += is_near;
+            hidden += !drawn.contains(i);
+        }
+    }
+    EXPECT_GT(shown, kCount);
+    EXPECT_GT(hidden, kCount * kSize / 2);
+}
+
 Character at_full_detail(Character character) {
     character.details.clear();
     character.detail_ranges.clear();

@@ -187,8 +187,9 @@ TEST(Pace, CoarserLevelsHaveFewerJoints) {
     CrowdView view = view_along(0);
     view.detail_pixels = 0.2f;
     ASSERT_TRUE(reduced.update(0.1f, &view) && whole.update(0.1f));
-    std::array<uint32_t, 4> compared{};
+    std::array<uint32_t, 4> compared{}, drawn{};
     for (const DrawnInstance& one : drawn_of(reduced)) {
+        ++drawn[one.detail];
         const std::vector<Affine> got = *reduced.read_skin_matrices(one.instance), wanted = *whole.read_skin_matrices(one.instance);
         for (size_t entry = 0; entry < got.size(); ++entry) {
             if (one.detail > 0 && character.joint_details[character.palette[entry].joint] < one.detail) continue;
@@ -197,10 +198,12 @@ TEST(Pace, CoarserLevelsHaveFewerJoints) {
                 for (size_t column = 0; column < 4; ++column) ASSERT_NEAR(got[entry].row[row][column], wanted[entry].row[row][column], 2e-6 * character.size) << "instance " << one.instance << ", entry " << entry;
         }
     }
+    const std::vector<uint32_t> work = download<uint32_t>(test_gpu(), reduced.state().batches[0].work);
     const std::vector<FusedJoints>& sets = reduced.state().groups[0].fused;
     ASSERT_EQ(sets.size(), 1 + character.details.size());
     for (size_t detail = 0; detail < sets.size(); ++detail) {
         EXPECT_GT(compared[detail], 0u) << "level " << detail;
+        EXPECT_EQ(work[2 * detail + 1], drawn[detail]) << "animated with no more joints than level " << detail << " has";
         std::printf("  level %zu: %u joints\n", detail, sets[detail].joint_count);
         EXPECT_TRUE(detail == 0 || sets[detail].joint_count <= sets[detail - 1].joint_count);
     }
