@@ -73,7 +73,7 @@ nlohmann::json settings_of(const RenderOptions& options) {
             {"fps", options.fps},
             {"skinning", static_cast<int>(options.skin_blend)},
             {"skin_once", options.skins_once},
-                        {"everything", options.everything},
+            {"everything", options.everything},
             {"skeletons", options.skeletons},
             {"bounds", options.bounds}};
 }
