@@ -762,10 +762,10 @@ TEST(CharacterFile, FilesAreReplacedAsAWhole) {
     EXPECT_EQ(nowhere.error().code, ErrorCode::kFile);
     EXPECT_NE(nowhere.error().message.find("No such file or directory"), std::string::npos) << nowhere.error().text();
     create_file(path, std::as_bytes(std::span("new", 3)));
-    EXPECT_EQ(content(path), "short") << "what is there stays";
+    EXPECT_EQ(read_file(path), "short") << "what is there stays";
     std::filesystem::remove(path);
     create_file(path, std::as_bytes(std::span("new", 3)));
-    EXPECT_EQ(content(path), "new");
+    EXPECT_EQ(read_file(path), "new");
     EXPECT_THROW(create_file(folder.path() / "nowhere" / "file", {}), Failure);
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 3);
 }
