@@ -107,9 +107,10 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
     const std::map<std::string, std::pair<std::string, std::string>> others{
         {"--count", {"7", "count 6, not 7"}}, {"--sizes", {"1,2", "sizes [], not [1.0,2.0]"}}, {"--placement", {"grid", "placement"}}, {"--spacing", {"2", "spacing 1.0, not 2.0"}},
         {"--controller", {THRONG_SOURCE_DIR "/examples/controllers/walker.json", "controllers"}}, {"--seed", {"2", "seed 1, not 2"}}, {"--scan", {"serial", "scan"}}, {"--error", {"exact", "error"}},
-        {"--size", {"32x36", "size"}}, {"--time", {"2", "time 0.0, not 2.0"}}, {"--camera", {"fit", "camera"}}, {"--fps", {"2", "fps 1.0, not 2.0"}}};
+        {"--size", {"32x36", "size"}}, {"--time", {"2", "time 0.0, not 2.0"}}, {"--camera", {"fit", "camera"}}, {"--fps", {"2", "fps 1.0, not 2.0"}}, {"--skinning", {"dual-quaternion", "skinning"}}};
     for (const auto& [option, other] : others) EXPECT_TRUE(film_with(out, option, other.first).refused(other.second)) << option;
-    for (const char* flag : {"everything", "skeletons", "bounds"}) EXPECT_TRUE(film(out, {std::string("--") + flag}).refused(std::string(flag) + " false, not true")) << flag;
+    const std::vector<std::string> flags{"everything", "skeletons", "bounds", "steer", "skin-once"};
+    for (const std::string& flag : flags) EXPECT_TRUE(film(out, {"--" + flag}).refused(flag + " false, not true")) << flag;
     std::vector<std::string> replaced = arguments(out);
     *std::find(replaced.begin(), replaced.end(), "--count") = "--counts";
     *(std::find(replaced.begin(), replaced.end(), "--counts") + 1) = "4,2";
@@ -118,7 +119,8 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
     replaced.insert(replaced.erase(camera, camera + 2), {"--eye", "1,2,3", "--target", "0,1,0"});
     EXPECT_TRUE(run_tool(replaced).refused("made with"));
     // No option has been forgotten: the rest changes no frame.
-    std::set<std::string> known{"--help", "--frames", "--shard", "--out", "--device", "--json", "--everything", "--skeletons", "--bounds", "--counts", "--eye", "--target"};
+    std::set<std::string> known{"--help", "--frames", "--shard", "--out", "--device", "--json", "--counts", "--eye", "--target"};
+    for (const std::string& flag : flags) known.insert("--" + flag);
     for (const auto& [option, other] : others) known.insert(option);
     const std::string help = run_tool({"render", "--help"}).out;
     const std::regex option("\n  (?:-.,)?(--[a-z-]+)");

@@ -587,7 +587,7 @@ TEST(Draw, MaterialsAreLitAsTheReferenceSays) {
 // Where the sun is behind the eye, the half-way vector is the one to the eye, and their product may round to more than 1.
 TEST(Draw, LooksAlongTheSun) {
     const Vec3<float> to_sun = normalized(Vec3<float>{0.3f, 0.4f, 1});
-    const Camera camera{.eye = Vec3<float>{0, 0.5f, 0} + to_sun * 5, .target = {0, 0.5f, 0}, .vertical_field_of_view_rad = 1e-3f};
+    const Camera camera{.eye = Vec3<float>{0, 0.5f, 0} + to_sun * 5.0f, .target = {0, 0.5f, 0}, .vertical_field_of_view_rad = 1e-3f};
     const Picture picture = pictured(square(), {Affine{}}, camera, {.shadows = false, .to_sun = to_sun});
     const Pixel first = seen_at(picture, camera, {0, 0.5, 0});
     for (size_t i = 0; i < picture.rgba.size(); i += 4) ASSERT_NEAR(picture.rgba[i], first.r, 2) << "pixel " << i / 4;

@@ -347,7 +347,7 @@ TEST(Steer, WhatAViewSeesIsWhereTheyStandNow) {
     const std::vector<Affine> places{at(0, -400), at(0, 0)};
     ASSERT_TRUE(crowd.set_placement(0, places));
     ASSERT_TRUE(crowd.set_destination(0, std::array{Vec3<float>{0, 0, 0}, Vec3<float>{0, 0, 400}}));
-    const CrowdView view = view_of({.eye = {0, 60, 0.1f}, .target = {0, 0, 0}}, 64, 64, {});
+    const CrowdView view = *view_of({.eye = {0, 60, 0.1f}, .target = {0, 0, 0}}, 64, 64, {});
     const auto drawn = [&] {
         std::vector<uint32_t> who;
         for (const DrawnInstance& one : drawn_of(crowd)) who.push_back(one.instance);

@@ -72,7 +72,7 @@ nlohmann::json settings_of(const RenderOptions& options) {
             {"time", options.time_s},
             {"fps", options.fps},
             {"skinning", static_cast<int>(options.skin_blend)},
-            {"skin_once", options.skins_once},
+            {"skin-once", options.skins_once},
             {"everything", options.everything},
             {"skeletons", options.skeletons},
             {"bounds", options.bounds}};
