@@ -51,7 +51,7 @@ TEST(CheckController, NamesWhatIsMissingAndWhatThereIs) {
     EXPECT_EQ(after([](Controller& c) { c.events[0].clip = "swim"; }), start + "events[0].clip: there is no clip 'swim'. There are: idle, walk, fly, glide, roar");
     EXPECT_EQ(after([](Controller& c) { c.events[0].time_s = 1.3; }), start + "events[0].at_s: 1.3 s is beyond the end of clip 'walk', which lasts 1.2 s");
     const std::string joint = after([](Controller& c) { c.masks[0].items[0].joint = "tail_0"; });
-    EXPECT_TRUE(joint.starts_with(start + "masks.tail[0].joint: there is no joint 'tail_0'; did you mean 'tail_0_0'? There are: root, tail_0_0, ")) << joint;
+    EXPECT_TRUE(joint.starts_with(start + "masks.tail[0].joint: there is no joint 'tail_0'; did you mean 'tail_0_0'? There are: body, tail_0_0, ")) << joint;
     EXPECT_TRUE(joint.ends_with(", … (40)")) << joint;
 }
 
