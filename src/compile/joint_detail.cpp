@@ -159,6 +159,7 @@ void make_joint_details(Character& character) {
             else character.joint_details[joint] = level;
         }
         detail.error += static_cast<float>(furthest);
+        if (level > 1) detail.error = std::max(detail.error, character.details[level - 2].error);  // joints that do not move with those above them may displace by less than on their own
     }
 }
 
