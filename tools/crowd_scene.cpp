@@ -74,10 +74,9 @@ CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdS
     for (size_t k = 0; k < characters.size(); ++k) {
         kinds_.push_back({field.groups[k].instance_count, {characters[k].bounds_min, characters[k].bounds_max}});
         if (options.steer) field.groups[k].steering = steering_of(characters[k], cast.controllers[k] ? &*cast.controllers[k] : nullptr, field.scales[k]);
-        has_feedback_ = has_feedback_ || options.steer;
         if (!cast.controllers[k]) continue;
         field.groups[k].controller = &*cast.controllers[k];
-        has_feedback_ = true;
+        has_controllers_ = true;
     }
     print_progress("placing " + std::to_string(field.placement.size()) + " characters");
     settings.groups = field.groups;
@@ -91,7 +90,6 @@ CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdS
     }
     unwrap(crowd_->set_placement(0, field.placement));
     if (options.steer) destinations_ = each_others_places(field.groups, field.placement, options.seed);
-    has_controllers_ = std::ranges::any_of(cast.controllers, [](const std::optional<Controller>& controller) { return controller.has_value(); });
     placement_ = std::move(field.placement);
     bounds_ = world_bounds(*crowd_);
     follow(0);
@@ -103,7 +101,7 @@ void CrowdScene::follow(uint32_t character) {
     world_from_followed_ = placement_[character];
     uint32_t end = 0;
     followed_bounds_ = std::ranges::find_if(kinds_, [&](const Kind& kind) { return character < (end += kind.count); })->model_bounds;
-    if (has_feedback_) unwrap(crowd_->watch({&character, 1}));
+    if (may_move()) unwrap(crowd_->watch({&character, 1}));
 }
 
 CameraSubject CrowdScene::subject(float aspect_ratio) const { return {bounds_, aspect_ratio, world_from_followed_, followed_bounds_}; }

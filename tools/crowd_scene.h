@@ -52,6 +52,8 @@ public:
     // Of the crowd in its first places.
     const Bounds& bounds() const { return bounds_; }
 
+    // Whether updates may move characters: controllers by root motion, or steering.
+    bool may_move() const { return has_controllers_ || !destinations_.empty(); }
     // From now on subject() has this character, by its place in the crowd. Throws CommandError where there is none.
     void follow(uint32_t character);
     // As the last update left it.
@@ -85,7 +87,7 @@ private:
     std::vector<Vec3<float>> destinations_;  // [characters], with --steer
     Affine world_from_followed_;
     Bounds followed_bounds_;
-    bool culls_ = false, has_controllers_ = false, has_feedback_ = false;
+    bool culls_ = false, has_controllers_ = false;
 };
 
 }  // namespace throng::tools

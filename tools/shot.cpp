@@ -26,7 +26,7 @@ Shot::Shot(const Device& device, const RenderOptions& options)
       scene_(device, options.scene, crowd_settings(options)),
       renderer_(unwrap(Renderer::create(device, size_))),
       everything_(options.everything),
-      follows_(path_.follows() && !options.scene.controllers.empty()) {
+      follows_(path_.follows() && scene_.may_move()) {
     unwrap(renderer_.set_options({.skeletons = options.skeletons, .bounds = options.bounds}));
     scene_.follow(path_.followed_character());
     scene_.start();

@@ -42,7 +42,7 @@ private:
     CrowdScene scene_;
     Renderer renderer_;
     bool everything_;
-    bool follows_;  // a character whom root motion may move: each step is two updates then, one that moves it and one of no time, for what the camera then sees
+    bool follows_;  // a character that updates may move: each step is two updates then, one that moves it and one of no time, for what the camera then sees
 };
 
 }  // namespace throng::tools
