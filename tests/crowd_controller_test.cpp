@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <numeric>
 
 namespace throng::test {
 namespace {
@@ -25,6 +26,10 @@ void follow(UpdatePath path, const char* name, double error) {
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}}, .path = path, .keep_model_matrices = true});
     EXPECT_EQ(crowd.is_fused(0), path == UpdatePath::kFused);
     std::vector<ReferenceCharacter> wanted = references(character, controller, kInstances);
+    std::vector<uint32_t> everybody(kInstances);
+    std::iota(everybody.begin(), everybody.end(), 0u);
+    ASSERT_TRUE(crowd.watch(everybody));
+    size_t fading = 0;
     Random random(11);
     for (uint32_t update = 1; update <= kUpdates; ++update) {
         for (uint32_t i = 0; i < kInstances; ++i) {
@@ -42,9 +47,14 @@ void follow(UpdatePath path, const char* name, double error) {
         for (uint32_t i = 0; i < kInstances; ++i) {
             ASSERT_TRUE(wanted[i].update(step_s));
             for (const CharacterEvent& event : wanted[i].events()) --seen[{i, event.event}];
+            const WatchedInstance& watched = (*feedback)[0].watched[i];
+            EXPECT_EQ(watched.layers, wanted[i].layers()) << "instance " << i << ", update " << update;
+            EXPECT_TRUE(std::ranges::equal(watched.parameters, wanted[i].parameters())) << "instance " << i << ", update " << update;
+            fading += std::ranges::count_if(watched.layers, [](const auto& layer) { return layer.size() > 1; });
         }
         for (const auto& [key, count] : seen) EXPECT_EQ(count, 0) << "instance " << key.first << ", event " << key.second << ", update " << update;
     }
+    EXPECT_GT(fading, 0u);
     for (uint32_t i = 0; i < kInstances; ++i) {
         const ReferencePose pose = wanted[i].pose();
         EXPECT_LE(matrix_error(*crowd.read_model_matrices(i), pose.model_from_joint, character.size), 1e-4) << "instance " << i;
@@ -191,6 +201,40 @@ TEST(CrowdController, FeedbackCountsWhatFindsNoRoomAndKeepsFourUpdates) {
     EXPECT_EQ((kept + lost) % kInstances, 0u);
     EXPECT_EQ(feedback.front().update, 3u);
     EXPECT_TRUE(crowd.feedback()->empty());
+}
+
+TEST(CrowdController, TellsWhatLayersPlay) {
+    const Character character = creature(20);
+    const Controller guard = example("guard"), direct = direct_layers(2);
+    ASSERT_EQ(guard.layers[0].states[1].name, "move");
+    // One without a controller, so that places in buffers differ from numbers of instances.
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2}, {.character = &character, .instance_count = 2, .controller = &guard}, {.character = &character, .instance_count = 2, .controller = &direct}}});
+    ASSERT_TRUE(crowd.set_parameters(3, guard.find_parameter("speed"), std::array{2.0f}));
+    ASSERT_TRUE(crowd.play(5, 0, {.clip = {.clip = 2, .time_s = character.clips[2].duration_s / 4, .speed = 0}}));
+    ASSERT_TRUE(crowd.play(5, 1, {.clip = {.clip = 0}}));
+    ASSERT_TRUE(crowd.watch(std::array{0u, 3u, 5u}));
+    ASSERT_TRUE(crowd.update(0));
+    ASSERT_TRUE(crowd.play(5, 1, {.clip = {.clip = kNone}, .fade_s = 4}));
+    ASSERT_TRUE(crowd.update(0));
+    ASSERT_TRUE(crowd.update(0.1f));
+    const std::vector<Feedback> feedback = *crowd.feedback();
+    ASSERT_EQ(feedback.size(), 3u);
+    const std::vector<WatchedInstance>& watched = feedback.back().watched;
+    EXPECT_TRUE(watched[0].layers.empty());
+    EXPECT_TRUE(watched[0].parameters.empty());
+    EXPECT_EQ(watched[1].parameters, (std::vector{2.0f, 0.0f}));
+    ASSERT_EQ(watched[1].layers.size(), 1u);
+    ASSERT_EQ(watched[1].layers[0].size(), 2u);
+    EXPECT_EQ(watched[1].layers[0][0].motion, 1u) << "move";
+    EXPECT_NEAR(watched[1].layers[0][0].fade, 0.1 / 0.3, 1e-6);
+    EXPECT_EQ(watched[1].layers[0][1].motion, 0u) << "idle";
+    EXPECT_EQ(watched[1].layers[0][1].fade, 1) << "nothing is behind it";
+    ASSERT_EQ(watched[2].layers.size(), 2u);
+    EXPECT_EQ(watched[2].layers[0], std::vector{(PlayedMotion{.motion = 2, .phase = 0.25f, .loops = 0, .fade = 1})});
+    ASSERT_EQ(watched[2].layers[1].size(), 2u);
+    EXPECT_EQ(watched[2].layers[1][0].motion, kNone) << "the rest pose";
+    EXPECT_NEAR(watched[2].layers[1][0].fade, 0.1 / 4, 1e-6);
+    EXPECT_EQ(watched[2].layers[1][1].motion, 0u);
 }
 
 TEST(CrowdController, WrongCallsAreRefused) {

@@ -231,12 +231,24 @@ struct CharacterEvent {
     float time_s = 0;    // after the beginning of the update's time step
 };
 
+// What a layer plays: a state, or of a layer without states a clip.
+struct PlayedMotion {
+    uint32_t motion = kNone;  // index of ControllerLayer::states, or of Character::clips; kNone: the rest pose
+    float phase = 0;          // of its cycle, 0..1
+    uint32_t loops = 0;       // whole cycles since it was entered
+    float fade = 1;           // how far it has replaced the one behind it, 0..1, linear in time (docs/controller.md, step 5)
+
+    bool operator==(const PlayedMotion&) const = default;
+};
+
 // A watched instance as it is after an update.
 struct WatchedInstance {
     uint32_t instance = 0;
     Affine world_from_model;      // with all root motion so far, where it moves placements
     Affine move;                  // root motion of this update, in the character's space before it; the identity where there is none
     std::vector<Affine> sockets;  // [socket_count] of its group, in its CrowdGroup::socket_space
+    std::vector<float> parameters;                  // [parameter_count] of its controller
+    std::vector<std::vector<PlayedMotion>> layers;  // [layer_count] of its controller; of each, newest first, what it cross-fades: the first leads
 };
 
 // What came back from one update.
@@ -297,7 +309,7 @@ public:
     Result<void> set_pose(uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s = 0);
     Result<void> clear_pose(uint32_t instance, float fade_s = 0);
 
-    // From the next record() on, placement, move and sockets of these instances come back with the feedback. Replaces the ones before. Errors: kInvalidArgument (instance out of
+    // From the next record() on, placement, move, sockets, and what their controllers do, of these instances come back with the feedback. Replaces the ones before. Errors: kInvalidArgument (instance out of
     // range, or no group has a controller, sockets or steering), kLimit (more than CrowdSettings::watch_capacity).
     Result<void> watch(std::span<const uint32_t> instances);
 

@@ -51,6 +51,8 @@ public:
     std::span<const CharacterEvent> events() const;
     AffineT<double> move() const;
     std::span<const float> parameters() const;
+    // As WatchedInstance has them.
+    std::vector<std::vector<PlayedMotion>> layers() const;
 
 private:
     struct State;

@@ -74,4 +74,17 @@ void check_parameters(uint32_t parameter_count, uint32_t first, std::span<const 
     if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); })) refuse(place, "a number is not finite");
 }
 
+std::vector<std::vector<PlayedMotion>> played_layers(std::span<const io::LayerState> states, std::span<const LayerKind> kinds, uint32_t clip_count) {
+    std::vector<std::vector<PlayedMotion>> layers(states.size());
+    for (size_t layer = 0; layer < states.size(); ++layer) {
+        const io::LayerState& state = states[layer];
+        for (uint32_t k = 0; k < state.play_count; ++k) {
+            const io::LayerPlay& play = state.plays[k];
+            const bool rests = !kinds[layer].has_states && play.motion == clip_count;
+            layers[layer].push_back({.motion = rests ? kNone : play.motion, .phase = static_cast<float>(play.phase * 0x1p-32), .loops = play.loops, .fade = k + 1 == state.play_count ? 1 : play.fade});
+        }
+    }
+    return layers;
+}
+
 }  // namespace throng

@@ -106,12 +106,14 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
 void CrowdState::make_feedback(const CrowdSettings& settings) {
     watch_capacity_ = settings.watch_capacity;
     bool any = false;
-    uint64_t most_sockets = 0;
+    uint64_t most_bytes = 0;  // of one that is watched
     for (const Group& group : groups) {
         any = any || group.controller || group.sockets || group.steering;
-        most_sockets = std::max<uint64_t>(most_sockets, group.socket_count());
+        uint64_t size_bytes = kMatrix_bytes + sizeof(io::RootState::move) + group.socket_count() * kMatrix_bytes;
+        if (group.controller) size_bytes += group.controller->parameter_count * sizeof(float) + group.controller->layer_count * sizeof(io::LayerState);
+        most_bytes = std::max(most_bytes, size_bytes);
     }
-    if (any) feedback.emplace(gpu, settings.event_capacity, watch_capacity_ * (kWatchedInstance_bytes + most_sockets * kMatrix_bytes));
+    if (any) feedback.emplace(gpu, settings.event_capacity, watch_capacity_ * most_bytes);
 }
 
 // As its instances begin.

@@ -21,14 +21,25 @@ void CrowdState::watch(std::span<const uint32_t> instances) {
     for (const uint32_t instance : instances) {
         check_range(instance, 1, "watch");
         const Batch& batch = batch_of(instance);
+        const Group& group = groups[batch.group];
         const auto part = [&](const Buffer& buffer, uint64_t stride_bytes, uint64_t size_bytes) {
             return buffer.handle() ? BufferRange(buffer.handle(), (instance - batch.first_instance) * stride_bytes, size_bytes) : BufferRange();
         };
-        const uint64_t socket_bytes = groups[batch.group].socket_count() * kMatrix_bytes;
-        watched.push_back({.instance = instance,
-                           .placement = part(batch.placements, kMatrix_bytes, kMatrix_bytes),
-                           .move = part(batch.roots, sizeof(io::RootState), sizeof(io::RootState::move)),
-                           .sockets = part(batch.sockets, socket_bytes, socket_bytes)});
+        const auto all = [&](const Buffer& buffer, uint64_t size_bytes) { return part(buffer, size_bytes, size_bytes); };
+        Watched one{.instance = instance,
+                    .placement = all(batch.placements, kMatrix_bytes),
+                    .move = part(batch.roots, sizeof(io::RootState), sizeof(io::RootState::move)),
+                    .sockets = all(batch.sockets, group.socket_count() * kMatrix_bytes),
+                    .parameters = {},
+                    .layers = {},
+                    .layer_kinds = {},
+                    .clip_count = static_cast<uint32_t>(group.clip_durations_s.size())};
+        if (group.controller) {
+            one.parameters = all(batch.parameters, group.controller->parameter_count * sizeof(float));
+            one.layers = all(batch.layers, group.controller->layer_count * sizeof(io::LayerState));
+            one.layer_kinds = group.controller->layer_kinds;
+        }
+        watched.push_back(one);
     }
     watched_ = std::move(watched);
 }

@@ -55,7 +55,7 @@ void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watche
     gpu_->vk.vkCmdCopyBuffer(commands, events_.handle(), slot.copy.handle(), 1, &copy);
     VkDeviceSize at = events_.size_bytes();
     for (const Watched& one : watched) {
-        for (const BufferRange& range : {one.placement, one.move, one.sockets}) {
+        for (const BufferRange& range : one.parts()) {
             if (range.size_bytes == 0) continue;
             const VkBufferCopy part{range.offset_bytes, at, range.size_bytes};
             gpu_->vk.vkCmdCopyBuffer(commands, range.buffer, slot.copy.handle(), 1, &part);
@@ -99,16 +99,20 @@ Feedback FeedbackRing::read(const Slot& slot) const {
     Feedback feedback{.update = slot.update, .events = {}, .lost_event_count = head.count - records.size(), .watched = {}};
     const std::byte* at = slot.copy.mapped() + events_.size_bytes();
     for (const Watched& one : slot.watched) {
-        WatchedInstance& watched = feedback.watched.emplace_back(WatchedInstance{.instance = one.instance, .world_from_model = {}, .move = {}, .sockets = std::vector<Affine>(one.sockets.size_bytes / sizeof(Affine))});
+        WatchedInstance& watched = feedback.watched.emplace_back();
+        watched.instance = one.instance;
+        watched.sockets.resize(one.sockets.size_bytes / sizeof(Affine));
+        watched.parameters.resize(one.parameters.size_bytes / sizeof(float));
         std::array<float, 4> move{0, 0, 1, 0};
-        const auto take = [&](void* to, const BufferRange& range) {
-            if (range.size_bytes > 0) std::memcpy(to, at, range.size_bytes);
-            at += range.size_bytes;
-        };
-        take(&watched.world_from_model, one.placement);
-        take(move.data(), one.move);
-        take(watched.sockets.data(), one.sockets);
+        std::vector<io::LayerState> layers(one.layer_kinds.size());
+        const std::array<void*, 5> parts{&watched.world_from_model, move.data(), watched.sockets.data(), watched.parameters.data(), layers.data()};
+        for (size_t k = 0; k < parts.size(); ++k) {
+            const uint64_t size_bytes = one.parts()[k].size_bytes;
+            if (size_bytes > 0) std::memcpy(parts[k], at, size_bytes);
+            at += size_bytes;
+        }
         watched.move = over_the_ground(move);
+        watched.layers = played_layers(layers, one.layer_kinds, one.clip_count);
     }
     for (const io::EventRecord& record : records) feedback.events.push_back({record.instance, record.event, record.layer, record.time_s});
     return feedback;

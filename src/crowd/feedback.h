@@ -1,11 +1,13 @@
 // What updates report to the CPU: copied into one of a few host-visible slots in turn, and read when the device says that it is there. Nothing waits.
 #pragma once
 
+#include "control/layer_commands.h"
 #include "gpu/buffer.h"
 
 #include <throng/crowd.h>
 
 #include <array>
+#include <span>
 
 namespace throng {
 
@@ -15,9 +17,13 @@ struct Watched {
     BufferRange placement;  // Affine
     BufferRange move;       // float4: x, z, cosine, sine; without a buffer where there is no root motion
     BufferRange sockets;    // Affine[]; likewise
+    BufferRange parameters; // float[]; without a buffer where there is no controller
+    BufferRange layers;     // io::LayerState[layer_kinds]; likewise
+    std::span<const LayerKind> layer_kinds;  // of the group
+    uint32_t clip_count = 0;                 // of the character
+
+    std::array<BufferRange, 5> parts() const { return {placement, move, sockets, parameters, layers}; }
 };
-// Of it without its sockets.
-inline constexpr uint64_t kWatchedInstance_bytes = sizeof(Affine) + 4 * sizeof(float);
 
 class FeedbackRing {
 public:

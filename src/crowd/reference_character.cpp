@@ -219,4 +219,6 @@ AffineT<double> ReferenceCharacter::move() const {
 
 std::span<const float> ReferenceCharacter::parameters() const { return state_->controller.parameters; }
 
+std::vector<std::vector<PlayedMotion>> ReferenceCharacter::layers() const { return played_layers(state_->controller.layers, state_->kinds, static_cast<uint32_t>(state_->clip_durations_s.size())); }
+
 }  // namespace throng
