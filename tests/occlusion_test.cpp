@@ -240,7 +240,7 @@ void expect_nothing_lost(uint32_t view_count, bool skins_once) {
     };
     for (uint32_t number = 0; number < view_count; ++number) {
         const Camera camera{.eye = Vec3<double>{random.between(-10, 10) * size, random.between(0.1, 3) * size, random.between(-10, 10) * size}.as<float>(), .target = Vec3<double>{random.between(-5, 5) * size, size, random.between(-5, 5) * size}.as<float>()};
-        ASSERT_TRUE(renderer->set_options({.shadows = number % 3 == 0}));
+        ASSERT_TRUE(renderer->set_options({.shadows = number % 3 == 0, .occlusion = true}));
         ASSERT_TRUE(see(camera)) << "view " << number;
         if (number % 10 > 0) continue;
         ASSERT_TRUE(see(camera) && see(camera)) << "view " << number << ", seen again";

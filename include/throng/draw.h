@@ -39,7 +39,9 @@ Camera fit_camera(const Bounds& bounds, float aspect_ratio);
 // How pictures look; may change from frame to frame.
 struct DrawOptions {
     bool shadows = true;
-    bool occlusion = true;  // of crowds that cull, render_frame() and record() leave out who is hidden behind others; draws the depths of those that were visible in the last frame
+    // Of crowds that cull, render_frame() and record() leave out who is hidden behind others, which takes one more pass, the depths of those that were visible in the last frame: pays where some are large and hide many.
+    bool occlusion = false;
+    float full_rate_pixels = 0, budget_ms = 0;  // of crowds that skip updates, in render_frame() and record(): as CrowdView has them
     bool fog = true;      // the ground and what is far away fade into the horizon
     float exposure = 1;   // all light is multiplied by it; above 0
     Vec3<float> to_sun{-0.45f, 0.85f, 0.5f};  // world space, of any length; y at least a twentieth of it
@@ -47,7 +49,7 @@ struct DrawOptions {
     bool bounds = false;     // the boxes that culling goes by
 };
 
-// What the camera sees of a picture of this size, shadows of the crowd included, for an update of it that is drawn by the same camera and options. Errors: kInvalidArgument (camera, exposure, sun).
+// What the camera sees of a picture of this size, shadows of the crowd included, for an update of it that is drawn by the same camera and options. Errors: kInvalidArgument (camera, options).
 Result<CrowdView> view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, const DrawOptions& options = {});
 
 struct RendererSettings {
@@ -90,7 +92,7 @@ public:
     // Errors: kInvalidArgument (empty), kLimit (names the device's limit); then it keeps its size.
     Result<void> resize(uint32_t width, uint32_t height);
 
-    // From the next frame on. Errors: kInvalidArgument (exposure, sun).
+    // From the next frame on. Errors: kInvalidArgument (exposure, sun, full_rate_pixels, budget_ms).
     Result<void> set_options(const DrawOptions& options);
     const DrawOptions& options() const;
 
