@@ -152,7 +152,8 @@ TEST_F(View, ADroppedControllerDrives) {
     const Outcome run = view("2 drop " THRONG_SOURCE_DIR "/examples/controllers/guard.json\n5 move 325 170\n6 press left\n7 release left\n12 move 630 20\n", {"--count", "1"});
     EXPECT_TRUE(run.err.empty()) << run;
     EXPECT_EQ(state_["selected"], 0);
-    EXPECT_EQ(state_["parameters"].size(), 2) << "speed and attack, as the device has them";
+    EXPECT_EQ(state_["controller"]["parameters"].size(), 2) << "speed and attack, as the device has them";
+    EXPECT_EQ(state_["controller"]["leading"], nlohmann::json::array({0})) << "idle";
     const Outcome wrong = view("2 drop " THRONG_SOURCE_DIR "/examples/controllers/willow.json\n6 move 630 20\n", {"--count", "1"});
     EXPECT_NE(wrong.err.find("gust"), std::string::npos) << "a clip that it has not: " << wrong;
 }
@@ -163,6 +164,14 @@ TEST_F(View, ChangesTheNumber) {
     EXPECT_LT(state_["count"], 500);
     view("2 type +\n4 type +\n6 type +\n8 type -\n", {"--count", "3"});
     EXPECT_EQ(state_["count"], 10) << "5, 10, 20, 10";
+}
+
+TEST_F(View, LeavesOutTheHiddenAndAnimatesSmallOnesLessOften) {
+    const Outcome run = view("2 type u\n3 type o\n6 shot " + file("skipped.png") + "\n20 move 630 20\n", {"--count", "60"});
+    EXPECT_TRUE(run.err.empty()) << run;
+    EXPECT_EQ(state_["skips_updates"], true);
+    EXPECT_EQ(state_["occlusion"], true);
+    EXPECT_GT(state_["drawn"].get<std::vector<uint32_t>>().back(), 0u);
 }
 
 TEST_F(View, CountsWhatIsDrawn) {

@@ -108,33 +108,32 @@ CameraSubject CrowdScene::subject(float aspect_ratio) const { return {bounds_, a
 
 void CrowdScene::start() {
     print_progress("preparing");
-    update(0, nullptr);
+    unwrap(crowd_->update(0));
     constexpr int kSteps = 120;
     for (int i = 0; has_controllers_ && i < kSteps; ++i) step_unseen(0.1f);
     if (!destinations_.empty()) unwrap(crowd_->set_destination(0, destinations_));
 }
 
-void CrowdScene::step(float step_s, const CrowdView* view) {
+void CrowdScene::step(float step_s, const std::function<void(float part_s)>& update_shown) {
     constexpr float kMost_s = 0.05f;
     const float parts = destinations_.empty() ? 1 : std::max(std::ceil(step_s / kMost_s), 1.0f);
-    const auto part = [&](const CrowdView* seen) {
-        direct(step_s / parts);
-        update(step_s / parts, seen);
-    };
-    for (float k = 1; k < parts; ++k) part(unseen());
-    part(view);
+    const float part_s = step_s / parts;
+    for (float k = 1; k <= parts; ++k) {
+        director_->direct(*crowd_, part_s);
+        if (k < parts) update_unseen(part_s);
+        else update_shown(part_s);
+        take_feedback();
+    }
 }
 
-void CrowdScene::step_unseen(float step_s) { step(step_s, unseen()); }
+void CrowdScene::step_unseen(float step_s) {
+    step(step_s, [this](float part_s) { update_unseen(part_s); });
+}
 
-const CrowdView* CrowdScene::unseen() const {
+// A crowd that culls is shown to a view of nothing.
+void CrowdScene::update_unseen(float step_s) {
     static constexpr CrowdView kNothing{.clip_from_world = {{{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, -1}}}};  // w is -1 everywhere
-    return culls_ ? &kNothing : nullptr;
-}
-
-void CrowdScene::update(float step_s, const CrowdView* view) {
-    unwrap(crowd_->update(step_s, view));
-    take_feedback();
+    unwrap(crowd_->update(step_s, culls_ ? &kNothing : nullptr));
 }
 
 void CrowdScene::take_feedback() {

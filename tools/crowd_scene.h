@@ -8,6 +8,7 @@
 
 #include <throng/throng.h>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -49,8 +50,6 @@ public:
 
     Crowd& crowd() { return *crowd_; }
     const Crowd& crowd() const { return *crowd_; }
-    // Of the crowd in its first places.
-    const Bounds& bounds() const { return bounds_; }
 
     // Whether updates may move characters: controllers by root motion, or steering.
     bool may_move() const { return has_controllers_ || !destinations_.empty(); }
@@ -61,29 +60,25 @@ public:
 
     // Compiles what updates need, and lets characters with controllers live for 12 s, or they would be in step; with --steer all then set out. The first step follows.
     void start();
-    // Tells controllers something, an update, and what comes back of it. With --steer in parts of at most 1/20 s, so that agents see each other in time.
-    void step(float step_s, const CrowdView* view);
-    // The same, but what a view would show is not animated. All go on in time, and are in the state that a step with any view would have left them in.
+    // Tells controllers something, then an update, by someone else, as a renderer that animates and draws at once; and takes what comes back of it. With --steer in parts of at most 1/20 s, so that agents see each other in
+    // time, of which the last is shown.
+    void step(float step_s, const std::function<void(float part_s)>& update_shown);
+    // The same, but nothing is animated. All go on in time, and are in the state that a step that is shown would have left them in.
     void step_unseen(float step_s);
-
-    // The parts of a step around an update by someone else, as a renderer that animates and draws at once.
-    void direct(float step_s) { director_->direct(*crowd_, step_s); }
-    void take_feedback();
 
 private:
     struct Kind {
         uint32_t count;
         Bounds model_bounds;
     };
-    // A view of nothing, where the crowd culls.
-    const CrowdView* unseen() const;
-    void update(float step_s, const CrowdView* view);
+    void update_unseen(float step_s);
+    void take_feedback();
 
     std::optional<Crowd> crowd_;
     std::optional<Director> director_;
     std::vector<Kind> kinds_;          // [files]
     std::vector<Affine> placement_;    // [characters], as they were placed
-    Bounds bounds_;
+    Bounds bounds_;                    // of the crowd in its first places
     std::vector<Vec3<float>> destinations_;  // [characters], with --steer
     Affine world_from_followed_;
     Bounds followed_bounds_;

@@ -85,17 +85,9 @@ nlohmann::json updates_of(const Crowd& crowd, size_t file_count) {
     return updates;
 }
 
-struct FilmTimes {
-    StageTimes stages;  // sums
-    double draw_ms = 0;
-    uint32_t count = 0;
-
-    void add(const StageTimes& frame, double frame_draw_ms) {
-        for (const auto& [name, member] : kStages) stages.*member += frame.*member;
-        draw_ms += frame_draw_ms;
-        ++count;
-    }
-    double mean(double sum) const { return count == 0 ? 0 : sum / count; }
+struct Film {
+    std::vector<FrameTimes> frames;  // that were drawn
+    std::vector<uint32_t> drawn;     // in the last of them, of each level of detail
 };
 
 std::string duration_text(double seconds) {
@@ -105,12 +97,12 @@ std::string duration_text(double seconds) {
     return std::to_string(whole / 3600) + " h " + std::to_string(whole / 60 % 60) + " min";
 }
 
-FilmTimes draw_frames(const Device& device, const RenderOptions& options, const FilmPlan& plan, const std::vector<uint32_t>& frames, nlohmann::json settings) {
+Film draw_frames(const Device& device, const RenderOptions& options, const FilmPlan& plan, const std::vector<uint32_t>& frames, nlohmann::json settings) {
     Shot shot(device, options);
     settings["updates"] = updates_of(shot.crowd(), options.scene.files.size());
     if (plan.is_film) fs::create_directory(plan.folder);
     plan.files.keep_settings(settings);
-    FilmTimes times;
+    Film film;
     uint32_t next = 0;  // frame that all have yet to step to
     const auto step_to = [&](uint32_t frame) { return frame == 0 ? options.time_s : 1 / options.fps; };
     const auto start = std::chrono::steady_clock::now();
@@ -119,27 +111,28 @@ FilmTimes draw_frames(const Device& device, const RenderOptions& options, const 
         const RenderResult result = shot.draw(step_to(next), options.time_s + next / options.fps);
         ++next;
         unwrap(write_png(plan.files.path(frame), result.picture));
-        if (times.count == 0) print_warnings(result.warnings);
-        times.add(shot.stage_times(), result.draw_ms);
+        if (film.frames.empty()) print_warnings(result.warnings);
+        film.frames.push_back(shot.times());
         const double passed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        print_progress("frame " + std::to_string(times.count) + " of " + std::to_string(frames.size()) + ", " +
-                       duration_text(passed_s / times.count * static_cast<double>(frames.size() - times.count)) + " left");
+        const size_t done = film.frames.size();
+        print_progress("frame " + std::to_string(done) + " of " + std::to_string(frames.size()) + ", " + duration_text(passed_s / static_cast<double>(done) * static_cast<double>(frames.size() - done)) + " left");
     }
+    film.drawn = shot.count_drawn();
     print_progress("");
-    return times;
+    return film;
 }
 
-void print_film(const RenderOptions& options, const std::string& device, const FilmTimes& times, size_t asked) {
-    if (options.json) {
-        nlohmann::json stages{{"skin+draw", times.mean(times.draw_ms)}};
-        for (const auto& [name, member] : kStages) stages[name] = times.mean(times.stages.*member);
-        return print_json({{"out", options.out}, {"device", device}, {"frames", asked}, {"rendered", times.count}, {"kept", asked - times.count}, {"stages_ms", stages}});
-    }
-    std::printf("%s: %zu frames, %u of them new\n", options.out.c_str(), asked, times.count);
-    if (times.count == 0) return;
-    std::printf("  mean of a frame on %s:\n ", device.c_str());
-    for (const auto& [name, member] : kStages) std::printf(" %s %.2f ms,", name, times.mean(times.stages.*member));
-    std::printf(" skin+draw %.2f ms\n", times.mean(times.draw_ms));
+void print_film(const RenderOptions& options, const std::string& device, const Film& film, size_t asked) {
+    const size_t rendered = film.frames.size();
+    const FrameTimes times = median_of(film.frames);
+    if (options.json)
+        return print_json({{"out", options.out}, {"device", device}, {"frames", asked}, {"rendered", rendered}, {"kept", asked - rendered}, {"drawn", film.drawn}, {"stages_ms", to_json(times)}});
+    std::printf("%s: %zu frames, %zu of them new\n", options.out.c_str(), asked, rendered);
+    if (rendered == 0) return;
+    std::printf("  medians of a frame on %s:\n", device.c_str());
+    print_times(times);
+    std::printf("  the last:\n");
+    print_drawn(film.drawn);
 }
 
 void encode(const RenderOptions& options, const FilmPlan& plan) {
@@ -160,19 +153,19 @@ void render_film(const RenderOptions& options) {
     nlohmann::json settings = settings_of(options);
     plan.files.check_settings(settings);
     const std::vector<uint32_t> frames = plan.files.missing(plan.range, plan.shard, plan.size.width, plan.size.height);
-    FilmTimes times;
+    Film film;
     std::string device_name;
     if (!frames.empty()) {
         const Device device = open_device(options.device);
         device_name = device.info().name;
         settings["device"] = device_name + ", " + device.info().driver;
         plan.files.check_settings(settings);
-        times = draw_frames(device, options, plan, frames, settings);
+        film = draw_frames(device, options, plan, frames, settings);
     }
     if (encodes) encode(options, plan);
     uint32_t asked = 0;
     for (uint32_t frame = plan.range.first; frame < plan.range.end; ++frame) asked += frame % plan.shard.count == plan.shard.index;
-    print_film(options, device_name, times, asked);
+    print_film(options, device_name, film, asked);
 }
 
 }  // namespace throng::tools

@@ -8,32 +8,14 @@
 namespace throng::tools {
 namespace {
 
-// Of each level of detail, the finest first; of a crowd that does not cull, all.
-std::vector<uint32_t> count_drawn(Crowd& crowd, bool everything) {
-    if (everything) return {crowd.instance_count()};
-    std::vector<uint32_t> counts;
-    const std::vector<DrawnInstance> drawn = unwrap(crowd.read_drawn());
-    for (const DrawnInstance& one : drawn) {
-        counts.resize(std::max<size_t>(counts.size(), one.detail + 1));
-        ++counts[one.detail];
-    }
-    return counts;
-}
-
-void print_times(const RenderOptions& options, const Device& device, const Crowd& crowd, const std::vector<uint32_t>& drawn, const StageTimes& times, double draw_ms) {
-    const std::string scan = crowd.scan(0).method;
-    if (options.json) {
-        nlohmann::json stages{{"skin+draw", draw_ms}};
-        for (const auto& [name, member] : kStages) stages[name] = times.*member;
-        return print_json({{"out", options.out}, {"device", device.info().name}, {"driver", device.info().driver}, {"count", crowd.instance_count()},
-                           {"drawn", drawn}, {"scan", scan}, {"stages_ms", stages}});
-    }
-    std::printf("%s: %u characters on %s, scan by %s\n", options.out.c_str(), crowd.instance_count(), device.info().name.c_str(), scan.c_str());
-    std::printf("  drawn by level of detail:");
-    for (const uint32_t count : drawn) std::printf(" %u", count);
-    std::printf("\n ");
-    for (const auto& [name, member] : kStages) std::printf(" %s %.2f ms,", name, times.*member);
-    std::printf(" skin+draw %.2f ms\n", draw_ms);
+void print_times(const RenderOptions& options, const Device& device, Shot& shot) {
+    const std::string scan = shot.crowd().scan(0).method;
+    const uint32_t count = shot.crowd().instance_count();
+    if (options.json)
+        return print_json({{"out", options.out}, {"device", device.info().name}, {"driver", device.info().driver}, {"count", count}, {"drawn", shot.count_drawn()}, {"scan", scan}, {"stages_ms", to_json(shot.times())}});
+    std::printf("%s: %u characters on %s, scan by %s\n", options.out.c_str(), count, device.info().name.c_str(), scan.c_str());
+    print_drawn(shot.count_drawn());
+    print_times(shot.times());
 }
 
 void run_render(const RenderOptions& options) {
@@ -46,7 +28,7 @@ void run_render(const RenderOptions& options) {
     unwrap(write_png(options.out, result.picture));
     print_progress("");
     print_warnings(result.warnings);
-    print_times(options, device, shot.crowd(), count_drawn(shot.crowd(), options.everything), shot.stage_times(), result.draw_ms);
+    print_times(options, device, shot);
 }
 
 }  // namespace

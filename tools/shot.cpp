@@ -25,7 +25,7 @@ Shot::Shot(const Device& device, const RenderOptions& options)
       path_(make_camera_path(options.camera)),
       scene_(device, options.scene, crowd_settings(options)),
       renderer_(unwrap(Renderer::create(device, size_))),
-      everything_(options.everything),
+      culls_(!options.everything),
       follows_(path_.follows() && scene_.may_move()) {
     unwrap(renderer_.set_options({.skeletons = options.skeletons, .bounds = options.bounds}));
     scene_.follow(path_.followed_character());
@@ -40,14 +40,24 @@ void Shot::skip(double step_s) {
 RenderResult Shot::draw(double step_s, double time_s) {
     if (follows_) scene_.step_unseen(static_cast<float>(std::exchange(step_s, 0)));
     const Camera camera = path_.at(time_s, scene_.subject(static_cast<float>(size_.width) / static_cast<float>(size_.height)));
-    const CrowdView view = unwrap(view_of(camera, size_.width, size_.height, scene_.bounds()));
-    scene_.step(static_cast<float>(step_s), everything_ ? nullptr : &view);
-    return unwrap(renderer_.render(scene_.crowd(), camera));
+    RenderResult result;
+    scene_.step(static_cast<float>(step_s), [&](float part_s) { result = unwrap(renderer_.render_frame(scene_.crowd(), part_s, camera)); });
+    return result;
 }
 
-StageTimes Shot::stage_times() const {
-    const Result<StageTimes> times = scene_.crowd().stage_times();
-    return times ? *times : StageTimes{};
+std::vector<uint32_t> Shot::count_drawn() {
+    if (!culls_) return {crowd().instance_count()};
+    std::vector<uint32_t> counts;
+    for (const DrawnInstance& one : unwrap(scene_.crowd().read_drawn())) {
+        counts.resize(std::max<size_t>(counts.size(), one.detail + 1));
+        ++counts[one.detail];
+    }
+    return counts;
+}
+
+FrameTimes Shot::times() const {
+    const Result<StageTimes> stages = crowd().stage_times();
+    return {stages ? *stages : StageTimes{}, renderer_.draw_ms()};
 }
 
 }  // namespace throng::tools

@@ -3,6 +3,7 @@
 
 #include "tools/camera_path.h"
 #include "tools/crowd_scene.h"
+#include "tools/frame_times.h"
 
 #include <cstdint>
 #include <string>
@@ -32,16 +33,17 @@ public:
     RenderResult draw(double step_s, double time_s);
     void skip(double step_s);
 
-    Crowd& crowd() { return scene_.crowd(); }
-    // Of the last update.
-    StageTimes stage_times() const;
+    const Crowd& crowd() const { return scene_.crowd(); }
+    // By the last draw(): of each level of detail, the finest first; of a crowd that does not cull, all.
+    std::vector<uint32_t> count_drawn();
+    FrameTimes times() const;  // of the last draw()
 
 private:
     RendererSettings size_;
     CameraPath path_;
     CrowdScene scene_;
     Renderer renderer_;
-    bool everything_;
+    bool culls_;
     bool follows_;  // a character that updates may move: each step is two updates then, one that moves it and one of no time, for what the camera then sees
 };
 

@@ -40,6 +40,8 @@ constexpr std::array kCommands{
     Command{"+", "more characters", '+', 0, [](State& s) { change_count(s, true); }},
     Command{"-", "fewer characters", '-', 0, [](State& s) { change_count(s, false); }},
     Command{"l", "culling and levels of detail", 'l', 0, [](State& s) { s.wanted.culls = !s.wanted.culls; }},
+    Command{"o", "leave out who is hidden", 'o', 0, [](State& s) { s.drawing.occlusion = !s.drawing.occlusion; }},
+    Command{"u", "small ones less often", 'u', 0, [](State& s) { s.wanted.skips_updates = !s.wanted.skips_updates; }},
     Command{"k", "skeletons", 'k', 0, [](State& s) { s.drawing.skeletons = !s.drawing.skeletons; }},
     Command{"b", "boxes that culling goes by", 'b', 0, [](State& s) { s.drawing.bounds = !s.drawing.bounds; }},
     Command{"h", "shadows", 'h', 0, [](State& s) { s.drawing.shadows = !s.drawing.shadows; }},

@@ -41,17 +41,30 @@ void clips(Scene& scene, uint32_t instance, const Character& character) {
     if (changed) scene.set_playback_of(instance, playback);
 }
 
-// What the device had in the last frame; what is changed is sent.
-void parameters(Scene& scene, uint32_t instance, const Controller& controller, const std::vector<float>& values) {
-    for (uint32_t p = 0; p < std::min(values.size(), controller.parameters.size()); ++p) {
-        float value = values[p];
+const char* name_of(const Character& character, const ControllerLayer& layer, uint32_t motion) {
+    if (motion == kNone) return "rest pose";
+    return layer.states.empty() ? character.clips[motion].name.c_str() : layer.states[motion].name.c_str();
+}
+
+// A bar for how far the leading state is in its cycle; beneath it those that fade away.
+void layer_rows(const Character& character, const ControllerLayer& layer, const std::vector<PlayedMotion>& played) {
+    begin_row(layer.name.c_str());
+    if (played.empty()) return ImGui::TextDisabled("nothing");
+    ImGui::ProgressBar(played.front().phase, {-1, 0}, name_of(character, layer, played.front().motion));
+    for (size_t k = 1; k < played.size(); ++k) {
+        begin_row("");
+        ImGui::TextDisabled("from %s, %.0f %%", name_of(character, layer, played[k].motion), 100 * double{played[k - 1].fade});
+    }
+}
+
+// What the device had in the last frame; parameters that are changed are sent.
+void controller_rows(Scene& scene, uint32_t instance, const Character& character, const Controller& controller, const WatchedInstance& watched) {
+    for (uint32_t p = 0; p < controller.parameters.size(); ++p) {
+        float value = watched.parameters[p];
         if (parameter_row(controller, p, value)) scene.set_parameter_of(instance, p, value);
     }
     ImGui::Spacing();
-    for (const ControllerLayer& layer : controller.layers) {
-        begin_row("layer");
-        ImGui::Text("%s, %zu states", layer.name.c_str(), layer.states.size());
-    }
+    for (size_t layer = 0; layer < controller.layers.size(); ++layer) layer_rows(character, controller.layers[layer], watched.layers[layer]);
 }
 
 }  // namespace
@@ -77,8 +90,11 @@ void draw_inspector(State& state, Scene& scene, const Measured& measured) {
     begin_row("stands at");
     ImGui::Text("%.2f, %.2f, %.2f", double{world_from_model.row[0][3]}, double{world_from_model.row[1][3]}, double{world_from_model.row[2][3]});
     ImGui::Spacing();
-    if (const Controller* controller = scene.controller_of(group)) parameters(scene, instance, *controller, measured.parameters);
-    else if (!character.clips.empty()) clips(scene, instance, character);
+    if (const Controller* controller = scene.controller_of(group)) {
+        if (measured.watched && measured.watched->instance == instance) controller_rows(scene, instance, character, *controller, *measured.watched);  // not in the first frame
+    } else if (!character.clips.empty()) {
+        clips(scene, instance, character);
+    }
     ImGui::End();
 }
 

@@ -125,6 +125,16 @@ void update_section(State& state, Scene& scene) {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("in compute, for the shadows and the picture");
     ImGui::Checkbox("only what is seen, as fine as it is seen", &state.wanted.culls);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("culling and levels of detail");
+    if (!state.wanted.culls) return;
+    ImGui::Checkbox("not who is hidden behind others", &state.drawing.occlusion);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("by the depths of the last frame; pays where large ones hide many");
+    ImGui::Checkbox("small ones less often", &state.wanted.skips_updates);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("animated in every 2nd, 4th or 8th frame; in between, matrices go on evenly");
+    if (!state.wanted.skips_updates) return;
+    begin_row("smaller than");
+    ImGui::SliderFloat("##full_rate", &state.drawing.full_rate_pixels, 0, 1000, "%.0f pixels", ImGuiSliderFlags_AlwaysClamp);
+    begin_row("update");
+    ImGui::SliderFloat("##budget", &state.drawing.budget_ms, 0, 100, state.drawing.budget_ms > 0 ? "at most %.1f ms" : "as long as it takes", ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
 }
 
 void choose_camera(State& state) {

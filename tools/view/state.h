@@ -57,7 +57,7 @@ struct Measured {
     History history;
     float frame_ms = 0;  // from one picture to the next
     std::vector<uint32_t> drawn;     // of each level of detail
-    std::vector<float> parameters;   // of the selected character's controller
+    std::optional<WatchedInstance> watched;  // the character that was selected then, if it has a controller
 };
 
 }  // namespace throng::view

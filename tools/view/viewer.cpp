@@ -46,6 +46,14 @@ std::string free_name() {
     }
 }
 
+// Null where none is watched.
+nlohmann::json controller_dump(const std::optional<WatchedInstance>& watched) {
+    if (!watched) return nullptr;
+    nlohmann::json leading = nlohmann::json::array();
+    for (const std::vector<PlayedMotion>& layer : watched->layers) leading.push_back(layer.empty() ? kNone : layer.front().motion);
+    return {{"parameters", watched->parameters}, {"leading", leading}};
+}
+
 }  // namespace
 
 Viewer::Viewer(const ViewOptions& options)
@@ -57,12 +65,12 @@ Viewer::Viewer(const ViewOptions& options)
       canvas_(context_),
       gui_(window_, context_, canvas_.render_pass()),
       submission_(context_),
-      probe_(context_),
       renderer_(unwrap(Renderer::create(device_, renderer_settings(options, device_)))),
       scene_(device_, make_cast(options.scene), make_settings(options.scene)) {
     if (!options.script.empty()) script_.emplace(options.script);
     state_.wanted = scene_.settings();
     state_.drawing = renderer_.options();
+    state_.drawing.full_rate_pixels = 100;
     measured_.device = device_.info().name;
     const tools::CameraPath path = tools::make_camera_path(options.camera);
     if (!options.camera.eye.empty()) {
@@ -164,9 +172,9 @@ void Viewer::record(uint32_t image) {
     DrawOptions drawing = state_.drawing;
     drawing.skeletons = scene_.settings().keeps_joints;  // a crowd that keeps joints comes a frame later
     unwrap(renderer_.set_options(drawing));
+    if (watches()) unwrap(scene_.crowd().watch({&*state_.selected, 1}));
     const VkCommandBuffer commands = submission_.begin();
     unwrap(renderer_.record(commands, scene_.crowd(), time_step_s, state_.orbit.camera()));
-    if (state_.selected) probe_.record(commands, scene_.crowd(), *state_.selected);
     canvas_.record_picture(commands, renderer_.picture());
     canvas_.record_panels(commands);
     canvas_.record_copy(commands, swapchain_.image(image));
@@ -184,7 +192,7 @@ float Viewer::next_time_step() {
 
 void Viewer::measure() {
     if (const Result<StageTimes> times = scene_.crowd().stage_times()) measured_.history.add(*times, renderer_.draw_ms());
-    if (state_.selected) measured_.parameters = probe_.read();
+    if (watches()) measured_.watched = unwrap(scene_.crowd().feedback()).back().watched.front();
     constexpr uint64_t kEvery = 15;  // frames: it waits for the device
     if (!scene_.settings().culls) return measured_.drawn.assign(1, scene_.settings().count);
     if (frame_ % kEvery != 0) return;
@@ -216,6 +224,7 @@ void Viewer::take_loaded() {
     try {
         if (std::optional<std::vector<Character>> characters = loader_.take(is_scripted())) {
             scene_.set_cast(Cast(std::move(*characters)));
+            measured_.watched.reset();
             state_.selected.reset();
             state_.resets_view = true;
             state_.message.clear();
@@ -240,6 +249,7 @@ void Viewer::use_controller(const std::string& file) {
     }
     if (fitting == 0) throw CommandError(why);
     scene_.set_cast(std::move(cast));
+    measured_.watched.reset();
 }
 
 void Viewer::take_settings() {
@@ -248,6 +258,7 @@ void Viewer::take_settings() {
     const bool moves = state_.wanted.count != scene_.settings().count || state_.wanted.formation != scene_.settings().formation;
     try {
         scene_.set_settings(state_.wanted);
+        measured_.watched.reset();
         if (moves) state_.resets_view = true;
     } catch (const CommandError& error) {
         state_.complain(error.what());
@@ -266,9 +277,11 @@ void Viewer::write_dump() const {
                               {"count", scene_.settings().count},
                               {"scan", scene_.settings().scan},
                               {"culls", scene_.settings().culls},
+                              {"skips_updates", scene_.settings().skips_updates},
+                              {"occlusion", state_.drawing.occlusion},
                               {"skeletons", scene_.settings().keeps_joints},
                               {"directs", scene_.directs()},
-                              {"parameters", measured_.parameters},
+                              {"controller", controller_dump(measured_.watched)},
                               {"selected", state_.selected ? nlohmann::json(*state_.selected) : nlohmann::json()},
                               {"paused", state_.paused},
                               {"shows_keys", state_.shows_keys},

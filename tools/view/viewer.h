@@ -5,7 +5,6 @@
 #include "tools/view/canvas.h"
 #include "tools/view/gui.h"
 #include "tools/view/loader.h"
-#include "tools/view/probe.h"
 #include "tools/view/script.h"
 #include "tools/view/state.h"
 #include "tools/view/submission.h"
@@ -39,6 +38,7 @@ public:
 
 private:
     bool is_done() const;
+    bool watches() const { return state_.selected && scene_.controller_of(scene_.group_of(*state_.selected)); }  // what a controller does is known to the device alone
     bool is_scripted() const { return script_ || options_.frames; }  // then every frame is a sixtieth of a second, however long it takes
     void show_frame();
     void resize();
@@ -62,7 +62,6 @@ private:
     Canvas canvas_;
     Gui gui_;
     Submission submission_;
-    Probe probe_;
     Renderer renderer_;
     Scene scene_;
     Loader loader_;
