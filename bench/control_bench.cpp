@@ -1,8 +1,8 @@
 #include "bench/control_bench.h"
 
-#include "base/failure.h"
 #include "bench/record.h"
 #include "bench/statistics.h"
+#include "bench/value_of.h"
 
 #include <throng/reference.h>
 
@@ -23,12 +23,6 @@ ControllerState plays(std::string name, std::string clip, float speed, bool loop
 
 ControllerTransition leads(std::string from, std::string to, std::vector<ControllerCondition> conditions, float exit, float fade_s) {
     return {.from = std::move(from), .to = std::move(to), .conditions = std::move(conditions), .exit = exit, .fade_s = fade_s, .interrupts = true};
-}
-
-template <class T>
-T need(Result<T> result) {
-    if (!result) throw Failure(result.error());
-    if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 
 // What an application would do: in each update a hundredth of the characters, and at first all of them, are told something new.
@@ -53,7 +47,7 @@ private:
 double largest_error(Crowd& crowd, std::span<const ReferenceCharacter> references, double size) {
     double worst = 0;
     for (uint32_t i = 0; i < references.size(); ++i) {
-        const std::vector<Affine> matrices = need(crowd.read_skin_matrices(i));
+        const std::vector<Affine> matrices = value_of(crowd.read_skin_matrices(i));
         const ReferencePose pose = references[i].pose();
         for (size_t entry = 0; entry < matrices.size(); ++entry)
             for (size_t row = 0; row < 3; ++row)
@@ -99,26 +93,26 @@ nlohmann::json measure_control(const Device& device, const ControlCase& control,
     const Controller controller = control_bench_controller(character);
     const std::string what = std::to_string(control.count) + " x " + std::to_string(character.rig.joint_count());
     progress(what + ": preparing");
-    Crowd crowd = need(Crowd::create(device, {.groups = {{.character = &character, .instance_count = control.count, .controller = &controller}}}));
+    Crowd crowd = value_of(Crowd::create(device, {.groups = {{.character = &character, .instance_count = control.count, .controller = &controller}}}));
     std::vector<ReferenceCharacter> references;
-    for (uint32_t i = 0; i < std::min(kChecked, control.count); ++i) references.push_back(need(ReferenceCharacter::create(character, controller)));
+    for (uint32_t i = 0; i < std::min(kChecked, control.count); ++i) references.push_back(value_of(ReferenceCharacter::create(character, controller)));
     Director director(controller, control.count, control.seed);
     const auto tell = [&](uint32_t instance, uint32_t parameter, float value) {
-        need(crowd.set_parameters(instance, parameter, {&value, 1}));
-        if (instance < references.size()) need(references[instance].set_parameters(parameter, {&value, 1}));
+        value_of(crowd.set_parameters(instance, parameter, {&value, 1}));
+        if (instance < references.size()) value_of(references[instance].set_parameters(parameter, {&value, 1}));
     };
     const uint32_t changed = std::max(1u, control.count / 100);
     std::vector<double> control_ms, update_ms;
     double error = 0;
     for (uint32_t update = 0; update < kWarmUp + control.samples; ++update) {
         director.direct(update == 0 ? 4 * control.count : changed, tell);
-        need(crowd.update(kStep_s));
-        for (ReferenceCharacter& reference : references) need(reference.update(kStep_s));
+        value_of(crowd.update(kStep_s));
+        for (ReferenceCharacter& reference : references) value_of(reference.update(kStep_s));
         if (update + 1 == kWarmUp) error = largest_error(crowd, references, character.size);
         if (!(error <= kMostError)) break;
         if (update < kWarmUp) continue;
         progress(what + ": update " + std::to_string(update + 1 - kWarmUp) + " of " + std::to_string(control.samples));
-        const StageTimes times = need(crowd.stage_times());
+        const StageTimes times = value_of(crowd.stage_times());
         control_ms.push_back(times.control);
         update_ms.push_back(times.total());
     }

@@ -1,6 +1,5 @@
 #include "bench/frame_bench.h"
 
-#include "base/failure.h"
 #include "bench/frame_crowds.h"
 #include "bench/frame_floors.h"
 #include "bench/frame_traffic.h"
@@ -8,6 +7,7 @@
 #include "bench/record.h"
 #include "bench/skin_error.h"
 #include "bench/statistics.h"
+#include "bench/value_of.h"
 #include "scan/scan_planner.h"
 #include "tools/stages.h"
 
@@ -42,12 +42,6 @@ const char* name_of(SkinFormat format) {
 
 // Half floats have 11 bits, and a translation may be as long as the character is large, or a few times that.
 double error_bound(SkinFormat format) { return format == SkinFormat::kHalfAffine ? 2e-3 : kSkinErrorBound; }
-
-template <class T>
-T value_of(Result<T> result) {
-    if (!result) throw Failure(result.error());
-    if constexpr (!std::is_void_v<T>) return std::move(*result);
-}
 
 struct Entrant {
     const Variant* variant = nullptr;

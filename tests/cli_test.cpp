@@ -408,6 +408,30 @@ TEST_F(Cli, BenchFrameMeasuresAFileAndWritesAReport) {
     EXPECT_NE(read_file(page).find("Whole updates"), std::string::npos);
 }
 
+TEST_F(Cli, BenchViewTellsWhatLeavingOutGains) {
+    const std::vector<std::string> arguments{"bench", "view", creature(), "--count", "60", "--samples", "1", "--size", "320x180"};
+    const Outcome text = run_tool(arguments);
+    ASSERT_TRUE(text.succeeded()) << text;
+    std::vector<std::string> with_json = arguments;
+    with_json.push_back("--json");
+    const Outcome run = run_tool(with_json, {.environment = {{"THRONG_COMMIT", "abc1234"}}});
+    ASSERT_TRUE(run.succeeded()) << run;
+    std::istringstream lines(run.out);
+    std::set<std::string> variants;
+    for (std::string line; std::getline(lines, line);) {
+        const Json record = Json::parse(line);
+        std::set<std::string> wanted{"bench", "configuration", "variant", "path", "characters", "joints", "levels", "drawn", "memory_bytes", "max_error", "samples", "ms", "stages", "times_faster", "device", "driver", "subgroup_size", "commit", "date"};
+        if (record.contains("max_pixels")) wanted.insert("max_pixels");
+        if (record.contains("full_rate_pixels")) wanted.insert("full_rate_pixels");
+        EXPECT_EQ(keys(record), wanted);
+        EXPECT_EQ(record["commit"], "abc1234");
+        EXPECT_TRUE(variants.insert(record["variant"]).second);
+        EXPECT_NE(text.out.find(record["variant"].get<std::string>()), std::string::npos) << text;
+    }
+    EXPECT_EQ(variants.size(), 4u);
+    EXPECT_TRUE(run_tool({"bench", "view", "--count", "0"}).refused("--count"));
+}
+
 TEST_F(Cli, BenchBaselinesComparesAllThree) {
     const std::string path = file("baselines.jsonl");
     const Outcome run = run_tool({"bench", "baselines", creature(), "--count", "50", "--samples", "2", "--json", path}, {.environment = {{"THRONG_COMMIT", "abc1234"}}});

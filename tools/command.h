@@ -109,6 +109,7 @@ void add_generate(CLI::App& app);
 void add_bench(CLI::App& app);
 void add_bench_frame(CLI::App& bench);
 void add_bench_control(CLI::App& bench);
+void add_bench_view(CLI::App& bench);
 void add_bench_scan(CLI::App& bench);
 void add_bench_baselines(CLI::App& bench);
 void add_bench_report(CLI::App& bench);

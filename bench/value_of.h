@@ -1,0 +1,17 @@
+// Results as values, in benchmarks, which end with what goes wrong.
+#pragma once
+
+#include "base/failure.h"
+
+#include <throng/result.h>
+
+namespace throng::bench {
+
+// Throws the error as a Failure.
+template <class T>
+T value_of(Result<T> result) {
+    if (!result) throw Failure(result.error());
+    if constexpr (!std::is_void_v<T>) return std::move(*result);
+}
+
+}  // namespace throng::bench

@@ -1,0 +1,168 @@
+#include "bench/view_bench.h"
+
+#include "bench/gpu_clock.h"
+#include "bench/record.h"
+#include "bench/skin_error.h"
+#include "bench/statistics.h"
+#include "bench/value_of.h"
+#include "tools/stages.h"
+
+#include <throng/reference.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace throng::bench {
+namespace {
+
+using tools::kStages;
+
+struct Variant {
+    const char* name;
+    bool culls = true, reduces_joints = false, skips_updates = false;
+};
+constexpr std::array kVariants{Variant{.name = "everything", .culls = false}, Variant{.name = "culled"}, Variant{.name = "and fewer joints", .reduces_joints = true},
+                               Variant{.name = "and fewer updates", .reduces_joints = true, .skips_updates = true}};
+
+constexpr uint32_t kSettling = 17;    // updates in which no time passes, after which whoever waits for a pose has arrived there
+constexpr uint32_t kChecked = 16;     // characters
+constexpr double kMostPixels = 1;     // that fewer joints may move a vertex by
+
+struct Entrant {
+    const Variant* variant = nullptr;
+    std::optional<Crowd> crowd;
+    std::string obstacle;
+    std::vector<uint32_t> drawn;       // of each level of detail
+    double max_error = 0, max_pixels = 0;
+    std::vector<double> total_ms;
+    std::array<std::vector<double>, kStages.size()> stage_ms;
+
+    bool is_wrong() const { return !(max_error <= kSkinErrorBound && max_pixels <= kMostPixels); }
+};
+
+class ViewMeasurement {
+public:
+    ViewMeasurement(const Device& device, const ViewCase& seen) : device_(device), seen_(seen) {}
+
+    void check(const Progress& progress) {
+        for (const Variant& variant : kVariants) {
+            progress(seen_.configuration + ": checking " + variant.name);
+            Entrant& entrant = entrants_.emplace_back();
+            entrant.variant = &variant;
+            Result<Crowd> made = Crowd::create(device_, {.groups = {{.character = seen_.character, .instance_count = count()}}, .culls = variant.culls, .skips_updates = variant.skips_updates, .reduces_joints = variant.reduces_joints});
+            if (!made) {
+                entrant.obstacle = made.error().text();
+                continue;
+            }
+            entrant.crowd = std::move(*made);
+            value_of(entrant.crowd->set_placement(0, seen_.placement));
+            value_of(entrant.crowd->set_playback(0, seen_.playback));
+            if (!view_) view_ = seen_.view_of(world_bounds(*entrant.crowd));
+            for (uint32_t i = 0; i < kSettling; ++i) update(entrant, 0);
+            compare(entrant);
+        }
+    }
+
+    void time(uint32_t samples, const Progress& progress) {
+        std::vector<Contestant> contestants;
+        for (Entrant& entrant : entrants_)
+            if (entrant.crowd && !entrant.is_wrong()) contestants.push_back({seen_.configuration + ": " + entrant.variant->name, [&] { take_sample(entrant); }});
+        run_rounds(contestants, {.samples = samples, .least_samples = samples}, 0, progress);
+    }
+
+    std::vector<nlohmann::json> records() const {
+        std::vector<nlohmann::json> records;
+        for (const Entrant& entrant : entrants_) records.push_back(record_of(entrant));
+        return records;
+    }
+
+private:
+    uint32_t count() const { return static_cast<uint32_t>(seen_.playback.size()); }
+
+    void update(Entrant& entrant, float time_step_s) const { value_of(entrant.crowd->update(time_step_s, entrant.variant->culls ? &*view_ : nullptr)); }
+
+    std::vector<DrawnInstance> drawn_by(Entrant& entrant) const {
+        if (entrant.variant->culls) return value_of(entrant.crowd->read_drawn());
+        std::vector<DrawnInstance> all;
+        for (uint32_t i = 0; i < count(); ++i) all.push_back({.instance = i});
+        return all;
+    }
+
+    // Of some of those that are drawn: skin matrices; where they have fewer joints, how far these take vertices away, as the view sees it.
+    void compare(Entrant& entrant) const {
+        const std::vector<DrawnInstance> drawn = drawn_by(entrant);
+        for (const DrawnInstance& one : drawn) {
+            entrant.drawn.resize(std::max<size_t>(entrant.drawn.size(), one.detail + 1));
+            ++entrant.drawn[one.detail];
+        }
+        const size_t checked = std::min<size_t>(kChecked, drawn.size());
+        for (size_t i = 1; i <= checked; ++i) {
+            const DrawnInstance& one = drawn[drawn.size() * i / checked - 1];
+            const ReferencePose pose = value_of(reference_pose(*seen_.character, seen_.playback[one.instance]));
+            if (entrant.variant->reduces_joints && one.detail > 0) entrant.max_pixels = std::max(entrant.max_pixels, pixels_off(*entrant.crowd, one.instance, pose));
+            else entrant.max_error = std::max(entrant.max_error, skin_error(value_of(entrant.crowd->read_skin_matrices(one.instance)), pose.model_from_bind, seen_.character->size));
+        }
+    }
+
+    double pixels_off(Crowd& crowd, uint32_t instance, const ReferencePose& pose) const {
+        const std::vector<Vec3<float>> got = value_of(crowd.read_positions(instance));
+        const std::vector<Vec3<double>> wanted = reference_positions(*seen_.character, pose);
+        const AffineT<double> world_from_model = seen_.placement[instance].as<double>();
+        double most = 0;
+        for (size_t vertex = 0; vertex < wanted.size(); ++vertex) {
+            const Vec3<double> there = transform_point(world_from_model, got[vertex].as<double>()), place = transform_point(world_from_model, wanted[vertex]);
+            const double pixels = length(there - place) * double{view_->pixels} / length(place - view_->eye.as<double>());
+            if (!(pixels <= most)) most = pixels;
+        }
+        return most;
+    }
+
+    void take_sample(Entrant& entrant) const {
+        const Stopwatch watch;
+        update(entrant, 1.0f / 60);
+        const double host_ms = watch.elapsed_s() * 1e3;
+        const StageTimes times = value_of(entrant.crowd->stage_times());
+        entrant.total_ms.push_back(believed_reading(*device_.gpu(), times.total(), host_ms).ms);
+        for (size_t s = 0; s < kStages.size(); ++s) entrant.stage_ms[s].push_back(times.*kStages[s].second);
+    }
+
+    nlohmann::json record_of(const Entrant& entrant) const {
+        nlohmann::json record = where_and_when(device_.info());
+        const Rig& rig = seen_.character->rig;
+        record.update({{"bench", "view"}, {"configuration", seen_.configuration}, {"variant", entrant.variant->name}, {"characters", count()}, {"joints", rig.joint_count()}, {"levels", rig.level_count}});
+        if (!entrant.crowd) {
+            record["obstacle"] = entrant.obstacle;
+            return record;
+        }
+        record.update({{"path", entrant.crowd->is_fused(0) ? "fused" : "staged"}, {"drawn", entrant.drawn}, {"memory_bytes", entrant.crowd->size_bytes()}, {"max_error", entrant.max_error}});
+        if (entrant.variant->reduces_joints) record["max_pixels"] = entrant.max_pixels;
+        if (entrant.variant->skips_updates) record["full_rate_pixels"] = view_->full_rate_pixels;
+        if (entrant.is_wrong()) record["wrong"] = true;
+        if (entrant.total_ms.empty()) return record;
+        const Spread ms = spread_of(entrant.total_ms);
+        record["samples"] = entrant.total_ms.size();
+        record["ms"] = {{"median", ms.median}, {"p5", ms.p5}, {"p95", ms.p95}};
+        for (size_t s = 0; s < kStages.size(); ++s)
+            if (const double stage_ms = spread_of(entrant.stage_ms[s]).median; stage_ms > 0) record["stages"][kStages[s].first] = stage_ms;
+        if (const double all_ms = spread_of(entrants_.front().total_ms).median; all_ms > 0) record["times_faster"] = all_ms / ms.median;
+        return record;
+    }
+
+    const Device& device_;
+    const ViewCase& seen_;
+    std::optional<CrowdView> view_;
+    std::vector<Entrant> entrants_;
+};
+
+}  // namespace
+
+std::vector<nlohmann::json> measure_view(const Device& device, const ViewCase& seen, uint32_t samples, const Progress& progress) {
+    ViewMeasurement measurement(device, seen);
+    measurement.check(progress);
+    measurement.time(samples, progress);
+    return measurement.records();
+}
+
+}  // namespace throng::bench

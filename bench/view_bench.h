@@ -1,0 +1,28 @@
+// `throng bench view`: updates of a crowd for a view, which leave out what need not be done, each checked against the reference and then timed in turns with an update of everything.
+#pragma once
+
+#include "bench/rounds.h"
+
+#include <throng/draw.h>
+
+#include <nlohmann/json.hpp>
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace throng::bench {
+
+struct ViewCase {
+    std::string configuration;             // its name
+    const Character* character = nullptr;
+    std::span<const Playback> playback;    // [instance_count]
+    std::span<const Affine> placement;     // [instance_count]
+    std::function<CrowdView(const Bounds&)> view_of;  // what the camera sees of a crowd with these bounds, in the world; full_rate_pixels are those of the variant that skips updates
+};
+
+// A record for each variant (bench/README.md lists their fields). One that is wrong is not timed and says so, one that the device cannot hold says why. Throws what a device throws that cannot go on.
+std::vector<nlohmann::json> measure_view(const Device& device, const ViewCase& seen, uint32_t samples, const Progress& progress);
+
+}  // namespace throng::bench
