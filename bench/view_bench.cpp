@@ -28,7 +28,6 @@ constexpr std::array kVariants{Variant{.name = "everything", .culls = false}, Va
 
 constexpr uint32_t kSettling = 17;    // updates in which no time passes, after which whoever waits for a pose has arrived there
 constexpr uint32_t kChecked = 16;     // characters
-constexpr double kMostPixels = 1;     // that fewer joints may move a vertex by
 
 struct Entrant {
     const Variant* variant = nullptr;
@@ -39,7 +38,6 @@ struct Entrant {
     std::vector<double> total_ms;
     std::array<std::vector<double>, kStages.size()> stage_ms;
 
-    bool is_wrong() const { return !(max_error <= kSkinErrorBound && max_pixels <= kMostPixels); }
 };
 
 class ViewMeasurement {
@@ -68,7 +66,7 @@ public:
     void time(uint32_t samples, const Progress& progress) {
         std::vector<Contestant> contestants;
         for (Entrant& entrant : entrants_)
-            if (entrant.crowd && !entrant.is_wrong()) contestants.push_back({seen_.configuration + ": " + entrant.variant->name, [&] { take_sample(entrant); }});
+            if (entrant.crowd && !is_wrong(entrant)) contestants.push_back({seen_.configuration + ": " + entrant.variant->name, [&] { take_sample(entrant); }});
         run_rounds(contestants, {.samples = samples, .least_samples = samples}, 0, progress);
     }
 
@@ -79,6 +77,9 @@ public:
     }
 
 private:
+    // Fewer joints may move a vertex by no more than the level of detail is off.
+    bool is_wrong(const Entrant& entrant) const { return !(entrant.max_error <= kSkinErrorBound && entrant.max_pixels <= view_->detail_pixels); }
+
     uint32_t count() const { return static_cast<uint32_t>(seen_.playback.size()); }
 
     void update(Entrant& entrant, float time_step_s) const { value_of(entrant.crowd->update(time_step_s, entrant.variant->culls ? &*view_ : nullptr)); }
@@ -137,9 +138,10 @@ private:
             return record;
         }
         record.update({{"path", entrant.crowd->is_fused(0) ? "fused" : "staged"}, {"drawn", entrant.drawn}, {"memory_bytes", entrant.crowd->size_bytes()}, {"max_error", entrant.max_error}});
+        if (entrant.variant->culls) record["detail_pixels"] = view_->detail_pixels;
         if (entrant.variant->reduces_joints) record["max_pixels"] = entrant.max_pixels;
         if (entrant.variant->skips_updates) record["full_rate_pixels"] = view_->full_rate_pixels;
-        if (entrant.is_wrong()) record["wrong"] = true;
+        if (is_wrong(entrant)) record["wrong"] = true;
         if (entrant.total_ms.empty()) return record;
         const Spread ms = spread_of(entrant.total_ms);
         record["samples"] = entrant.total_ms.size();

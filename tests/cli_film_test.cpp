@@ -107,7 +107,7 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
     const std::map<std::string, std::pair<std::string, std::string>> others{
         {"--count", {"7", "count 6, not 7"}}, {"--sizes", {"1,2", "sizes [], not [1.0,2.0]"}}, {"--placement", {"grid", "placement"}}, {"--spacing", {"2", "spacing 1.0, not 2.0"}},
         {"--controller", {THRONG_SOURCE_DIR "/examples/controllers/walker.json", "controllers"}}, {"--seed", {"2", "seed 1, not 2"}}, {"--scan", {"serial", "scan"}}, {"--error", {"exact", "error"}},
-        {"--size", {"32x36", "size"}}, {"--time", {"2", "time 0.0, not 2.0"}}, {"--camera", {"fit", "camera"}}, {"--fps", {"2", "fps 1.0, not 2.0"}}, {"--skinning", {"dual-quaternion", "skinning"}}};
+        {"--size", {"32x36", "size"}}, {"--time", {"2", "time 0.0, not 2.0"}}, {"--camera", {"fit", "camera"}}, {"--fps", {"2", "fps 1.0, not 2.0"}}, {"--skinning", {"dual-quaternion", "skinning"}}, {"--detail-pixels", {"2", "detail-pixels 1.0, not 2.0"}}};
     for (const auto& [option, other] : others) EXPECT_TRUE(film_with(out, option, other.first).refused(other.second)) << option;
     const std::vector<std::string> flags{"everything", "skeletons", "bounds", "steer", "skin-once"};
     for (const std::string& flag : flags) EXPECT_TRUE(film(out, {"--" + flag}).refused(flag + " false, not true")) << flag;

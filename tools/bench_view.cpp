@@ -14,7 +14,7 @@ struct ViewOptions {
     std::string file, size = "1280x720", device;
     uint32_t count = 100'000, joints = 64, levels = 16, faces = 500, samples = 15;
     uint64_t seed = 1;
-    float full_rate_pixels = 100;
+    float detail_pixels = 1, full_rate_pixels = 100;
     CameraOptions camera{.path = "low"};
     CompileSettings compile;
     bool json = false;
@@ -50,7 +50,7 @@ void run_view(const ViewOptions& options) {
     const std::string configuration = std::to_string(options.count) + " x " + (options.file.empty() ? std::to_string(options.joints) : std::filesystem::path(options.file).filename().string());
     const auto view = [&](const Bounds& bounds) {
         const CameraSubject subject{.bounds = bounds, .aspect_ratio = static_cast<float>(size.width) / static_cast<float>(size.height), .world_from_model = field.placement.front(), .model_bounds = {character.bounds_min, character.bounds_max}};
-        return unwrap(view_of(make_camera_path(options.camera).at(0, subject), size.width, size.height, bounds, {.full_rate_pixels = options.full_rate_pixels}));
+        return unwrap(view_of(make_camera_path(options.camera).at(0, subject), size.width, size.height, bounds, {.detail_pixels = options.detail_pixels, .full_rate_pixels = options.full_rate_pixels}));
     };
     const std::vector<nlohmann::json> records = bench::measure_view(device, {.configuration = configuration, .character = &character, .playback = field.playback, .placement = field.placement, .view_of = view}, options.samples, print_progress);
     print_progress("");
@@ -78,6 +78,7 @@ void add_bench_view(CLI::App& bench) {
     command.add_option("--faces", options->faces, "of the generated creature")->excludes(file)->capture_default_str();
     command.add_option("--size", options->size, "of the picture that the camera takes")->capture_default_str();
     add_camera_options(command, options->camera);
+    command.add_option("--detail-pixels", options->detail_pixels, "pixels by which coarser levels of detail, and their joints, may be off")->check(finite())->check(CLI::Range(0.01, 1000.0))->capture_default_str();
     command.add_option("--full-rate", options->full_rate_pixels, "pixels: smaller characters are animated less often, in the last variant")->check(finite())->check(CLI::Range(0.0, 1e30))->capture_default_str();
     command.add_option("--samples", options->samples, "updates timed")->check(CLI::Range(1u, 100'000u))->capture_default_str();
     add_error_option(command, options->compile);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <span>
 
 namespace throng::tools {
 namespace {
@@ -11,6 +12,26 @@ namespace {
 uint64_t instance_bytes(const Character& character) { return 36 + 36 + sizeof(Affine) + character.palette.size() * sizeof(Affine) + (character.morphs.empty() ? 0 : kActiveMorphLimit * 8); }
 
 uint64_t face_count(const Character& character) { return character.indices.size() / 3; }
+
+// Of a coarser level, 1 and on.
+struct Detail {
+    uint64_t faces = 0;
+    uint32_t joints = 0;
+    double error_percent = 0;  // of the size
+};
+
+std::vector<Detail> details_of(const Character& character) {
+    std::vector<Detail> details;
+    const size_t sections = character.sections.size();
+    for (uint32_t level = 1; level <= character.details.size(); ++level) {
+        Detail& detail = details.emplace_back();
+        for (const IndexRange& range : std::span(character.detail_ranges).subspan((level - 1) * sections, sections)) detail.faces += range.index_count / 3;
+        const auto moves = [level](uint32_t coarsest) { return coarsest >= level; };
+        detail.joints = character.joint_details.empty() ? character.rig.joint_count() : static_cast<uint32_t>(std::ranges::count_if(character.joint_details, moves));
+        detail.error_percent = 100 * double{character.details[level - 1].error} / character.size;
+    }
+    return details;
+}
 
 uint32_t largest_influence_count(const Character& character) {
     uint32_t sets = 0;
@@ -56,7 +77,8 @@ nlohmann::json to_json(const Character& character) {
         clips.back()["root_motion"] = {{"rows", clip.root_row_count}, {"x", cycle.x}, {"z", cycle.z}, {"turn_degrees", cycle.turn_degrees}};
     }
     for (const Skin& skin : character.skins) skins.push_back({{"name", skin.name}, {"joints", skin.joint_count}});
-    nlohmann::json morphs = nlohmann::json::array();
+    nlohmann::json morphs = nlohmann::json::array(), details = nlohmann::json::array();
+    for (const Detail& detail : details_of(character)) details.push_back({{"faces", detail.faces}, {"joints", detail.joints}, {"error_percent", detail.error_percent}});
     for (const Morph& morph : character.morphs) morphs.push_back({{"name", morph.name}, {"node", morph.node}, {"weight", morph.default_weight}});
     const Rig& rig = character.rig;
     const ClipTotals totals(character);
@@ -76,6 +98,7 @@ nlohmann::json to_json(const Character& character) {
             {"vertices", character.vertices.size()},
             {"faces", face_count(character)},
             {"sections", character.sections.size()},
+            {"details", details},
             {"materials", character.materials.size()},
             {"influences", largest_influence_count(character)},
             {"morph_targets", morphs},
@@ -94,6 +117,9 @@ void print_text(const Character& character) {
         std::printf("  skin %-5zu %u joints  %s\n", i, character.skins[i].joint_count, character.skins[i].name.c_str());
     std::printf("  mesh       %zu vertices, %llu faces, %zu sections, %zu materials, up to %u influences a vertex\n", character.vertices.size(),
                 static_cast<unsigned long long>(face_count(character)), character.sections.size(), character.materials.size(), largest_influence_count(character));
+    const std::vector<Detail> details = details_of(character);
+    for (size_t i = 0; i < details.size(); ++i)
+        std::printf("  detail %-3zu %llu faces, %u joints, off by up to %.2f %% of the size\n", i + 1, static_cast<unsigned long long>(details[i].faces), details[i].joints, details[i].error_percent);
     if (!character.morphs.empty())
         std::printf("  morphs     %zu targets, of %zu vertices; animated in %zu of %zu clips\n", character.morphs.size(), morphed_vertex_count(character), morphing_clip_count(character), character.clips.size());
     std::printf("  memory     %zu skin matrices: %llu bytes an instance\n", character.palette.size(), static_cast<unsigned long long>(instance_bytes(character)));

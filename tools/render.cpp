@@ -47,7 +47,8 @@ void add_render(CLI::App& app) {
     add_out_option(command, options->out, "the .png file to write; with --frames a film.mp4, or pictures such as frame_%04d.png. Whole frames of an interrupted run are kept (those of an .mp4 in a folder .mp4.frames, "
                                           "until the film is there)");
     add_device_option(command, options->device);
-    command.add_flag("--everything", options->everything, "animate and draw all, at full detail, also what the picture does not show");
+    CLI::Option* detail = command.add_option("--detail-pixels", options->detail_pixels, "pixels of the picture by which coarser levels of detail may be off where they are drawn")->check(finite())->check(CLI::Range(0.01, 1000.0))->capture_default_str();
+    command.add_flag("--everything", options->everything, "animate and draw all, at full detail, also what the picture does not show")->excludes(detail);
     static const std::map<std::string, SkinBlend> blends{{"linear", SkinBlend::kLinear}, {"dual-quaternion", SkinBlend::kDualQuaternion}};
     command.add_option("--skinning", options->skin_blend, "linear, or dual-quaternion: joints that twist keep their girth")->transform(CLI::CheckedTransformer(blends))->default_str("linear");
     command.add_flag("--skin-once", options->skins_once, "skin vertices once a frame, in compute, not once for the shadows and once for the picture");

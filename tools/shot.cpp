@@ -27,7 +27,7 @@ Shot::Shot(const Device& device, const RenderOptions& options)
       renderer_(unwrap(Renderer::create(device, size_))),
       culls_(!options.everything),
       follows_(path_.follows() && scene_.may_move()) {
-    unwrap(renderer_.set_options({.skeletons = options.skeletons, .bounds = options.bounds}));
+    unwrap(renderer_.set_options({.detail_pixels = options.detail_pixels, .skeletons = options.skeletons, .bounds = options.bounds}));
     scene_.follow(path_.followed_character());
     scene_.start();
 }

@@ -41,6 +41,7 @@ struct DrawOptions {
     bool shadows = true;
     // Of crowds that cull, render_frame() and record() leave out who is hidden behind others, which takes one more pass, the depths of those that were visible in the last frame: pays where some are large and hide many.
     bool occlusion = false;
+    float detail_pixels = 1;  // of crowds that cull, in render_frame() and record(): by which a coarser level of detail may be off; above 0
     float full_rate_pixels = 0, budget_ms = 0;  // of crowds that skip updates, in render_frame() and record(): as CrowdView has them
     bool fog = true;      // the ground and what is far away fade into the horizon
     float exposure = 1;   // all light is multiplied by it; above 0
@@ -92,7 +93,7 @@ public:
     // Errors: kInvalidArgument (empty), kLimit (names the device's limit); then it keeps its size.
     Result<void> resize(uint32_t width, uint32_t height);
 
-    // From the next frame on. Errors: kInvalidArgument (exposure, sun, full_rate_pixels, budget_ms).
+    // From the next frame on. Errors: kInvalidArgument (exposure, sun, detail_pixels, full_rate_pixels, budget_ms).
     Result<void> set_options(const DrawOptions& options);
     const DrawOptions& options() const;
 

@@ -16,6 +16,7 @@ namespace {
 
 constexpr size_t kFewest = 64 * 3;       // indices, below which nothing is gained
 constexpr double kShare = 0.35;          // of the triangles of the level before that a level aims at
+constexpr double kAlmost = 1.25;         // of them, which is still coarse enough
 constexpr double kWorthwhile = 0.8;      // of them, above which it is not kept
 constexpr float kLargestError = 0.2f;    // of a section's extent, by quadrics
 constexpr uint32_t kPoses = 8;           // of all clips together, that errors are measured in
@@ -28,14 +29,6 @@ std::vector<Vec3<float>> positions_in(const Character& character, const SampledP
     std::vector<Vec3<float>> positions;
     for (const Vec3<double>& p : skin_reference(character, bind_reference(character.palette, model_from_joint_of(character, pose)), morphs)) positions.push_back(p.as<float>());
     return positions;
-}
-
-// By edge collapses towards vertices that are there (M. Garland and P. S. Heckbert, Surface Simplification Using Quadric Error Metrics, SIGGRAPH 1997), as
-// meshoptimizer has them.
-std::vector<uint32_t> simplified(std::span<const uint32_t> indices, std::span<const Vec3<float>> positions, size_t wanted_count) {
-    std::vector<uint32_t> out(indices.size());
-    out.resize(meshopt_simplify(out.data(), indices.data(), indices.size(), &positions[0].x, positions.size(), sizeof positions[0], wanted_count / 3 * 3, kLargestError, 0, nullptr));
-    return out;
 }
 
 // Squared, of a point from a triangle: from its plane where the point is above it, else from an edge.
@@ -93,51 +86,83 @@ float furthest_from(std::span<const uint32_t> mesh, std::span<const uint32_t> ve
 
 std::span<const uint32_t> indices_of(const Character& character, const MeshSection& section) { return std::span(character.indices).subspan(section.first_index, section.index_count); }
 
-// Each level's triangles; as long as they become markedly fewer.
-void make_levels(Character& character) {
-    const std::vector<Vec3<float>> positions = positions_in(character, {.clip = static_cast<uint32_t>(character.clips.size())});
-    size_t count_before = character.indices.size();
-    for (double share = kShare; count_before > kFewest && character.details.size() < kDetailLimit; share *= kShare) {
-        std::vector<IndexRange> ranges;
-        std::vector<uint32_t> level;
-        for (const MeshSection& section : character.sections) {
-            const std::span<const uint32_t> indices = indices_of(character, section);
-            std::vector<uint32_t> coarse;
-            if (!indices.empty()) coarse = simplified(indices, std::span(positions).subspan(section.first_vertex, section.vertex_count), static_cast<size_t>(share * section.index_count));
-            if (coarse.empty()) coarse.assign(indices.begin(), indices.end());  // nothing vanishes
-            ranges.push_back({static_cast<uint32_t>(character.detail_indices.size() + level.size()), static_cast<uint32_t>(coarse.size())});
-            level.insert(level.end(), coarse.begin(), coarse.end());
-        }
-        if (static_cast<double>(level.size()) > kWorthwhile * static_cast<double>(count_before)) break;
-        character.details.push_back({kLeastError * character.size});
-        character.detail_ranges.insert(character.detail_ranges.end(), ranges.begin(), ranges.end());
-        character.detail_indices.insert(character.detail_indices.end(), level.begin(), level.end());
-        count_before = level.size();
+// Triangles of a section, and how far they are off in the poses looked at so far.
+struct Coarse {
+    std::vector<uint32_t> indices;
+    float error = 0;
+};
+
+// By both ways of meshoptimizer, in the rest pose: edge collapses towards vertices that are there (M. Garland and P. S. Heckbert, Surface Simplification Using Quadric Error Metrics, SIGGRAPH 1997), which stop where the
+// mesh comes apart, and clusters of vertices, which do not, and lose no thin part that is larger than a cluster.
+struct CoarseSection {
+    CoarseSection(std::span<const uint32_t> fine, std::span<const Vec3<float>> positions, double share) : wanted(static_cast<size_t>(share * static_cast<double>(fine.size())) / 3 * 3) {
+        if (fine.empty()) return;
+        for (Coarse* coarse : {&collapsed, &clustered}) coarse->indices.resize(fine.size());
+        collapsed.indices.resize(meshopt_simplify(collapsed.indices.data(), fine.data(), fine.size(), &positions[0].x, positions.size(), sizeof positions[0], wanted, kLargestError, 0, nullptr));
+        clustered.indices.resize(meshopt_simplifySloppy(clustered.indices.data(), fine.data(), fine.size(), &positions[0].x, positions.size(), sizeof positions[0], wanted, kLargestError, nullptr));
+        if (collapsed.indices.empty()) collapsed.indices.assign(fine.begin(), fine.end());  // nothing vanishes
     }
+
+    // The one that is off by less, if it is as coarse as it should be.
+    const Coarse& better() const {
+        const bool is_coarse = static_cast<double>(collapsed.indices.size()) <= kAlmost * static_cast<double>(wanted);
+        return clustered.indices.empty() || (is_coarse && collapsed.error <= clustered.error) ? collapsed : clustered;
+    }
+
+    size_t wanted;
+    Coarse collapsed, clustered;
+};
+using CoarseLevel = std::vector<CoarseSection>;  // [sections]
+
+std::vector<CoarseLevel> make_levels(const Character& character) {
+    const std::vector<Vec3<float>> positions = positions_in(character, {.clip = static_cast<uint32_t>(character.clips.size())});
+    std::vector<CoarseLevel> levels(kDetailLimit);
+    double share = 1;
+    for (CoarseLevel& level : levels) {
+        share *= kShare;
+        for (const MeshSection& section : character.sections) level.emplace_back(indices_of(character, section), std::span(positions).subspan(section.first_vertex, section.vertex_count), share);
+    }
+    return levels;
 }
 
-// Raises the errors of all levels to what they are in the pose.
-void measure_in(Character& character, const SampledPose& pose) {
+// Raises the errors of all to what they are in the pose.
+void measure_in(const Character& character, const SampledPose& pose, std::vector<CoarseLevel>& levels) {
     const std::vector<Vec3<float>> positions = positions_in(character, pose);
-    float error = 0;
-    for (size_t level = 0; level < character.details.size(); ++level) {
-        error = std::max(error, character.details[level].error);
-        for (size_t i = 0; i < character.sections.size(); ++i) {
+    for (CoarseLevel& level : levels)
+        for (size_t i = 0; i < level.size(); ++i) {
             const MeshSection& section = character.sections[i];
-            const IndexRange& range = character.detail_ranges[level * character.sections.size() + i];
-            const auto mesh = std::span(character.detail_indices).subspan(range.first_index, range.index_count);
-            error = furthest_from(mesh, lost_vertices(indices_of(character, section), mesh, section.vertex_count), std::span(positions).subspan(section.first_vertex, section.vertex_count), error);
+            for (Coarse* coarse : {&level[i].collapsed, &level[i].clustered})
+                if (!coarse->indices.empty())
+                    coarse->error = furthest_from(coarse->indices, lost_vertices(indices_of(character, section), coarse->indices, section.vertex_count), std::span(positions).subspan(section.first_vertex, section.vertex_count), coarse->error);
         }
-        character.details[level].error = error;
+}
+
+// As long as triangles become markedly fewer.
+void keep_levels(Character& character, std::span<const CoarseLevel> levels) {
+    size_t count_before = character.indices.size();
+    float error = kLeastError * character.size;
+    for (const CoarseLevel& level : levels) {
+        size_t count = 0;
+        for (const CoarseSection& section : level) count += section.better().indices.size();
+        if (count_before <= kFewest || static_cast<double>(count) > kWorthwhile * static_cast<double>(count_before)) return;
+        count_before = count;
+        for (const CoarseSection& section : level) {
+            const Coarse& coarse = section.better();
+            error = std::max(error, coarse.error);
+            character.detail_ranges.push_back({static_cast<uint32_t>(character.detail_indices.size()), static_cast<uint32_t>(coarse.indices.size())});
+            character.detail_indices.insert(character.detail_indices.end(), coarse.indices.begin(), coarse.indices.end());
+        }
+        character.details.push_back({error});
     }
 }
 
 }  // namespace
 
 void make_details(Character& character) {
-    make_levels(character);
-    if (character.details.empty()) return;
-    for (const SampledPose& pose : sampled_poses(character, kPoses)) measure_in(character, pose);
+    if (character.indices.size() <= kFewest) return;
+    std::vector<CoarseLevel> levels = make_levels(character);
+    for (const SampledPose& pose : sampled_poses(character, kPoses)) measure_in(character, pose, levels);
+    keep_levels(character, levels);
 }
 
 }  // namespace throng

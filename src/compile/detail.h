@@ -5,8 +5,8 @@
 
 namespace throng {
 
-// Fills details, detail_ranges and detail_indices from the mesh in its rest pose, and measures errors in that and in poses of clips; they are above 0. A character of no more than 64 triangles, or whose
-// triangles do not share vertices, has none.
+// Fills details, detail_ranges and detail_indices from the mesh in its rest pose, and measures errors in that and in poses of clips; they are above 0. A character of no more than 64 triangles has
+// none, nor one that cannot be made markedly coarser.
 void make_details(Character& character);
 
 }  // namespace throng

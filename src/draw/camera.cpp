@@ -67,6 +67,7 @@ Bounds rest_bounds(const CrowdState& crowd) { return bounds_of(crowd, &Group::bo
 Bounds posed_bounds(const CrowdState& crowd) { return bounds_of(crowd, &Group::posed_min, &Group::posed_max); }
 const DrawOptions& checked(const DrawOptions& options) {
     if (!(options.exposure > 0 && std::isfinite(options.exposure))) throw Failure(ErrorCode::kInvalidArgument, "draw options", "exposure must be finite and above 0");
+    if (!(options.detail_pixels > 0 && std::isfinite(options.detail_pixels))) throw Failure(ErrorCode::kInvalidArgument, "draw options", "detail_pixels must be finite and above 0");
     if (!(options.full_rate_pixels >= 0 && options.full_rate_pixels <= 1e30f) || !(options.budget_ms >= 0)) throw Failure(ErrorCode::kInvalidArgument, "draw options", "full_rate_pixels and budget_ms must not be negative, and the first is at most 1e30");
     const float height = normalized(options.to_sun).y;
     if (!(height >= kLowestSun)) throw Failure(ErrorCode::kInvalidArgument, "draw options", "the sun must stand above the horizon: to_sun is finite, and its y at least a twentieth of its length");
@@ -84,6 +85,7 @@ CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, c
     return {.clip_from_world = view.clip_from_world,
             .eye = camera.eye,
             .pixels = static_cast<float>(std::max(height, 1u)) / (2 * view.half_height),
+            .detail_pixels = options.detail_pixels,
             .shadow = to_sun * -reach,
             .ground = bounds.min.y - kDeepest * extent,
             .full_rate_pixels = options.full_rate_pixels,

@@ -126,6 +126,8 @@ void update_section(State& state, Scene& scene) {
     ImGui::Checkbox("only what is seen, as fine as it is seen", &state.wanted.culls);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("culling and levels of detail");
     if (!state.wanted.culls) return;
+    begin_row("detail");
+    ImGui::SliderFloat("##detail", &state.drawing.detail_pixels, 0.25f, 16, "off by %.2f pixels", ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
     ImGui::Checkbox("not who is hidden behind others", &state.drawing.occlusion);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("by the depths of the last frame; pays where large ones hide many");
     ImGui::Checkbox("small ones less often", &state.wanted.skips_updates);
