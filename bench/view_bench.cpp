@@ -27,7 +27,7 @@ constexpr std::array kVariants{Variant{.name = "everything", .culls = false}, Va
                                Variant{.name = "and fewer updates", .reduces_joints = true, .skips_updates = true}};
 
 constexpr uint32_t kSettling = 17;    // updates in which no time passes, after which whoever waits for a pose has arrived there
-constexpr uint32_t kChecked = 16;     // characters
+constexpr uint32_t kChecked = 16;     // characters of each level of detail
 
 struct Entrant {
     const Variant* variant = nullptr;
@@ -91,20 +91,25 @@ private:
         return all;
     }
 
-    // Of some of those that are drawn: skin matrices; where they have fewer joints, how far these take vertices away, as the view sees it.
+    // Of some of those that are drawn, of each level of detail, which the finest of come first: skin matrices; where they have fewer joints, how far these take vertices away, as the view sees it.
     void compare(Entrant& entrant) const {
         const std::vector<DrawnInstance> drawn = drawn_by(entrant);
         for (const DrawnInstance& one : drawn) {
             entrant.drawn.resize(std::max<size_t>(entrant.drawn.size(), one.detail + 1));
             ++entrant.drawn[one.detail];
         }
-        const size_t checked = std::min<size_t>(kChecked, drawn.size());
-        for (size_t i = 1; i <= checked; ++i) {
-            const DrawnInstance& one = drawn[drawn.size() * i / checked - 1];
-            const ReferencePose pose = value_of(reference_pose(*seen_.character, seen_.playback[one.instance]));
-            if (entrant.variant->reduces_joints && one.detail > 0) entrant.max_pixels = std::max(entrant.max_pixels, pixels_off(*entrant.crowd, one.instance, pose));
-            else entrant.max_error = std::max(entrant.max_error, skin_error(value_of(entrant.crowd->read_skin_matrices(one.instance)), pose.model_from_bind, seen_.character->size));
+        auto first = drawn.begin();
+        for (const uint32_t of_level : entrant.drawn) {
+            const uint32_t checked = std::min(kChecked, of_level);
+            for (uint32_t i = 0; i < checked; ++i) compare(entrant, *(first + uint64_t{of_level} * i / checked));
+            first += of_level;
         }
+    }
+
+    void compare(Entrant& entrant, const DrawnInstance& one) const {
+        const ReferencePose pose = value_of(reference_pose(*seen_.character, seen_.playback[one.instance]));
+        if (entrant.variant->reduces_joints && one.detail > 0) entrant.max_pixels = std::max(entrant.max_pixels, pixels_off(*entrant.crowd, one.instance, pose));
+        else entrant.max_error = std::max(entrant.max_error, skin_error(value_of(entrant.crowd->read_skin_matrices(one.instance)), pose.model_from_bind, seen_.character->size));
     }
 
     double pixels_off(Crowd& crowd, uint32_t instance, const ReferencePose& pose) const {

@@ -148,6 +148,33 @@ TEST(Detail, JointsOfDeepChainsAreWeighedInOneWalk) {
     EXPECT_EQ(std::ranges::count(middle.joint_details, 1u), kJoints / 2) << "those below it rest";
 }
 
+// Each triangle has vertices of its own: nothing can be collapsed, so vertices are clustered.
+TEST(Detail, WhatIsInPiecesHasLevelsToo) {
+    Asset asset = make_strip();
+    AssetPrimitive& strip = asset.meshes[0].primitives[0];
+    const AssetPrimitive whole = strip;
+    strip.positions.clear();
+    strip.influence_joints.clear();
+    strip.influence_weights.clear();
+    for (uint32_t& index : strip.indices) {
+        strip.positions.push_back(whole.positions[index] + Vec3<float>{0, 0, 1e-4f * static_cast<float>(strip.positions.size() / 3 % 5)});  // or they would be welded
+        for (uint32_t k = 0; k < 4; ++k) {
+            strip.influence_joints.push_back(whole.influence_joints[index * 4 + k]);
+            strip.influence_weights.push_back(whole.influence_weights[index * 4 + k]);
+        }
+        index = static_cast<uint32_t>(strip.positions.size()) - 1;
+    }
+    const Character character = *compile_character(asset);
+    ASSERT_EQ(character.indices.size(), 256u * 3);
+    ASSERT_GE(character.details.size(), 2u);
+    EXPECT_LE(character.detail_ranges[0].index_count, 256u * 3 * 2 / 5);
+    const ReferencePose rest = *reference_pose(character, {});
+    for (size_t level = 0; level < character.details.size(); ++level) {
+        EXPECT_LE(furthest_from_level(character, level, rest), 1.01 * character.details[level].error);
+        EXPECT_LT(character.details[level].error, 0.2f * character.size);
+    }
+}
+
 TEST(Detail, SmallMeshesHaveNone) {
     EXPECT_TRUE(make_character({.joint_count = 5, .vertex_count = 12}).details.empty());
     EXPECT_TRUE(make_character({.joint_count = 5, .vertex_count = 0}).details.empty());
