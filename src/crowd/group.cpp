@@ -6,6 +6,8 @@
 #include "skin/skin_io.h"
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
 
 namespace throng {
 namespace {
@@ -72,6 +74,7 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const Pat
     pose_capacity = std::min(group.pose_capacity, group.instance_count);
     bound_poses(*group.character, settings.skin_blend);
     if (settings.culls && settings.reduces_joints && pose_capacity == 0 && animates_drawn_only()) reduce_joints(gpu, *group.character);
+    if (settings.culls) make_palette_by_set(gpu, *group.character);
     make_skin_tables(gpu, *group.character);
     if (pose_capacity > 0) poses = make_table<io::JointPose>(gpu, name + ": poses of CrowdGroup::pose_capacity", uint64_t{pose_capacity} * joint_count);
 }
@@ -143,6 +146,15 @@ void Group::reduce_joints(const std::shared_ptr<Gpu>& gpu, const Character& char
     influences = upload(gpu, name + ": influences", all);
 }
 
+void Group::make_palette_by_set(const std::shared_ptr<Gpu>& gpu, const Character& character) {
+    const auto coarsest_set = [&](uint32_t entry) { return fused.size() > 1 ? character.joint_details[character.palette[entry].joint] : 0; };
+    std::vector<uint32_t> entries(palette_count);
+    std::iota(entries.begin(), entries.end(), 0u);
+    std::ranges::stable_sort(entries, std::greater(), coarsest_set);
+    for (uint32_t set = 0; set < fused.size(); ++set) set_entry_counts[set] = static_cast<uint32_t>(std::ranges::count_if(entries, [set](uint32_t coarsest) { return coarsest >= set; }, coarsest_set));
+    palette_by_set = upload_table(gpu, name + ": palette by set", entries);
+}
+
 void Group::make_skin_tables(const std::shared_ptr<Gpu>& gpu, const Character& character) {
     std::vector<uint32_t> influence_offsets;
     for (uint32_t detail = 0; detail <= details.size(); ++detail) influence_offsets.push_back(influence_set_of(detail) * influence_count);
@@ -190,7 +202,7 @@ uint64_t Group::size_bytes() const {
     if (procedural) sum += procedural->tables.size_bytes();
     if (morphs) sum += morphs->size_bytes();
     if (controller) sum += controller->tables.size_bytes() + controller->masks.size_bytes() + controller->parents.size_bytes();
-    for (const Buffer* buffer : {&axes, &times, &root_rows, &tracks, &keys, &words, &palette_joints, &joint_from_bind, &poses, &vertices, &influences, &indices})
+    for (const Buffer* buffer : {&axes, &times, &root_rows, &tracks, &keys, &words, &palette_joints, &joint_from_bind, &palette_by_set, &poses, &vertices, &influences, &indices})
         sum += buffer->size_bytes();
     return sum;
 }

@@ -5,6 +5,7 @@
 #include "control/controller_io.h"
 #include "control/layer_commands.h"
 #include "crowd/path.h"
+#include "cull/cull_io.h"
 #include "gpu/kernel.h"
 #include "morph/morph.h"
 #include "procedural/procedural_tables.h"
@@ -13,6 +14,7 @@
 #include <throng/crowd.h>
 
 #include <algorithm>
+#include <array>
 
 namespace throng {
 
@@ -84,6 +86,8 @@ struct Group {
     std::optional<ScanStage> scan;         // where staged
     std::vector<FusedJoints> fused;        // where fused: all joints; then, with CrowdSettings::reduces_joints, those of each coarser level of detail
     Buffer palette_joints, joint_from_bind;  // bind
+    Buffer palette_by_set;                 // pace: palette entries, those of coarser sets of joints first
+    std::array<uint32_t, io::kDetailLevels> set_entry_counts{};  // [fused], of these
     bool uniform_scale = false;            // Rig::uniform_scale
     uint32_t pose_capacity = 0;
     Buffer poses;                          // io::JointPose[pose_capacity][joint_count], as set by the application
@@ -106,6 +110,7 @@ private:
     void make_procedural(const std::shared_ptr<Gpu>& gpu, const ProceduralRules& rules, const Character& character);
     void make_details(const std::shared_ptr<Gpu>& gpu, const Character& character);
     void reduce_joints(const std::shared_ptr<Gpu>& gpu, const Character& character);
+    void make_palette_by_set(const std::shared_ptr<Gpu>& gpu, const Character& character);
     void make_skin_tables(const std::shared_ptr<Gpu>& gpu, const Character& character);
     void bound_poses(const Character& character, SkinBlend blend);
     void make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint32_t>& joints);

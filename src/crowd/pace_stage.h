@@ -26,7 +26,6 @@ private:
     const std::vector<Group>& groups_;
     const std::vector<Batch>& batches_;
     bool keeps_previous_;
-    uint32_t rows_;  // of a matrix
     std::optional<Kernel> kernel_;
     std::vector<Member> members_;
 };

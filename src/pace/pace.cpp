@@ -12,8 +12,6 @@ constexpr uint32_t kPaceWide[] = {
 
 }  // namespace
 
-uint32_t pace_rows(SkinFormat format) { return format == SkinFormat::kSimilarity ? 2 : 3; }
-
 Kernel pace_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format) {
     return Kernel(gpu, {.name = "pace", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kPaceWide) : kPace, .constants = {static_cast<uint32_t>(format)}});
 }
