@@ -235,6 +235,17 @@ TEST(CrowdController, TellsWhatLayersPlay) {
     EXPECT_EQ(watched[2].layers[1][0].motion, kNone) << "the rest pose";
     EXPECT_NEAR(watched[2].layers[1][0].fade, 0.1 / 4, 1e-6);
     EXPECT_EQ(watched[2].layers[1][1].motion, 0u);
+    // Of four the oldest is lost, and the next, though it has not faded in, has nothing behind it.
+    for (const uint32_t clip : {1u, 2u}) {
+        ASSERT_TRUE(crowd.play(5, 1, {.clip = {.clip = clip}, .fade_s = 4}));
+        ASSERT_TRUE(crowd.update(0.1f));
+    }
+    const std::vector<PlayedMotion> three = crowd.feedback()->back().watched[2].layers[1];
+    ASSERT_EQ(three.size(), 3u);
+    EXPECT_EQ(three[0].motion, 2u);
+    EXPECT_EQ(three[1].motion, 1u);
+    EXPECT_EQ(three[2].motion, kNone);
+    EXPECT_EQ(three[2].fade, 1);
 }
 
 TEST(CrowdController, WrongCallsAreRefused) {

@@ -236,6 +236,47 @@ TEST(Pace, AFinerLevelIsAnimatedAtOnce) {
     EXPECT_LT(animated_in_last_update(crowd), kCount) << "then it waits again";
 }
 
+// Of coarser levels the matrices of their joints go on, wherever these lie in the palette, and arrive.
+TEST(Pace, FewerJointsGoOnToo) {
+    const Character character = *compile_character(*make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}), {.error = 0});
+    constexpr uint32_t kCount = 8;
+    for (const bool keeps_previous : {false, true}) {
+        Crowd crowd = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .keep_previous_matrices = keeps_previous, .culls = true, .skips_updates = true, .reduces_joints = true});
+        Crowd whole = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused});
+        Random random(13);
+        const std::vector<Affine> places(kCount, to_affine(Trs<double>{.translation = {0, 0, -20.0 * character.size}}).as<float>());
+        for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_placement(0, places));
+        CrowdView view = view_along(1e6f);  // every eighth update
+        view.detail_pixels = 1e6f;
+        // A pose at once, and then the way to another.
+        for (const uint32_t updates : {1u, 17u}) {
+            const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
+            for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_playback(0, playbacks));
+            for (uint32_t update = 0; update < updates; ++update) ASSERT_TRUE(crowd.update(0, &view));
+            ASSERT_TRUE(whole.update(0));
+            uint32_t compared = 0, left_out = 0;
+            for (const DrawnInstance& one : drawn_of(crowd)) {
+                ASSERT_EQ(one.detail, character.details.size());
+                const std::vector<Affine> got = *crowd.read_skin_matrices(one.instance), wanted = *whole.read_skin_matrices(one.instance), before = keeps_previous ? previous_of(crowd, one.instance) : got;
+                for (size_t entry = 0; entry < got.size(); ++entry) {
+                    if (character.joint_details[character.palette[entry].joint] < one.detail) {
+                        ++left_out;
+                        continue;
+                    }
+                    ++compared;
+                    for (size_t row = 0; row < 3; ++row)
+                        for (size_t column = 0; column < 4; ++column) {
+                            ASSERT_NEAR(got[entry].row[row][column], wanted[entry].row[row][column], 2e-6 * character.size) << "instance " << one.instance << ", entry " << entry;
+                            ASSERT_NEAR(before[entry].row[row][column], wanted[entry].row[row][column], 2e-6 * character.size) << "instance " << one.instance << ", entry " << entry << " before";
+                        }
+                }
+            }
+            EXPECT_GT(compared, 0u);
+            EXPECT_GT(left_out, 0u);
+        }
+    }
+}
+
 // Times of updates that are under way are those of the newest that has finished, once each.
 TEST(Pace, TimesComeLateAndOnce) {
     if (!test_gpu()->has_timestamps()) GTEST_SKIP() << "the queue has no timestamps";

@@ -55,6 +55,7 @@ void choose_style(float scale) {
     set({ImGuiCol_FrameBgActive, ImGuiCol_ButtonActive, ImGuiCol_HeaderActive}, pressed);
     set({ImGuiCol_Header}, {0.15f, 0.165f, 0.195f, 1});
     set({ImGuiCol_CheckMark, ImGuiCol_SliderGrab}, accent);
+    set({ImGuiCol_PlotHistogram}, {0.20f, 0.36f, 0.55f, 1});  // bars of progress
     set({ImGuiCol_SliderGrabActive}, {0.55f, 0.78f, 1, 1});
     set({ImGuiCol_Separator}, {0.22f, 0.24f, 0.28f, 1});
     set({ImGuiCol_ScrollbarBg}, {0, 0, 0, 0});
