@@ -1,4 +1,4 @@
-// Creatures that the command line writes, as another program reads them: three.js.
+// Creatures that the command line writes, as other programs read them: three.js, and the validator of Khronos.
 #include "tests/tool_runner.h"
 
 #include <cmath>
@@ -34,6 +34,17 @@ TEST_F(CliCreature, ThreeJsSeesThemInTheSamePoses) {
                 largest = std::max(largest, std::abs(wanted[joint][i].get<double>()));
             }
         EXPECT_LE(worst, 1e-5 * largest);
+    }
+}
+
+TEST_F(CliCreature, KhronosFindsNothing) {
+    if (run_tool({"-e", "require('gltf-validator')"}, {.program = "node"}).exit_code != 0) GTEST_SKIP() << "no gltf-validator: 'npm install gltf-validator', and NODE_PATH set to its node_modules";
+    for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{{"dragon"}, {"willow"}, {"walker"}, {"centipede"}, {"dragon", "--levels", "120"}, {"walker", "--joints", "90", "--levels", "15", "--seed", "5"}}) {
+        generate("creature.glb", arguments);
+        const Outcome run = run_tool({THRONG_SOURCE_DIR "/tests/khronos_validator.js", file("creature.glb")}, {.program = "node"});
+        ASSERT_TRUE(run.succeeded()) << run;
+        const Json found = Json::parse(run.out);
+        for (const char* severity : {"errors", "warnings", "infos", "hints"}) EXPECT_EQ(found[severity], 0) << arguments.front() << ": " << found;
     }
 }
 
