@@ -5,6 +5,7 @@
 #include "bench/skin_error.h"
 #include "bench/statistics.h"
 #include "bench/value_of.h"
+#include "tools/drawn.h"
 #include "tools/stages.h"
 
 #include <throng/reference.h>
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 namespace throng::bench {
@@ -91,13 +93,11 @@ private:
         return all;
     }
 
-    // Of some of those that are drawn, of each level of detail, which the finest of come first: skin matrices; where they have fewer joints, how far these take vertices away, as the view sees it.
+    // Of some of those that are drawn of each level of detail: skin matrices; where they have fewer joints, how far these take vertices away, as the view sees it.
     void compare(Entrant& entrant) const {
-        const std::vector<DrawnInstance> drawn = drawn_by(entrant);
-        for (const DrawnInstance& one : drawn) {
-            entrant.drawn.resize(std::max<size_t>(entrant.drawn.size(), one.detail + 1));
-            ++entrant.drawn[one.detail];
-        }
+        std::vector<DrawnInstance> drawn = drawn_by(entrant);
+        std::ranges::stable_sort(drawn, {}, &DrawnInstance::detail);  // large crowds are listed batch by batch
+        entrant.drawn = tools::count_by_detail(drawn);
         auto first = drawn.begin();
         for (const uint32_t of_level : entrant.drawn) {
             const uint32_t checked = std::min(kChecked, of_level);
@@ -120,7 +120,8 @@ private:
         for (size_t vertex = 0; vertex < wanted.size(); ++vertex) {
             const Vec3<double> there = transform_point(world_from_model, got[vertex].as<double>()), place = transform_point(world_from_model, wanted[vertex]);
             const double pixels = length(there - place) * double{view_->pixels} / length(place - view_->eye.as<double>());
-            if (!(pixels <= most)) most = pixels;
+            if (!(pixels >= 0)) return std::numeric_limits<double>::infinity();
+            most = std::max(most, pixels);
         }
         return most;
     }

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <span>
 
 namespace throng::test {
 namespace {
@@ -29,7 +30,21 @@ double distance_to_triangle(const Vec3<double>& p, const std::array<Vec3<double>
     return inside ? std::abs(dot(p - t[0], normal)) / std::sqrt(squared) : nearest;
 }
 
-// Of a vertex where the finest level has it from the surface of another one, whose joints may be fewer.
+using Triangle = std::array<Vec3<double>, 3>;
+
+double distance_to_mesh(const Vec3<double>& p, std::span<const Triangle> mesh) {
+    double nearest = 1e300;
+    for (const Triangle& triangle : mesh) nearest = std::min(nearest, distance_to_triangle(p, triangle));
+    return nearest;
+}
+
+std::vector<Triangle> triangles_of(std::span<const uint32_t> indices, std::span<const Vec3<double>> positions) {
+    std::vector<Triangle> triangles(indices.size() / 3);
+    for (size_t k = 0; k < indices.size(); ++k) triangles[k / 3][k % 3] = positions[indices[k]];
+    return triangles;
+}
+
+// Of a vertex where the finest level has it from the surface of another one, whose joints may be fewer; and of that one's triangles, in their middles and those of their edges, from the finest.
 double furthest_from_level(const Character& character, size_t level, const ReferencePose& pose) {
     Character reduced = character;
     reduced.influences = influences_of_detail(character, static_cast<uint32_t>(level + 1));
@@ -38,13 +53,12 @@ double furthest_from_level(const Character& character, size_t level, const Refer
     for (size_t i = 0; i < character.sections.size(); ++i) {
         const MeshSection& section = character.sections[i];
         const IndexRange& range = character.detail_ranges[level * character.sections.size() + i];
-        std::vector<std::array<Vec3<double>, 3>> triangles(range.index_count / 3);
-        for (uint32_t k = 0; k < range.index_count; ++k) triangles[k / 3][k % 3] = coarse[section.first_vertex + character.detail_indices[range.first_index + k]];
-        for (uint32_t vertex = 0; vertex < section.vertex_count; ++vertex) {
-            double nearest = 1e300;
-            for (const auto& triangle : triangles) nearest = std::min(nearest, distance_to_triangle(fine[section.first_vertex + vertex], triangle));
-            furthest = std::max(furthest, nearest);
-        }
+        const auto of_section = [&](std::span<const Vec3<double>> all) { return all.subspan(section.first_vertex, section.vertex_count); };
+        const std::vector<Triangle> coarse_mesh = triangles_of(std::span(character.detail_indices).subspan(range.first_index, range.index_count), of_section(coarse));
+        const std::vector<Triangle> fine_mesh = triangles_of(std::span(character.indices).subspan(section.first_index, section.index_count), of_section(fine));
+        for (const Vec3<double>& vertex : of_section(fine)) furthest = std::max(furthest, distance_to_mesh(vertex, coarse_mesh));
+        for (const auto& [a, b, c] : coarse_mesh)
+            for (const Vec3<double>& middle : {(a + b + c) * (1 / 3.0), (a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5}) furthest = std::max(furthest, distance_to_mesh(middle, fine_mesh));
     }
     return furthest;
 }
@@ -148,23 +162,24 @@ TEST(Detail, JointsOfDeepChainsAreWeighedInOneWalk) {
     EXPECT_EQ(std::ranges::count(middle.joint_details, 1u), kJoints / 2) << "those below it rest";
 }
 
-// Each triangle has vertices of its own, at places that they share: nothing can be collapsed, so vertices are clustered.
+// Each triangle has vertices of its own, at places that they share: nothing can be collapsed.
+AssetPrimitive in_pieces(const AssetPrimitive& whole) {
+    AssetPrimitive pieces{.influence_count = 4};
+    for (const uint32_t index : whole.indices) {
+        pieces.indices.push_back(static_cast<uint32_t>(pieces.positions.size()));
+        pieces.positions.push_back(whole.positions[index]);
+        pieces.colors.push_back({static_cast<float>(pieces.positions.size() % 251) / 250, static_cast<float>(pieces.positions.size() / 251) / 16, 0, 1});
+        for (uint32_t k = 0; k < 4; ++k) {
+            pieces.influence_joints.push_back(whole.influence_joints[index * 4 + k]);
+            pieces.influence_weights.push_back(whole.influence_weights[index * 4 + k]);
+        }
+    }
+    return pieces;
+}
+
 TEST(Detail, WhatIsInPiecesHasLevelsToo) {
     Asset asset = make_strip();
-    AssetPrimitive& strip = asset.meshes[0].primitives[0];
-    const AssetPrimitive whole = strip;
-    strip.positions.clear();
-    strip.influence_joints.clear();
-    strip.influence_weights.clear();
-    for (uint32_t& index : strip.indices) {
-        strip.positions.push_back(whole.positions[index]);
-        strip.colors.push_back({static_cast<float>(strip.positions.size() % 251) / 250, static_cast<float>(strip.positions.size() / 251) / 8, 0, 1});
-        for (uint32_t k = 0; k < 4; ++k) {
-            strip.influence_joints.push_back(whole.influence_joints[index * 4 + k]);
-            strip.influence_weights.push_back(whole.influence_weights[index * 4 + k]);
-        }
-        index = static_cast<uint32_t>(strip.positions.size()) - 1;
-    }
+    asset.meshes[0].primitives[0] = in_pieces(asset.meshes[0].primitives[0]);
     const Character character = *compile_character(asset);
     ASSERT_EQ(character.indices.size(), 256u * 3);
     ASSERT_GE(character.details.size(), 2u);
@@ -174,6 +189,26 @@ TEST(Detail, WhatIsInPiecesHasLevelsToo) {
         EXPECT_LE(furthest_from_level(character, level, rest), 1.01 * character.details[level].error);
         EXPECT_LT(character.details[level].error, 0.2f * character.size);
     }
+}
+
+// Two strips side by side at rest, which a clip takes apart: a triangle of a cluster of both is as wide as they are apart.
+TEST(Detail, WhatMovesApartIsNotJoinedUnseen) {
+    Asset asset = make_strip();
+    AssetPrimitive& both = asset.meshes[0].primitives[0];
+    const size_t count = both.positions.size(), index_count = both.indices.size();
+    for (size_t i = 0; i < count; ++i) {
+        both.positions.push_back(both.positions[i] + Vec3<float>{0, 0.42f, 0});
+        both.influence_joints.insert(both.influence_joints.end(), {0, 1, 0, 0});
+        both.influence_weights.insert(both.influence_weights.end(), {0, 1, 0, 0});
+        for (size_t k = 0; k < 4; ++k) both.influence_weights[i * 4 + k] = k == 0 ? 1.0f : 0.0f;
+    }
+    for (size_t k = 0; k < index_count; ++k) both.indices.push_back(both.indices[k] + static_cast<uint32_t>(count));
+    both = in_pieces(both);
+    asset.clips = {{.name = "parts", .duration_s = 1, .tracks = {{.node = 1, .target = TrackTarget::kTranslation, .times_s = {0, 1}, .values = {1, 0, 0, 1, 3, 0}}}}};
+    const Character character = *compile_character(asset);
+    const ReferencePose apart = *reference_pose(character, {.first = {.clip = 0, .time_s = 0.9}});
+    ASSERT_FALSE(character.details.empty());
+    for (size_t level = 0; level < character.details.size(); ++level) EXPECT_LE(furthest_from_level(character, level, apart), 1.1 * character.details[level].error) << "level " << level + 1;
 }
 
 TEST(Detail, SmallMeshesHaveNone) {

@@ -47,7 +47,7 @@ void run_view(const ViewOptions& options) {
     const Character character = options.file.empty() ? unwrap(compile_character(unwrap(make_creature({.joint_count = options.joints, .level_count = options.levels, .face_count = options.faces, .seed = options.seed})), options.compile))
                                                      : unwrap(load_character(options.file, options.compile));
     const Scatter field = scatter({&character, 1}, {.counts = {options.count}, .seed = options.seed});
-    const std::string configuration = std::to_string(options.count) + " x " + (options.file.empty() ? std::to_string(options.joints) : std::filesystem::path(options.file).filename().string());
+    const std::string configuration = std::to_string(options.count) + " x " + (options.file.empty() ? std::to_string(options.joints) + " joints" : std::filesystem::path(options.file).filename().string());
     const auto view = [&](const Bounds& bounds) {
         const CameraSubject subject{.bounds = bounds, .aspect_ratio = static_cast<float>(size.width) / static_cast<float>(size.height), .world_from_model = field.placement.front(), .model_bounds = {character.bounds_min, character.bounds_max}};
         return unwrap(view_of(make_camera_path(options.camera).at(0, subject), size.width, size.height, bounds, {.detail_pixels = options.detail_pixels, .full_rate_pixels = options.full_rate_pixels}));
@@ -55,7 +55,7 @@ void run_view(const ViewOptions& options) {
     const std::vector<nlohmann::json> records = bench::measure_view(device, {.configuration = configuration, .character = &character, .playback = field.playback, .placement = field.placement, .view_of = view}, options.samples, print_progress);
     print_progress("");
     if (!options.json)
-        std::printf("%s, driver %s: %s joints; medians of %u updates\n%-18s %9s %19s %7s  stages, characters drawn of each level of detail\n", device.info().name.c_str(), device.info().driver.c_str(), configuration.c_str(), options.samples,
+        std::printf("%s, driver %s: %s; medians of %u updates\n%-18s %9s %19s %7s  stages, characters drawn of each level of detail\n", device.info().name.c_str(), device.info().driver.c_str(), configuration.c_str(), options.samples,
                     "variant", "ms", "5 % - 95 %", "faster");
     bool any_wrong = false;
     for (const nlohmann::json& record : records) {

@@ -1,8 +1,8 @@
 #include "tools/frame_times.h"
 
+#include "bench/statistics.h"
 #include "tools/stages.h"
 
-#include <algorithm>
 #include <cstdio>
 #include <vector>
 
@@ -10,12 +10,10 @@ namespace throng::tools {
 
 FrameTimes median_of(std::span<const FrameTimes> frames) {
     FrameTimes median;
-    if (frames.empty()) return median;
     const auto of = [&](const auto& time_of) {
         std::vector<double> times;
         for (const FrameTimes& frame : frames) times.push_back(time_of(frame));
-        std::ranges::nth_element(times, times.begin() + times.size() / 2);
-        return times[times.size() / 2];
+        return bench::spread_of(std::move(times)).median;
     };
     for (const auto& [name, member] : kStages) median.stages.*member = of([member = member](const FrameTimes& frame) { return frame.stages.*member; });
     median.draw_ms = of([](const FrameTimes& frame) { return frame.draw_ms; });

@@ -1,5 +1,7 @@
 #include "tools/shot.h"
 
+#include "tools/drawn.h"
+
 #include <utility>
 
 namespace throng::tools {
@@ -47,12 +49,7 @@ RenderResult Shot::draw(double step_s, double time_s) {
 
 std::vector<uint32_t> Shot::count_drawn() {
     if (!culls_) return {crowd().instance_count()};
-    std::vector<uint32_t> counts;
-    for (const DrawnInstance& one : unwrap(scene_.crowd().read_drawn())) {
-        counts.resize(std::max<size_t>(counts.size(), one.detail + 1));
-        ++counts[one.detail];
-    }
-    return counts;
+    return count_by_detail(unwrap(scene_.crowd().read_drawn()));
 }
 
 FrameTimes Shot::times() const {

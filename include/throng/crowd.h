@@ -153,7 +153,7 @@ struct CrowdSettings {
     bool keep_model_matrices = false;  // else they live only within a frame, and read_model_matrices() is an error
     bool keep_previous_matrices = false;  // skin matrices of the update before the last, for motion vectors; doubles their memory
     bool culls = false;                // updates may be for a view
-    // Such updates may animate what is small on the screen less often than others, with culls; its skin matrices go on evenly from one pose to the next. Doubles the memory of skin matrices.
+    // Such updates may animate what is small on the screen less often than others, with culls; its skin matrices go on evenly from one pose to the next (kept model matrices do not: they are those of the next). Doubles the memory of skin matrices.
     bool skips_updates = false;
     // Coarser levels of detail have fewer joints (Character::joint_details), with culls: their skin matrices are written only for these, and only the influences of their level refer to no others. Kept model
     // matrices likewise. Not of groups with CrowdGroup::pose_capacity.

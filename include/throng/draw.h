@@ -41,8 +41,8 @@ struct DrawOptions {
     bool shadows = true;
     // Of crowds that cull, render_frame() and record() leave out who is hidden behind others, which takes one more pass, the depths of those that were visible in the last frame: pays where some are large and hide many.
     bool occlusion = false;
-    float detail_pixels = 1;  // of crowds that cull, in render_frame() and record(): by which a coarser level of detail may be off; above 0
-    float full_rate_pixels = 0, budget_ms = 0;  // of crowds that skip updates, in render_frame() and record(): as CrowdView has them
+    float detail_pixels = 1;  // of crowds that cull, in render_frame(), record() and view_of(): by which a coarser level of detail may be off; above 0
+    float full_rate_pixels = 0, budget_ms = 0;  // of crowds that skip updates, likewise: as CrowdView has them
     bool fog = true;      // the ground and what is far away fade into the horizon
     float exposure = 1;   // all light is multiplied by it; above 0
     Vec3<float> to_sun{-0.45f, 0.85f, 0.5f};  // world space, of any length; y at least a twentieth of it
@@ -50,7 +50,7 @@ struct DrawOptions {
     bool bounds = false;     // the boxes that culling goes by
 };
 
-// What the camera sees of a picture of this size, shadows of the crowd included, for an update of it that is drawn by the same camera and options. Errors: kInvalidArgument (camera, options).
+// What the camera sees of a picture of this size, shadows of the crowd included, for an update of it that is drawn by the same camera and options; without occlusion, of which the second half is the caller's. Errors: kInvalidArgument (camera, options).
 Result<CrowdView> view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, const DrawOptions& options = {});
 
 struct RendererSettings {

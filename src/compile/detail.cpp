@@ -62,18 +62,34 @@ std::vector<uint32_t> lost_vertices(std::span<const uint32_t> fine, std::span<co
     return lost;
 }
 
-// How far one of the vertices lies from the mesh at most, where that is more than `known`; the quadrics' own measure is a mean, several times too low for this. Of large meshes not all vertices may be looked at, but some of
+std::vector<Vec3<float>> places_of(std::span<const uint32_t> vertices, std::span<const Vec3<float>> positions) {
+    std::vector<Vec3<float>> places;
+    for (const uint32_t vertex : vertices) places.push_back(positions[vertex]);
+    return places;
+}
+
+// Where triangles may span what is none of the mesh that they stand for: their middles, and those of their edges.
+std::vector<Vec3<float>> middles_of(std::span<const uint32_t> mesh, std::span<const Vec3<float>> positions) {
+    std::vector<Vec3<float>> middles;
+    for (size_t k = 0; k < mesh.size(); k += 3) {
+        const Vec3<float> &a = positions[mesh[k]], &b = positions[mesh[k + 1]], &c = positions[mesh[k + 2]];
+        for (const Vec3<float>& middle : {(a + b + c) * (1 / 3.0f), (a + b) * 0.5f, (b + c) * 0.5f, (c + a) * 0.5f}) middles.push_back(middle);
+    }
+    return middles;
+}
+
+// How far one of the places lies from the mesh at most, where that is more than `known`; the quadrics' own measure is a mean, several times too low for this. Of large meshes not all places may be looked at, but some of
 // each part.
-float furthest_from(std::span<const uint32_t> mesh, std::span<const uint32_t> vertices, std::span<const Vec3<float>> positions, float known) {
+float furthest_from(std::span<const uint32_t> mesh, std::span<const Vec3<float>> places, std::span<const Vec3<float>> positions, float known) {
     constexpr size_t kPasses = 16, kMostSteps = 5'000'000;  // some hundredths of a second
     float furthest = known * known;
-    size_t closest = 0;  // where the search for the last vertex ended, so that most end where they begin
+    size_t closest = 0;  // where the search for the last place ended, so that most end where they begin
     for (size_t pass = 0, steps = 0; pass < kPasses; ++pass) {
-        for (size_t i = pass; i < vertices.size() && steps < kMostSteps; i += kPasses) {
+        for (size_t i = pass; i < places.size() && steps < kMostSteps; i += kPasses) {
             float nearest = std::numeric_limits<float>::infinity();
             for (size_t n = 0, k = closest; n < mesh.size() && nearest > furthest; n += 3, k = k + 3 < mesh.size() ? k + 3 : 0) {
                 ++steps;
-                const float distance = squared_distance(positions[vertices[i]], positions[mesh[k]], positions[mesh[k + 1]], positions[mesh[k + 2]]);
+                const float distance = squared_distance(places[i], positions[mesh[k]], positions[mesh[k + 1]], positions[mesh[k + 2]]);
                 if (distance >= nearest) continue;
                 nearest = distance;
                 closest = k;
@@ -103,10 +119,12 @@ struct CoarseSection {
         if (collapsed.indices.empty()) collapsed.indices.assign(fine.begin(), fine.end());  // nothing vanishes
     }
 
-    // The one that is off by less, if it is as coarse as it should be.
+    // Of two that are as coarse as they should be the one that is off by less, else the coarser one.
     const Coarse& better() const {
-        const bool is_coarse = static_cast<double>(collapsed.indices.size()) <= kAlmost * static_cast<double>(wanted);
-        return clustered.indices.empty() || (is_coarse && collapsed.error <= clustered.error) ? collapsed : clustered;
+        const auto is_coarse = [this](const Coarse& coarse) { return static_cast<double>(coarse.indices.size()) <= kAlmost * static_cast<double>(wanted); };
+        if (clustered.indices.empty()) return collapsed;
+        const bool prefers_collapsed = is_coarse(collapsed) && is_coarse(clustered) ? collapsed.error <= clustered.error : collapsed.indices.size() <= clustered.indices.size();
+        return prefers_collapsed ? collapsed : clustered;
     }
 
     size_t wanted;
@@ -125,15 +143,19 @@ std::vector<CoarseLevel> make_levels(const Character& character) {
     return levels;
 }
 
-// Raises the errors of all to what they are in the pose.
+// Raises the errors of all to what they are in the pose: either way, since clusters may join what lies side by side, as legs, and moves apart.
 void measure_in(const Character& character, const SampledPose& pose, std::vector<CoarseLevel>& levels) {
-    const std::vector<Vec3<float>> positions = positions_in(character, pose);
+    const std::vector<Vec3<float>> all_positions = positions_in(character, pose);
     for (CoarseLevel& level : levels)
         for (size_t i = 0; i < level.size(); ++i) {
             const MeshSection& section = character.sections[i];
-            for (Coarse* coarse : {&level[i].collapsed, &level[i].clustered})
-                if (!coarse->indices.empty())
-                    coarse->error = furthest_from(coarse->indices, lost_vertices(indices_of(character, section), coarse->indices, section.vertex_count), std::span(positions).subspan(section.first_vertex, section.vertex_count), coarse->error);
+            const std::span<const uint32_t> fine = indices_of(character, section);
+            const auto positions = std::span(all_positions).subspan(section.first_vertex, section.vertex_count);
+            for (Coarse* coarse : {&level[i].collapsed, &level[i].clustered}) {
+                if (coarse->indices.empty()) continue;
+                coarse->error = furthest_from(coarse->indices, places_of(lost_vertices(fine, coarse->indices, section.vertex_count), positions), positions, coarse->error);
+                coarse->error = furthest_from(fine, middles_of(coarse->indices, positions), positions, coarse->error);
+            }
         }
 }
 

@@ -57,7 +57,7 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
         // The pace stage reads them as rows of 16 bytes.
         const auto matrices = [&](const char* what) {
             const uint64_t size_bytes = n * std::max(group.palette_count, 1u) * skin_format_bytes(skin_format);
-            return make_table_bytes(gpu, group.name + ": " + what, (size_bytes + 15) / 16 * 16, 16);
+            return group.is_paced(settings) ? make_table_bytes(gpu, group.name + ": " + what, (size_bytes + 15) / 16 * 16, 16) : storage(what, size_bytes);
         };
         if (group.controller) {
             make_layers(batch);
@@ -73,7 +73,7 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
         if (settings.culls) make_list(gpu, group, batch);
         batch.placements = make_table<Affine>(gpu, group.name + ": placements", n);
         for (size_t k = 0; k < (settings.keep_previous_matrices ? 2 : 1); ++k) batch.skins[k] = matrices("skin matrices");
-        if (settings.culls && settings.skips_updates && group.animates_drawn_only()) batch.ahead = matrices("skin matrices ahead");
+        if (settings.skips_updates && group.is_paced(settings)) batch.ahead = matrices("skin matrices ahead");
         if (settings.skins_once) batch.skinned = storage("skinned vertices", n * std::max(group.vertex_count, 1u) * sizeof(SkinnedVertex));
         if (group.morphs) batch.morphs = storage("active morphs", n * kMorphs_bytes);
         if (group.morphs && group.controller) batch.voice_times = storage("times of voices", n * group.controller->voice_limit * sizeof(float));

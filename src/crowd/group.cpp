@@ -74,7 +74,7 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const Pat
     pose_capacity = std::min(group.pose_capacity, group.instance_count);
     bound_poses(*group.character, settings.skin_blend);
     if (settings.culls && settings.reduces_joints && pose_capacity == 0 && animates_drawn_only()) reduce_joints(gpu, *group.character);
-    if (settings.culls) make_palette_by_set(gpu, *group.character);
+    if (is_paced(settings)) make_palette_by_set(gpu, *group.character);
     make_skin_tables(gpu, *group.character);
     if (pose_capacity > 0) poses = make_table<io::JointPose>(gpu, name + ": poses of CrowdGroup::pose_capacity", uint64_t{pose_capacity} * joint_count);
 }

@@ -98,6 +98,8 @@ struct Group {
 
     // Instances that are not drawn may be left as they are: nothing but a picture shows their pose, and none builds upon the one before.
     bool animates_drawn_only() const { return !fused.empty() && !sockets && !(controller && controller->is_inertial); }
+    // Matrices that outlive an update.
+    bool is_paced(const CrowdSettings& settings) const { return settings.culls && animates_drawn_only() && (settings.keep_previous_matrices || settings.skips_updates); }
     // Of a level of detail: the set of joints that it has, and of influences that refer to no others.
     uint32_t influence_set_of(uint32_t detail) const { return fused.size() > 1 ? std::min(detail, static_cast<uint32_t>(fused.size()) - 1) : 0; }
     bool has_root_motion() const { return controller && root_rows.size_bytes() > sizeof(io::vec4); }

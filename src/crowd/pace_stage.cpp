@@ -10,7 +10,7 @@ PaceStage::PaceStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
     : gpu_(std::move(gpu)), groups_(groups), batches_(batches), keeps_previous_(settings.keep_previous_matrices) {
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
-        if (!batch.work.handle() || !groups_[batch.group].animates_drawn_only() || !(keeps_previous_ || batch.ahead.handle())) continue;
+        if (!groups_[batch.group].is_paced(settings)) continue;
         if (!kernel_) kernel_ = pace_kernel(gpu_, settings.skin_format);
         Member& member = members_.emplace_back(Member{.batch = i, .to_current = {}, .to_previous = {}});
         for (size_t k = 0; k < (keeps_previous_ ? 2 : 1); ++k) {

@@ -37,7 +37,7 @@ struct SceneSettings {
     SkinBlend blend = SkinBlend::kLinear;
     bool skins_once = false;
     bool culls = true;          // and with it levels of detail
-    bool skips_updates = false; // of what is small on the screen; with culls
+    bool skips_updates = false; // of what is small on the screen; with culls, and not with keeps_joints
     bool keeps_joints = false;  // their matrices, which skeletons are drawn from
 
     bool operator==(const SceneSettings&) const = default;

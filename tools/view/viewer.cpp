@@ -1,6 +1,7 @@
 #include "tools/view/viewer.h"
 
 #include "tools/command.h"
+#include "tools/drawn.h"
 #include "tools/view/commands.h"
 #include "tools/view/panels.h"
 
@@ -192,15 +193,14 @@ float Viewer::next_time_step() {
 
 void Viewer::measure() {
     if (const Result<StageTimes> times = scene_.crowd().stage_times()) measured_.history.add(*times, renderer_.draw_ms());
-    if (watches()) measured_.watched = unwrap(scene_.crowd().feedback()).back().watched.front();
+    measured_.watched.reset();
+    if (watches())
+        for (const Feedback& feedback : unwrap(scene_.crowd().feedback()))
+            if (!feedback.watched.empty()) measured_.watched = feedback.watched.front();
     constexpr uint64_t kEvery = 15;  // frames: it waits for the device
     if (!scene_.settings().culls) return measured_.drawn.assign(1, scene_.settings().count);
     if (frame_ % kEvery != 0) return;
-    measured_.drawn.clear();
-    for (const DrawnInstance& one : unwrap(scene_.crowd().read_drawn())) {
-        measured_.drawn.resize(std::max<size_t>(measured_.drawn.size(), one.detail + 1));
-        ++measured_.drawn[one.detail];
-    }
+    measured_.drawn = tools::count_by_detail(unwrap(scene_.crowd().read_drawn()));
 }
 
 void Viewer::save_shot() {

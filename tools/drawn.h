@@ -1,0 +1,22 @@
+// What a view has listed, in numbers.
+#pragma once
+
+#include <throng/crowd.h>
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+namespace throng::tools {
+
+// Characters of each level of detail, the finest first.
+inline std::vector<uint32_t> count_by_detail(std::span<const DrawnInstance> drawn) {
+    std::vector<uint32_t> counts;
+    for (const DrawnInstance& one : drawn) {
+        counts.resize(std::max<size_t>(counts.size(), one.detail + 1));
+        ++counts[one.detail];
+    }
+    return counts;
+}
+
+}  // namespace throng::tools
