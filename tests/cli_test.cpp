@@ -430,6 +430,9 @@ TEST_F(Cli, BenchViewTellsWhatLeavingOutGains) {
         EXPECT_NE(text.out.find(record["variant"].get<std::string>()), std::string::npos) << text;
     }
     EXPECT_EQ(variants.size(), 4u);
+    const Outcome nobody = run_tool({"bench", "view", creature(), "--count", "20", "--samples", "1", "--eye", "0,500,0", "--target", "0,1000,1"});
+    EXPECT_TRUE(nobody.succeeded()) << nobody;
+    EXPECT_NE(nobody.out.find("not measured: the camera sees none"), std::string::npos) << nobody;
     EXPECT_TRUE(run_tool({"bench", "view", "--count", "0"}).refused("--count"));
 }
 

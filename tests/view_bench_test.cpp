@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 constexpr uint32_t kCharacters = 60, kJoints = 60;
 
 // In a row that begins at the camera and leads away from it, every third behind it. Levels of detail say that they are off by so many times what they are.
-std::map<std::string, Json> measure(float times_error) {
+std::map<std::string, Json> measure(float times_error, const Vec3<float>& target = {0, 0, -1}) {
     Character character = *compile_character(*make_creature({.joint_count = kJoints, .level_count = 15, .face_count = 600}));
     for (DetailLevel& level : character.details) level.error *= times_error;
     std::vector<Playback> playback;
@@ -25,7 +25,7 @@ std::map<std::string, Json> measure(float times_error) {
     }
     const auto view_of_row = [&](const Bounds& bounds) {
         EXPECT_GT(bounds.max.z, character.size * 100);
-        return *view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}}, 640, 360, bounds, {.shadows = false, .full_rate_pixels = 100});
+        return *view_of({.eye = {0, 0, 0}, .target = target}, 640, 360, bounds, {.shadows = false, .full_rate_pixels = 100});
     };
     std::map<std::string, Json> records;
     for (const Json& record : measure_view(test_device(), {.configuration = "a row", .character = &character, .playback = playback, .placement = placement, .view_of = view_of_row}, 2, [](const std::string&) {}))
@@ -68,6 +68,15 @@ TEST(ViewBench, AWrongResultIsNotTimed) {
         for (const char* field : {"ms", "stages", "samples", "times_faster"}) EXPECT_FALSE(records.at(variant).contains(field)) << field;
     }
     for (const char* variant : {"everything", "culled"}) EXPECT_TRUE(records.at(variant).contains("ms")) << "fewer triangles of all joints";
+}
+
+TEST(ViewBench, WhatSeesNobodyIsNotTimed) {
+    const std::map<std::string, Json> records = measure(1, {0, 1, -0.01f});
+    for (const char* variant : {"culled", "and fewer joints", "and fewer updates"}) {
+        EXPECT_NE(records.at(variant)["obstacle"].get<std::string>().find("sees none"), std::string::npos);
+        EXPECT_FALSE(records.at(variant).contains("ms"));
+    }
+    EXPECT_TRUE(records.at("everything").contains("ms"));
 }
 
 }  // namespace

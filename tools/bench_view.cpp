@@ -31,8 +31,11 @@ void print_row(const nlohmann::json& record) {
         return;
     }
     const nlohmann::json& ms = record["ms"];
-    std::printf("%9.3f %9.3f -%8.3f %7.2f ", ms["median"].get<double>(), ms["p5"].get<double>(), ms["p95"].get<double>(), record["times_faster"].get<double>());
-    for (const auto& [stage, stage_ms] : record["stages"].items()) std::printf(" %s %.2f,", stage.c_str(), stage_ms.get<double>());
+    std::printf("%9.3f %9.3f -%8.3f ", ms["median"].get<double>(), ms["p5"].get<double>(), ms["p95"].get<double>());
+    if (record.contains("times_faster")) std::printf("%7.2f ", record["times_faster"].get<double>());
+    else std::printf("%7s ", "");  // everything was not measured
+    const nlohmann::json stages = record.value("stages", nlohmann::json::object());
+    for (const auto& [stage, stage_ms] : stages.items()) std::printf(" %s %.2f,", stage.c_str(), stage_ms.get<double>());
     std::printf(" drawn");
     for (const nlohmann::json& count : record["drawn"]) std::printf(" %u", count.get<uint32_t>());
     std::printf(", error %.1e", record["max_error"].get<double>());
