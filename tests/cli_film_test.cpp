@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <numeric>
 #include <regex>
 #include <set>
 
@@ -63,6 +64,9 @@ TEST_F(CliFilm, AFrameIsTheSameWhicheverAreDrawn) {
     EXPECT_EQ(json["frames"], 4);
     EXPECT_EQ(json["rendered"], 4);
     EXPECT_GT(json["stages_ms"]["skin+draw"], 0);
+    const std::vector<uint32_t> drawn = json["drawn"];
+    EXPECT_GT(std::accumulate(drawn.begin(), drawn.end(), 0u), 0u);
+    EXPECT_LE(std::accumulate(drawn.begin(), drawn.end(), 0u), 6u);
     const auto frames = contents(whole);
     ASSERT_EQ(frames.size(), 5u);
     EXPECT_NE(frames.at("frame_0000.png"), frames.at("frame_0003.png"));

@@ -101,6 +101,15 @@ TEST_F(Cli, InfoCountsExactly) {
         clip_bytes += clip["bytes"].get<uint64_t>();
         raw_bytes += clip["raw_bytes"].get<uint64_t>();
     }
+    ASSERT_GE(info["details"].size(), 2u);
+    Json finer{{"faces", info["faces"]}, {"joints", kJoints}, {"error_percent", 0}};
+    for (const Json& detail : info["details"]) {
+        EXPECT_LT(detail["faces"], finer["faces"]);
+        EXPECT_LE(detail["joints"], finer["joints"]);
+        EXPECT_GE(detail["error_percent"], finer["error_percent"]);
+        EXPECT_GT(detail["error_percent"], 0);
+        finer = detail;
+    }
     EXPECT_EQ(info["packed"], true);
     EXPECT_EQ(info["clip_bytes"], clip_bytes);
     EXPECT_EQ(info["clip_raw_bytes"], raw_bytes);
@@ -230,6 +239,11 @@ TEST_F(Cli, RenderWritesAPictureOfTheAskedSize) {
     std::set<std::array<uint8_t, 4>> colors;
     for (size_t i = 0; i < picture.rgba.size(); i += 4) colors.insert({picture.rgba[i], picture.rgba[i + 1], picture.rgba[i + 2], picture.rgba[i + 3]});
     EXPECT_GT(colors.size(), 100u);
+
+    const Json coarse = Json::parse(render("coarse.png", "1", {"--json", "--detail-pixels", "1000"}).out), fine = Json::parse(render("fine.png", "1", {"--json", "--detail-pixels", "0.01"}).out);
+    EXPECT_GT(coarse["drawn"].size(), 1u);
+    EXPECT_LT(coarse["drawn"][0], 9) << "who stands far enough from the eye is drawn coarser";
+    EXPECT_EQ(fine["drawn"], Json::array({9}));
 
     // Fewer characters than files.
     const Outcome one = run_tool({"render", creature(), creature(), "--size", "64x64", "--out", file("one.png")});
