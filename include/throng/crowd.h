@@ -92,7 +92,7 @@ struct CrowdGroup {
 };
 
 // How an update goes from clips to skin matrices. kStaged: sample, blend, scan and bind one after another, each through memory; any
-// character. kFused: all four in one kernel, intermediates in registers and shared memory, 6 to 7 times as fast on a software device; not for
+// character. kFused: all four in one kernel, intermediates in registers and shared memory, 4 to 7 times as fast on a software device; not for
 // characters too large for that. kAuto: fused where it applies, staged else.
 enum class UpdatePath { kAuto, kFused, kStaged };
 
