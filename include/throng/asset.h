@@ -17,15 +17,15 @@ namespace throng {
 inline constexpr uint32_t kNone = 0xFFFFFFFFu;  // "no index", wherever an index is optional
 
 struct AssetNode {
-    std::string name;
+    std::string name{};
     uint32_t parent = kNone;
-    Trs<double> parent_from_node;  // a node given by a matrix is decomposed; rotation is unit
+    Trs<double> parent_from_node{};  // a node given by a matrix is decomposed; rotation is unit
 };
 
 struct AssetSkin {
-    std::string name;
-    std::vector<uint32_t> joints;        // node of each joint, in the file's order
-    std::vector<Affine> inverse_binds;   // joint_from_model at bind time, one per joint (identities where the file has none)
+    std::string name{};
+    std::vector<uint32_t> joints{};        // node of each joint, in the file's order
+    std::vector<Affine> inverse_binds{};   // joint_from_model at bind time, one per joint (identities where the file has none)
 };
 
 enum class Interpolation : uint8_t { kStep, kLinear, kCubicSpline };
@@ -36,31 +36,31 @@ struct AssetTrack {
     uint32_t node = 0;
     TrackTarget target = TrackTarget::kTranslation;
     Interpolation interpolation = Interpolation::kLinear;
-    std::vector<float> times_s;  // strictly increasing, finite, at least one
+    std::vector<float> times_s{};  // strictly increasing, finite, at least one
     // 3 components a value (4, xyzw, for rotations; not necessarily unit). kCubicSpline has three values a key:
     // in-tangent, value, out-tangent (glTF 2.0, appendix C).
-    std::vector<float> values;
+    std::vector<float> values{};
 };
 
 // Keys of the morph weights of one node's mesh, all of them at once.
 struct AssetMorphTrack {
     uint32_t node = 0;
     Interpolation interpolation = Interpolation::kLinear;
-    std::vector<float> times_s;  // strictly increasing, finite, at least one
-    std::vector<float> values;   // [key][target]; kCubicSpline: [key][3][target], in-tangents, values, out-tangents
+    std::vector<float> times_s{};  // strictly increasing, finite, at least one
+    std::vector<float> values{};   // [key][target]; kCubicSpline: [key][3][target], in-tangents, values, out-tangents
 };
 
 struct AssetClip {
-    std::string name;                    // may be empty
+    std::string name{};                    // may be empty
     double duration_s = 0;               // largest key time of any track; a clip starts at 0
-    std::vector<AssetTrack> tracks;      // at most one per node and target
-    std::vector<AssetMorphTrack> morph_tracks;  // at most one per node
+    std::vector<AssetTrack> tracks{};      // at most one per node and target
+    std::vector<AssetMorphTrack> morph_tracks{};  // at most one per node
 };
 
 enum class AlphaMode : uint8_t { kOpaque, kMask, kBlend };
 
 struct AssetMaterial {
-    std::string name;
+    std::string name{};
     std::array<float, 4> base_color{1, 1, 1, 1};  // linear
     uint32_t image = kNone;                       // base colour texture, sRGB
     AlphaMode alpha_mode = AlphaMode::kOpaque;
@@ -84,36 +84,36 @@ void visit_images(const Visit& visit) {
 
 // A texture in use: PNG or JPEG bytes, still encoded.
 struct AssetImage {
-    std::string name;
-    std::vector<std::byte> encoded;  // empty where the file could not be found; a warning says so
+    std::string name{};
+    std::vector<std::byte> encoded{};  // empty where the file could not be found; a warning says so
 };
 
 // What a morph target adds to a primitive's vertices, by its weight.
 struct AssetMorphTarget {
-    std::vector<Vec3<float>> positions;  // differences, as all arrays here; empty: none
-    std::vector<Vec3<float>> normals;    // empty: none
+    std::vector<Vec3<float>> positions{};  // differences, as all arrays here; empty: none
+    std::vector<Vec3<float>> normals{};    // empty: none
 };
 
 // A triangle list. Arrays are indexed by the file's vertex index; optional ones are empty or complete.
 struct AssetPrimitive {
     uint32_t material = kNone;
-    std::vector<Vec3<float>> positions;
-    std::vector<Vec3<float>> normals;              // optional
-    std::vector<std::array<float, 2>> texcoords;   // optional; the set that the material's textures use
-    std::vector<std::array<float, 4>> colors;      // optional, linear
+    std::vector<Vec3<float>> positions{};
+    std::vector<Vec3<float>> normals{};              // optional
+    std::vector<std::array<float, 2>> texcoords{};   // optional; the set that the material's textures use
+    std::vector<std::array<float, 4>> colors{};      // optional, linear
     uint32_t influence_count = 0;                  // per vertex: 4 per JOINTS_n set; 0 where the primitive is not skinned
-    std::vector<uint16_t> influence_joints;        // [vertex][influence_count], index into AssetSkin::joints
-    std::vector<float> influence_weights;          // [vertex][influence_count], as stored: not rescaled to sum 1
-    std::vector<uint32_t> indices;                 // three per triangle
-    std::vector<AssetMorphTarget> targets;         // [target_count] of its mesh, or empty where it has no positions
+    std::vector<uint16_t> influence_joints{};        // [vertex][influence_count], index into AssetSkin::joints
+    std::vector<float> influence_weights{};          // [vertex][influence_count], as stored: not rescaled to sum 1
+    std::vector<uint32_t> indices{};                 // three per triangle
+    std::vector<AssetMorphTarget> targets{};         // [target_count] of its mesh, or empty where it has no positions
 };
 
 struct AssetMesh {
-    std::string name;
-    std::vector<float> weights;             // [target_count]: of morph targets, where a node does not say otherwise
-    std::vector<std::string> target_names;  // [target_count], or empty
+    std::string name{};
+    std::vector<float> weights{};             // [target_count]: of morph targets, where a node does not say otherwise
+    std::vector<std::string> target_names{};  // [target_count], or empty
     // One per primitive of the file, in its order; one that draws no triangles (points, lines) has no indices.
-    std::vector<AssetPrimitive> primitives;
+    std::vector<AssetPrimitive> primitives{};
 };
 
 // A mesh that a node of the scene draws.
@@ -125,15 +125,15 @@ struct AssetMeshInstance {
 };
 
 struct Asset {
-    std::string name;  // file name, for messages
-    std::vector<AssetNode> nodes;
-    std::vector<AssetSkin> skins;
-    std::vector<AssetClip> clips;
-    std::vector<AssetMesh> meshes;
-    std::vector<AssetMeshInstance> mesh_instances;  // ordered by node
-    std::vector<AssetMaterial> materials;
-    std::vector<AssetImage> images;
-    std::vector<std::string> warnings;  // what was ignored or mended, a line each, with its place
+    std::string name{};  // file name, for messages
+    std::vector<AssetNode> nodes{};
+    std::vector<AssetSkin> skins{};
+    std::vector<AssetClip> clips{};
+    std::vector<AssetMesh> meshes{};
+    std::vector<AssetMeshInstance> mesh_instances{};  // ordered by node
+    std::vector<AssetMaterial> materials{};
+    std::vector<AssetImage> images{};
+    std::vector<std::string> warnings{};  // what was ignored or mended, a line each, with its place
 };
 
 // Reads a .glb or .gltf file (glTF 2.0), its buffers and its images.

@@ -14,10 +14,10 @@ namespace throng {
 // so that a parent comes before its children (depth first). Static nodes between them are folded into their children where
 // that is exact. A rig may have several roots.
 struct Rig {
-    std::vector<std::string> names;        // [joint_count]
-    std::vector<uint32_t> parents;         // [joint_count], parents[j] < j, or kNone
-    std::vector<uint32_t> nodes;           // [joint_count], AssetNode of each joint
-    std::vector<Trs<float>> rest;          // [joint_count], parent_from_joint of the rest pose
+    std::vector<std::string> names{};        // [joint_count]
+    std::vector<uint32_t> parents{};         // [joint_count], parents[j] < j, or kNone
+    std::vector<uint32_t> nodes{};           // [joint_count], AssetNode of each joint
+    std::vector<Trs<float>> rest{};          // [joint_count], parent_from_joint of the rest pose
     uint32_t level_count = 0;              // joints on the longest path from a root, both ends included
     double mean_depth = 0;                 // mean over joints of the joints on the path from the root, both included
     uint32_t leaf_count = 0;               // joints without children
@@ -68,7 +68,7 @@ inline constexpr uint32_t kPackedWordsBehind = 3;   // decoding reads three word
 // Two keys half a turn apart have a row between them, so that rounding cannot change the side on which the arc runs. Packed keys: rows chosen
 // so that the skin stays within the error bound, and read as PackedTrack says.
 struct Clip {
-    std::string name;
+    std::string name{};
     float duration_s = 0;
     uint32_t first_time = 0;    // of its times in Character::times_s
     uint32_t row_count = 0;     // at least 1
@@ -87,12 +87,12 @@ struct Clip {
     // Rows of morph weights, on a time axis of their own: its times in Character::morph_times_s; no rows where all weights that it animates are constant.
     uint32_t first_morph_time = 0, morph_row_count = 0;
     uint32_t morph_row_stride = 0;   // from one row to the next in Character::morph_values
-    Vec3<float> bounds_min, bounds_max;  // of the mesh at all times of the clip (morphs at weight 1 included), model space
+    Vec3<float> bounds_min{}, bounds_max{};  // of the mesh at all times of the clip (morphs at weight 1 included), model space
 };
 
 // A morph target of a mesh that a node carries: what it adds to the mesh's vertices, by a weight of each instance.
 struct Morph {
-    std::string name;                // mesh.extras.targetNames, else "<mesh>.<target>"
+    std::string name{};                // mesh.extras.targetNames, else "<mesh>.<target>"
     uint32_t node = 0, target = 0;   // of the file
     float default_weight = 0;        // of instances whose clips do not animate it
 };
@@ -105,7 +105,7 @@ inline constexpr float kLeastMorphWeight = 1e-6f;  // what is not larger by magn
 // 0.002 a component and is held within -2..2, as three signed integers of 10 bits, lowest first, in units of kMorphNormalStep. The sum with the
 // vertex's unit normal is normalised. 16 bytes.
 struct MorphDelta {
-    Vec3<float> position;
+    Vec3<float> position{};
     uint32_t normal = 0;
 };
 static_assert(sizeof(MorphDelta) == 16);
@@ -114,19 +114,19 @@ inline constexpr float kMorphNormalStep = 2.0f / 511;
 // One skin matrix of a character: model_from_joint(joint) * joint_from_bind.
 struct PaletteEntry {
     uint32_t joint = 0;
-    Affine joint_from_bind;  // the file's inverse bind matrix; for a rigid mesh, joint_from_mesh
+    Affine joint_from_bind{};  // the file's inverse bind matrix; for a rigid mesh, joint_from_mesh
 };
 
 // A skin of the file: joint k of the file is palette entry first_entry + k.
 struct Skin {
-    std::string name;
+    std::string name{};
     uint32_t first_entry = 0;
     uint32_t joint_count = 0;
 };
 
 // 32 bytes. Shared with the shaders (src/skin/skin_io.h has the same layout).
 struct Vertex {
-    Vec3<float> position;           // bind space of the mesh
+    Vec3<float> position{};           // bind space of the mesh
     uint32_t normal_octahedral = 0; // two signed 16-bit fractions
     std::array<float, 2> texcoord{};
     uint32_t color = 0xFFFFFFFFu;   // linear, four unsigned bytes, red lowest
@@ -165,39 +165,39 @@ struct IndexRange {
 inline constexpr uint32_t kDetailLimit = 3;
 
 struct Character {
-    std::string name;
-    Rig rig;
-    std::vector<Clip> clips;
-    std::vector<float> times_s;                  // of all clips, each clip's ascending
+    std::string name{};
+    Rig rig{};
+    std::vector<Clip> clips{};
+    std::vector<float> times_s{};                  // of all clips, each clip's ascending
     bool packed = false;                         // clips are compressed; the rest pose too is then read as PackedTracks
-    std::vector<std::array<float, 4>> keys;      // exact: rest pose (3 * joint_count), then each clip's constants and rows; packed: PackedTracks
-    std::vector<uint32_t> words;                 // packed: rows of bits, and kPackedWordsBehind words behind the last
-    std::vector<std::array<float, 4>> root_rows;  // root motion of clips: x, z, cosine and sine of the turn about +y, model space, relative to the clip's begin
-    std::vector<JointTracks> tracks;             // [clip_count + 1][joint_count]; the last row is the rest pose
-    std::vector<Skin> skins;
-    std::vector<PaletteEntry> palette;
-    std::vector<Vertex> vertices;
-    std::vector<Influences> influences;
-    std::vector<uint32_t> indices;               // relative to the section's first vertex
-    std::vector<MeshSection> sections;
-    std::vector<DetailLevel> details;            // at most kDetailLimit
-    std::vector<IndexRange> detail_ranges;       // [details][sections], of detail_indices
-    std::vector<uint32_t> detail_indices;        // relative to the section's first vertex
+    std::vector<std::array<float, 4>> keys{};      // exact: rest pose (3 * joint_count), then each clip's constants and rows; packed: PackedTracks
+    std::vector<uint32_t> words{};                 // packed: rows of bits, and kPackedWordsBehind words behind the last
+    std::vector<std::array<float, 4>> root_rows{};  // root motion of clips: x, z, cosine and sine of the turn about +y, model space, relative to the clip's begin
+    std::vector<JointTracks> tracks{};             // [clip_count + 1][joint_count]; the last row is the rest pose
+    std::vector<Skin> skins{};
+    std::vector<PaletteEntry> palette{};
+    std::vector<Vertex> vertices{};
+    std::vector<Influences> influences{};
+    std::vector<uint32_t> indices{};               // relative to the section's first vertex
+    std::vector<MeshSection> sections{};
+    std::vector<DetailLevel> details{};            // at most kDetailLimit
+    std::vector<IndexRange> detail_ranges{};       // [details][sections], of detail_indices
+    std::vector<uint32_t> detail_indices{};        // relative to the section's first vertex
     // [joint_count], or empty, as of a character without clips, of which nothing is known: the coarsest level of detail in which the joint moves by itself, not above its parent's. In coarser ones its
     // skin matrices are those of the next joint above it that does, as if the joints between them were in the bind pose: in the rest pose and in poses of all clips that displaces vertices by no more than a third of the level's error.
-    std::vector<uint32_t> joint_details;
-    std::vector<AssetMaterial> materials;
-    std::vector<AssetImage> images;
-    Vec3<float> bounds_min, bounds_max;          // of the mesh in the rest pose, model space
+    std::vector<uint32_t> joint_details{};
+    std::vector<AssetMaterial> materials{};
+    std::vector<AssetImage> images{};
+    Vec3<float> bounds_min{}, bounds_max{};          // of the mesh in the rest pose, model space
     float size = 0;                              // diagonal of these bounds (1 where they are a point): the unit of every error bound
-    std::vector<Morph> morphs;                   // those of a node one after another
-    std::vector<MorphDelta> morph_deltas;        // of the vertices that any morph moves
+    std::vector<Morph> morphs{};                   // those of a node one after another
+    std::vector<MorphDelta> morph_deltas{};        // of the vertices that any morph moves
     // [clip_count][morph_count]: kNone where the clip does not animate the morph, else the position of its weight, or of that in its first row, in
     // morph_values, and flags as JointTracks has them. Linear between rows, or, with kTrackStep, the earlier row's.
-    std::vector<uint32_t> morph_tracks;
-    std::vector<float> morph_times_s;            // of all clips, each clip's ascending
-    std::vector<float> morph_values;             // constants and rows of all clips
-    std::vector<std::string> warnings;           // of the file and of the compilation, a line each
+    std::vector<uint32_t> morph_tracks{};
+    std::vector<float> morph_times_s{};            // of all clips, each clip's ascending
+    std::vector<float> morph_values{};             // constants and rows of all clips
+    std::vector<std::string> warnings{};           // of the file and of the compilation, a line each
 
     // Index of the clip with this name, or kNone.
     uint32_t find_clip(std::string_view clip_name) const;

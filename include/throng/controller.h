@@ -16,51 +16,51 @@ namespace throng {
 // in which a transition that asks for it was taken.
 enum class ParameterType { kFloat, kBool, kTrigger };
 struct ControllerParameter {
-    std::string name;
+    std::string name{};
     ParameterType type = ParameterType::kFloat;
     float initial = 0;
 };
 
 // Happens whenever a clip passes this time while it leads its layer (docs/controller.md).
 struct ControllerEvent {
-    std::string name;
-    std::string clip;
+    std::string name{};
+    std::string clip{};
     double time_s = 0;
 };
 
 // Weights of joints, 0..1. An item sets its joint and all below it; later items win. With a ramp, the first `ramp` generations, the joint's own included,
 // rise towards the weight in equal steps: generation g has weight * (g + 1) / (ramp + 1), the joint's own being 0.
 struct MaskItem {
-    std::string joint;
+    std::string joint{};
     float weight = 1;
     uint32_t ramp = 0;
 };
 struct JointMask {
-    std::string name;
-    std::vector<MaskItem> items;  // joints of none have weight 0
+    std::string name{};
+    std::vector<MaskItem> items{};  // joints of none have weight 0
 };
 
 // A clip within a state, at a place of its blend space: x, y are of no use in a state without parameters.
 struct BlendPoint {
-    std::string clip;
+    std::string clip{};
     float x = 0, y = 0;
 };
 
 // One clip; or a blend space: of one parameter (points ascending in x; between two points their clips are mixed), or of two (points
 // triangulated; within a triangle its three clips, outside the nearest edge's two). Clips of a blend space keep the same phase.
 struct ControllerState {
-    std::string name;
-    std::vector<BlendPoint> points;
-    std::string x_parameter, y_parameter;  // empty: none
+    std::string name{};
+    std::vector<BlendPoint> points{};
+    std::string x_parameter{}, y_parameter{};  // empty: none
     bool loop = true;
     float speed = 1;
-    std::string speed_parameter;           // multiplies speed
-    std::string sync;                      // states of a layer with the same word keep phase when one follows the other
+    std::string speed_parameter{};           // multiplies speed
+    std::string sync{};                      // states of a layer with the same word keep phase when one follows the other
 };
 
 struct ControllerCondition {
     enum class Test { kAbove, kBelow, kIsTrue, kIsFalse, kTriggered };
-    std::string parameter;
+    std::string parameter{};
     Test test = Test::kIsTrue;
     float value = 0;  // of kAbove and kBelow
 };
@@ -69,9 +69,9 @@ enum class FadeKind { kCross, kInertial };
 
 // Taken where all conditions hold and the leading state has played `exit` cycles since it was entered. The first in the list that can be taken is.
 struct ControllerTransition {
-    std::string from;          // empty: any state but `to`
-    std::string to;
-    std::vector<ControllerCondition> conditions;
+    std::string from{};          // empty: any state but `to`
+    std::string to{};
+    std::vector<ControllerCondition> conditions{};
     float exit = 0;            // cycles
     float fade_s = 0;
     FadeKind fade = FadeKind::kCross;
@@ -82,23 +82,23 @@ enum class LayerMode { kOverride, kAdditive };
 
 // Without states: plays what Crowd::play() says.
 struct ControllerLayer {
-    std::string name;
+    std::string name{};
     LayerMode mode = LayerMode::kOverride;
     bool inertial_plays = false;   // of a layer without states: Crowd::play() may ask for inertial fades, for which each instance keeps 144 bytes a joint
     bool model_space_rotations = false;  // of kOverride: rotations are blended as they stand in the model, not in their parents (docs/controller.md); such groups are updated in stages
-    std::string mask;              // empty: all joints
+    std::string mask{};              // empty: all joints
     float weight = 1;
-    std::string weight_parameter;  // multiplies weight; the product is clamped to 0..1
-    std::vector<ControllerState> states;  // the first one is the one that it starts in
-    std::vector<ControllerTransition> transitions;
+    std::string weight_parameter{};  // multiplies weight; the product is clamped to 0..1
+    std::vector<ControllerState> states{};  // the first one is the one that it starts in
+    std::vector<ControllerTransition> transitions{};
 };
 
 struct Controller {
-    std::string name;
-    std::vector<ControllerParameter> parameters;
-    std::vector<ControllerEvent> events;
-    std::vector<JointMask> masks;
-    std::vector<ControllerLayer> layers;  // lowest first
+    std::string name{};
+    std::vector<ControllerParameter> parameters{};
+    std::vector<ControllerEvent> events{};
+    std::vector<JointMask> masks{};
+    std::vector<ControllerLayer> layers{};  // lowest first
 
     // Index of the parameter, layer or mask with this name, or kNone.
     uint32_t find_parameter(std::string_view parameter_name) const;

@@ -23,7 +23,7 @@ struct Wind {
 
 // A joint and all below it bend with the wind, each joint on its own. Nothing is kept from update to update.
 struct WindRule {
-    std::string joint;
+    std::string joint{};
     float bend_rad = 0.02f;  // for each unit/s of wind across the bone; never past the wind's direction
     float sway_rad = 0.005f; // to and fro, for each unit/s likewise
     float sway_hz = 1;       // rounded to 1/64; 0..64
@@ -31,14 +31,14 @@ struct WindRule {
 
 // A capsule that springs stay out of; a sphere where `a` is `b`.
 struct Collider {
-    std::string joint;
+    std::string joint{};
     Vec3<float> a{}, b{};  // space of the joint
     float radius = 0.1f;   // 0 or more; scaled as the joint is, by its largest factor
 };
 
 // The bones of a joint and all below it are springs towards where the pose has them. Stable at any time step.
 struct SpringRule {
-    std::string joint;
+    std::string joint{};
     float frequency_hz = 2;    // at which a bone would swing; 0..1000
     float damping = 0.4f;      // 1: it returns without swinging; 0..1000
     Vec3<float> gravity{};     // more than what the pose shows already, units/s^2, world
@@ -49,8 +49,8 @@ struct SpringRule {
 
 // A joint turns so that a direction of it points at a target.
 struct LookAtRule {
-    std::string joint;
-    std::string target;
+    std::string joint{};
+    std::string target{};
     Vec3<float> forward{0, 0, 1};  // space of the joint
     float limit_rad = 1.5f;        // from where the pose points, 0..pi; looks as near as that where the target is farther
     float weight = 1;              // 0..1, times the target's: part of the way
@@ -59,8 +59,8 @@ struct LookAtRule {
 // A joint, its parent and its grandparent: the two upper ones turn so that the joint is at a target (two-bone inverse kinematics), or as
 // near to it as the limb is long. The limb bends in the plane in which the pose has it bent.
 struct ReachRule {
-    std::string joint;
-    std::string target;
+    std::string joint{};
+    std::string target{};
     Vec3<float> pole{0, 0, 1};  // space of the grandparent's parent: to where a straight limb bends
     float weight = 1;           // 0..1, times the target's: part of the way
 };
@@ -68,8 +68,8 @@ struct ReachRule {
 // In their order: each sees what those before it did. Targets are places that Crowd::set_target() moves; no two have one name. A joint must be the only one of its name.
 using ProceduralRule = std::variant<WindRule, SpringRule, LookAtRule, ReachRule>;
 struct ProceduralRules {
-    std::vector<std::string> targets;
-    std::vector<ProceduralRule> rules;
+    std::vector<std::string> targets{};
+    std::vector<ProceduralRule> rules{};
 };
 
 }  // namespace throng

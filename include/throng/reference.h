@@ -11,10 +11,10 @@
 namespace throng {
 
 struct ReferencePose {
-    std::vector<AffineT<double>> parent_from_joint;  // [joint_count]
-    std::vector<AffineT<double>> model_from_joint;   // [joint_count]
-    std::vector<AffineT<double>> model_from_bind;    // [palette_count], the skin matrices
-    std::vector<double> morph_weights;               // [morph_count], of all morphs; the kActiveMorphLimit largest by magnitude are shown
+    std::vector<AffineT<double>> parent_from_joint{};  // [joint_count]
+    std::vector<AffineT<double>> model_from_joint{};   // [joint_count]
+    std::vector<AffineT<double>> model_from_bind{};    // [palette_count], the skin matrices
+    std::vector<double> morph_weights{};               // [morph_count], of all morphs; the kActiveMorphLimit largest by magnitude are shown
 };
 
 // The pose that `playback` shows at its times (speeds do not matter). Errors: kInvalidArgument, as Crowd::set_playback.

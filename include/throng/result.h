@@ -22,8 +22,8 @@ enum class ErrorCode {
 // What went wrong and where: `place` is a path into the input ("fox.glb: animations[2].channels[5]"), or empty.
 struct Error {
     ErrorCode code = ErrorCode::kInvalidArgument;
-    std::string place;
-    std::string message;
+    std::string place{};
+    std::string message{};
 
     // "place: message", one line.
     std::string text() const { return place.empty() ? message : place + ": " + message; }

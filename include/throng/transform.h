@@ -45,8 +45,8 @@ struct AffineT {
 // Translation * rotation * scale, as a glTF node has it.
 template <class T>
 struct Trs {
-    Quaternion<T> rotation;
-    Vec3<T> translation;
+    Quaternion<T> rotation{};
+    Vec3<T> translation{};
     Vec3<T> scale{1, 1, 1};
 
     template <class U>
