@@ -1,29 +1,23 @@
-// GPU times of the stages of updates: a timestamp at the beginning of each and after each stage. Of a few updates in turn, so that those that have finished can be read while
-// others are under way; nothing waits.
+// GPU times of the stages of updates: a timestamp at the beginning of each and after each stage. Nothing waits.
 #pragma once
 
-#include "gpu/gpu.h"
+#include "gpu/timestamps.h"
 
 #include <throng/crowd.h>
-
-#include <array>
-#include <optional>
-#include <vector>
 
 namespace throng {
 
 class StageTimer {
 public:
     StageTimer(std::shared_ptr<Gpu> gpu, uint32_t most_stages);
-    ~StageTimer();
-    StageTimer(const StageTimer&) = delete;
-    StageTimer& operator=(const StageTimer&) = delete;
 
-    // begin() once an update, then end_stage() after each stage, at most most_stages times; a stage may come several times. An update is not timed while as many as there are slots are under way.
+    // begin() once an update, then end_stage() after each stage, at most most_stages times; a stage may come several times. publish()
+    // after the last one, and again where an update goes on.
     void begin(VkCommandBuffer commands);
     void end_stage(VkCommandBuffer commands, double StageTimes::*stage);
     // What has come since the last stage is none of the update's.
     void leave_out(VkCommandBuffer commands) { end_stage(commands, nullptr); }
+    void publish(VkCommandBuffer commands) { stamps_.publish(commands); }
 
     // Of the newest update that has finished. Throws kInvalidArgument where there is none.
     StageTimes read() const;
@@ -31,22 +25,12 @@ public:
     std::optional<StageTimes> take_newest();
 
 private:
-    struct Slot {
-        VkQueryPool pool = VK_NULL_HANDLE;
-        VkEvent reset = VK_NULL_HANDLE;  // set when the pool holds nothing of the slot's last update any more
-        uint64_t update = 0;             // counted from 1; 0: none
-        std::vector<double StageTimes::*> stages;  // in order
-    };
-    void write(VkCommandBuffer commands, uint32_t query);
-    std::optional<StageTimes> read(const Slot& slot) const;
-    // Null where none has finished.
-    const Slot* newest(StageTimes& times) const;
+    std::vector<double StageTimes::*>& stages_of(uint64_t frame) { return stages_[frame % Timestamps::kFrames]; }
+    StageTimes times_of(const Timestamps::Frame& frame) const;
 
-    std::shared_ptr<Gpu> gpu_;
-    uint32_t query_count_ = 0;
-    std::array<Slot, 4> slots_;
-    Slot* current_ = nullptr;  // null: the update is not timed
-    uint64_t update_count_ = 0, taken_ = 0;
+    Timestamps stamps_;
+    std::array<std::vector<double StageTimes::*>, Timestamps::kFrames> stages_;  // of each update, in their order
+    uint64_t taken_ = 0;
 };
 
 }  // namespace throng

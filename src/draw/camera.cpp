@@ -74,17 +74,19 @@ const DrawOptions& checked(const DrawOptions& options) {
     return options;
 }
 
-Bounds world_bounds(const Crowd& crowd) { return rest_bounds(crowd.state()); }
+Bounds world_bounds(const Crowd& crowd) { return crowd.instance_count() > 0 ? rest_bounds(crowd.state()) : Bounds(); }
 
 CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, const DrawOptions& options) {
-    const View view = make_view(camera, static_cast<float>(width) / static_cast<float>(std::max(height, 1u)));
+    if (width == 0 || height == 0)
+        throw Failure(ErrorCode::kInvalidArgument, "view", "a picture of " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
+    const View view = make_view(camera, static_cast<float>(width) / static_cast<float>(height));
     const Vec3<float> to_sun = direction_to_sun(options);
     constexpr float kHighest = 2;  // above the ground, in heights of the crowd at rest
     constexpr float kDeepest = 0.25f;  // below it, likewise: rest poses may float above the floor that clips walk on
     const float extent = bounds.max.y - bounds.min.y, reach = options.shadows ? kHighest * extent / to_sun.y : 0;
     return {.clip_from_world = view.clip_from_world,
             .eye = camera.eye,
-            .pixels = static_cast<float>(std::max(height, 1u)) / (2 * view.half_height),
+            .pixels = static_cast<float>(height) / (2 * view.half_height),
             .detail_pixels = options.detail_pixels,
             .shadow = to_sun * -reach,
             .ground = bounds.min.y - kDeepest * extent,

@@ -1,7 +1,7 @@
 // Pools of descriptor sets, and the sets in them.
 #pragma once
 
-#include "draw/owned.h"
+#include "gpu/owned.h"
 
 #include <initializer_list>
 

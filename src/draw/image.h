@@ -1,7 +1,7 @@
 // A 2D image with memory and view of its own.
 #pragma once
 
-#include "draw/owned.h"
+#include "gpu/owned.h"
 #include "gpu/barrier.h"
 
 #include <string_view>

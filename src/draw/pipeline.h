@@ -1,7 +1,7 @@
 // The graphics pipelines of the draw, and the layouts that they share.
 #pragma once
 
-#include "draw/owned.h"
+#include "gpu/owned.h"
 #include "gpu/spirv_info.h"
 
 #include <throng/crowd.h>

@@ -203,30 +203,38 @@ Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() = default;
 
+RendererState& Renderer::state() const {
+    if (!state_) throw Failure(ErrorCode::kInvalidArgument, "renderer", "it has been moved from");
+    return *state_;
+}
+
 Result<RenderResult> Renderer::render(const Crowd& crowd, const Camera& camera) {
-    return as_result([&] { return state_->render(crowd, camera); }, "render");
+    return as_result([&] { return state().render(crowd, camera); }, "render");
 }
 
 Result<RenderResult> Renderer::render_frame(Crowd& crowd, float time_step_s, const Camera& camera) {
-    return as_result([&] { return state_->render_frame(crowd, time_step_s, camera); }, "render");
+    return as_result([&] { return state().render_frame(crowd, time_step_s, camera); }, "render");
 }
 
 Result<void> Renderer::record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) {
-    return as_result([&] { state_->record(commands, crowd, time_step_s, camera); }, "render");
+    return as_result([&] { state().record(commands, crowd, time_step_s, camera); }, "render");
 }
 
-VkImage Renderer::picture() const { return state_->targets.picture(); }
+VkImage Renderer::picture() const { return state_ ? state_->targets.picture() : VK_NULL_HANDLE; }
 
 Result<void> Renderer::resize(uint32_t width, uint32_t height) {
-    return as_result([&] { state_->resize(width, height); }, "resize");
+    return as_result([&] { state().resize(width, height); }, "resize");
 }
 
 Result<void> Renderer::set_options(const DrawOptions& options) {
-    return as_result([&] { state_->options = checked(options); });
+    return as_result([&] { state().options = checked(options); });
 }
 
-const DrawOptions& Renderer::options() const { return state_->options; }
+const DrawOptions& Renderer::options() const {
+    static const DrawOptions none;
+    return state_ ? state_->options : none;
+}
 
-double Renderer::draw_ms() const { return state_->timer.read_ms(); }
+double Renderer::draw_ms() const { return state_ ? state_->timer.read_ms() : 0; }
 
 }  // namespace throng

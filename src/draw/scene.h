@@ -3,7 +3,7 @@
 
 #include "crowd/crowd_state.h"
 #include "draw/draw_io.h"
-#include "draw/owned.h"
+#include "gpu/owned.h"
 #include "draw/shadow_map.h"
 
 #include <throng/draw.h>

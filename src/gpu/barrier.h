@@ -37,4 +37,19 @@ inline void memory_barrier(const Gpu& gpu, VkCommandBuffer commands, Access befo
     gpu.vk.vkCmdPipelineBarrier2(commands, &dependency);
 }
 
+// Sets the event behind all copies so far, and makes what they wrote visible to a CPU that finds the event set.
+inline void set_event_for_host(const Gpu& gpu, VkCommandBuffer commands, VkEvent event) {
+    // An event's own barrier works only for who waits for it on the GPU, so the one for the CPU comes before.
+    memory_barrier(gpu, commands, kTransferWrite, kHostRead);
+    VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+    barrier.srcStageMask = kTransferWrite.stage;
+    barrier.srcAccessMask = kTransferWrite.access;
+    barrier.dstStageMask = kHostRead.stage;
+    barrier.dstAccessMask = kHostRead.access;
+    VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    dependency.memoryBarrierCount = 1;
+    dependency.pMemoryBarriers = &barrier;
+    gpu.vk.vkCmdSetEvent2(commands, event, &dependency);
+}
+
 }  // namespace throng

@@ -50,5 +50,6 @@ using OwnedPool = Owned<VkDescriptorPool, &VolkDeviceTable::vkDestroyDescriptorP
 using OwnedPipelineLayout = Owned<VkPipelineLayout, &VolkDeviceTable::vkDestroyPipelineLayout>;
 using OwnedPipeline = Owned<VkPipeline, &VolkDeviceTable::vkDestroyPipeline>;
 using OwnedQueries = Owned<VkQueryPool, &VolkDeviceTable::vkDestroyQueryPool>;
+using OwnedEvent = Owned<VkEvent, &VolkDeviceTable::vkDestroyEvent>;
 
 }  // namespace throng

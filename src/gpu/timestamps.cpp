@@ -1,0 +1,77 @@
+#include "gpu/timestamps.h"
+
+#include "gpu/barrier.h"
+
+#include <cassert>
+
+namespace throng {
+
+Timestamps::Timestamps(std::shared_ptr<Gpu> gpu, uint32_t stamps_per_frame)
+    : gpu_(std::move(gpu)), stamps_per_frame_(stamps_per_frame) {
+    VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+    queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
+    queries.queryCount = stamps_per_frame_;
+    const VkEventCreateInfo event{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO};
+    for (Slot& slot : slots_) {
+        slot.queries = OwnedQueries(gpu_, gpu_->vk.vkCreateQueryPool, queries, "vkCreateQueryPool");
+        slot.published = OwnedEvent(gpu_, gpu_->vk.vkCreateEvent, event, "vkCreateEvent");
+        const VkDeviceSize size_bytes = (1 + VkDeviceSize{stamps_per_frame_}) * sizeof(uint64_t);
+        slot.copy = Buffer(gpu_, "timestamps", size_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::kReadback);
+    }
+}
+
+void Timestamps::begin(VkCommandBuffer commands) {
+    Slot& slot = slots_[++frame_count_ % kFrames];
+    slot.frame_number = frame_count_;
+    slot.publication = 0;
+    slot.stamp_count = slot.published_count = 0;
+    check(gpu_->vk.vkResetEvent(gpu_->device, slot.published.get()), "vkResetEvent");
+    gpu_->vk.vkCmdResetQueryPool(commands, slot.queries.get(), 0, stamps_per_frame_);
+}
+
+void Timestamps::write(VkCommandBuffer commands) {
+    Slot& slot = slots_[frame_count_ % kFrames];
+    assert(slot.stamp_count < stamps_per_frame_);
+    gpu_->vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, slot.queries.get(), slot.stamp_count++);
+}
+
+// The number of the publication comes last: with it the stamps are complete, and none of an earlier frame in the slot.
+void Timestamps::publish(VkCommandBuffer commands) {
+    Slot& slot = slots_[frame_count_ % kFrames];
+    slot.publication = ++publication_count_;
+    memory_barrier(*gpu_, commands, kTransferWrite, kTransferWrite);
+    gpu_->vk.vkCmdCopyQueryPoolResults(commands, slot.queries.get(), slot.published_count, slot.stamp_count - slot.published_count,
+                                       slot.copy.handle(), (1 + VkDeviceSize{slot.published_count}) * sizeof(uint64_t),
+                                       sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
+    slot.published_count = slot.stamp_count;
+    memory_barrier(*gpu_, commands, kTransferWrite, kTransferWrite);
+    gpu_->vk.vkCmdUpdateBuffer(commands, slot.copy.handle(), 0, sizeof slot.publication, &slot.publication);
+    set_event_for_host(*gpu_, commands, slot.published.get());
+}
+
+bool Timestamps::is_finished(const Slot& slot) const {
+    if (slot.publication == 0) return false;
+    if (gpu_->vk.vkGetEventStatus(gpu_->device, slot.published.get()) != VK_EVENT_SET) return false;
+    uint64_t publication = 0;
+    std::memcpy(&publication, slot.copy.mapped(), sizeof publication);
+    return publication == slot.publication;
+}
+
+Timestamps::Frame Timestamps::read(const Slot& slot) const {
+    std::vector<uint64_t> ticks(slot.stamp_count);
+    std::memcpy(ticks.data(), slot.copy.mapped() + sizeof(uint64_t), ticks.size() * sizeof(uint64_t));
+    const uint64_t mask = gpu_->timestamp_valid_bits >= 64 ? ~uint64_t{0} : (uint64_t{1} << gpu_->timestamp_valid_bits) - 1;
+    Frame frame{slot.frame_number, {}};
+    for (const uint64_t tick : ticks)
+        frame.ms.push_back(static_cast<double>((tick - ticks[0]) & mask) * double{gpu_->properties.limits.timestampPeriod} * 1e-6);
+    return frame;
+}
+
+std::optional<Timestamps::Frame> Timestamps::newest() const {
+    const Slot* newest = nullptr;
+    for (const Slot& slot : slots_)
+        if (is_finished(slot) && (!newest || slot.frame_number > newest->frame_number)) newest = &slot;
+    return newest ? std::optional(read(*newest)) : std::nullopt;
+}
+
+}  // namespace throng

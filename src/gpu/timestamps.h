@@ -1,0 +1,52 @@
+// Timestamps of a few frames in turn. The GPU copies them to memory that the CPU sees, and says by an event that they are there, so
+// reading never waits; vkGetQueryPoolResults() does on lavapipe, until the queue is idle.
+#pragma once
+
+#include "gpu/buffer.h"
+#include "gpu/owned.h"
+
+#include <array>
+#include <optional>
+#include <vector>
+
+namespace throng {
+
+class Timestamps {
+public:
+    static constexpr uint32_t kFrames = 4;  // whose times are kept; a frame's are lost when the fourth one after it begins
+
+    Timestamps(std::shared_ptr<Gpu> gpu, uint32_t stamps_per_frame);
+
+    // begin() once a frame, write() at each point of interest, publish() after the last one; all outside of render passes. A frame may
+    // go on after publish() and publish again. One whose commands are never submitted is never read, and hinders no other.
+    void begin(VkCommandBuffer commands);
+    void write(VkCommandBuffer commands);
+    void publish(VkCommandBuffer commands);
+    uint64_t frame_number() const { return frame_count_; }  // of the last begin(); the first is 1
+
+    struct Frame {
+        uint64_t number = 0;
+        std::vector<double> ms;  // of each stamp, after the first one
+    };
+    // The newest that the GPU has finished, of the last kFrames.
+    std::optional<Frame> newest() const;
+
+private:
+    struct Slot {
+        OwnedQueries queries;
+        OwnedEvent published;
+        Buffer copy;  // uint64_t[1 + stamps_per_frame]: which publication this is, then the stamps
+        uint64_t frame_number = 0;  // 0: none
+        uint64_t publication = 0;   // that the frame has recorded last
+        uint32_t stamp_count = 0, published_count = 0;
+    };
+    bool is_finished(const Slot& slot) const;
+    Frame read(const Slot& slot) const;
+
+    std::shared_ptr<Gpu> gpu_;
+    uint32_t stamps_per_frame_;
+    std::array<Slot, kFrames> slots_;
+    uint64_t frame_count_ = 0, publication_count_ = 0;
+};
+
+}  // namespace throng
