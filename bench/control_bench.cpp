@@ -119,7 +119,7 @@ nlohmann::json measure_control(const Device& device, const ControlCase& control,
     const Spread of_control = spread_of(control_ms), of_update = spread_of(update_ms);
     nlohmann::json record = where_and_when(device.info());
     record.update({{"bench", "control"}, {"characters", control.count}, {"joints", character.rig.joint_count()}, {"levels", character.rig.level_count}, {"states", 12}, {"layers", 3}, {"commands", changed},
-                   {"samples", control.samples}, {"max_error", error}, {"path", crowd.is_fused(0) ? "fused" : "staged"}});
+                   {"samples", control.samples}, {"max_error", error}, {"path", crowd.path(0)->is_fused ? "fused" : "staged"}});
     if (!(error <= kMostError)) {
         record["wrong"] = true;
         return record;

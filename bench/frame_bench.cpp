@@ -166,7 +166,7 @@ private:
 
     uint64_t bytes_of(const Entrant& entrant) const {
         const bool staged = entrant.variant->path == UpdatePath::kStaged;
-        const bool similarities = staged && entrant.crowd() && parse_scan_request(entrant.crowd()->scan(0).method).method->format == ScanFormat::kSimilarity;
+        const bool similarities = staged && entrant.crowd() && parse_scan_request(entrant.crowd()->path(0)->scan.method).method->format == ScanFormat::kSimilarity;
         const FrameTraffic traffic{.fused = !staged,
                                    .clip_count = entrant.variant->one_clip ? 1u : 2u,
                                    .joint_count = entrant.character->rig.joint_count(),
@@ -193,7 +193,7 @@ private:
             record["obstacle"] = entrant.made->obstacle;
             return record;
         }
-        record["scan"] = entrant.crowd()->scan(0).method;
+        record["scan"] = entrant.crowd()->path(0)->scan.method;
         record["max_error"] = entrant.max_error;
         if (entrant.is_wrong()) record["wrong"] = true;
         for (size_t s = 0; s < kStages.size(); ++s)

@@ -145,7 +145,7 @@ private:
             record["obstacle"] = entrant.obstacle;
             return record;
         }
-        record.update({{"path", entrant.crowd->is_fused(0) ? "fused" : "staged"}, {"drawn", entrant.drawn}, {"memory_bytes", entrant.crowd->size_bytes()}, {"max_error", entrant.max_error}});
+        record.update({{"path", entrant.crowd->path(0)->is_fused ? "fused" : "staged"}, {"drawn", entrant.drawn}, {"memory_bytes", entrant.crowd->size_bytes()}, {"max_error", entrant.max_error}});
         if (entrant.variant->culls) record["detail_pixels"] = view_->detail_pixels;
         if (entrant.variant->reduces_joints) record["max_pixels"] = entrant.max_pixels;
         if (entrant.variant->skips_updates) record["full_rate_pixels"] = view_->full_rate_pixels;

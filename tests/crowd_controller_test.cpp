@@ -24,7 +24,7 @@ void follow(UpdatePath path, const char* name, double error) {
     const Character character = creature(60, 15, error);
     const Controller controller = example(name);
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}}, .path = path, .keep_model_matrices = true});
-    EXPECT_EQ(crowd.is_fused(0), path == UpdatePath::kFused);
+    EXPECT_EQ(crowd.path(0)->is_fused, path == UpdatePath::kFused);
     std::vector<ReferenceCharacter> wanted = references(character, controller, kInstances);
     std::vector<uint32_t> everybody(kInstances);
     std::iota(everybody.begin(), everybody.end(), 0u);

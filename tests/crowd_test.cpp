@@ -4,6 +4,8 @@
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
 
+#include <throng/draw.h>
+
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -19,7 +21,7 @@ void expect_reference(const MixedCrowd& mixed, const ScanMethod& method) {
     settings.scan = method.name;
     Crowd crowd = create(settings);
     ASSERT_EQ(crowd.instance_count(), mixed.playbacks.size());
-    for (uint32_t group = 0; group < mixed.characters.size(); ++group) EXPECT_EQ(crowd.scan(group).method.substr(0, crowd.scan(group).method.find(':')), method.name);
+    for (uint32_t group = 0; group < mixed.characters.size(); ++group) EXPECT_EQ(crowd.path(group)->scan.method.substr(0, crowd.path(group)->scan.method.find(':')), method.name);
     ASSERT_TRUE(crowd.set_playback(0, mixed.playbacks));
     double worst = 0;
     std::vector<Playback> now = mixed.playbacks;
@@ -59,7 +61,7 @@ TEST(Crowd, AScanThatDoesNotApplyIsRefused) {
 
 TEST(Crowd, AutoChoosesAScanAndSaysWhy) {
     const Character character = small_character();
-    const ScanAdvice used = create({.groups = {{&character, 7}}, .path = UpdatePath::kStaged}).scan(0);
+    const ScanAdvice used = create({.groups = {{&character, 7}}, .path = UpdatePath::kStaged}).path(0)->scan;
     EXPECT_TRUE(find_scan_method(used.method.substr(0, used.method.find(':')))) << used.method;
     EXPECT_NE(used.reason.find("7 x 20 joints"), std::string::npos) << used.reason;
     const Result<ScanAdvice> advice = advise_scan(test_device(), character.rig, 7);
@@ -430,6 +432,76 @@ TEST(Crowd, CanBeMoved) {
     EXPECT_EQ(second.instance_count(), 5u);
     ASSERT_TRUE(second.update(0));
     EXPECT_LE(instance_error(second, 4, character, Playback{}), kPoseBound);
+}
+
+TEST(Crowd, WhatHasBeenMovedFromFails) {
+    const Character character = small_character();
+    Crowd crowd = create({.groups = {{&character, 2}}});
+    Device device = test_device();
+    Renderer renderer = *Renderer::create(device, {.width = 16, .height = 16});
+    const Crowd kept = std::move(crowd);
+    const Renderer kept_renderer = std::move(renderer);
+    const Device kept_device = std::move(device);
+    const auto expect_refused = [](const auto& result) {
+        ASSERT_FALSE(result);
+        EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
+        EXPECT_NE(result.error().text().find("moved from"), std::string::npos) << result.error().text();
+    };
+    expect_refused(crowd.update(0));
+    expect_refused(crowd.record(VK_NULL_HANDLE, 0));
+    expect_refused(crowd.discard_last_record());
+    expect_refused(crowd.set_placement(0, {}));
+    expect_refused(crowd.path(0));
+    expect_refused(crowd.feedback());
+    expect_refused(crowd.read_skin_matrices(0));
+    expect_refused(crowd.stage_times());
+    EXPECT_EQ(crowd.instance_count(), 0u);
+    EXPECT_TRUE(crowd.outputs().empty());
+    EXPECT_EQ(crowd.size_bytes(), 0u);
+    EXPECT_EQ(world_bounds(crowd).max.x, world_bounds(crowd).min.x);
+    expect_refused((*Renderer::create(test_device(), {.width = 16, .height = 16})).render(crowd, {}));
+    expect_refused(renderer.render(kept, {}));
+    expect_refused(renderer.resize(1, 1));
+    EXPECT_EQ(renderer.draw_ms(), 0);
+    EXPECT_EQ(renderer.picture(), VkImage{VK_NULL_HANDLE});
+    EXPECT_EQ(renderer.options().exposure, DrawOptions().exposure);
+    expect_refused(Crowd::create(device, {.groups = {{&character, 1}}}));
+    expect_refused(Renderer::create(device));
+    expect_refused(advise_scan(device, character.rig, 1));
+    EXPECT_EQ(device.info().name, "");
+    EXPECT_EQ(device.validation_message_count(), 0u);
+}
+
+TEST(Crowd, AGroupThatIsNotThereIsRefused) {
+    const Character character = small_character();
+    const Crowd crowd = create({.groups = {{&character, 1}}});
+    for (const uint32_t group : {1u, 99u, kNone}) {
+        const Result<GroupPath> path = crowd.path(group);
+        ASSERT_FALSE(path);
+        EXPECT_EQ(path.error().text(), "crowd: group " + std::to_string(group) + " of a crowd of 1");
+    }
+}
+
+TEST(Crowd, ACharacterWithoutJointsIsRefused) {
+    const Character nothing;
+    const Controller controller = example("walker");
+    const auto expect_refused = [](const auto& result) {
+        ASSERT_FALSE(result);
+        EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
+        EXPECT_NE(result.error().text().find("joints"), std::string::npos) << result.error().text();
+    };
+    expect_refused(Crowd::create(test_device(), {.groups = {{&nothing, 1}}}));
+    expect_refused(reference_pose(nothing, {}));
+    expect_refused(ReferenceCharacter::create(nothing, controller));
+    expect_refused(advise_scan(test_device(), nothing.rig, 1));
+}
+
+TEST(Crowd, APictureWithoutPixelsHasNoView) {
+    for (const auto& [width, height] : {std::pair(0u, 0u), std::pair(0u, 9u), std::pair(9u, 0u)}) {
+        const Result<CrowdView> view = view_of({.eye = {0, 1, 5}, .target = {}}, width, height, {});
+        ASSERT_FALSE(view);
+        EXPECT_EQ(view.error().text(), "view: a picture of " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
+    }
 }
 
 // The character may go once the crowd is made.

@@ -48,7 +48,7 @@ TEST(Fused, EveryMethodFollowsTheReference) {
                         continue;
                     }
                     Crowd crowd = create(settings);
-                    ASSERT_TRUE(crowd.is_fused(0));
+                    ASSERT_TRUE(crowd.path(0)->is_fused);
                     ASSERT_TRUE(crowd.set_playback(0, playbacks));
                     ASSERT_TRUE(crowd.update(0));
                     const double error = crowd_error(crowd, character, playbacks);
@@ -80,7 +80,7 @@ TEST(Fused, AnyNumberOfInstances) {
             const std::vector<Playback> playbacks = random_playbacks(random, character, count);
             ASSERT_TRUE(crowd.set_playback(0, playbacks));
             ASSERT_TRUE(crowd.update(0));
-            EXPECT_LE(crowd_error(crowd, character, playbacks), kPoseBound) << count << " instances by " << crowd.scan(0).method;
+            EXPECT_LE(crowd_error(crowd, character, playbacks), kPoseBound) << count << " instances by " << crowd.path(0)->scan.method;
         }
     }
     EXPECT_GE(scan_count, 2u);
@@ -277,8 +277,8 @@ TEST(Fused, TooFewStorageBuffersAreAnObstacle) {
     device.gpu()->properties.limits.maxPerStageDescriptorStorageBuffers = needed - 1;
     const Result<Crowd> crowd = Crowd::create(device, {.groups = {{&character, 2}}});
     ASSERT_TRUE(crowd) << crowd.error().text();
-    EXPECT_FALSE(crowd->is_fused(0));
-    EXPECT_NE(crowd->path_reason(0).find("storage buffers"), std::string::npos) << crowd->path_reason(0);
+    EXPECT_FALSE(crowd->path(0)->is_fused);
+    EXPECT_NE(crowd->path(0)->reason.find("storage buffers"), std::string::npos) << crowd->path(0)->reason;
     const Result<Crowd> refused = Crowd::create(device, {.groups = {{&character, 2}}, .path = UpdatePath::kFused});
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kUnsupported);
@@ -317,14 +317,14 @@ TEST(Fused, WhatDoesNotFitIsStagedUnlessAskedFor) {
     const FusedPlan plan = choose_fused(FusedRig(large), limits);
     ASSERT_FALSE(plan.obstacle.empty());
     const Crowd crowd = create({.groups = {{&large, 2}}});
-    EXPECT_FALSE(crowd.is_fused(0));
-    EXPECT_NE(crowd.path_reason(0).find(plan.obstacle), std::string::npos) << crowd.path_reason(0);
+    EXPECT_FALSE(crowd.path(0)->is_fused);
+    EXPECT_NE(crowd.path(0)->reason.find(plan.obstacle), std::string::npos) << crowd.path(0)->reason;
     const Result<Crowd> refused = Crowd::create(test_device(), {.groups = {{&large, 2}}, .path = UpdatePath::kFused});
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kUnsupported);
     const Character character = small_character();
-    EXPECT_FALSE(create({.groups = {{&character, 2}}, .scan = "gateau2012_walk"}).is_fused(0)) << "it has no fused form";
-    EXPECT_TRUE(create({.groups = {{&character, 2}}}).is_fused(0));
+    EXPECT_FALSE(create({.groups = {{&character, 2}}, .scan = "gateau2012_walk"}).path(0)->is_fused) << "it has no fused form";
+    EXPECT_TRUE(create({.groups = {{&character, 2}}}).path(0)->is_fused);
 }
 
 }  // namespace

@@ -90,9 +90,9 @@ TEST(ModelRotations, WhatIsAimedKeepsItsDirectionWhereTheHipsTurn) {
     Controller local = aiming.controller;
     local.layers[1].model_space_rotations = false;
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .controller = &aiming.controller}, {.character = &character, .instance_count = 1, .controller = &local}}, .keep_model_matrices = true});
-    EXPECT_FALSE(crowd.is_fused(0));
-    EXPECT_EQ(crowd.path_reason(0), "staged: layer '" + aiming.controller.layers[1].name + "' blends rotations in model space");
-    EXPECT_TRUE(crowd.is_fused(1));
+    EXPECT_FALSE(crowd.path(0)->is_fused);
+    EXPECT_EQ(crowd.path(0)->reason, "staged: layer '" + aiming.controller.layers[1].name + "' blends rotations in model space");
+    EXPECT_TRUE(crowd.path(1)->is_fused);
     for (uint32_t i = 0; i < 3; ++i) {
         ASSERT_TRUE(crowd.play(i, 0, {.clip = {.clip = 0}}));
         ASSERT_TRUE(crowd.play(i, 1, {.clip = {.clip = 1}}));
@@ -138,7 +138,7 @@ void follow(const Character& character, uint32_t instances, uint32_t layer_count
         }
     }
     EXPECT_LE(worst, 1e-4);
-    std::printf("  %5u joints, %3u levels, %u layers, %s keys, %s: largest error %.1e of the size\n", character.rig.joint_count(), character.rig.level_count, layer_count, character.packed ? "packed" : "exact", crowd.scan(0).method.c_str(), worst);
+    std::printf("  %5u joints, %3u levels, %u layers, %s keys, %s: largest error %.1e of the size\n", character.rig.joint_count(), character.rig.level_count, layer_count, character.packed ? "packed" : "exact", crowd.path(0)->scan.method.c_str(), worst);
 }
 
 TEST(ModelRotations, CrowdsFollowTheReference) {

@@ -136,7 +136,7 @@ void expect_blended(UpdatePath path, const std::string& scan, SkinFormat format,
     for (uint32_t i = 0; i < kInstances; ++i) ASSERT_TRUE(crowd->clear_pose(3 + i));
     for (Crowd* one : {&*plain, &*crowd}) ASSERT_TRUE(one->update(kStep_s));
     for (uint32_t i = 0; i < 3 + kInstances; ++i) EXPECT_TRUE(same_bits(*crowd->read_skin_matrices(i), *plain->read_skin_matrices(i))) << "cleared, instance " << i;
-    std::printf("  %-20s %s, %zu batches: largest error %.1e of the size\n", crowd->scan(1).method.c_str(), crowd->is_fused(1) ? "fused" : "staged", crowd->outputs().size(), worst);
+    std::printf("  %-20s %s, %zu batches: largest error %.1e of the size\n", crowd->path(1)->scan.method.c_str(), crowd->path(1)->is_fused ? "fused" : "staged", crowd->outputs().size(), worst);
 }
 
 TEST(Posed, TwoClipsFollowTheReference) {

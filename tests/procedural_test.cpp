@@ -299,8 +299,8 @@ std::vector<double> errors(const Character& character, const std::vector<Procedu
     const ProceduralRules rules{.targets = {"prey", "ledge"}, .rules = moved_by};
     constexpr uint32_t kInstances = 70;
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = 3}, {.character = &character, .instance_count = kInstances, .procedural = &rules}}, .scan = scan, .keep_model_matrices = true});
-    EXPECT_FALSE(crowd.is_fused(1));
-    EXPECT_NE(crowd.path_reason(1).find("procedural"), std::string::npos) << crowd.path_reason(1);
+    EXPECT_FALSE(crowd.path(1)->is_fused);
+    EXPECT_NE(crowd.path(1)->reason.find("procedural"), std::string::npos) << crowd.path(1)->reason;
     Random random(12);
     std::vector<Playback> playbacks = random_playbacks(random, character, kInstances);
     for (Playback& playback : playbacks) playback.first.speed = playback.second.speed = static_cast<float>(random.between(-0.2, 0.2));

@@ -31,7 +31,7 @@ nlohmann::json spread_record(const std::vector<double>& values) {
 // What its groups are updated by.
 const char* path_of(const Crowd& crowd, size_t group_count) {
     size_t fused_count = 0;
-    for (uint32_t group = 0; group < group_count; ++group) fused_count += crowd.is_fused(group) ? 1 : 0;
+    for (uint32_t group = 0; group < group_count; ++group) fused_count += crowd.path(group)->is_fused ? 1 : 0;
     return fused_count == 0 ? "staged" : fused_count == group_count ? "fused" : "both";
 }
 

@@ -82,7 +82,7 @@ nlohmann::json settings_of(const RenderOptions& options) {
 // What was chosen for each file: another device, or costs that `throng tune` has measured, may choose otherwise, which rounds otherwise.
 nlohmann::json updates_of(const Crowd& crowd, size_t file_count) {
     nlohmann::json updates = nlohmann::json::array();
-    for (uint32_t group = 0; group < file_count; ++group) updates.push_back((crowd.is_fused(group) ? "fused, " : "staged, ") + crowd.scan(group).method);
+    for (uint32_t group = 0; group < file_count; ++group) updates.push_back((crowd.path(group)->is_fused ? "fused, " : "staged, ") + crowd.path(group)->scan.method);
     return updates;
 }
 

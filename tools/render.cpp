@@ -9,7 +9,7 @@ namespace throng::tools {
 namespace {
 
 void print_times(const RenderOptions& options, const Device& device, Shot& shot) {
-    const std::string scan = shot.crowd().scan(0).method;
+    const std::string scan = shot.crowd().path(0)->scan.method;
     const uint32_t count = shot.crowd().instance_count();
     if (options.json)
         return print_json({{"out", options.out}, {"device", device.info().name}, {"driver", device.info().driver}, {"count", count}, {"drawn", shot.count_drawn()}, {"scan", scan}, {"stages_ms", to_json(shot.times())}});

@@ -19,9 +19,9 @@ namespace throng {
 
 // The methods of the Hierarchy-Scan stage, by name; docs/scan.md describes them.
 struct ScanMethodInfo {
-    std::string name;
-    std::string summary;
-    std::string source;
+    std::string name{};
+    std::string summary{};
+    std::string source{};
     bool in_crowds = true;  // false: it needs another memory layout than the other stages have, and runs in `throng bench scan` only
 };
 std::vector<ScanMethodInfo> scan_methods();
@@ -30,8 +30,8 @@ std::vector<ScanMethodInfo> scan_methods();
 // The choice is made by a cost model of the device: measured, where `throng tune` has left its file in the user's cache folder
 // ($XDG_CACHE_HOME/throng or ~/.cache/throng), else built in.
 struct ScanAdvice {
-    std::string method;
-    std::string reason;
+    std::string method{};
+    std::string reason{};
 };
 Result<ScanAdvice> advise_scan(const Device& device, const Rig& rig, uint32_t instance_count);
 
@@ -45,14 +45,14 @@ struct ClipPlayback {
 
 // What one instance plays: `first` with `weight`, `second` with 1 - weight. With weight 1 the second clip costs nothing.
 struct Playback {
-    ClipPlayback first, second;
+    ClipPlayback first{}, second{};
     float weight = 1;
 };
 
 // A clip on a layer without states, above what the layer plays already: fades in within `fade_s` seconds. kInertial: only this clip plays from now
 // on, and the difference to what was shown dies away (docs/controller.md, step 10); of layers with ControllerLayer::inertial_plays.
 struct LayerPlayback {
-    ClipPlayback clip;
+    ClipPlayback clip{};
     float fade_s = 0;
     FadeKind fade = FadeKind::kCross;
 };
@@ -84,10 +84,10 @@ struct CrowdGroup {
     uint32_t instance_count = 0;
     const Controller* controller = nullptr;
     bool moves_placements = true;  // root motion, if the character has it, moves the placements; else it is only reported
-    std::vector<uint32_t> sockets;  // joints, at most 64, whose transforms are written in each update, for attachments
+    std::vector<uint32_t> sockets{};  // joints, at most 64, whose transforms are written in each update, for attachments
     SocketSpace socket_space = SocketSpace::kWorld;
     const ProceduralRules* procedural = nullptr;  // moves joints after the blend; such groups are updated stage by stage
-    std::optional<Steering> steering;  // makes its instances agents. Root motion carries them, where it moves placements; else they are moved as fast as they want
+    std::optional<Steering> steering{};  // makes its instances agents. Root motion carries them, where it moves placements; else they are moved as fast as they want
     uint32_t pose_capacity = 0;     // instances that may have a pose of set_pose() at the same time; 48 bytes a joint each, 0: no cost at all
 };
 
@@ -95,6 +95,13 @@ struct CrowdGroup {
 // character. kFused: all four in one kernel, intermediates in registers and shared memory, 4 to 7 times as fast on a software device; not for
 // characters too large for that. kAuto: fused where it applies, staged else.
 enum class UpdatePath { kAuto, kFused, kStaged };
+
+// How a group is updated.
+struct GroupPath {
+    bool is_fused = false;  // in one pass; else stage by stage
+    std::string reason{};     // why, in one line
+    ScanAdvice scan{};        // the scan method in use, also where "auto" chose it, and why
+};
 
 // Of skin matrices in OutputBlock::skin_buffer.
 enum class SkinFormat {
@@ -116,10 +123,10 @@ enum class SkinBlend {
 // What a camera sees: where CrowdSettings::culls, an update for a view animates only what that shows, and lists it for the draw.
 struct CrowdView {
     std::array<std::array<float, 4>, 4> clip_from_world{};  // rows; a world point is seen where -w <= x, y <= w and 0 <= z <= w
-    Vec3<float> eye;          // world space
+    Vec3<float> eye{};          // world space
     float pixels = 1000;      // that a length of 1 takes at a distance of 1: the picture's height / (2 tan(half the vertical field of view))
     float detail_pixels = 1;  // a coarser level of detail is drawn where its surfaces lie within so many pixels of the finest one's in the rest pose and in clips (DetailLevel::error), as long as they are in the middle of the picture, which stretches towards its edges
-    Vec3<float> shadow;       // what is drawn throws its shadow as far as this, world space: so what is outside but throws one inside is drawn too
+    Vec3<float> shadow{};       // what is drawn throws its shadow as far as this, world space: so what is outside but throws one inside is drawn too
     float ground = -1e30f;    // world y; nothing below it is seen, so a shadow that falls goes no farther
     // Where CrowdSettings::skips_updates: a character whose box is at least so many pixels across is animated in every update, one of half as many in every second, of a quarter in
     // every fourth, a smaller one in every eighth; 0: all in every one.
@@ -146,7 +153,7 @@ struct DrawnInstance {
 };
 
 struct CrowdSettings {
-    std::vector<CrowdGroup> groups;
+    std::vector<CrowdGroup> groups{};
     UpdatePath path = UpdatePath::kAuto;
     SkinFormat skin_format = SkinFormat::kAffine;
     std::string scan = "auto";         // "auto", a name of scan_methods(), or a name with its invocations a character: "subgroup:8"
@@ -169,7 +176,7 @@ struct CrowdSettings {
 
 // Of OutputBlock::skinned_buffer.
 struct SkinnedVertex {
-    Vec3<float> position;
+    Vec3<float> position{};
     uint32_t normal_octahedral = 0;  // of length 1, as Vertex's
 };
 
@@ -244,19 +251,19 @@ struct PlayedMotion {
 // A watched instance as it is after an update.
 struct WatchedInstance {
     uint32_t instance = 0;
-    Affine world_from_model;      // with all root motion so far, where it moves placements
-    Affine move;                  // root motion of this update, in the character's space before it; the identity where there is none
-    std::vector<Affine> sockets;  // [socket_count] of its group, in its CrowdGroup::socket_space
-    std::vector<float> parameters;                  // [parameter_count] of its controller
-    std::vector<std::vector<PlayedMotion>> layers;  // [layer_count] of its controller; of each, newest first, what it cross-fades: the first leads
+    Affine world_from_model{};      // with all root motion so far, where it moves placements
+    Affine move{};                  // root motion of this update, in the character's space before it; the identity where there is none
+    std::vector<Affine> sockets{};  // [socket_count] of its group, in its CrowdGroup::socket_space
+    std::vector<float> parameters{};                  // [parameter_count] of its controller
+    std::vector<std::vector<PlayedMotion>> layers{};  // [layer_count] of its controller; of each, newest first, what it cross-fades: the first leads
 };
 
 // What came back from one update.
 struct Feedback {
     uint64_t update = 0;                 // counted from 1
-    std::vector<CharacterEvent> events;  // by instance, then layer, then time
+    std::vector<CharacterEvent> events{};  // by instance, then layer, then time
     uint64_t lost_event_count = 0;       // that found no room
-    std::vector<WatchedInstance> watched;  // of watch(), in its order
+    std::vector<WatchedInstance> watched{};  // of watch(), in its order
 };
 
 struct CrowdState;  // internal
@@ -272,11 +279,8 @@ public:
     ~Crowd();
 
     uint32_t instance_count() const;
-    // The method in use for a group, also where "auto" chose it, and why.
-    ScanAdvice scan(uint32_t group) const;
-    // Whether a group is updated in one pass, and why or why not.
-    bool is_fused(uint32_t group) const;
-    std::string path_reason(uint32_t group) const;
+    // Errors: kInvalidArgument (no such group).
+    Result<GroupPath> path(uint32_t group) const;
 
     // Change what instances play, or where they stand (world_from_model); taken up by the next record(). New instances play the
     // rest pose and stand at the origin. Only changed instances are uploaded: 36 bytes each for a playback, 48 for a placement (80 with root motion).
@@ -331,6 +335,13 @@ public:
     // that are visible and were not in the last update. After it, all that are visible, and those that were, are listed. What a box hides behind is what has been drawn in front of it, so nothing visible is
     // left out. Call it in each such update. Errors: kInvalidArgument (the last record() was not for such a view, no image), kLimit (the device cannot hold the depths in one storage buffer).
     Result<void> record_disoccluded(VkCommandBuffer commands, const DepthImage& depths);
+    // Says that the commands of the last record(), and of its record_disoccluded(), will never be submitted: of a minimised window, or a
+    // swapchain that is out of date. The crowd is as if they had not been recorded: time has not gone on, and what was set before is
+    // taken up by the next record(), together with what has been set since. outputs() change back too. (A pose whose fade ended in that
+    // update is not back where CrowdGroup::pose_capacity was exhausted and its room has been given to another.) Of a dropped update that
+    // nobody tells of, the changes are lost, and after four in a row record() fails where there is feedback().
+    // Errors: kInvalidArgument (nothing has been recorded since the last discard).
+    Result<void> discard_last_record();
     // record(), submit to the device's queue, and wait.
     Result<void> update(float time_step_s, const CrowdView* view = nullptr);
 
@@ -352,7 +363,7 @@ public:
 
     // Internal.
     explicit Crowd(std::unique_ptr<CrowdState> state);
-    CrowdState& state() const { return *state_; }
+    CrowdState& state() const;  // throws where the crowd has been moved from
 
 private:
     std::unique_ptr<CrowdState> state_;

@@ -14,9 +14,9 @@ namespace throng {
 
 struct DeviceInfo {
     uint32_t index = 0;       // as DeviceSettings::select takes it
-    std::string name;
-    std::string type;         // "discrete", "integrated", "virtual", "cpu" or "other"
-    std::string driver;       // name and version
+    std::string name{};
+    std::string type{};         // "discrete", "integrated", "virtual", "cpu" or "other"
+    std::string driver{};       // name and version
     uint32_t api_version = 0; // VK_MAKE_API_VERSION
     uint32_t subgroup_size = 0;
     uint32_t shared_memory_bytes = 0;       // per workgroup
@@ -30,7 +30,7 @@ enum class Validation { kOff, kStandard, kSynchronization, kGpuAssisted };
 struct DeviceSettings {
     // Empty: a discrete GPU if there is one, else an integrated one, else a virtual one, else the software device.
     // Else an index of list_devices(), "cpu", or a part of a device's name in any case.
-    std::string select;
+    std::string select{};
     Validation validation = Validation::kOff;
 };
 
@@ -65,7 +65,7 @@ public:
 
     // Internal.
     explicit Device(std::shared_ptr<Gpu> gpu);
-    const std::shared_ptr<Gpu>& gpu() const { return gpu_; }
+    const std::shared_ptr<Gpu>& gpu() const;  // throws where the device has been moved from
 
 private:
     std::shared_ptr<Gpu> gpu_;

@@ -14,7 +14,7 @@ namespace throng {
 // 8-bit RGBA, sRGB, rows from the top.
 struct Picture {
     uint32_t width = 0, height = 0;
-    std::vector<uint8_t> rgba;  // [height][width][4]
+    std::vector<uint8_t> rgba{};  // [height][width][4]
 };
 
 // Writes a PNG to a temporary name beside `path`, then renames it. Errors: kFile.
@@ -27,7 +27,7 @@ struct Camera {
 };
 
 struct Bounds {
-    Vec3<float> min, max;
+    Vec3<float> min{}, max{};
 };
 
 // World bounds of the instances' rest poses, by their placements.
@@ -60,9 +60,9 @@ struct RendererSettings {
 };
 
 struct RenderResult {
-    Picture picture;
+    Picture picture{};
     double draw_ms = 0;  // GPU time of skinning and drawing; 0 where the queue has no timestamps
-    std::vector<std::string> warnings;  // textures that could not be decoded and are drawn white
+    std::vector<std::string> warnings{};  // textures that could not be decoded and are drawn white
 };
 
 struct RendererState;  // internal
@@ -104,6 +104,8 @@ public:
     explicit Renderer(std::unique_ptr<RendererState> state);
 
 private:
+    RendererState& state() const;
+
     std::unique_ptr<RendererState> state_;
 };
 

@@ -22,6 +22,7 @@ public:
     void advance(float time_step_s);  // below 0 counts as 0
 
     bool is_moving() const { return fade_ != (is_set_ ? 1.0f : 0.0f); }
+    bool is_gone() const { return !is_set_ && fade_ == 0; }  // cleared, and faded out
     float weight() const;  // 0..1, eased
 
 private:

@@ -23,7 +23,7 @@ ControllerStage::ControllerStage(std::shared_ptr<Gpu> gpu, const std::vector<Gro
             controller_kernel_ = controller_kernel(gpu_);
         }
         member_of_batch_[i] = static_cast<uint32_t>(members_.size());
-        Member& member = members_.emplace_back(Member{.batch = i, .pending = {}, .uploaded = {}, .commands = {}, .controller = {}});
+        Member& member = members_.emplace_back(Member{.batch = i, .pending = {}, .recorded = {}, .uploaded = {}, .commands = {}, .controller = {}});
         member.controller = controller_kernel_.bind(ControllerBuffers{group.controller->tables, group.axes, group.times, group.root_rows, batch.layers, batch.parameters, batch.voices, feedback_->events(),
                                                                       batch.roots.or_else(batch.layers), batch.placements, batch.inertias.or_else(batch.layers), batch.layers, batch.parameters, batch.voice_times.or_else(batch.layers)});
     }
@@ -39,11 +39,11 @@ void ControllerStage::make_uploads(Member& member) {
 
 // One dispatch a batch of those commands that follow the first `first`. False where there were none.
 bool ControllerStage::record_round(VkCommandBuffer commands, size_t first) {
-    const auto count_of = [&](const Member& member) { return std::min(kRound, member.pending.size() - std::min(first, member.pending.size())); };
+    const auto count_of = [&](const Member& member) { return std::min(kRound, member.recorded.size() - std::min(first, member.recorded.size())); };
     bool any = false;
     for (Member& member : members_) {
         const size_t count = count_of(member);
-        if (count > 0) record_update(*gpu_, commands, member.uploaded, 0, std::span<const io::ControlCommand>(member.pending).subspan(first, count));
+        if (count > 0) record_update(*gpu_, commands, member.uploaded, 0, std::span<const io::ControlCommand>(member.recorded).subspan(first, count));
         any = any || count > 0;
     }
     if (!any) return false;
@@ -61,10 +61,11 @@ void ControllerStage::record_commands(VkCommandBuffer commands) {
     if (members_.empty()) return;
     for (Member& member : members_) {
         if (!member.pending.empty() && !member.uploaded.handle()) make_uploads(member);
-        std::stable_sort(member.pending.begin(), member.pending.end(), [](const io::ControlCommand& a, const io::ControlCommand& b) { return a.instance < b.instance; });
+        member.recorded.swap(member.pending);
+        member.pending.clear();
+        std::ranges::stable_sort(member.recorded, {}, &io::ControlCommand::instance);
     }
     for (size_t first = 0; record_round(commands, first); first += kRound) {}
-    for (Member& member : members_) member.pending.clear();
     memory_barrier(*gpu_, commands, kTransferWrite, kShaderRead | kShaderWrite);
 }
 
@@ -84,6 +85,13 @@ void ControllerStage::record(VkCommandBuffer commands, float time_step_s) const 
                                                                    .time_step_s = time_step_s,
                                                                    .flags = root_flags | inertia_flags | morph_flags},
                                                 batch.instance_count);
+    }
+}
+
+void ControllerStage::discard() {
+    for (Member& member : members_) {
+        member.pending.insert(member.pending.begin(), member.recorded.begin(), member.recorded.end());
+        member.recorded.clear();
     }
 }
 

@@ -19,12 +19,14 @@ public:
 
     void record_commands(VkCommandBuffer commands);
     void record(VkCommandBuffer commands, float time_step_s) const;
+    // What the last record_commands() has taken up is queued again, before what was added since.
+    void discard();
     uint64_t size_bytes() const;
 
 private:
     struct Member {
         uint32_t batch = 0;
-        std::vector<io::ControlCommand> pending;
+        std::vector<io::ControlCommand> pending, recorded;  // for the next update; of the last one
         Buffer uploaded;  // kRound commands at a time; made when there are any
         Bindings commands, controller;
     };

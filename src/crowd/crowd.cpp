@@ -16,6 +16,7 @@ std::vector<ScanMethodInfo> scan_methods() {
 Result<ScanAdvice> advise_scan(const Device& device, const Rig& rig, uint32_t instance_count) {
     return as_result([&] {
         const Gpu& gpu = *device.gpu();
+        if (rig.joint_count() == 0) throw Failure(ErrorCode::kInvalidArgument, "scan", "the rig has no joints");
         const ExplainedChoice chosen = choose_scan("auto", ScanRig(rig.parents, rig.uniform_scale), instance_count, scan_limits(gpu), scan_costs(gpu));
         return ScanAdvice{name_of(chosen.choice), chosen.reason};
     });
@@ -30,113 +31,116 @@ Crowd::Crowd(Crowd&&) noexcept = default;
 Crowd& Crowd::operator=(Crowd&&) noexcept = default;
 Crowd::~Crowd() = default;
 
-uint32_t Crowd::instance_count() const { return state_->instance_count; }
-
-ScanAdvice Crowd::scan(uint32_t group) const {
-    assert(group < state_->groups.size());
-    const Group& of = state_->groups[group];
-    return {name_of(of.scan_choice), of.scan_reason};
+CrowdState& Crowd::state() const {
+    if (!state_) throw Failure(ErrorCode::kInvalidArgument, "crowd", "it has been moved from");
+    return *state_;
 }
 
-bool Crowd::is_fused(uint32_t group) const {
-    assert(group < state_->groups.size());
-    return !state_->groups[group].fused.empty();
-}
+uint32_t Crowd::instance_count() const { return state_ ? state_->instance_count : 0; }
 
-std::string Crowd::path_reason(uint32_t group) const {
-    assert(group < state_->groups.size());
-    return state_->groups[group].path_reason;
+Result<GroupPath> Crowd::path(uint32_t group) const {
+    return as_result([&] {
+        const std::vector<Group>& groups = state().groups;
+        if (group >= groups.size())
+            throw Failure(ErrorCode::kInvalidArgument, "crowd", "group " + std::to_string(group) + " of a crowd of " + std::to_string(groups.size()));
+        const Group& of = groups[group];
+        return GroupPath{!of.fused.empty(), of.path_reason, {name_of(of.scan_choice), of.scan_reason}};
+    });
 }
 
 Result<void> Crowd::set_playback(uint32_t first_instance, std::span<const Playback> playback) {
-    return as_result([&] { state_->set_playback(first_instance, playback); });
+    return as_result([&] { state().set_playback(first_instance, playback); });
 }
 
 Result<void> Crowd::set_placement(uint32_t first_instance, std::span<const Affine> world_from_model) {
-    return as_result([&] { state_->set_placement(first_instance, world_from_model); });
+    return as_result([&] { state().set_placement(first_instance, world_from_model); });
 }
 
 Result<void> Crowd::play(uint32_t instance, uint32_t layer, const LayerPlayback& playback) {
-    return as_result([&] { state_->play(instance, layer, playback); });
+    return as_result([&] { state().play(instance, layer, playback); });
 }
 
 Result<void> Crowd::set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend) {
-    return as_result([&] { state_->set_layer(instance, layer, blend); });
+    return as_result([&] { state().set_layer(instance, layer, blend); });
 }
 
 Result<void> Crowd::set_parameters(uint32_t instance, uint32_t parameter, std::span<const float> values) {
-    return as_result([&] { state_->set_parameters(instance, parameter, values); });
+    return as_result([&] { state().set_parameters(instance, parameter, values); });
 }
 
 Result<void> Crowd::set_target(uint32_t instance, uint32_t target, const Vec3<float>& world_place, float weight) {
-    return as_result([&] { state_->set_target(instance, target, world_place, weight); });
+    return as_result([&] { state().set_target(instance, target, world_place, weight); });
 }
 
 Result<void> Crowd::set_wind(const Wind& wind) {
-    return as_result([&] { state_->procedural->set_wind(wind); });
+    return as_result([&] { state().procedural->set_wind(wind); });
 }
 
 Result<void> Crowd::set_destination(uint32_t first_instance, std::span<const Vec3<float>> world_places) {
-    return as_result([&] { state_->set_destination(first_instance, world_places); });
+    return as_result([&] { state().set_destination(first_instance, world_places); });
 }
 
 Result<void> Crowd::clear_destination(uint32_t first_instance, uint32_t count) {
-    return as_result([&] { state_->clear_destination(first_instance, count); });
+    return as_result([&] { state().clear_destination(first_instance, count); });
 }
 
 Result<void> Crowd::set_pose(uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s) {
-    return as_result([&] { state_->set_pose(instance, parent_from_joint, fade_s); });
+    return as_result([&] { state().set_pose(instance, parent_from_joint, fade_s); });
 }
 
 Result<void> Crowd::clear_pose(uint32_t instance, float fade_s) {
-    return as_result([&] { state_->clear_pose(instance, fade_s); });
+    return as_result([&] { state().clear_pose(instance, fade_s); });
 }
 
 Result<void> Crowd::watch(std::span<const uint32_t> instances) {
-    return as_result([&] { state_->watch(instances); });
+    return as_result([&] { state().watch(instances); });
 }
 
 Result<std::vector<Feedback>> Crowd::feedback() {
-    return as_result([&] { return state_->take_feedback(); });
+    return as_result([&] { return state().take_feedback(); });
 }
 
 Result<void> Crowd::record(VkCommandBuffer commands, float time_step_s, const CrowdView* view) {
-    return as_result([&] { state_->record(commands, time_step_s, view); }, "crowd");
+    return as_result([&] { state().record(commands, time_step_s, view); }, "crowd");
 }
 
 Result<void> Crowd::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths) {
-    return as_result([&] { state_->record_disoccluded(commands, depths); }, "crowd");
+    return as_result([&] { state().record_disoccluded(commands, depths); }, "crowd");
+}
+
+Result<void> Crowd::discard_last_record() {
+    return as_result([&] { state().discard_last_record(); }, "crowd");
 }
 
 Result<void> Crowd::update(float time_step_s, const CrowdView* view) {
-    return as_result([&] { state_->gpu->submit_and_wait([&](VkCommandBuffer commands) { state_->record(commands, time_step_s, view); }); }, "crowd");
+    return as_result([&] { state().gpu->submit_and_wait([&](VkCommandBuffer commands) { state().record(commands, time_step_s, view); }); }, "crowd");
 }
 
 Result<std::vector<DrawnInstance>> Crowd::read_drawn() {
-    return as_result([&] { return state_->read_drawn(); });
+    return as_result([&] { return state().read_drawn(); });
 }
 
-std::span<const OutputBlock> Crowd::outputs() const { return state_->outputs; }
+std::span<const OutputBlock> Crowd::outputs() const { return state_ ? std::span<const OutputBlock>(state_->outputs) : std::span<const OutputBlock>(); }
 
 Result<StageTimes> Crowd::stage_times() const {
     return as_result([&] {
-        if (!state_->timer) throw Failure(ErrorCode::kInvalidArgument, "stage times", "timestamps are off, or the queue has none");
-        return state_->timer->read();
+        if (!state().timer) throw Failure(ErrorCode::kInvalidArgument, "stage times", "timestamps are off, or the queue has none");
+        return state().timer->read();
     });
 }
 
 Result<std::vector<Affine>> Crowd::read_skin_matrices(uint32_t instance) {
-    return as_result([&] { return state_->read_matrices(instance, false); });
+    return as_result([&] { return state().read_matrices(instance, false); });
 }
 
 Result<std::vector<Affine>> Crowd::read_model_matrices(uint32_t instance) {
-    return as_result([&] { return state_->read_matrices(instance, true); });
+    return as_result([&] { return state().read_matrices(instance, true); });
 }
 
 Result<std::vector<Vec3<float>>> Crowd::read_positions(uint32_t instance) {
-    return as_result([&] { return state_->read_positions(instance); });
+    return as_result([&] { return state().read_positions(instance); });
 }
 
-uint64_t Crowd::size_bytes() const { return state_->size_bytes(); }
+uint64_t Crowd::size_bytes() const { return state_ ? state_->size_bytes() : 0; }
 
 }  // namespace throng

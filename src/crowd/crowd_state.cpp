@@ -3,10 +3,12 @@
 #include "base/failure.h"
 #include "bind/skin_format.h"
 #include "control/control.h"
+#include "crowd/reference.h"
 #include "gpu/barrier.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace throng {
 
@@ -15,6 +17,7 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     uint64_t total = 0;
     for (const CrowdGroup& group : settings.groups) {
         if (!group.character) throw Failure(ErrorCode::kInvalidArgument, "crowd", "a group has no character");
+        check_has_joints(*group.character);
         total += group.instance_count;
     }
     if (total == 0) throw Failure(ErrorCode::kInvalidArgument, "crowd", "it has no instances");
@@ -64,6 +67,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     // Whoever reads the last update's results must be done.
     memory_barrier(*gpu, commands, kConsumers | kShaderWrite | kTransferWrite, kShaderRead | kShaderWrite | kTransferWrite);
     if (feedback) feedback->begin(commands);  // before anything is taken up, since it may refuse
+    can_discard_ = true;
     upload_changes(commands);
     if (cull) cull->record_view(commands, seen);
     for (Batch& batch : batches) batch.blends = batch.blending_count > 0;
@@ -82,9 +86,10 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     pace->record(commands, timer.get());
     staged->record(commands, timer.get());
     if (skin) skin->record(commands, timer.get());
+    if (timer) timer->publish(commands);
     if (feedback) feedback->end(commands, watched_);
     if (!has_updated_) copy_to_previous(commands);
-    has_updated_ = true;
+    had_updated_ = std::exchange(has_updated_, true);
     memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, kConsumers);
 }
 
@@ -96,7 +101,24 @@ void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& 
     fused->record_listed(commands, timer.get());
     pace->record(commands, timer.get());
     if (skin) skin->record_animated(commands, timer.get());
+    if (timer) timer->publish(commands);
     memory_barrier(*gpu, commands, kShaderWrite, kConsumers);
+}
+
+// What the update has taken up is pending again, and what it let go on goes back; the timer notices by itself that it never runs.
+void CrowdState::discard_last_record() {
+    if (!can_discard_) throw Failure(ErrorCode::kInvalidArgument, "discard", "there is no record() to discard, or it has been discarded");
+    can_discard_ = false;
+    has_updated_ = had_updated_;
+    dirty_playbacks_.put_back();
+    dirty_placements_.put_back();
+    procedural->discard();
+    steer->discard();
+    controllers->discard();
+    poses->discard();
+    if (cull) cull->discard();
+    if (feedback) feedback->discard();
+    take_turns();
 }
 
 // Raised by what the last update took more than the budget, at most by half, and lowered more slowly, so that it settles.

@@ -46,6 +46,7 @@ struct CrowdState {
     std::vector<Feedback> take_feedback();
     void record(VkCommandBuffer commands, float time_step_s, const CrowdView* view);
     void record_disoccluded(VkCommandBuffer commands, const DepthImage& depths);
+    void discard_last_record();
     std::vector<DrawnInstance> read_drawn() const;
     std::vector<Affine> read_matrices(uint32_t instance, bool model) const;
     std::vector<Vec3<float>> read_positions(uint32_t instance);
@@ -98,6 +99,8 @@ private:
     std::optional<Kernel> skin_kernel_;  // made when positions are first read back
     std::vector<io::InstancePlayback> playbacks_;    // [instance_count], as last set
     bool has_updated_ = false;
+    bool had_updated_ = false;  // before the last record()
+    bool can_discard_ = false;  // the last record() has not been discarded
     float pace_ = 1;  // what the budget makes of CrowdView::full_rate_pixels, as a factor
     std::vector<Watched> watched_;
     uint32_t watch_capacity_ = 0;

@@ -74,8 +74,14 @@ CullBuffers CullStage::buffers_of(size_t batch) const { return {view_, batches_[
 
 void CullStage::record_view(VkCommandBuffer commands, io::CullView seen) {
     seen.update_number = update_number_++;
+    was_half_done_ = is_half_done_;
     is_half_done_ = seen.occlusion != 0;
     record_update(*gpu_, commands, view_, 0, std::span<const io::CullView>(&seen, 1));
+}
+
+void CullStage::discard() {
+    --update_number_;
+    is_half_done_ = was_half_done_;
 }
 
 io::CullPush CullStage::push_of(const Batch& batch) const {

@@ -25,6 +25,8 @@ public:
     // `seen`: of cull_view_of().
     void record_view(VkCommandBuffer commands, io::CullView seen);
     void record(VkCommandBuffer commands, StageTimer* timer) const;
+    // Takes the last record_view() back.
+    void discard();
     // The second half of an update for a view with occlusion. Throws kInvalidArgument where the last record_view() was for none, or its second half is recorded already.
     void record_disoccluded(VkCommandBuffer commands, const DepthImage& depths, StageTimer* timer);
     // Of a batch, after the last update that has finished.
@@ -55,7 +57,8 @@ private:
     CullKernels kernels_;
     Buffer view_;
     uint32_t update_number_ = 0;
-    bool is_half_done_ = false;  // record_disoccluded() is to come
+    bool is_half_done_ = false;   // record_disoccluded() is to come
+    bool was_half_done_ = false;  // before the last record_view()
     // Made when they are first needed, for the largest picture so far. Smaller ones are kept with what is bound to them, since updates may be under way that use them; each has twice the room of the one before, where the device can bind it.
     std::vector<Reveal> reveals_;
     std::vector<Member> members_;  // [batch]

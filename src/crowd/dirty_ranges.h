@@ -17,7 +17,7 @@ public:
         if (count > 0) ranges_.push_back({first, count});
     }
 
-    // The changed instances in ascending order, each once; empty afterwards.
+    // The changed instances in ascending order, each once; none is left.
     std::vector<Range> take() {
         std::sort(ranges_.begin(), ranges_.end(), [](const Range& a, const Range& b) { return a.first < b.first; });
         std::vector<Range> merged;
@@ -30,11 +30,18 @@ public:
             last.count = std::max(last.first + last.count, range.first + range.count) - last.first;
         }
         ranges_.clear();
+        taken_ = merged;
         return merged;
     }
 
+    // What the last take() has returned counts as changed again.
+    void put_back() {
+        ranges_.insert(ranges_.end(), taken_.begin(), taken_.end());
+        taken_.clear();
+    }
+
 private:
-    std::vector<Range> ranges_;
+    std::vector<Range> ranges_, taken_;
 };
 
 }  // namespace throng

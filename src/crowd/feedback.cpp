@@ -8,6 +8,7 @@
 #include <array>
 #include <cstring>
 #include <tuple>
+#include <utility>
 
 namespace throng {
 
@@ -38,18 +39,35 @@ FeedbackRing::~FeedbackRing() {
 
 bool FeedbackRing::is_done(const Slot& slot) const { return gpu_->vk.vkGetEventStatus(gpu_->device, slot.done) == VK_EVENT_SET; }
 
+// Never submitted, and nobody said so: a later update has run, and updates run in the order in which they were recorded.
+bool FeedbackRing::was_dropped(const Slot& slot) const {
+    return std::ranges::any_of(slots_, [&](const Slot& other) { return other.update.number > slot.update.number && is_done(other); });
+}
+
 void FeedbackRing::begin(VkCommandBuffer commands) {
     Slot& slot = slots_[update_count_ % slots_.size()];
-    if (update_count_ >= slots_.size() && !is_done(slot))
-        throw Failure(ErrorCode::kInvalidArgument, "crowd", "the update recorded " + std::to_string(slots_.size()) + " record()s ago has not finished: at most " +
-                                                                std::to_string(slots_.size()) + " may be in flight");
+    const bool is_free = slot.update.number == 0 || is_done(slot);
+    if (!is_free && !was_dropped(slot)) {
+        const std::string count = std::to_string(slots_.size());
+        throw Failure(ErrorCode::kInvalidArgument, "crowd",
+                      "the update recorded " + count + " record()s ago has not finished: at most " + count +
+                          " may be in flight; of one that will never be submitted, tell by discard_last_record()");
+    }
+    if (!is_free) slot.update.is_read = true;  // there is nothing to read
     check(gpu_->vk.vkResetEvent(gpu_->device, slot.done), "resetting an event");
-    slot.update = ++update_count_;
+    slot.before = std::exchange(slot.update, {.number = ++update_count_, .is_read = false, .watched = {}});
     gpu_->vk.vkCmdFillBuffer(commands, events_.handle(), 0, sizeof(io::EventHead), 0);
 }
 
+void FeedbackRing::discard() {
+    Slot& slot = last_slot();
+    slot.update = std::move(slot.before);
+    check(gpu_->vk.vkSetEvent(gpu_->device, slot.done), "setting an event");  // as it was: the update before it is done, or was dropped
+    --update_count_;
+}
+
 void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watched) {
-    Slot& slot = slots_[(update_count_ - 1) % slots_.size()];
+    Slot& slot = last_slot();
     memory_barrier(*gpu_, commands, kShaderWrite | kTransferWrite, kTransferRead | kTransferWrite);
     const VkBufferCopy copy{0, 0, events_.size_bytes()};
     gpu_->vk.vkCmdCopyBuffer(commands, events_.handle(), slot.copy.handle(), 1, &copy);
@@ -62,26 +80,16 @@ void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watche
             at += part.size;
         }
     }
-    slot.watched.assign(watched.begin(), watched.end());
-    memory_barrier(*gpu_, commands, kTransferWrite, kHostRead);
-    // The barrier before makes the copy visible to the host, which looks at the event and never waits for it; this one says behind what the event is set.
-    VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-    barrier.srcStageMask = kTransferWrite.stage;
-    barrier.srcAccessMask = kTransferWrite.access;
-    barrier.dstStageMask = kHostRead.stage;
-    barrier.dstAccessMask = kHostRead.access;
-    VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-    dependency.memoryBarrierCount = 1;
-    dependency.pMemoryBarriers = &barrier;
-    gpu_->vk.vkCmdSetEvent2(commands, slot.done, &dependency);
+    slot.update.watched.assign(watched.begin(), watched.end());
+    set_event_for_host(*gpu_, commands, slot.done);
 }
 
 std::vector<Feedback> FeedbackRing::take() {
     std::vector<Feedback> taken;
     for (Slot& slot : slots_) {
-        if (slot.update == 0 || !is_done(slot)) continue;
+        if (slot.update.number == 0 || slot.update.is_read || !is_done(slot)) continue;
         taken.push_back(read(slot));
-        slot.update = 0;
+        slot.update.is_read = true;
     }
     std::sort(taken.begin(), taken.end(), [](const Feedback& a, const Feedback& b) { return a.update < b.update; });
     return taken;
@@ -96,9 +104,9 @@ Feedback FeedbackRing::read(const Slot& slot) const {
     std::sort(records.begin(), records.end(), [](const io::EventRecord& a, const io::EventRecord& b) {
         return std::tie(a.instance, a.layer, a.time_s, a.event) < std::tie(b.instance, b.layer, b.time_s, b.event);
     });
-    Feedback feedback{.update = slot.update, .events = {}, .lost_event_count = head.count - records.size(), .watched = {}};
+    Feedback feedback{.update = slot.update.number, .events = {}, .lost_event_count = head.count - records.size(), .watched = {}};
     const std::byte* at = slot.copy.mapped() + events_.size_bytes();
-    for (const Watched& one : slot.watched) {
+    for (const Watched& one : slot.update.watched) {
         WatchedInstance& watched = feedback.watched.emplace_back();
         watched.instance = one.instance;
         watched.sockets.resize(one.sockets.size_bytes / sizeof(Affine));

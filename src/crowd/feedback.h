@@ -36,22 +36,30 @@ public:
     const Buffer& events() const { return events_; }  // io::EventHead, then io::EventRecord[event_capacity]
     uint32_t event_capacity() const { return event_capacity_; }
 
-    // Before the first kernel of an update that writes events, and behind the last. Throws kInvalidArgument where the update whose slot comes next is
-    // still under way.
+    // Before the first kernel of an update that writes events, and behind the last. Throws kInvalidArgument where the update whose slot
+    // comes next is still under way.
     void begin(VkCommandBuffer commands);
+    // Takes the last update back: its commands will never be submitted.
+    void discard();
     void end(VkCommandBuffer commands, std::span<const Watched> watched);
     // Of the updates that have finished and have not been read, oldest first.
     std::vector<Feedback> take();
     uint64_t size_bytes() const;
 
 private:
+    struct Update {
+        uint64_t number = 0;   // 0: none
+        bool is_read = false;  // by take()
+        std::vector<Watched> watched;
+    };
     struct Slot {
         Buffer copy;
         VkEvent done = VK_NULL_HANDLE;
-        uint64_t update = 0;  // 0: none, or read
-        std::vector<Watched> watched;
+        Update update, before;  // what the slot had before the update, which may be discarded
     };
+    Slot& last_slot() { return slots_[(update_count_ - 1) % slots_.size()]; }
     bool is_done(const Slot& slot) const;
+    bool was_dropped(const Slot& slot) const;
     Feedback read(const Slot& slot) const;
 
     std::shared_ptr<Gpu> gpu_;

@@ -24,19 +24,44 @@ PoseStage::PoseStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
 PoseStage::Posed& PoseStage::posed_at(uint32_t batch, uint32_t instance, const std::string& place) {
     std::map<uint32_t, Posed>& posed = of_batches_[batch].posed;
     if (const auto found = posed.find(instance); found != posed.end()) return found->second;
-    const Group& group = groups_[batches_[batch].group];
-    GroupPoses& poses = of_groups_[batches_[batch].group];
+    const uint32_t slot = take_slot(batch, place);
+    return posed[instance] = {.slot = slot, .fade = {}, .before = {}};
+}
+
+uint32_t PoseStage::take_slot(uint32_t batch, const std::string& place) {
+    const uint32_t group_index = batches_[batch].group;
+    const Group& group = groups_[group_index];
+    GroupPoses& poses = of_groups_[group_index];
+    const auto used = static_cast<uint32_t>(poses.poses.size() / group.joint_count);
+    if (poses.free_slots.empty() && used == group.pose_capacity && !take_back_slot(group_index))
+        throw Failure(ErrorCode::kLimit, place,
+                      "all " + std::to_string(group.pose_capacity) + " poses of CrowdGroup::pose_capacity of " + group.name + " are in use");
     if (poses.free_slots.empty()) {
-        const auto slot = static_cast<uint32_t>(poses.poses.size() / group.joint_count);
-        if (slot == group.pose_capacity)
-            throw Failure(ErrorCode::kLimit, place, "all " + std::to_string(group.pose_capacity) + " poses of CrowdGroup::pose_capacity of " + group.name + " are in use");
         poses.poses.resize(poses.poses.size() + group.joint_count);
-        poses.free_slots.push_back(slot);
+        return used;
     }
-    Posed& one = posed[instance];
-    one.slot = poses.free_slots.back();
+    const uint32_t slot = poses.free_slots.back();
     poses.free_slots.pop_back();
-    return one;
+    return slot;
+}
+
+// From a pose that the last record() has faded out: should that be discarded, the pose does not come back.
+bool PoseStage::take_back_slot(uint32_t group) {
+    for (uint32_t i = 0; i < of_batches_.size(); ++i) {
+        if (batches_[i].group != group) continue;
+        std::map<uint32_t, Posed>& posed = of_batches_[i].posed;
+        const PosedAt gone = std::ranges::find_if(posed, [](const auto& one) { return one.second.fade.is_gone(); });
+        if (gone == posed.end()) continue;
+        erase(i, gone);
+        return true;
+    }
+    return false;
+}
+
+// Returns the next one.
+PoseStage::PosedAt PoseStage::erase(uint32_t batch, PosedAt at) {
+    of_groups_[batches_[batch].group].free_slots.push_back(at->second.slot);
+    return of_batches_[batch].posed.erase(at);
 }
 
 void PoseStage::set(uint32_t batch, uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s, const std::string& place) {
@@ -44,7 +69,7 @@ void PoseStage::set(uint32_t batch, uint32_t instance, std::span<const Trs<float
     check_fade(fade_s, place);
     const std::vector<Trs<double>> pose = checked_pose(parent_from_joint, group.joint_count, group.uniform_scale, place);
     Posed& posed = posed_at(batch, instance, place);
-    posed.fade.set(fade_s);
+    for (PoseFade* fade : {&posed.fade, &posed.before}) fade->set(fade_s);
     GroupPoses& poses = of_groups_[batches_[batch].group];
     std::ranges::transform(pose, poses.poses.begin() + static_cast<ptrdiff_t>(uint64_t{posed.slot} * group.joint_count), to_io);
     poses.changed.add(posed.slot, 1);
@@ -54,34 +79,52 @@ void PoseStage::clear(uint32_t batch, uint32_t instance, float fade_s, const std
     check_fade(fade_s, place);
     const PosedAt found = of_batches_[batch].posed.find(instance);
     if (found == of_batches_[batch].posed.end()) return;
-    found->second.fade.clear(fade_s);
+    Posed& posed = found->second;
+    for (PoseFade* fade : {&posed.fade, &posed.before}) fade->clear(fade_s);
     follow(batch, found);
+    if (posed.fade.is_gone() && posed.before.is_gone()) erase(batch, found);
 }
 
-// What the device is to know of an instance; its slot is free where the pose has gone. Returns the next one.
-PoseStage::PosedAt PoseStage::follow(uint32_t batch, PosedAt at) {
+// What the device is to know of an instance.
+void PoseStage::follow(uint32_t batch, PosedAt at) {
     BatchPoses& poses = of_batches_[batch];
     const auto& [instance, posed] = *at;
-    const bool has_gone = !posed.fade.is_set() && !posed.fade.is_moving();
     const io::InstancePose now{.slot = posed.slot, .weight = posed.fade.weight()};
     io::InstancePose& known = poses.instances[instance];
     if (known.slot != now.slot || known.weight != now.weight) poses.changed.add(instance, 1);
     known = now;
-    if (!has_gone) return std::next(at);
-    of_groups_[batches_[batch].group].free_slots.push_back(posed.slot);
-    return poses.posed.erase(at);
 }
 
+// A slot becomes free one record() after its pose has gone, when that can no longer be discarded.
 void PoseStage::record(VkCommandBuffer commands, float time_step_s) {
     for (uint32_t i = 0; i < of_batches_.size(); ++i) {
         BatchPoses& batch = of_batches_[i];
         for (PosedAt at = batch.posed.begin(); at != batch.posed.end();) {
-            at->second.fade.advance(time_step_s);
-            at = follow(i, at);
+            Posed& posed = at->second;
+            if (posed.fade.is_gone()) {
+                at = erase(i, at);
+                continue;
+            }
+            posed.before = posed.fade;
+            posed.fade.advance(time_step_s);
+            follow(i, at);
+            ++at;
         }
         upload_changes(commands, batches_[i].posed, batch.changed, batch.instances, 1);
     }
     for (size_t i = 0; i < of_groups_.size(); ++i) upload_changes(commands, groups_[i].poses, of_groups_[i].changed, of_groups_[i].poses, groups_[i].joint_count);
+}
+
+void PoseStage::discard() {
+    for (uint32_t i = 0; i < of_batches_.size(); ++i) {
+        BatchPoses& batch = of_batches_[i];
+        batch.changed.put_back();
+        for (PosedAt at = batch.posed.begin(); at != batch.posed.end(); ++at) {
+            at->second.fade = at->second.before;
+            follow(i, at);
+        }
+    }
+    for (GroupPoses& poses : of_groups_) poses.changed.put_back();
 }
 
 // An item has `item_size` elements.

@@ -23,11 +23,14 @@ public:
 
     // Takes the fades a step further, and uploads what changed.
     void record(VkCommandBuffer commands, float time_step_s);
+    // Takes the last record() back; what was set or cleared since stays so.
+    void discard();
 
 private:
     struct Posed {
         uint32_t slot = 0;
         PoseFade fade;
+        PoseFade before;  // what it would be without the last record()
     };
     struct BatchPoses {
         std::vector<io::InstancePose> instances;  // [instance_count], as the device has them, or will have by the next record(); empty where there is no room for poses
@@ -42,7 +45,10 @@ private:
     using PosedAt = std::map<uint32_t, Posed>::iterator;
 
     Posed& posed_at(uint32_t batch, uint32_t instance, const std::string& place);
-    PosedAt follow(uint32_t batch, PosedAt at);
+    uint32_t take_slot(uint32_t batch, const std::string& place);
+    bool take_back_slot(uint32_t group);
+    PosedAt erase(uint32_t batch, PosedAt at);
+    void follow(uint32_t batch, PosedAt at);
     template <class T>
     void upload_changes(VkCommandBuffer commands, const Buffer& buffer, DirtyRanges& changed, const std::vector<T>& items, uint64_t item_size) const;
 

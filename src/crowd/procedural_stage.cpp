@@ -1,5 +1,7 @@
 #include "crowd/procedural_stage.h"
 
+#include "gpu/barrier.h"
+
 #include <algorithm>
 
 namespace throng {
@@ -30,6 +32,11 @@ void ProceduralStage::begin_update(VkCommandBuffer commands, float time_step_s) 
     wind_.advance(time_step_s);
 }
 
+void ProceduralStage::discard() {
+    for (Targets& targets : targets_) targets.dirty.put_back();
+    wind_.step_back();
+}
+
 ProceduralStage::KindBindings ProceduralStage::bind(uint32_t batch_index, const BufferRange& local) const {
     const Batch& batch = batches_[batch_index];
     const Group& group = groups_[batch.group];
@@ -47,8 +54,14 @@ uint32_t ProceduralStage::rank_count(uint32_t batch) const {
 }
 
 void ProceduralStage::record_rank(VkCommandBuffer commands, const KindBindings& bindings, uint32_t batch, uint32_t rank) const {
-    for (const ProceduralTables::Dispatch& dispatch : groups_[batches_[batch].group].procedural->dispatches)
-        if (dispatch.rank == rank) record_dispatch(commands, bindings, batches_[batch], dispatch);
+    bool is_first = true;
+    for (const ProceduralTables::Dispatch& dispatch : groups_[batches_[batch].group].procedural->dispatches) {
+        if (dispatch.rank != rank) continue;
+        // Chains of one rank touch nothing of each other, which synchronization validation cannot see.
+        if (!is_first) memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+        record_dispatch(commands, bindings, batches_[batch], dispatch);
+        is_first = false;
+    }
 }
 
 void ProceduralStage::record_dispatch(VkCommandBuffer commands, const KindBindings& bindings, const Batch& batch, const ProceduralTables::Dispatch& dispatch) const {

@@ -22,6 +22,8 @@ public:
 
     // Uploads what changed, and lets time go on.
     void begin_update(VkCommandBuffer commands, float time_step_s);
+    // Takes the last begin_update() back.
+    void discard();
     using KindBindings = std::array<Bindings, io::kChainKindCount>;  // by kind of chains
     // `local` is where the staged update has the batch's local transforms.
     KindBindings bind(uint32_t batch, const BufferRange& local) const;

@@ -26,6 +26,11 @@ MorphVoice morph_voice(const Character& character, const ClipPlayback& slot, dou
 
 }  // namespace
 
+void check_has_joints(const Character& character) {
+    if (character.rig.joint_count() == 0)
+        throw Failure(ErrorCode::kInvalidArgument, "character '" + character.name + "'", "it has no joints; load or compile one");
+}
+
 ReferencePose pose_from_local(const Character& character, std::span<const Trs<double>> parent_from_joint) {
     ReferencePose pose;
     for (const Trs<double>& joint : parent_from_joint) pose.parent_from_joint.push_back(to_affine(joint));
@@ -36,6 +41,7 @@ ReferencePose pose_from_local(const Character& character, std::span<const Trs<do
 
 Result<ReferencePose> reference_pose(const Character& character, const Playback& playback) {
     return as_result([&] {
+        check_has_joints(character);
         check_playback(playback, static_cast<uint32_t>(character.clips.size()), character.name);
         std::vector<Trs<double>> pose = sample(character, playback.weight > 0 ? playback.first : playback.second);
         if (playback.weight > 0 && playback.weight < 1) {

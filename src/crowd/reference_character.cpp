@@ -136,7 +136,10 @@ ReferenceCharacter& ReferenceCharacter::operator=(ReferenceCharacter&&) noexcept
 ReferenceCharacter::~ReferenceCharacter() = default;
 
 Result<ReferenceCharacter> ReferenceCharacter::create(const Character& character, const Controller& controller, const ProceduralRules* rules) {
-    return as_result([&] { return ReferenceCharacter(std::make_unique<State>(character, controller, rules)); });
+    return as_result([&] {
+        check_has_joints(character);
+        return ReferenceCharacter(std::make_unique<State>(character, controller, rules));
+    });
 }
 
 Result<void> ReferenceCharacter::play(uint32_t layer, const LayerPlayback& playback) {

@@ -71,6 +71,10 @@ void SteerStage::begin_update(VkCommandBuffer commands) {
     gpu_->vk.vkCmdFillBuffer(commands, heads_.handle(), 0, VK_WHOLE_SIZE, io::kNobody);
 }
 
+void SteerStage::discard() {
+    for (Member& member : members_) member.dirty.put_back();
+}
+
 void SteerStage::record(VkCommandBuffer commands, float time_step_s, StageTimer* timer) const {
     if (members_.empty() || !(time_step_s > 0)) return;
     for (const Member& member : members_) record_places(commands, member);

@@ -24,6 +24,8 @@ public:
 
     // Uploads what changed, and empties the buckets. Nothing where the crowd has no agents.
     void begin_update(VkCommandBuffer commands);
+    // Destinations that the last begin_update() has uploaded are to be uploaded again.
+    void discard();
     // Behind control: what follows sees where agents stand.
     void record(VkCommandBuffer commands, float time_step_s, StageTimer* timer) const;
     uint64_t size_bytes() const { return places_.size_bytes() + heads_.size_bytes(); }

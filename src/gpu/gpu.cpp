@@ -366,7 +366,17 @@ Result<Device> Device::adopt(const AdoptedDevice& adopted) {
 }
 
 Device::Device(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {}
-const DeviceInfo& Device::info() const { return gpu_->info; }
-uint32_t Device::validation_message_count() const { return gpu_->validation_message_count(); }
+
+const std::shared_ptr<Gpu>& Device::gpu() const {
+    if (!gpu_) throw Failure(ErrorCode::kInvalidArgument, "device", "it has been moved from");
+    return gpu_;
+}
+
+const DeviceInfo& Device::info() const {
+    static const DeviceInfo none;
+    return gpu_ ? gpu_->info : none;
+}
+
+uint32_t Device::validation_message_count() const { return gpu_ ? gpu_->validation_message_count() : 0; }
 
 }  // namespace throng

@@ -25,9 +25,16 @@ void WindClock::set(const Wind& wind) {
 }
 
 void WindClock::advance(double time_step_s) {
+    sway_time_before_s_ = moment_.sway_time_s;
+    gust_phases_before_ = moment_.gust_phases;
     for (size_t i = 0; i < kGustRates.size(); ++i)
         moment_.gust_phases[i] = wrapped(moment_.gust_phases[i] + time_step_s * moment_.speed * moment_.gust_rate * kGustRates[i], 1);
     moment_.sway_time_s = wrapped(moment_.sway_time_s + time_step_s, kSwayPeriod_s);
+}
+
+void WindClock::step_back() {
+    moment_.sway_time_s = sway_time_before_s_;
+    moment_.gust_phases = gust_phases_before_;
 }
 
 }  // namespace throng

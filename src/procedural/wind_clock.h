@@ -16,6 +16,8 @@ public:
     // Throws kInvalidArgument for numbers that are not finite or out of range. Gusts go on where they are, unless direction or wavelength change.
     void set(const Wind& wind);
     void advance(double time_step_s);
+    // Takes the last advance() back.
+    void step_back();
 
     struct Moment {
         Vec3<double> direction{1, 0, 0};  // unit length, world
@@ -29,6 +31,8 @@ public:
 
 private:
     Moment moment_;
+    double sway_time_before_s_ = 0;                  // before the last advance()
+    std::array<double, 3> gust_phases_before_{};
 };
 
 }  // namespace throng

@@ -111,10 +111,10 @@ void animation_section(State& state, Scene& scene) {
 void update_section(State& state, Scene& scene) {
     begin_row("scan");
     choose_scan(state.wanted.scan);
-    const ScanAdvice advice = scene.crowd().scan(0);
+    const ScanAdvice advice = scene.crowd().path(0)->scan;
     begin_row("");
-    ImGui::TextDisabled("%s, %s", advice.method.c_str(), scene.crowd().is_fused(0) ? "fused" : "staged");
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s\n%s", advice.reason.c_str(), scene.crowd().path_reason(0).c_str());
+    ImGui::TextDisabled("%s, %s", advice.method.c_str(), scene.crowd().path(0)->is_fused ? "fused" : "staged");
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s\n%s", advice.reason.c_str(), scene.crowd().path(0)->reason.c_str());
     begin_row("path");
     choose("##path", kPaths, state.wanted.path);
     begin_row("output");

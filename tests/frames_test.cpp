@@ -1,0 +1,270 @@
+// Frames that are recorded and never submitted, or still under way: what record() takes up, gives back, and does not wait for.
+#include "tests/crowd_cases.h"
+#include "tests/kernel_runner.h"
+
+#include "gpu/barrier.h"
+#include "gpu/owned.h"
+
+#include <throng/draw.h>
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+namespace throng::test {
+namespace {
+
+// Command buffers that are recorded, and submitted or not.
+class Recorder {
+public:
+    Recorder() {
+        VkCommandPoolCreateInfo create{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+        create.queueFamilyIndex = gpu_->queue_family;
+        check(gpu_->vk.vkCreateCommandPool(gpu_->device, &create, nullptr, &pool_), "vkCreateCommandPool");
+    }
+    ~Recorder() {
+        gpu_->vk.vkQueueWaitIdle(gpu_->queue);
+        gpu_->vk.vkDestroyCommandPool(gpu_->device, pool_, nullptr);
+    }
+    Recorder(const Recorder&) = delete;
+    Recorder& operator=(const Recorder&) = delete;
+
+    template <class Body>
+    VkCommandBuffer record(const Body& body) {
+        VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+        allocate.commandPool = pool_;
+        allocate.commandBufferCount = 1;
+        VkCommandBuffer commands = VK_NULL_HANDLE;
+        check(gpu_->vk.vkAllocateCommandBuffers(gpu_->device, &allocate, &commands), "vkAllocateCommandBuffers");
+        const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+        check(gpu_->vk.vkBeginCommandBuffer(commands, &begin), "vkBeginCommandBuffer");
+        body(commands);
+        check(gpu_->vk.vkEndCommandBuffer(commands), "vkEndCommandBuffer");
+        return commands;
+    }
+    void submit(VkCommandBuffer commands) {
+        VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+        submit.commandBufferCount = 1;
+        submit.pCommandBuffers = &commands;
+        check(gpu_->vk.vkQueueSubmit(gpu_->queue, 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit");
+    }
+
+private:
+    std::shared_ptr<Gpu> gpu_ = test_gpu();
+    VkCommandPool pool_ = VK_NULL_HANDLE;
+};
+
+std::string refusal(const auto& result) { return result ? std::string() : result.error().text(); }
+
+// Two crowds that are told the same, of all kinds of groups.
+class Twins {
+public:
+    Twins() {
+        CrowdSettings settings{.keep_previous_matrices = true, .culls = true, .skips_updates = true};
+        settings.groups = {{.character = &character_, .instance_count = kEach, .pose_capacity = kEach / 2},
+                           {.character = &character_, .instance_count = kEach, .controller = &controller_, .pose_capacity = kEach},
+                           {.character = &character_, .instance_count = kEach, .controller = &controller_, .sockets = {3, 7},
+                            .steering = Steering{.radius = 0.5f, .speed = 3}},
+                           {.character = &character_, .instance_count = kEach, .procedural = &rules_}};
+        for (Crowd& crowd : crowds) {
+            crowd = create(settings);
+            std::vector<Affine> places;
+            for (uint32_t i = 0; i < crowd.instance_count(); ++i) places.push_back(place(i));
+            EXPECT_TRUE(crowd.set_placement(0, places));
+            EXPECT_TRUE(crowd.update(0) && crowd.feedback());  // what is not drawn has matrices too, then
+        }
+    }
+
+    // One random change of any kind.
+    void change(Random& random) {
+        const uint32_t any = random.below(4 * kEach), two_clips = random.below(kEach), driven = kEach + random.below(2 * kEach),
+                       agent = 2 * kEach + random.below(kEach), ruled = 3 * kEach + random.below(kEach);
+        const float fade_s = random.chance(0.3) ? 0 : static_cast<float>(random.between(0, 0.4));
+        const Vec3<float> somewhere = random.vector(6).as<float>();
+        const uint32_t kind = random.chance(0.3) ? 2 : random.below(10);
+        const Playback playback = random_playback(random, character_);
+        const Affine moved = place(random.below(4 * kEach));
+        const auto [parameter, value] = random_change(random, controller_);
+        const uint32_t posed = random.below(2 * kEach);
+        const std::vector<Trs<float>> pose(character_.rig.rest);
+        const std::array watched{any, driven};
+        for (Crowd& crowd : crowds) {
+            switch (kind) {
+                case 0: EXPECT_TRUE(crowd.set_playback(two_clips, {&playback, 1})); break;
+                case 1: EXPECT_TRUE(crowd.set_placement(any, {&moved, 1})); break;
+                case 2: EXPECT_TRUE(crowd.set_parameters(driven, parameter, value)); break;
+                case 3: EXPECT_TRUE(crowd.set_target(ruled, 0, somewhere, 1)); break;
+                case 4: EXPECT_TRUE(crowd.set_wind({.velocity = somewhere})); break;
+                case 5: EXPECT_TRUE(crowd.set_destination(agent, {&somewhere, 1})); break;
+                case 6: EXPECT_TRUE(crowd.clear_destination(agent, 1)); break;
+                case 7: EXPECT_TRUE(crowd.clear_pose(posed, fade_s)); break;
+                case 8: EXPECT_TRUE(crowd.watch(watched)); break;
+                // Two clips' instances have room for half of them, so some are refused: by both crowds.
+                default: set_was_refused_.push_back(refusal(crowd.set_pose(posed, pose, fade_s)));
+            }
+        }
+        if (kind == 9) {
+            EXPECT_EQ(set_was_refused_[0], set_was_refused_[1]);
+            set_was_refused_.clear();
+        }
+    }
+
+    void expect_same(const std::string& where) {
+        EXPECT_TRUE(same_bits(skins_of(crowds[0]), skins_of(crowds[1]))) << where;
+        const auto drawn = [](const DrawnInstance& one) { return std::pair(one.instance, one.detail); };
+        const std::vector<DrawnInstance> all[2] = {drawn_of(crowds[0]), drawn_of(crowds[1])};
+        EXPECT_TRUE(std::ranges::equal(all[0], all[1], {}, drawn, drawn)) << where;
+        const std::vector<Feedback> told[2] = {*crowds[0].feedback(), *crowds[1].feedback()};
+        ASSERT_EQ(told[0].size(), 1u) << where;
+        ASSERT_EQ(told[1].size(), 1u) << where;
+        const Feedback &a = told[0][0], &b = told[1][0];
+        EXPECT_EQ(a.update, b.update) << where;
+        const auto event = [](const CharacterEvent& one) { return std::tuple(one.instance, one.event, one.layer, one.time_s); };
+        EXPECT_TRUE(std::ranges::equal(a.events, b.events, {}, event, event)) << where;
+        ASSERT_EQ(a.watched.size(), b.watched.size()) << where;
+        for (size_t i = 0; i < a.watched.size(); ++i) {
+            EXPECT_EQ(a.watched[i].world_from_model.row, b.watched[i].world_from_model.row) << where;
+            EXPECT_EQ(a.watched[i].parameters, b.watched[i].parameters) << where;
+            EXPECT_EQ(a.watched[i].layers, b.watched[i].layers) << where;
+        }
+        event_count += a.events.size();
+    }
+
+    // From anywhere around: some of them are seen, and most are small enough to be updated less often.
+    CrowdView view(Random& random) const {
+        const float size = character_.size;
+        const Vec3<float> middle{8 * size, 0, 6 * size}, aside = random.vector(12).as<float>() * size;
+        const Camera camera{.eye = middle + Vec3<float>{aside.x, 2 * size + std::abs(aside.y), aside.z}, .target = middle + random.vector(6).as<float>() * size};
+        return *view_of(camera, 320, 200, {}, {.full_rate_pixels = 100});
+    }
+
+    std::array<Crowd, 2> crowds{Crowd(nullptr), Crowd(nullptr)};
+    size_t event_count = 0;
+
+private:
+    static constexpr uint32_t kEach = 12;
+    Affine place(uint32_t i) const {
+        const Vec3<float> at{static_cast<float>(i % 8), 0, static_cast<float>(i / 8)};
+        return to_affine(Trs<float>{.translation = at * (2 * character_.size)});
+    }
+
+    Character character_ = creature(30, 10);
+    Controller controller_ = example("dragon");
+    ProceduralRules rules_{.targets = {"there"},
+                           .rules = {WindRule{.joint = character_.rig.names[1]},
+                                     LookAtRule{.joint = character_.rig.names.back(), .target = "there"}}};
+    std::vector<std::string> set_was_refused_;
+};
+
+// The second crowd records frames that are dropped at random, with changes before, and between the record and its discard.
+TEST(Frames, DroppedAtRandomCostNothing) {
+    Twins twins;
+    Crowd& dropping = twins.crowds[1];
+    Recorder recorder;
+    Random random(31);
+    uint32_t dropped = 0;
+    for (int update = 0; update < 40; ++update) {
+        for (uint32_t i = random.below(30); i > 0; --i) twins.change(random);
+        const CrowdView view = twins.view(random);
+        while (random.chance(0.4)) {
+            const auto step_s = static_cast<float>(random.between(0, 0.2));
+            recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(dropping.record(commands, step_s, random.chance(0.8) ? &view : nullptr)); });
+            for (uint32_t i = random.below(4); i > 0; --i) twins.change(random);
+            const Result<void> discarded = dropping.discard_last_record();
+            ASSERT_TRUE(discarded) << discarded.error().text();
+            ++dropped;
+        }
+        const auto step_s = static_cast<float>(random.between(0, 0.1));
+        const CrowdView* seen = random.chance(0.9) ? &view : nullptr;
+        for (Crowd& crowd : twins.crowds) ASSERT_TRUE(crowd.update(step_s, seen));
+        twins.expect_same("update " + std::to_string(update));
+    }
+    EXPECT_GT(dropped, 10u);
+    EXPECT_GT(twins.event_count, 0u);
+}
+
+struct DrivenCrowd {
+    Character character = creature(20, 8);
+    Controller controller = example("walker");
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 4, .controller = &controller}}});
+};
+
+TEST(Frames, ManyDroppedInARowCostNothing) {
+    DrivenCrowd driven;
+    Recorder recorder;
+    for (int frame = 0; frame < 20; ++frame) {
+        recorder.record([&](VkCommandBuffer commands) { EXPECT_EQ(refusal(driven.crowd.record(commands, 0.1f)), "") << frame; });
+        EXPECT_TRUE(driven.crowd.discard_last_record());
+    }
+    EXPECT_TRUE(driven.crowd.update(0.1f));
+    EXPECT_EQ(driven.crowd.feedback()->size(), 1u);
+}
+
+TEST(Frames, OneDroppedWithoutAWordStopsNothing) {
+    DrivenCrowd driven;
+    Recorder recorder;
+    ASSERT_TRUE(driven.crowd.update(0.1f));
+    recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(driven.crowd.record(commands, 0.1f)); });
+    for (int frame = 0; frame < 10; ++frame) EXPECT_EQ(refusal(driven.crowd.update(0.1f)), "") << frame;
+    EXPECT_LE(driven.crowd.feedback()->size(), 4u) << "of those that ran";
+}
+
+TEST(Frames, AllDroppedWithoutAWordAreNamed) {
+    DrivenCrowd driven;
+    Recorder recorder;
+    std::string last;
+    for (int frame = 0; frame < 5; ++frame)
+        recorder.record([&](VkCommandBuffer commands) { last = refusal(driven.crowd.record(commands, 0.1f)); });
+    EXPECT_NE(last.find("discard_last_record()"), std::string::npos) << last;
+}
+
+TEST(Frames, OnlyTheLastRecordIsDiscarded) {
+    DrivenCrowd driven;
+    Recorder recorder;
+    EXPECT_FALSE(driven.crowd.discard_last_record()) << "nothing has been recorded";
+    recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(driven.crowd.record(commands, 0.1f)); });
+    EXPECT_TRUE(driven.crowd.discard_last_record());
+    EXPECT_FALSE(driven.crowd.discard_last_record()) << "it has been discarded";
+}
+
+// The GPU is held up in the middle of an update's submission, until another thread lets it go on after a while or record() has returned:
+// only a record() that waits for the GPU finds that it was let go.
+TEST(Frames, RecordDoesNotWaitForTheGpu) {
+    if (!test_gpu()->has_timestamps()) GTEST_SKIP() << "the queue has no timestamps";
+    const Gpu& gpu = *test_gpu();
+    const Character character = creature(20, 8);
+    Crowd crowd = create({.groups = {{&character, 4}}, .culls = true});
+    const CrowdView view = *view_of({.eye = {0, 5, 20}, .target = {}}, 320, 200, {}, {.full_rate_pixels = 10, .budget_ms = 1});
+    const OwnedEvent go_on(test_gpu(), gpu.vk.vkCreateEvent, VkEventCreateInfo{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO}, "vkCreateEvent");
+    const OwnedEvent begun(test_gpu(), gpu.vk.vkCreateEvent, VkEventCreateInfo{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO}, "vkCreateEvent");
+    Recorder recorder;
+    ASSERT_TRUE(crowd.update(0.1f, &view));
+    VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+    barrier.srcStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
+    barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    dependency.memoryBarrierCount = 1;
+    dependency.pMemoryBarriers = &barrier;
+    const VkEvent wait_for = go_on.get();
+    recorder.submit(recorder.record([&](VkCommandBuffer commands) {
+        EXPECT_TRUE(crowd.record(commands, 0.1f, &view));
+        gpu.vk.vkCmdSetEvent(commands, begun.get(), VK_PIPELINE_STAGE_ALL_COMMANDS_BIT);
+        gpu.vk.vkCmdWaitEvents2(commands, 1, &wait_for, &dependency);
+    }));
+    while (gpu.vk.vkGetEventStatus(gpu.device, begun.get()) != VK_EVENT_SET) std::this_thread::yield();
+    std::atomic<bool> has_returned = false, was_let_go = false;
+    std::thread rescuer([&] {
+        for (int tenth = 0; tenth < 50 && !has_returned; ++tenth) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        was_let_go = !has_returned;
+        gpu.vk.vkSetEvent(gpu.device, wait_for);
+    });
+    recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(crowd.record(commands, 0.1f, &view)); });
+    has_returned = true;
+    rescuer.join();
+    EXPECT_FALSE(was_let_go) << "record() came back only when the GPU went on";
+}
+
+}  // namespace
+}  // namespace throng::test
