@@ -584,8 +584,29 @@ TEST(Compile, WeightsAreBroughtToOne) {
     EXPECT_EQ(character.influences[1].entries, (std::array<uint16_t, 4>{1, 2, 0, 1}));
     EXPECT_EQ(character.influences[2].weights, (std::array<float, 4>{1, 0, 0, 0}));
     EXPECT_EQ(character.influences[4].weights, (std::array<float, 4>{1, 0, 0, 0})) << "without a weight: the first joint";
+    EXPECT_EQ(character.influences[4].entries[0], 2u);
     ASSERT_EQ(character.warnings.size(), 1u);
-    EXPECT_TRUE(contains(character.warnings[0], "no weight")) << character.warnings[0];
+    EXPECT_EQ(character.warnings[0],
+              "built: meshes[0].primitives[0]: 1 of 3 skinned vertices, the first of them here, have no weight: "
+              "they follow their first joint (JOINTS_0)");
+}
+
+TEST(Compile, ManyVerticesWithoutWeightAreOneWarning) {
+    Builder builder;
+    const uint32_t a = builder.node(kNone), b = builder.node(a);
+    const uint32_t skin = builder.skin({a, b});
+    for (int i = 0; i < 5; ++i) builder.mesh(a, skin);
+    for (size_t i = 1; i < 5; ++i) {
+        AssetPrimitive& primitive = builder.asset.meshes[i].primitives[0];
+        primitive.influence_weights.assign(12, 0.0f);
+        primitive.influence_joints[0] = 7;  // of a larger skin
+    }
+    const Character character = compiled(builder.asset);
+    ASSERT_EQ(character.warnings.size(), 1u);
+    const std::string& warning = character.warnings[0];
+    EXPECT_TRUE(contains(warning, "meshes[1].primitives[0]: 12 of 15 skinned vertices")) << warning;
+    EXPECT_EQ(character.influences[3].entries[0], character.skins[0].first_entry) << "the skin's first joint";
+    EXPECT_EQ(character.influences[4].entries[0], character.skins[0].first_entry + 1);
 }
 
 // A mesh's skinned and its unskinned primitive, in one mesh with a skin.

@@ -2,7 +2,7 @@
 #include "tests/files.h"
 #include "tests/test_device.h"
 
-#include <throng/asset.h>
+#include <throng/throng.h>
 
 #include <draco/compression/encode.h>
 #include <draco/mesh/mesh.h>
@@ -472,14 +472,9 @@ TEST(Import, KeyTimes) {
         overwrite(copy, kTimes, 1, second);
         return copy;
     };
-    expect_refused(with_times(1, 0.5f), input, "the time of key 1 is before");
     expect_refused(with_times(0, kNan), input, "the time of key 1 is not finite");
     expect_refused(with_times(0, kInfinity), input, "not finite");
     expect_refused(with_times(-1, 0), input, "the time of key 0 is negative");
-    const Asset same = loaded(with_times(0.5f, 0.5f));
-    EXPECT_TRUE(has_warning(same, input + ": has several keys at one time"));
-    EXPECT_EQ(same.clips[0].tracks[0].times_s, (std::vector<float>{0.5f}));
-    EXPECT_EQ(same.clips[0].tracks[0].values[3], std::sqrt(0.5f));  // the later key's
     EXPECT_EQ(loaded(with_times(2, 3)).clips[0].duration_s, 3);
     b.json["accessors"][kTimes]["type"] = "VEC2";
     b.json["accessors"][kTimes]["count"] = 1;
@@ -492,6 +487,107 @@ TEST(Import, KeyTimes) {
     const Asset none = loaded(b);
     EXPECT_TRUE(none.clips[0].tracks.empty());
     EXPECT_TRUE(has_warning(none, "animations[0].channels[0]: has no keys"));
+}
+
+// A clip of one translation with such keys: x is the number of the key, from 1 on.
+GlbBuilder with_keys(const std::vector<float>& times_s, const char* interpolation = "LINEAR") {
+    GlbBuilder b = tiny_character();
+    std::vector<float> values;
+    const bool cubic = interpolation == std::string("CUBICSPLINE");
+    for (size_t key = 0; key < times_s.size(); ++key) {
+        const float x = float(key + 1);
+        if (cubic) values.insert(values.end(), {x / 10, 0, 0});
+        values.insert(values.end(), {x, 0, 0});
+        if (cubic) values.insert(values.end(), {x / 100, 0, 0});
+    }
+    sampler(b)["input"] = b.add(times_s, "SCALAR", kFloat);
+    sampler(b)["output"] = b.add(values, "VEC3", kFloat);
+    sampler(b)["interpolation"] = interpolation;
+    channel(b)["target"]["path"] = "translation";
+    return b;
+}
+
+TEST(Import, KeyTimesThatGoBackAreSorted) {
+    const std::string input = "animations[0].samplers[0].input: ";
+    const auto expect_keys = [&](const GlbBuilder& b, const std::vector<float>& times_s, const std::vector<float>& xs) {
+        const Asset asset = loaded(b);
+        const AssetTrack& track = asset.clips.at(0).tracks.at(0);
+        EXPECT_EQ(track.times_s, times_s);
+        std::vector<float> got;
+        for (size_t i = 0; i < track.values.size(); i += 3) got.push_back(track.values[i]);
+        EXPECT_EQ(got, xs);
+        return asset;
+    };
+    const auto before = [](float time_s) { return std::nextafter(time_s, 0.0f); };
+
+    Asset asset = expect_keys(with_keys({0, 2, 1, 3}), {0, 1, 2, 3}, {1, 3, 2, 4});
+    EXPECT_EQ(asset.warnings.size(), 1u);
+    EXPECT_TRUE(has_warning(asset, input + "1 of the clip's 4 keys are earlier than the key before them"));
+    EXPECT_EQ(asset.clips[0].duration_s, 3);
+    asset = expect_keys(with_keys({4, 3, 2, 1}), {1, 2, 3, 4}, {4, 3, 2, 1});
+    EXPECT_TRUE(has_warning(asset, input + "3 of the clip's 4 keys are earlier"));
+    EXPECT_EQ(asset.clips[0].duration_s, 4);
+    expect_keys(with_keys({2, 1}, "STEP"), {1, 2}, {2, 1});
+    expect_keys(with_keys({2, 1}, "CUBICSPLINE"), {1, 2}, {0.2f, 2, 0.02f, 0.1f, 1, 0.01f});
+    expect_keys(with_keys({5}), {5}, {1});
+
+    // At one time the value jumps: the interval before ends at the first key, the interval behind begins at the last.
+    asset = expect_keys(with_keys({0, 0.5f, 0.5f, 0.5f, 1}), {0, before(0.5f), 0.5f, 1}, {1, 2, 4, 5});
+    EXPECT_EQ(asset.warnings.size(), 1u);
+    EXPECT_TRUE(has_warning(asset, input + "2 of the clip's 5 keys have the time of another one"));
+    asset = expect_keys(with_keys({1, 0.5f, 1, 0.5f}), {before(0.5f), 0.5f, before(1.0f), 1}, {2, 4, 1, 3});
+    EXPECT_TRUE(has_warning(asset, input + "2 of the clip's 4 keys are earlier"));
+    EXPECT_TRUE(has_warning(asset, input + "2 of the clip's 4 keys have the time"));
+    expect_keys(with_keys({1, 1, 2}, "CUBICSPLINE"), {before(1.0f), 1, 2},
+                {0.1f, 1, 0.01f, 0.2f, 2, 0.02f, 0.3f, 3, 0.03f});
+    // The last one alone: steps, at 0, where floats have no time between, and where the difference is no normal float.
+    expect_keys(with_keys({0, 1, 1, 2}, "STEP"), {0, 1, 2}, {1, 3, 4});
+    expect_keys(with_keys({0, 0, 0}), {0}, {3});
+    expect_keys(with_keys({before(1.0f), 1, 1}), {before(1.0f), 1}, {1, 3});
+    expect_keys(with_keys({1e-39f, 1e-39f}), {1e-39f}, {2});
+    expect_keys(with_keys({1e-33f, 1e-33f}), {1e-33f}, {2});
+}
+
+TEST(Import, MendedKeysAreOneWarningAClip) {
+    GlbBuilder b = with_keys({0, 2, 1, 1});
+    Json& clip = b.json["animations"][0];
+    clip["channels"].push_back(channel(b));  // uses the sampler again
+    clip["channels"][1]["target"]["node"] = 1;
+    clip["channels"].push_back(channel(b));
+    clip["channels"][2]["target"]["path"] = "scale";
+    clip["channels"][2]["sampler"] = 1;
+    clip["samplers"].push_back(sampler(b));
+    const Asset asset = loaded(b);
+    EXPECT_EQ(asset.warnings.size(), 2u);
+    const std::string place = "animations[0].samplers[0].input: ";
+    EXPECT_TRUE(has_warning(asset, place + "2 of the clip's 8 keys are earlier"));
+    EXPECT_TRUE(has_warning(asset, place + "2 of the clip's 8 keys have the time of another"));
+}
+
+// What is mended plays: as three.js plays keys at one time, and keys that go back as if they stood in order.
+TEST(Import, MendedKeysPlay) {
+    const auto tip_x = [](const GlbBuilder& b, double time_s) {
+        const Character character = *compile_character(loaded(b));
+        const auto pose = reference_pose(character, {.first = {.clip = 0, .time_s = time_s, .loop = false}});
+        const auto& names = character.rig.names;
+        const auto tip = std::find(names.begin(), names.end(), "tip") - names.begin();
+        return pose->model_from_joint.at(size_t(tip)).row[0][3];
+    };
+    constexpr double kBound = 1e-3;  // of packed clips
+    const GlbBuilder back = with_keys({0, 2, 1, 3});
+    EXPECT_NEAR(tip_x(back, 0.5), 2, kBound);
+    EXPECT_NEAR(tip_x(back, 1.5), 2.5, kBound);
+    EXPECT_NEAR(tip_x(back, 2.5), 3, kBound);
+    const GlbBuilder jump = with_keys({0, 1, 1, 2});
+    EXPECT_NEAR(tip_x(jump, 0.5), 1.5, kBound);
+    EXPECT_NEAR(tip_x(jump, 0.999), 1.999, kBound);
+    EXPECT_NEAR(tip_x(jump, 1), 3, kBound);
+    EXPECT_NEAR(tip_x(jump, 1.5), 3.5, kBound);
+    EXPECT_NEAR(tip_x(with_keys({1, 1, 1}), 0.5), 1, kBound);
+    EXPECT_NEAR(tip_x(with_keys({1, 1, 1}), 1), 3, kBound);
+    // Tangents of 0.03 and 0.2 per second where it goes from the third to the second key.
+    const double middle = (3 + 2) / 2.0 + (0.03 - 0.2) / 8;
+    EXPECT_NEAR(tip_x(with_keys({0, 2, 1, 3}, "CUBICSPLINE"), 1.5), middle, kBound);
 }
 
 TEST(Import, KeyValues) {
@@ -768,15 +864,54 @@ TEST(Import, Influences) {
     overwrite(b, kWeights, 1, -0.5f);
     const Asset negative = loaded(b);
     EXPECT_EQ(negative.meshes[0].primitives[0].influence_weights[1], 0);
-    EXPECT_TRUE(has_warning(negative, place + ".WEIGHTS_0: has negative weights"));
-    overwrite(b, kWeights, 1, kInfinity);
-    expect_refused(b, place + ".WEIGHTS_0", "vertex 0 has a weight that is not finite");
+    EXPECT_TRUE(has_warning(negative, place + ".WEIGHTS_0: 1 of 3 vertices have negative weights"));
     b = tiny_character();
     attributes(b)["JOINTS_0"] = kWeights;
     expect_refused(b, place + ".JOINTS_0", "must be VEC4 of unsigned");
     b = tiny_character();
     attributes(b)["JOINTS_2"] = kJoints;
     EXPECT_TRUE(has_warning(loaded(b), "JOINTS_1: is missing"));
+}
+
+TEST(Import, WeightsThatAreNotFiniteAreZero) {
+    const std::string place = "meshes[0].primitives[0].attributes.WEIGHTS_0: ";
+    GlbBuilder b = tiny_character();
+    overwrite(b, kWeights, 1, kInfinity);
+    overwrite(b, kWeights, 2, -kInfinity);
+    overwrite(b, kWeights, 11, kNan);
+    overwrite<uint8_t>(b, kJoints, 11, 200);
+    Asset asset = loaded(b);
+    EXPECT_EQ(asset.warnings.size(), 1u);
+    EXPECT_TRUE(has_warning(asset, place + "2 of 3 vertices have weights that are not finite: they are set to 0"));
+    const AssetPrimitive& p = asset.meshes[0].primitives[0];
+    EXPECT_EQ(p.influence_weights, (std::vector<float>{0.25f, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}));
+    EXPECT_EQ(p.influence_joints, (std::vector<uint16_t>{0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}));
+
+    // None is left: each vertex follows its first joint, or the skin's first where that has no such joint.
+    for (size_t i = 0; i < 12; ++i) overwrite(b, kWeights, i, kNan);
+    for (size_t i = 0; i < 12; ++i) overwrite<uint8_t>(b, kJoints, i, i == 8 ? 200 : 1);
+    asset = loaded(b);
+    EXPECT_EQ(asset.warnings.size(), 1u);
+    EXPECT_TRUE(has_warning(asset, place + "3 of 3 vertices"));
+    EXPECT_EQ(asset.meshes[0].primitives[0].influence_joints,
+              (std::vector<uint16_t>{1, 0, 0, 0, 1, 0, 0, 0, 200, 0, 0, 0}));
+    const Character character = *compile_character(asset);
+    const auto positions = reference_positions(character, *reference_pose(character, {}));
+    ASSERT_EQ(positions.size(), 3u);
+    // The tip stands at (1, -2, -3); its inverse bind matrix moves by (-1, 2, 3).
+    EXPECT_EQ(positions[1], (Vec3<double>{1, 0, 0}));
+    EXPECT_EQ(positions[2], (Vec3<double>{0, 1, 0}));
+    const auto turned = reference_pose(character, {.first = {.clip = 0, .time_s = 1, .loop = false}});
+    const auto later = reference_positions(character, *turned);
+    EXPECT_GT(length(later[1] - positions[1]), 1) << "follows joint 1, which turns";
+    EXPECT_EQ(later[2], positions[2]) << "follows joint 0, which stands";
+    ASSERT_EQ(character.warnings.size(), 2u);
+    EXPECT_NE(character.warnings[1].find("3 of 3 skinned vertices"), std::string::npos) << character.warnings[1];
+
+    // A second set has weight: the joints of the first mean nothing.
+    attributes(b)["JOINTS_1"] = b.add<uint8_t>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", kUint8);
+    attributes(b)["WEIGHTS_1"] = b.add<float>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", kFloat);
+    EXPECT_EQ(loaded(b).meshes[0].primitives[0].influence_joints[16], 0);
 }
 
 TEST(Import, Indices) {
@@ -930,12 +1065,17 @@ TEST(Import, MorphWeightsOfClips) {
     AssetMorphTrack got = track(good);
     EXPECT_EQ(got.node, 0u);
     EXPECT_EQ(got.interpolation, Interpolation::kLinear);
-    EXPECT_EQ(got.times_s, (std::vector<float>{0.5f, 1, 3}));
-    EXPECT_EQ(got.values, (std::vector<float>{1, 2, 5, 6, 7, 8})) << "of two keys at one time the last";
+    const float before_1 = std::nextafter(1.0f, 0.0f);
+    EXPECT_EQ(got.times_s, (std::vector<float>{0.5f, before_1, 1, 3}));
+    EXPECT_EQ(got.values, (std::vector<float>{1, 2, 3, 4, 5, 6, 7, 8})) << "a jump between two keys at one time";
     EXPECT_EQ(loaded(good).clips[0].duration_s, 3);
 
     const auto weights_sampler = [](GlbBuilder& b) -> Json& { return b.json["animations"][0]["samplers"][1]; };
     GlbBuilder b = good;
+    overwrite(b, times, 0, 2.0f);
+    EXPECT_EQ(track(b).times_s, (std::vector<float>{before_1, 1, 2, 3}));
+    EXPECT_EQ(track(b).values, (std::vector<float>{3, 4, 5, 6, 1, 2, 7, 8})) << "sorted by time";
+    b = good;
     weights_sampler(b)["interpolation"] = "STEP";
     EXPECT_EQ(track(b).interpolation, Interpolation::kStep);
     weights_sampler(b)["interpolation"] = "CUBICSPLINE";
@@ -963,7 +1103,6 @@ TEST(Import, MorphWeightsOfClips) {
     refused([&](GlbBuilder& f) { weights_sampler(f)["input"] = kPosition; }, place + ".input", "must be SCALAR of floats");
     refused([&](GlbBuilder& f) { weights_sampler(f)["interpolation"] = "WIGGLE"; }, place + ".interpolation", "'WIGGLE' is unknown");
     refused([&](GlbBuilder& f) { overwrite<float>(f, values, 5, kNan); }, place + ".output", "the value of key 2 is not finite");
-    refused([&](GlbBuilder& f) { overwrite<float>(f, times, 3, 0); }, place + ".input", "is before that of the key before it");
 }
 
 // ---- Materials ----
@@ -1375,7 +1514,7 @@ TEST(Import, InvalidFiles) {
         // URIs.
         "uri_traversal.gltf", "uri_abs.gltf", "uri_dev.gltf", "uri_http.gltf", "uri_no_comma.gltf", "uri_percent.gltf",
         // Values.
-        "key_nan.glb", "key_back.glb", "quat_nan.glb", "animation_data__invalid_input_values.gltf"};
+        "key_nan.glb", "quat_nan.glb", "animation_data__invalid_input_values.gltf"};
     const std::set<std::string> must_load{"chain_deep.gltf",
                                           "wide_nodes.gltf",
                                           "clips_20000.glb",
@@ -1384,6 +1523,7 @@ TEST(Import, InvalidFiles) {
                                           "anim_no_channels.gltf",
                                           "name_number.gltf",
                                           "dup_keys.gltf",
+                                          "key_back.glb",
                                           "key_same.glb",
                                           "ibm_zero.glb",
                                           "position_missing.gltf",

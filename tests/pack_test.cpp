@@ -328,6 +328,36 @@ TEST(Pack, ArcsWithoutRowsAreMeasured) {
     EXPECT_LT(limited.error, 0.0157 * 1.5) << "at a corner of the box";
 }
 
+// The importer writes several keys at one time as neighbouring floats: nothing between them counts.
+TEST(Pack, AJumpIsNoArc) {
+    OneJoint one;
+    std::vector<float> values;
+    for (const double degrees : {0.0, 2.0, 100.0, 102.0}) {
+        const Quaternion<double> q = axis_angle({0, 0, 1}, degrees * std::numbers::pi / 180);
+        for (const double c : {q.x, q.y, q.z, q.w}) values.push_back(static_cast<float>(c));
+    }
+    one.track(TrackTarget::kRotation, {0, std::nextafter(1.0f, 0.0f), 1, 2}, values);
+    const Character exact = compiled(one.asset), packed = compiled(one.asset, {.error = 1e-4});
+    EXPECT_TRUE(packed.warnings.empty()) << packed.warnings[0];
+    EXPECT_LE(packed.clips[0].error, 1e-4);
+    EXPECT_EQ(packed.times_s, exact.times_s);
+    for (const double time_s : {0.5, 0.999, 1.0, 1.5}) {
+        const Playback playback{.first = {0, time_s, 1, false}};
+        const auto wanted = reference_positions(exact, *reference_pose(exact, playback));
+        const auto got = reference_positions(packed, *reference_pose(packed, playback));
+        for (size_t v = 0; v < wanted.size(); ++v) EXPECT_LE(length(got[v] - wanted[v]), 1e-4 * double{exact.size});
+    }
+    // Points are measured between all rows where one arc is long: 30 degrees here, with no room for rows.
+    std::copy_n(values.begin() + 4, 4, values.begin());
+    const Quaternion<double> q = axis_angle({0, 0, 1}, 130 * std::numbers::pi / 180);
+    values[14] = static_cast<float>(q.z);
+    values[15] = static_cast<float>(q.w);
+    one.asset.clips[0].tracks[0].values = values;
+    const Character arc = compiled(one.asset);
+    const std::vector<Box> boxes = influence_boxes(arc);
+    EXPECT_LT(pack_clip(arc, 0, boxes, {1e-4 * double{arc.size}, 1}).error, 2e-3) << "of 30 degrees, not of 98";
+}
+
 // 1 of 65 rows shows the joint, and it is none of those at which sensitivities are taken.
 TEST(Pack, WhatIsHiddenInMostRowsMovesWhenItIsShown) {
     OneJoint one;

@@ -102,7 +102,9 @@ struct AssetPrimitive {
     std::vector<std::array<float, 2>> texcoords{};   // optional; the set that the material's textures use
     std::vector<std::array<float, 4>> colors{};      // optional, linear
     uint32_t influence_count = 0;                  // per vertex: 4 per JOINTS_n set; 0 where the primitive is not skinned
-    std::vector<uint16_t> influence_joints{};        // [vertex][influence_count], index into AssetSkin::joints
+    // [vertex][influence_count], index into AssetSkin::joints. A vertex without weight follows the first of its joints;
+    // where that one is out of range, the first of the skin.
+    std::vector<uint16_t> influence_joints{};
     std::vector<float> influence_weights{};          // [vertex][influence_count], as stored: not rescaled to sum 1
     std::vector<uint32_t> indices{};                 // three per triangle
     std::vector<AssetMorphTarget> targets{};         // [target_count] of its mesh, or empty where it has no positions

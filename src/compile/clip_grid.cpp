@@ -1,6 +1,7 @@
 #include "compile/clip_grid.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace throng {
 namespace {
@@ -71,6 +72,7 @@ private:
         for (size_t track = 0; track < grid_.tracks.size(); ++track) {
             if (grid_.tracks[track].target != TrackTarget::kRotation || grid_.tracks[track].step) continue;
             for (size_t row = 0; row + 1 < times_s_.size(); ++row) {
+                if (is_jump(times_s_[row], times_s_[row + 1])) continue;
                 double lag = chord_lag_rad(key(track, row), key(track, row + 1)) * reaches[grid_.tracks[track].joint];
                 uint32_t count = 0;
                 for (; lag > bound && count < kMostHalvings; lag /= 8) ++count;
@@ -140,6 +142,8 @@ private:
 };
 
 }  // namespace
+
+bool is_jump(float from_s, float to_s) { return std::nextafter(from_s, to_s) == to_s; }
 
 double ClipGrid::time_s(size_t point) const {
     const size_t row = point / points_per_row, part = point % points_per_row;

@@ -14,6 +14,10 @@ struct GridTrack {
     bool step = false;
 };
 
+// Whether no float lies between the times of two rows: what is between them is never shown. The importer writes several
+// keys at one time so.
+bool is_jump(float from_s, float to_s);
+
 struct ClipGrid {
     uint32_t clip = 0;
     std::vector<float> times_s;      // [row_count]
@@ -26,6 +30,7 @@ struct ClipGrid {
     size_t row_count() const { return times_s.size(); }
     size_t point_count() const { return (row_count() - 1) * points_per_row + 1; }
     double time_s(size_t point) const;
+    bool jumps_after(size_t row) const { return is_jump(times_s[row], times_s[row + 1]); }
     TrackSample value(size_t track, size_t row) const;
 };
 

@@ -108,6 +108,7 @@ double ClipMeter::largest_between(const Rows& rows, size_t interval, double enou
     pose_ = rows.still;
     for (size_t row = 0; row + 1 < row_count && largest <= enough; row += interval)
         for (size_t point = rows.of_grid[row] * parts + 1; point < rows.of_grid[row + 1] * parts; ++point) {
+            if (grid_.jumps_after(point / parts)) continue;
             const double w = fraction(rows.of_grid[row], rows.of_grid[row + 1], point);
             for (const size_t track : rows.moving) {
                 const TrackKey* pair = &rows.values[track * row_count + row];

@@ -57,6 +57,7 @@ public:
             for (uint32_t primitive = 0; primitive < asset_.meshes[instance.mesh].primitives.size(); ++primitive) add_section(instance, primitive);
         character_.materials = asset_.materials;
         character_.images = asset_.images;
+        warn_of_weightless();
     }
 
 private:
@@ -108,7 +109,7 @@ private:
         section.material = primitive.material;
         add_vertices(primitive);
         if (skinned) {
-            add_influences(primitive, character_.skins[instance.skin].first_entry);
+            add_influences(instance, primitive_index);
             character_.indices.insert(character_.indices.end(), primitive.indices.begin(), primitive.indices.end());
         } else {
             const uint32_t entry = rigid_entry(instance.node);
@@ -128,25 +129,44 @@ private:
         }
     }
 
-    // Weights are brought to the sum of 1 here, so that no kernel divides.
-    void add_influences(const AssetPrimitive& primitive, uint32_t first_entry) {
+    // Weights are brought to the sum of 1 here, so that no kernel divides. A vertex without weight follows its first
+    // joint, as in three.js (SkinnedMesh.normalizeSkinWeights()) and Babylon.js (Mesh.cleanMatrixWeights()), or the
+    // first of the skin, where that has no such joint.
+    void add_influences(const AssetMeshInstance& instance, uint32_t primitive_index) {
+        const AssetPrimitive& primitive = asset_.meshes[instance.mesh].primitives[primitive_index];
+        const Skin& skin = character_.skins[instance.skin];
         const uint32_t count = primitive.influence_count;
-        uint64_t weightless = 0;
         for (size_t v = 0; v < primitive.positions.size(); ++v) {
             double sum = 0;
             for (uint32_t i = 0; i < count; ++i) sum += primitive.influence_weights[v * count + i];
-            if (!(sum > 0)) ++weightless;
+            const bool weightless = !(sum > 0);
+            if (weightless && weightless_count_++ == 0)
+                first_weightless_ =
+                    "meshes[" + std::to_string(instance.mesh) + "].primitives[" + std::to_string(primitive_index) + "]";
             for (uint32_t set = 0; set < count / 4; ++set) {
                 Influences influences;
                 for (uint32_t i = 0; i < 4; ++i) {
                     const size_t at = v * count + set * 4 + i;
-                    influences.weights[i] = sum > 0 ? static_cast<float>(primitive.influence_weights[at] / sum) : (set == 0 && i == 0 ? 1.0f : 0.0f);
-                    influences.entries[i] = static_cast<uint16_t>(first_entry + primitive.influence_joints[at]);
+                    const uint32_t joint = primitive.influence_joints[at];
+                    const double all_on_first = set == 0 && i == 0 ? 1 : 0;
+                    const double weight = weightless ? all_on_first : primitive.influence_weights[at] / sum;
+                    const uint32_t known_joint = joint < skin.joint_count ? joint : 0;
+                    influences.weights[i] = static_cast<float>(weight);
+                    influences.entries[i] = static_cast<uint16_t>(skin.first_entry + known_joint);
                 }
                 character_.influences.push_back(influences);
             }
         }
-        if (weightless > 0) character_.warnings.push_back(std::to_string(weightless) + " vertices have no weight; they follow their first joint");
+        skinned_count_ += primitive.positions.size();
+    }
+
+    // One line for all, however many primitives a file has.
+    void warn_of_weightless() {
+        if (weightless_count_ == 0) return;
+        character_.warnings.push_back(
+            asset_.name + ": " + first_weightless_ + ": " + std::to_string(weightless_count_) + " of " +
+            std::to_string(skinned_count_) +
+            " skinned vertices, the first of them here, have no weight: they follow their first joint (JOINTS_0)");
     }
 
     // glTF 2.0, section 3.7.4: a node that mirrors reverses the winding.
@@ -163,6 +183,8 @@ private:
     Character& character_;
     std::vector<AffineT<double>> rest_model_from_joint_;
     std::map<uint32_t, uint32_t> rigid_entries_;  // node -> palette entry
+    uint64_t skinned_count_ = 0, weightless_count_ = 0;  // vertices
+    std::string first_weightless_;                       // the primitive
 };
 
 }  // namespace

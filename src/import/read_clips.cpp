@@ -3,15 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
+#include <set>
 
 namespace throng::gltf {
 namespace {
 
-// A sampler as decoded: keys that stand at the time of the next one are left out.
+// A sampler as decoded and mended.
 struct Keys {
-    std::vector<float> times_s;
+    std::vector<float> times_s;  // strictly increasing
     std::vector<uint32_t> kept;  // which keys of the file these are
     uint32_t file_count = 0;
+    uint32_t back_count = 0, doubled_count = 0;  // of the file's, what was mended
 };
 
 Interpolation read_interpolation(const JsonView& sampler) {
@@ -22,7 +25,11 @@ Interpolation read_interpolation(const JsonView& sampler) {
     throw Failure(ErrorCode::kInvalidFile, sampler.place_of("interpolation"), "'" + printable(*name) + "' is unknown");
 }
 
-Keys read_times(Reading& reading, const JsonView& sampler) {
+// glTF 2.0, 3.11, wants times that increase strictly. Keys that go back in time are sorted, as Filament (gltfio,
+// Animator.cpp: a std::map) and Blender (FCurve.update() after the import) do; three.js (Interpolant.js) and Khronos'
+// viewer (interpolator.js) search them as if they were sorted, and what they find depends on the time shown before.
+// Of keys at one time the value goes to the first and goes on from the last, as in three.js and Khronos' viewer.
+Keys read_times(Reading& reading, const JsonView& sampler, Interpolation interpolation) {
     const AccessorView input = reading.accessors.open(sampler, "input");
     const std::string place = sampler.place_of("input");
     if (input.format.type != "SCALAR" || !input.format.is_float())
@@ -30,28 +37,44 @@ Keys read_times(Reading& reading, const JsonView& sampler) {
             ErrorCode::kInvalidFile, place,
             "must be SCALAR of floats, but is " + input.format.type + " of " + name_of(input.format.component_type));
     reading.budget.charge(input.count(), sizeof(float) + sizeof(uint32_t), place);
+    const auto time_of = [&](uint32_t key) { return input.number(key, 0); };
     Keys out;
     out.file_count = input.count();
-    out.times_s.reserve(input.count());
-    out.kept.reserve(input.count());
-    bool has_equal = false;
     for (uint32_t key = 0; key < input.count(); ++key) {
-        const float time_s = input.number(key, 0);
         const auto fail = [&](const char* what) {
             throw Failure(ErrorCode::kInvalidFile, place, "the time of key " + std::to_string(key) + " " + what);
         };
-        if (!std::isfinite(time_s)) fail("is not finite");
-        if (time_s < 0) fail("is negative");
-        if (!out.times_s.empty() && time_s < out.times_s.back()) fail("is before that of the key before it");
-        if (!out.times_s.empty() && time_s == out.times_s.back()) {
-            has_equal = true;
-            out.kept.back() = key;
-            continue;
-        }
-        out.times_s.push_back(time_s);
-        out.kept.push_back(key);
+        if (!std::isfinite(time_of(key))) fail("is not finite");
+        if (time_of(key) < 0) fail("is negative");
+        if (key > 0 && time_of(key) < time_of(key - 1)) ++out.back_count;
     }
-    if (has_equal) reading.warnings.add(place, "has several keys at one time: the last of them is kept");
+    out.kept.resize(input.count());
+    std::iota(out.kept.begin(), out.kept.end(), 0u);
+    if (out.back_count > 0) {
+        reading.budget.charge(input.count(), sizeof(uint32_t), place);
+        std::stable_sort(out.kept.begin(), out.kept.end(),
+                         [&](uint32_t a, uint32_t b) { return time_of(a) < time_of(b); });
+    }
+
+    out.times_s.reserve(input.count());
+    const auto add = [&](float time_s, uint32_t key) {
+        out.kept[out.times_s.size()] = key;
+        out.times_s.push_back(time_s);
+    };
+    for (size_t begin = 0, end = 0; begin < out.kept.size(); begin = end) {
+        const uint32_t first = out.kept[begin];
+        const float time_s = time_of(first);
+        for (end = begin + 1; end < out.kept.size() && time_of(out.kept[end]) == time_s; ++end) ++out.doubled_count;
+        const uint32_t last = out.kept[end - 1];
+        // The first of several goes to the float before, so that times still differ. It is left out where nothing would
+        // show it (steps; at 0), and where the difference is no normal float, which a device may take for 0.
+        const float before_s = std::nextafter(time_s, 0.0f);
+        const bool has_room = out.times_s.empty() || out.times_s.back() < before_s;
+        if (first != last && interpolation != Interpolation::kStep && has_room && std::isnormal(time_s - before_s))
+            add(before_s, first);
+        add(time_s, last);
+    }
+    out.kept.resize(out.times_s.size());
     return out;
 }
 
@@ -126,6 +149,9 @@ public:
         const JsonView channels = json.optional_array("channels");
         if (channels.size() == 0) reading.warnings.add(json.place(), "has no channels");
         for (size_t i = 0; i < channels.size(); ++i) read_channel(channels[i]);
+        warn_of_times(back_count_, "are earlier than the key before them: the keys are sorted by time");
+        warn_of_times(doubled_count_,
+                      "have the time of another one: the value jumps there, from the first to the last of them");
     }
 
     AssetClip take() { return std::move(clip_); }
@@ -157,7 +183,7 @@ private:
         track.node = node;
         track.target = target;
         track.interpolation = read_interpolation(sampler);
-        Keys keys = read_times(reading_, sampler);
+        Keys keys = read_keys(sampler, track.interpolation);
         track.values = read_values(reading_, sampler, keys, target, track.interpolation);
         track.times_s = std::move(keys.times_s);
         if (track.times_s.empty()) return ignore(channel, "has no keys: the channel is ignored");
@@ -171,13 +197,32 @@ private:
         const uint32_t mesh = reading_.root.optional_array("nodes")[node].optional_index("mesh", meshes.size(), "meshes");
         const uint32_t target_count = mesh == kNone ? 0 : morph_target_count(meshes[mesh]);
         AssetMorphTrack track{.node = node, .interpolation = read_interpolation(sampler), .times_s = {}, .values = {}};
-        Keys keys = read_times(reading_, sampler);
+        Keys keys = read_keys(sampler, track.interpolation);
         if (!keys.times_s.empty()) clip_.duration_s = std::max(clip_.duration_s, double(keys.times_s.back()));
         if (target_count == 0) return ignore(channel, "its node has no morph targets: the channel is ignored");
         track.values = read_morph_values(reading_, sampler, keys, target_count, track.interpolation);
         track.times_s = std::move(keys.times_s);
         if (track.times_s.empty()) return ignore(channel, "has no keys: the channel is ignored");
         keep(channel, std::move(track), node, morph_track_of_, clip_.morph_tracks);
+    }
+
+    // A sampler counts once, however many channels use it.
+    Keys read_keys(const JsonView& sampler, Interpolation interpolation) {
+        Keys keys = read_times(reading_, sampler, interpolation);
+        if (!counted_samplers_.insert(sampler.place()).second) return keys;
+        key_count_ += keys.file_count;
+        back_count_ += keys.back_count;
+        doubled_count_ += keys.doubled_count;
+        const bool mended = keys.back_count > 0 || keys.doubled_count > 0;
+        if (mended && first_mended_.empty()) first_mended_ = sampler.place_of("input");
+        return keys;
+    }
+
+    // One line a clip, at the first of the samplers: exporters that break times do so in all of them.
+    void warn_of_times(uint64_t count, const char* what) {
+        if (count == 0) return;
+        reading_.warnings.add(first_mended_, std::to_string(count) + " of the clip's " + std::to_string(key_count_) +
+                                                 " keys " + what);
     }
 
     // `key` is what the track animates.
@@ -202,6 +247,9 @@ private:
     AssetClip clip_;
     std::map<std::pair<uint32_t, TrackTarget>, size_t> track_of_;
     std::map<uint32_t, size_t> morph_track_of_;  // by node
+    std::set<std::string> counted_samplers_;     // by place
+    uint64_t key_count_ = 0, back_count_ = 0, doubled_count_ = 0;
+    std::string first_mended_;  // place of the first sampler's times that were mended
 };
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "import/readers.h"
 
-#include <algorithm>
 #include <set>
 
 namespace throng::gltf {
@@ -32,23 +31,23 @@ std::vector<uint8_t> nodes_of_scene(Reading& reading, const Asset& asset) {
     return state;
 }
 
-// Where the weight is 0 the joint is 0 by now, so whatever is out of range matters.
+// Joints of weight 0 are not looked at: they are 0, or the first of a vertex without weight (compile/mesh.cpp).
 void check_influences(const JsonView& meshes, const Asset& asset, const AssetMeshInstance& instance) {
     const size_t joint_count = asset.skins[instance.skin].joints.size();
     const auto& primitives = asset.meshes[instance.mesh].primitives;
     for (size_t p = 0; p < primitives.size(); ++p) {
         const auto& joints = primitives[p].influence_joints;
-        const auto bad =
-            std::find_if(joints.begin(), joints.end(), [&](uint16_t joint) { return joint >= joint_count; });
-        if (bad == joints.end()) continue;
-        const size_t influence = size_t(bad - joints.begin());
+        const auto& weights = primitives[p].influence_weights;
+        size_t influence = 0;
+        while (influence < joints.size() && (joints[influence] < joint_count || weights[influence] == 0)) ++influence;
+        if (influence == joints.size()) continue;
         const size_t vertex = influence / primitives[p].influence_count;
         const size_t set = influence % primitives[p].influence_count / 4;
         throw Failure(ErrorCode::kInvalidFile,
                       meshes[instance.mesh].place() + ".primitives[" + std::to_string(p) + "].attributes.JOINTS_" +
                           std::to_string(set),
-                      "vertex " + std::to_string(vertex) + " follows joint " + std::to_string(*bad) + ", but skins[" +
-                          std::to_string(instance.skin) + "] has " + std::to_string(joint_count));
+                      "vertex " + std::to_string(vertex) + " follows joint " + std::to_string(joints[influence]) +
+                          ", but skins[" + std::to_string(instance.skin) + "] has " + std::to_string(joint_count));
     }
 }
 

@@ -219,20 +219,42 @@ private:
             // Here and not before: the counts are known to be true by now.
             out_.influence_joints.resize(out_.positions.size() * influence_count);
             out_.influence_weights.resize(out_.positions.size() * influence_count);
-            bool negative = false;
-            for (uint32_t v = 0; v < joints.count(); ++v)
+            uint32_t not_finite_count = 0, negative_count = 0;  // vertices
+            for (uint32_t v = 0; v < joints.count(); ++v) {
+                bool not_finite = false, negative = false;
                 for (uint32_t k = 0; k < 4; ++k) {
                     const float stored = weights.number(v, k);
-                    if (!std::isfinite(stored))
-                        fail(weights_name, "vertex " + std::to_string(v) + " has a weight that is not finite");
-                    negative = negative || stored < 0;
-                    const float weight = std::max(stored, 0.0f);
-                    // Where the weight is 0 the joint means nothing, and files have anything there.
+                    const bool finite = std::isfinite(stored);
+                    not_finite = not_finite || !finite;
+                    negative = negative || (finite && stored < 0);
                     const size_t influence = v * influence_count + set * 4 + k;
-                    out_.influence_joints[influence] = weight == 0 ? uint16_t(0) : uint16_t(joints.integer(v, k));
-                    out_.influence_weights[influence] = weight;
+                    out_.influence_joints[influence] = uint16_t(joints.integer(v, k));
+                    out_.influence_weights[influence] = finite ? std::max(stored, 0.0f) : 0.0f;
                 }
-            if (negative) reading_.warnings.add(place_of(weights_name), "has negative weights: they are set to 0");
+                not_finite_count += not_finite;
+                negative_count += negative;
+            }
+            warn_of_vertices(weights_name, not_finite_count, "have weights that are not finite: they are set to 0");
+            warn_of_vertices(weights_name, negative_count, "have negative weights: they are set to 0");
+        }
+        forget_unused_joints();
+    }
+
+    void warn_of_vertices(const std::string& name, uint32_t count, const char* what) {
+        if (count == 0) return;
+        reading_.warnings.add(place_of(name), std::to_string(count) + " of " + std::to_string(out_.positions.size()) +
+                                                  " vertices " + what);
+    }
+
+    // Where the weight is 0 the joint means nothing, and files have anything there. But a vertex without any weight
+    // follows its first joint (compile/mesh.cpp).
+    void forget_unused_joints() {
+        const size_t count = out_.influence_count;
+        for (size_t v = 0; v < out_.influence_weights.size(); v += count) {
+            const auto weights = out_.influence_weights.begin() + ptrdiff_t(v);
+            const bool weightless = std::all_of(weights, weights + ptrdiff_t(count), [](float w) { return w == 0; });
+            for (size_t i = weightless ? 1 : 0; i < count; ++i)
+                if (out_.influence_weights[v + i] == 0) out_.influence_joints[v + i] = 0;
         }
     }
 
