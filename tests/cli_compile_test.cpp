@@ -26,7 +26,7 @@ TEST_F(CliCompile, WhatIsWrittenGivesWhatItsSourceGives) {
     for (const std::string error : {"0.01", "0.5", "exact"}) {
         const Outcome run = run_tool({"compile", source(), "-o", compiled, "--error", error});
         ASSERT_TRUE(run.succeeded()) << run;
-        EXPECT_EQ(json_of({"info", compiled}), json_of({"info", source(), "--error", error}));
+        EXPECT_EQ(json_of({"info", compiled}), json_of({"info", source(), "--error", error, "--details"}));
         for (const std::vector<std::string>& of :
              std::vector<std::vector<std::string>>{{"--reference"}, {}, {"--clip", "walk", "--time", "0.3", "--reference"}, {"--clip", "0", "--time", "1", "--blend", "fly", "--blend-time", "0.2"}}) {
             std::vector<std::string> by_file{"pose", compiled, "--vertices", "all"}, by_source{"pose", source(), "--error", error, "--vertices", "all"};

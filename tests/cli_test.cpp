@@ -80,7 +80,7 @@ TEST_F(Cli, HelpHasExamples) {
 }
 
 TEST_F(Cli, InfoCountsExactly) {
-    const Json info = json_of({"info", creature()});
+    const Json info = json_of({"info", creature(), "--details"});
     EXPECT_EQ(info["file"], "creature.glb");
     EXPECT_EQ(info["joints"], kJoints);
     EXPECT_EQ(info["levels"], kLevels);
@@ -128,9 +128,25 @@ TEST_F(Cli, InfoCountsExactly) {
 
     const Outcome text = run_tool({"info", creature()});
     EXPECT_TRUE(text.succeeded()) << text;
+    EXPECT_EQ(text.out.find("detail "), std::string::npos) << text;
     for (const std::string& part : {std::string("40 joints, 12 levels"), std::string("idle"), std::string("walk"), std::string("fly"),
                                     std::to_string(info["bytes_per_instance"].get<int>()) + " bytes an instance", std::to_string(info["faces"].get<int>()) + " faces"})
         EXPECT_NE(text.out.find(part), std::string::npos) << part << "\n" << text;
+}
+
+// They take longest of all, and are made where they are asked for.
+TEST_F(Cli, InfoMakesLevelsOfDetailOnRequest) {
+    Json with = json_of({"info", creature(), "--details"}), without = json_of({"info", creature()});
+    EXPECT_FALSE(with["details"].empty());
+    EXPECT_TRUE(without["details"].is_array() && without["details"].empty());
+    with.erase("details"), without.erase("details");
+    EXPECT_EQ(with, without) << "all else is the same";
+    const Outcome text = run_tool({"info", creature(), "--details"});
+    EXPECT_NE(text.out.find("detail 1"), std::string::npos) << text;
+    const std::string compiled = file("detailed.throng");
+    ASSERT_TRUE(run_tool({"compile", creature(), "-o", compiled}).succeeded());
+    EXPECT_FALSE(json_of({"info", compiled})["details"].empty()) << "those of a compiled file are there";
+    fs::remove(compiled);
 }
 
 TEST_F(Cli, InfoAndReferencePoseNeedNoGpu) {

@@ -1,9 +1,12 @@
 // What compile_character() adds for the draw: coarser meshes, and how far clips take the mesh.
 #include "compile/character_file.h"
+#include "compile/detail.h"
 #include "compile/joint_detail.h"
+#include "compile/triangle_index.h"
 #include "crowd/reference.h"
 #include "skin/skin_reference.h"
 #include "tests/crowd_cases.h"
+#include "tests/files.h"
 
 #include <gtest/gtest.h>
 
@@ -209,6 +212,91 @@ TEST(Detail, WhatMovesApartIsNotJoinedUnseen) {
     const ReferencePose apart = *reference_pose(character, {.first = {.clip = 0, .time_s = 0.9}});
     ASSERT_FALSE(character.details.empty());
     for (size_t level = 0; level < character.details.size(); ++level) EXPECT_LE(furthest_from_level(character, level, apart), 1.1 * character.details[level].error) << "level " << level + 1;
+}
+
+// A static rock of 2 * 150 * 150 triangles.
+Asset make_rock() {
+    constexpr uint32_t kSides = 150;
+    Random random(3);
+    AssetPrimitive rock;
+    for (uint32_t row = 0; row <= kSides; ++row)
+        for (uint32_t column = 0; column < kSides; ++column) {
+            const double turn = 6.2831853 * column / kSides, down = 3.14159265 * row / kSides;
+            const double swelling = std::sin(5 * turn) * std::sin(down) * std::cos(4 * down);
+            const Vec3<double> outward{std::sin(down) * std::cos(turn), std::cos(down), std::sin(down) * std::sin(turn)};
+            rock.positions.push_back((outward * (1 + 0.2 * swelling + 0.03 * random.unit())).as<float>());
+            if (row == kSides) continue;
+            const uint32_t at = row * kSides + column, beside = row * kSides + (column + 1) % kSides;
+            rock.indices.insert(rock.indices.end(), {at, beside, at + kSides, beside, beside + kSides, at + kSides});
+        }
+    return {.name = "rock", .nodes = {{.name = "rock"}}, .meshes = {{.name = "rock", .primitives = {rock}}},
+            .mesh_instances = {{.node = 0, .mesh = 0}}};
+}
+
+// Of the places of one mesh, how far the furthest is from another one.
+double furthest_place(std::span<const Vec3<float>> places, const TriangleIndex& mesh) {
+    float furthest = 0;
+    uint32_t guess = 0;
+    for (const Vec3<float>& place : places) {
+        const TriangleIndex::Nearest found = mesh.nearest(place, furthest, guess);
+        furthest = std::max(furthest, found.squared_distance);
+        guess = found.triangle;
+    }
+    return std::sqrt(furthest);
+}
+
+TEST(Detail, LargeMeshesAreMeasuredAtEveryVertex) {
+    const Character character = *compile_character(make_rock(), kExact);
+    ASSERT_EQ(character.indices.size(), 45'000u * 3);
+    ASSERT_EQ(character.details.size(), kDetailLimit);
+    std::vector<Vec3<float>> positions;
+    for (const Vec3<double>& p : reference_positions(character, *reference_pose(character, {})))
+        positions.push_back(p.as<float>());
+    const TriangleIndex fine(character.indices, positions);
+    for (size_t level = 0; level < kDetailLimit; ++level) {
+        const IndexRange& range = character.detail_ranges[level];
+        const auto indices = std::span(character.detail_indices).subspan(range.first_index, range.index_count);
+        std::vector<Vec3<float>> middles;
+        for (size_t k = 0; k < indices.size(); k += 3) {
+            const Vec3<float>&a = positions[indices[k]], &b = positions[indices[k + 1]], &c = positions[indices[k + 2]];
+            middles.insert(middles.end(), {(a + b + c) * (1 / 3.0f), (a + b) * 0.5f, (b + c) * 0.5f, (c + a) * 0.5f});
+        }
+        const TriangleIndex coarse(indices, positions);
+        const double furthest = std::max(furthest_place(positions, coarse), furthest_place(middles, fine));
+        EXPECT_LE(furthest, double{character.details[level].error}) << "level " << level + 1;
+        EXPECT_GE(furthest, 0.999 * double{character.details[level].error}) << "level " << level + 1;
+    }
+}
+
+// Twice the triangles are twice the work, and some for each level of the index.
+TEST(Detail, WorkGrowsNoFasterThanTheMesh) {
+    std::vector<double> steps_per_face;
+    for (const uint32_t faces : {12'500u, 100'000u}) {
+        const Asset asset = *make_creature({.joint_count = 60, .level_count = 15, .face_count = faces});
+        Character character = *compile_character(asset, {.error = 0, .levels_of_detail = false});
+        EXPECT_NEAR(static_cast<double>(character.indices.size()) / 3, faces, 0.01 * faces);
+        steps_per_face.push_back(static_cast<double>(make_details(character)) / faces);
+        EXPECT_EQ(character.details.size(), kDetailLimit);
+        std::printf("  %u faces: %.0f boxes and triangles looked at for each, in 9 poses\n", faces, steps_per_face.back());
+    }
+    EXPECT_LE(steps_per_face[1], 500) << "for each place some, in the first pose; then most often one";
+    EXPECT_LE(steps_per_face[1], 1.5 * steps_per_face[0]);
+}
+
+TEST(Detail, AreLeftOutWhereNotWanted) {
+    const Asset asset = *make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500});
+    Character with = *compile_character(asset);
+    const Character without = *compile_character(asset, {.levels_of_detail = false});
+    ASSERT_FALSE(with.details.empty());
+    EXPECT_TRUE(without.details.empty());
+    with.details.clear(), with.detail_ranges.clear(), with.detail_indices.clear(), with.joint_details.clear();
+    const std::string path = testing::TempDir() + "/without_details.throng";
+    const auto bytes_of = [&](const Character& character) {
+        EXPECT_TRUE(save_character(character, path));
+        return read_file(path);
+    };
+    EXPECT_EQ(bytes_of(with), bytes_of(without)) << "all else is the same";
+    std::filesystem::remove(path);
 }
 
 TEST(Detail, SmallMeshesHaveNone) {

@@ -147,7 +147,7 @@ struct InfoOptions {
     std::string file, device;
     uint32_t count = 10'000;
     bool json = false;
-    CompileSettings compile;
+    CompileSettings compile{.levels_of_detail = false};
 };
 
 void run_info(const InfoOptions& options) {
@@ -175,8 +175,10 @@ void add_info(CLI::App& app) {
     add_error_option(command, options->compile);
     add_root_motion_option(command, options->compile);
     add_device_option(command, options->device);
+    command.add_flag("--details", options->compile.levels_of_detail,
+                     "make levels of detail, as 'compile' does, and print them (those of a compiled file always are)");
     command.add_flag("--json", options->json, "as JSON");
-    command.footer("Examples:\n  throng info fox.glb\n  throng info fox.glb --count 100\n  throng info fox.glb --root-motion hips\n  throng info fox.glb --json | jq .clips");
+    command.footer("Examples:\n  throng info fox.glb\n  throng info fox.glb --count 100\n  throng info fox.glb --root-motion hips\n  throng info fox.glb --details\n  throng info fox.glb --json | jq .clips");
     command.callback([options] { run_info(*options); });
 }
 

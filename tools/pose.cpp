@@ -10,7 +10,7 @@ struct PoseOptions {
     std::string file, clip, blend, scan = "auto", vertices = "0", device;
     double time_s = 0, blend_time_s = 0, weight = 0.5;
     bool loop = false, reference = false, json = false;
-    CompileSettings compile = kExact;
+    CompileSettings compile{.error = 0, .levels_of_detail = false};
 };
 
 // What either way of computing gives: the GPU's floats or the reference's doubles.

@@ -210,6 +210,9 @@ struct CompileSettings {
     // The joint (of the rig, by name) whose way over the ground, a shift and a turn about +y, is taken out of each clip and kept as
     // Character::root_rows, for instances with a controller to move by. Empty: none. Joints above it must not be animated.
     std::string root_motion_joint{};
+    // Whether Character::details and what belongs to them are made. Without them CrowdSettings::culls draws the finest
+    // mesh wherever a character stands, and reduces_joints leaves out none; all else is the same.
+    bool levels_of_detail = true;
 };
 inline const CompileSettings kExact{.error = 0};
 

@@ -72,8 +72,10 @@ Result<Character> compile_character(const Asset& asset, const CompileSettings& s
         if (settings.error > 0) pack_clips(character, settings.error);
         character.rig.uniform_scale = has_uniform_scale(character);
         compile_morph_tracks(asset, character);
-        make_details(character);
-        make_joint_details(character);
+        if (settings.levels_of_detail) {
+            make_details(character);
+            make_joint_details(character);
+        }
         measure_clips(character);
         file::visit_strings(character, [](std::string& text) { text = gltf::printable(text, std::string::npos); });
         return character;

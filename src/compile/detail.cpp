@@ -2,6 +2,7 @@
 
 #include "bind/bind_reference.h"
 #include "compile/sampled_poses.h"
+#include "compile/triangle_index.h"
 #include "morph/morph_reference.h"
 #include "skin/skin_reference.h"
 
@@ -9,7 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 namespace throng {
 namespace {
@@ -31,70 +32,47 @@ std::vector<Vec3<float>> positions_in(const Character& character, const SampledP
     return positions;
 }
 
-// Squared, of a point from a triangle: from its plane where the point is above it, else from an edge.
-float squared_distance(const Vec3<float>& p, const Vec3<float>& a, const Vec3<float>& b, const Vec3<float>& c) {
-    const Vec3<float> normal = cross(b - a, c - a);
-    const float squared = dot(normal, normal);
-    float nearest = std::numeric_limits<float>::infinity();
-    bool is_above = squared > 0;
-    const auto look_at_edge = [&](const Vec3<float>& from, const Vec3<float>& to) {
-        const Vec3<float> edge = to - from, way = p - from;
-        is_above = is_above && dot(cross(edge, way), normal) >= 0;
-        const float length_squared = dot(edge, edge);
-        const Vec3<float> apart = way - edge * (length_squared > 0 ? std::clamp(dot(way, edge) / length_squared, 0.0f, 1.0f) : 0.0f);
-        nearest = std::min(nearest, dot(apart, apart));
-    };
-    look_at_edge(a, b);
-    look_at_edge(b, c);
-    look_at_edge(c, a);
-    const float height = dot(p - a, normal);
-    return is_above ? height * height / squared : nearest;
-}
-
-// Vertices of the fine mesh that the coarse one lacks.
-std::vector<uint32_t> lost_vertices(std::span<const uint32_t> fine, std::span<const uint32_t> coarse, size_t vertex_count) {
-    std::vector<bool> is_lost(vertex_count);
-    for (const uint32_t vertex : fine) is_lost[vertex] = true;
-    for (const uint32_t vertex : coarse) is_lost[vertex] = false;
+// Vertices of the fine mesh that the coarse one lacks, such as are near to each other one after the other.
+std::vector<uint32_t> lost_vertices(const TriangleIndex& fine, std::span<const uint32_t> coarse, size_t vertex_count) {
+    std::vector<bool> is_known(vertex_count);
+    for (const uint32_t vertex : coarse) is_known[vertex] = true;
     std::vector<uint32_t> lost;
-    for (uint32_t vertex = 0; vertex < vertex_count; ++vertex)
-        if (is_lost[vertex]) lost.push_back(vertex);
+    for (const auto& corners : fine.corners()) {
+        for (const uint32_t vertex : corners) {
+            if (is_known[vertex]) continue;
+            is_known[vertex] = true;
+            lost.push_back(vertex);
+        }
+    }
     return lost;
 }
 
-std::vector<Vec3<float>> places_of(std::span<const uint32_t> vertices, std::span<const Vec3<float>> positions) {
-    std::vector<Vec3<float>> places;
-    for (const uint32_t vertex : vertices) places.push_back(positions[vertex]);
-    return places;
+// Where a triangle may span what is none of the mesh that it stands for: its middle, and those of its edges.
+constexpr size_t kMiddles = 4;
+Vec3<float> middle_of(const Triangle& triangle, size_t which) {
+    const auto& [a, b, c] = triangle;
+    if (which == 0) return (a + b + c) * (1 / 3.0f);
+    return (which == 1 ? a + b : which == 2 ? b + c : c + a) * 0.5f;
 }
 
-// Where triangles may span what is none of the mesh that they stand for: their middles, and those of their edges.
-std::vector<Vec3<float>> middles_of(std::span<const uint32_t> mesh, std::span<const Vec3<float>> positions) {
-    std::vector<Vec3<float>> middles;
-    for (size_t k = 0; k < mesh.size(); k += 3) {
-        const Vec3<float> &a = positions[mesh[k]], &b = positions[mesh[k + 1]], &c = positions[mesh[k + 2]];
-        for (const Vec3<float>& middle : {(a + b + c) * (1 / 3.0f), (a + b) * 0.5f, (b + c) * 0.5f, (c + a) * 0.5f}) middles.push_back(middle);
-    }
-    return middles;
-}
+// Of each of some places, a triangle of the mesh that was near to it when it was looked at last. Most often it is near
+// enough in the next pose too, and the place is done with.
+using NearTriangles = std::vector<uint32_t>;
 
-// How far one of the places lies from the mesh at most, where that is more than `known`; the quadrics' own measure is a mean, several times too low for this. Of large meshes not all places may be looked at, but some of
-// each part.
-float furthest_from(std::span<const uint32_t> mesh, std::span<const Vec3<float>> places, std::span<const Vec3<float>> positions, float known) {
-    constexpr size_t kPasses = 16, kMostSteps = 5'000'000;  // some hundredths of a second
+// How far one of the places, a function of its number, lies from the mesh at most, where that is more than `known`; the
+// quadrics' own measure is a mean, several times too low for this. Each is looked at only until it is known not to be
+// the furthest.
+template <class Place>
+float furthest_from(const TriangleIndex& mesh, NearTriangles& near, const Place& place, float known, uint64_t& steps) {
     float furthest = known * known;
-    size_t closest = 0;  // where the search for the last place ended, so that most end where they begin
-    for (size_t pass = 0, steps = 0; pass < kPasses; ++pass) {
-        for (size_t i = pass; i < places.size() && steps < kMostSteps; i += kPasses) {
-            float nearest = std::numeric_limits<float>::infinity();
-            for (size_t n = 0, k = closest; n < mesh.size() && nearest > furthest; n += 3, k = k + 3 < mesh.size() ? k + 3 : 0) {
-                ++steps;
-                const float distance = squared_distance(places[i], positions[mesh[k]], positions[mesh[k + 1]], positions[mesh[k + 2]]);
-                if (distance >= nearest) continue;
-                nearest = distance;
-                closest = k;
-            }
-            furthest = std::max(furthest, nearest);
+    uint32_t last = 0;
+    // Some of all parts first: then it is known about how far the furthest is.
+    for (const size_t stride : {size_t{16}, size_t{1}}) {
+        for (size_t i = 0; i < near.size(); i += stride) {
+            const TriangleIndex::Nearest found = mesh.nearest(place(i), furthest, near[i] == kNone ? last : near[i]);
+            furthest = std::max(furthest, found.squared_distance);
+            near[i] = last = found.triangle;
+            steps += found.steps;
         }
     }
     return std::sqrt(furthest);
@@ -104,87 +82,140 @@ std::span<const uint32_t> indices_of(const Character& character, const MeshSecti
 
 // Triangles of a section, and how far they are off in the poses looked at so far.
 struct Coarse {
+    Coarse() = default;
+    Coarse(std::vector<uint32_t> mesh, const TriangleIndex& fine, std::span<const Vec3<float>> positions)
+        : indices(std::move(mesh)), index(indices, positions), lost(lost_vertices(fine, indices, positions.size())),
+          near_lost(lost.size(), kNone), near_middles(indices.size() / 3 * kMiddles, kNone) {}
+
+    // Raises the error to what it is in a pose.
+    void measure(const TriangleIndex& fine, std::span<const Vec3<float>> positions, uint64_t& steps) {
+        index.move(positions);
+        const auto lost_place = [&](size_t i) { return positions[lost[i]]; };
+        const auto middle = [&](size_t i) { return middle_of(index.triangles()[i / kMiddles], i % kMiddles); };
+        error = furthest_from(index, near_lost, lost_place, error, steps);
+        error = furthest_from(fine, near_middles, middle, error, steps);
+    }
+
     std::vector<uint32_t> indices;
     float error = 0;
+    TriangleIndex index;
+    std::vector<uint32_t> lost;  // vertices
+    NearTriangles near_lost;     // of these, among its own
+    NearTriangles near_middles;  // of its middles, among those of the fine mesh
 };
 
 // By both ways of meshoptimizer, in the rest pose: edge collapses towards vertices that are there (M. Garland and P. S. Heckbert, Surface Simplification Using Quadric Error Metrics, SIGGRAPH 1997), which stop where the
 // mesh comes apart, and clusters of vertices, which do not, and lose no thin part that is larger than a cluster.
-struct CoarseSection {
-    CoarseSection(std::span<const uint32_t> fine, std::span<const Vec3<float>> positions, double share) : wanted(static_cast<size_t>(share * static_cast<double>(fine.size())) / 3 * 3) {
-        if (fine.empty()) return;
-        for (Coarse* coarse : {&collapsed, &clustered}) coarse->indices.resize(fine.size());
-        collapsed.indices.resize(meshopt_simplify(collapsed.indices.data(), fine.data(), fine.size(), &positions[0].x, positions.size(), sizeof positions[0], wanted, kLargestError, 0, nullptr));
-        clustered.indices.resize(meshopt_simplifySloppy(clustered.indices.data(), fine.data(), fine.size(), &positions[0].x, positions.size(), sizeof positions[0], wanted, kLargestError, nullptr));
-        if (collapsed.indices.empty()) collapsed.indices.assign(fine.begin(), fine.end());  // nothing vanishes
+class CoarseSection {
+public:
+    // `index` is that of the fine mesh.
+    CoarseSection(std::span<const uint32_t> fine, const TriangleIndex& index, std::span<const Vec3<float>> positions,
+                  double share) {
+        if (fine.empty()) {
+            candidates_.resize(1);
+            return;
+        }
+        const size_t wanted = static_cast<size_t>(share * static_cast<double>(fine.size())) / 3 * 3;
+        std::vector<uint32_t> collapsed(fine.size()), clustered(fine.size());
+        const size_t stride = sizeof positions[0];
+        collapsed.resize(meshopt_simplify(collapsed.data(), fine.data(), fine.size(), &positions[0].x, positions.size(), stride,
+                                          wanted, kLargestError, 0, nullptr));
+        clustered.resize(meshopt_simplifySloppy(clustered.data(), fine.data(), fine.size(), &positions[0].x, positions.size(),
+                                                stride, wanted, kLargestError, nullptr));
+        if (collapsed.empty()) collapsed.assign(fine.begin(), fine.end());  // nothing vanishes
+        const auto is_coarse = [wanted](const std::vector<uint32_t>& mesh) {
+            return static_cast<double>(mesh.size()) <= kAlmost * static_cast<double>(wanted);
+        };
+        // Where not both are as coarse as they should be, the coarser one is taken however far it is off.
+        const bool are_coarse = is_coarse(collapsed) && is_coarse(clustered) && !clustered.empty();
+        const bool prefers_collapsed = clustered.empty() || collapsed.size() <= clustered.size();
+        if (are_coarse || prefers_collapsed) candidates_.emplace_back(std::move(collapsed), index, positions);
+        if (are_coarse || !prefers_collapsed) candidates_.emplace_back(std::move(clustered), index, positions);
     }
 
-    // Of two that are as coarse as they should be the one that is off by less, else the coarser one.
-    const Coarse& better() const {
-        const auto is_coarse = [this](const Coarse& coarse) { return static_cast<double>(coarse.indices.size()) <= kAlmost * static_cast<double>(wanted); };
-        if (clustered.indices.empty()) return collapsed;
-        const bool prefers_collapsed = is_coarse(collapsed) && is_coarse(clustered) ? collapsed.error <= clustered.error : collapsed.indices.size() <= clustered.indices.size();
-        return prefers_collapsed ? collapsed : clustered;
+    void measure(const TriangleIndex& fine, std::span<const Vec3<float>> positions, uint64_t& steps) {
+        for (Coarse& coarse : candidates_) coarse.measure(fine, positions, steps);
     }
 
-    size_t wanted;
-    Coarse collapsed, clustered;
+    // The one that is off by less.
+    const Coarse& best() const { return *std::ranges::min_element(candidates_, {}, &Coarse::error); }
+
+private:
+    std::vector<Coarse> candidates_;  // one or two
 };
 using CoarseLevel = std::vector<CoarseSection>;  // [sections]
 
-std::vector<CoarseLevel> make_levels(const Character& character) {
-    const std::vector<Vec3<float>> positions = positions_in(character, {.clip = static_cast<uint32_t>(character.clips.size())});
-    std::vector<CoarseLevel> levels(kDetailLimit);
-    double share = 1;
-    for (CoarseLevel& level : levels) {
-        share *= kShare;
-        for (const MeshSection& section : character.sections) level.emplace_back(indices_of(character, section), std::span(positions).subspan(section.first_vertex, section.vertex_count), share);
-    }
-    return levels;
-}
-
-// Raises the errors of all to what they are in the pose: either way, since clusters may join what lies side by side, as legs, and moves apart.
-void measure_in(const Character& character, const SampledPose& pose, std::vector<CoarseLevel>& levels) {
-    const std::vector<Vec3<float>> all_positions = positions_in(character, pose);
-    for (CoarseLevel& level : levels)
-        for (size_t i = 0; i < level.size(); ++i) {
-            const MeshSection& section = character.sections[i];
-            const std::span<const uint32_t> fine = indices_of(character, section);
-            const auto positions = std::span(all_positions).subspan(section.first_vertex, section.vertex_count);
-            for (Coarse* coarse : {&level[i].collapsed, &level[i].clustered}) {
-                if (coarse->indices.empty()) continue;
-                coarse->error = furthest_from(coarse->indices, places_of(lost_vertices(fine, coarse->indices, section.vertex_count), positions), positions, coarse->error);
-                coarse->error = furthest_from(fine, middles_of(coarse->indices, positions), positions, coarse->error);
+class DetailMaker {
+public:
+    explicit DetailMaker(Character& character) : character_(character), levels_(kDetailLimit) {
+        const SampledPose rest{.clip = static_cast<uint32_t>(character.clips.size())};
+        const std::vector<Vec3<float>> positions = positions_in(character, rest);
+        for (const MeshSection& section : character.sections)
+            fine_.emplace_back(indices_of(character, section), of_section(section, positions));
+        double share = 1;
+        for (CoarseLevel& level : levels_) {
+            share *= kShare;
+            for (size_t i = 0; i < fine_.size(); ++i) {
+                const MeshSection& section = character.sections[i];
+                level.emplace_back(indices_of(character, section), fine_[i], of_section(section, positions), share);
             }
         }
-}
+    }
+
+    // Raises the errors of all to what they are in the pose: either way, since clusters may join what lies side by side,
+    // as legs, and moves apart.
+    void measure_in(const SampledPose& pose) {
+        const std::vector<Vec3<float>> positions = positions_in(character_, pose);
+        for (size_t i = 0; i < fine_.size(); ++i) {
+            const std::span<const Vec3<float>> places = of_section(character_.sections[i], positions);
+            fine_[i].move(places);
+            for (CoarseLevel& level : levels_) level[i].measure(fine_[i], places, steps_);
+        }
+    }
+
+    void keep_levels();
+
+    uint64_t steps() const { return steps_; }
+
+private:
+    template <class Positions>
+    static std::span<const Vec3<float>> of_section(const MeshSection& section, const Positions& positions) {
+        return std::span(positions).subspan(section.first_vertex, section.vertex_count);
+    }
+
+    Character& character_;
+    std::vector<TriangleIndex> fine_;  // [sections]
+    std::vector<CoarseLevel> levels_;
+    uint64_t steps_ = 0;
+};
 
 // As long as triangles become markedly fewer.
-void keep_levels(Character& character, std::span<const CoarseLevel> levels) {
-    size_t count_before = character.indices.size();
-    float error = kLeastError * character.size;
-    for (const CoarseLevel& level : levels) {
+void DetailMaker::keep_levels() {
+    size_t count_before = character_.indices.size();
+    float error = kLeastError * character_.size;
+    for (const CoarseLevel& level : levels_) {
         size_t count = 0;
-        for (const CoarseSection& section : level) count += section.better().indices.size();
+        for (const CoarseSection& section : level) count += section.best().indices.size();
         if (count_before <= kFewest || static_cast<double>(count) > kWorthwhile * static_cast<double>(count_before)) return;
         count_before = count;
         for (const CoarseSection& section : level) {
-            const Coarse& coarse = section.better();
+            const Coarse& coarse = section.best();
             error = std::max(error, coarse.error);
-            character.detail_ranges.push_back({static_cast<uint32_t>(character.detail_indices.size()), static_cast<uint32_t>(coarse.indices.size())});
-            character.detail_indices.insert(character.detail_indices.end(), coarse.indices.begin(), coarse.indices.end());
+            character_.detail_ranges.push_back({static_cast<uint32_t>(character_.detail_indices.size()), static_cast<uint32_t>(coarse.indices.size())});
+            character_.detail_indices.insert(character_.detail_indices.end(), coarse.indices.begin(), coarse.indices.end());
         }
-        character.details.push_back({error});
+        character_.details.push_back({error});
     }
 }
 
 }  // namespace
 
-void make_details(Character& character) {
-    if (character.indices.size() <= kFewest) return;
-    std::vector<CoarseLevel> levels = make_levels(character);
-    for (const SampledPose& pose : sampled_poses(character, kPoses)) measure_in(character, pose, levels);
-    keep_levels(character, levels);
+uint64_t make_details(Character& character) {
+    if (character.indices.size() <= kFewest) return 0;
+    DetailMaker maker(character);
+    for (const SampledPose& pose : sampled_poses(character, kPoses)) maker.measure_in(pose);
+    maker.keep_levels();
+    return maker.steps();
 }
 
 }  // namespace throng
