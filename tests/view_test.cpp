@@ -183,6 +183,15 @@ TEST_F(View, CountsWhatIsDrawn) {
     EXPECT_EQ(drawn("type l"), std::vector{40u}) << "without culling";
 }
 
+TEST_F(View, PicturesAreNotWrittenOverWhatWasDropped) {
+    const std::string dropped = file("dropped.glb");
+    fs::copy_file(file("other.glb"), dropped);
+    const Outcome run = run_tool({"view", file("one.glb"), "--size", "640x400", "--script", write("events.txt", "2 drop " + dropped + "\n5 shot " + dropped + "\n")},
+                                 {.environment = {{"DISPLAY", display_->name()}}, .time_limit_s = 120});
+    EXPECT_TRUE(run.refused("dropped.glb: would be written over ")) << run;
+    EXPECT_EQ(read_file(dropped), read_file(file("other.glb")));
+}
+
 TEST_F(View, DropsReplaceTheScene) {
     write("broken.glb", "glTF, it says");
     const Outcome run = view(std::string(kStill) + "4 shot " + file("one.png") + "\n5 drop " + file("broken.glb") + "\n8 shot " + file("still_one.png") + "\n9 drop " + file("other.glb") + " " + file("one.glb") +

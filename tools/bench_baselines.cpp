@@ -7,6 +7,7 @@
 #include "tools/command.h"
 #include "tools/creature.h"
 #include "tools/creature_math.h"
+#include "tools/inputs.h"
 #include "tools/scatter.h"
 
 #include <algorithm>
@@ -213,6 +214,7 @@ std::vector<nlohmann::json> compare(const Device& device, const Character& chara
 }
 
 void run_baselines(const BaselineOptions& options) {
+    keep_inputs(options.files, {options.json});
     const Device device = open_device(options.device);
     std::string lines;
     const auto run = [&](const Character& character, const std::string& file) {

@@ -4,6 +4,7 @@
 #include "bench/scan_report.h"
 #include "tools/command.h"
 #include "tools/creature.h"
+#include "tools/inputs.h"
 #include "tools/scatter.h"
 
 #include <algorithm>
@@ -116,6 +117,7 @@ private:
 };
 
 void run_frame(const FrameOptions& options) {
+    keep_inputs(options.files, {options.report});
     if (!options.report.empty()) bench::run_gnuplot("");  // where it is missing, that is said before the minutes of work
     FrameRun run(options);
     for (const std::string& file : options.files) run.measure_file(file);

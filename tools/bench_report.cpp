@@ -2,6 +2,7 @@
 #include "bench/report/records.h"
 #include "bench/scan_report.h"
 #include "tools/command.h"
+#include "tools/inputs.h"
 
 namespace throng::tools {
 namespace {
@@ -14,6 +15,7 @@ struct ReportOptions {
 void write_text(const std::string& path, const std::string& text) { write_file(path, std::as_bytes(std::span(text))); }
 
 void run_report(const ReportOptions& options) {
+    keep_inputs(options.files, {options.out, options.plot});
     std::vector<nlohmann::json> records;
     for (const std::string& file : options.files)
         for (nlohmann::json& record : bench::read_records(file)) records.push_back(std::move(record));

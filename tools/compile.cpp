@@ -1,4 +1,5 @@
 #include "tools/command.h"
+#include "tools/inputs.h"
 
 #include <cstdio>
 
@@ -12,13 +13,13 @@ struct CompileOptions {
 };
 
 Character compile(const CompileOptions& options) {
-    std::error_code unknown;
-    if (std::filesystem::equivalent(options.file, options.out, unknown)) throw CommandError(options.out + " is the source itself; give --out another name");
+    keep_inputs({options.file}, {options.out});
     if (is_compiled_file(options.file)) {
         unwrap(load_character(options.file));  // a damaged one says so
         throw CommandError(options.file + " is compiled already; give its source, a glTF file");
     }
-    // It may be a glTF file's .bin.
+    // It may be another file's.
+    std::error_code unknown;
     if (std::filesystem::exists(options.out, unknown) && !is_compiled_file(options.out))
         throw CommandError(options.out + " is there, and not a compiled character; give --out another name, or remove it");
     print_progress("reading " + options.file);

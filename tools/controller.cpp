@@ -1,6 +1,7 @@
 #include "tools/command.h"
 #include "tools/controller_text.h"
 #include "tools/graphviz.h"
+#include "tools/inputs.h"
 
 #include <throng/controller.h>
 
@@ -120,6 +121,7 @@ void add_graph(CLI::App& controller) {
     command.footer("Examples:\n  throng controller graph guard.json -o guard.svg\n"
                    "  throng controller graph guard.json -o guard.dot && dot -Tpng guard.dot > guard.png");
     command.callback([options] {
+        keep_inputs({options->file}, {options->out});
         const std::string graph = controller_graph(unwrap(load_controller(options->file)));
         const std::string content = options->out.ends_with(".svg") ? run_graphviz(graph) : graph;
         write_file(options->out, std::as_bytes(std::span(content)));

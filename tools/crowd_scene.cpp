@@ -55,6 +55,12 @@ std::vector<std::string> controller_files(const SceneOptions& options) {
     return of_files;
 }
 
+std::vector<std::string> input_files(const SceneOptions& options) {
+    std::vector<std::string> files = options.files;
+    for (const std::string& controller : controller_files(options)) files.push_back(controller);
+    return files;
+}
+
 SceneCast::SceneCast(const SceneOptions& options) {
     check_lengths(options);
     const std::vector<std::string> controller_of = controller_files(options);

@@ -35,6 +35,9 @@ void add_scene_options(CLI::App& app, SceneOptions& options);
 // The controller of each file, [files], or an empty name. Throws CommandError.
 std::vector<std::string> controller_files(const SceneOptions& options);
 
+// The files and their controllers: what a scene is read from.
+std::vector<std::string> input_files(const SceneOptions& options);
+
 // Reads the files, with progress and warnings on stderr, and the controllers that they are to have. Throws CommandError, also where counts or sizes do not fit the files.
 struct SceneCast {
     explicit SceneCast(const SceneOptions& options);

@@ -1,4 +1,5 @@
 #include "tools/film.h"
+#include "tools/inputs.h"
 #include "tools/shot.h"
 
 #include <algorithm>
@@ -21,6 +22,7 @@ void print_times(const RenderOptions& options, const Device& device, Shot& shot)
 void run_render(const RenderOptions& options) {
     if (!options.frames.empty()) return render_film(options);
     if (options.out.ends_with(".mp4")) throw CommandError("--out " + options.out + ": a film needs --frames, for example 0:240");
+    keep_inputs(input_files(options.scene), {options.out});
     const Device device = open_device(options.device);
     Shot shot(device, options);
     print_progress("drawing");
