@@ -1,6 +1,8 @@
 // `throng compile`, and the other commands with what it writes in place of its source.
 #include "tests/tool_runner.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <set>
 

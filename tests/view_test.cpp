@@ -5,6 +5,8 @@
 #include "tools/view/orbit.h"
 #include "tools/view/pick.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,5 +1,8 @@
 #include "tools/command.h"
 #include "tools/inputs.h"
+#include "tools/options.h"
+
+#include <nlohmann/json.hpp>
 
 #include <cstdio>
 
@@ -74,10 +77,10 @@ void run_compile(const CompileOptions& options) {
 
 }  // namespace
 
-void add_compile(CLI::App& app) {
-    CLI::App& command = *app.add_subcommand("compile", "compress a .glb or .gltf file's clips, and write what the GPU reads, to be loaded at once");
+void add_compile(Command app) {
+    Command command = app.add_subcommand("compile", "compress a .glb or .gltf file's clips, and write what the GPU reads, to be loaded at once");
     auto options = std::make_shared<CompileOptions>();
-    command.add_option("file", options->file, "a glTF 2.0 file")->required();
+    command.add_option("file", options->file, "a glTF 2.0 file").required();
     add_out_option(command, options->out, "the .throng file to write; every command takes it in place of its source");
     add_error_option(command, options->settings);
     add_root_motion_option(command, options->settings);

@@ -30,7 +30,8 @@ struct SceneOptions {
 };
 
 // The files, and all options of a scene. Wrong numbers of counts and sizes are said by the parser.
-void add_scene_options(CLI::App& app, SceneOptions& options);
+class Command;
+void add_scene_options(Command app, SceneOptions& options);
 
 // The controller of each file, [files], or an empty name. Throws CommandError.
 std::vector<std::string> controller_files(const SceneOptions& options);

@@ -6,6 +6,8 @@
 #include "tools/film_frames.h"
 #include "tools/inputs.h"
 
+#include <nlohmann/json.hpp>
+
 #include <chrono>
 #include <cstdio>
 #include <fstream>

@@ -6,6 +6,8 @@
 #include "tools/view/commands.h"
 #include "tools/view/panels.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <numeric>
 
