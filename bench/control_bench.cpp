@@ -6,6 +6,8 @@
 
 #include <throng/reference.h>
 
+#include <nlohmann/json.hpp>
+
 #include <cmath>
 #include <random>
 

@@ -3,7 +3,7 @@
 
 #include <throng/crowd.h>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include <functional>
 #include <string>

@@ -11,6 +11,8 @@
 #include "scan/scan_planner.h"
 #include "tools/stages.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <array>
 

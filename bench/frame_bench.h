@@ -6,7 +6,7 @@
 
 #include <throng/reference.h>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include <functional>
 #include <span>

@@ -5,6 +5,8 @@
 #include "bench/report/plot.h"
 #include "tools/stages.h"
 
+#include <nlohmann/json.hpp>
+
 #include <cmath>
 
 namespace throng::bench {

@@ -7,6 +7,8 @@
 #include "gpu/barrier.h"
 #include "scan/scan_shaders.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <limits>
 #include <optional>

@@ -1,5 +1,7 @@
 #include "bench/record.h"
 
+#include <nlohmann/json.hpp>
+
 #include <cstdlib>
 #include <ctime>
 

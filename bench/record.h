@@ -3,7 +3,7 @@
 
 #include <throng/device.h>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 namespace throng::bench {
 

@@ -4,6 +4,8 @@
 #include "bench/scan_cell.h"
 #include "scan/scan_planner.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>

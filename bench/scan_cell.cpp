@@ -3,6 +3,8 @@
 #include "bench/record.h"
 #include "bench/scan_crowd.h"
 
+#include <nlohmann/json.hpp>
+
 namespace throng::bench {
 
 nlohmann::json describe_cell(const ScanCell& cell, const ScanRig& rig, const DeviceInfo& device) {

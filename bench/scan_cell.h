@@ -5,7 +5,7 @@
 #include "bench/skeletons.h"
 #include "scan/scan.h"
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 namespace throng::bench {
 

@@ -4,6 +4,8 @@
 #include "bench/scan_crowd.h"
 #include "bench/statistics.h"
 
+#include <nlohmann/json.hpp>
+
 #include <limits>
 #include <optional>
 

@@ -8,6 +8,8 @@
 
 #include <throng/crowd.h>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cmath>
 

@@ -1,7 +1,7 @@
 // The report of the benchmarks: figures and tables from its records (bench/README.md), each device for itself.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include <span>
 #include <string>

@@ -3,6 +3,8 @@
 #include "base/failure.h"
 #include "bench/scan_cell.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>

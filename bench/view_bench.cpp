@@ -10,6 +10,8 @@
 
 #include <throng/reference.h>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -5,7 +5,7 @@
 
 #include <throng/draw.h>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include <functional>
 #include <span>

@@ -5,6 +5,8 @@
 #include "bench/statistics.h"
 #include "tests/kernel_runner.h"
 
+#include <nlohmann/json.hpp>
+
 #include <cmath>
 #include <cstdio>
 #include <limits>

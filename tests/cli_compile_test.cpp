@@ -1,6 +1,8 @@
 // `throng compile`, and the other commands with what it writes in place of its source.
 #include "tests/tool_runner.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <set>
 
@@ -114,7 +116,7 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
                     {{"compile", source(), "-o", file("nowhere/out.throng")}, "nowhere"},
                     {{"compile", source(), "-o", file("folder")}, "folder"},
                     {{"compile", source(), "-o", "/dev/null"}, "/dev/null"},
-                    {{"compile", source(), "-o", source()}, "the source itself"},
+                    {{"compile", source(), "-o", source()}, "would be written over " + source()},
                     {{"compile", compiled, "-o", out}, "compiled already"},
                     {{"compile", damaged, "-o", out}, "damaged.throng: is damaged"},
                     {{"compile", newer, "-o", out}, "newer.throng: version 3, this throng reads version 2"},

@@ -2,6 +2,8 @@
 #include "tests/text.h"
 #include "tests/tool_runner.h"
 
+#include <nlohmann/json.hpp>
+
 #include <set>
 
 namespace throng {

@@ -1,6 +1,8 @@
 // Creatures that the command line writes, as other programs read them: three.js, and the validator of Khronos.
 #include "tests/tool_runner.h"
 
+#include <nlohmann/json.hpp>
+
 #include <cmath>
 
 namespace throng::test {

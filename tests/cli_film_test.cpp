@@ -2,6 +2,8 @@
 #include "tests/glb_builder.h"
 #include "tests/tool_runner.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>

@@ -2,6 +2,8 @@
 #include "tests/png.h"
 #include "tests/tool_runner.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -8,6 +8,8 @@
 #include "tests/text.h"
 #include "tools/creature.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

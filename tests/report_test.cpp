@@ -9,6 +9,8 @@
 #include "tests/files.h"
 #include "tests/text.h"
 
+#include <nlohmann/json.hpp>
+
 #include <gtest/gtest.h>
 
 #include <cmath>

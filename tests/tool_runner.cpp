@@ -1,5 +1,7 @@
 #include "tests/tool_runner.h"
 
+#include <nlohmann/json.hpp>
+
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>

@@ -3,6 +3,8 @@
 #include "tests/kernel_runner.h"
 #include "tools/creature.h"
 
+#include <nlohmann/json.hpp>
+
 #include <map>
 #include <numeric>
 

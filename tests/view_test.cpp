@@ -5,6 +5,8 @@
 #include "tools/view/orbit.h"
 #include "tools/view/pick.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -181,6 +183,15 @@ TEST_F(View, CountsWhatIsDrawn) {
     };
     EXPECT_LT(drawn("move 0 0")[0], 40u) << "too near to see all";
     EXPECT_EQ(drawn("type l"), std::vector{40u}) << "without culling";
+}
+
+TEST_F(View, PicturesAreNotWrittenOverWhatWasDropped) {
+    const std::string dropped = file("dropped.glb");
+    fs::copy_file(file("other.glb"), dropped);
+    const Outcome run = run_tool({"view", file("one.glb"), "--size", "640x400", "--script", write("events.txt", "2 drop " + dropped + "\n5 shot " + dropped + "\n")},
+                                 {.environment = {{"DISPLAY", display_->name()}}, .time_limit_s = 120});
+    EXPECT_TRUE(run.refused("dropped.glb: would be written over ")) << run;
+    EXPECT_EQ(read_file(dropped), read_file(file("other.glb")));
 }
 
 TEST_F(View, DropsReplaceTheScene) {

@@ -3,7 +3,10 @@
 #include "bench/statistics.h"
 #include "tools/command.h"
 #include "tools/creature.h"
+#include "tools/options.h"
 #include "tools/scatter.h"
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -135,18 +138,18 @@ void run_bench(const BenchOptions& options) {
 
 }  // namespace
 
-void add_bench(CLI::App& app) {
-    CLI::App& command = *app.add_subcommand("bench", "milliseconds per stage, checked against the reference first");
+void add_bench(Command app) {
+    Command command = app.add_subcommand("bench", "milliseconds per stage, checked against the reference first");
     auto options = std::make_shared<BenchOptions>();
     command.add_option("files", options->files, "glTF 2.0 files (default: a generated creature)");
-    command.add_option("--joints", options->creature.joint_count, "of the generated creature")->capture_default_str();
-    command.add_option("--levels", options->creature.level_count, "of the generated creature")->capture_default_str();
-    command.add_option("--seed", options->seed, "of clips, times and blends")->capture_default_str();
-    command.add_option("--count", options->count, "characters in all")->check(CLI::Range(1u, 10'000'000u))->capture_default_str();
-    command.add_option("--samples", options->samples, "updates timed")->check(CLI::Range(1u, 100'000u))->capture_default_str();
+    command.add_option("--joints", options->creature.joint_count, "of the generated creature").capture_default_str();
+    command.add_option("--levels", options->creature.level_count, "of the generated creature").capture_default_str();
+    command.add_option("--seed", options->seed, "of clips, times and blends").capture_default_str();
+    command.add_option("--count", options->count, "characters in all").check(range(1u, 10'000'000u)).capture_default_str();
+    command.add_option("--samples", options->samples, "updates timed").check(range(1u, 100'000u)).capture_default_str();
     add_path_option(command, options->path);
     add_error_option(command, options->compile);
-    command.add_option("--scan", options->scan, "method of the Hierarchy-Scan, or all of them")->check(scan_name({"all", "auto"}))->capture_default_str();
+    command.add_option("--scan", options->scan, "method of the Hierarchy-Scan, or all of them").check(scan_name({"all", "auto"})).capture_default_str();
     add_device_option(command, options->device);
     command.add_flag("--json", options->json, "a JSON record a line; its commit is taken from THRONG_COMMIT");
     command.footer("Examples:\n  throng bench\n  throng bench --joints 300 --levels 120 --count 1000 --scan serial\n  throng bench fox.glb --count 5000 --json");
@@ -157,8 +160,8 @@ void add_bench(CLI::App& app) {
     add_bench_baselines(command);
     add_bench_report(command);
     add_bench_diagrams(command);
-    command.callback([options, &command] {
-        if (command.get_subcommands().empty()) run_bench(*options);
+    command.callback([options, command] {
+        if (!command.has_subcommand()) run_bench(*options);
     });
 }
 

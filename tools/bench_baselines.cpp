@@ -7,7 +7,11 @@
 #include "tools/command.h"
 #include "tools/creature.h"
 #include "tools/creature_math.h"
+#include "tools/inputs.h"
+#include "tools/options.h"
 #include "tools/scatter.h"
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cstdio>
@@ -213,6 +217,7 @@ std::vector<nlohmann::json> compare(const Device& device, const Character& chara
 }
 
 void run_baselines(const BaselineOptions& options) {
+    keep_inputs(options.files, {options.json});
     const Device device = open_device(options.device);
     std::string lines;
     const auto run = [&](const Character& character, const std::string& file) {
@@ -232,17 +237,17 @@ void run_baselines(const BaselineOptions& options) {
 
 }  // namespace
 
-void add_bench_baselines(CLI::App& bench) {
-    CLI::App& command = *bench.add_subcommand("baselines", "what baked and flattened clips save in time, and cost in memory and shape");
+void add_bench_baselines(Command bench) {
+    Command command = bench.add_subcommand("baselines", "what baked and flattened clips save in time, and cost in memory and shape");
     auto options = std::make_shared<BaselineOptions>();
     command.add_option("files", options->files, "glTF 2.0 files, in metres (default: generated creatures)");
-    command.add_option("--joints", options->joints, "of the generated creatures")->capture_default_str();
-    command.add_option("--levels", options->levels, "of the generated creatures")->delimiter(',')->capture_default_str();
-    command.add_option("--count", options->count, "instances of each character")->check(CLI::Range(1u, 10'000'000u))->capture_default_str();
-    command.add_option("--samples", options->samples, "updates timed")->check(CLI::Range(1u, 100'000u))->capture_default_str();
-    command.add_option("--rate", options->rate, "frames a second of baked clips")->check(CLI::Range(0.1, 10'000.0))->capture_default_str();
-    command.add_option("--seed", options->seed, "of creatures, clips, times and blends")->capture_default_str();
-    command.add_option("--json", options->json, "a file for the records, one a line; their commit is taken from THRONG_COMMIT")->check(writable_file());
+    command.add_option("--joints", options->joints, "of the generated creatures").capture_default_str();
+    command.add_option("--levels", options->levels, "of the generated creatures").delimiter(',').capture_default_str();
+    command.add_option("--count", options->count, "instances of each character").check(range(1u, 10'000'000u)).capture_default_str();
+    command.add_option("--samples", options->samples, "updates timed").check(range(1u, 100'000u)).capture_default_str();
+    command.add_option("--rate", options->rate, "frames a second of baked clips").check(range(0.1, 10'000.0)).capture_default_str();
+    command.add_option("--seed", options->seed, "of creatures, clips, times and blends").capture_default_str();
+    command.add_option("--json", options->json, "a file for the records, one a line; their commit is taken from THRONG_COMMIT").check(writable_file());
     add_device_option(command, options->device);
     command.footer("Examples:\n  throng bench baselines\n  throng bench baselines --levels 15,120 --count 1000 --rate 60\n  throng bench baselines fox.glb --json baselines.jsonl");
     command.callback([options] { unwrap(as_result([&] { run_baselines(*options); })); });

@@ -2,6 +2,9 @@
 #include "bench/control_bench.h"
 #include "tools/command.h"
 #include "tools/creature.h"
+#include "tools/options.h"
+
+#include <nlohmann/json.hpp>
 
 #include <cstdio>
 
@@ -53,14 +56,14 @@ void run_control(const ControlOptions& options) {
 
 }  // namespace
 
-void add_bench_control(CLI::App& bench) {
-    CLI::App& command = *bench.add_subcommand("control", "state machines: 12 states in 3 layers for each character, checked, then timed beside the whole update");
+void add_bench_control(Command bench) {
+    Command command = bench.add_subcommand("control", "state machines: 12 states in 3 layers for each character, checked, then timed beside the whole update");
     auto options = std::make_shared<ControlOptions>();
-    command.add_option("--characters", options->counts, "numbers of characters, comma-separated")->delimiter(',')->check(CLI::Range(1u, 1'000'000u))->capture_default_str();
-    command.add_option("--joints", options->joints, "joints of each; fewer where all together would pass 4,000,000")->check(CLI::Range(40u, 1000u))->capture_default_str();
-    command.add_option("--levels", options->levels, "levels of the skeletons, at most a third of the joints")->check(CLI::Range(8u, 300u))->capture_default_str();
-    command.add_option("--samples", options->samples, "updates timed")->check(CLI::Range(1u, 100'000u))->capture_default_str();
-    command.add_option("--seed", options->seed, "of creatures and parameters")->capture_default_str();
+    command.add_option("--characters", options->counts, "numbers of characters, comma-separated").delimiter(',').check(range(1u, 1'000'000u)).capture_default_str();
+    command.add_option("--joints", options->joints, "joints of each; fewer where all together would pass 4,000,000").check(range(40u, 1000u)).capture_default_str();
+    command.add_option("--levels", options->levels, "levels of the skeletons, at most a third of the joints").check(range(8u, 300u)).capture_default_str();
+    command.add_option("--samples", options->samples, "updates timed").check(range(1u, 100'000u)).capture_default_str();
+    command.add_option("--seed", options->seed, "of creatures and parameters").capture_default_str();
     command.add_flag("--json", options->json, "a JSON record a line; its commit is taken from THRONG_COMMIT");
     add_device_option(command, options->device);
     command.footer("Examples:\n  throng bench control\n  throng bench control --characters 10000 --joints 64\n  throng bench control --json > control.jsonl");

@@ -4,7 +4,11 @@
 #include "bench/scan_report.h"
 #include "tools/command.h"
 #include "tools/creature.h"
+#include "tools/inputs.h"
+#include "tools/options.h"
 #include "tools/scatter.h"
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cstdio>
@@ -116,6 +120,7 @@ private:
 };
 
 void run_frame(const FrameOptions& options) {
+    keep_inputs(options.files, {options.report});
     if (!options.report.empty()) bench::run_gnuplot("");  // where it is missing, that is said before the minutes of work
     FrameRun run(options);
     for (const std::string& file : options.files) run.measure_file(file);
@@ -131,22 +136,22 @@ void run_frame(const FrameOptions& options) {
 
 }  // namespace
 
-void add_bench_frame(CLI::App& bench) {
-    CLI::App& command = *bench.add_subcommand("frame", "whole updates, staged and fused, in each output format: checked, then timed beside a fill and a copy of the same bytes");
+void add_bench_frame(Command bench) {
+    Command command = bench.add_subcommand("frame", "whole updates, staged and fused, in each output format: checked, then timed beside a fill and a copy of the same bytes");
     auto options = std::make_shared<FrameOptions>();
     command.add_option("files", options->files, "glTF 2.0 files (default: generated creatures of 64 to 1,000 joints, up to 100,000 of them)");
-    command.add_option("--count", options->count, "characters in each configuration (default: its own)")->check(CLI::Range(1u, 10'000'000u));
-    CLI::Option* samples = command.add_option("--samples", options->samples, "rounds timed")->check(CLI::Range(1u, 100'000u))->capture_default_str();
+    command.add_option("--count", options->count, "characters in each configuration (default: its own)").check(range(1u, 10'000'000u));
+    Option samples = command.add_option("--samples", options->samples, "rounds timed").check(range(1u, 100'000u)).capture_default_str();
     add_error_option(command, options->compile);
-    command.add_option("--seed", options->seed, "of creatures, clips, times and blends")->capture_default_str();
+    command.add_option("--seed", options->seed, "of creatures, clips, times and blends").capture_default_str();
     command.add_flag("--quick", options->quick, "a tenth of the characters, and 3 rounds");
     command.add_flag("--json", options->json, "a JSON record a line; its commit is taken from THRONG_COMMIT");
-    command.add_option("--report", options->report, "a file for the report, one HTML page")->check(writable_file());
+    command.add_option("--report", options->report, "a file for the report, one HTML page").check(writable_file());
     add_device_option(command, options->device);
     command.footer("Examples:\n  throng bench frame\n  throng bench frame --quick --report frame.html\n"
                    "  throng bench frame fox.glb --count 5000 --error exact\n  throng bench frame --json > frame.jsonl");
     command.callback([options, samples] {
-        if (options->quick && samples->empty()) options->samples = 3;
+        if (options->quick && samples.empty()) options->samples = 3;
         run_frame(*options);
     });
 }

@@ -2,6 +2,10 @@
 #include "bench/report/records.h"
 #include "bench/scan_report.h"
 #include "tools/command.h"
+#include "tools/inputs.h"
+#include "tools/options.h"
+
+#include <nlohmann/json.hpp>
 
 namespace throng::tools {
 namespace {
@@ -14,6 +18,7 @@ struct ReportOptions {
 void write_text(const std::string& path, const std::string& text) { write_file(path, std::as_bytes(std::span(text))); }
 
 void run_report(const ReportOptions& options) {
+    keep_inputs(options.files, {options.out, options.plot});
     std::vector<nlohmann::json> records;
     for (const std::string& file : options.files)
         for (nlohmann::json& record : bench::read_records(file)) records.push_back(std::move(record));
@@ -23,12 +28,12 @@ void run_report(const ReportOptions& options) {
 
 }  // namespace
 
-void add_bench_report(CLI::App& bench_command) {
-    CLI::App& command = *bench_command.add_subcommand("report", "records of 'throng bench scan', 'baselines' and 'frame' as an HTML page with figures, by gnuplot");
+void add_bench_report(Command bench_command) {
+    Command command = bench_command.add_subcommand("report", "records of 'throng bench scan', 'baselines' and 'frame' as an HTML page with figures, by gnuplot");
     auto options = std::make_shared<ReportOptions>();
-    command.add_option("records", options->files, "files of records, one a line; of a case measured twice the last counts")->required();
+    command.add_option("records", options->files, "files of records, one a line; of a case measured twice the last counts").required();
     add_out_option(command, options->out, "the .html file to write; it needs no other file");
-    command.add_option("--plot", options->plot, "a file for the figure of time over levels, SVG")->check(writable_file());
+    command.add_option("--plot", options->plot, "a file for the figure of time over levels, SVG").check(writable_file());
     command.footer("Example:\n  throng bench report scan.jsonl baselines.jsonl --out report.html --plot levels.svg");
     command.callback([options] { run_report(*options); });
 }

@@ -3,6 +3,9 @@
 #include "bench/scan_bench.h"
 #include "bench/scan_report.h"
 #include "tools/command.h"
+#include "tools/options.h"
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cstdio>
@@ -74,29 +77,29 @@ void run_scan(const ScanOptions& options) {
 
 }  // namespace
 
-void add_bench_scan(CLI::App& bench_command) {
-    CLI::App& command = *bench_command.add_subcommand("scan", "the methods of the Hierarchy-Scan: each checked, then timed beside a copy of the same bytes");
+void add_bench_scan(Command bench_command) {
+    Command command = bench_command.add_subcommand("scan", "the methods of the Hierarchy-Scan: each checked, then timed beside a copy of the same bytes");
     auto options = std::make_shared<ScanOptions>();
     bench::ScanBenchSettings& settings = options->settings;
     std::vector<std::string> shapes, experiments = bench::scan_experiments();
     for (const bench::SkeletonShape shape : bench::kSkeletonShapes) shapes.emplace_back(name_of(shape));
     experiments.push_back("all");
 
-    command.add_option("--methods", options->methods, "all, or names with their invocations a character or without")->delimiter(',')->check(scan_name({"all"}))->capture_default_str();
-    const std::vector<CLI::Option*> of_levels{
-        command.add_option("--characters", settings.characters, "of the experiment 'levels'")->check(CLI::Range(1u, 10'000'000u))->capture_default_str(),
-        command.add_option("--joints", settings.joints, "of each character there")->check(CLI::Range(1u, 65'535u))->capture_default_str(),
-        command.add_option("--levels", settings.levels, "of random skeletons; the others' follow from the joints")->delimiter(',')->check(CLI::Range(1u, 65'535u))->capture_default_str(),
-        command.add_option("--shape", options->shape, "of the skeleton")->check(CLI::IsMember(shapes))->capture_default_str()};
-    command.add_option("--seed", settings.seed, "of skeletons and poses")->capture_default_str();
-    CLI::Option* samples = command.add_option("--samples", settings.sampling.samples, "of each method in each case, where the time suffices")->check(CLI::Range(1u, 100'000u))->capture_default_str();
-    CLI::Option* chosen = command.add_option("--experiments", settings.experiments,
+    command.add_option("--methods", options->methods, "all, or names with their invocations a character or without").delimiter(',').check(scan_name({"all"})).capture_default_str();
+    const std::vector<Option> of_levels{
+        command.add_option("--characters", settings.characters, "of the experiment 'levels'").check(range(1u, 10'000'000u)).capture_default_str(),
+        command.add_option("--joints", settings.joints, "of each character there").check(range(1u, 65'535u)).capture_default_str(),
+        command.add_option("--levels", settings.levels, "of random skeletons; the others' follow from the joints").delimiter(',').check(range(1u, 65'535u)).capture_default_str(),
+        command.add_option("--shape", options->shape, "of the skeleton").check(is_member(shapes)).capture_default_str()};
+    command.add_option("--seed", settings.seed, "of skeletons and poses").capture_default_str();
+    Option samples = command.add_option("--samples", settings.sampling.samples, "of each method in each case, where the time suffices").check(range(1u, 100'000u)).capture_default_str();
+    Option chosen = command.add_option("--experiments", settings.experiments,
                                              "levels: the paper's; joints: 16 to 4096; characters: 1 to 100,000; on_chip: without memory; grid: 42 cases for the planner")
-                              ->delimiter(',')->check(CLI::IsMember(experiments))->capture_default_str();
-    CLI::Option* budget = command.add_option("--budget", settings.sampling.budget_s, "seconds; what is slow gets fewer samples then, but 3 at least")->check(CLI::Range(1.0, 1e6))->capture_default_str();
+                              .delimiter(',').check(is_member(experiments)).capture_default_str();
+    Option budget = command.add_option("--budget", settings.sampling.budget_s, "seconds; what is slow gets fewer samples then, but 3 at least").check(range(1.0, 1e6)).capture_default_str();
     command.add_flag("--quick", settings.quick, "less of everything: under a minute");
-    command.add_option("--json", options->json, "a file for the records, one a line; their commit is taken from THRONG_COMMIT")->check(writable_file());
-    command.add_option("--report", options->report, "a file for the report, one HTML page")->check(writable_file());
+    command.add_option("--json", options->json, "a file for the records, one a line; their commit is taken from THRONG_COMMIT").check(writable_file());
+    command.add_option("--report", options->report, "a file for the report, one HTML page").check(writable_file());
     add_device_option(command, options->device);
     command.footer("Without options: the paper's experiment, and how the methods scale with joints and characters.\nExamples:\n"
                    "  throng bench scan\n  throng bench scan --quick --json scan.jsonl --report scan.html\n"
@@ -105,14 +108,14 @@ void add_bench_scan(CLI::App& bench_command) {
     command.callback([=] {
         bench::ScanBenchSettings& s = options->settings;
         if (s.quick) {
-            if (of_levels[0]->empty()) s.characters = 1'000;
-            if (of_levels[2]->empty()) s.levels = {15, 60, 120};
-            if (samples->empty()) s.sampling.samples = 3;
-            if (budget->empty()) s.sampling.budget_s = 20;
+            if (of_levels[0].empty()) s.characters = 1'000;
+            if (of_levels[2].empty()) s.levels = {15, 60, 120};
+            if (samples.empty()) s.sampling.samples = 3;
+            if (budget.empty()) s.sampling.budget_s = 20;
             s.sampling.least_samples = 1;
         }
-        const bool asks_for_levels = std::any_of(of_levels.begin(), of_levels.end(), [](const CLI::Option* option) { return !option->empty(); });
-        if (chosen->empty() && asks_for_levels) s.experiments = {"levels", "on_chip"};
+        const bool asks_for_levels = std::any_of(of_levels.begin(), of_levels.end(), [](Option option) { return !option.empty(); });
+        if (chosen.empty() && asks_for_levels) s.experiments = {"levels", "on_chip"};
         if (std::find(s.experiments.begin(), s.experiments.end(), "all") != s.experiments.end()) s.experiments = bench::default_scan_experiments();
         s.shape = *std::find_if(bench::kSkeletonShapes.begin(), bench::kSkeletonShapes.end(), [&](bench::SkeletonShape shape) { return name_of(shape) == options->shape; });
         if (std::find(options->methods.begin(), options->methods.end(), "all") == options->methods.end()) s.methods = options->methods;

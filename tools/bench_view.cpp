@@ -1,8 +1,11 @@
 // throng bench view: what an update for a view leaves out, and gains.
 #include "bench/view_bench.h"
 #include "tools/creature.h"
+#include "tools/options.h"
 #include "tools/scatter.h"
 #include "tools/shot.h"
+
+#include <nlohmann/json.hpp>
 
 #include <cstdio>
 #include <filesystem>
@@ -71,21 +74,21 @@ void run_view(const ViewOptions& options) {
 
 }  // namespace
 
-void add_bench_view(CLI::App& bench) {
-    CLI::App& command = *bench.add_subcommand("view", "updates of what a camera sees: culled, with fewer joints, less often where small; checked, then timed beside an update of everything");
+void add_bench_view(Command bench) {
+    Command command = bench.add_subcommand("view", "updates of what a camera sees: culled, with fewer joints, less often where small; checked, then timed beside an update of everything");
     auto options = std::make_shared<ViewOptions>();
-    CLI::Option* file = command.add_option("file", options->file, "a glTF 2.0 or .throng file (default: a generated creature)");
-    command.add_option("--count", options->count, "characters")->check(CLI::Range(1u, 10'000'000u))->capture_default_str();
-    command.add_option("--joints", options->joints, "of the generated creature")->excludes(file)->capture_default_str();
-    command.add_option("--levels", options->levels, "of the generated creature")->excludes(file)->capture_default_str();
-    command.add_option("--faces", options->faces, "of the generated creature")->excludes(file)->capture_default_str();
-    command.add_option("--size", options->size, "of the picture that the camera takes")->capture_default_str();
+    Option file = command.add_option("file", options->file, "a glTF 2.0 or .throng file (default: a generated creature)");
+    command.add_option("--count", options->count, "characters").check(range(1u, 10'000'000u)).capture_default_str();
+    command.add_option("--joints", options->joints, "of the generated creature").excludes(file).capture_default_str();
+    command.add_option("--levels", options->levels, "of the generated creature").excludes(file).capture_default_str();
+    command.add_option("--faces", options->faces, "of the generated creature").excludes(file).capture_default_str();
+    command.add_option("--size", options->size, "of the picture that the camera takes").capture_default_str();
     add_camera_options(command, options->camera);
-    command.add_option("--detail-pixels", options->detail_pixels, "pixels by which coarser levels of detail, and their joints, may be off")->check(finite())->check(CLI::Range(0.01, 1000.0))->capture_default_str();
-    command.add_option("--full-rate", options->full_rate_pixels, "pixels: smaller characters are animated less often, in the last variant")->check(finite())->check(CLI::Range(0.0, 1e30))->capture_default_str();
-    command.add_option("--samples", options->samples, "updates timed")->check(CLI::Range(1u, 100'000u))->capture_default_str();
+    command.add_option("--detail-pixels", options->detail_pixels, "pixels by which coarser levels of detail, and their joints, may be off").check(finite()).check(range(0.01, 1000.0)).capture_default_str();
+    command.add_option("--full-rate", options->full_rate_pixels, "pixels: smaller characters are animated less often, in the last variant").check(finite()).check(range(0.0, 1e30)).capture_default_str();
+    command.add_option("--samples", options->samples, "updates timed").check(range(1u, 100'000u)).capture_default_str();
     add_error_option(command, options->compile);
-    command.add_option("--seed", options->seed, "of creature, clips, times and blends")->capture_default_str();
+    command.add_option("--seed", options->seed, "of creature, clips, times and blends").capture_default_str();
     command.add_flag("--json", options->json, "a JSON record a line; its commit is taken from THRONG_COMMIT");
     add_device_option(command, options->device);
     command.footer("Examples:\n  throng bench view\n  throng bench view fox.glb --count 10000 --camera orbit\n  throng bench view --json > view.jsonl");

@@ -1,6 +1,7 @@
 #include "tools/camera_path.h"
 
 #include "tools/command.h"
+#include "tools/options.h"
 
 #include <algorithm>
 #include <cmath>
@@ -133,17 +134,17 @@ Camera CameraPath::at(double time_s, const CameraSubject& subject) const {
     return fit_camera(subject.bounds, subject.aspect_ratio);
 }
 
-void add_camera_options(CLI::App& app, CameraOptions& options) {
+void add_camera_options(Command app, CameraOptions& options) {
     std::string help;
     for (const Preset& preset : presets()) {
         help += (help.empty() ? "" : "; ") + std::string(preset.name) + ", " + preset.what;
         if (!preset.parameters.empty()) help += " (" + names_of(preset.parameters) + ")";
     }
-    app.add_option("--camera", options.path, help + "; for example orbit:seconds=30,height=2")->capture_default_str();
-    CLI::Option* eye = app.add_option("--eye", options.eye, "where the camera stands, x,y,z in metres")->delimiter(',')->expected(3)->check(finite());
-    CLI::Option* target = app.add_option("--target", options.target, "where it looks, x,y,z in metres")->delimiter(',')->expected(3)->check(finite());
-    eye->needs(target)->excludes("--camera");
-    target->needs(eye);
+    Option camera = app.add_option("--camera", options.path, help + "; for example orbit:seconds=30,height=2").capture_default_str();
+    Option eye = app.add_option("--eye", options.eye, "where the camera stands, x,y,z in metres").delimiter(',').expected(3).check(finite());
+    Option target = app.add_option("--target", options.target, "where it looks, x,y,z in metres").delimiter(',').expected(3).check(finite());
+    eye.needs(target).excludes(camera);
+    target.needs(eye);
 }
 
 CameraPath make_camera_path(const CameraOptions& options) {

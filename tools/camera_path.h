@@ -3,8 +3,6 @@
 
 #include <throng/draw.h>
 
-#include <CLI/CLI.hpp>
-
 #include <map>
 #include <optional>
 #include <string>
@@ -46,7 +44,8 @@ struct CameraOptions {
     std::string path = "fit";
     std::vector<float> eye, target;  // 3 numbers each, or none
 };
-void add_camera_options(CLI::App& app, CameraOptions& options);
+class Command;
+void add_camera_options(Command app, CameraOptions& options);
 // Throws CommandError.
 CameraPath make_camera_path(const CameraOptions& options);
 

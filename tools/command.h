@@ -1,12 +1,11 @@
-// What the subcommands share: errors, common options, output.
+// What the subcommands share: errors, characters, output.
 #pragma once
 
 #include "tools/stages.h"
 
 #include <throng/throng.h>
 
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include <array>
 #include <filesystem>
@@ -33,27 +32,7 @@ T unwrap(Result<T> result) {
 // The whole text as a number.
 std::optional<uint32_t> parse_number(std::string_view text);
 
-// For options in seconds: "nan" and "inf" would be taken for numbers otherwise.
-CLI::Validator finite();
-
-// --device, for every command that uses one.
-void add_device_option(CLI::App& app, std::string& select);
 Device open_device(const std::string& select);
-
-// A name of scan_methods(), with invocations a character or without, or one of `others`.
-CLI::Validator scan_name(const std::vector<std::string>& others);
-
-// --scan
-void add_scan_option(CLI::App& app, std::string& scan);
-
-// --path; the value that `path` has is the default.
-void add_path_option(CLI::App& app, UpdatePath& path);
-
-// --error: PERCENT of the character's size, or 'exact'. Refused with a compiled file, which has its own.
-void add_error_option(CLI::App& app, CompileSettings& settings);
-
-// --root-motion: JOINT. Added beside --error, and refused as that is.
-void add_root_motion_option(CLI::App& app, CompileSettings& settings);
 
 std::vector<Character> load_characters(const std::vector<std::string>& files, const CompileSettings& settings);
 
@@ -89,32 +68,7 @@ void print_progress(const std::string& text);
 
 void print_json(const nlohmann::json& json);
 
-// For files to write. Said before the work is done: the folder must be there and writable, and what stands there already a plain file.
-CLI::Validator writable_file();
-
-// -o and --out, required.
-void add_out_option(CLI::App& app, std::string& out, const std::string& description);
-
 // As replace_file(), with a CommandError.
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
-
-// Each adds one subcommand, which runs when it is parsed.
-void add_info(CLI::App& app);
-void add_compile(CLI::App& app);
-void add_controller(CLI::App& app);
-void add_pose(CLI::App& app);
-void add_render(CLI::App& app);
-void add_view(CLI::App& app);
-void add_generate(CLI::App& app);
-void add_bench(CLI::App& app);
-void add_bench_frame(CLI::App& bench);
-void add_bench_control(CLI::App& bench);
-void add_bench_view(CLI::App& bench);
-void add_bench_scan(CLI::App& bench);
-void add_bench_baselines(CLI::App& bench);
-void add_bench_report(CLI::App& bench);
-void add_bench_diagrams(CLI::App& bench);
-void add_tune(CLI::App& app);
-void add_devices(CLI::App& app);
 
 }  // namespace throng::tools

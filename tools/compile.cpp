@@ -1,4 +1,8 @@
 #include "tools/command.h"
+#include "tools/inputs.h"
+#include "tools/options.h"
+
+#include <nlohmann/json.hpp>
 
 #include <cstdio>
 
@@ -12,13 +16,13 @@ struct CompileOptions {
 };
 
 Character compile(const CompileOptions& options) {
-    std::error_code unknown;
-    if (std::filesystem::equivalent(options.file, options.out, unknown)) throw CommandError(options.out + " is the source itself; give --out another name");
+    keep_inputs({options.file}, {options.out});
     if (is_compiled_file(options.file)) {
         unwrap(load_character(options.file));  // a damaged one says so
         throw CommandError(options.file + " is compiled already; give its source, a glTF file");
     }
-    // It may be a glTF file's .bin.
+    // It may be another file's.
+    std::error_code unknown;
     if (std::filesystem::exists(options.out, unknown) && !is_compiled_file(options.out))
         throw CommandError(options.out + " is there, and not a compiled character; give --out another name, or remove it");
     print_progress("reading " + options.file);
@@ -73,10 +77,10 @@ void run_compile(const CompileOptions& options) {
 
 }  // namespace
 
-void add_compile(CLI::App& app) {
-    CLI::App& command = *app.add_subcommand("compile", "compress a .glb or .gltf file's clips, and write what the GPU reads, to be loaded at once");
+void add_compile(Command app) {
+    Command command = app.add_subcommand("compile", "compress a .glb or .gltf file's clips, and write what the GPU reads, to be loaded at once");
     auto options = std::make_shared<CompileOptions>();
-    command.add_option("file", options->file, "a glTF 2.0 file")->required();
+    command.add_option("file", options->file, "a glTF 2.0 file").required();
     add_out_option(command, options->out, "the .throng file to write; every command takes it in place of its source");
     add_error_option(command, options->settings);
     add_root_motion_option(command, options->settings);

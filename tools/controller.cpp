@@ -1,8 +1,12 @@
 #include "tools/command.h"
 #include "tools/controller_text.h"
 #include "tools/graphviz.h"
+#include "tools/inputs.h"
+#include "tools/options.h"
 
 #include <throng/controller.h>
+
+#include <nlohmann/json.hpp>
 
 #include <cstdio>
 
@@ -93,10 +97,10 @@ void run_check(const CheckOptions& options) {
     else print_text(controller, options);
 }
 
-void add_check(CLI::App& controller) {
-    CLI::App& command = *controller.add_subcommand("check", "what is in a controller, and whether it can drive characters");
+void add_check(Command controller) {
+    Command command = controller.add_subcommand("check", "what is in a controller, and whether it can drive characters");
     auto options = std::make_shared<CheckOptions>();
-    command.add_option("file", options->file, "a controller's .json file")->required();
+    command.add_option("file", options->file, "a controller's .json file").required();
     command.add_option("--character", options->characters, "glTF 2.0 or .throng files that must have its clips and joints");
     command.add_flag("--json", options->json, "as JSON");
     command.footer("Examples:\n  throng controller check guard.json\n  throng controller check guard.json --character knight.glb\n"
@@ -104,23 +108,24 @@ void add_check(CLI::App& controller) {
     command.callback([options] { run_check(*options); });
 }
 
-void add_graph(CLI::App& controller) {
+void add_graph(Command controller) {
     struct GraphOptions {
         std::string file, out;
     };
-    CLI::App& command = *controller.add_subcommand("graph", "draw a controller's states and transitions");
+    Command command = controller.add_subcommand("graph", "draw a controller's states and transitions");
     auto options = std::make_shared<GraphOptions>();
-    command.add_option("file", options->file, "a controller's .json file")->required();
+    command.add_option("file", options->file, "a controller's .json file").required();
     const auto check_kind = [](const std::string& name) {
         return name.ends_with(".svg") || name.ends_with(".dot") ? "" : "'" + name + "' ends neither in .svg nor in .dot";
     };
     command.add_option("-o,--out", options->out, "the .svg file to write, or a .dot file for Graphviz")
-        ->required()
-        ->check(CLI::Validator(check_kind, ""))
-        ->check(writable_file());
+        .required()
+        .check(Check(check_kind))
+        .check(writable_file());
     command.footer("Examples:\n  throng controller graph guard.json -o guard.svg\n"
                    "  throng controller graph guard.json -o guard.dot && dot -Tpng guard.dot > guard.png");
     command.callback([options] {
+        keep_inputs({options->file}, {options->out});
         const std::string graph = controller_graph(unwrap(load_controller(options->file)));
         const std::string content = options->out.ends_with(".svg") ? run_graphviz(graph) : graph;
         write_file(options->out, std::as_bytes(std::span(content)));
@@ -129,15 +134,12 @@ void add_graph(CLI::App& controller) {
 
 }  // namespace
 
-void add_controller(CLI::App& app) {
-    CLI::App& command = *app.add_subcommand("controller", "check and draw controllers: state machines that say what characters play");
-    command.require_subcommand(0, 1);  // none is said below: with 1, a misspelt one would not be named
+void add_controller(Command app) {
+    Command command = app.add_subcommand("controller", "check and draw controllers: state machines that say what characters play");
+    command.require_subcommand("check or graph");
     command.footer("'throng controller check --help' and 'graph --help' have examples.");
     add_check(command);
     add_graph(command);
-    command.callback([&command] {
-        if (command.get_subcommands().empty()) throw CLI::RequiredError("A command: check or graph");
-    });
 }
 
 }  // namespace throng::tools

@@ -1,6 +1,7 @@
 #include "tools/crowd_scene.h"
 
 #include "tools/agents.h"
+#include "tools/options.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,16 +27,16 @@ void check_lengths(const SceneOptions& options) {
 
 }  // namespace
 
-void add_scene_options(CLI::App& app, SceneOptions& options) {
-    static const std::map<std::string, Formation> formations{{"grid", Formation::kGrid}, {"disc", Formation::kDisc}, {"path", Formation::kPath}, {"random", Formation::kRandom}};
-    app.add_option("files", options.files, "glTF 2.0 or .throng files; several are mixed, scaled to one size unless --sizes says otherwise")->required();
-    CLI::Option* count = app.add_option("--count", options.count, "characters in all")->check(CLI::Range(1u, kMostCharacters))->capture_default_str();
-    app.add_option("--counts", options.counts, "characters of each file, comma-separated (default: --count, dealt out evenly)")->delimiter(',')->excludes(count);
-    app.add_option("--sizes", options.sizes, "height of each file's character, metres, comma-separated; then each takes only the room that it needs")->delimiter(',')->check(finite())->check(CLI::Range(0.001, 100000.0));
-    app.add_option("--placement", options.formation, "grid, disc (facing outwards), path (a parade) or random (but apart)")->transform(CLI::CheckedTransformer(formations))->default_str("grid");
-    app.add_option("--spacing", options.spacing, "room for each character, in its own width")->check(finite())->check(CLI::Range(0.1, 100.0))->capture_default_str();
+void add_scene_options(Command app, SceneOptions& options) {
+    const std::map<std::string, Formation> formations{{"grid", Formation::kGrid}, {"disc", Formation::kDisc}, {"path", Formation::kPath}, {"random", Formation::kRandom}};
+    app.add_option("files", options.files, "glTF 2.0 or .throng files; several are mixed, scaled to one size unless --sizes says otherwise").required();
+    Option count = app.add_option("--count", options.count, "characters in all").check(range(1u, kMostCharacters)).capture_default_str();
+    app.add_option("--counts", options.counts, "characters of each file, comma-separated (default: --count, dealt out evenly)").delimiter(',').excludes(count);
+    app.add_option("--sizes", options.sizes, "height of each file's character, metres, comma-separated; then each takes only the room that it needs").delimiter(',').check(finite()).check(range(0.001, 100000.0));
+    app.add_choice("--placement", options.formation, formations, "grid, disc (facing outwards), path (a parade) or random (but apart)");
+    app.add_option("--spacing", options.spacing, "room for each character, in its own width").check(finite()).check(range(0.1, 100.0)).capture_default_str();
     app.add_option("--controller", options.controllers, "a controller's .json for all files, or FILE=CONTROLLER.json for one; characters are told parameters at random. Without one, each blends two clips");
-    app.add_option("--seed", options.seed, "of clips, times, blends, places and what controllers are told")->capture_default_str();
+    app.add_option("--seed", options.seed, "of clips, times, blends, places and what controllers are told").capture_default_str();
     add_scan_option(app, options.scan);
     add_error_option(app, options.compile);
 }
@@ -53,6 +54,12 @@ std::vector<std::string> controller_files(const SceneOptions& options) {
         of_files[static_cast<size_t>(file - options.files.begin())] = given.substr(equals + 1);
     }
     return of_files;
+}
+
+std::vector<std::string> input_files(const SceneOptions& options) {
+    std::vector<std::string> files = options.files;
+    for (const std::string& controller : controller_files(options)) files.push_back(controller);
+    return files;
 }
 
 SceneCast::SceneCast(const SceneOptions& options) {

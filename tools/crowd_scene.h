@@ -30,10 +30,14 @@ struct SceneOptions {
 };
 
 // The files, and all options of a scene. Wrong numbers of counts and sizes are said by the parser.
-void add_scene_options(CLI::App& app, SceneOptions& options);
+class Command;
+void add_scene_options(Command app, SceneOptions& options);
 
 // The controller of each file, [files], or an empty name. Throws CommandError.
 std::vector<std::string> controller_files(const SceneOptions& options);
+
+// The files and their controllers: what a scene is read from.
+std::vector<std::string> input_files(const SceneOptions& options);
 
 // Reads the files, with progress and warnings on stderr, and the controllers that they are to have. Throws CommandError, also where counts or sizes do not fit the files.
 struct SceneCast {

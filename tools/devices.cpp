@@ -1,4 +1,7 @@
 #include "tools/command.h"
+#include "tools/options.h"
+
+#include <nlohmann/json.hpp>
 
 #include <cstdio>
 
@@ -27,8 +30,8 @@ void run_devices(bool json) {
 
 }  // namespace
 
-void add_devices(CLI::App& app) {
-    CLI::App& command = *app.add_subcommand("devices", "list the Vulkan devices of this machine");
+void add_devices(Command app) {
+    Command command = app.add_subcommand("devices", "list the Vulkan devices of this machine");
     auto json = std::make_shared<bool>(false);
     command.add_flag("--json", *json, "as JSON");
     command.footer("Examples:\n  throng devices\n  throng devices --json");

@@ -4,6 +4,9 @@
 
 #include "tools/encode.h"
 #include "tools/film_frames.h"
+#include "tools/inputs.h"
+
+#include <nlohmann/json.hpp>
 
 #include <chrono>
 #include <cstdio>
@@ -34,6 +37,14 @@ FilmPlan::FilmPlan(const RenderOptions& options)
       folder(options.out + ".frames"),
       files(is_film ? folder / "%06d.png" : fs::path(options.out)) {
     if (is_film && (size.width % 2 != 0 || size.height % 2 != 0)) throw CommandError("--size " + options.size + ": an .mp4 needs an even width and height");
+}
+
+// The film, its frames of any shard, and their settings.
+std::vector<fs::path> outs_of(const RenderOptions& options, const FilmPlan& plan) {
+    std::vector<fs::path> outs{plan.files.settings_path()};
+    if (plan.is_film) outs.push_back(options.out);
+    for (uint32_t frame = plan.range.first; frame < plan.range.end; ++frame) outs.push_back(plan.files.path(frame));
+    return outs;
 }
 
 // FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo): of a file that may have changed since the last run.
@@ -149,6 +160,7 @@ void encode(const RenderOptions& options, const FilmPlan& plan) {
 
 void render_film(const RenderOptions& options) {
     const FilmPlan plan(options);
+    keep_inputs(input_files(options.scene), outs_of(options, plan));
     const bool encodes = plan.is_film && plan.shard.count == 1;
     if (encodes) check_ffmpeg();
     nlohmann::json settings = settings_of(options);

@@ -3,6 +3,8 @@
 #include "base/replace_file.h"
 #include "tools/command.h"
 
+#include <nlohmann/json.hpp>
+
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_ONLY_PNG

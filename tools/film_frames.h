@@ -1,7 +1,7 @@
 // The frames of a film as files: which there are, which of them are whole, and what they were made with.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include <cstdint>
 #include <filesystem>

@@ -3,6 +3,8 @@
 #include "bench/statistics.h"
 #include "tools/stages.h"
 
+#include <nlohmann/json.hpp>
+
 #include <cstdio>
 #include <vector>
 

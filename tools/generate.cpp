@@ -1,6 +1,7 @@
 #include "tools/command.h"
 #include "tools/creature.h"
 #include "tools/glb_writer.h"
+#include "tools/options.h"
 
 #include <cstdio>
 
@@ -28,14 +29,14 @@ void run_generate(const GenerateOptions& options) {
 
 }  // namespace
 
-void add_generate(CLI::App& app) {
-    CLI::App& command = *app.add_subcommand("generate", "make a skinned, animated creature of any size");
+void add_generate(Command app) {
+    Command command = app.add_subcommand("generate", "make a skinned, animated creature of any size");
     auto options = std::make_shared<GenerateOptions>();
-    command.add_option("kind", options->kind, "dragon, willow, walker or centipede")->capture_default_str();
+    command.add_option("kind", options->kind, "dragon, willow, walker or centipede").capture_default_str();
     command.add_option("--joints", options->joints, "joints, exactly (default: 300, 240, 160 and 1,000, by kind)");
     command.add_option("--levels", options->levels, "joints on the longest path from the root, exactly (default: 60, 30, 40 and 330)");
     command.add_option("--faces", options->faces, "triangles, about (default: 1,500, 3,000, 2,500 and 3,000)");
-    command.add_option("--seed", options->seed, "proportions, colours and phases")->capture_default_str();
+    command.add_option("--seed", options->seed, "proportions, colours and phases").capture_default_str();
     add_out_option(command, options->out, "the .glb file to write");
     command.footer("Examples:\n  throng generate --out dragon.glb\n  throng generate willow --seed 7 --out willow.glb\n"
                    "  throng generate walker --joints 300 --levels 120 --faces 3000 --out deep.glb\n  throng generate centipede --out centipede.glb");

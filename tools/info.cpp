@@ -1,4 +1,7 @@
 #include "tools/command.h"
+#include "tools/options.h"
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -167,11 +170,11 @@ void run_info(const InfoOptions& options) {
 
 }  // namespace
 
-void add_info(CLI::App& app) {
-    CLI::App& command = *app.add_subcommand("info", "what is in a .glb, .gltf or .throng file, what it costs, and how a crowd of it would be scanned");
+void add_info(Command app) {
+    Command command = app.add_subcommand("info", "what is in a .glb, .gltf or .throng file, what it costs, and how a crowd of it would be scanned");
     auto options = std::make_shared<InfoOptions>();
-    command.add_option("file", options->file, "a glTF 2.0 file, or one that 'throng compile' wrote")->required();
-    command.add_option("--count", options->count, "characters of the crowd for which a scan method is chosen")->check(CLI::Range(1u, 10'000'000u))->capture_default_str();
+    command.add_option("file", options->file, "a glTF 2.0 file, or one that 'throng compile' wrote").required();
+    command.add_option("--count", options->count, "characters of the crowd for which a scan method is chosen").check(range(1u, 10'000'000u)).capture_default_str();
     add_error_option(command, options->compile);
     add_root_motion_option(command, options->compile);
     add_device_option(command, options->device);

@@ -1,4 +1,7 @@
 #include "tools/command.h"
+#include "tools/options.h"
+
+#include <CLI/CLI.hpp>
 
 #include <cstdio>
 #include <iostream>
@@ -10,16 +13,17 @@ int main(int argc, char** argv) {
     app.set_version_flag("--version", THRONG_VERSION);
     app.require_subcommand(0, 1);  // none is said below: with 1, a misspelt one would not be named
     app.footer("'throng COMMAND --help' has examples. Exit code: 0 done, 1 failed, more than 1 a wrong option.");
-    add_info(app);
-    add_compile(app);
-    add_controller(app);
-    add_pose(app);
-    add_render(app);
-    add_view(app);
-    add_generate(app);
-    add_bench(app);
-    add_tune(app);
-    add_devices(app);
+    const Command command(app);
+    add_info(command);
+    add_compile(command);
+    add_controller(command);
+    add_pose(command);
+    add_render(command);
+    add_view(command);
+    add_generate(command);
+    add_bench(command);
+    add_tune(command);
+    add_devices(command);
     try {
         app.parse(argc, argv);
         if (app.get_subcommands().empty()) throw CLI::RequiredError("A command");

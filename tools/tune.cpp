@@ -1,6 +1,9 @@
 #include "bench/record.h"
 #include "bench/scan_tune.h"
 #include "tools/command.h"
+#include "tools/options.h"
+
+#include <nlohmann/json.hpp>
 
 #include <cstdio>
 
@@ -38,8 +41,8 @@ void run_tune(const TuneOptions& options) {
 
 }  // namespace
 
-void add_tune(CLI::App& app) {
-    CLI::App& command = *app.add_subcommand("tune", "measure what scans cost on this device, for --scan auto to choose by");
+void add_tune(Command app) {
+    Command command = app.add_subcommand("tune", "measure what scans cost on this device, for --scan auto to choose by");
     auto options = std::make_shared<TuneOptions>();
     add_device_option(command, options->device);
     command.add_flag("--quick", options->quick, "fewer and smaller scans: seconds, and less sure");

@@ -2,6 +2,8 @@
 
 #include "bench/report/style.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

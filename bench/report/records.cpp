@@ -2,6 +2,8 @@
 
 #include "base/failure.h"
 
+#include <nlohmann/json.hpp>
+
 #include <cmath>
 #include <fstream>
 #include <limits>

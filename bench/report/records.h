@@ -1,7 +1,7 @@
 // Benchmark records: JSON objects, one a line, whose fields may be missing. bench/README.md lists them.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include <filesystem>
 #include <string>

@@ -3,6 +3,8 @@
 #include "bench/report/html.h"
 #include "bench/report/style.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cmath>
 

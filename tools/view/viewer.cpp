@@ -2,8 +2,11 @@
 
 #include "tools/command.h"
 #include "tools/drawn.h"
+#include "tools/inputs.h"
 #include "tools/view/commands.h"
 #include "tools/view/panels.h"
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <numeric>
@@ -47,6 +50,14 @@ std::string free_name() {
     }
 }
 
+// Throws a CommandError where what is to be written is read.
+std::vector<std::string> checked_inputs(const ViewOptions& options) {
+    std::vector<std::string> inputs = tools::input_files(options.scene);
+    inputs.push_back(options.script);
+    tools::keep_inputs(inputs, {options.screenshot, options.dump});
+    return inputs;
+}
+
 // Null where none is watched.
 nlohmann::json controller_dump(const std::optional<WatchedInstance>& watched) {
     if (!watched) return nullptr;
@@ -59,6 +70,7 @@ nlohmann::json controller_dump(const std::optional<WatchedInstance>& watched) {
 
 Viewer::Viewer(const ViewOptions& options)
     : options_(options),
+      inputs_(checked_inputs(options)),
       window_(options.size.width, options.size.height),
       context_(window_, options.device),
       device_(unwrap(Device::adopt(context_.adopted()))),
@@ -204,16 +216,23 @@ void Viewer::measure() {
 }
 
 void Viewer::save_shot() {
-    const Result<void> written = write_png(shot_, canvas_.read());
-    if (is_scripted()) unwrap(written);
-    else if (written) state_.say("saved " + shot_.string());
-    else state_.complain(written.error().text());
+    try {
+        tools::keep_inputs(inputs_, {shot_});
+        unwrap(write_png(shot_, canvas_.read()));
+        if (!is_scripted()) state_.say("saved " + shot_.string());
+    } catch (const CommandError& error) {
+        if (is_scripted()) throw;
+        state_.complain(error.what());
+    }
     shot_.clear();
 }
 
 void Viewer::take_dropped() {
     std::vector<std::string> files;
-    for (std::string& file : window_.take_dropped()) (file.ends_with(".json") ? dropped_controllers_ : files).push_back(std::move(file));
+    for (std::string& file : window_.take_dropped()) {
+        inputs_.push_back(file);
+        (file.ends_with(".json") ? dropped_controllers_ : files).push_back(std::move(file));
+    }
     if (files.empty()) return;
     state_.say("reading " + std::filesystem::path(files.front()).filename().string() + (files.size() > 1 ? " …" : ""));
     loader_.start(std::move(files), options_.scene.compile);

@@ -55,6 +55,7 @@ private:
     void write_dump() const;
 
     ViewOptions options_;
+    std::vector<std::string> inputs_;  // files, also dropped ones: nothing is written over them
     Window window_;
     Context context_;
     Device device_;
