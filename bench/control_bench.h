@@ -1,4 +1,5 @@
-// What minds cost: crowds whose characters are driven by a controller of twelve states in three layers, a hundredth of them told something new in each update.
+// What minds cost: crowds whose characters are driven by a controller of twelve states in three layers, a hundredth of
+// them told something new in each update.
 #pragma once
 
 #include <throng/crowd.h>
@@ -10,7 +11,8 @@
 
 namespace throng::bench {
 
-// For creatures (tools/creature.h): six states and a blend space of two parameters in the lowest layer, three in a masked one, three in an additive one.
+// For creatures (tools/creature.h): six states and a blend space of two parameters in the lowest layer, three in a
+// masked one, three in an additive one.
 Controller control_bench_controller(const Character& character);
 
 struct ControlCase {
@@ -20,8 +22,9 @@ struct ControlCase {
     uint64_t seed = 1;
 };
 
-// One record: ms of the control stage and of the whole update, checked against the reference before it is timed (else the record has "wrong").
-// `progress` is told what runs.
-nlohmann::json measure_control(const Device& device, const ControlCase& control, const std::function<void(const std::string&)>& progress);
+// One record: ms of the control stage and of the whole update, checked against the reference before it is timed (else
+// the record has "wrong"). `progress` is told what runs.
+nlohmann::json measure_control(const Device& device, const ControlCase& control,
+                               const std::function<void(const std::string&)>& progress);
 
 }  // namespace throng::bench

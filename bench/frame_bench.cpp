@@ -32,7 +32,9 @@ constexpr std::array kVariants{Variant{.name = "staged", .path = UpdatePath::kSt
                                Variant{.name = "fused, 24 bytes", .format = SkinFormat::kHalfAffine},
                                Variant{.name = "fused, 32 bytes", .format = SkinFormat::kSimilarity},
                                Variant{.name = "fused, exact keys", .exact_keys = true}};
-constexpr std::array kFormats{std::pair{SkinFormat::kAffine, "affine"}, std::pair{SkinFormat::kHalfAffine, "half_affine"}, std::pair{SkinFormat::kSimilarity, "similarity"}};
+constexpr std::array kFormats{std::pair{SkinFormat::kAffine, "affine"},
+                              std::pair{SkinFormat::kHalfAffine, "half_affine"},
+                              std::pair{SkinFormat::kSimilarity, "similarity"}};
 
 using tools::kStages;
 
@@ -68,8 +70,14 @@ struct Floor {
 class FrameMeasurement {
 public:
     FrameMeasurement(const Device& device, const FrameCase& frame, const SkinReference& reference)
-        : device_(device), gpu_(*device.gpu()), clock_(device.gpu()), frame_(frame), reference_(reference),
-          two_clips_(frame.playback.begin(), frame.playback.end()), one_clip_(two_clips_), crowds_(device, static_cast<uint32_t>(frame.playback.size())) {
+        : device_(device),
+          gpu_(*device.gpu()),
+          clock_(device.gpu()),
+          frame_(frame),
+          reference_(reference),
+          two_clips_(frame.playback.begin(), frame.playback.end()),
+          one_clip_(two_clips_),
+          crowds_(device, static_cast<uint32_t>(frame.playback.size())) {
         for (Playback& playback : one_clip_) playback.weight = 1;
     }
 
@@ -78,7 +86,8 @@ public:
             if (variant.exact_keys && !frame_.exact) continue;
             progress(frame_.configuration + ": checking " + variant.name);
             const Character* character = variant.exact_keys ? frame_.exact : frame_.character;
-            Entrant entrant{.variant = &variant, .character = character, .playback = variant.one_clip ? &one_clip_ : &two_clips_};
+            Entrant entrant{
+                .variant = &variant, .character = character, .playback = variant.one_clip ? &one_clip_ : &two_clips_};
             entrant.made = crowds_.get({character, variant.path, variant.format});
             if (entrant.crowd()) entrant.max_error = error_of(entrant);
             entrants_.push_back(std::move(entrant));
@@ -91,9 +100,13 @@ public:
     void time(uint32_t samples, const Progress& progress) {
         std::vector<Contestant> contestants;
         for (Entrant& entrant : entrants_)
-            if (entrant.runs()) contestants.push_back({frame_.configuration + ": " + entrant.variant->name, [&] { take_sample(entrant); }});
+            if (entrant.runs())
+                contestants.push_back(
+                    {frame_.configuration + ": " + entrant.variant->name, [&] { take_sample(entrant); }});
         for (Floor& floor : floors_)
-            if (floor.work) contestants.push_back({frame_.configuration + ": " + std::string(floor.record["variant"]), [&] { floor.total.push_back(clock_.read(floor.work)); }});
+            if (floor.work)
+                contestants.push_back({frame_.configuration + ": " + std::string(floor.record["variant"]),
+                                       [&] { floor.total.push_back(clock_.read(floor.work)); }});
         run_rounds(contestants, {.samples = samples, .least_samples = samples}, 0, progress);
     }
 
@@ -123,7 +136,8 @@ private:
         for (uint64_t i = 1; i <= checked; ++i) {
             const auto instance = static_cast<uint32_t>(instance_count() * i / checked - 1);
             const std::vector<Affine> skin = value_of(entrant.crowd()->read_skin_matrices(instance));
-            worst = std::max(worst, skin_error(skin, reference_(*entrant.character, (*entrant.playback)[instance]), entrant.character->size));
+            worst = std::max(worst, skin_error(skin, reference_(*entrant.character, (*entrant.playback)[instance]),
+                                               entrant.character->size));
         }
         return worst;
     }
@@ -140,24 +154,36 @@ private:
     }
 
     void add_fill(SkinFormat format) {
-        const auto written = std::find_if(entrants_.begin(), entrants_.end(), [&](const Entrant& entrant) { return entrant.runs() && entrant.variant->format == format; });
+        const auto written = std::find_if(entrants_.begin(), entrants_.end(), [&](const Entrant& entrant) {
+            return entrant.runs() && entrant.variant->format == format;
+        });
         if (written == entrants_.end()) return;
         const auto fill = std::make_shared<FillFloor>(device_.gpu(), *written->crowd(), format);
         const std::string bytes = std::to_string(skin_format_bytes(format)) + " bytes";
         const auto add = [&](const std::string& variant, const char* by, std::function<void(VkCommandBuffer)> work) {
             clock_.time_ms(work);  // compiles the kernel
-            floors_.push_back({.record = {{"variant", variant}, {"path", "fill"}, {"skin_format", name_of(format)}, {"bytes", fill->size_bytes()}, {"by", by}}, .work = std::move(work)});
+            floors_.push_back({.record = {{"variant", variant},
+                                          {"path", "fill"},
+                                          {"skin_format", name_of(format)},
+                                          {"bytes", fill->size_bytes()},
+                                          {"by", by}},
+                               .work = std::move(work)});
         };
         add("fill, " + bytes, kByKernel, [fill](VkCommandBuffer commands) { fill->record_kernel(commands); });
         // Shows how much of the kernel's time is memory's: on a software device the least of it.
-        if (format == SkinFormat::kAffine) add("vkCmdFillBuffer", "vkCmdFillBuffer", [fill](VkCommandBuffer commands) { fill->record_transfer(commands); });
+        if (format == SkinFormat::kAffine)
+            add("vkCmdFillBuffer", "vkCmdFillBuffer",
+                [fill](VkCommandBuffer commands) { fill->record_transfer(commands); });
     }
 
     // Of the bytes that the staged update moves.
     void add_copy() {
-        Floor floor{.record = {{"variant", "copy as staged"}, {"path", "copy"}, {"bytes", bytes_of(entrants_.front())}}};
-        if (const std::string obstacle = crowds_.memory_obstacle(2 * crowds_.arena_buffer_bytes(*frame_.character)); obstacle.empty()) {
-            const auto copy = std::make_shared<CopyFloor>(device_.gpu(), bytes_of(entrants_.front()), crowds_.arena_buffer_bytes(*frame_.character));
+        Floor floor{
+            .record = {{"variant", "copy as staged"}, {"path", "copy"}, {"bytes", bytes_of(entrants_.front())}}};
+        if (const std::string obstacle = crowds_.memory_obstacle(2 * crowds_.arena_buffer_bytes(*frame_.character));
+            obstacle.empty()) {
+            const auto copy = std::make_shared<CopyFloor>(device_.gpu(), bytes_of(entrants_.front()),
+                                                          crowds_.arena_buffer_bytes(*frame_.character));
             floor.record["by"] = copy->choose(clock_);
             floor.work = [copy](VkCommandBuffer commands) { copy->record(commands); };
         } else {
@@ -168,7 +194,9 @@ private:
 
     uint64_t bytes_of(const Entrant& entrant) const {
         const bool staged = entrant.variant->path == UpdatePath::kStaged;
-        const bool similarities = staged && entrant.crowd() && parse_scan_request(entrant.crowd()->path(0)->scan.method).method->format == ScanFormat::kSimilarity;
+        const bool similarities = staged && entrant.crowd() &&
+                                  parse_scan_request(entrant.crowd()->path(0)->scan.method).method->format ==
+                                      ScanFormat::kSimilarity;
         const FrameTraffic traffic{.fused = !staged,
                                    .clip_count = entrant.variant->one_clip ? 1u : 2u,
                                    .joint_count = entrant.character->rig.joint_count(),
@@ -181,16 +209,25 @@ private:
     nlohmann::json case_record() const {
         nlohmann::json record = where_and_when(device_.info());
         const Rig& rig = frame_.character->rig;
-        record.update({{"bench", "frame"}, {"configuration", frame_.configuration}, {"characters", instance_count()}, {"joints", rig.joint_count()}, {"levels", rig.level_count},
-                       {"mean_depth", rig.mean_depth}, {"palette_entries", frame_.character->palette.size()}});
+        record.update({{"bench", "frame"},
+                       {"configuration", frame_.configuration},
+                       {"characters", instance_count()},
+                       {"joints", rig.joint_count()},
+                       {"levels", rig.level_count},
+                       {"mean_depth", rig.mean_depth},
+                       {"palette_entries", frame_.character->palette.size()}});
         return record;
     }
 
     nlohmann::json record_of(const Entrant& entrant) const {
         const Variant& variant = *entrant.variant;
         nlohmann::json record = case_record();
-        record.update({{"variant", variant.name}, {"path", variant.path == UpdatePath::kStaged ? "staged" : "fused"}, {"clips", variant.one_clip ? 1 : 2},
-                       {"skin_format", name_of(variant.format)}, {"keys", variant.exact_keys ? "exact" : frame_.keys}, {"bytes", bytes_of(entrant)}});
+        record.update({{"variant", variant.name},
+                       {"path", variant.path == UpdatePath::kStaged ? "staged" : "fused"},
+                       {"clips", variant.one_clip ? 1 : 2},
+                       {"skin_format", name_of(variant.format)},
+                       {"keys", variant.exact_keys ? "exact" : frame_.keys},
+                       {"bytes", bytes_of(entrant)}});
         if (!entrant.crowd()) {
             record["obstacle"] = entrant.made->obstacle;
             return record;
@@ -199,7 +236,8 @@ private:
         record["max_error"] = entrant.max_error;
         if (entrant.is_wrong()) record["wrong"] = true;
         for (size_t s = 0; s < kStages.size(); ++s)
-            if (const double ms = spread_of(entrant.stage_ms[s]).median; ms > 0) record["stages"][kStages[s].first] = ms;
+            if (const double ms = spread_of(entrant.stage_ms[s]).median; ms > 0)
+                record["stages"][kStages[s].first] = ms;
         add_times(record, entrant.total);
         return record;
     }
@@ -210,7 +248,8 @@ private:
         for (const Reading& reading : total) total_ms.push_back(reading.ms);
         const Spread ms = spread_of(total_ms);
         record["samples"] = total.size();
-        record["host_samples"] = std::count_if(total.begin(), total.end(), [](const Reading& reading) { return reading.by_host; });
+        record["host_samples"] = std::count_if(total.begin(), total.end(),
+                                               [](const Reading& reading) { return reading.by_host; });
         record["ms"] = {{"median", ms.median}, {"p5", ms.p5}, {"p95", ms.p95}};
         record["ns_per_joint"] = ms.median * 1e6 / static_cast<double>(instance_count() * joint_count());
         record["gb_per_s"] = record["bytes"].get<double>() / ms.median * 1e-6;
@@ -222,7 +261,8 @@ private:
         const auto fill = std::find_if(records.begin(), records.end(), [&](const nlohmann::json& other) {
             return other["path"] == "fill" && other["by"] == kByKernel && other["skin_format"] == record["skin_format"];
         });
-        if (fill != records.end()) record["times_fill_floor"] = record["ms"]["median"].get<double>() / (*fill)["ms"]["median"].get<double>();
+        if (fill != records.end())
+            record["times_fill_floor"] = record["ms"]["median"].get<double>() / (*fill)["ms"]["median"].get<double>();
     }
 
     const Device& device_;
@@ -242,7 +282,8 @@ std::vector<AffineT<double>> skin_reference_of(const Character& character, const
     return value_of(reference_pose(character, playback)).model_from_bind;
 }
 
-std::vector<nlohmann::json> measure_frame(const Device& device, const FrameCase& frame, uint32_t samples, const Progress& progress, const SkinReference& reference) {
+std::vector<nlohmann::json> measure_frame(const Device& device, const FrameCase& frame, uint32_t samples,
+                                          const Progress& progress, const SkinReference& reference) {
     FrameMeasurement measurement(device, frame, reference);
     measurement.check(progress);
     measurement.time(samples, progress);

@@ -1,5 +1,5 @@
-// `throng bench frame`: whole updates of a crowd, in every way that throng has, each checked against the reference and then timed in
-// turns with what memory alone costs.
+// `throng bench frame`: whole updates of a crowd, in every way that throng has, each checked against the reference and
+// then timed in turns with what memory alone costs.
 #pragma once
 
 #include "bench/rounds.h"
@@ -16,20 +16,21 @@
 namespace throng::bench {
 
 struct FrameCase {
-    std::string configuration;             // its name
+    std::string configuration;  // its name
     const Character* character = nullptr;
-    std::string keys;                      // of the character, for the records: "exact", or the error bound
-    const Character* exact = nullptr;      // the same character with exact keys, to be compared with; or none
-    std::span<const Playback> playback;    // [instance_count], two clips each
+    std::string keys;                    // of the character, for the records: "exact", or the error bound
+    const Character* exact = nullptr;    // the same character with exact keys, to be compared with; or none
+    std::span<const Playback> playback;  // [instance_count], two clips each
 };
 
 // model_from_bind of each palette entry, as an update should have it.
 using SkinReference = std::function<std::vector<AffineT<double>>(const Character&, const Playback&)>;
 std::vector<AffineT<double>> skin_reference_of(const Character& character, const Playback& playback);
 
-// A record for each variant and each floor of the case (bench/README.md lists their fields). A variant that is wrong by `reference` is
-// not timed and says so, one that the device or the character cannot have says why. Throws what a device throws that cannot go on.
-std::vector<nlohmann::json> measure_frame(const Device& device, const FrameCase& frame, uint32_t samples, const Progress& progress,
-                                          const SkinReference& reference = skin_reference_of);
+// A record for each variant and each floor of the case (bench/README.md lists their fields). A variant that is wrong by
+// `reference` is not timed and says so, one that the device or the character cannot have says why. Throws what a device
+// throws that cannot go on.
+std::vector<nlohmann::json> measure_frame(const Device& device, const FrameCase& frame, uint32_t samples,
+                                          const Progress& progress, const SkinReference& reference = skin_reference_of);
 
 }  // namespace throng::bench

@@ -12,9 +12,12 @@ std::shared_ptr<const FrameCrowd> FrameCrowds::get(const FrameCrowdKey& key) {
         if (there->key == key) return there;
     FrameCrowd made{.key = key, .crowd = nullptr, .obstacle = memory_obstacle(needed_bytes(key))};
     if (made.obstacle.empty()) {
-        Result<Crowd> crowd = Crowd::create(device_, {.groups = {{key.character, instance_count_}}, .path = key.path, .skin_format = key.format});
-        if (crowd) made.crowd = std::make_unique<Crowd>(std::move(*crowd));
-        else made.obstacle = crowd.error().text();
+        Result<Crowd> crowd = Crowd::create(
+            device_, {.groups = {{key.character, instance_count_}}, .path = key.path, .skin_format = key.format});
+        if (crowd)
+            made.crowd = std::make_unique<Crowd>(std::move(*crowd));
+        else
+            made.obstacle = crowd.error().text();
     }
     return crowds_.emplace_back(std::make_shared<const FrameCrowd>(std::move(made)));
 }
@@ -25,18 +28,23 @@ std::string FrameCrowds::memory_obstacle(uint64_t needed_bytes) const {
     for (const auto& there : crowds_)
         if (there->crowd) held_bytes += there->crowd->size_bytes();
     if (held_bytes + needed_bytes <= heap_bytes) return {};
-    return std::to_string(needed_bytes >> 20) + " MiB do not fit the device's memory of " + std::to_string(heap_bytes >> 20) + " MiB beside the " + std::to_string(held_bytes >> 20) +
+    return std::to_string(needed_bytes >> 20) + " MiB do not fit the device's memory of " +
+           std::to_string(heap_bytes >> 20) + " MiB beside the " + std::to_string(held_bytes >> 20) +
            " MiB of the other variants";
 }
 
 uint64_t FrameCrowds::arena_buffer_bytes(const Character& character) const {
-    return std::min(arena_limit_bytes(*device_.gpu()), uint64_t{instance_count_} * character.rig.joint_count() * sizeof(Affine));
+    return std::min(arena_limit_bytes(*device_.gpu()),
+                    uint64_t{instance_count_} * character.rig.joint_count() * sizeof(Affine));
 }
 
 uint64_t FrameCrowds::needed_bytes(const FrameCrowdKey& key) const {
-    constexpr uint64_t kArenaBuffers = 4, kState_bytes = sizeof(io::InstancePlayback) + sizeof(io::InstanceCursor) + sizeof(Affine);
-    const uint64_t instance_bytes = key.character->palette.size() * uint64_t{skin_format_bytes(key.format)} + kState_bytes;
-    return instance_count_ * instance_bytes + (key.path == UpdatePath::kStaged ? kArenaBuffers * arena_buffer_bytes(*key.character) : 0);
+    constexpr uint64_t kArenaBuffers = 4,
+                       kState_bytes = sizeof(io::InstancePlayback) + sizeof(io::InstanceCursor) + sizeof(Affine);
+    const uint64_t instance_bytes = key.character->palette.size() * uint64_t{skin_format_bytes(key.format)} +
+                                    kState_bytes;
+    return instance_count_ * instance_bytes +
+           (key.path == UpdatePath::kStaged ? kArenaBuffers * arena_buffer_bytes(*key.character) : 0);
 }
 
 }  // namespace throng::bench

@@ -1,4 +1,5 @@
-// The crowds of one case of `throng bench frame`: all of them alive at once, since they are timed in turns, as far as memory goes.
+// The crowds of one case of `throng bench frame`: all of them alive at once, since they are timed in turns, as far as
+// memory goes.
 #pragma once
 
 #include <throng/crowd.h>
@@ -29,8 +30,8 @@ public:
     // The same one for the same key: variants that differ in what is played share it.
     std::shared_ptr<const FrameCrowd> get(const FrameCrowdKey& key);
 
-    // Why so much does not fit the device's memory beside these crowds; empty where it does. A driver that gives more than it has, as
-    // lavapipe does, would swap or be killed.
+    // Why so much does not fit the device's memory beside these crowds; empty where it does. A driver that gives more
+    // than it has, as lavapipe does, would swap or be killed.
     std::string memory_obstacle(uint64_t needed_bytes) const;
 
     // Of one of the staged update's intermediates.

@@ -31,23 +31,30 @@ struct CopyBuffers {
     BufferRange from, to;
 };
 
-Kernel row_kernel(const std::shared_ptr<Gpu>& gpu, std::string_view name, std::span<const uint32_t> plain, std::span<const uint32_t> wide) {
-    return Kernel(gpu, {.name = name, .spirv = gpu->prefers_wide_words() ? wide : plain, .workgroup_size = kWorkgroupSize, .constants = {kRowsPerInvocation}});
+Kernel row_kernel(const std::shared_ptr<Gpu>& gpu, std::string_view name, std::span<const uint32_t> plain,
+                  std::span<const uint32_t> wide) {
+    return Kernel(gpu, {.name = name,
+                        .spirv = gpu->prefers_wide_words() ? wide : plain,
+                        .workgroup_size = kWorkgroupSize,
+                        .constants = {kRowsPerInvocation}});
 }
 
 uint32_t rows_of(uint64_t size_bytes) { return static_cast<uint32_t>(size_bytes / kRow_bytes); }
 
 void dispatch_rows(VkCommandBuffer commands, const Kernel& kernel, const Bindings& bindings, uint32_t row_count) {
-    kernel.dispatch_invocations(commands, bindings, row_count, (row_count + kRowsPerInvocation - 1) / kRowsPerInvocation);
+    kernel.dispatch_invocations(commands, bindings, row_count,
+                                (row_count + kRowsPerInvocation - 1) / kRowsPerInvocation);
 }
 
 }  // namespace
 
-FillFloor::FillFloor(const std::shared_ptr<Gpu>& gpu, const Crowd& crowd, SkinFormat format) : gpu_(gpu), kernel_(row_kernel(gpu, "fill", kFillPlain, kFillWide)) {
+FillFloor::FillFloor(const std::shared_ptr<Gpu>& gpu, const Crowd& crowd, SkinFormat format)
+    : gpu_(gpu), kernel_(row_kernel(gpu, "fill", kFillPlain, kFillWide)) {
     for (const OutputBlock& block : crowd.outputs()) {
         const uint64_t size_bytes = uint64_t{block.instance_count} * block.palette_count * skin_format_bytes(format);
         if (size_bytes < kRow_bytes) continue;
-        targets_.push_back({block.skin_buffer, kernel_.bind(FillBuffers{BufferRange(block.skin_buffer, 0, size_bytes)}), rows_of(size_bytes)});
+        targets_.push_back({block.skin_buffer, kernel_.bind(FillBuffers{BufferRange(block.skin_buffer, 0, size_bytes)}),
+                            rows_of(size_bytes)});
     }
 }
 
@@ -63,13 +70,16 @@ void FillFloor::record_kernel(VkCommandBuffer commands) const {
 
 void FillFloor::record_transfer(VkCommandBuffer commands) const {
     memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite | kTransferWrite, kTransferWrite);
-    for (const Target& target : targets_) gpu_->vk.vkCmdFillBuffer(commands, target.buffer, 0, uint64_t{target.row_count} * kRow_bytes, 0);
+    for (const Target& target : targets_)
+        gpu_->vk.vkCmdFillBuffer(commands, target.buffer, 0, uint64_t{target.row_count} * kRow_bytes, 0);
 }
 
 CopyFloor::CopyFloor(std::shared_ptr<Gpu> gpu, uint64_t moved_bytes, uint64_t buffer_bytes)
     : gpu_(std::move(gpu)), kernel_(row_kernel(gpu_, "copy", kCopyPlain, kCopyWide)) {
-    for (Buffer& buffer : buffers_) buffer = Buffer(gpu_, "bytes to copy", buffer_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    for (size_t from = 0; from < buffers_.size(); ++from) bindings_[from] = kernel_.bind(CopyBuffers{buffers_[from], buffers_[1 - from]});
+    for (Buffer& buffer : buffers_)
+        buffer = Buffer(gpu_, "bytes to copy", buffer_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    for (size_t from = 0; from < buffers_.size(); ++from)
+        bindings_[from] = kernel_.bind(CopyBuffers{buffers_[from], buffers_[1 - from]});
     for (uint64_t left_bytes = moved_bytes / 2; left_bytes >= kRow_bytes;) {
         passes_.push_back({passes_.size() % 2, std::min(left_bytes, buffer_bytes) / kRow_bytes * kRow_bytes});
         left_bytes -= passes_.back().size_bytes;
@@ -89,8 +99,10 @@ const char* CopyFloor::choose(const GpuClock& clock) {
 }
 
 void CopyFloor::record(VkCommandBuffer commands) const {
-    if (by_kernel_) record_kernel(commands);
-    else record_transfer(commands);
+    if (by_kernel_)
+        record_kernel(commands);
+    else
+        record_transfer(commands);
 }
 
 void CopyFloor::wait_for_pass_before(VkCommandBuffer commands) const {

@@ -28,8 +28,8 @@ private:
     std::vector<Target> targets_;
 };
 
-// Reads half of `moved_bytes` and writes the other half, to and fro between two buffers of `buffer_bytes`: each pass reads what the one
-// before it wrote, as stages do, so that caches help it as much as them.
+// Reads half of `moved_bytes` and writes the other half, to and fro between two buffers of `buffer_bytes`: each pass
+// reads what the one before it wrote, as stages do, so that caches help it as much as them.
 struct CopyPass {
     size_t from = 0;  // number of the buffer to read
     uint64_t size_bytes = 0;

@@ -38,32 +38,40 @@ std::string stages_of(const Json& record) {
     std::string all;
     if (stages == record.end() || !stages->is_object()) return all;
     for (const auto& [stage, member] : tools::kStages)
-        if (const double ms = number(*stages, stage); !std::isnan(ms)) all += (all.empty() ? "" : ", ") + std::string(stage) + " " + digits(ms);
+        if (const double ms = number(*stages, stage); !std::isnan(ms))
+            all += (all.empty() ? "" : ", ") + std::string(stage) + " " + digits(ms);
     return all;
 }
 
 // Where rounds were timed by the host's clock; empty where none was.
 std::string host_share_of(const Json& record) {
     const double by_host = number(record, "host_samples");
-    return by_host > 0 ? "; host's time in " + whole(by_host) + " of " + whole(number(record, "samples")) + " rounds" : "";
+    return by_host > 0 ? "; host's time in " + whole(by_host) + " of " + whole(number(record, "samples")) + " rounds"
+                       : "";
 }
 
 std::string row_of(const Json& record) {
     const Ink ink = ink_of(record);
-    std::string row = "<tr><td><span class=\"swatch\" style=\"--light:" + ink.light + ";--dark:" + ink.dark + "\"></span>" + escape(text(record, "variant")) + "</td>";
+    std::string row = "<tr><td><span class=\"swatch\" style=\"--light:" + ink.light + ";--dark:" + ink.dark +
+                      "\"></span>" + escape(text(record, "variant")) + "</td>";
     const double ms = ms_of(record, "median");
     if (std::isnan(ms)) return row + "<td class=\"note\" colspan=\"8\">" + why_untimed(record) + "</td></tr>\n";
     const std::string by = text(record, "by");
-    return row + td(digits(ms)) + td("<small>" + digits(ms_of(record, "p5")) + "–" + digits(ms_of(record, "p95")) + "</small>") + td(digits(number(record, "ns_per_joint"))) +
-           td(digits(number(record, "bytes") * 1e-6)) + td(digits(number(record, "gb_per_s"))) + td(digits(number(record, "times_fill_floor"))) + td(digits(number(record, "max_error"))) +
-           "<td class=\"note\"><small>" + (by.empty() ? stages_of(record) : "by " + escape(by)) + host_share_of(record) + "</small></td></tr>\n";
+    return row + td(digits(ms)) +
+           td("<small>" + digits(ms_of(record, "p5")) + "–" + digits(ms_of(record, "p95")) + "</small>") +
+           td(digits(number(record, "ns_per_joint"))) + td(digits(number(record, "bytes") * 1e-6)) +
+           td(digits(number(record, "gb_per_s"))) + td(digits(number(record, "times_fill_floor"))) +
+           td(digits(number(record, "max_error"))) + "<td class=\"note\"><small>" +
+           (by.empty() ? stages_of(record) : "by " + escape(by)) + host_share_of(record) + "</small></td></tr>\n";
 }
 
 std::string table_of(const Cells& cells) {
     std::string rows;
     for (const Json* record : cells) rows += row_of(*record);
-    return "<div class=\"scroll\"><table><thead><tr><th>variant</th><th>ms</th><th>p5–p95</th><th>ns a joint</th><th>MB moved</th><th>GB/s</th>"
-           "<th>× fill</th><th>error</th><th class=\"note\">stages, ms</th></tr></thead><tbody>\n" + rows + "</tbody></table></div>\n";
+    return "<div class=\"scroll\"><table><thead><tr><th>variant</th><th>ms</th><th>p5–p95</th><th>ns a "
+           "joint</th><th>MB moved</th><th>GB/s</th>"
+           "<th>× fill</th><th>error</th><th class=\"note\">stages, ms</th></tr></thead><tbody>\n" +
+           rows + "</tbody></table></div>\n";
 }
 
 double median_of(const Cells& cells, const char* variant) {
@@ -77,12 +85,18 @@ std::string summary_of(const Cells& cells) {
     const double times_fill = fused.empty() ? std::nan("") : number(*fused.front(), "times_fill_floor");
     std::string sentence;
     if (!std::isnan(ratio)) sentence = "Fused is " + digits(ratio) + " times as fast as staged";
-    if (!std::isnan(times_fill)) sentence += (sentence.empty() ? "Fused takes " : " and takes ") + digits(times_fill) + " times as long as writing its result";
+    if (!std::isnan(times_fill))
+        sentence += (sentence.empty() ? "Fused takes " : " and takes ") + digits(times_fill) +
+                    " times as long as writing its result";
     return sentence.empty() ? sentence : sentence + ".";
 }
 
 std::string figure_of(const Cells& cells, int& figure_count) {
-    BarPlot plot{.id = "frame" + std::to_string(++figure_count), .title = text(*cells.front(), "configuration"), .x_label = "ms", .log_x = true, .bars = {}};
+    BarPlot plot{.id = "frame" + std::to_string(++figure_count),
+                 .title = text(*cells.front(), "configuration"),
+                 .x_label = "ms",
+                 .log_x = true,
+                 .bars = {}};
     for (const Json* record : cells) {
         const double ms = ms_of(*record, "median");
         if (!(ms > 0)) continue;
@@ -95,7 +109,9 @@ std::string figure_of(const Cells& cells, int& figure_count) {
                              .note = digits(ms) + (std::isnan(times_fill) ? "" : " · " + digits(times_fill) + " ×")});
     }
     const std::string svg = bar_plot(plot), summary = summary_of(cells);
-    return svg.empty() ? "" : "<figure><div class=\"plot\">" + svg + "</div><figcaption>" + summary + "</figcaption></figure>\n";
+    return svg.empty()
+               ? ""
+               : "<figure><div class=\"plot\">" + svg + "</div><figcaption>" + summary + "</figcaption></figure>\n";
 }
 
 std::string device_section(const Cells& cells, int& figure_count) {
@@ -103,29 +119,42 @@ std::string device_section(const Cells& cells, int& figure_count) {
     for (const Cells& configuration : grouped(cells, {"configuration", "characters", "joints", "levels"})) {
         const Json& first = *configuration.front();
         figures += figure_of(configuration, figure_count);
-        tables += "<details open><summary>" + escape(text(first, "configuration")) + "<small>" + whole(number(first, "characters")) + " characters × " + whole(number(first, "joints")) +
-                  " joints · mean depth " + digits(number(first, "mean_depth")) + " · keys " + escape(text(first, "keys")) + "</small></summary>\n" + table_of(configuration) + "</details>\n";
+        tables += "<details open><summary>" + escape(text(first, "configuration")) + "<small>" +
+                  whole(number(first, "characters")) + " characters × " + whole(number(first, "joints")) +
+                  " joints · mean depth " + digits(number(first, "mean_depth")) + " · keys " +
+                  escape(text(first, "keys")) + "</small></summary>\n" + table_of(configuration) + "</details>\n";
     }
     const Json& any = *cells.front();
-    const std::string device = text(any, "device"), driver = text(any, "driver"), commit = text(any, "commit"), date = text(any, "date");
-    return "<section>\n<h2>Whole updates: " + (device.empty() ? "unnamed device" : escape(device)) + "</h2>\n<p class=\"soft\">" + escape(driver) +
-           (commit.empty() ? "" : ", commit " + escape(commit)) + (date.empty() ? "" : ", " + escape(date)) + "</p>\n<div class=\"pair\">" + figures + "</div>\n" + tables + "</section>\n";
+    const std::string device = text(any, "device"), driver = text(any, "driver"), commit = text(any, "commit"),
+                      date = text(any, "date");
+    return "<section>\n<h2>Whole updates: " + (device.empty() ? "unnamed device" : escape(device)) +
+           "</h2>\n<p class=\"soft\">" + escape(driver) + (commit.empty() ? "" : ", commit " + escape(commit)) +
+           (date.empty() ? "" : ", " + escape(date)) + "</p>\n<div class=\"pair\">" + figures + "</div>\n" + tables +
+           "</section>\n";
 }
 
-constexpr const char* kMethod = R"(<p>An update takes every character from its clips' times to its skin matrices. <em>staged</em>: sample, blend, scan and bind one after another, each
-through memory; <em>fused</em>: all four in one pass. Unless said otherwise two clips are blended in each character, and a skin matrix has 48 bytes. Each is first compared with
-the double-precision reference: <em>error</em> is the largest difference, as a fraction of the character's size. Then all take turns with the floors, A B C A B C …; given
-are the median, and the 5th and 95th percentile, of times by timestamps on the device. On a software device whose timestamps span less than half of the time that the host
+constexpr const char* kMethod =
+    R"(<p>An update takes every character from its clips' times to its skin matrices. <em>staged</em>: sample, blend,)"
+    R"( scan and bind one after another, each
+through memory; <em>fused</em>: all four in one pass. Unless said otherwise two clips are blended in each character, )"
+    R"(and a skin matrix has 48 bytes. Each is first compared with
+the double-precision reference: <em>error</em> is the largest difference, as a fraction of the character's size. )"
+    R"(Then all take turns with the floors, A B C A B C …; given
+are the median, and the 5th and 95th percentile, of times by timestamps on the device. On a software device whose )"
+    R"(timestamps span less than half of the time that the host
 waited, the host's time counts instead; the last column says in how many rounds.</p>
-<p><em>fill</em> is a kernel that writes as many bytes as the skin matrices have and computes nothing; <em>× fill</em> is an update's time over that. <em>copy as staged</em> moves the
-bytes that the staged update moves between its stages, and computes nothing. <em>MB moved</em> is predicted from the sizes of what passes through memory for each character;
+<p><em>fill</em> is a kernel that writes as many bytes as the skin matrices have and computes nothing; <em>× )"
+    R"(fill</em> is an update's time over that. <em>copy as staged</em> moves the
+bytes that the staged update moves between its stages, and computes nothing. <em>MB moved</em> is predicted from the )"
+    R"(sizes of what passes through memory for each character;
 keys and tables, which all characters share, are not counted. Bars are logarithmic.</p>
 )";
 
 }  // namespace
 
 std::string frame_section(std::span<const Json> records, int& figure_count) {
-    const Cells cells = latest_cells(records, "frame", "variant", {"device", "driver", "configuration", "characters", "joints", "levels"});
+    const Cells cells = latest_cells(records, "frame", "variant",
+                                     {"device", "driver", "configuration", "characters", "joints", "levels"});
     std::string html;
     for (const Cells& device : grouped(cells, {"device", "driver"})) html += device_section(device, figure_count);
     return html.empty() ? html : html + kMethod;

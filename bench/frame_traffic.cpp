@@ -7,10 +7,12 @@
 namespace throng::bench {
 
 uint64_t FrameTraffic::bytes_per_instance() const {
-    constexpr uint64_t kPose_bytes = 48, kModel_bytes = sizeof(Affine), kState_bytes = sizeof(io::InstancePlayback), kTimes_bytes = 8, kCursor_bytes = sizeof(io::InstanceCursor);
+    constexpr uint64_t kPose_bytes = 48, kModel_bytes = sizeof(Affine), kState_bytes = sizeof(io::InstancePlayback),
+                       kTimes_bytes = 8, kCursor_bytes = sizeof(io::InstanceCursor);
     // control reads the state, writes both times and the cursor; two samples and blend read that, or the fused kernel.
     const uint64_t control_bytes = kState_bytes + kTimes_bytes + kCursor_bytes * (fused ? 2 : 4);
-    // sample writes poses and blend reads them; blend writes local transforms and the scan reads them; the scan writes model transforms.
+    // sample writes poses and blend reads them; blend writes local transforms and the scan reads them; the scan writes
+    // model transforms.
     const uint64_t joint_bytes = fused ? 0 : 2 * clip_count * kPose_bytes + 2 * local_bytes + kModel_bytes;
     // bind reads a model transform and writes a skin matrix for each palette entry.
     const uint64_t entry_bytes = (fused ? 0 : kModel_bytes) + skin_bytes;

@@ -9,7 +9,8 @@
 namespace throng::bench {
 
 GpuClock::GpuClock(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {
-    if (!gpu_->has_timestamps()) throw Failure(ErrorCode::kUnsupported, gpu_->info.name, "the device has no timestamps to measure with");
+    if (!gpu_->has_timestamps())
+        throw Failure(ErrorCode::kUnsupported, gpu_->info.name, "the device has no timestamps to measure with");
     VkQueryPoolCreateInfo create{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
     create.queryType = VK_QUERY_TYPE_TIMESTAMP;
     create.queryCount = 2;
@@ -18,9 +19,9 @@ GpuClock::GpuClock(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {
 
 GpuClock::~GpuClock() { gpu_->vk.vkDestroyQueryPool(gpu_->device, pool_, nullptr); }
 
-// On a busy machine lavapipe's timestamps were seen to span a fifth of the host's time and less, probably because another thread writes
-// them than the one that computes. The host's clock counts then, which sees the submission too. Work is never submitted again for
-// another try: a step of a crowd moves it.
+// On a busy machine lavapipe's timestamps were seen to span a fifth of the host's time and less, probably because
+// another thread writes them than the one that computes. The host's clock counts then, which sees the submission too.
+// Work is never submitted again for another try: a step of a crowd moves it.
 Reading believed_reading(const Gpu& gpu, double gpu_ms, double host_ms) {
     constexpr double kSubmission_ms = 0.5;
     const bool by_host = gpu.is_cpu() && gpu_ms < 0.5 * (host_ms - kSubmission_ms);
@@ -42,9 +43,11 @@ double GpuClock::timestamps_ms(const std::function<void(VkCommandBuffer)>& work)
         gpu_->vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_, 1);
     });
     std::array<uint64_t, 2> ticks{};
-    check(gpu_->vk.vkGetQueryPoolResults(gpu_->device, pool_, 0, 2, sizeof ticks, ticks.data(), sizeof ticks[0], VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+    check(gpu_->vk.vkGetQueryPoolResults(gpu_->device, pool_, 0, 2, sizeof ticks, ticks.data(), sizeof ticks[0],
+                                         VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
           "vkGetQueryPoolResults");
-    const uint64_t mask = gpu_->timestamp_valid_bits >= 64 ? ~uint64_t{0} : (uint64_t{1} << gpu_->timestamp_valid_bits) - 1;
+    const uint64_t mask = gpu_->timestamp_valid_bits >= 64 ? ~uint64_t{0}
+                                                           : (uint64_t{1} << gpu_->timestamp_valid_bits) - 1;
     return static_cast<double>((ticks[1] - ticks[0]) & mask) * double{gpu_->properties.limits.timestampPeriod} * 1e-6;
 }
 

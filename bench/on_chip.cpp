@@ -1,5 +1,6 @@
-// Measures what a scan costs without memory: every character reads the same local transforms from shared memory and scans them
-// repeat after repeat. The difference of two runs of different repeat counts is free of launching, loading and storing.
+// Measures what a scan costs without memory: every character reads the same local transforms from shared memory and
+// scans them repeat after repeat. The difference of two runs of different repeat counts is free of launching, loading
+// and storing.
 #include "bench/gpu_clock.h"
 #include "bench/scan_cell.h"
 #include "bench/scan_crowd.h"
@@ -17,28 +18,34 @@ namespace throng::bench {
 namespace {
 
 constexpr uint32_t kBetweenBarriers_bytes = 16;  // scan.glsl, on_chip_between_barriers, and its alignment
-constexpr uint32_t kMethodConstants = 7;     // constant_id 1 to 7 are the method's own
-constexpr uint32_t kSoftwareCharacters = 256;  // more only take longer on a software device
-constexpr double kRun_ms = 10;               // how long the difference of two runs should be at least
+constexpr uint32_t kMethodConstants = 7;         // constant_id 1 to 7 are the method's own
+constexpr uint32_t kSoftwareCharacters = 256;    // more only take longer on a software device
+constexpr double kRun_ms = 10;                   // how long the difference of two runs should be at least
 constexpr uint32_t kMostRepeats = 20'000;
 
 uint64_t local_bytes(const ScanMethod& method) { return method.format == ScanFormat::kSimilarity ? 32 : 48; }
 
-uint32_t on_chip_transforms(const ScanPlan& plan, const ScanRig& rig) { return plan.instances_per_workgroup * rig.joint_count(); }
+uint32_t on_chip_transforms(const ScanPlan& plan, const ScanRig& rig) {
+    return plan.instances_per_workgroup * rig.joint_count();
+}
 
 // Iterations of an invocation's loops in so many repeats, with those that fill shared memory.
 uint64_t loop_iterations(const ScanPlan& plan, const ScanRig& rig, uint64_t repeat_count) {
     return on_chip_transforms(plan, rig) / plan.workgroup_size + 2 + repeat_count * (plan.counts.loop_iterations + 1);
 }
 
-// Empty where the method runs on-chip, beside the local transforms of the workgroup's characters in the same shared memory.
+// Empty where the method runs on-chip, beside the local transforms of the workgroup's characters in the same shared
+// memory.
 std::string obstacle_of(const ScanPlan& plan, const ScanMethod& method, const ScanRig& rig, const ScanLimits& limits) {
     if (!plan.obstacle.empty()) return plan.obstacle;
     if (!plan.on_chip) return "its transforms pass through memory";
-    if (loop_iterations(plan, rig, 2) > limits.loop_iterations) return "two repeats exceed the device's loop iterations";
-    const uint64_t needed_bytes = uint64_t{plan.counts.shared_bytes} * plan.instances_per_workgroup + on_chip_transforms(plan, rig) * local_bytes(method) + kBetweenBarriers_bytes;
+    if (loop_iterations(plan, rig, 2) > limits.loop_iterations)
+        return "two repeats exceed the device's loop iterations";
+    const uint64_t needed_bytes = uint64_t{plan.counts.shared_bytes} * plan.instances_per_workgroup +
+                                  on_chip_transforms(plan, rig) * local_bytes(method) + kBetweenBarriers_bytes;
     if (needed_bytes <= limits.shared_memory_bytes) return {};
-    return std::to_string(needed_bytes) + " bytes of shared memory, with the local transforms, exceed the device's " + std::to_string(limits.shared_memory_bytes);
+    return std::to_string(needed_bytes) + " bytes of shared memory, with the local transforms, exceed the device's " +
+           std::to_string(limits.shared_memory_bytes);
 }
 
 std::string obstacle_of(const Entrant& entrant, const ScanRig& rig, const ScanLimits& limits) {
@@ -50,7 +57,8 @@ std::string obstacle_of(const Entrant& entrant, const ScanRig& rig, const ScanLi
     return obstacle;
 }
 
-// The most joints, up to the cell's, with which every entrant fits that fits with the fewest; the same for all, to compare them.
+// The most joints, up to the cell's, with which every entrant fits that fits with the fewest; the same for all, to
+// compare them.
 uint32_t common_joint_count(const ScanCell& cell, std::span<const Entrant> entrants, const ScanLimits& limits) {
     const auto rig_of = [&](uint32_t joints) {
         ScanCell smaller = cell;
@@ -65,7 +73,9 @@ uint32_t common_joint_count(const ScanCell& cell, std::span<const Entrant> entra
     while (fitting + 1 < too_many) {
         const uint32_t middle = fitting + (too_many - fitting) / 2;
         const ScanRig rig = rig_of(middle);
-        const bool fits = std::all_of(able.begin(), able.end(), [&](const Entrant& entrant) { return obstacle_of(entrant, rig, limits).empty(); });
+        const bool fits = std::all_of(able.begin(), able.end(), [&](const Entrant& entrant) {
+            return obstacle_of(entrant, rig, limits).empty();
+        });
         (fits ? fitting : too_many) = middle;
     }
     return fitting;
@@ -74,15 +84,25 @@ uint32_t common_joint_count(const ScanCell& cell, std::span<const Entrant> entra
 // One choice, as compiled for this measurement.
 class OnChipRunner {
 public:
-    OnChipRunner(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const ScanChoice& choice, ScanPlan plan, const ScanRig& rig, uint32_t character_count, const PoseSet& pose)
-        : gpu_(gpu), clock_(&clock), choice_(choice), plan_(std::move(plan)), rig_(rig), character_count_(character_count) {
-        const auto storage = [&](const char* what, uint64_t size_bytes) { return Buffer(gpu, what, size_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT); };
+    OnChipRunner(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const ScanChoice& choice, ScanPlan plan,
+                 const ScanRig& rig, uint32_t character_count, const PoseSet& pose)
+        : gpu_(gpu),
+          clock_(&clock),
+          choice_(choice),
+          plan_(std::move(plan)),
+          rig_(rig),
+          character_count_(character_count) {
+        const auto storage = [&](const char* what, uint64_t size_bytes) {
+            return Buffer(gpu, what, size_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+        };
         links_ = upload(gpu, "scan links", plan_.links);
-        local_ = upload(gpu, "local transforms", pose.bytes(0, 1, ScanLayout::kCharacterMajor, choice.method->format));  // all read these
+        // All read these
+        local_ = upload(gpu, "local transforms", pose.bytes(0, 1, ScanLayout::kCharacterMajor, choice.method->format));
         model_ = storage("model matrices", matrix_count() * sizeof(Affine));
         scratch_ = storage("scratch", sizeof(Affine));
         kernels_ = {kernel(0), kernel(1)};
-        bindings_ = kernels_[0].bind(ScanBuffers{.local = local_, .links = links_, .model = model_, .scratch = scratch_});
+        bindings_ = kernels_[0].bind(
+            ScanBuffers{.local = local_, .links = links_, .model = model_, .scratch = scratch_});
     }
 
     const ScanChoice& choice() const { return choice_; }
@@ -90,7 +110,9 @@ public:
 
     // Of a run of so many repeats; one that ended early leaves NaN.
     double max_error(const PoseSet& pose, uint32_t repeat_count) const {
-        gpu_->submit_and_wait([&](VkCommandBuffer commands) { gpu_->vk.vkCmdFillBuffer(commands, model_.handle(), 0, VK_WHOLE_SIZE, 0xFFFFFFFF); });
+        gpu_->submit_and_wait([&](VkCommandBuffer commands) {
+            gpu_->vk.vkCmdFillBuffer(commands, model_.handle(), 0, VK_WHOLE_SIZE, 0xFFFFFFFF);
+        });
         run_ms(repeat_count, false);
         const std::vector<Affine> model = download<Affine>(gpu_, model_);
         return bench::max_error(model, pose, 0, character_count_, choice_.method->layout);
@@ -103,12 +125,16 @@ public:
     void calibrate() {
         for (const bool barriers_twice : {false, true}) run_ms(1, barriers_twice);
         // The device ends loops without a word after so many iterations: twice the repeats have to stay below.
-        const auto can_double = [&] { return 2 * repeat_count_ <= kMostRepeats && loop_iterations(plan_, rig_, 4 * uint64_t{repeat_count_}) <= scan_limits(*gpu_).loop_iterations / 2; };
+        const auto can_double = [&] {
+            return 2 * repeat_count_ <= kMostRepeats &&
+                   loop_iterations(plan_, rig_, 4 * uint64_t{repeat_count_}) <= scan_limits(*gpu_).loop_iterations / 2;
+        };
         while (can_double() && run_ms(repeat_count_, false) < kRun_ms) repeat_count_ *= 2;
     }
 
     double ns_per_joint(bool barriers_twice) const {
-        const double once_ms = run_ms(repeat_count_, barriers_twice), twice_ms = run_ms(2 * repeat_count_, barriers_twice);
+        const double once_ms = run_ms(repeat_count_, barriers_twice),
+                     twice_ms = run_ms(2 * repeat_count_, barriers_twice);
         return (twice_ms - once_ms) * 1e6 / (static_cast<double>(matrix_count()) * repeat_count_);
     }
 
@@ -119,7 +145,8 @@ private:
         const ScanShaders& shaders = scan_shaders(choice_.method->name);
         std::vector<uint32_t> constants = plan_.constants;
         constants.resize(kMethodConstants);
-        constants.insert(constants.end(), {barriers_twice, plan_.instances_per_workgroup, on_chip_transforms(plan_, rig_)});
+        constants.insert(constants.end(),
+                         {barriers_twice, plan_.instances_per_workgroup, on_chip_transforms(plan_, rig_)});
         return Kernel(gpu_, {.name = choice_.method->name,
                              .spirv = gpu_->prefers_wide_words() ? shaders.on_chip_wide : shaders.on_chip,
                              .workgroup_size = plan_.workgroup_size,
@@ -128,9 +155,11 @@ private:
     }
 
     double run_ms(uint32_t repeat_count, bool barriers_twice) const {
-        const uint32_t workgroups = (character_count_ + plan_.instances_per_workgroup - 1) / plan_.instances_per_workgroup;
+        const uint32_t workgroups = (character_count_ + plan_.instances_per_workgroup - 1) /
+                                    plan_.instances_per_workgroup;
         return clock_->time_ms([&](VkCommandBuffer commands) {
-            kernels_[barriers_twice ? 1 : 0].dispatch_workgroups(commands, bindings_, io::ScanPush{rig_.joint_count(), character_count_, repeat_count}, workgroups);
+            kernels_[barriers_twice ? 1 : 0].dispatch_workgroups(
+                commands, bindings_, io::ScanPush{rig_.joint_count(), character_count_, repeat_count}, workgroups);
         });
     }
 
@@ -158,7 +187,8 @@ struct Checked {
     }
 };
 
-Checked check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant, const ScanRig& rig, uint32_t character_count, const PoseSet& pose) {
+Checked check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant, const ScanRig& rig,
+              uint32_t character_count, const PoseSet& pose) {
     Checked checked;
     double best_ns = std::numeric_limits<double>::infinity();
     for (const ScanChoice& choice : entrant.choices) {
@@ -201,13 +231,16 @@ nlohmann::json record_of(const Entrant& entrant, const Checked& checked, const n
                    {"on_chip_ns_per_joint", ns.median},
                    {"on_chip_p5", ns.p5},
                    {"on_chip_p95", ns.p95},
-                   {"barrier_share", checked.barriers_twice_ns.empty() ? 0 : (barriers_twice_ns.median - ns.median) / ns.median}});
+                   {"barrier_share",
+                    checked.barriers_twice_ns.empty() ? 0 : (barriers_twice_ns.median - ns.median) / ns.median}});
     return record;
 }
 
 }  // namespace
 
-std::vector<nlohmann::json> measure_on_chip(const std::shared_ptr<Gpu>& gpu, ScanCell cell, std::span<const Entrant> entrants, const Sampling& sampling, const Progress& progress) {
+std::vector<nlohmann::json> measure_on_chip(const std::shared_ptr<Gpu>& gpu, ScanCell cell,
+                                            std::span<const Entrant> entrants, const Sampling& sampling,
+                                            const Progress& progress) {
     const Stopwatch watch;
     const GpuClock clock(gpu);
     cell.joints = common_joint_count(cell, entrants, scan_limits(*gpu));
@@ -217,7 +250,8 @@ std::vector<nlohmann::json> measure_on_chip(const std::shared_ptr<Gpu>& gpu, Sca
 
     std::vector<Checked> checked;
     for (const Entrant& entrant : entrants) {
-        progress("checking " + entrant.name + ", " + std::to_string(checked.size() + 1) + " of " + std::to_string(entrants.size()));
+        progress("checking " + entrant.name + ", " + std::to_string(checked.size() + 1) + " of " +
+                 std::to_string(entrants.size()));
         checked.push_back(check(gpu, clock, entrant, rig, cell.characters, pose));
     }
 

@@ -12,7 +12,11 @@ nlohmann::json where_and_when(const DeviceInfo& device) {
     char date[16];
     std::strftime(date, sizeof date, "%Y-%m-%d", std::gmtime(&now));
     const char* commit = std::getenv("THRONG_COMMIT");
-    return {{"device", device.name}, {"driver", device.driver}, {"subgroup_size", device.subgroup_size}, {"commit", commit ? commit : ""}, {"date", date}};
+    return {{"device", device.name},
+            {"driver", device.driver},
+            {"subgroup_size", device.subgroup_size},
+            {"commit", commit ? commit : ""},
+            {"date", date}};
 }
 
 }  // namespace throng::bench

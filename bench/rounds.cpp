@@ -4,15 +4,18 @@
 
 namespace throng::bench {
 
-void run_rounds(std::span<const Contestant> contestants, const Sampling& sampling, double time_s, const Progress& progress) {
+void run_rounds(std::span<const Contestant> contestants, const Sampling& sampling, double time_s,
+                const Progress& progress) {
     const double share_s = time_s / static_cast<double>(contestants.size());
     std::vector<double> used_s(contestants.size());
     std::vector<uint32_t> taken(contestants.size());
     for (uint32_t round = 0; round < sampling.samples; ++round)
         for (size_t i = 0; i < contestants.size(); ++i) {
-            const bool fits = taken[i] == 0 || used_s[i] * (taken[i] + 1) / taken[i] <= share_s;  // one more, as long as those before
+            // One more, as long as those before
+            const bool fits = taken[i] == 0 || used_s[i] * (taken[i] + 1) / taken[i] <= share_s;
             if (round >= sampling.least_samples && !fits) continue;
-            progress(contestants[i].name + ", round " + std::to_string(round + 1) + " of " + std::to_string(sampling.samples));
+            progress(contestants[i].name + ", round " + std::to_string(round + 1) + " of " +
+                     std::to_string(sampling.samples));
             const Stopwatch watch;
             contestants[i].sample();
             used_s[i] += watch.elapsed_s();

@@ -11,7 +11,9 @@ namespace throng::bench {
 
 class Stopwatch {
 public:
-    double elapsed_s() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+    double elapsed_s() const {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
 
 private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
@@ -30,7 +32,9 @@ struct Contestant {
 
 using Progress = std::function<void(const std::string&)>;
 
-// Rounds until each contestant has its samples, or at least the least number of them and has used up its share of `time_s`.
-void run_rounds(std::span<const Contestant> contestants, const Sampling& sampling, double time_s, const Progress& progress);
+// Rounds until each contestant has its samples, or at least the least number of them and has used up its share of
+// `time_s`.
+void run_rounds(std::span<const Contestant> contestants, const Sampling& sampling, double time_s,
+                const Progress& progress);
 
 }  // namespace throng::bench

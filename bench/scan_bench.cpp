@@ -13,7 +13,9 @@
 namespace throng::bench {
 namespace {
 
-[[noreturn]] void refuse(const std::string& place, const std::string& what) { throw Failure(ErrorCode::kInvalidArgument, place, what); }
+[[noreturn]] void refuse(const std::string& place, const std::string& what) {
+    throw Failure(ErrorCode::kInvalidArgument, place, what);
+}
 
 // The paper's experiment, with our own values; on-chip cells have the same skeletons.
 std::vector<ScanCell> cells_over_levels(const std::string& experiment, const ScanBenchSettings& settings) {
@@ -29,14 +31,20 @@ std::vector<ScanCell> cells_over_joints(const ScanBenchSettings& settings) {
     const uint32_t matrix_count = settings.quick ? 30'000 : 300'000;
     std::vector<ScanCell> cells;
     for (uint32_t joints = 16; joints <= 4096; joints *= settings.quick ? 16 : 2)
-        cells.push_back({.experiment = "joints", .characters = matrix_count / joints, .joints = joints, .levels = std::min(30u, joints), .seed = settings.seed});
+        cells.push_back({.experiment = "joints",
+                         .characters = matrix_count / joints,
+                         .joints = joints,
+                         .levels = std::min(30u, joints),
+                         .seed = settings.seed});
     return cells;
 }
 
 std::vector<ScanCell> cells_over_characters(const ScanBenchSettings& settings) {
     std::vector<ScanCell> cells;
-    for (uint32_t characters = 1; characters <= (settings.quick ? 1'000u : 100'000u); characters *= settings.quick ? 1000 : 10)
-        cells.push_back({.experiment = "characters", .characters = characters, .joints = 64, .levels = 15, .seed = settings.seed});
+    for (uint32_t characters = 1; characters <= (settings.quick ? 1'000u : 100'000u);
+         characters *= settings.quick ? 1000 : 10)
+        cells.push_back(
+            {.experiment = "characters", .characters = characters, .joints = 64, .levels = 15, .seed = settings.seed});
     return cells;
 }
 
@@ -46,19 +54,26 @@ std::vector<ScanCell> cells_of_grid(const ScanBenchSettings& settings) {
     for (const uint32_t characters : {100u, 1'000u, 10'000u})
         for (const uint32_t joints : {32u, 100u, 300u, 1'000u})
             for (const uint32_t levels : {15u, 30u, 60u, 120u})
-                if (levels <= joints) cells.push_back({.experiment = "grid", .characters = characters, .joints = joints, .levels = levels, .seed = settings.seed});
+                if (levels <= joints)
+                    cells.push_back({.experiment = "grid",
+                                     .characters = characters,
+                                     .joints = joints,
+                                     .levels = levels,
+                                     .seed = settings.seed});
     return cells;
 }
 
 std::vector<ScanCell> cells_of(const ScanBenchSettings& settings) {
     std::vector<ScanCell> cells;
     for (const std::string& experiment : settings.experiments) {
-        const std::vector<ScanCell> more = experiment == "levels" || experiment == "on_chip" ? cells_over_levels(experiment, settings)
-                                           : experiment == "joints"                          ? cells_over_joints(settings)
-                                           : experiment == "characters"                      ? cells_over_characters(settings)
-                                           : experiment == "grid"                            ? cells_of_grid(settings)
-                                                                                             : std::vector<ScanCell>{};
-        if (more.empty()) refuse("experiment '" + experiment + "'", "there is none of this name, or it has no levels to run");
+        const std::vector<ScanCell> more = experiment == "levels" || experiment == "on_chip"
+                                               ? cells_over_levels(experiment, settings)
+                                           : experiment == "joints"     ? cells_over_joints(settings)
+                                           : experiment == "characters" ? cells_over_characters(settings)
+                                           : experiment == "grid"       ? cells_of_grid(settings)
+                                                                        : std::vector<ScanCell>{};
+        if (more.empty())
+            refuse("experiment '" + experiment + "'", "there is none of this name, or it has no levels to run");
         cells.insert(cells.end(), more.begin(), more.end());
     }
     for (const ScanCell& cell : cells) {
@@ -83,7 +98,9 @@ Entrant entrant(const std::string& text, const ScanLimits& limits) {
     std::vector<uint32_t> lanes = method->lane_choices(limits);
     if (wanted) {
         const bool is_choice = std::find(lanes.begin(), lanes.end(), *wanted) != lanes.end();
-        if (!is_choice) refuse("scan method '" + text + "'", plan_scan(*method, ScanRig(std::vector{kNone}, true), limits, *wanted).obstacle);
+        if (!is_choice)
+            refuse("scan method '" + text + "'",
+                   plan_scan(*method, ScanRig(std::vector{kNone}, true), limits, *wanted).obstacle);
         lanes = {*wanted};
     }
     if (lanes.empty()) lanes = {0};  // plan_scan() says why not
@@ -103,20 +120,30 @@ std::vector<Entrant> entrants_of(const ScanBenchSettings& settings, const ScanLi
 constexpr const char* kAuto = "auto";
 
 bool is_choice(const nlohmann::json& record, const ScanChoice& choice) {
-    return record.value("method", "") == choice.method->name && record.value("lanes", 0u) == choice.lanes && record.contains("median_ms");
+    return record.value("method", "") == choice.method->name && record.value("lanes", 0u) == choice.lanes &&
+           record.contains("median_ms");
 }
 
-// The cell's records, and one more for what the planner chooses: that of the same choice where it is there, so that the same kernel
-// is not compared with itself, else one measured in the same rounds.
-std::vector<nlohmann::json> measure_with_planner(const std::shared_ptr<Gpu>& gpu, const ScanCell& cell, std::vector<Entrant> entrants, const Sampling& sampling, const Progress& progress) {
-    const ScanChoice chosen = choose_scan(kAuto, cell.rig(), cell.characters, scan_limits(*gpu), scan_costs(*gpu)).choice;
+// The cell's records, and one more for what the planner chooses: that of the same choice where it is there, so that the
+// same kernel is not compared with itself, else one measured in the same rounds.
+std::vector<nlohmann::json> measure_with_planner(const std::shared_ptr<Gpu>& gpu, const ScanCell& cell,
+                                                 std::vector<Entrant> entrants, const Sampling& sampling,
+                                                 const Progress& progress) {
+    const ScanChoice chosen =
+        choose_scan(kAuto, cell.rig(), cell.characters, scan_limits(*gpu), scan_costs(*gpu)).choice;
     // Of a method with a choice of lanes only the fastest ones have a row.
-    const bool has_row = chosen.lanes == 0 && std::any_of(entrants.begin(), entrants.end(), [&](const Entrant& entrant) { return entrant.choices.front().method == chosen.method; });
+    const bool has_row = chosen.lanes == 0 &&
+                         std::any_of(entrants.begin(), entrants.end(), [&](const Entrant& entrant) {
+                             return entrant.choices.front().method == chosen.method;
+                         });
     if (!has_row) entrants.push_back({kAuto, {chosen}});
     std::vector<nlohmann::json> records = measure_scans(gpu, cell, entrants, sampling, progress);
-    if (!has_row && std::any_of(records.begin(), records.end() - 1, [&](const nlohmann::json& record) { return is_choice(record, chosen); })) records.pop_back();
+    if (!has_row && std::any_of(records.begin(), records.end() - 1,
+                                [&](const nlohmann::json& record) { return is_choice(record, chosen); }))
+        records.pop_back();
     if (records.back()["method"] != kAuto) {
-        const auto row = std::find_if(records.begin(), records.end(), [&](const nlohmann::json& record) { return is_choice(record, chosen); });
+        const auto row = std::find_if(records.begin(), records.end(),
+                                      [&](const nlohmann::json& record) { return is_choice(record, chosen); });
         if (row == records.end()) return records;  // the method is wrong, which its own record says
         records.push_back(nlohmann::json(*row));
         records.back()["method"] = kAuto;
@@ -125,8 +152,11 @@ std::vector<nlohmann::json> measure_with_planner(const std::shared_ptr<Gpu>& gpu
     return records;
 }
 
-// How a cell's time compares with another's: some of it goes into compiling kernels, the rest grows with the transforms.
-double weight(const ScanCell& cell) { return cell.experiment == "on_chip" ? 10 : 2 + 1e-5 * cell.characters * cell.joints; }
+// How a cell's time compares with another's: some of it goes into compiling kernels, the rest grows with the
+// transforms.
+double weight(const ScanCell& cell) {
+    return cell.experiment == "on_chip" ? 10 : 2 + 1e-5 * cell.characters * cell.joints;
+}
 
 std::string time_left(double seconds) {
     if (seconds < 50) return "less than a minute left";
@@ -145,7 +175,8 @@ void run_scan_bench(const Device& device, const ScanBenchSettings& settings, con
     const std::vector<Entrant> entrants = entrants_of(settings, scan_limits(*gpu));
 
     const Stopwatch watch;
-    const double all_weight = std::accumulate(cells.begin(), cells.end(), 0.0, [](double sum, const ScanCell& cell) { return sum + weight(cell); });
+    const double all_weight = std::accumulate(cells.begin(), cells.end(), 0.0,
+                                              [](double sum, const ScanCell& cell) { return sum + weight(cell); });
     double done_weight = 0, done_s = 0;
     for (const ScanCell& cell : cells) {
         // Each cell gets its part of what is left of the budget; what it takes, foretells what the rest will take.
@@ -155,9 +186,11 @@ void run_scan_bench(const Device& device, const ScanBenchSettings& settings, con
         const double s_per_weight = done_weight > 0 ? done_s / done_weight : settings.sampling.budget_s / all_weight;
         const Progress cell_progress = [&](const std::string& text) {
             const double cell_left_s = std::max(0.0, s_per_weight * weight(cell) - (watch.elapsed_s() - done_s));
-            progress(label(cell) + ": " + text + "; " + time_left(cell_left_s + s_per_weight * (left_weight - weight(cell))));
+            progress(label(cell) + ": " + text + "; " +
+                     time_left(cell_left_s + s_per_weight * (left_weight - weight(cell))));
         };
-        cell_done(cell.experiment == "on_chip" ? measure_on_chip(gpu, cell, entrants, sampling, cell_progress) : measure_with_planner(gpu, cell, entrants, sampling, cell_progress));
+        cell_done(cell.experiment == "on_chip" ? measure_on_chip(gpu, cell, entrants, sampling, cell_progress)
+                                               : measure_with_planner(gpu, cell, entrants, sampling, cell_progress));
         done_weight += weight(cell);
         done_s = watch.elapsed_s();
     }

@@ -15,7 +15,8 @@ std::vector<std::string> scan_experiments();
 std::vector<std::string> default_scan_experiments();
 
 struct ScanBenchSettings {
-    std::vector<std::string> methods;  // names of scan_methods(), "name:lanes" to fix the invocations a character; empty: all
+    // Names of scan_methods(), "name:lanes" to fix the invocations a character; empty: all
+    std::vector<std::string> methods;
     std::vector<std::string> experiments = default_scan_experiments();
     // Of the experiments "levels" and "on_chip".
     uint32_t characters = 10'000, joints = 300;
@@ -26,8 +27,8 @@ struct ScanBenchSettings {
     bool quick = false;                  // the other experiments have fewer cells
 };
 
-// Runs cell after cell. `progress` gets a line whenever something begins, `cell_done` the records of a cell (bench/README.md lists their
-// fields). Throws, before anything runs, where the settings make no sense.
+// Runs cell after cell. `progress` gets a line whenever something begins, `cell_done` the records of a cell
+// (bench/README.md lists their fields). Throws, before anything runs, where the settings make no sense.
 void run_scan_bench(const Device& device, const ScanBenchSettings& settings, const Progress& progress,
                     const std::function<void(std::span<const nlohmann::json>)>& cell_done);
 

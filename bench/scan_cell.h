@@ -30,12 +30,14 @@ void add_choice(nlohmann::json& record, const ScanChoice& choice, const ScanCoun
 void add_error(nlohmann::json& record, double max_error);
 
 // measure_scans: checks each entrant, then times the right ones and a copy of the same bytes in interleaved rounds.
-// measure_on_chip: the same without memory (scan.glsl, SCAN_ON_CHIP), with as many joints as leave every method room in shared memory,
-// and with few characters on a software device.
-// Either returns a record for each entrant, in their order. Throws kLimit and kOutOfMemory.
-std::vector<nlohmann::json> measure_scans(const std::shared_ptr<Gpu>& gpu, const ScanCell& cell, std::span<const Entrant> entrants, const Sampling& sampling,
+// measure_on_chip: the same without memory (scan.glsl, SCAN_ON_CHIP), with as many joints as leave every method room in
+// shared memory, and with few characters on a software device. Either returns a record for each entrant, in their
+// order. Throws kLimit and kOutOfMemory.
+std::vector<nlohmann::json> measure_scans(const std::shared_ptr<Gpu>& gpu, const ScanCell& cell,
+                                          std::span<const Entrant> entrants, const Sampling& sampling,
                                           const Progress& progress);
-std::vector<nlohmann::json> measure_on_chip(const std::shared_ptr<Gpu>& gpu, ScanCell cell, std::span<const Entrant> entrants, const Sampling& sampling,
+std::vector<nlohmann::json> measure_on_chip(const std::shared_ptr<Gpu>& gpu, ScanCell cell,
+                                            std::span<const Entrant> entrants, const Sampling& sampling,
                                             const Progress& progress);
 
 }  // namespace throng::bench

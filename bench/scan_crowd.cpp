@@ -35,23 +35,28 @@ size_t index_of(ScanLayout layout, size_t instance, size_t joint, size_t instanc
 }
 
 Vec3<double> random_direction(creature::Random& random) {
-    const double z = random.between(-1, 1), angle_rad = random.between(0, 2 * std::numbers::pi), r = std::sqrt(1 - z * z);
+    const double z = random.between(-1, 1), angle_rad = random.between(0, 2 * std::numbers::pi),
+                 r = std::sqrt(1 - z * z);
     return {r * std::cos(angle_rad), r * std::sin(angle_rad), z};
 }
 
-// As many instances as the storage-buffer range, one allocation and a dispatch allow, where an instance may need a workgroup of
-// its own, and 64 of the copy's invocations copy 64 matrices.
+// As many instances as the storage-buffer range, one allocation and a dispatch allow, where an instance may need a
+// workgroup of its own, and 64 of the copy's invocations copy 64 matrices.
 uint32_t batch_capacity(const Gpu& gpu, uint32_t joint_count) {
-    const uint64_t instance_bytes = uint64_t{joint_count} * sizeof(Affine), workgroups = gpu.properties.limits.maxComputeWorkGroupCount[0];
-    const uint64_t range_bytes = std::min<uint64_t>(gpu.properties.limits.maxStorageBufferRange, gpu.max_allocation_bytes);
+    const uint64_t instance_bytes = uint64_t{joint_count} * sizeof(Affine),
+                   workgroups = gpu.properties.limits.maxComputeWorkGroupCount[0];
+    const uint64_t range_bytes = std::min<uint64_t>(gpu.properties.limits.maxStorageBufferRange,
+                                                    gpu.max_allocation_bytes);
     const uint64_t capacity = std::min({range_bytes / instance_bytes, workgroups, workgroups * 64 / joint_count});
     if (capacity > 0) return static_cast<uint32_t>(std::min<uint64_t>(capacity, UINT32_MAX));
-    throw Failure(ErrorCode::kLimit, "characters of " + std::to_string(joint_count) + " joints", "one exceeds what the device binds or dispatches");
+    throw Failure(ErrorCode::kLimit, "characters of " + std::to_string(joint_count) + " joints",
+                  "one exceeds what the device binds or dispatches");
 }
 
 }  // namespace
 
-PoseSet::PoseSet(const ScanRig& rig, uint32_t pose_count_in, uint64_t seed) : joint_count(rig.joint_count()), pose_count(pose_count_in) {
+PoseSet::PoseSet(const ScanRig& rig, uint32_t pose_count_in, uint64_t seed)
+    : joint_count(rig.joint_count()), pose_count(pose_count_in) {
     creature::Random random(seed);
     for (uint32_t pose = 0; pose < pose_count; ++pose) {
         std::vector<AffineT<double>> parent_from_joint;
@@ -68,17 +73,20 @@ PoseSet::PoseSet(const ScanRig& rig, uint32_t pose_count_in, uint64_t seed) : jo
     }
 }
 
-std::vector<std::byte> PoseSet::bytes(uint32_t first_instance, uint32_t instance_count, ScanLayout layout, ScanFormat format) const {
+std::vector<std::byte> PoseSet::bytes(uint32_t first_instance, uint32_t instance_count, ScanLayout layout,
+                                      ScanFormat format) const {
     const auto spread_out = [&](const auto& transform_of) {
         using Transform = decltype(transform_of(local[0]));
         std::vector<Transform> poses;
         for (const Trs<float>& pose : local) poses.push_back(transform_of(pose));
         std::vector<std::byte> out(size_t{instance_count} * joint_count * sizeof(Transform));
         auto* transforms = reinterpret_cast<Transform*>(out.data());
-        const size_t outer = layout == ScanLayout::kTransposed ? joint_count : instance_count, inner = layout == ScanLayout::kTransposed ? instance_count : joint_count;
+        const size_t outer = layout == ScanLayout::kTransposed ? joint_count : instance_count,
+                     inner = layout == ScanLayout::kTransposed ? instance_count : joint_count;
         for (size_t o = 0; o < outer; ++o)
             for (size_t i = 0; i < inner; ++i) {
-                const size_t instance = layout == ScanLayout::kTransposed ? i : o, joint = layout == ScanLayout::kTransposed ? o : i;
+                const size_t instance = layout == ScanLayout::kTransposed ? i : o,
+                             joint = layout == ScanLayout::kTransposed ? o : i;
                 *transforms++ = poses[(first_instance + instance) % pose_count * joint_count + joint];
             }
         return out;
@@ -86,7 +94,8 @@ std::vector<std::byte> PoseSet::bytes(uint32_t first_instance, uint32_t instance
     return format == ScanFormat::kSimilarity ? spread_out(as_similarity) : spread_out(as_affine);
 }
 
-double max_error(std::span<const Affine> model, const PoseSet& poses, uint32_t first_instance, uint32_t instance_count, ScanLayout layout) {
+double max_error(std::span<const Affine> model, const PoseSet& poses, uint32_t first_instance, uint32_t instance_count,
+                 ScanLayout layout) {
     double linear = 0, translation = 0;
     for (size_t instance = 0; instance < instance_count; ++instance) {
         const size_t pose = (first_instance + instance) % poses.pose_count;
@@ -94,7 +103,8 @@ double max_error(std::span<const Affine> model, const PoseSet& poses, uint32_t f
             const Affine& got = model[index_of(layout, instance, joint, instance_count, poses.joint_count)];
             const AffineT<double>& wanted = poses.wanted[pose * poses.joint_count + joint];
             for (size_t row = 0; row < 3; ++row) {
-                for (size_t column = 0; column < 3; ++column) take_larger(linear, std::abs(got.row[row][column] - wanted.row[row][column]));
+                for (size_t column = 0; column < 3; ++column)
+                    take_larger(linear, std::abs(got.row[row][column] - wanted.row[row][column]));
                 take_larger(translation, std::abs(got.row[row][3] - wanted.row[row][3]));
             }
         }
@@ -105,7 +115,8 @@ double max_error(std::span<const Affine> model, const PoseSet& poses, uint32_t f
 
 ScanCrowd::ScanCrowd(std::shared_ptr<Gpu> gpu, const ScanRig& rig, uint32_t instance_count, uint64_t seed)
     : gpu_(std::move(gpu)), poses_(rig, std::min(kPoseCount, instance_count), seed) {
-    const uint64_t capacity = batch_capacity(*gpu_, rig.joint_count()), batch_count = (instance_count + capacity - 1) / capacity;
+    const uint64_t capacity = batch_capacity(*gpu_, rig.joint_count()),
+                   batch_count = (instance_count + capacity - 1) / capacity;
     uint64_t largest_bytes = 0;
     for (uint64_t i = 0; i < batch_count; ++i) {
         Batch& batch = batches_.emplace_back();
@@ -122,19 +133,25 @@ ScanCrowd::ScanCrowd(std::shared_ptr<Gpu> gpu, const ScanRig& rig, uint32_t inst
 const Buffer& ScanCrowd::local(uint32_t index, ScanLayout layout, ScanFormat format) {
     Batch& batch = batches_[index];
     Buffer& buffer = batch.local[static_cast<size_t>(layout)][static_cast<size_t>(format)];
-    if (!buffer.handle()) buffer = upload(gpu_, "local transforms", poses_.bytes(batch.first_instance, batch.instance_count, layout, format));
+    if (!buffer.handle())
+        buffer = upload(gpu_, "local transforms",
+                        poses_.bytes(batch.first_instance, batch.instance_count, layout, format));
     return buffer;
 }
 
 ScanBuffers ScanCrowd::buffers(uint32_t batch, const ScanMethod& method, const Buffer& links) {
-    return {.local = local(batch, method.layout, method.format), .links = links, .model = batches_[batch].model, .scratch = batches_[batch].scratch};
+    return {.local = local(batch, method.layout, method.format),
+            .links = links,
+            .model = batches_[batch].model,
+            .scratch = batches_[batch].scratch};
 }
 
 void ScanCrowd::poison() const {
     gpu_->submit_and_wait([&](VkCommandBuffer commands) {
         memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite | kTransferRead, kTransferWrite);
         for (const Batch& batch : batches_)
-            for (const Buffer* buffer : {&batch.model, &batch.scratch}) gpu_->vk.vkCmdFillBuffer(commands, buffer->handle(), 0, VK_WHOLE_SIZE, 0xFFFFFFFF);
+            for (const Buffer* buffer : {&batch.model, &batch.scratch})
+                gpu_->vk.vkCmdFillBuffer(commands, buffer->handle(), 0, VK_WHOLE_SIZE, 0xFFFFFFFF);
     });
 }
 
@@ -147,7 +164,8 @@ double ScanCrowd::max_error(ScanLayout layout) const {
             gpu_->vk.vkCmdCopyBuffer(commands, batch.model.handle(), read_back_.handle(), 1, &copy);
             memory_barrier(*gpu_, commands, kTransferWrite, kHostRead);
         });
-        const std::span model(reinterpret_cast<const Affine*>(read_back_.mapped()), size_t{batch.instance_count} * poses_.joint_count);
+        const std::span model(reinterpret_cast<const Affine*>(read_back_.mapped()),
+                              size_t{batch.instance_count} * poses_.joint_count);
         take_larger(worst, bench::max_error(model, poses_, batch.first_instance, batch.instance_count, layout));
     }
     return worst;

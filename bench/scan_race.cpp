@@ -24,12 +24,15 @@ struct Runner {
     ScanStage stage;
     std::vector<Bindings> bindings;
 
-    Runner(const std::shared_ptr<Gpu>& gpu, const ScanChoice& choice, const ScanRig& rig, ScanCrowd& crowd) : stage(gpu, choice, rig, scan_limits(*gpu)) {
-        for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch) bindings.push_back(stage.bind(crowd.buffers(batch, *choice.method, stage.links())));
+    Runner(const std::shared_ptr<Gpu>& gpu, const ScanChoice& choice, const ScanRig& rig, ScanCrowd& crowd)
+        : stage(gpu, choice, rig, scan_limits(*gpu)) {
+        for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch)
+            bindings.push_back(stage.bind(crowd.buffers(batch, *choice.method, stage.links())));
     }
     // All characters, or one in `part`.
     void record(VkCommandBuffer commands, const ScanCrowd& crowd, uint32_t part = 1) const {
-        for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch) stage.record(commands, bindings[batch], (crowd.batch(batch).instance_count + part - 1) / part);
+        for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch)
+            stage.record(commands, bindings[batch], (crowd.batch(batch).instance_count + part - 1) / part);
     }
 };
 
@@ -54,12 +57,14 @@ public:
             BufferRange from, to;
         };
         for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch)
-            bindings_.push_back(kernel_.bind(CopyBuffers{crowd.local(batch, ScanLayout::kCharacterMajor, ScanFormat::kAffine), crowd.batch(batch).model}));
+            bindings_.push_back(kernel_.bind(CopyBuffers{
+                crowd.local(batch, ScanLayout::kCharacterMajor, ScanFormat::kAffine), crowd.batch(batch).model}));
     }
     void record(VkCommandBuffer commands, const ScanCrowd& crowd) const {
         for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch) {
             const auto row_count = static_cast<uint32_t>(crowd.row_count(batch));
-            kernel_.dispatch_invocations(commands, bindings_[batch], row_count, (row_count + kRowsPerInvocation - 1) / kRowsPerInvocation);
+            kernel_.dispatch_invocations(commands, bindings_[batch], row_count,
+                                         (row_count + kRowsPerInvocation - 1) / kRowsPerInvocation);
         }
     }
 
@@ -69,14 +74,18 @@ private:
     std::vector<Bindings> bindings_;
 };
 
-// The kernel of the choice that is fastest here, compiled and warm; none where no choice applies, and `obstacle` says why.
-std::optional<Runner> fastest(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant, const ScanRig& rig, ScanCrowd& crowd, std::string& obstacle) {
+// The kernel of the choice that is fastest here, compiled and warm; none where no choice applies, and `obstacle` says
+// why.
+std::optional<Runner> fastest(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant,
+                              const ScanRig& rig, ScanCrowd& crowd, std::string& obstacle) {
     // A software device's time is proportional to the characters, where they are many: some of them will tell.
     constexpr uint32_t kMany = 4'000, kPart = 8, kRuns = 3;
     const uint32_t part = gpu->is_cpu() && crowd.instance_count() >= kMany ? kPart : 1;
     const auto best_of_runs_ms = [&](const Runner& runner) {
         double least_ms = std::numeric_limits<double>::infinity();
-        for (uint32_t run = 0; run < kRuns; ++run) least_ms = std::min(least_ms, clock.time_ms([&](VkCommandBuffer commands) { runner.record(commands, crowd, part); }));
+        for (uint32_t run = 0; run < kRuns; ++run)
+            least_ms = std::min(least_ms,
+                                clock.time_ms([&](VkCommandBuffer commands) { runner.record(commands, crowd, part); }));
         return least_ms;
     };
     std::optional<Runner> best;
@@ -85,7 +94,8 @@ std::optional<Runner> fastest(const std::shared_ptr<Gpu>& gpu, const GpuClock& c
         obstacle = plan_scan(*choice.method, rig, scan_limits(*gpu), choice.lanes).obstacle;
         if (!obstacle.empty()) continue;
         Runner runner(gpu, choice, rig, crowd);
-        clock.time_ms([&](VkCommandBuffer commands) { runner.stage.record(commands, runner.bindings[0], 1); });  // the first run compiles
+        // The first run compiles
+        clock.time_ms([&](VkCommandBuffer commands) { runner.stage.record(commands, runner.bindings[0], 1); });
         const double time_ms = entrant.choices.size() > 1 ? best_of_runs_ms(runner) : 0;
         if (time_ms >= best_ms) continue;
         best_ms = time_ms;
@@ -94,7 +104,8 @@ std::optional<Runner> fastest(const std::shared_ptr<Gpu>& gpu, const GpuClock& c
     return best;
 }
 
-Checked check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant, const ScanRig& rig, ScanCrowd& crowd) {
+Checked check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant, const ScanRig& rig,
+              ScanCrowd& crowd) {
     Checked checked;
     checked.runner = fastest(gpu, clock, entrant, rig, crowd, checked.obstacle);
     if (!checked.runner) return checked;
@@ -104,7 +115,8 @@ Checked check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entr
     return checked;
 }
 
-nlohmann::json record_of(const Entrant& entrant, const Checked& checked, const nlohmann::json& cell_record, double copy_ms) {
+nlohmann::json record_of(const Entrant& entrant, const Checked& checked, const nlohmann::json& cell_record,
+                         double copy_ms) {
     nlohmann::json record = cell_record;
     record["method"] = entrant.name;
     if (!checked.runner) {
@@ -131,7 +143,8 @@ nlohmann::json record_of(const Entrant& entrant, const Checked& checked, const n
 
 }  // namespace
 
-std::vector<nlohmann::json> measure_scans(const std::shared_ptr<Gpu>& gpu, const ScanCell& cell, std::span<const Entrant> entrants, const Sampling& sampling,
+std::vector<nlohmann::json> measure_scans(const std::shared_ptr<Gpu>& gpu, const ScanCell& cell,
+                                          std::span<const Entrant> entrants, const Sampling& sampling,
                                           const Progress& progress) {
     const Stopwatch watch;
     const GpuClock clock(gpu);
@@ -141,17 +154,22 @@ std::vector<nlohmann::json> measure_scans(const std::shared_ptr<Gpu>& gpu, const
 
     std::vector<Checked> checked;
     for (const Entrant& entrant : entrants) {
-        progress("checking " + entrant.name + ", " + std::to_string(checked.size() + 1) + " of " + std::to_string(entrants.size()));
+        progress("checking " + entrant.name + ", " + std::to_string(checked.size() + 1) + " of " +
+                 std::to_string(entrants.size()));
         checked.push_back(check(gpu, clock, entrant, rig, crowd));
     }
 
     std::vector<double> copy_times_ms;
     std::vector<Contestant> contestants;
     const auto enter = [&](const std::string& name, const auto& runner, std::vector<double>& times_ms) {
-        contestants.push_back({name, [&] { times_ms.push_back(clock.time_ms([&](VkCommandBuffer commands) { runner.record(commands, crowd); })); }});
+        contestants.push_back(
+            {name, [&] {
+                 times_ms.push_back(clock.time_ms([&](VkCommandBuffer commands) { runner.record(commands, crowd); }));
+             }});
     };
     const CopyRunner copy(gpu, crowd);
-    clock.time_ms([&](VkCommandBuffer commands) { copy.record(commands, crowd); });  // the check has warmed up the others
+    // The check has warmed up the others
+    clock.time_ms([&](VkCommandBuffer commands) { copy.record(commands, crowd); });
     enter("copy", copy, copy_times_ms);
     for (size_t i = 0; i < entrants.size(); ++i)
         if (checked[i].runs()) enter(entrants[i].name, *checked[i].runner, checked[i].times_ms);
@@ -160,7 +178,8 @@ std::vector<nlohmann::json> measure_scans(const std::shared_ptr<Gpu>& gpu, const
     const nlohmann::json cell_record = describe_cell(cell, rig, gpu->info);
     const double copy_ms = spread_of(copy_times_ms).median;
     std::vector<nlohmann::json> records;
-    for (size_t i = 0; i < entrants.size(); ++i) records.push_back(record_of(entrants[i], checked[i], cell_record, copy_ms));
+    for (size_t i = 0; i < entrants.size(); ++i)
+        records.push_back(record_of(entrants[i], checked[i], cell_record, copy_ms));
     return records;
 }
 

@@ -42,7 +42,8 @@ Series copy_series(const Cells& cells, const View& view) {
     Series copy{"copy", kCopyStyle, {}};
     std::map<double, std::vector<double>> at;
     for (const Json* cell : cells)
-        if (const double y = number(*cell, view.y) * number(*cell, "copy_ms") / number(*cell, "median_ms"); y > 0) at[number(*cell, view.x)].push_back(y);
+        if (const double y = number(*cell, view.y) * number(*cell, "copy_ms") / number(*cell, "median_ms"); y > 0)
+            at[number(*cell, view.x)].push_back(y);
     for (auto& [x, values] : at)
         if (!std::isnan(x)) copy.points.push_back({x, median(values), 0, 0});
     return copy;
@@ -51,15 +52,18 @@ Series copy_series(const Cells& cells, const View& view) {
 std::vector<Series> series_of(const Cells& cells, const View& view) {
     std::vector<Series> all{copy_series(cells, view)};
     std::vector<Cells> methods = grouped(cells, {"method"});
-    std::stable_sort(methods.begin(), methods.end(),
-                     [](const Cells& a, const Cells& b) { return scan_rank(text(*a.front(), "method")) < scan_rank(text(*b.front(), "method")); });
+    std::stable_sort(methods.begin(), methods.end(), [](const Cells& a, const Cells& b) {
+        return scan_rank(text(*a.front(), "method")) < scan_rank(text(*b.front(), "method"));
+    });
     for (const Cells& method : methods) {
         const std::string name = text(*method.front(), "method");
         Series series{name, scan_style(name), {}};
         for (const auto& [x, cell] : best_over(method, view.x, view.y)) {
             const double y = number(*cell, view.y), scale = y / number(*cell, "median_ms");
             const bool has_band = name != kPlanner;  // the method that it chose has the same
-            if (y > 0) series.points.push_back({x, y, has_band ? number(*cell, "p5_ms") * scale : 0, has_band ? number(*cell, "p95_ms") * scale : 0});
+            if (y > 0)
+                series.points.push_back({x, y, has_band ? number(*cell, "p5_ms") * scale : 0,
+                                         has_band ? number(*cell, "p95_ms") * scale : 0});
         }
         all.push_back(std::move(series));
     }
@@ -67,7 +71,9 @@ std::vector<Series> series_of(const Cells& cells, const View& view) {
 }
 
 std::string figure(const std::string& svg, const std::string& caption) {
-    return svg.empty() ? "" : "<figure><div class=\"plot\">" + svg + "</div>" + (caption.empty() ? "" : "<figcaption>" + caption + "</figcaption>") + "</figure>\n";
+    return svg.empty() ? ""
+                       : "<figure><div class=\"plot\">" + svg + "</div>" +
+                             (caption.empty() ? "" : "<figcaption>" + caption + "</figcaption>") + "</figure>\n";
 }
 
 std::string joined(const std::vector<std::string>& all) {
@@ -87,24 +93,29 @@ std::string range(const Cells& cells, const char* field) {
 std::string setting(const Cells& cells, const char* varied) {
     std::vector<std::string> parts;
     const auto add = [&](const char* field, const std::string& before, const std::string& after) {
-        if (const std::string value = range(cells, field); field != std::string_view(varied) && !value.empty()) parts.push_back(before + value + after);
+        if (const std::string value = range(cells, field); field != std::string_view(varied) && !value.empty())
+            parts.push_back(before + value + after);
     };
     add("characters", "", " characters");
     add("joints", "", " joints each");
     add("levels", "", " levels");
-    if (const auto shapes = texts(cells, "shape"); !shapes.empty()) parts.push_back(escape(joined(shapes)) + " skeletons");
+    if (const auto shapes = texts(cells, "shape"); !shapes.empty())
+        parts.push_back(escape(joined(shapes)) + " skeletons");
     add("mean_depth", "mean depth ", "");
     add("seed", "seed ", "");
     return joined(parts);
 }
 
 std::string details(const std::string& summary, const std::string& content, bool open) {
-    return content.empty() ? "" : std::string("<details") + (open ? " open" : "") + "><summary>" + summary + "</summary>\n" + content + "</details>\n";
+    return content.empty() ? ""
+                           : std::string("<details") + (open ? " open" : "") + "><summary>" + summary + "</summary>\n" +
+                                 content + "</details>\n";
 }
 
 std::string winner(const Json& cell) {
     const double copy = number(cell, "times_copy");
-    return escape(text(cell, "method")) + " (" + digits(number(cell, "median_ms")) + " ms" + (std::isnan(copy) ? "" : ", " + digits(copy) + " × the copy") + ")";
+    return escape(text(cell, "method")) + " (" + digits(number(cell, "median_ms")) + " ms" +
+           (std::isnan(copy) ? "" : ", " + digits(copy) + " × the copy") + ")";
 }
 
 // Who wins at both ends, and how far the paper's final method is behind.
@@ -115,9 +126,11 @@ std::string levels_summary(const Cells& cells) {
     for (const auto& [level, level_cells] : {*at.begin(), *at.rbegin()})
         if (const Json* best = fastest(level_cells); best && !std::isnan(level) && (sentences.empty() || at.size() > 1))
             sentences += (sentences.empty() ? "Fastest at " : "; at ") + whole(level) + " levels: " + winner(*best);
-    const Best paper = best_over(having(cells, "method", kPaperFinal), "levels", "median_ms"), plan = best_over(having(cells, "method", kPlanner), "levels", "median_ms");
+    const Best paper = best_over(having(cells, "method", kPaperFinal), "levels", "median_ms"),
+               plan = best_over(having(cells, "method", kPlanner), "levels", "median_ms");
     if (const double ratio = geometric_mean_ratio(paper, plan, "median_ms"); !std::isnan(ratio))
-        sentences += ". The planner's choice is " + digits(ratio) + " times as fast as " + kPaperFinal + ", the paper's final method, in the geometric mean over these depths";
+        sentences += ". The planner's choice is " + digits(ratio) + " times as fast as " + kPaperFinal +
+                     ", the paper's final method, in the geometric mean over these depths";
     return sentences.empty() ? "" : sentences + ".";
 }
 
@@ -125,7 +138,12 @@ std::string levels_summary(const Cells& cells) {
 std::string next_id(int& count) { return "figure" + std::to_string(++count); }
 
 std::string line_figure(const Cells& cells, const View& view, const std::string& title, int& count) {
-    return line_plot({.id = next_id(count), .title = title, .y_label = view.y_label, .x_label = view.x_label, .log_x = view.log_x, .series = series_of(cells, view)});
+    return line_plot({.id = next_id(count),
+                      .title = title,
+                      .y_label = view.y_label,
+                      .x_label = view.x_label,
+                      .log_x = view.log_x,
+                      .series = series_of(cells, view)});
 }
 
 std::string levels_section(const Cells& cells, int& count) {
@@ -133,20 +151,27 @@ std::string levels_section(const Cells& cells, int& count) {
     for (const Cells& panel : grouped(having(cells, "experiment", "levels"), {"shape", "joints", "characters"})) {
         const std::string time = line_figure(panel, kTime, "", count);
         html += "<h3>Time over levels</h3>\n<p class=\"soft\">" + setting(panel, "levels") + "</p>\n";
-        html += figure(time, levels_summary(panel) + " The dotted line is the copy kernel, which moves the same bytes and computes nothing." +
-                                (having(panel, "method", kPlanner).empty() ? "" : " Rings are the planner's choices."));
+        html += figure(time,
+                       levels_summary(panel) +
+                           " The dotted line is the copy kernel, which moves the same bytes and computes nothing." +
+                           (having(panel, "method", kPlanner).empty() ? "" : " Rings are the planner's choices."));
         const std::string over_copy = line_figure(panel, kTimesCopy, "", count);
         if (!over_copy.empty())
-            html += "<h3>Time over the copy's</h3>\n" + figure(over_copy, "The same, divided by the time of the copy kernel in the same rounds. Below 1 comes what "
-                                                                          "reads less than 48 bytes a joint, as the quaternion forms do, or stays in caches.");
+            html += "<h3>Time over the copy's</h3>\n" +
+                    figure(over_copy,
+                           "The same, divided by the time of the copy kernel in the same rounds. Below 1 comes what "
+                           "reads less than 48 bytes a joint, as the quaternion forms do, or stays in caches.");
         html += "<h3>Each depth, with what was computed</h3>\n";
         bool first = true;
         std::map<double, Cells> at;
         for (const Json* cell : panel) at[number(*cell, "levels")].push_back(cell);
         for (const auto& [level, level_cells] : at) {
             const Json* best = fastest(level_cells);
-            const double depth = number(*level_cells.front(), "mean_depth"), leaves = number(*level_cells.front(), "leaves");
-            html += details(whole(level) + " levels<small>" + (std::isnan(depth) ? "" : "mean depth " + digits(depth) + " · ") + (std::isnan(leaves) ? "" : whole(leaves) + " leaves · ") +
+            const double depth = number(*level_cells.front(), "mean_depth"),
+                         leaves = number(*level_cells.front(), "leaves");
+            html += details(whole(level) + " levels<small>" +
+                                (std::isnan(depth) ? "" : "mean depth " + digits(depth) + " · ") +
+                                (std::isnan(leaves) ? "" : whole(leaves) + " leaves · ") +
                                 (best ? "fastest " + winner(*best) : "") + "</small>",
                             case_table(level_cells), first);
             first = false;
@@ -155,11 +180,14 @@ std::string levels_section(const Cells& cells, int& count) {
     return html;
 }
 
-std::string scaling_section(const Cells& cells, const std::string& experiment, const std::vector<const char*>& fixed, const View& view, const std::string& heading, int& count) {
+std::string scaling_section(const Cells& cells, const std::string& experiment, const std::vector<const char*>& fixed,
+                            const View& view, const std::string& heading, int& count) {
     std::string html;
     for (const Cells& panel : grouped(having(cells, "experiment", experiment), fixed)) {
-        html += "<h3>" + heading + "</h3>\n<p class=\"soft\">" + setting(panel, view.x) + "</p>\n" + figure(line_figure(panel, view, "", count), "");
-        html += details("The same as a table, " + std::string(view.y_label), matrix_table(panel, view.x, view.x_label, view.y), false);
+        html += "<h3>" + heading + "</h3>\n<p class=\"soft\">" + setting(panel, view.x) + "</p>\n" +
+                figure(line_figure(panel, view, "", count), "");
+        html += details("The same as a table, " + std::string(view.y_label),
+                        matrix_table(panel, view.x, view.x_label, view.y), false);
     }
     return html;
 }
@@ -169,24 +197,30 @@ std::string on_chip_section(const Cells& cells, int& count) {
     for (const Cells& panel : grouped(having(cells, "experiment", "on_chip"), {"shape"})) {
         std::string figures;
         for (const Cells& level : grouped(panel, {"levels"})) {
-            BarPlot plot{.id = next_id(count), .title = whole(number(*level.front(), "levels")) + " levels", .x_label = "ns a joint", .bars = {}};
+            BarPlot plot{.id = next_id(count),
+                         .title = whole(number(*level.front(), "levels")) + " levels",
+                         .x_label = "ns a joint",
+                         .bars = {}};
             for (const Cells& method : grouped(level, {"method"})) {
                 const Best best = best_over(method, "levels", "on_chip_ns_per_joint");
                 if (best.empty()) continue;
                 const Json& cell = *best.begin()->second;
                 const std::string name = text(cell, "method");
                 const double ns = number(cell, "on_chip_ns_per_joint"), share = number(cell, "barrier_share");
-                plot.bars.push_back({name, scan_style(name).ink, ns, number(cell, "on_chip_p5"), number(cell, "on_chip_p95"), share > 0 ? share : 0,
+                plot.bars.push_back({name, scan_style(name).ink, ns, number(cell, "on_chip_p5"),
+                                     number(cell, "on_chip_p95"), share > 0 ? share : 0,
                                      digits(ns) + (share > 0 ? " · " + whole(100 * share) + " %" : "")});
             }
-            std::stable_sort(plot.bars.begin(), plot.bars.end(), [](const Bar& a, const Bar& b) { return a.value < b.value; });
+            std::stable_sort(plot.bars.begin(), plot.bars.end(),
+                             [](const Bar& a, const Bar& b) { return a.value < b.value; });
             figures += figure(bar_plot(plot), "");
         }
         if (figures.empty()) continue;
         html += "<h3>On the chip</h3>\n<p class=\"soft\">" + setting(panel, "levels") +
-                "</p>\n<p>The scan alone, again and again without going to memory. The pale part of a bar, and the percentage, is what its barriers take at least."
-                "</p>\n<div class=\"pair\">" + figures + "</div>\n" +
-                details("The same as a table", on_chip_table(panel), false);
+                "</p>\n<p>The scan alone, again and again without going to memory. The pale part of a bar, and the "
+                "percentage, is what its barriers take at least."
+                "</p>\n<div class=\"pair\">" +
+                figures + "</div>\n" + details("The same as a table", on_chip_table(panel), false);
     }
     return html;
 }
@@ -195,16 +229,19 @@ std::string grid_section(const Cells& cells) {
     std::string html;
     for (const Cells& panel : grouped(having(cells, "experiment", "grid"), {"shape"})) {
         html += "<h3>The planner on the grid</h3>\n<p class=\"soft\">" + escape(joined(texts(panel, "shape"))) +
-                " skeletons; each cell names the fastest method, its time, and the time of the planner's choice as a multiple of it</p>\n" + grid_table(panel);
+                " skeletons; each cell names the fastest method, its time, and the time of the planner's choice as a "
+                "multiple of it</p>\n" +
+                grid_table(panel);
     }
     return html;
 }
 
 std::string device_section(const Cells& cells, int& count) {
     const std::string device = text(*cells.front(), "device");
-    return "<section>\n<h2>" + (device.empty() ? "Unnamed device" : escape(device)) + "</h2>\n" + levels_section(cells, count) +
-           scaling_section(cells, "joints", {"shape"}, kJoints, "Over joints", count) +
-           scaling_section(cells, "characters", {"shape", "joints"}, kCharacters, "Over characters", count) + on_chip_section(cells, count) + grid_section(cells) + "</section>\n";
+    return "<section>\n<h2>" + (device.empty() ? "Unnamed device" : escape(device)) + "</h2>\n" +
+           levels_section(cells, count) + scaling_section(cells, "joints", {"shape"}, kJoints, "Over joints", count) +
+           scaling_section(cells, "characters", {"shape", "joints"}, kCharacters, "Over characters", count) +
+           on_chip_section(cells, count) + grid_section(cells) + "</section>\n";
 }
 
 std::string facts(const Cells& cells) {
@@ -218,15 +255,21 @@ std::string facts(const Cells& cells) {
     add("commit", escape(joined(texts(cells, "commit"))));
     add("date", escape(joined(texts(cells, "date"))));
     const std::vector<std::string> commands = texts(cells, "command");
-    add("again with", "<code>" + (commands.empty() ? "throng bench scan --json records.jsonl --report report.html" : escape(joined(commands))) + "</code>");
+    add("again with", "<code>" +
+                          (commands.empty() ? "throng bench scan --json records.jsonl --report report.html"
+                                            : escape(joined(commands))) +
+                          "</code>");
     return html + "</dl>\n";
 }
 
 std::string legend(const Cells& cells) {
     std::vector<std::string> methods = texts(cells, "method");
-    std::stable_sort(methods.begin(), methods.end(), [](const std::string& a, const std::string& b) { return scan_rank(a) < scan_rank(b); });
+    std::stable_sort(methods.begin(), methods.end(),
+                     [](const std::string& a, const std::string& b) { return scan_rank(a) < scan_rank(b); });
     std::string html = "<div class=\"legend\" aria-label=\"show or hide a method in the figures\">";
-    for (const std::string& method : methods) html += "<button aria-pressed=\"true\" data-method=\"" + escape(method) + "\">" + method_name(method) + "</button>";
+    for (const std::string& method : methods)
+        html += "<button aria-pressed=\"true\" data-method=\"" + escape(method) + "\">" + method_name(method) +
+                "</button>";
     return html + "</div>\n";
 }
 
@@ -235,27 +278,39 @@ std::string methods_section(const Cells& cells) {
     std::string rows;
     for (const ScanMethodInfo& method : scan_methods())
         if (std::find(measured.begin(), measured.end(), method.name) != measured.end())
-            rows += "<tr><td>" + method_name(method.name) + "</td><td class=\"wide\">" + escape(method.summary) + "</td><td class=\"note\">" + escape(method.source) + "</td></tr>\n";
+            rows += "<tr><td>" + method_name(method.name) + "</td><td class=\"wide\">" + escape(method.summary) +
+                    "</td><td class=\"note\">" + escape(method.source) + "</td></tr>\n";
     if (std::find(measured.begin(), measured.end(), kPlanner) != measured.end())
-        rows += "<tr><td>" + method_name(kPlanner) + "</td><td class=\"wide\">the planner's choice, from the skeleton's shape, the number of characters and the device</td><td></td></tr>\n";
+        rows += "<tr><td>" + method_name(kPlanner) +
+                "</td><td class=\"wide\">the planner's choice, from the skeleton's shape, the number of characters and "
+                "the device</td><td></td></tr>\n";
     return "<h2>Methods</h2>\n<div class=\"scroll\"><table><tbody>\n" + rows + "</tbody></table></div>\n";
 }
 
 std::string measuring_section(const Cells& cells) {
     const std::string samples = range(cells, "samples");
     return R"(<h2>How it was measured</h2>
-<p>Time is the GPU's own, between two timestamps around the scan's dispatches. Before a method is timed its results are compared with the
-double-precision reference; a wrong method is reported as wrong and not timed. <em>error</em> is the largest difference of an element of any matrix, for
+<p>Time is the GPU's own, between two timestamps around the scan's dispatches. Before a method is timed its results )"
+           R"(are compared with the
+double-precision reference; a wrong method is reported as wrong and not timed. <em>error</em> is the largest )"
+           R"(difference of an element of any matrix, for
 translations as a fraction of the skeleton's extent.</p>
-<p>After a warm-up the methods take turns, A B C A B C …, so that a change of clock or load meets all of them alike. Given are the median
+<p>After a warm-up the methods take turns, A B C A B C …, so that a change of clock or load meets all of them alike. )"
+           R"(Given are the median
 )" + (samples.empty() ? "" : "of " + samples + " rounds ") +
-           R"(and the 5th and 95th percentile. <em>lanes</em> are the invocations that share a character: where a method has a choice, its fastest.</p>
-<p><em>copy</em> is a kernel that reads and writes 48 bytes a joint, as a scan of affine transforms must, and computes nothing: the floor. It takes its turn in the same rounds.</p>
-<p><em>On the chip</em>: every character reads the same local transforms from shared memory and scans them repeat after repeat; only the
-last result is stored. The difference between two runs of different repeat counts is free of launching, loading and storing. It is divided by characters
-and joints. What the <em>barriers</em> take at least is what is added when each is issued twice, as a share of the whole: the second one waits for nobody. Noise can make it negative.
+           R"(and the 5th and 95th percentile. <em>lanes</em> are the invocations that share a character: where a )"
+           R"(method has a choice, its fastest.</p>
+<p><em>copy</em> is a kernel that reads and writes 48 bytes a joint, as a scan of affine transforms must, and )"
+           R"(computes nothing: the floor. It takes its turn in the same rounds.</p>
+<p><em>On the chip</em>: every character reads the same local transforms from shared memory and scans them repeat )"
+           R"(after repeat; only the
+last result is stored. The difference between two runs of different repeat counts is free of launching, loading and )"
+           R"(storing. It is divided by characters
+and joints. What the <em>barriers</em> take at least is what is added when each is issued twice, as a share of the )"
+           R"(whole: the second one waits for nobody. Noise can make it negative.
 A barrier between repeats is part of every method that shares memory.</p>
-<p><em>multiplications</em> counts products of transforms for one character, in all invocations; <em>longest thread</em> those that must follow one another.</p>
+<p><em>multiplications</em> counts products of transforms for one character, in all invocations; <em>longest )"
+           R"(thread</em> those that must follow one another.</p>
 )";
 }
 
@@ -263,8 +318,10 @@ std::string baseline_section(std::span<const Json> records) {
     const std::string table = baseline_table(records);
     if (table.empty()) return "";
     return R"(<h2>What baking costs</h2>
-<p><em>baked</em> stores skin matrices of every frame, <em>flattened</em> model-space clips without a hierarchy; neither needs a scan. Both pay with
-memory for each clip, and with vertices that stand in the wrong place when two clips are blended: the distances are to the double-precision reference.
+<p><em>baked</em> stores skin matrices of every frame, <em>flattened</em> model-space clips without a hierarchy; )"
+           R"(neither needs a scan. Both pay with
+memory for each clip, and with vertices that stand in the wrong place when two clips are blended: the distances are )"
+           R"(to the double-precision reference.
 On software devices they move 64-bit words, which throng's sample, blend and bind do not yet: that favours them.</p>
 )" + table;
 }
@@ -280,20 +337,27 @@ std::string scan_report(std::span<const Json> records) {
     if (!cells.empty()) body += facts(cells) + legend(cells);
     for (const Cells& device : grouped(cells, {"device", "driver"})) body += device_section(device, count);
     body += frames + baseline_section(records);
-    if (!cells.empty()) body += methods_section(cells) + measuring_section(cells);
-    else if (frames.empty()) body += "<p>There is no record of the scan benchmark here.</p>\n";
+    if (!cells.empty())
+        body += methods_section(cells) + measuring_section(cells);
+    else if (frames.empty())
+        body += "<p>There is no record of the scan benchmark here.</p>\n";
     return html_page(std::string("throng: ") + title, body);
 }
 
 std::string scan_levels_plot(std::span<const Json> records) {
-    const std::vector<Cells> panels = grouped(having(scan_cells(records), "experiment", "levels"), {"device", "driver", "shape", "joints", "characters"});
+    const std::vector<Cells> panels = grouped(having(scan_cells(records), "experiment", "levels"),
+                                              {"device", "driver", "shape", "joints", "characters"});
     std::string svg;
     if (!panels.empty()) {
         const Cells& panel = panels.front();
         int count = 0;
-        svg = line_figure(panel, kTime, "Hierarchy-Scan of " + range(panel, "characters") + " characters × " + range(panel, "joints") + " joints, " + text(*panel.front(), "device"), count);
+        svg = line_figure(panel, kTime,
+                          "Hierarchy-Scan of " + range(panel, "characters") + " characters × " +
+                              range(panel, "joints") + " joints, " + text(*panel.front(), "device"),
+                          count);
     }
-    if (svg.empty()) throw Failure(ErrorCode::kInvalidArgument, "records", "none of the scan benchmark's times over levels");
+    if (svg.empty())
+        throw Failure(ErrorCode::kInvalidArgument, "records", "none of the scan benchmark's times over levels");
     return "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n" + svg;
 }
 

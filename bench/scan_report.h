@@ -8,11 +8,12 @@
 
 namespace throng::bench {
 
-// A page that stands alone. Where a case was measured again, its last record counts. Both throw kUnsupported where gnuplot is not
-// installed; records of other benchmarks are left out, but for "frame" and "baseline".
+// A page that stands alone. Where a case was measured again, its last record counts. Both throw kUnsupported where
+// gnuplot is not installed; records of other benchmarks are left out, but for "frame" and "baseline".
 std::string scan_report(std::span<const nlohmann::json> records);
 
-// The paper's figure as SVG: the first device's time over levels. Throws kInvalidArgument where there are no such records.
+// The paper's figure as SVG: the first device's time over levels. Throws kInvalidArgument where there are no such
+// records.
 std::string scan_levels_plot(std::span<const nlohmann::json> records);
 
 }  // namespace throng::bench

@@ -1,4 +1,5 @@
-// Measures the constants of the planner's cost model on a device: times scans of many kinds, and fits the model to them.
+// Measures the constants of the planner's cost model on a device: times scans of many kinds, and fits the model to
+// them.
 #pragma once
 
 #include "bench/rounds.h"
@@ -18,11 +19,14 @@ struct ScanObservation {
 // The median factor between prediction and observation, at least 1.
 double typical_factor(std::span<const ScanObservation> observations, const ScanLimits& limits, const ScanCosts& costs);
 
-// The constants that predict the observations best, from `start` on: the sum of squared logarithms of prediction over observation
-// is lowered along one constant after the other. `units` and `resident_subgroups` of a software device are known and stay.
-ScanCosts fit_scan_costs(std::span<const ScanObservation> observations, const ScanLimits& limits, const ScanCosts& start);
+// The constants that predict the observations best, from `start` on: the sum of squared logarithms of prediction over
+// observation is lowered along one constant after the other. `units` and `resident_subgroups` of a software device are
+// known and stay.
+ScanCosts fit_scan_costs(std::span<const ScanObservation> observations, const ScanLimits& limits,
+                         const ScanCosts& start);
 
-// Times every method with every number of lanes on rigs and crowds of several sizes; `quick`: on few. Throws as measure_scans() does.
+// Times every method with every number of lanes on rigs and crowds of several sizes; `quick`: on few. Throws as
+// measure_scans() does.
 std::vector<ScanObservation> observe_scans(const std::shared_ptr<Gpu>& gpu, bool quick, const Progress& progress);
 
 }  // namespace throng::bench

@@ -12,7 +12,9 @@ namespace {
 
 constexpr uint32_t kJointLimit = 65'535;
 
-uint32_t below(creature::Random& random, size_t end) { return static_cast<uint32_t>(random.unit() * static_cast<double>(end)); }
+uint32_t below(creature::Random& random, size_t end) {
+    return static_cast<uint32_t>(random.unit() * static_cast<double>(end));
+}
 
 std::vector<uint32_t> random_parents(uint32_t joint_count, uint32_t level_count, uint64_t seed) {
     creature::Random random(seed);
@@ -37,9 +39,9 @@ std::vector<uint32_t> random_parents(uint32_t joint_count, uint32_t level_count,
 std::vector<uint32_t> regular_parents(SkeletonShape shape, uint32_t joint_count) {
     std::vector<uint32_t> parents{kNone};
     for (uint32_t joint = 1; joint < joint_count; ++joint)
-        parents.push_back(shape == SkeletonShape::kBinary                      ? (joint - 1) / 2
+        parents.push_back(shape == SkeletonShape::kBinary                   ? (joint - 1) / 2
                           : shape == SkeletonShape::kComb && joint % 2 == 0 ? joint - 2
-                                                                               : joint - 1);
+                                                                            : joint - 1);
     return parents;
 }
 
@@ -64,7 +66,8 @@ std::vector<uint32_t> in_depth_first_order(const std::vector<uint32_t>& parents)
         ordered.push_back(visit.new_parent);
         auto& siblings = children[visit.joint];
         std::stable_sort(siblings.begin(), siblings.end(), [&](uint32_t a, uint32_t b) { return sizes[a] > sizes[b]; });
-        for (const uint32_t child : siblings) stack.push_back({child, joint});  // the last one pushed, the smallest, comes first
+        // The last one pushed, the smallest, comes first
+        for (const uint32_t child : siblings) stack.push_back({child, joint});
     }
     return ordered;
 }
@@ -83,11 +86,13 @@ std::string_view name_of(SkeletonShape shape) {
 
 std::vector<uint32_t> make_skeleton(SkeletonShape shape, uint32_t joint_count, uint32_t level_count, uint64_t seed) {
     const auto refuse = [](const std::string& what) { throw Failure(ErrorCode::kInvalidArgument, "skeleton", what); };
-    if (joint_count < 1 || joint_count > kJointLimit) refuse(std::to_string(joint_count) + " joints: 1 to " + std::to_string(kJointLimit) + " are possible");
+    if (joint_count < 1 || joint_count > kJointLimit)
+        refuse(std::to_string(joint_count) + " joints: 1 to " + std::to_string(kJointLimit) + " are possible");
     if (shape != SkeletonShape::kRandom) return in_depth_first_order(regular_parents(shape, joint_count));
     const uint32_t least = joint_count > 1 ? 2 : 1;  // one root
     if (level_count < least || level_count > joint_count)
-        refuse(std::to_string(level_count) + " levels: a skeleton of " + std::to_string(joint_count) + " joints has " + std::to_string(least) + " to " + std::to_string(joint_count));
+        refuse(std::to_string(level_count) + " levels: a skeleton of " + std::to_string(joint_count) + " joints has " +
+               std::to_string(least) + " to " + std::to_string(joint_count));
     return in_depth_first_order(random_parents(joint_count, level_count, seed));
 }
 

@@ -14,12 +14,13 @@ enum class SkeletonShape {
     kComb,    // a spine of every second joint, a tooth on each
     kBinary,  // two children each, level after level
 };
-inline constexpr std::array kSkeletonShapes{SkeletonShape::kRandom, SkeletonShape::kChain, SkeletonShape::kComb, SkeletonShape::kBinary};
+inline constexpr std::array kSkeletonShapes{SkeletonShape::kRandom, SkeletonShape::kChain, SkeletonShape::kComb,
+                                            SkeletonShape::kBinary};
 std::string_view name_of(SkeletonShape shape);
 
-// parents[joint_count], numbered depth first, of siblings the one with the largest subtree last, as throng numbers a rig's joints.
-// A random one has exactly `level_count` levels; those of the others follow from the joints. Throws kInvalidArgument where there
-// is no such skeleton.
+// parents[joint_count], numbered depth first, of siblings the one with the largest subtree last, as throng numbers a
+// rig's joints. A random one has exactly `level_count` levels; those of the others follow from the joints. Throws
+// kInvalidArgument where there is no such skeleton.
 std::vector<uint32_t> make_skeleton(SkeletonShape shape, uint32_t joint_count, uint32_t level_count, uint64_t seed);
 
 }  // namespace throng::bench

@@ -15,7 +15,9 @@ struct Spread {
 inline Spread spread_of(std::vector<double> values) {
     if (values.empty()) return {};
     std::sort(values.begin(), values.end());
-    const auto at = [&](double quantile) { return values[static_cast<size_t>(std::lround(quantile * static_cast<double>(values.size() - 1)))]; };
+    const auto at = [&](double quantile) {
+        return values[static_cast<size_t>(std::lround(quantile * static_cast<double>(values.size() - 1)))];
+    };
     return {at(0.05), at(0.5), at(0.95)};
 }
 

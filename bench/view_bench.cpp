@@ -27,17 +27,19 @@ struct Variant {
     const char* name;
     bool culls = true, reduces_joints = false, skips_updates = false;
 };
-constexpr std::array kVariants{Variant{.name = "everything", .culls = false}, Variant{.name = "culled"}, Variant{.name = "and fewer joints", .reduces_joints = true},
+constexpr std::array kVariants{Variant{.name = "everything", .culls = false}, Variant{.name = "culled"},
+                               Variant{.name = "and fewer joints", .reduces_joints = true},
                                Variant{.name = "and fewer updates", .reduces_joints = true, .skips_updates = true}};
 
-constexpr uint32_t kSettling = 17;    // updates in which no time passes, after which whoever waits for a pose has arrived there
-constexpr uint32_t kChecked = 16;     // characters of each level of detail
+// Updates in which no time passes, after which whoever waits for a pose has arrived there
+constexpr uint32_t kSettling = 17;
+constexpr uint32_t kChecked = 16;  // characters of each level of detail
 
 struct Entrant {
     const Variant* variant = nullptr;
     std::optional<Crowd> crowd;
     std::string obstacle;
-    std::vector<uint32_t> drawn;       // of each level of detail
+    std::vector<uint32_t> drawn;  // of each level of detail
     double max_error = 0, max_pixels = 0;
     std::vector<double> total_ms;
     std::array<std::vector<double>, kStages.size()> stage_ms;
@@ -52,7 +54,11 @@ public:
             progress(seen_.configuration + ": checking " + variant.name);
             Entrant& entrant = entrants_.emplace_back();
             entrant.variant = &variant;
-            Result<Crowd> made = Crowd::create(device_, {.groups = {{.character = seen_.character, .instance_count = count()}}, .culls = variant.culls, .skips_updates = variant.skips_updates, .reduces_joints = variant.reduces_joints});
+            Result<Crowd> made = Crowd::create(device_,
+                                               {.groups = {{.character = seen_.character, .instance_count = count()}},
+                                                .culls = variant.culls,
+                                                .skips_updates = variant.skips_updates,
+                                                .reduces_joints = variant.reduces_joints});
             if (!made) {
                 entrant.obstacle = made.error().text();
                 continue;
@@ -72,7 +78,9 @@ public:
     void time(uint32_t samples, const Progress& progress) {
         std::vector<Contestant> contestants;
         for (Entrant& entrant : entrants_)
-            if (entrant.crowd && !is_wrong(entrant)) contestants.push_back({seen_.configuration + ": " + entrant.variant->name, [&] { take_sample(entrant); }});
+            if (entrant.crowd && !is_wrong(entrant))
+                contestants.push_back(
+                    {seen_.configuration + ": " + entrant.variant->name, [&] { take_sample(entrant); }});
         run_rounds(contestants, {.samples = samples, .least_samples = samples}, 0, progress);
     }
 
@@ -84,11 +92,15 @@ public:
 
 private:
     // Fewer joints may move a vertex by no more than the level of detail is off.
-    bool is_wrong(const Entrant& entrant) const { return !(entrant.max_error <= kSkinErrorBound && entrant.max_pixels <= view_->detail_pixels); }
+    bool is_wrong(const Entrant& entrant) const {
+        return !(entrant.max_error <= kSkinErrorBound && entrant.max_pixels <= view_->detail_pixels);
+    }
 
     uint32_t count() const { return static_cast<uint32_t>(seen_.playback.size()); }
 
-    void update(Entrant& entrant, float time_step_s) const { value_of(entrant.crowd->update(time_step_s, entrant.variant->culls ? &*view_ : nullptr)); }
+    void update(Entrant& entrant, float time_step_s) const {
+        value_of(entrant.crowd->update(time_step_s, entrant.variant->culls ? &*view_ : nullptr));
+    }
 
     std::vector<DrawnInstance> drawn_by(Entrant& entrant) const {
         if (entrant.variant->culls) return value_of(entrant.crowd->read_drawn());
@@ -97,7 +109,8 @@ private:
         return all;
     }
 
-    // Of some of those that are drawn of each level of detail: skin matrices; where they have fewer joints, how far these take vertices away, as the view sees it.
+    // Of some of those that are drawn of each level of detail: skin matrices; where they have fewer joints, how far
+    // these take vertices away, as the view sees it.
     void compare(Entrant& entrant) const {
         std::vector<DrawnInstance> drawn = drawn_by(entrant);
         std::ranges::stable_sort(drawn, {}, &DrawnInstance::detail);  // large crowds are listed batch by batch
@@ -112,8 +125,12 @@ private:
 
     void compare(Entrant& entrant, const DrawnInstance& one) const {
         const ReferencePose pose = value_of(reference_pose(*seen_.character, seen_.playback[one.instance]));
-        if (entrant.variant->reduces_joints && one.detail > 0) entrant.max_pixels = std::max(entrant.max_pixels, pixels_off(*entrant.crowd, one.instance, pose));
-        else entrant.max_error = std::max(entrant.max_error, skin_error(value_of(entrant.crowd->read_skin_matrices(one.instance)), pose.model_from_bind, seen_.character->size));
+        if (entrant.variant->reduces_joints && one.detail > 0)
+            entrant.max_pixels = std::max(entrant.max_pixels, pixels_off(*entrant.crowd, one.instance, pose));
+        else
+            entrant.max_error = std::max(entrant.max_error,
+                                         skin_error(value_of(entrant.crowd->read_skin_matrices(one.instance)),
+                                                    pose.model_from_bind, seen_.character->size));
     }
 
     double pixels_off(Crowd& crowd, uint32_t instance, const ReferencePose& pose) const {
@@ -122,8 +139,10 @@ private:
         const AffineT<double> world_from_model = seen_.placement[instance].as<double>();
         double most = 0;
         for (size_t vertex = 0; vertex < wanted.size(); ++vertex) {
-            const Vec3<double> there = transform_point(world_from_model, got[vertex].as<double>()), place = transform_point(world_from_model, wanted[vertex]);
-            const double pixels = length(there - place) * double{view_->pixels} / length(place - view_->eye.as<double>());
+            const Vec3<double> there = transform_point(world_from_model, got[vertex].as<double>()),
+                               place = transform_point(world_from_model, wanted[vertex]);
+            const double pixels = length(there - place) * double{view_->pixels} /
+                                  length(place - view_->eye.as<double>());
             if (!(pixels >= 0)) return std::numeric_limits<double>::infinity();
             most = std::max(most, pixels);
         }
@@ -142,12 +161,20 @@ private:
     nlohmann::json record_of(const Entrant& entrant) const {
         nlohmann::json record = where_and_when(device_.info());
         const Rig& rig = seen_.character->rig;
-        record.update({{"bench", "view"}, {"configuration", seen_.configuration}, {"variant", entrant.variant->name}, {"characters", count()}, {"joints", rig.joint_count()}, {"levels", rig.level_count}});
+        record.update({{"bench", "view"},
+                       {"configuration", seen_.configuration},
+                       {"variant", entrant.variant->name},
+                       {"characters", count()},
+                       {"joints", rig.joint_count()},
+                       {"levels", rig.level_count}});
         if (!entrant.crowd) {
             record["obstacle"] = entrant.obstacle;
             return record;
         }
-        record.update({{"path", entrant.crowd->path(0)->is_fused ? "fused" : "staged"}, {"drawn", entrant.drawn}, {"memory_bytes", entrant.crowd->size_bytes()}, {"max_error", entrant.max_error}});
+        record.update({{"path", entrant.crowd->path(0)->is_fused ? "fused" : "staged"},
+                       {"drawn", entrant.drawn},
+                       {"memory_bytes", entrant.crowd->size_bytes()},
+                       {"max_error", entrant.max_error}});
         if (entrant.variant->culls) record["detail_pixels"] = view_->detail_pixels;
         if (entrant.variant->reduces_joints) record["max_pixels"] = entrant.max_pixels;
         if (entrant.variant->skips_updates) record["full_rate_pixels"] = view_->full_rate_pixels;
@@ -157,8 +184,10 @@ private:
         record["samples"] = entrant.total_ms.size();
         record["ms"] = {{"median", ms.median}, {"p5", ms.p5}, {"p95", ms.p95}};
         for (size_t s = 0; s < kStages.size(); ++s)
-            if (const double stage_ms = spread_of(entrant.stage_ms[s]).median; stage_ms > 0) record["stages"][kStages[s].first] = stage_ms;
-        if (const double all_ms = spread_of(entrants_.front().total_ms).median; all_ms > 0) record["times_faster"] = all_ms / ms.median;
+            if (const double stage_ms = spread_of(entrant.stage_ms[s]).median; stage_ms > 0)
+                record["stages"][kStages[s].first] = stage_ms;
+        if (const double all_ms = spread_of(entrants_.front().total_ms).median; all_ms > 0)
+            record["times_faster"] = all_ms / ms.median;
         return record;
     }
 
@@ -170,7 +199,8 @@ private:
 
 }  // namespace
 
-std::vector<nlohmann::json> measure_view(const Device& device, const ViewCase& seen, uint32_t samples, const Progress& progress) {
+std::vector<nlohmann::json> measure_view(const Device& device, const ViewCase& seen, uint32_t samples,
+                                         const Progress& progress) {
     ViewMeasurement measurement(device, seen);
     measurement.check(progress);
     measurement.time(samples, progress);

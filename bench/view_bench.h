@@ -1,4 +1,5 @@
-// `throng bench view`: updates of a crowd for a view, which leave out what need not be done, each checked against the reference and then timed in turns with an update of everything.
+// `throng bench view`: updates of a crowd for a view, which leave out what need not be done, each checked against the
+// reference and then timed in turns with an update of everything.
 #pragma once
 
 #include "bench/rounds.h"
@@ -15,14 +16,18 @@
 namespace throng::bench {
 
 struct ViewCase {
-    std::string configuration;             // its name
+    std::string configuration;  // its name
     const Character* character = nullptr;
-    std::span<const Playback> playback;    // [instance_count]
-    std::span<const Affine> placement;     // [instance_count]
-    std::function<CrowdView(const Bounds&)> view_of;  // what the camera sees of a crowd with these bounds, in the world; full_rate_pixels are those of the variant that skips updates
+    std::span<const Playback> playback;  // [instance_count]
+    std::span<const Affine> placement;   // [instance_count]
+    // What the camera sees of a crowd with these bounds, in the world; full_rate_pixels are those of the variant that
+    // skips updates
+    std::function<CrowdView(const Bounds&)> view_of;
 };
 
-// A record for each variant (bench/README.md lists their fields). One that is wrong is not timed and says so, one that the device cannot hold says why. Throws what a device throws that cannot go on.
-std::vector<nlohmann::json> measure_view(const Device& device, const ViewCase& seen, uint32_t samples, const Progress& progress);
+// A record for each variant (bench/README.md lists their fields). One that is wrong is not timed and says so, one that
+// the device cannot hold says why. Throws what a device throws that cannot go on.
+std::vector<nlohmann::json> measure_view(const Device& device, const ViewCase& seen, uint32_t samples,
+                                         const Progress& progress);
 
 }  // namespace throng::bench

@@ -1,5 +1,5 @@
-// A crowd without a picture: two kinds of characters, each individual with its own clips, speed and blend, two seconds of
-// animation on the GPU, and one individual's matrices read back, as a server or an offline tool would do it.
+// A crowd without a picture: two kinds of characters, each individual with its own clips, speed and blend, two seconds
+// of animation on the GPU, and one individual's matrices read back, as a server or an offline tool would do it.
 //   crowd_headless one.glb other.glb
 #include <throng/throng.h>
 
@@ -11,8 +11,8 @@
 
 namespace {
 
-// throng reports expected failures (a file that is not there, no device) as values. This program has no better idea than to
-// stop at the first one.
+// throng reports expected failures (a file that is not there, no device) as values. This program has no better idea
+// than to stop at the first one.
 template <class T>
 T need(throng::Result<T> result) {
     if (!result) {
@@ -22,8 +22,8 @@ T need(throng::Result<T> result) {
     if constexpr (!std::is_void_v<T>) return *std::move(result);
 }
 
-// What individual `i` plays: two neighbouring clips of the file, started at a time and played at a speed of its own, blended a
-// little differently from everyone else's.
+// What individual `i` plays: two neighbouring clips of the file, started at a time and played at a speed of its own,
+// blended a little differently from everyone else's.
 throng::Playback playback_of(const throng::Character& character, uint32_t i) {
     const auto clip_count = static_cast<uint32_t>(character.clips.size());
     if (clip_count == 0) return {};  // the rest pose
@@ -50,9 +50,10 @@ int main(int argc, char** argv) {
     const throng::Device device = need(throng::Device::create());
     std::printf("%s, %s\n", device.info().name.c_str(), device.info().driver.c_str());
 
-    // A crowd has a group for each character; its individuals are numbered through: 0-299 and 300-499. The matrices of the
-    // joints themselves, which most programs do not need, are kept only where that is asked for.
-    throng::Crowd crowd = need(throng::Crowd::create(device, {.groups = {{&one, 300}, {&other, 200}}, .keep_model_matrices = true}));
+    // A crowd has a group for each character; its individuals are numbered through: 0-299 and 300-499. The matrices of
+    // the joints themselves, which most programs do not need, are kept only where that is asked for.
+    throng::Crowd crowd = need(
+        throng::Crowd::create(device, {.groups = {{&one, 300}, {&other, 200}}, .keep_model_matrices = true}));
     std::vector<throng::Playback> playback;
     for (uint32_t i = 0; i < 300; ++i) playback.push_back(playback_of(one, i));
     for (uint32_t i = 0; i < 200; ++i) playback.push_back(playback_of(other, i));
@@ -70,18 +71,21 @@ int main(int argc, char** argv) {
         sum.scan += times.scan;
         sum.bind += times.bind;
     }
-    std::printf("%u characters, mean of %d updates: control %.3f ms, sample %.3f ms, blend %.3f ms, scan %.3f ms, bind %.3f ms, total %.3f ms\n",
-                crowd.instance_count(), kFrames, sum.control / kFrames, sum.sample / kFrames, sum.blend / kFrames, sum.scan / kFrames,
-                sum.bind / kFrames, sum.total() / kFrames);
+    std::printf(
+        "%u characters, mean of %d updates: control %.3f ms, sample %.3f ms, blend %.3f ms, scan %.3f ms, bind %.3f "
+        "ms, total %.3f ms\n",
+        crowd.instance_count(), kFrames, sum.control / kFrames, sum.sample / kFrames, sum.blend / kFrames,
+        sum.scan / kFrames, sum.bind / kFrames, sum.total() / kFrames);
 
     // One individual's joints in model space; a joint's position is the last column of its matrix.
     constexpr uint32_t kIndividual = 301;
     const std::vector<throng::Affine> joints = need(crowd.read_model_matrices(kIndividual));
     const auto height = [](const throng::Affine& model_from_joint) { return model_from_joint.row[1][3]; };
-    const auto highest = std::max_element(joints.begin(), joints.end(), [&](const auto& a, const auto& b) { return height(a) < height(b); });
+    const auto highest = std::max_element(joints.begin(), joints.end(),
+                                          [&](const auto& a, const auto& b) { return height(a) < height(b); });
     const auto joint = static_cast<size_t>(highest - joints.begin());
-    std::printf("%s number %u: the highest joint is %zu, '%s', at a height of %.3f\n", other.name.c_str(), kIndividual, joint,
-                other.rig.names[joint].c_str(), static_cast<double>(height(*highest)));
+    std::printf("%s number %u: the highest joint is %zu, '%s', at a height of %.3f\n", other.name.c_str(), kIndividual,
+                joint, other.rig.names[joint].c_str(), static_cast<double>(height(*highest)));
 
     // Its skin matrices are the joints' matrices times the file's inverse bind matrices: what a vertex shader wants.
     const std::vector<throng::Affine> skin = need(crowd.read_skin_matrices(kIndividual));
@@ -93,6 +97,7 @@ int main(int argc, char** argv) {
             for (size_t column = 0; column < 4; ++column)
                 difference = std::max(difference, std::abs(skin[entry].row[row][column] - expected.row[row][column]));
     }
-    std::printf("its %zu skin matrices differ by at most %.1e from the product computed here\n", skin.size(), static_cast<double>(difference));
+    std::printf("its %zu skin matrices differ by at most %.1e from the product computed here\n", skin.size(),
+                static_cast<double>(difference));
     return difference < 1e-4f * std::max(1.0f, other.size) ? 0 : 1;
 }

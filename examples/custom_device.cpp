@@ -1,5 +1,6 @@
-// An application that has its own Vulkan and its own renderer, and takes only the animation from throng: throng records the update
-// into the application's command buffer, and the application's vertex shader reads the matrices where throng left them.
+// An application that has its own Vulkan and its own renderer, and takes only the animation from throng: throng records
+// the update into the application's command buffer, and the application's vertex shader reads the matrices where throng
+// left them.
 //   custom_device character.glb picture.png
 #include "pipeline.h"
 
@@ -36,21 +37,35 @@ T need(throng::Result<T> result) {
 // The application's own instance, device and queue, with what throng::AdoptedDevice asks for.
 throng::AdoptedDevice open_vulkan(Cleanup& cleanup) {
     throng::AdoptedDevice out;
-    const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pApplicationName = "custom_device", .apiVersion = VK_API_VERSION_1_3};
-    const VkInstanceCreateInfo instance_info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, .pApplicationInfo = &application};
+    const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+                                        .pApplicationName = "custom_device",
+                                        .apiVersion = VK_API_VERSION_1_3};
+    const VkInstanceCreateInfo instance_info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                             .pApplicationInfo = &application};
     check(vkCreateInstance(&instance_info, nullptr, &out.instance), "vkCreateInstance");
     cleanup.add([instance = out.instance] { vkDestroyInstance(instance, nullptr); });
     uint32_t count = 1;
-    if (vkEnumeratePhysicalDevices(out.instance, &count, &out.physical_device) < VK_SUCCESS || count == 0) check(VK_ERROR_INITIALIZATION_FAILED, "finding a device");
+    if (vkEnumeratePhysicalDevices(out.instance, &count, &out.physical_device) < VK_SUCCESS || count == 0)
+        check(VK_ERROR_INITIALIZATION_FAILED, "finding a device");
     std::array<VkQueueFamilyProperties, 16> families{};
     count = families.size();
     vkGetPhysicalDeviceQueueFamilyProperties(out.physical_device, &count, families.data());
     constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-    while (out.queue_family + 1 < count && (families[out.queue_family].queueFlags & kNeeded) != kNeeded) ++out.queue_family;
-    VkPhysicalDeviceVulkan13Features features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES, .synchronization2 = VK_TRUE, .dynamicRendering = VK_TRUE, .maintenance4 = VK_TRUE};
+    while (out.queue_family + 1 < count && (families[out.queue_family].queueFlags & kNeeded) != kNeeded)
+        ++out.queue_family;
+    VkPhysicalDeviceVulkan13Features features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
+                                              .synchronization2 = VK_TRUE,
+                                              .dynamicRendering = VK_TRUE,
+                                              .maintenance4 = VK_TRUE};
     const float priority = 1;
-    const VkDeviceQueueCreateInfo queue{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, .queueFamilyIndex = out.queue_family, .queueCount = 1, .pQueuePriorities = &priority};
-    const VkDeviceCreateInfo device_info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, .pNext = &features, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue};
+    const VkDeviceQueueCreateInfo queue{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                        .queueFamilyIndex = out.queue_family,
+                                        .queueCount = 1,
+                                        .pQueuePriorities = &priority};
+    const VkDeviceCreateInfo device_info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                         .pNext = &features,
+                                         .queueCreateInfoCount = 1,
+                                         .pQueueCreateInfos = &queue};
     check(vkCreateDevice(out.physical_device, &device_info, nullptr, &out.device), "vkCreateDevice");
     cleanup.add([device = out.device] { vkDestroyDevice(device, nullptr); });
     vkGetDeviceQueue(out.device, out.queue_family, 0, &out.queue);
@@ -67,27 +82,35 @@ int main(int argc, char** argv) {
     Cleanup cleanup;  // first, so that Vulkan outlives all that throng has made with it
     const throng::AdoptedDevice vulkan = open_vulkan(cleanup);
     const Context context{vulkan.physical_device, vulkan.device, cleanup};
-    const GraphicsPipeline pipeline = make_pipeline(context, {kVertexShader, kFragmentShader, 4, sizeof(Push), kColorFormat, kDepthFormat, kSize});
+    const GraphicsPipeline pipeline = make_pipeline(
+        context, {kVertexShader, kFragmentShader, 4, sizeof(Push), kColorFormat, kDepthFormat, kSize});
 
     // Seven of one character in a row, each at another time of another clip.
     const throng::Character character = need(throng::load_character(argv[1]));
     const throng::Device device = need(throng::Device::adopt(vulkan));
     throng::Crowd crowd = need(throng::Crowd::create(device, {.groups = {{&character, 7}}}));
     for (uint32_t i = 0; i < crowd.instance_count(); ++i) {
-        const throng::ClipPlayback clip{.clip = character.clips.empty() ? throng::kNone : i % static_cast<uint32_t>(character.clips.size()), .time_s = 0.3 * i};
+        const throng::ClipPlayback clip{
+            .clip = character.clips.empty() ? throng::kNone : i % static_cast<uint32_t>(character.clips.size()),
+            .time_s = 0.3 * i};
         const throng::Playback playback{.first = clip};
-        const throng::Affine place = to_affine(throng::Trs<float>{.translation = {static_cast<float>(i) * character.size * 0.6f, 0, 0}});
+        const throng::Affine place = to_affine(
+            throng::Trs<float>{.translation = {static_cast<float>(i) * character.size * 0.6f, 0, 0}});
         need(crowd.set_playback(i, {&playback, 1}));
         need(crowd.set_placement(i, {&place, 1}));
     }
 
     // The mesh in the application's buffers. Character's arrays go to the GPU as they are.
-    const auto upload = [&](const auto& array, VkBufferUsageFlags usage) { return make_buffer(context, array.size() * sizeof(array[0]), usage, array.data()).handle; };
-    const VkBuffer vertices = upload(character.vertices, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT), influences = upload(character.influences, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    const auto upload = [&](const auto& array, VkBufferUsageFlags usage) {
+        return make_buffer(context, array.size() * sizeof(array[0]), usage, array.data()).handle;
+    };
+    const VkBuffer vertices = upload(character.vertices, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT),
+                   influences = upload(character.influences, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     const VkBuffer indices = upload(character.indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
     const Target target = make_target(context, kSize, kColorFormat, kDepthFormat);
 
-    // One command buffer: throng's update, then the application's drawing. record() has made its results visible to vertex shaders.
+    // One command buffer: throng's update, then the application's drawing. record() has made its results visible to
+    // vertex shaders.
     const throng::Camera camera = fit_camera(world_bounds(crowd), static_cast<float>(kSize.width) / kSize.height);
     const VkCommandBuffer commands = begin_commands(context, vulkan.queue_family);
     need(crowd.record(commands, 0.5f));
@@ -95,13 +118,19 @@ int main(int argc, char** argv) {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.handle);
     vkCmdBindIndexBuffer(commands, indices, 0, VK_INDEX_TYPE_UINT32);
     for (const throng::OutputBlock& block : crowd.outputs()) {  // a large crowd's matrices lie in several buffers
-        bind_storage_buffers(context, commands, pipeline, {vertices, influences, block.skin_buffer, block.placement_buffer});
+        bind_storage_buffers(context, commands, pipeline,
+                             {vertices, influences, block.skin_buffer, block.placement_buffer});
         for (const throng::MeshSection& section : character.sections) {
             const Push push{clip_from_world(camera, static_cast<float>(kSize.width) / kSize.height),
-                            section.material == throng::kNone ? std::array<float, 4>{1, 1, 1, 1} : character.materials[section.material].base_color,
-                            section.first_vertex, section.first_influences, section.influence_sets, block.palette_count};
+                            section.material == throng::kNone ? std::array<float, 4>{1, 1, 1, 1}
+                                                              : character.materials[section.material].base_color,
+                            section.first_vertex,
+                            section.first_influences,
+                            section.influence_sets,
+                            block.palette_count};
             vkCmdPushConstants(commands, pipeline.layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof push, &push);
-            vkCmdDrawIndexed(commands, section.index_count, block.instance_count, section.first_index, static_cast<int32_t>(section.first_vertex), 0);
+            vkCmdDrawIndexed(commands, section.index_count, block.instance_count, section.first_index,
+                             static_cast<int32_t>(section.first_vertex), 0);
         }
     }
     end_drawing(commands, target);
@@ -111,7 +140,9 @@ int main(int argc, char** argv) {
     throng::Picture picture{kSize.width, kSize.height, {pixels, pixels + size_t{kSize.width} * kSize.height * 4}};
     need(throng::write_png(argv[2], picture));
     size_t drawn = 0;
-    for (size_t i = 0; i < picture.rgba.size(); i += 4) drawn += !std::equal(&picture.rgba[i], &picture.rgba[i] + 4, picture.rgba.data());
-    std::printf("%s: %u of %s on %s, %zu pixels\n", argv[2], crowd.instance_count(), character.name.c_str(), device.info().name.c_str(), drawn);
+    for (size_t i = 0; i < picture.rgba.size(); i += 4)
+        drawn += !std::equal(&picture.rgba[i], &picture.rgba[i] + 4, picture.rgba.data());
+    std::printf("%s: %u of %s on %s, %zu pixels\n", argv[2], crowd.instance_count(), character.name.c_str(),
+                device.info().name.c_str(), drawn);
     return drawn > picture.rgba.size() / 4 / 50 ? 0 : 1;  // at least 2 % of the picture
 }

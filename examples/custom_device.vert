@@ -2,8 +2,17 @@
 // Skins and places one vertex of one individual, from the application's mesh buffers and throng's matrices.
 
 // throng::Vertex, 32 bytes, and throng::Influences, 24 bytes; the arrays keep their 4-byte alignment.
-struct Vertex { float position[3]; uint normal; float texcoord[2]; uint color; uint unused; };
-struct Influences { float weights[4]; uint entries[2]; };
+struct Vertex {
+    float position[3];
+    uint normal;
+    float texcoord[2];
+    uint color;
+    uint unused;
+};
+struct Influences {
+    float weights[4];
+    uint entries[2];
+};
 
 layout(set = 0, binding = 0, std430) readonly buffer Vertices { Vertex vertices[]; };
 layout(set = 0, binding = 1, std430) readonly buffer InfluenceSets { Influences influences[]; };

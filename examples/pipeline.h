@@ -1,4 +1,5 @@
-// A graphics pipeline that reads storage buffers and a push constant, the command buffer that it is used in, and a camera's matrix.
+// A graphics pipeline that reads storage buffers and a push constant, the command buffer that it is used in, and a
+// camera's matrix.
 #pragma once
 
 #include "offscreen.h"
@@ -21,12 +22,17 @@ struct GraphicsPipeline {
     VkPipeline handle = VK_NULL_HANDLE;
 };
 
-inline VkPipelineShaderStageCreateInfo make_stage(const Context& context, VkShaderStageFlagBits stage, std::span<const uint32_t> words) {
-    const VkShaderModuleCreateInfo info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = words.size_bytes(), .pCode = words.data()};
+inline VkPipelineShaderStageCreateInfo make_stage(const Context& context, VkShaderStageFlagBits stage,
+                                                  std::span<const uint32_t> words) {
+    const VkShaderModuleCreateInfo info{
+        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = words.size_bytes(), .pCode = words.data()};
     VkShaderModule shader = VK_NULL_HANDLE;
     check(vkCreateShaderModule(context.device, &info, nullptr, &shader), "vkCreateShaderModule");
     context.cleanup.add([device = context.device, shader] { vkDestroyShaderModule(device, shader, nullptr); });
-    return {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, .stage = stage, .module = shader, .pName = "main"};
+    return {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+            .stage = stage,
+            .module = shader,
+            .pName = "main"};
 }
 
 inline GraphicsPipeline make_pipeline(const Context& context, const PipelineSettings& settings) {
@@ -35,37 +41,64 @@ inline GraphicsPipeline make_pipeline(const Context& context, const PipelineSett
     for (uint32_t i = 0; i < settings.storage_buffer_count; ++i)
         bindings.push_back({i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, nullptr});
     const VkDescriptorSetLayoutCreateInfo set{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-                                              .bindingCount = settings.storage_buffer_count, .pBindings = bindings.data()};
+                                              .bindingCount = settings.storage_buffer_count,
+                                              .pBindings = bindings.data()};
     check(vkCreateDescriptorSetLayout(context.device, &set, nullptr, &out.set_layout), "vkCreateDescriptorSetLayout");
     const VkPushConstantRange push{VK_SHADER_STAGE_VERTEX_BIT, 0, settings.push_size_bytes};
-    const VkPipelineLayoutCreateInfo layout{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO, .setLayoutCount = 1, .pSetLayouts = &out.set_layout,
-                                            .pushConstantRangeCount = 1, .pPushConstantRanges = &push};
+    const VkPipelineLayoutCreateInfo layout{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                            .setLayoutCount = 1,
+                                            .pSetLayouts = &out.set_layout,
+                                            .pushConstantRangeCount = 1,
+                                            .pPushConstantRanges = &push};
     check(vkCreatePipelineLayout(context.device, &layout, nullptr, &out.layout), "vkCreatePipelineLayout");
 
     const std::array stages{make_stage(context, VK_SHADER_STAGE_VERTEX_BIT, settings.vertex_shader),
                             make_stage(context, VK_SHADER_STAGE_FRAGMENT_BIT, settings.fragment_shader)};
-    const VkPipelineVertexInputStateCreateInfo no_input{.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
-    const VkPipelineInputAssemblyStateCreateInfo triangles{.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-                                                           .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
-    const VkViewport viewport{0, 0, static_cast<float>(settings.size.width), static_cast<float>(settings.size.height), 0, 1};
+    const VkPipelineVertexInputStateCreateInfo no_input{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+    const VkPipelineInputAssemblyStateCreateInfo triangles{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
+    const VkViewport viewport{0, 0, static_cast<float>(settings.size.width), static_cast<float>(settings.size.height),
+                              0, 1};
     const VkRect2D scissor{{}, settings.size};
-    const VkPipelineViewportStateCreateInfo view{.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1,
-                                                 .pViewports = &viewport, .scissorCount = 1, .pScissors = &scissor};
-    const VkPipelineRasterizationStateCreateInfo raster{.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO, .lineWidth = 1};
-    const VkPipelineMultisampleStateCreateInfo samples{.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-                                                       .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
-    const VkPipelineDepthStencilStateCreateInfo depth{.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO, .depthTestEnable = VK_TRUE,
-                                                      .depthWriteEnable = VK_TRUE, .depthCompareOp = VK_COMPARE_OP_LESS};
+    const VkPipelineViewportStateCreateInfo view{.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
+                                                 .viewportCount = 1,
+                                                 .pViewports = &viewport,
+                                                 .scissorCount = 1,
+                                                 .pScissors = &scissor};
+    const VkPipelineRasterizationStateCreateInfo raster{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO, .lineWidth = 1};
+    const VkPipelineMultisampleStateCreateInfo samples{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+        .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+    const VkPipelineDepthStencilStateCreateInfo depth{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+        .depthTestEnable = VK_TRUE,
+        .depthWriteEnable = VK_TRUE,
+        .depthCompareOp = VK_COMPARE_OP_LESS};
     const VkPipelineColorBlendAttachmentState opaque{.colorWriteMask = 0xF};
-    const VkPipelineColorBlendStateCreateInfo blend{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO, .attachmentCount = 1,
+    const VkPipelineColorBlendStateCreateInfo blend{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+                                                    .attachmentCount = 1,
                                                     .pAttachments = &opaque};
-    const VkPipelineRenderingCreateInfo rendering{.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO, .colorAttachmentCount = 1,
-                                                  .pColorAttachmentFormats = &settings.color, .depthAttachmentFormat = settings.depth};
-    const VkGraphicsPipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO, .pNext = &rendering,
-                                            .stageCount = static_cast<uint32_t>(stages.size()), .pStages = stages.data(), .pVertexInputState = &no_input,
-                                            .pInputAssemblyState = &triangles, .pViewportState = &view, .pRasterizationState = &raster,
-                                            .pMultisampleState = &samples, .pDepthStencilState = &depth, .pColorBlendState = &blend, .layout = out.layout};
-    check(vkCreateGraphicsPipelines(context.device, VK_NULL_HANDLE, 1, &info, nullptr, &out.handle), "vkCreateGraphicsPipelines");
+    const VkPipelineRenderingCreateInfo rendering{.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
+                                                  .colorAttachmentCount = 1,
+                                                  .pColorAttachmentFormats = &settings.color,
+                                                  .depthAttachmentFormat = settings.depth};
+    const VkGraphicsPipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+                                            .pNext = &rendering,
+                                            .stageCount = static_cast<uint32_t>(stages.size()),
+                                            .pStages = stages.data(),
+                                            .pVertexInputState = &no_input,
+                                            .pInputAssemblyState = &triangles,
+                                            .pViewportState = &view,
+                                            .pRasterizationState = &raster,
+                                            .pMultisampleState = &samples,
+                                            .pDepthStencilState = &depth,
+                                            .pColorBlendState = &blend,
+                                            .layout = out.layout};
+    check(vkCreateGraphicsPipelines(context.device, VK_NULL_HANDLE, 1, &info, nullptr, &out.handle),
+          "vkCreateGraphicsPipelines");
     context.cleanup.add([device = context.device, out] {
         vkDestroyPipeline(device, out.handle, nullptr);
         vkDestroyPipelineLayout(device, out.layout, nullptr);
@@ -75,41 +108,52 @@ inline GraphicsPipeline make_pipeline(const Context& context, const PipelineSett
 }
 
 // Binds these buffers by a descriptor set of their own.
-inline void bind_storage_buffers(const Context& context, VkCommandBuffer commands, const GraphicsPipeline& pipeline, const std::vector<VkBuffer>& buffers) {
+inline void bind_storage_buffers(const Context& context, VkCommandBuffer commands, const GraphicsPipeline& pipeline,
+                                 const std::vector<VkBuffer>& buffers) {
     const auto count = static_cast<uint32_t>(buffers.size());
     const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, count};
-    const VkDescriptorPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 1, .poolSizeCount = 1, .pPoolSizes = &size};
+    const VkDescriptorPoolCreateInfo pool_info{
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 1, .poolSizeCount = 1, .pPoolSizes = &size};
     VkDescriptorPool pool = VK_NULL_HANDLE;
     check(vkCreateDescriptorPool(context.device, &pool_info, nullptr, &pool), "vkCreateDescriptorPool");
     context.cleanup.add([device = context.device, pool] { vkDestroyDescriptorPool(device, pool, nullptr); });
-    const VkDescriptorSetAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO, .descriptorPool = pool, .descriptorSetCount = 1,
+    const VkDescriptorSetAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                                 .descriptorPool = pool,
+                                                 .descriptorSetCount = 1,
                                                  .pSetLayouts = &pipeline.set_layout};
     VkDescriptorSet set = VK_NULL_HANDLE;
     check(vkAllocateDescriptorSets(context.device, &allocation, &set), "vkAllocateDescriptorSets");
     std::vector<VkDescriptorBufferInfo> ranges;
     for (const VkBuffer buffer : buffers) ranges.push_back({buffer, 0, VK_WHOLE_SIZE});
-    const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, .dstSet = set, .descriptorCount = count,
-                                     .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, .pBufferInfo = ranges.data()};
+    const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                     .dstSet = set,
+                                     .descriptorCount = count,
+                                     .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                     .pBufferInfo = ranges.data()};
     vkUpdateDescriptorSets(context.device, 1, &write, 0, nullptr);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.layout, 0, 1, &set, 0, nullptr);
 }
 
 inline VkCommandBuffer begin_commands(const Context& context, uint32_t queue_family) {
-    const VkCommandPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO, .queueFamilyIndex = queue_family};
+    const VkCommandPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                            .queueFamilyIndex = queue_family};
     VkCommandPool pool = VK_NULL_HANDLE;
     check(vkCreateCommandPool(context.device, &pool_info, nullptr, &pool), "vkCreateCommandPool");
     context.cleanup.add([device = context.device, pool] { vkDestroyCommandPool(device, pool, nullptr); });
-    const VkCommandBufferAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, .commandPool = pool, .commandBufferCount = 1};
+    const VkCommandBufferAllocateInfo allocation{
+        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, .commandPool = pool, .commandBufferCount = 1};
     VkCommandBuffer commands = VK_NULL_HANDLE;
     check(vkAllocateCommandBuffers(context.device, &allocation, &commands), "vkAllocateCommandBuffers");
-    const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
+    const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+                                         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
     check(vkBeginCommandBuffer(commands, &begin), "vkBeginCommandBuffer");
     return commands;
 }
 
 inline void submit_and_wait(VkQueue queue, VkCommandBuffer commands) {
     check(vkEndCommandBuffer(commands), "vkEndCommandBuffer");
-    const VkSubmitInfo submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &commands};
+    const VkSubmitInfo submit{
+        .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &commands};
     check(vkQueueSubmit(queue, 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit");
     check(vkQueueWaitIdle(queue), "vkQueueWaitIdle");
 }
@@ -117,9 +161,25 @@ inline void submit_and_wait(VkQueue queue, VkCommandBuffer commands) {
 // Column-major; depth 0 near the eye and 1 far away, y downward as Vulkan has it.
 inline std::array<float, 16> clip_from_world(const throng::Camera& camera, float aspect_ratio) {
     using namespace throng;
-    const Vec3<float> forward = normalized(camera.target - camera.eye), right = normalized(cross(forward, Vec3<float>{0, 1, 0}));
-    const float y = 1 / std::tan(camera.vertical_field_of_view_rad / 2), near = length(camera.target - camera.eye) / 100;
+    const Vec3<float> forward = normalized(camera.target - camera.eye),
+                      right = normalized(cross(forward, Vec3<float>{0, 1, 0}));
+    const float y = 1 / std::tan(camera.vertical_field_of_view_rad / 2),
+                near = length(camera.target - camera.eye) / 100;
     const Vec3<float> across = right * (y / aspect_ratio), down = cross(forward, right) * y;
-    return {across.x, down.x, forward.x, forward.x, across.y, down.y, forward.y, forward.y, across.z, down.z, forward.z, forward.z,
-            -dot(across, camera.eye), -dot(down, camera.eye), -dot(forward, camera.eye) - near, -dot(forward, camera.eye)};
+    return {across.x,
+            down.x,
+            forward.x,
+            forward.x,
+            across.y,
+            down.y,
+            forward.y,
+            forward.y,
+            across.z,
+            down.z,
+            forward.z,
+            forward.z,
+            -dot(across, camera.eye),
+            -dot(down, camera.eye),
+            -dot(forward, camera.eye) - near,
+            -dot(forward, camera.eye)};
 }

@@ -1,5 +1,5 @@
-// Joints that move by rules: creatures that walk in place in a wind, each with a tail and tendrils that swing after it, and a head that follows a small one
-// flying around them. Clips of walking and flying are all that an artist has made.
+// Joints that move by rules: creatures that walk in place in a wind, each with a tail and tendrils that swing after it,
+// and a head that follows a small one flying around them. Clips of walking and flying are all that an artist has made.
 //   procedural creature.glb picture.png
 // (./run throng generate makes such a creature)
 #include <throng/throng.h>
@@ -50,12 +50,18 @@ int main(int argc, char** argv) {
     const throng::Device device = need(throng::Device::create());
     const throng::ProceduralRules rules{
         .targets = {"prey"},
-        .rules = {throng::SpringRule{.joint = joint_of(creature, "tail"), .frequency_hz = 1, .damping = 0.3f, .gravity = {0, -4, 0}, .drag = 0.4f},
+        .rules = {throng::SpringRule{.joint = joint_of(creature, "tail"),
+                                     .frequency_hz = 1,
+                                     .damping = 0.3f,
+                                     .gravity = {0, -4, 0},
+                                     .drag = 0.4f},
                   throng::LookAtRule{.joint = joint_of(creature, "trunk"), .target = "prey", .limit_rad = 0.4f},
                   throng::LookAtRule{.joint = joint_of(creature, "trunk", true), .target = "prey", .limit_rad = 1.2f}}};
 
     constexpr uint32_t kSide = 7, kCount = kSide * kSide;
-    throng::Crowd crowd = need(throng::Crowd::create(device, {.groups = {{.character = &creature, .instance_count = kCount, .procedural = &rules}, {.character = &creature, .instance_count = 1}}}));
+    throng::Crowd crowd = need(throng::Crowd::create(
+        device, {.groups = {{.character = &creature, .instance_count = kCount, .procedural = &rules},
+                            {.character = &creature, .instance_count = 1}}}));
     const uint32_t walk = creature.find_clip("walk"), fly = creature.find_clip("fly");
     std::vector<throng::Affine> places;
     std::vector<throng::Playback> playbacks;
@@ -70,16 +76,19 @@ int main(int argc, char** argv) {
 
     // Four seconds, in which the small one flies half a circle.
     for (uint32_t frame = 0; frame < 240; ++frame) {
-        const float angle_rad = 0.013f * static_cast<float>(frame), x = 15 - 18 * std::cos(angle_rad), z = 18 + 22 * std::sin(angle_rad);
+        const float angle_rad = 0.013f * static_cast<float>(frame), x = 15 - 18 * std::cos(angle_rad),
+                    z = 18 + 22 * std::sin(angle_rad);
         need(crowd.set_placement(kCount, std::vector<throng::Affine>{standing_at(x, 6, z, 0.8f)}));
         for (uint32_t i = 0; i < kCount; ++i) need(crowd.set_target(i, 0, {x, 7, z}, 1));
         need(crowd.update(1.0f / 60));
     }
     const throng::StageTimes times = need(crowd.stage_times());
-    std::printf("%u characters, %u joints: %.2f ms of %.2f ms for their rules\n", kCount, kCount * creature.rig.joint_count(), times.procedural, times.total());
+    std::printf("%u characters, %u joints: %.2f ms of %.2f ms for their rules\n", kCount,
+                kCount * creature.rig.joint_count(), times.procedural, times.total());
 
     throng::Renderer renderer = need(throng::Renderer::create(device, {.width = 1280, .height = 720}));
-    const throng::RenderResult result = need(renderer.render(crowd, throng::fit_camera(throng::world_bounds(crowd), 1280.0f / 720)));
+    const throng::RenderResult result = need(
+        renderer.render(crowd, throng::fit_camera(throng::world_bounds(crowd), 1280.0f / 720)));
     need(throng::write_png(argv[2], result.picture));
     return 0;
 }

@@ -4,8 +4,12 @@
 using namespace throng;
 
 // The value of a result, or one line on stderr and the end.
-template <class T> T need(Result<T> result) {
-    if (!result) { std::cerr << result.error().text() << "\n"; std::exit(1); }
+template <class T>
+T need(Result<T> result) {
+    if (!result) {
+        std::cerr << result.error().text() << "\n";
+        std::exit(1);
+    }
     if constexpr (!std::is_void_v<T>) return *std::move(result);
 }
 
@@ -15,7 +19,8 @@ int main(int, char** argv) {
     Crowd crowd = need(Crowd::create(device, {.groups = {{&character, 1000}}}));
     for (uint32_t i = 0; i < crowd.instance_count(); ++i) {
         const Playback playback{.first = {.clip = 0, .time_s = 0.1 * i}};
-        const Affine place = to_affine(Trs<float>{.translation = Vec3<float>{float(i % 40), 0, float(i / 40)} * character.size});
+        const Affine place = to_affine(
+            Trs<float>{.translation = Vec3<float>{float(i % 40), 0, float(i / 40)} * character.size});
         need(crowd.set_playback(i, {&playback, 1}));
         need(crowd.set_placement(i, {&place, 1}));
     }

@@ -1,7 +1,8 @@
-// Minds and things in hands: characters that stand, walk, run and strike as two parameters say, decided on the GPU; a lantern at each one's head; and the
-// events of three of them, printed as they come back.
+// Minds and things in hands: characters that stand, walk, run and strike as two parameters say, decided on the GPU; a
+// lantern at each one's head; and the events of three of them, printed as they come back.
 //   state_machine creature.glb guard.json picture.png
-// (./run throng generate makes such a creature, with the clips idle, walk and fly; examples/controllers has the controller)
+// (./run throng generate makes such a creature, with the clips idle, walk and fly; examples/controllers has the
+// controller)
 #include <throng/throng.h>
 
 #include <algorithm>
@@ -31,7 +32,8 @@ throng::Affine standing_at(float x, float y, float z, float scale = 1) {
 uint32_t highest_joint(const throng::Character& character) {
     const throng::ReferencePose rest = need(throng::reference_pose(character, {}));
     const auto height = [](const auto& model_from_joint) { return model_from_joint.row[1][3]; };
-    const auto highest = std::max_element(rest.model_from_joint.begin(), rest.model_from_joint.end(), [&](const auto& a, const auto& b) { return height(a) < height(b); });
+    const auto highest = std::max_element(rest.model_from_joint.begin(), rest.model_from_joint.end(),
+                                          [&](const auto& a, const auto& b) { return height(a) < height(b); });
     return static_cast<uint32_t>(highest - rest.model_from_joint.begin());
 }
 
@@ -48,9 +50,13 @@ int main(int argc, char** argv) {
 
     // 100 guards that decide for themselves; and what they carry: small creatures that hang where their sockets are.
     constexpr uint32_t kSide = 10, kCount = kSide * kSide;
-    throng::Crowd crowd = need(throng::Crowd::create(device, {.groups = {{.character = &guard, .instance_count = kCount, .controller = &controller, .sockets = {highest_joint(guard)}},
-                                                                         {.character = &guard, .instance_count = kCount}},
-                                                              .watch_capacity = kCount}));
+    throng::Crowd crowd = need(
+        throng::Crowd::create(device, {.groups = {{.character = &guard,
+                                                   .instance_count = kCount,
+                                                   .controller = &controller,
+                                                   .sockets = {highest_joint(guard)}},
+                                                  {.character = &guard, .instance_count = kCount}},
+                                       .watch_capacity = kCount}));
     std::vector<throng::Affine> places;
     std::vector<uint32_t> guards;
     for (uint32_t i = 0; i < kCount; ++i) {
@@ -78,17 +84,24 @@ int main(int argc, char** argv) {
             for (const throng::CharacterEvent& event : feedback.events) {
                 const std::string& name = controller.events[event.event].name;
                 ++(name == "strike" ? strikes : steps);
-                if (event.instance < 3) std::printf("%.3f s: guard %u: %s\n", (static_cast<double>(feedback.update) - 1) / 60 + static_cast<double>(event.time_s), event.instance, name.c_str());
+                if (event.instance < 3)
+                    std::printf("%.3f s: guard %u: %s\n",
+                                (static_cast<double>(feedback.update) - 1) / 60 + static_cast<double>(event.time_s),
+                                event.instance, name.c_str());
             }
-            // Lanterns follow on the CPU here; a renderer of one's own reads OutputBlock::socket_buffer and need not wait for anything.
+            // Lanterns follow on the CPU here; a renderer of one's own reads OutputBlock::socket_buffer and need not
+            // wait for anything.
             for (const throng::WatchedInstance& watched : feedback.watched)
-                need(crowd.set_placement(kCount + watched.instance, std::vector<throng::Affine>{watched.sockets[0] * standing_at(0, 0, 0, 0.15f)}));
+                need(
+                    crowd.set_placement(kCount + watched.instance,
+                                        std::vector<throng::Affine>{watched.sockets[0] * standing_at(0, 0, 0, 0.15f)}));
         }
     }
     std::printf("%u steps and %u strikes of %u guards in %u updates\n", steps, strikes, kCount, kFrames);
 
     throng::Renderer renderer = need(throng::Renderer::create(device, {.width = 1280, .height = 720}));
-    const throng::RenderResult result = need(renderer.render(crowd, throng::fit_camera(throng::world_bounds(crowd), 1280.0f / 720)));
+    const throng::RenderResult result = need(
+        renderer.render(crowd, throng::fit_camera(throng::world_bounds(crowd), 1280.0f / 720)));
     need(throng::write_png(argv[3], result.picture));
     return steps > 0 && strikes > 0 ? 0 : 1;
 }

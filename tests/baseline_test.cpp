@@ -22,7 +22,8 @@ ReferencePose pose_of(const Character& character, const Playback& playback) {
 }
 
 // Largest displacement of a vertex, as a fraction of the size.
-double error_of(const Baseline& baseline, const Character& character, const Character& baked, const Playback& playback) {
+double error_of(const Baseline& baseline, const Character& character, const Character& baked,
+                const Playback& playback) {
     const std::vector<double> all = displacements(character, playback, baseline.skin_matrices(baked, playback));
     return *std::max_element(all.begin(), all.end()) / character.size;
 }
@@ -48,13 +49,17 @@ TEST(Baseline, BakedIsExactAtItsFrames) {
         EXPECT_EQ(stored.times_s[clip.first_time + clip.row_count - 1], clip.duration_s);
         EXPECT_EQ(clip.size_bytes, clip.row_count * (character.palette.size() * 48 + 4) + 16);
         for (uint32_t frame = 0; frame < clip.row_count; ++frame) {
-            const Playback playback{.first = {.clip = c, .time_s = stored.times_s[clip.first_time + frame], .loop = false}};
+            const Playback playback{
+                .first = {.clip = c, .time_s = stored.times_s[clip.first_time + frame], .loop = false}};
             const auto got = baked().skin_matrices(stored, playback);
             const auto wanted = pose_of(character, playback).model_from_bind;
-            for (size_t entry = 0; entry < wanted.size(); ++entry) ASSERT_EQ(got[entry].as<float>(), wanted[entry].as<float>()) << "clip " << c << ", frame " << frame << ", entry " << entry;
+            for (size_t entry = 0; entry < wanted.size(); ++entry)
+                ASSERT_EQ(got[entry].as<float>(), wanted[entry].as<float>())
+                    << "clip " << c << ", frame " << frame << ", entry " << entry;
         }
     }
-    EXPECT_EQ(baked().skin_matrices(stored, {}).front().as<float>(), pose_of(character, {}).model_from_bind.front().as<float>());
+    EXPECT_EQ(baked().skin_matrices(stored, {}).front().as<float>(),
+              pose_of(character, {}).model_from_bind.front().as<float>());
 }
 
 TEST(Baseline, FlattenedIsExactAtItsKeys) {
@@ -64,7 +69,11 @@ TEST(Baseline, FlattenedIsExactAtItsKeys) {
     double worst = error_of(flattened(), character, stored, {});
     for (uint32_t c = 0; c < stored.clips.size(); ++c)
         for (uint32_t row = 0; row < stored.clips[c].row_count; ++row)
-            worst = std::max(worst, error_of(flattened(), character, stored, {.first = {.clip = c, .time_s = stored.times_s[stored.clips[c].first_time + row], .loop = false}}));
+            worst = std::max(
+                worst,
+                error_of(
+                    flattened(), character, stored,
+                    {.first = {.clip = c, .time_s = stored.times_s[stored.clips[c].first_time + row], .loop = false}}));
     EXPECT_LE(worst, kRounding);
 }
 
@@ -76,7 +85,9 @@ TEST(Baseline, ErrsBetweenWhatItStores) {
         const Clip& clip = stored.clips[0];
         double worst = 0;
         for (uint32_t row = 0; row + 1 < clip.row_count; ++row) {
-            const double time_s = (double{stored.times_s[clip.first_time + row]} + stored.times_s[clip.first_time + row + 1]) / 2;
+            const double time_s = (double{stored.times_s[clip.first_time + row]} +
+                                   stored.times_s[clip.first_time + row + 1]) /
+                                  2;
             worst = std::max(worst, error_of(baseline, character, stored, {.first = {.clip = 0, .time_s = time_s}}));
         }
         EXPECT_GT(worst, kVisible) << baseline.name;
@@ -92,7 +103,11 @@ TEST(Baseline, TheKernelFollowsTheDefinition) {
         std::vector<Playback> playbacks{{}};  // the rest pose
         for (const float weight : {0.0f, 1.0f, 0.25f, 0.5f})
             for (int i = 0; i < 10; ++i) {
-                const auto slot = [&] { return ClipPlayback{.clip = random.chance(0.1) ? kNone : random.below(clip_count), .time_s = random.between(-5, 5), .loop = random.chance(0.7)}; };
+                const auto slot = [&] {
+                    return ClipPlayback{.clip = random.chance(0.1) ? kNone : random.below(clip_count),
+                                        .time_s = random.between(-5, 5),
+                                        .loop = random.chance(0.7)};
+                };
                 playbacks.push_back({.first = slot(), .second = slot(), .weight = weight});
             }
         for (const Baseline& baseline : baselines()) {
@@ -107,9 +122,11 @@ TEST(Baseline, TheKernelFollowsTheDefinition) {
                     const std::vector<Affine> got = crowd.read_skin_matrices(i);
                     const std::vector<AffineT<double>> wanted = baseline.skin_matrices(stored, playbacks[i]);
                     ASSERT_EQ(got.size(), wanted.size());
-                    for (size_t entry = 0; entry < got.size(); ++entry) worst = std::max(worst, matrix_error(got[entry], wanted[entry], character.size));
+                    for (size_t entry = 0; entry < got.size(); ++entry)
+                        worst = std::max(worst, matrix_error(got[entry], wanted[entry], character.size));
                 }
-                std::printf("  %s, %u joints: %.1e of the size\n", std::string(baseline.name).c_str(), joint_count, worst);
+                std::printf("  %s, %u joints: %.1e of the size\n", std::string(baseline.name).c_str(), joint_count,
+                            worst);
                 EXPECT_LE(worst, kBound) << baseline.name << ", " << joint_count << " joints";
             }
         }
@@ -124,7 +141,8 @@ TEST(Baseline, TimePasses) {
         const BaselineCrowd crowd(test_gpu(), baseline, stored, playbacks);
         EXPECT_GE(crowd.update_ms(0.5f), 0.0);
         const auto wanted = baseline.skin_matrices(stored, {.first = {.clip = 1, .time_s = 2.5}});
-        EXPECT_LE(matrix_error(crowd.read_skin_matrices(0).back(), wanted.back(), character.size), 1e-5) << baseline.name;
+        EXPECT_LE(matrix_error(crowd.read_skin_matrices(0).back(), wanted.back(), character.size), 1e-5)
+            << baseline.name;
     }
 }
 
@@ -134,7 +152,9 @@ TEST(Baseline, AClipBlendedWithItselfErrsByInterpolationAlone) {
         const Character stored = baseline.bake(character, {});
         for (const double time_s : {0.11, 0.77, 1.31}) {
             const ClipPlayback slot{.clip = 1, .time_s = time_s};
-            const double alone = error_of(baseline, character, stored, {.first = slot}), blended = error_of(baseline, character, stored, {.first = slot, .second = slot, .weight = 0.3f});
+            const double alone = error_of(baseline, character, stored, {.first = slot}),
+                         blended = error_of(baseline, character, stored,
+                                            {.first = slot, .second = slot, .weight = 0.3f});
             EXPECT_GT(alone, 1e-6) << baseline.name;
             EXPECT_NEAR(blended, alone, 1e-9) << baseline.name;
         }
@@ -150,17 +170,23 @@ Character bending_chain(double angle_rad) {
     AssetClip straight{.name = "straight", .duration_s = 1}, bent{.name = "bent", .duration_s = 1};
     AssetPrimitive primitive{.influence_count = 4};
     for (uint32_t joint = 0; joint < kJoints; ++joint) {
-        asset.nodes.push_back({.name = "joint", .parent = joint > 0 ? joint - 1 : kNone, .parent_from_node = {.translation = {0, joint > 0 ? kStep_m : 0, 0}}});
+        asset.nodes.push_back({.name = "joint",
+                               .parent = joint > 0 ? joint - 1 : kNone,
+                               .parent_from_node = {.translation = {0, joint > 0 ? kStep_m : 0, 0}}});
         skin.joints.push_back(joint);
-        skin.inverse_binds.push_back(to_affine(Trs<float>{.translation = {0, -kStep_m * static_cast<float>(joint), 0}}));
+        skin.inverse_binds.push_back(
+            to_affine(Trs<float>{.translation = {0, -kStep_m * static_cast<float>(joint), 0}}));
         const auto q = axis_angle(Vec3<double>{1, 0, 0}, joint > 0 ? angle_rad / (kJoints - 1) : 0).as<float>();
-        straight.tracks.push_back({joint, TrackTarget::kRotation, Interpolation::kLinear, {0, 1}, {0, 0, 0, 1, 0, 0, 0, 1}});
-        bent.tracks.push_back({joint, TrackTarget::kRotation, Interpolation::kLinear, {0, 1}, {q.x, q.y, q.z, q.w, q.x, q.y, q.z, q.w}});
+        straight.tracks.push_back(
+            {joint, TrackTarget::kRotation, Interpolation::kLinear, {0, 1}, {0, 0, 0, 1, 0, 0, 0, 1}});
+        bent.tracks.push_back(
+            {joint, TrackTarget::kRotation, Interpolation::kLinear, {0, 1}, {q.x, q.y, q.z, q.w, q.x, q.y, q.z, q.w}});
         primitive.positions.push_back({0.1f, kStep_m * static_cast<float>(joint), 0});
         primitive.influence_joints.insert(primitive.influence_joints.end(), {static_cast<uint16_t>(joint), 0, 0, 0});
         primitive.influence_weights.insert(primitive.influence_weights.end(), {1, 0, 0, 0});
     }
-    for (uint32_t vertex = 0; vertex + 2 < kJoints; ++vertex) primitive.indices.insert(primitive.indices.end(), {vertex, vertex + 1, vertex + 2});
+    for (uint32_t vertex = 0; vertex + 2 < kJoints; ++vertex)
+        primitive.indices.insert(primitive.indices.end(), {vertex, vertex + 1, vertex + 2});
     asset.skins.push_back(skin);
     asset.clips = {straight, bent};
     asset.meshes.push_back({.name = "mesh", .primitives = {primitive}});
@@ -173,8 +199,10 @@ TEST(Baseline, BlendingErrsMoreTheMoreAChainBends) {
         double last = 1e-6;  // of the size: rounding
         for (const double degrees : {30.0, 60.0, 120.0, 180.0}) {
             const Character character = bending_chain(degrees * std::numbers::pi / 180);
-            const double error = error_of(baseline, character, baseline.bake(character, {}), {.first = {.clip = 0}, .second = {.clip = 1}, .weight = 0.5f});
-            std::printf("  %s: a chain of %.2f m, straight and bent by %.0f degrees, blended half: %.1f mm off\n", std::string(baseline.name).c_str(), double{character.size}, degrees,
+            const double error = error_of(baseline, character, baseline.bake(character, {}),
+                                          {.first = {.clip = 0}, .second = {.clip = 1}, .weight = 0.5f});
+            std::printf("  %s: a chain of %.2f m, straight and bent by %.0f degrees, blended half: %.1f mm off\n",
+                        std::string(baseline.name).c_str(), double{character.size}, degrees,
                         error * character.size * 1000);
             EXPECT_GT(error, 1.5 * last) << baseline.name << ", " << degrees;
             last = error;

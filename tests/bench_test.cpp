@@ -62,7 +62,8 @@ TEST(Bench, SkeletonsHaveTheAskedShape) {
         SkeletonShape shape;
         uint32_t levels, leaves;
     };
-    for (const Regular& regular : {Regular{SkeletonShape::kChain, 127, 1}, Regular{SkeletonShape::kComb, 64, 64}, Regular{SkeletonShape::kBinary, 7, 64}}) {
+    for (const Regular& regular : {Regular{SkeletonShape::kChain, 127, 1}, Regular{SkeletonShape::kComb, 64, 64},
+                                   Regular{SkeletonShape::kBinary, 7, 64}}) {
         const ScanRig rig(make_skeleton(regular.shape, 127, 0, 1));
         EXPECT_EQ(rig.joint_count(), 127u);
         EXPECT_EQ(rig.level_count, regular.levels) << name_of(regular.shape);
@@ -73,7 +74,8 @@ TEST(Bench, SkeletonsHaveTheAskedShape) {
 
 TEST(Bench, ImpossibleSkeletonsAreRefused) {
     for (const auto& [joints, levels] : {std::pair{0u, 1u}, {65'536u, 10u}, {10u, 11u}, {10u, 0u}, {10u, 1u}, {1u, 2u}})
-        EXPECT_THROW(make_skeleton(SkeletonShape::kRandom, joints, levels, 1), Failure) << joints << " joints, " << levels << " levels";
+        EXPECT_THROW(make_skeleton(SkeletonShape::kRandom, joints, levels, 1), Failure)
+            << joints << " joints, " << levels << " levels";
 }
 
 TEST(Bench, SpreadsAreOfTheSortedValues) {
@@ -109,7 +111,8 @@ TEST(Bench, TheCheckSeesOneWrongNumberAnywhere) {
         std::vector<Affine> model(kInstances * 20);
         for (uint32_t instance = 0; instance < kInstances; ++instance)
             for (uint32_t joint = 0; joint < 20; ++joint)
-                model[layout == ScanLayout::kTransposed ? joint * kInstances + instance : instance * 20 + joint] = poses.wanted[(kFirst + instance) % 3 * 20 + joint].as<float>();
+                model[layout == ScanLayout::kTransposed ? joint * kInstances + instance : instance * 20 + joint] =
+                    poses.wanted[(kFirst + instance) % 3 * 20 + joint].as<float>();
         const auto error = [&] { return max_error(model, poses, kFirst, kInstances, layout); };
         EXPECT_FALSE(is_wrong(error()));
         for (const size_t i : {size_t{0}, size_t{77}, model.size() - 1})
@@ -144,7 +147,8 @@ ScanMethod broken(std::string_view name, ScanPlan (*plan)(const ScanRig&, const 
 }
 Entrant entrant_of(const std::string& name, const ScanMethod& method) {
     Entrant entrant{name, {}};
-    for (const uint32_t lanes : method.lane_choices(scan_limits(*test_gpu()))) entrant.choices.push_back({&method, lanes});
+    for (const uint32_t lanes : method.lane_choices(scan_limits(*test_gpu())))
+        entrant.choices.push_back({&method, lanes});
     return entrant;
 }
 
@@ -152,14 +156,18 @@ const ScanCell kCell{.experiment = "levels", .characters = 150, .joints = 40, .l
 const Sampling kSampling{.samples = 3, .least_samples = 1, .budget_s = 60};
 
 TEST(Bench, AWrongMethodIsReportedAndNotTimed) {
-    const ScanMethod one_joint = broken("gateau2012_walk", plan_with_another_parent), nothing = broken("serial", plan_without_work);
-    const std::vector<Entrant> entrants{entrant_of("one joint", one_joint), entrant_of("right", *find_scan_method("serial")), entrant_of("nothing", nothing)};
+    const ScanMethod one_joint = broken("gateau2012_walk", plan_with_another_parent),
+                     nothing = broken("serial", plan_without_work);
+    const std::vector<Entrant> entrants{entrant_of("one joint", one_joint),
+                                        entrant_of("right", *find_scan_method("serial")),
+                                        entrant_of("nothing", nothing)};
     const auto records = measure_scans(test_gpu(), kCell, entrants, kSampling, kQuiet);
     ASSERT_EQ(records.size(), 3u);
     for (const size_t wrong : {0u, 2u}) {
         EXPECT_EQ(records[wrong]["method"], entrants[wrong].name);
         EXPECT_EQ(records[wrong]["wrong"], true);
-        for (const char* field : {"median_ms", "samples", "times_copy", "ns_per_joint"}) EXPECT_FALSE(records[wrong].contains(field)) << field;
+        for (const char* field : {"median_ms", "samples", "times_copy", "ns_per_joint"})
+            EXPECT_FALSE(records[wrong].contains(field)) << field;
     }
     EXPECT_GT(records[0]["max_error"], kErrorBound);
     EXPECT_TRUE(std::isnan(records[2]["max_error"].get<double>())) << "what was not written must not pass";
@@ -177,12 +185,14 @@ TEST(Bench, AWrongMethodIsReportedAndNotTimed) {
 TEST(Bench, EveryMethodIsMeasured) {
     std::vector<Entrant> entrants;
     for (const ScanMethod& method : scan_table()) entrants.push_back(entrant_of(std::string(method.name), method));
-    const auto records = measure_scans(test_gpu(), kCell, entrants, kSampling, kQuiet), on_chip = measure_on_chip(test_gpu(), kCell, entrants, kSampling, kQuiet);
+    const auto records = measure_scans(test_gpu(), kCell, entrants, kSampling, kQuiet),
+               on_chip = measure_on_chip(test_gpu(), kCell, entrants, kSampling, kQuiet);
     ASSERT_EQ(records.size(), entrants.size());
     ASSERT_EQ(on_chip.size(), entrants.size());
     size_t timed = 0, timed_on_chip = 0;
     for (size_t i = 0; i < entrants.size(); ++i) {
-        for (const auto* list : {&records, &on_chip}) EXPECT_FALSE((*list)[i].contains("wrong")) << entrants[i].name << ", error " << (*list)[i]["max_error"];
+        for (const auto* list : {&records, &on_chip})
+            EXPECT_FALSE((*list)[i].contains("wrong")) << entrants[i].name << ", error " << (*list)[i]["max_error"];
         EXPECT_NE(records[i].contains("median_ms"), records[i].contains("obstacle")) << records[i];
         EXPECT_NE(on_chip[i].contains("on_chip_ns_per_joint"), on_chip[i].contains("obstacle")) << on_chip[i];
         timed += records[i].contains("median_ms") ? 1 : 0;
@@ -193,7 +203,8 @@ TEST(Bench, EveryMethodIsMeasured) {
     EXPECT_GE(timed_on_chip, 3u);
 }
 
-// More characters than one buffer holds: 157 MB of matrices, and lavapipe binds 134 at most. All are checked, also those of the last batch.
+// More characters than one buffer holds: 157 MB of matrices, and lavapipe binds 134 at most. All are checked, also
+// those of the last batch.
 TEST(Bench, BatchesAreCheckedToo) {
     const ScanCell cell{.experiment = "levels", .characters = 1100, .joints = 3000, .levels = 30, .seed = 1};
     ScanCrowd crowd(test_gpu(), cell.rig(), cell.characters, cell.seed);
@@ -204,7 +215,8 @@ TEST(Bench, BatchesAreCheckedToo) {
     for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch) {
         EXPECT_TRUE(is_wrong(crowd.max_error(serial.layout))) << "batch " << batch << " has not run yet";
         const Bindings bindings = stage.bind(crowd.buffers(batch, serial, stage.links()));
-        test::run_on_gpu([&](VkCommandBuffer commands) { stage.record(commands, bindings, crowd.batch(batch).instance_count); });
+        test::run_on_gpu(
+            [&](VkCommandBuffer commands) { stage.record(commands, bindings, crowd.batch(batch).instance_count); });
     }
     EXPECT_FALSE(is_wrong(crowd.max_error(serial.layout)));
 }

@@ -20,12 +20,14 @@ struct Bound {
 
 // Palettes name joints in any order, some several times, some never.
 template <class Transform>
-Bound run_bind(uint32_t joint_count, uint32_t palette_count, uint32_t instance_count, Random& random, const Transform& transform) {
+Bound run_bind(uint32_t joint_count, uint32_t palette_count, uint32_t instance_count, Random& random,
+               const Transform& transform) {
     Bound bound;
     std::vector<uint32_t> joints;
     std::vector<Affine> binds;
     for (uint32_t entry = 0; entry < palette_count; ++entry) {
-        bound.palette.push_back({.joint = entry == 0 ? joint_count - 1 : random.below(joint_count), .joint_from_bind = transform()});
+        bound.palette.push_back(
+            {.joint = entry == 0 ? joint_count - 1 : random.below(joint_count), .joint_from_bind = transform()});
         joints.push_back(bound.palette.back().joint);
         binds.push_back(bound.palette.back().joint_from_bind);
     }
@@ -38,9 +40,11 @@ Bound run_bind(uint32_t joint_count, uint32_t palette_count, uint32_t instance_c
         const auto wanted = bind_reference(bound.palette, model_from_joint);
         bound.wanted.insert(bound.wanted.end(), wanted.begin(), wanted.end());
     }
-    const Guarded<Affine> model(bound.model), bind_buffer(binds), skin(poison<Affine>(size_t{palette_count} * instance_count));
+    const Guarded<Affine> model(bound.model), bind_buffer(binds),
+        skin(poison<Affine>(size_t{palette_count} * instance_count));
     const Guarded<uint32_t> joint_buffer(joints);
-    run_workgroups(bind_kernel(test_gpu(), SkinFormat::kAffine), BindBuffers{model, joint_buffer, bind_buffer, skin}, io::BindPush{joint_count, palette_count}, instance_count);
+    run_workgroups(bind_kernel(test_gpu(), SkinFormat::kAffine), BindBuffers{model, joint_buffer, bind_buffer, skin},
+                   io::BindPush{joint_count, palette_count}, instance_count);
     bound.got = skin.read();
     EXPECT_TRUE(same_bits(model.read(), bound.model)) << "the stage wrote its input";
     return bound;
@@ -51,8 +55,11 @@ TEST(Bind, IsExact) {
     for (const uint32_t joint_count : {1u, 20u, 300u}) {
         for (const uint32_t palette_count : {1u, 63u, 64u, 65u, 500u}) {
             Random random(joint_count + palette_count);
-            const Bound bound = run_bind(joint_count, palette_count, 9, random, [&] { return exact_transform(random); });
-            for (size_t i = 0; i < bound.got.size(); ++i) ASSERT_EQ(bound.got[i].as<double>(), bound.wanted[i]) << joint_count << " joints, " << palette_count << " entries";
+            const Bound bound = run_bind(joint_count, palette_count, 9, random,
+                                         [&] { return exact_transform(random); });
+            for (size_t i = 0; i < bound.got.size(); ++i)
+                ASSERT_EQ(bound.got[i].as<double>(), bound.wanted[i])
+                    << joint_count << " joints, " << palette_count << " entries";
             compared += bound.got.size();
         }
     }
@@ -69,7 +76,8 @@ TEST(Bind, TheReferenceBindsFirst) {
     Affine turn_x, turn_z;
     turn_x.row = {{{1, 0, 0, 1}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
     turn_z.row = {{{0, -1, 0, 2}, {1, 0, 0, 0}, {0, 0, 1, 0}}};
-    const auto skin = bind_reference(std::vector<PaletteEntry>{{1, turn_z}, {1, {}}}, std::vector{AffineT<double>{}, turn_x.as<double>()});
+    const auto skin = bind_reference(std::vector<PaletteEntry>{{1, turn_z}, {1, {}}},
+                                     std::vector{AffineT<double>{}, turn_x.as<double>()});
     EXPECT_EQ(transform_point(skin[0], Vec3<double>{3, 5, 7}), (Vec3<double>{1 + 2 - 5, -7, 3}));
     EXPECT_EQ(skin[1], turn_x.as<double>());
 }

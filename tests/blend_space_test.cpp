@@ -23,8 +23,14 @@ using namespace test;
 class Space {
 public:
     explicit Space(std::vector<BlendPoint> points) : points_(std::move(points)), space(make_blend_space(points_)) {
-        state_ = {.point_count = static_cast<uint32_t>(points_.size()), .triangle_count = static_cast<uint32_t>(space.triangles.size()), .edge_count = static_cast<uint32_t>(space.edges.size()),
-                  .x_parameter = 0, .y_parameter = 1, .speed_parameter = io::kAbsent, .speed = 1, .sync = io::kAbsent};
+        state_ = {.point_count = static_cast<uint32_t>(points_.size()),
+                  .triangle_count = static_cast<uint32_t>(space.triangles.size()),
+                  .edge_count = static_cast<uint32_t>(space.edges.size()),
+                  .x_parameter = 0,
+                  .y_parameter = 1,
+                  .speed_parameter = io::kAbsent,
+                  .speed = 1,
+                  .sync = io::kAbsent};
         for (uint32_t i = 0; i < points_.size(); ++i) arrays_.points.push_back({i, points_[i].x, points_[i].y, 0});
         arrays_.clips.resize(points_.size());
         arrays_.triangles = space.triangles;
@@ -32,7 +38,8 @@ public:
     }
     std::vector<double> weights_at(float x, float y) const {
         std::vector<double> weights(points_.size(), 0.0);
-        for (const MixedClip& mixed : mix_of_state(arrays_, state_, std::array{x, y}).clips) weights[mixed.clip] += mixed.weight;
+        for (const MixedClip& mixed : mix_of_state(arrays_, state_, std::array{x, y}).clips)
+            weights[mixed.clip] += mixed.weight;
         return weights;
     }
     // What the weights make of the points: (x, y) itself within the hull.
@@ -64,7 +71,9 @@ public:
     BlendSpace space;
 };
 
-double cross(const BlendPoint& o, const BlendPoint& a, const BlendPoint& b) { return (double{a.x} - o.x) * (double{b.y} - o.y) - (double{a.y} - o.y) * (double{b.x} - o.x); }
+double cross(const BlendPoint& o, const BlendPoint& a, const BlendPoint& b) {
+    return (double{a.x} - o.x) * (double{b.y} - o.y) - (double{a.y} - o.y) * (double{b.x} - o.x);
+}
 
 // Andrew's monotone chain, 1979; another way to the hull than the one tested.
 std::vector<BlendPoint> hull_of(std::vector<BlendPoint> points) {
@@ -89,7 +98,8 @@ double area_of_hull(const std::vector<BlendPoint>& points) {
     return area;
 }
 
-// Queries at the points, within random triangles of them (so within the hull), on the segments between them, and outside.
+// Queries at the points, within random triangles of them (so within the hull), on the segments between them, and
+// outside.
 void check_space(const std::vector<BlendPoint>& points, double size, Random& random) {
     const Space space(points);
     EXPECT_NEAR(space.area_of_triangles(), area_of_hull(points), 1e-4 * size * size);
@@ -105,13 +115,17 @@ void check_space(const std::vector<BlendPoint>& points, double size, Random& ran
         EXPECT_NEAR(space.place_of(weights)[0], x, 1e-3 * size) << x << ", " << y;
         EXPECT_NEAR(space.place_of(weights)[1], y, 1e-3 * size) << x << ", " << y;
     };
-    for (size_t i = 0; i < points.size(); ++i) EXPECT_NEAR(space.weights_at(points[i].x, points[i].y)[i], 1, 1e-3) << "point " << i << " of " << points.size();
+    for (size_t i = 0; i < points.size(); ++i)
+        EXPECT_NEAR(space.weights_at(points[i].x, points[i].y)[i], 1, 1e-3) << "point " << i << " of " << points.size();
     for (int i = 0; i < 300; ++i) {
-        const auto pick = [&]() -> const BlendPoint& { return points[random.below(static_cast<uint32_t>(points.size()))]; };
+        const auto pick = [&]() -> const BlendPoint& {
+            return points[random.below(static_cast<uint32_t>(points.size()))];
+        };
         const BlendPoint &a = pick(), &b = pick(), &c = pick();
         double u = random.unit(), v = i % 3 == 0 ? 0 : random.unit();
         if (u + v > 1) u = 1 - u, v = 1 - v;
-        check(a.x + u * (double{b.x} - a.x) + v * (double{c.x} - a.x), a.y + u * (double{b.y} - a.y) + v * (double{c.y} - a.y), true);
+        check(a.x + u * (double{b.x} - a.x) + v * (double{c.x} - a.x),
+              a.y + u * (double{b.y} - a.y) + v * (double{c.y} - a.y), true);
         check(random.between(-3, 3) * size, random.between(-3, 3) * size, false);
     }
 }
@@ -121,7 +135,9 @@ TEST(BlendSpace, TrianglesFillTheHullOfRandomPoints) {
     for (int round = 0; round < 200; ++round) {
         const uint32_t count = 3 + random.below(62);
         std::vector<BlendPoint> points;
-        for (uint32_t i = 0; i < count; ++i) points.push_back({"", static_cast<float>(random.between(-2, 2)), static_cast<float>(random.between(-2, 2))});
+        for (uint32_t i = 0; i < count; ++i)
+            points.push_back(
+                {"", static_cast<float>(random.between(-2, 2)), static_cast<float>(random.between(-2, 2))});
         check_space(points, 4, random);
         if (testing::Test::HasFailure()) FAIL() << "round " << round;
     }
@@ -131,13 +147,18 @@ TEST(BlendSpace, NoCircleAroundATriangleHoldsAPoint) {
     Random random(3);
     for (int round = 0; round < 50; ++round) {
         std::vector<BlendPoint> points{{"", 0, 0}, {"", 1, 1}};  // the box is not scaled
-        for (int i = 0; i < 30; ++i) points.push_back({"", static_cast<float>(random.unit()), static_cast<float>(random.unit())});
+        for (int i = 0; i < 30; ++i)
+            points.push_back({"", static_cast<float>(random.unit()), static_cast<float>(random.unit())});
         for (const io::ControlTriangle& t : make_blend_space(points).triangles) {
             const BlendPoint &a = points[t.a], &b = points[t.b], &c = points[t.c];
             const auto length = [](double x, double y) { return x * x + y * y; };
-            const double bx = double{b.x} - a.x, by = double{b.y} - a.y, cx = double{c.x} - a.x, cy = double{c.y} - a.y, twice = 2 * (bx * cy - by * cx);
-            const double x = (cy * length(bx, by) - by * length(cx, cy)) / twice, y = (bx * length(cx, cy) - cx * length(bx, by)) / twice;  // centre, from a
-            for (const BlendPoint& point : points) EXPECT_GE(length(point.x - (a.x + x), point.y - (a.y + y)), length(x, y) * (1 - 1e-6) - 1e-9);
+            const double bx = double{b.x} - a.x, by = double{b.y} - a.y, cx = double{c.x} - a.x, cy = double{c.y} - a.y,
+                         twice = 2 * (bx * cy - by * cx);
+            // Centre, from a
+            const double x = (cy * length(bx, by) - by * length(cx, cy)) / twice,
+                         y = (bx * length(cx, cy) - cx * length(bx, by)) / twice;
+            for (const BlendPoint& point : points)
+                EXPECT_GE(length(point.x - (a.x + x), point.y - (a.y + y)), length(x, y) * (1 - 1e-6) - 1e-9);
         }
     }
 }
@@ -149,14 +170,18 @@ TEST(BlendSpace, GridsAndCirclesHaveNeitherHolesNorOverlaps) {
             for (int height = 2; height <= 8; ++height) {
                 std::vector<BlendPoint> points;
                 for (int y = 0; y < height; ++y)
-                    for (int x = 0; x < width; ++x) points.push_back({"", step * static_cast<float>(x), 3 * step * static_cast<float>(y - 2)});
-                for (size_t i = points.size(); i > 1; --i) std::swap(points[i - 1], points[random.below(static_cast<uint32_t>(i))]);
+                    for (int x = 0; x < width; ++x)
+                        points.push_back({"", step * static_cast<float>(x), 3 * step * static_cast<float>(y - 2)});
+                for (size_t i = points.size(); i > 1; --i)
+                    std::swap(points[i - 1], points[random.below(static_cast<uint32_t>(i))]);
                 check_space(points, 8 * step, random);
                 if (testing::Test::HasFailure()) FAIL() << width << " x " << height << " by " << step;
             }
     for (int count = 3; count <= 63; ++count) {
         std::vector<BlendPoint> points;
-        for (int i = 0; i < count; ++i) points.push_back({"", std::cos(6.2831853f * static_cast<float>(i) / static_cast<float>(count)), std::sin(6.2831853f * static_cast<float>(i) / static_cast<float>(count))});
+        for (int i = 0; i < count; ++i)
+            points.push_back({"", std::cos(6.2831853f * static_cast<float>(i) / static_cast<float>(count)),
+                              std::sin(6.2831853f * static_cast<float>(i) / static_cast<float>(count))});
         points.push_back({"", 0, 0});
         check_space(points, 2, random);
         if (testing::Test::HasFailure()) FAIL() << count << " on a circle";
@@ -164,7 +189,8 @@ TEST(BlendSpace, GridsAndCirclesHaveNeitherHolesNorOverlaps) {
 }
 
 TEST(BlendSpace, PointsOnALineAreJoinedInTheirOrder) {
-    for (const auto& [dx, dy] : {std::pair(1.0f, 0.0f), std::pair(0.0f, 1.0f), std::pair(1.0f, 0.3f), std::pair(-0.1f, 0.7f)}) {
+    for (const auto& [dx, dy] :
+         {std::pair(1.0f, 0.0f), std::pair(0.0f, 1.0f), std::pair(1.0f, 0.3f), std::pair(-0.1f, 0.7f)}) {
         std::vector<BlendPoint> points;
         for (const float t : {2.0f, -1.0f, 0.5f, 3.0f}) points.push_back({"", t * dx, t * dy});
         const Space space(points);
@@ -219,15 +245,18 @@ TEST(JointMask, CoversAJointAndAllBelow) {
     const Rig rig = chain_with_side_joint();
     EXPECT_EQ(mask_weights({"none", {}}, rig), (std::vector<float>{0, 0, 0, 0, 0}));
     EXPECT_EQ(mask_weights({"upper", {{"spine"}}}, rig), (std::vector<float>{0, 1, 1, 1, 0}));
-    EXPECT_EQ(mask_weights({"later wins", {{"hips", 0.5f}, {"chest", 0}}}, rig), (std::vector<float>{0.5f, 0.5f, 0, 0, 0.5f}));
-    EXPECT_EQ(mask_weights({"earlier loses", {{"chest", 0}, {"hips", 0.5f}}}, rig), (std::vector<float>{0.5f, 0.5f, 0.5f, 0.5f, 0.5f}));
+    EXPECT_EQ(mask_weights({"later wins", {{"hips", 0.5f}, {"chest", 0}}}, rig),
+              (std::vector<float>{0.5f, 0.5f, 0, 0, 0.5f}));
+    EXPECT_EQ(mask_weights({"earlier loses", {{"chest", 0}, {"hips", 0.5f}}}, rig),
+              (std::vector<float>{0.5f, 0.5f, 0.5f, 0.5f, 0.5f}));
 }
 
 TEST(JointMask, RampsRiseInEqualSteps) {
     const Rig rig = chain_with_side_joint();
     EXPECT_EQ(mask_weights({"", {{"hips", 1, 3}}}, rig), (std::vector<float>{0.25f, 0.5f, 0.75f, 1, 0.5f}));
     EXPECT_EQ(mask_weights({"", {{"spine", 0.5f, 1}}}, rig), (std::vector<float>{0, 0.25f, 0.5f, 0.5f, 0}));
-    EXPECT_EQ(mask_weights({"", {{"hips", 0.5f}, {"head", 0.5f, 1}}}, rig), (std::vector<float>{0.5f, 0.5f, 0.5f, 0.25f, 0.5f}));
+    EXPECT_EQ(mask_weights({"", {{"hips", 0.5f}, {"head", 0.5f, 1}}}, rig),
+              (std::vector<float>{0.5f, 0.5f, 0.5f, 0.25f, 0.5f}));
 }
 
 TEST(ControllerTables, TimesBecomePhases) {
@@ -252,13 +281,22 @@ T read(const ControllerTables& tables, uint32_t begin, uint32_t index) {
 TEST(ControllerTables, AreTheStructsAsWords) {
     const Character character = make_character({.joint_count = 6, .clip_count = 3});  // 1, 2, 3 s
     const std::string a = character.clips[0].name, b = character.clips[1].name, c = character.clips[2].name;
-    Controller controller{.name = "test", .parameters = {{"x", ParameterType::kFloat, 0.5f}, {"y"}, {"go", ParameterType::kTrigger}}};
+    Controller controller{.name = "test",
+                          .parameters = {{"x", ParameterType::kFloat, 0.5f}, {"y"}, {"go", ParameterType::kTrigger}}};
     controller.events = {{"late", b, 1.5}, {"end", c, 3}, {"early", b, 0.5}};
     controller.masks = {{"some", {{character.rig.names[1]}}}, {"all", {{character.rig.names[0]}}}};
-    controller.layers = {{.name = "base", .states = {{.name = "one", .points = {{a}}, .sync = "step"}, {.name = "line", .points = {{a, 0}, {b, 4}}, .x_parameter = "x"},
-                                                     {.name = "plane", .points = {{a, 0, 0}, {b, 1, 0}, {c, 0, 1}}, .x_parameter = "x", .y_parameter = "y", .sync = "step"}},
-                          .transitions = {{.to = "one", .conditions = {{"go", ControllerCondition::Test::kTriggered}}, .fade_s = 0.25f}, {.from = "one", .to = "line", .exit = 1.5f, .interrupts = true}}},
-                         {.name = "top", .mode = LayerMode::kAdditive, .mask = "all", .weight = 0.75f, .weight_parameter = "x"}};
+    controller.layers = {
+        {.name = "base",
+         .states = {{.name = "one", .points = {{a}}, .sync = "step"},
+                    {.name = "line", .points = {{a, 0}, {b, 4}}, .x_parameter = "x"},
+                    {.name = "plane",
+                     .points = {{a, 0, 0}, {b, 1, 0}, {c, 0, 1}},
+                     .x_parameter = "x",
+                     .y_parameter = "y",
+                     .sync = "step"}},
+         .transitions = {{.to = "one", .conditions = {{"go", ControllerCondition::Test::kTriggered}}, .fade_s = 0.25f},
+                         {.from = "one", .to = "line", .exit = 1.5f, .interrupts = true}}},
+        {.name = "top", .mode = LayerMode::kAdditive, .mask = "all", .weight = 0.75f, .weight_parameter = "x"}};
     const ControllerTables tables = make_controller_tables(controller, character);
     EXPECT_EQ(std::memcmp(tables.words.data(), &tables.layout, sizeof(tables.layout)), 0);
     EXPECT_EQ(tables.layout.clip_count, 3u);
@@ -287,7 +325,9 @@ TEST(ControllerTables, AreTheStructsAsWords) {
     EXPECT_EQ(read<io::ControlPoint>(tables, tables.layout.points, state(1).first_point + 1).inverse_span, 0);
     EXPECT_EQ(state(2).triangle_count, 1u);
     EXPECT_EQ(state(2).edge_count, 3u);
-    const auto transition = [&](uint32_t i) { return read<io::ControlTransition>(tables, tables.layout.transitions, i); };
+    const auto transition = [&](uint32_t i) {
+        return read<io::ControlTransition>(tables, tables.layout.transitions, i);
+    };
     ASSERT_EQ(state(0).transition_count, 1u) << "not from any to itself";
     const auto to_line = transition(state(0).first_transition);
     EXPECT_EQ(to_line.to, 1u);

@@ -17,21 +17,29 @@ constexpr double kBound = 2e-6;  // of an element, relative where it exceeds 1
 
 io::JointPose to_pose(const Trs<double>& trs) {
     const Trs<float> t = trs.as<float>();
-    return {.rotation = {t.rotation.x, t.rotation.y, t.rotation.z, t.rotation.w}, .translation = {t.translation.x, t.translation.y, t.translation.z, 0}, .scale = {t.scale.x, t.scale.y, t.scale.z, 0}};
+    return {.rotation = {t.rotation.x, t.rotation.y, t.rotation.z, t.rotation.w},
+            .translation = {t.translation.x, t.translation.y, t.translation.z, 0},
+            .scale = {t.scale.x, t.scale.y, t.scale.z, 0}};
 }
 
 Trs<double> as_trs(const io::JointPose& p) {
-    return {{p.rotation.x, p.rotation.y, p.rotation.z, p.rotation.w}, {p.translation.x, p.translation.y, p.translation.z}, {p.scale.x, p.scale.y, p.scale.z}};
+    return {{p.rotation.x, p.rotation.y, p.rotation.z, p.rotation.w},
+            {p.translation.x, p.translation.y, p.translation.z},
+            {p.scale.x, p.scale.y, p.scale.z}};
 }
 
-std::vector<Affine> run_blend(const std::vector<float>& weights, const std::vector<io::JointPose>& first, const std::vector<io::JointPose>& second, uint32_t joint_count) {
+std::vector<Affine> run_blend(const std::vector<float>& weights, const std::vector<io::JointPose>& first,
+                              const std::vector<io::JointPose>& second, uint32_t joint_count) {
     std::vector<io::InstanceCursor> cursors;
     for (const float weight : weights) cursors.push_back({.first = {}, .second = {}, .weight = weight});
     const Guarded<io::InstanceCursor> cursor_buffer(cursors);
     const Guarded<io::JointPose> first_poses(first), second_poses(second);
     const Guarded<Affine> local(poison<Affine>(first.size()));
-    run_workgroups(blend_kernel(test_gpu(), {.output = BlendOutput::kAffine}), BlendBuffers{cursor_buffer, first_poses, second_poses, local, Guarded<uint32_t>({}), first_poses}, io::BlendPush{joint_count}, static_cast<uint32_t>(weights.size()));
-    EXPECT_TRUE(same_bits(first_poses.read(), first) && same_bits(second_poses.read(), second)) << "the stage wrote its input";
+    run_workgroups(blend_kernel(test_gpu(), {.output = BlendOutput::kAffine}),
+                   BlendBuffers{cursor_buffer, first_poses, second_poses, local, Guarded<uint32_t>({}), first_poses},
+                   io::BlendPush{joint_count}, static_cast<uint32_t>(weights.size()));
+    EXPECT_TRUE(same_bits(first_poses.read(), first) && same_bits(second_poses.read(), second))
+        << "the stage wrote its input";
     return local.read();
 }
 
@@ -53,13 +61,16 @@ TEST(Blend, SimilaritiesAreTheSameTransforms) {
     const Guarded<io::InstanceCursor> cursor_buffer(cursors);
     const Guarded<io::JointPose> first_poses(first), second_poses(second);
     const Guarded<io::vec4> local(poison<io::vec4>(2 * first.size()));  // rotation; translation and scale
-    run_workgroups(blend_kernel(test_gpu(), {.output = BlendOutput::kSimilarity}), BlendBuffers{cursor_buffer, first_poses, second_poses, local, Guarded<uint32_t>({}), first_poses}, io::BlendPush{kJoints}, static_cast<uint32_t>(weights.size()));
+    run_workgroups(blend_kernel(test_gpu(), {.output = BlendOutput::kSimilarity}),
+                   BlendBuffers{cursor_buffer, first_poses, second_poses, local, Guarded<uint32_t>({}), first_poses},
+                   io::BlendPush{kJoints}, static_cast<uint32_t>(weights.size()));
     const std::vector<io::vec4> rows = local.read();
     for (size_t i = 0; i < first.size(); ++i) {
         const io::vec4 q = rows[2 * i], t = rows[2 * i + 1];
         const Trs<float> got{{q.x, q.y, q.z, q.w}, {t.x, t.y, t.z}, {t.w, t.w, t.w}};
         const Trs<double> wanted = blend_reference(as_trs(first[i]), as_trs(second[i]), weights[i / kJoints]);
-        EXPECT_LE(matrix_error(to_affine(got), to_affine(wanted), std::max(1.0, length(wanted.translation))), kBound) << "joint " << i;
+        EXPECT_LE(matrix_error(to_affine(got), to_affine(wanted), std::max(1.0, length(wanted.translation))), kBound)
+            << "joint " << i;
     }
 }
 
@@ -71,7 +82,9 @@ TEST(Blend, FollowsTheReference) {
         std::vector<io::JointPose> first, second;
         for (size_t i = 0; i < weights.size() * joint_count; ++i) {
             Trs<double> a = random.trs(2, 0.5), b = random.trs(2, 0.5);
-            if (random.chance(0.3)) b.rotation = normalized(a.rotation * axis_angle(random.direction(), random.between(0, 0.01)));  // nearly the same
+            // Nearly the same
+            if (random.chance(0.3))
+                b.rotation = normalized(a.rotation * axis_angle(random.direction(), random.between(0, 0.01)));
             const double cosine = dot(a.rotation, b.rotation);
             if (std::abs(cosine) < 1e-3) b.rotation = a.rotation;  // neither way is the shorter one
             if (random.chance(0.5)) b.rotation = -b.rotation;      // the other hemisphere
@@ -108,8 +121,10 @@ TEST(Blend, APoseWithoutWeightDoesNotShow) {
 }
 
 TEST(Blend, TheReferenceTakesTheShorterWay) {
-    const Trs<double> a{.rotation = axis_angle(Vec3<double>{0, 0, 1}, 0.2), .translation = {1, 0, 0}, .scale = {1, 2, 3}};
-    const Trs<double> b{.rotation = -axis_angle(Vec3<double>{0, 0, 1}, 0.4), .translation = {0, 4, 0}, .scale = {2, 2, 2}};
+    const Trs<double> a{
+        .rotation = axis_angle(Vec3<double>{0, 0, 1}, 0.2), .translation = {1, 0, 0}, .scale = {1, 2, 3}};
+    const Trs<double> b{
+        .rotation = -axis_angle(Vec3<double>{0, 0, 1}, 0.4), .translation = {0, 4, 0}, .scale = {2, 2, 2}};
     const Trs<double> half = blend_reference(a, b, 0.5);
     EXPECT_NEAR(std::abs(dot(half.rotation, axis_angle(Vec3<double>{0, 0, 1}, 0.3))), 1, 1e-12);
     const Trs<double> quarter = blend_reference(a, b, 0.25);

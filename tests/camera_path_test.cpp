@@ -13,7 +13,10 @@ constexpr float kAspectRatio = 16.0f / 9;
 
 CameraSubject subject_of(const Vec3<float>& half) {
     const Vec3<float> centre{3, half.y, -8};
-    CameraSubject subject{{centre - half, centre + half}, kAspectRatio, to_affine(Trs<float>{axis_angle(Vec3<float>{0, 1, 0}, 2.0f), {5, 0, -6}, {0.5f, 0.5f, 0.5f}}), {{-1, -0.5f, -2}, {1, 3.5f, 2}}};
+    CameraSubject subject{{centre - half, centre + half},
+                          kAspectRatio,
+                          to_affine(Trs<float>{axis_angle(Vec3<float>{0, 1, 0}, 2.0f), {5, 0, -6}, {0.5f, 0.5f, 0.5f}}),
+                          {{-1, -0.5f, -2}, {1, 3.5f, 2}}};
     return subject;
 }
 
@@ -23,10 +26,15 @@ const CameraSubject kSubjects[] = {subject_of({40, 1, 30}), subject_of({1, 2, 1.
 // Clip space x / w and y / w; infinite behind the camera.
 Vec3<float> seen_at(const Camera& camera, const Vec3<float>& p) {
     const CrowdView view = *view_of(camera, 1600, 900, {});
-    const auto row = [&](size_t r) { return view.clip_from_world[r][0] * p.x + view.clip_from_world[r][1] * p.y + view.clip_from_world[r][2] * p.z + view.clip_from_world[r][3]; };
+    const auto row = [&](size_t r) {
+        return view.clip_from_world[r][0] * p.x + view.clip_from_world[r][1] * p.y + view.clip_from_world[r][2] * p.z +
+               view.clip_from_world[r][3];
+    };
     return row(3) > 0 ? Vec3<float>{row(0) / row(3), row(1) / row(3), 0} : Vec3<float>{INFINITY, INFINITY, 0};
 }
-bool is_seen(const Camera& camera, const Vec3<float>& p) { return std::abs(seen_at(camera, p).x) <= 1 && std::abs(seen_at(camera, p).y) <= 1; }
+bool is_seen(const Camera& camera, const Vec3<float>& p) {
+    return std::abs(seen_at(camera, p).x) <= 1 && std::abs(seen_at(camera, p).y) <= 1;
+}
 
 Vec3<float> centre_of(const Bounds& bounds) { return (bounds.min + bounds.max) * 0.5f; }
 
@@ -34,7 +42,8 @@ TEST(CameraPath, MovesSmoothlyAndComesBack) {
     for (const char* text : {"fit", "orbit:seconds=10", "flyover:seconds=10", "low:seconds=10", "follow"})
         for (const CameraSubject& subject : kSubjects) {
             const CameraPath path(text);
-            const float extent = length(subject.bounds.max - subject.bounds.min) + length(path.at(0, subject).eye - centre_of(subject.bounds));
+            const float extent = length(subject.bounds.max - subject.bounds.min) +
+                                 length(path.at(0, subject).eye - centre_of(subject.bounds));
             Vec3<float> last_step{};
             for (int frame = 0; frame <= 300; ++frame) {
                 const Camera camera = path.at(frame / 30.0, subject), next = path.at((frame + 1) / 30.0, subject);
@@ -57,11 +66,14 @@ TEST(CameraPath, MovesSmoothlyAndComesBack) {
 TEST(CameraPath, HoldsTheCrowdInView) {
     for (const CameraSubject& subject : {kSubjects[0], kSubjects[1]})
         for (int frame = 0; frame < 60; ++frame) {
-            const Vec3<float> centre = centre_of(subject.bounds), half = (subject.bounds.max - subject.bounds.min) * 0.5f;
-            for (const char* text : {"orbit:seconds=60", "low:seconds=60"}) EXPECT_TRUE(is_seen(CameraPath(text).at(frame, subject), centre)) << text << frame;
+            const Vec3<float> centre = centre_of(subject.bounds),
+                              half = (subject.bounds.max - subject.bounds.min) * 0.5f;
+            for (const char* text : {"orbit:seconds=60", "low:seconds=60"})
+                EXPECT_TRUE(is_seen(CameraPath(text).at(frame, subject), centre)) << text << frame;
             const Camera orbit = CameraPath("orbit:seconds=60").at(frame, subject);
             for (const float turn : {0.0f, 1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f})
-                EXPECT_TRUE(is_seen(orbit, centre + Vec3<float>{half.x * std::sin(turn), 0, half.z * std::cos(turn)})) << turn << " " << frame;
+                EXPECT_TRUE(is_seen(orbit, centre + Vec3<float>{half.x * std::sin(turn), 0, half.z * std::cos(turn)}))
+                    << turn << " " << frame;
             // From above the heads some of the crowd, if not its middle.
             const Camera flight = CameraPath("flyover:seconds=60").at(frame, subject);
             EXPECT_TRUE(is_seen(flight, flight.target));
@@ -76,10 +88,12 @@ TEST(CameraPath, FollowsOneFromBehind) {
     EXPECT_EQ(path.followed_character(), 17u);
     CameraSubject subject = subject_of({40, 1, 30});
     const Camera camera = path.at(0, subject);
-    const Vec3<float> head = transform_point(subject.world_from_model, Vec3<float>{0, 3.5f, 0}), feet = transform_point(subject.world_from_model, Vec3<float>{0, -0.5f, 0});
+    const Vec3<float> head = transform_point(subject.world_from_model, Vec3<float>{0, 3.5f, 0}),
+                      feet = transform_point(subject.world_from_model, Vec3<float>{0, -0.5f, 0});
     EXPECT_TRUE(is_seen(camera, head));
     EXPECT_TRUE(is_seen(camera, feet));
-    const Vec3<float> ahead = transform_vector(subject.world_from_model, Vec3<float>{0, 0, 1}), look = camera.target - camera.eye;
+    const Vec3<float> ahead = transform_vector(subject.world_from_model, Vec3<float>{0, 0, 1}),
+                      look = camera.target - camera.eye;
     EXPECT_GT(dot(normalized(ahead), normalized(look)), 0.9f);
     EXPECT_GT(camera.eye.y, head.y);
     for (auto& row : subject.world_from_model.row) row[3] += 2;
@@ -97,8 +111,9 @@ TEST(CameraPath, ParametersMean) {
 }
 
 TEST(CameraPath, WrongTextsAreRefused) {
-    for (const char* text : {"", "circle", "Fit", "fit:seconds=3", "orbit:seconds", "orbit:seconds=", "orbit:seconds=0", "orbit:seconds=nan", "orbit:seconds=1e9", "orbit:seconds=5x", "orbit:character=1", "follow:character=-1",
-                             "follow:character=1.5", "orbit:seconds=20,,height=1"})
+    for (const char* text : {"", "circle", "Fit", "fit:seconds=3", "orbit:seconds", "orbit:seconds=", "orbit:seconds=0",
+                             "orbit:seconds=nan", "orbit:seconds=1e9", "orbit:seconds=5x", "orbit:character=1",
+                             "follow:character=-1", "follow:character=1.5", "orbit:seconds=20,,height=1"})
         EXPECT_THROW(CameraPath{std::string(text)}, CommandError) << text;
 }
 

@@ -29,9 +29,13 @@ TEST_F(CliCompile, WhatIsWrittenGivesWhatItsSourceGives) {
         const Outcome run = run_tool({"compile", source(), "-o", compiled, "--error", error});
         ASSERT_TRUE(run.succeeded()) << run;
         EXPECT_EQ(json_of({"info", compiled}), json_of({"info", source(), "--error", error, "--details"}));
-        for (const std::vector<std::string>& of :
-             std::vector<std::vector<std::string>>{{"--reference"}, {}, {"--clip", "walk", "--time", "0.3", "--reference"}, {"--clip", "0", "--time", "1", "--blend", "fly", "--blend-time", "0.2"}}) {
-            std::vector<std::string> by_file{"pose", compiled, "--vertices", "all"}, by_source{"pose", source(), "--error", error, "--vertices", "all"};
+        for (const std::vector<std::string>& of : std::vector<std::vector<std::string>>{
+                 {"--reference"},
+                 {},
+                 {"--clip", "walk", "--time", "0.3", "--reference"},
+                 {"--clip", "0", "--time", "1", "--blend", "fly", "--blend-time", "0.2"}}) {
+            std::vector<std::string> by_file{"pose", compiled, "--vertices", "all"},
+                by_source{"pose", source(), "--error", error, "--vertices", "all"};
             by_file.insert(by_file.end(), of.begin(), of.end());
             by_source.insert(by_source.end(), of.begin(), of.end());
             EXPECT_TRUE(json_of(by_file) == json_of(by_source)) << error << ", " << testing::PrintToString(of);
@@ -44,7 +48,8 @@ TEST_F(CliCompile, OtherCommandsTakeItToo) {
     const std::string compiled = file("creature.throng");
     ASSERT_TRUE(run_tool({"compile", source(), "-o", compiled}).succeeded());
     const auto picture = [&](const std::string& of, const char* name) {
-        const Outcome run = run_tool({"render", of, "--count", "3", "--size", "64x48", "--time", "0.4", "--out", file(name)});
+        const Outcome run = run_tool(
+            {"render", of, "--count", "3", "--size", "64x48", "--time", "0.4", "--out", file(name)});
         EXPECT_TRUE(run.succeeded()) << run;
         const std::string bytes = read_file(file(name));
         fs::remove(file(name));
@@ -88,7 +93,8 @@ TEST_F(CliCompile, ItSaysWhatItWroteAndHowExactItIs) {
     EXPECT_EQ(exact["packed"], false);
     EXPECT_EQ(exact["error_percent"], 0);
 
-    const Outcome packed = run_tool({"compile", source(), "-o", compiled}), text = run_tool({"compile", source(), "-o", compiled, "--error", "exact"});
+    const Outcome packed = run_tool({"compile", source(), "-o", compiled}),
+                  text = run_tool({"compile", source(), "-o", compiled, "--error", "exact"});
     EXPECT_TRUE(packed.succeeded() && packed.out.find("0.01 % allowed") != std::string::npos) << packed;
     EXPECT_TRUE(text.succeeded() && text.out.find("exact keys") != std::string::npos) << text;
     EXPECT_NE(text.out.find(std::to_string(fs::file_size(compiled)) + " bytes"), std::string::npos) << text;
@@ -107,40 +113,42 @@ TEST_F(CliCompile, WrongInputIsRefusedAndNothingIsLeftBehind) {
     write("text.glb", "This is not glTF.\n");
     fs::create_directory(file("folder"));
     const std::string source_before = read_file(source()), compiled_before = read_file(compiled);
-    expect_refused({{{"compile"}, "file"},
-                    {{"compile", source()}, "--out"},
-                    {{"compile", file("missing.glb"), "-o", out}, "missing.glb"},
-                    {{"compile", file("folder"), "-o", out}, "folder"},
-                    {{"compile", file("text.glb"), "-o", out}, "text.glb"},
-                    {{"compile", file("text.glb"), "-o", compiled}, "text.glb"},
-                    {{"compile", source(), "-o", file("nowhere/out.throng")}, "nowhere"},
-                    {{"compile", source(), "-o", file("folder")}, "folder"},
-                    {{"compile", source(), "-o", "/dev/null"}, "/dev/null"},
-                    {{"compile", source(), "-o", source()}, "would be written over " + source()},
-                    {{"compile", compiled, "-o", out}, "compiled already"},
-                    {{"compile", damaged, "-o", out}, "damaged.throng: is damaged"},
-                    {{"compile", newer, "-o", out}, "newer.throng: version 3, this throng reads version 2"},
-                    {{"compile", source(), "-o", file("text.glb")}, "text.glb is there, and not a compiled character"},
-                    {{"compile", source(), "-o", out, "--error", "0"}, "--error"},
-                    {{"compile", source(), "-o", out, "--error", "-1"}, "-1"},
-                    {{"compile", source(), "-o", out, "--error", "11"}, "'11'"},
-                    {{"compile", source(), "-o", out, "--error", "nan"}, "'nan'"},
-                    {{"compile", source(), "-o", out, "--error", "1x"}, "'1x'"},
-                    {{"compile", source(), "-o", out, "--error", ""}, "--error"},
-                    {{"info", damaged}, "damaged.throng: is damaged"},
-                    {{"pose", damaged}, "damaged.throng: is damaged"},
-                    {{"render", damaged, "--out", file("picture.png")}, "damaged.throng: is damaged"},
-                    {{"bench", damaged}, "damaged.throng: is damaged"},
-                    {{"info", compiled, "--error", "0.01"}, "sound.throng is compiled already"},
-                    {{"pose", compiled, "--error", "exact"}, "sound.throng is compiled already"},
-                    {{"render", source(), compiled, "--error", "1", "--out", file("picture.png")}, "sound.throng is compiled already"},
-                    {{"bench", compiled, "--error", "1"}, "sound.throng is compiled already"},
-                    {{"bench", "frame", compiled, "--error", "1"}, "sound.throng is compiled already"},
-                    {{"compile", compiled, "-o", out, "--error", "1"}, "sound.throng is compiled already"},
-                    {{"compile", source(), "-o", out, "--root-motion", "nobody"}, "there is no joint 'nobody'"},
-                    {{"info", compiled, "--root-motion", "spine"}, "sound.throng is compiled already, with its own root motion"},
-                    {{"info", newer}, "newer.throng: version 3, this throng reads version 2"},
-                    {{"info", file("cut.throng")}, "cut.throng"}});
+    expect_refused(
+        {{{"compile"}, "file"},
+         {{"compile", source()}, "--out"},
+         {{"compile", file("missing.glb"), "-o", out}, "missing.glb"},
+         {{"compile", file("folder"), "-o", out}, "folder"},
+         {{"compile", file("text.glb"), "-o", out}, "text.glb"},
+         {{"compile", file("text.glb"), "-o", compiled}, "text.glb"},
+         {{"compile", source(), "-o", file("nowhere/out.throng")}, "nowhere"},
+         {{"compile", source(), "-o", file("folder")}, "folder"},
+         {{"compile", source(), "-o", "/dev/null"}, "/dev/null"},
+         {{"compile", source(), "-o", source()}, "would be written over " + source()},
+         {{"compile", compiled, "-o", out}, "compiled already"},
+         {{"compile", damaged, "-o", out}, "damaged.throng: is damaged"},
+         {{"compile", newer, "-o", out}, "newer.throng: version 3, this throng reads version 2"},
+         {{"compile", source(), "-o", file("text.glb")}, "text.glb is there, and not a compiled character"},
+         {{"compile", source(), "-o", out, "--error", "0"}, "--error"},
+         {{"compile", source(), "-o", out, "--error", "-1"}, "-1"},
+         {{"compile", source(), "-o", out, "--error", "11"}, "'11'"},
+         {{"compile", source(), "-o", out, "--error", "nan"}, "'nan'"},
+         {{"compile", source(), "-o", out, "--error", "1x"}, "'1x'"},
+         {{"compile", source(), "-o", out, "--error", ""}, "--error"},
+         {{"info", damaged}, "damaged.throng: is damaged"},
+         {{"pose", damaged}, "damaged.throng: is damaged"},
+         {{"render", damaged, "--out", file("picture.png")}, "damaged.throng: is damaged"},
+         {{"bench", damaged}, "damaged.throng: is damaged"},
+         {{"info", compiled, "--error", "0.01"}, "sound.throng is compiled already"},
+         {{"pose", compiled, "--error", "exact"}, "sound.throng is compiled already"},
+         {{"render", source(), compiled, "--error", "1", "--out", file("picture.png")},
+          "sound.throng is compiled already"},
+         {{"bench", compiled, "--error", "1"}, "sound.throng is compiled already"},
+         {{"bench", "frame", compiled, "--error", "1"}, "sound.throng is compiled already"},
+         {{"compile", compiled, "-o", out, "--error", "1"}, "sound.throng is compiled already"},
+         {{"compile", source(), "-o", out, "--root-motion", "nobody"}, "there is no joint 'nobody'"},
+         {{"info", compiled, "--root-motion", "spine"}, "sound.throng is compiled already, with its own root motion"},
+         {{"info", newer}, "newer.throng: version 3, this throng reads version 2"},
+         {{"info", file("cut.throng")}, "cut.throng"}});
     EXPECT_EQ(read_file(source()), source_before);
     EXPECT_EQ(read_file(compiled), compiled_before);
     EXPECT_TRUE(fs::is_empty(file("folder")));

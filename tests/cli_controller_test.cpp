@@ -20,7 +20,9 @@ protected:
         generate("creature.glb", {"--joints", "40", "--levels", "12", "--faces", "200"});
     }
 
-    static std::string example(const std::string& name) { return std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" + name + ".json"; }
+    static std::string example(const std::string& name) {
+        return std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" + name + ".json";
+    }
 };
 
 TEST_F(CliController, CheckSaysWhatThereIs) {
@@ -31,9 +33,11 @@ TEST_F(CliController, CheckSaysWhatThereIs) {
     }
     const Outcome text = run_tool({"controller", "check", example("dragon")});
     for (const char* said :
-         {"9 parameters, 2 masks, 3 layers, 12 states, 17 transitions, 3 events", "pace           float, 1 at first", "grounded       bool, true at first",
-          "jump           trigger\n", "layer 1    front: override, mask front, weight watch; 3 states", "tail: additive, mask tail, weight 0.6 * pace",
-          "fly at (0, 3) by side and forward", "(any)          -> take off: jump triggered, grounded; 0.2 s; interrupts", "fidget         idle, once",
+         {"9 parameters, 2 masks, 3 layers, 12 states, 17 transitions, 3 events", "pace           float, 1 at first",
+          "grounded       bool, true at first", "jump           trigger\n",
+          "layer 1    front: override, mask front, weight watch; 3 states",
+          "tail: additive, mask tail, weight 0.6 * pace", "fly at (0, 3) by side and forward",
+          "(any)          -> take off: jump triggered, grounded; 0.2 s; interrupts", "fidget         idle, once",
           "wing beat      fly at 0.25 s"})
         EXPECT_NE(text.out.find(said), std::string::npos) << said << "\n" << text.out;
 
@@ -56,8 +60,9 @@ TEST_F(CliController, AStateThatNothingLeadsToIsAWarning) {
       "transitions": [{"from": "b", "to": "c"}, {"to": "a", "exit": 2}]}]})");
     const Outcome run = run_tool({"controller", "check", lonely});
     EXPECT_EQ(run.exit_code, 0);
-    EXPECT_EQ(run.err, "throng: warning: lonely.json: layer 'body': no transitions lead to state 'b'\n"
-                       "throng: warning: lonely.json: layer 'body': no transitions lead to state 'c'\n");
+    EXPECT_EQ(run.err,
+              "throng: warning: lonely.json: layer 'body': no transitions lead to state 'b'\n"
+              "throng: warning: lonely.json: layer 'body': no transitions lead to state 'c'\n");
 }
 
 TEST_F(CliController, GraphHasEveryStateAndTransition) {
@@ -67,17 +72,21 @@ TEST_F(CliController, GraphHasEveryStateAndTransition) {
     EXPECT_EQ(count_of(dot, "subgraph cluster_"), 3u);
     EXPECT_EQ(count_of(dot, "_any ["), 3u);
     EXPECT_EQ(count_of(dot, "fillcolor"), 1u);
-    EXPECT_EQ(count_of(dot, "_state"), 12 + 17 * 2 - 3u) << "12 nodes; 17 edges with two ends, of which 3 are any state";
+    EXPECT_EQ(count_of(dot, "_state"), 12 + 17 * 2 - 3u)
+        << "12 nodes; 17 edges with two ends, of which 3 are any state";
     EXPECT_EQ(count_of(dot, " -> "), 17u);
     EXPECT_EQ(count_of(dot, "style=dashed];"), 3 + 3u) << "inertial fades, and any state";
     for (const char* said :
-         {"label=\"tail (additive, mask tail, weight 0.6 * pace)\"", "layer0_state0 [label=\"stand\\nidle\", penwidth=2.5]",
-          "label=\"fidget\\nidle\\nonce, speed 1.5\"", "layer0_any -> layer0_state3 [label=\" jump triggered, grounded \\n 0.2 s, interrupts \"]",
-          "layer0_state2 -> layer0_state0 [label=\" forward > -0.05, forward < 0.05 \\n 0.3 s, interrupts \"]", "5 clips by side and forward"})
+         {"label=\"tail (additive, mask tail, weight 0.6 * pace)\"",
+          "layer0_state0 [label=\"stand\\nidle\", penwidth=2.5]", "label=\"fidget\\nidle\\nonce, speed 1.5\"",
+          "layer0_any -> layer0_state3 [label=\" jump triggered, grounded \\n 0.2 s, interrupts \"]",
+          "layer0_state2 -> layer0_state0 [label=\" forward > -0.05, forward < 0.05 \\n 0.3 s, interrupts \"]",
+          "5 clips by side and forward"})
         EXPECT_NE(dot.find(said), std::string::npos) << said << "\n" << dot;
     fs::remove(file("dragon.dot"));
 
-    const std::string odd = write("odd.json", R"({"layers": [{"name": "a \" \\ é", "states": {"<s> \\N": {"clip": "\"]"}}}, {"name": "b"}]})");
+    const std::string odd = write(
+        "odd.json", R"({"layers": [{"name": "a \" \\ é", "states": {"<s> \\N": {"clip": "\"]"}}}, {"name": "b"}]})");
     EXPECT_TRUE(run_tool({"controller", "graph", odd, "-o", file("odd.dot")}).succeeded());
     const std::string odd_dot = read_file(file("odd.dot"));
     EXPECT_NE(odd_dot.find(R"x(label="a \" \\ é (override)")x"), std::string::npos) << odd_dot;
@@ -87,7 +96,8 @@ TEST_F(CliController, GraphHasEveryStateAndTransition) {
 }
 
 TEST_F(CliController, GraphIsDrawnByGraphviz) {
-    if (std::system("command -v dot > /dev/null") != 0) GTEST_SKIP() << "no Graphviz here (Debian: apt-get install graphviz)";
+    if (std::system("command -v dot > /dev/null") != 0)
+        GTEST_SKIP() << "no Graphviz here (Debian: apt-get install graphviz)";
     for (const std::string name : {"walker", "flyer", "dragon"}) {
         const Outcome run = run_tool({"controller", "graph", example(name), "--out", file("drawn.svg")});
         ASSERT_TRUE(run.succeeded()) << run;
@@ -112,23 +122,27 @@ TEST_F(CliController, WithoutGraphvizThatIsSaidAndADotFileIsStillWritten) {
 }
 
 TEST_F(CliController, WrongInputIsRefusedAndNothingIsLeftBehind) {
-    const std::string creature = file("creature.glb"), swim = "{\"layers\": [\n{\"name\": \"body\", \"states\": {\"swim\": {\"clip\": \"swim\"}}";
-    const std::string swimmer = write("swimmer.json", swim + "}]}"), wrong = write("wrong.json", swim + ",\n\"transitions\": [{\"to\": \"swin\", \"exit\": 1}]}]}");
-    expect_refused({{{"controller"}, "check or graph"},
-                    {{"controller", "chekc", swimmer}, "chekc"},
-                    {{"controller", "check"}, "file"},
-                    {{"controller", "check", file("missing.json")}, "missing.json: no such file"},
-                    {{"controller", "check", folder_->path().string()}, "not a regular file"},
-                    {{"controller", "check", creature}, "creature.glb:1: not JSON"},
-                    {{"controller", "check", wrong},
-                     "wrong.json:3: layers[0].transitions[0].to: there is no state 'swin'; did you mean 'swim'? There is: swim"},
-                    {{"controller", "check", swimmer, "--character", creature},
-                     "swimmer.json with creature.glb: layers[0].states.swim.clip: there is no clip 'swim'. There are: idle, walk, fly, glide, roar"},
-                    {{"controller", "check", swimmer, "--character", swimmer}, "swimmer.json"},
-                    {{"controller", "graph", swimmer}, "--out"},
-                    {{"controller", "graph", swimmer, "-o", file("a.png")}, "neither in .svg nor in .dot"},
-                    {{"controller", "graph", swimmer, "-o", file("nowhere/a.svg")}, "nowhere"},
-                    {{"controller", "graph", wrong, "-o", file("a.dot")}, "wrong.json:3"}});
+    const std::string creature = file("creature.glb"),
+                      swim = "{\"layers\": [\n{\"name\": \"body\", \"states\": {\"swim\": {\"clip\": \"swim\"}}";
+    const std::string swimmer = write("swimmer.json", swim + "}]}"),
+                      wrong = write("wrong.json", swim + ",\n\"transitions\": [{\"to\": \"swin\", \"exit\": 1}]}]}");
+    expect_refused(
+        {{{"controller"}, "check or graph"},
+         {{"controller", "chekc", swimmer}, "chekc"},
+         {{"controller", "check"}, "file"},
+         {{"controller", "check", file("missing.json")}, "missing.json: no such file"},
+         {{"controller", "check", folder_->path().string()}, "not a regular file"},
+         {{"controller", "check", creature}, "creature.glb:1: not JSON"},
+         {{"controller", "check", wrong},
+          "wrong.json:3: layers[0].transitions[0].to: there is no state 'swin'; did you mean 'swim'? There is: swim"},
+         {{"controller", "check", swimmer, "--character", creature},
+          "swimmer.json with creature.glb: layers[0].states.swim.clip: there is no clip 'swim'. There are: idle, walk, "
+          "fly, glide, roar"},
+         {{"controller", "check", swimmer, "--character", swimmer}, "swimmer.json"},
+         {{"controller", "graph", swimmer}, "--out"},
+         {{"controller", "graph", swimmer, "-o", file("a.png")}, "neither in .svg nor in .dot"},
+         {{"controller", "graph", swimmer, "-o", file("nowhere/a.svg")}, "nowhere"},
+         {{"controller", "graph", wrong, "-o", file("a.dot")}, "wrong.json:3"}});
 }
 
 }  // namespace

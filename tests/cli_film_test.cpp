@@ -24,32 +24,56 @@ namespace {
 using namespace test;
 namespace fs = std::filesystem;
 
-// Two creatures, of which one has a controller. Frames 0 to 3 of some of them, tiny, a second apart so that controllers are told something.
+// Two creatures, of which one has a controller. Frames 0 to 3 of some of them, tiny, a second apart so that controllers
+// are told something.
 class CliFilm : public ToolTest {
 protected:
     static void SetUpTestSuite() {
         ToolTest::SetUpTestSuite();
-        for (const std::string kind : {"walker", "dragon"}) generate(kind + ".glb", {kind, "--joints", "50", "--levels", "12", "--faces", "600"});
+        for (const std::string kind : {"walker", "dragon"})
+            generate(kind + ".glb", {kind, "--joints", "50", "--levels", "12", "--faces", "600"});
     }
 
     static std::vector<std::string> arguments(const std::string& out, const std::vector<std::string>& more = {}) {
-        std::vector<std::string> all{"render", file("walker.glb"), file("dragon.glb"), "--controller", file("walker.glb") + "=" + THRONG_SOURCE_DIR "/examples/controllers/walker.json", "--count", "6", "--placement", "disc",
-                                     "--camera", "flyover:seconds=5", "--size", "64x36", "--frames", "0:4", "--fps", "1", "--out", out};
+        std::vector<std::string> all{"render",
+                                     file("walker.glb"),
+                                     file("dragon.glb"),
+                                     "--controller",
+                                     file("walker.glb") + "=" + THRONG_SOURCE_DIR "/examples/controllers/walker.json",
+                                     "--count",
+                                     "6",
+                                     "--placement",
+                                     "disc",
+                                     "--camera",
+                                     "flyover:seconds=5",
+                                     "--size",
+                                     "64x36",
+                                     "--frames",
+                                     "0:4",
+                                     "--fps",
+                                     "1",
+                                     "--out",
+                                     out};
         all.insert(all.end(), more.begin(), more.end());
         return all;
     }
-    static Outcome film(const std::string& out, const std::vector<std::string>& more = {}) { return run_tool(arguments(out, more)); }
+    static Outcome film(const std::string& out, const std::vector<std::string>& more = {}) {
+        return run_tool(arguments(out, more));
+    }
     // The same, but with another value of one option.
     static Outcome film_with(const std::string& out, const std::string& option, const std::string& value) {
         std::vector<std::string> all = arguments(out);
         const auto there = std::find(all.begin(), all.end(), option);
-        if (there == all.end()) all.insert(all.end(), {option, value});
-        else *(there + 1) = value;
+        if (there == all.end())
+            all.insert(all.end(), {option, value});
+        else
+            *(there + 1) = value;
         return run_tool(all);
     }
     static std::map<std::string, std::string> contents(const std::string& folder) {
         std::map<std::string, std::string> files;
-        for (const auto& entry : fs::directory_iterator(folder)) files[entry.path().filename()] = read_file(entry.path());
+        for (const auto& entry : fs::directory_iterator(folder))
+            files[entry.path().filename()] = read_file(entry.path());
         return files;
     }
     static std::string new_folder(const std::string& name) {
@@ -79,7 +103,8 @@ TEST_F(CliFilm, AFrameIsTheSameWhicheverAreDrawn) {
     EXPECT_EQ(contents(shared), frames);
 
     // Of an interrupted run some frames are left, one is broken, and one is of another size.
-    for (const char* kept : {"frame_settings.json", "frame_0001.png", "frame_0002.png", "frame_0003.png"}) fs::copy_file(whole + "/" + kept, resumed + "/" + kept);
+    for (const char* kept : {"frame_settings.json", "frame_0001.png", "frame_0002.png", "frame_0003.png"})
+        fs::copy_file(whole + "/" + kept, resumed + "/" + kept);
     fs::resize_file(resumed + "/frame_0002.png", frames.at("frame_0002.png").size() / 2);
     const auto time = fs::last_write_time(resumed + "/frame_0001.png");
     const Outcome again = film(resumed + "/frame_%04d.png", {"--json"});
@@ -99,7 +124,8 @@ TEST_F(CliFilm, AFrameIsTheSameWhicheverAreDrawn) {
 // Those that walk have walked as far in a frame whether those before it are drawn or not.
 TEST_F(CliFilm, WhoSteersIsWhereTheFrameSays) {
     const std::string whole = new_folder("walked"), shared = new_folder("walked_unseen");
-    const std::vector<std::string> steer{"--steer", "--spacing", "2"}, third{"--steer", "--spacing", "2", "--shard", "3/4"};
+    const std::vector<std::string> steer{"--steer", "--spacing", "2"},
+        third{"--steer", "--spacing", "2", "--shard", "3/4"};
     ASSERT_TRUE(film(whole + "/%d.png", steer).succeeded());
     ASSERT_TRUE(film(shared + "/%d.png", third).succeeded());
     EXPECT_EQ(contents(shared).at("3.png"), contents(whole).at("3.png"));
@@ -111,12 +137,25 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
     ASSERT_TRUE(film(out, {"--shard", "3/4"}).succeeded());
     const auto before = contents(folder);
     const std::map<std::string, std::pair<std::string, std::string>> others{
-        {"--count", {"7", "count 6, not 7"}}, {"--sizes", {"1,2", "sizes [], not [1.0,2.0]"}}, {"--placement", {"grid", "placement"}}, {"--spacing", {"2", "spacing 1.0, not 2.0"}},
-        {"--controller", {THRONG_SOURCE_DIR "/examples/controllers/walker.json", "controllers"}}, {"--seed", {"2", "seed 1, not 2"}}, {"--scan", {"serial", "scan"}}, {"--error", {"exact", "error"}},
-        {"--size", {"32x36", "size"}}, {"--time", {"2", "time 0.0, not 2.0"}}, {"--camera", {"fit", "camera"}}, {"--fps", {"2", "fps 1.0, not 2.0"}}, {"--skinning", {"dual-quaternion", "skinning"}}, {"--detail-pixels", {"2", "detail-pixels 1.0, not 2.0"}}};
-    for (const auto& [option, other] : others) EXPECT_TRUE(film_with(out, option, other.first).refused(other.second)) << option;
+        {"--count", {"7", "count 6, not 7"}},
+        {"--sizes", {"1,2", "sizes [], not [1.0,2.0]"}},
+        {"--placement", {"grid", "placement"}},
+        {"--spacing", {"2", "spacing 1.0, not 2.0"}},
+        {"--controller", {THRONG_SOURCE_DIR "/examples/controllers/walker.json", "controllers"}},
+        {"--seed", {"2", "seed 1, not 2"}},
+        {"--scan", {"serial", "scan"}},
+        {"--error", {"exact", "error"}},
+        {"--size", {"32x36", "size"}},
+        {"--time", {"2", "time 0.0, not 2.0"}},
+        {"--camera", {"fit", "camera"}},
+        {"--fps", {"2", "fps 1.0, not 2.0"}},
+        {"--skinning", {"dual-quaternion", "skinning"}},
+        {"--detail-pixels", {"2", "detail-pixels 1.0, not 2.0"}}};
+    for (const auto& [option, other] : others)
+        EXPECT_TRUE(film_with(out, option, other.first).refused(other.second)) << option;
     const std::vector<std::string> flags{"everything", "skeletons", "bounds", "steer", "skin-once"};
-    for (const std::string& flag : flags) EXPECT_TRUE(film(out, {"--" + flag}).refused(flag + " false, not true")) << flag;
+    for (const std::string& flag : flags)
+        EXPECT_TRUE(film(out, {"--" + flag}).refused(flag + " false, not true")) << flag;
     std::vector<std::string> replaced = arguments(out);
     *std::find(replaced.begin(), replaced.end(), "--count") = "--counts";
     *(std::find(replaced.begin(), replaced.end(), "--counts") + 1) = "4,2";
@@ -125,12 +164,14 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
     replaced.insert(replaced.erase(camera, camera + 2), {"--eye", "1,2,3", "--target", "0,1,0"});
     EXPECT_TRUE(run_tool(replaced).refused("made with"));
     // No option has been forgotten: the rest changes no frame.
-    std::set<std::string> known{"--help", "--frames", "--shard", "--out", "--device", "--json", "--counts", "--eye", "--target"};
+    std::set<std::string> known{"--help", "--frames", "--shard", "--out",   "--device",
+                                "--json", "--counts", "--eye",   "--target"};
     for (const std::string& flag : flags) known.insert("--" + flag);
     for (const auto& [option, other] : others) known.insert(option);
     const std::string help = run_tool({"render", "--help"}).out;
     const std::regex option("\n  (?:-.,)?(--[a-z-]+)");
-    for (std::sregex_iterator found(help.begin(), help.end(), option), end; found != end; ++found) EXPECT_TRUE(known.contains((*found)[1])) << (*found)[1] << ": is it in the settings of films?";
+    for (std::sregex_iterator found(help.begin(), help.end(), option), end; found != end; ++found)
+        EXPECT_TRUE(known.contains((*found)[1])) << (*found)[1] << ": is it in the settings of films?";
 
     Json settings = Json::parse(before.at("settings.json"));
     ASSERT_EQ(settings["updates"].size(), 2u);
@@ -152,20 +193,27 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
 TEST_F(CliFilm, TheCameraFollowsRootMotion) {
     GlbBuilder mover = tiny_character();
     const size_t places = mover.add<float>({0, 0, 0, 0, 0, 2}, "VEC3", kFloat);
-    mover.json["animations"] = {{{"name", "go"}, {"channels", {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "translation"}}}}}}, {"samplers", {{{"input", kTimes}, {"output", places}}}}}};
-    mover.json["materials"] = {{{"doubleSided", true}, {"pbrMetallicRoughness", {{"baseColorFactor", {0.9, 0, 0, 1}}}}}};
+    mover.json["animations"] = {{{"name", "go"},
+                                 {"channels", {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "translation"}}}}}},
+                                 {"samplers", {{{"input", kTimes}, {"output", places}}}}}};
+    mover.json["materials"] = {
+        {{"doubleSided", true}, {"pbrMetallicRoughness", {{"baseColorFactor", {0.9, 0, 0, 1}}}}}};
     mover.json["meshes"][0]["primitives"][0]["material"] = 0;
     std::ofstream(file("mover.glb"), std::ios::binary) << mover.glb();
     std::ofstream(file("go.json")) << R"({"layers": [{"name": "body", "states": {"go": {"clip": "go"}}}]})";
-    const Outcome compiled = run_tool({"compile", file("mover.glb"), "--root-motion", "root", "--out", file("mover.throng")});
+    const Outcome compiled = run_tool(
+        {"compile", file("mover.glb"), "--root-motion", "root", "--out", file("mover.throng")});
     ASSERT_TRUE(compiled.succeeded()) << compiled;
     const std::string folder = new_folder("followed");
-    const Outcome run = run_tool({"render", file("mover.throng"), "--controller", file("go.json"), "--camera", "follow", "--size", "64x36", "--time", "2", "--frames", "0:2", "--fps", "1000", "--out", folder + "/%d.png"});
+    const Outcome run = run_tool({"render", file("mover.throng"), "--controller", file("go.json"), "--camera", "follow",
+                                  "--size", "64x36", "--time", "2", "--frames", "0:2", "--fps", "1000", "--out",
+                                  folder + "/%d.png"});
     ASSERT_TRUE(run.succeeded()) << run;
     int red = 0, other = 0;
     const auto pixels = [&](const char* frame) {
         int width = 0, height = 0;
-        const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> read(stbi_load((folder + frame).c_str(), &width, &height, nullptr, 3), &stbi_image_free);
+        const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> read(
+            stbi_load((folder + frame).c_str(), &width, &height, nullptr, 3), &stbi_image_free);
         EXPECT_TRUE(read && width == 64 && height == 36);
         return std::vector<int>(read.get(), read.get() + 64 * 36 * 3);
     };
@@ -188,7 +236,10 @@ TEST_F(CliFilm, AFilmHasItsFrames) {
     ASSERT_TRUE(run.succeeded()) << run;
     EXPECT_EQ(Json::parse(run.out)["kept"], 2);
     EXPECT_FALSE(fs::exists(out + ".frames"));
-    const std::string probed = file("probed.txt"), probe = "ffprobe -v error -count_frames -show_entries stream=nb_read_frames,width,height,r_frame_rate -of csv=p=0 '" + out + "' >'" + probed + "'";
+    const std::string probed = file("probed.txt"), probe =
+                                                       "ffprobe -v error -count_frames -show_entries "
+                                                       "stream=nb_read_frames,width,height,r_frame_rate -of csv=p=0 '" +
+                                                       out + "' >'" + probed + "'";
     ASSERT_EQ(std::system(probe.c_str()), 0);
     EXPECT_EQ(read_file(probed), "64,36,1/1,4\n");
 }
@@ -196,15 +247,23 @@ TEST_F(CliFilm, AFilmHasItsFrames) {
 TEST_F(CliFilm, ControllersAreForFilesThatAreThere) {
     EXPECT_TRUE(film(file("%d.png"), {"--controller", "cat.glb=cat.json"}).refused("cat.glb"));
     EXPECT_TRUE(film(file("%d.png"), {"--controller", file("missing.json")}).refused("missing.json"));
-    EXPECT_TRUE(film(file("%d.png"), {"--controller", file("dragon.glb") + "=" + THRONG_SOURCE_DIR "/examples/controllers/willow.json"}).refused("gust"));
+    EXPECT_TRUE(film(file("%d.png"),
+                     {"--controller", file("dragon.glb") + "=" + THRONG_SOURCE_DIR "/examples/controllers/willow.json"})
+                    .refused("gust"));
 }
 
 TEST_F(CliFilm, WrongOptionsAreRefused) {
     const std::string out = file("%d.png");
-    const auto with = [&](const std::string& option, const std::string& value) { return film_with(out, option, value); };
-    for (const char* frames : {"4", "4:", ":4", "4:4", "5:4", "0:4:1", "0:1000001", "0:99999999999"}) EXPECT_TRUE(with("--frames", frames).refused("--frames")) << frames;
-    for (const char* shard : {"1", "2/2", "0/0", "/2", "1/", "a/b"}) EXPECT_TRUE(with("--shard", shard).refused("--shard")) << shard;
-    for (const char* name : {"frame.png", "frame_%4d.png", "frame_%s.png", "%d_%d.png", "frame_%0999d.png", "frame_%d.jpg", "film.avi"}) EXPECT_TRUE(with("--out", file(name)).refused(name)) << name;
+    const auto with = [&](const std::string& option, const std::string& value) {
+        return film_with(out, option, value);
+    };
+    for (const char* frames : {"4", "4:", ":4", "4:4", "5:4", "0:4:1", "0:1000001", "0:99999999999"})
+        EXPECT_TRUE(with("--frames", frames).refused("--frames")) << frames;
+    for (const char* shard : {"1", "2/2", "0/0", "/2", "1/", "a/b"})
+        EXPECT_TRUE(with("--shard", shard).refused("--shard")) << shard;
+    for (const char* name :
+         {"frame.png", "frame_%4d.png", "frame_%s.png", "%d_%d.png", "frame_%0999d.png", "frame_%d.jpg", "film.avi"})
+        EXPECT_TRUE(with("--out", file(name)).refused(name)) << name;
     EXPECT_TRUE(with("--out", file("nowhere/%d.png")).refused("nowhere"));
     for (const char* fps : {"0", "-1", "nan", "many", "1e9"}) EXPECT_TRUE(with("--fps", fps).refused("--fps")) << fps;
     EXPECT_TRUE(with("--camera", "spin").refused("--camera spin"));
@@ -222,9 +281,13 @@ TEST_F(CliFilm, WrongOptionsAreRefused) {
     EXPECT_TRUE(run_tool(odd).refused("63x36"));
     EXPECT_TRUE(run_tool({"render", file("walker.glb"), "--out", file("still.mp4")}).refused("--frames"));
     EXPECT_TRUE(run_tool({"render", file("walker.glb"), "--fps", "24", "--out", file("still.png")}).refused("--fps"));
-    EXPECT_TRUE(run_tool({"render", file("walker.glb"), "--counts", "1,2", "--out", file("still.png")}).refused("--counts"));
-    EXPECT_TRUE(run_tool({"render", file("walker.glb"), "--counts", "0", "--out", file("still.png")}).refused("--counts"));
-    EXPECT_TRUE(run_tool({"render", file("walker.glb"), "--eye", "0,1,2", "--target", "0,1,2", "--out", file("still.png")}).refused("camera"));
+    EXPECT_TRUE(
+        run_tool({"render", file("walker.glb"), "--counts", "1,2", "--out", file("still.png")}).refused("--counts"));
+    EXPECT_TRUE(
+        run_tool({"render", file("walker.glb"), "--counts", "0", "--out", file("still.png")}).refused("--counts"));
+    EXPECT_TRUE(
+        run_tool({"render", file("walker.glb"), "--eye", "0,1,2", "--target", "0,1,2", "--out", file("still.png")})
+            .refused("camera"));
     const RunSettings no_programs{.environment = {{"PATH", "/nowhere"}}};
     EXPECT_TRUE(run_tool(arguments(file("film.mp4")), no_programs).refused("ffmpeg"));
 }

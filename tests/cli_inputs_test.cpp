@@ -22,7 +22,8 @@ protected:
         write("c.json", R"({"layers": [{"name": "body", "states": {"turn": {"clip": "turn"}}}]})");
         for (const char* name : {"c.dot", "frame_settings.json"}) write(name, read_file(file("c.json")));
         write("records.jsonl", R"({"bench": "scan", "experiment": "levels", "method": "serial", "levels": 15, )"
-                               R"("median_ms": 3, "copy_ms": 2, "times_copy": 1.5})" "\n");
+                               R"("median_ms": 3, "copy_ms": 2, "times_copy": 1.5})"
+                               "\n");
         fs::create_directory(file("below"));
         fs::create_hard_link(file("fox.glb"), file("hard.glb"));
         fs::create_symlink("fox.glb", file("soft.glb"));

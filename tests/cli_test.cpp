@@ -48,7 +48,8 @@ class Cli : public ToolTest {
 protected:
     static void SetUpTestSuite() {
         ToolTest::SetUpTestSuite();
-        generate("creature.glb", {"--joints", std::to_string(kJoints), "--levels", std::to_string(kLevels), "--faces", "600"});
+        generate("creature.glb",
+                 {"--joints", std::to_string(kJoints), "--levels", std::to_string(kLevels), "--faces", "600"});
     }
 
     static std::string creature() { return file("creature.glb"); }
@@ -62,10 +63,13 @@ protected:
 
 // The largest difference between all matrices and positions of two poses.
 double pose_difference(const Json& a, const Json& b) {
-    double worst = a["skins"].size() == b["skins"].size() && a["primitives"].size() == b["primitives"].size() ? 0 : 1e30;
+    double worst = a["skins"].size() == b["skins"].size() && a["primitives"].size() == b["primitives"].size() ? 0
+                                                                                                              : 1e30;
     for (size_t i = 0; i < a["skins"].size(); ++i)
-        for (const char* key : {"jointWorld", "skinMatrix"}) worst = std::max(worst, difference(a["skins"][i][key], b["skins"][i][key]));
-    for (size_t i = 0; i < a["primitives"].size(); ++i) worst = std::max(worst, difference(a["primitives"][i]["positions"], b["primitives"][i]["positions"]));
+        for (const char* key : {"jointWorld", "skinMatrix"})
+            worst = std::max(worst, difference(a["skins"][i][key], b["skins"][i][key]));
+    for (size_t i = 0; i < a["primitives"].size(); ++i)
+        worst = std::max(worst, difference(a["primitives"][i]["positions"], b["primitives"][i]["positions"]));
     return worst;
 }
 
@@ -120,10 +124,13 @@ TEST_F(Cli, InfoCountsExactly) {
     EXPECT_LE(info["bytes_per_instance"], kJoints * 48 + 256);
     EXPECT_TRUE(info["warnings"].empty());
 
-    const Json exact = json_of({"info", creature(), "--error", "exact"}), coarse = json_of({"info", creature(), "--error", "1"});
+    const Json exact = json_of({"info", creature(), "--error", "exact"}),
+               coarse = json_of({"info", creature(), "--error", "1"});
     EXPECT_EQ(exact["packed"], false);
     EXPECT_EQ(exact["error_percent"], 0);
-    for (const Json& clip : exact["clips"]) EXPECT_GE(clip["bytes"].get<uint64_t>(), clip["rows"].get<uint64_t>() * clip["animated_tracks"].get<uint64_t>() * 16);
+    for (const Json& clip : exact["clips"])
+        EXPECT_GE(clip["bytes"].get<uint64_t>(),
+                  clip["rows"].get<uint64_t>() * clip["animated_tracks"].get<uint64_t>() * 16);
     EXPECT_GT(exact["clip_bytes"], info["clip_bytes"]);
     EXPECT_GT(info["clip_bytes"], coarse["clip_bytes"]);
     EXPECT_GT(coarse["error_percent"], 0.01);
@@ -131,8 +138,10 @@ TEST_F(Cli, InfoCountsExactly) {
     const Outcome text = run_tool({"info", creature()});
     EXPECT_TRUE(text.succeeded()) << text;
     EXPECT_EQ(text.out.find("detail "), std::string::npos) << text;
-    for (const std::string& part : {std::string("40 joints, 12 levels"), std::string("idle"), std::string("walk"), std::string("fly"),
-                                    std::to_string(info["bytes_per_instance"].get<int>()) + " bytes an instance", std::to_string(info["faces"].get<int>()) + " faces"})
+    for (const std::string& part :
+         {std::string("40 joints, 12 levels"), std::string("idle"), std::string("walk"), std::string("fly"),
+          std::to_string(info["bytes_per_instance"].get<int>()) + " bytes an instance",
+          std::to_string(info["faces"].get<int>()) + " faces"})
         EXPECT_NE(text.out.find(part), std::string::npos) << part << "\n" << text;
 }
 
@@ -152,7 +161,8 @@ TEST_F(Cli, InfoMakesLevelsOfDetailOnRequest) {
 }
 
 TEST_F(Cli, InfoAndReferencePoseNeedNoGpu) {
-    const RunSettings no_driver{.environment = {{"VK_ICD_FILENAMES", "/nonexistent.json"}, {"VK_DRIVER_FILES", "/nonexistent.json"}}};
+    const RunSettings no_driver{
+        .environment = {{"VK_ICD_FILENAMES", "/nonexistent.json"}, {"VK_DRIVER_FILES", "/nonexistent.json"}}};
     EXPECT_TRUE(run_tool({"info", creature()}, no_driver).succeeded());
     EXPECT_TRUE(run_tool({"pose", creature(), "--reference"}, no_driver).succeeded());
     const Outcome pose = run_tool({"pose", creature()}, no_driver), devices = run_tool({"devices"}, no_driver);
@@ -161,7 +171,8 @@ TEST_F(Cli, InfoAndReferencePoseNeedNoGpu) {
 }
 
 TEST_F(Cli, PoseHasItsDocumentedShape) {
-    const Json all = pose({"--clip", "walk", "--time", "0.3", "--vertices", "all"}), some = pose({"--clip", "walk", "--time", "0.3", "--vertices", "5"});
+    const Json all = pose({"--clip", "walk", "--time", "0.3", "--vertices", "all"}),
+               some = pose({"--clip", "walk", "--time", "0.3", "--vertices", "5"});
     EXPECT_EQ(keys(all), (std::set<std::string>{"file", "device", "skins", "primitives"}));
     ASSERT_EQ(all["skins"].size(), 1u);
     const Json& skin = all["skins"][0];
@@ -206,7 +217,8 @@ TEST_F(Cli, PoseTakesClipsTimesAndWeightsAsItSays) {
         arguments.insert(arguments.end(), {"--vertices", "all", "--reference"});
         return pose(arguments);
     };
-    const Json walk = reference({"--clip", "walk", "--time", "0.3"}), fly = reference({"--clip", "fly", "--time", "0.5"}), rest = reference({});
+    const Json walk = reference({"--clip", "walk", "--time", "0.3"}),
+               fly = reference({"--clip", "fly", "--time", "0.5"}), rest = reference({});
     EXPECT_EQ(walk, reference({"--clip", "1", "--time", "0.3"}));
     EXPECT_GT(pose_difference(walk, fly), 0.01);
     EXPECT_GT(pose_difference(walk, rest), 0.01);
@@ -214,7 +226,8 @@ TEST_F(Cli, PoseTakesClipsTimesAndWeightsAsItSays) {
         EXPECT_LE(difference(matrix, Json{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}), kTolerance);
 
     const auto blend = [&](const char* weight) {
-        return reference({"--clip", "walk", "--time", "0.3", "--blend", "fly", "--blend-time", "0.5", "--weight", weight});
+        return reference(
+            {"--clip", "walk", "--time", "0.3", "--blend", "fly", "--blend-time", "0.5", "--weight", weight});
     };
     EXPECT_LE(pose_difference(blend("1"), walk), 1e-12);
     EXPECT_LE(pose_difference(blend("0"), fly), 1e-12);
@@ -224,7 +237,9 @@ TEST_F(Cli, PoseTakesClipsTimesAndWeightsAsItSays) {
     const double duration_s = clip_duration_s(1);
     const std::string end = std::to_string(duration_s), later = std::to_string(duration_s + 0.3);
     EXPECT_LE(pose_difference(reference({"--clip", "walk", "--time", later, "--loop"}), walk), kTolerance);
-    EXPECT_LE(pose_difference(reference({"--clip", "walk", "--time", later}), reference({"--clip", "walk", "--time", end})), kTolerance);
+    EXPECT_LE(
+        pose_difference(reference({"--clip", "walk", "--time", later}), reference({"--clip", "walk", "--time", end})),
+        kTolerance);
     EXPECT_GT(pose_difference(reference({"--clip", "walk", "--time", later}), walk), 0.01);
 }
 
@@ -236,7 +251,8 @@ TEST_F(Cli, PosePrintsAJointALine) {
 
 TEST_F(Cli, RenderWritesAPictureOfTheAskedSize) {
     const auto render = [&](const std::string& out, const char* seed, std::vector<std::string> more = {}) {
-        std::vector<std::string> arguments{"render", creature(), creature(), "--count", "9", "--size", "320x200", "--time", "0.5", "--seed", seed, "--out", file(out)};
+        std::vector<std::string> arguments{"render", creature(), creature(), "--count", "9",     "--size", "320x200",
+                                           "--time", "0.5",      "--seed",   seed,      "--out", file(out)};
         arguments.insert(arguments.end(), more.begin(), more.end());
         return run_tool(arguments);
     };
@@ -255,10 +271,12 @@ TEST_F(Cli, RenderWritesAPictureOfTheAskedSize) {
     EXPECT_EQ(picture.width, 320);
     EXPECT_EQ(picture.height, 200);
     std::set<std::array<uint8_t, 4>> colors;
-    for (size_t i = 0; i < picture.rgba.size(); i += 4) colors.insert({picture.rgba[i], picture.rgba[i + 1], picture.rgba[i + 2], picture.rgba[i + 3]});
+    for (size_t i = 0; i < picture.rgba.size(); i += 4)
+        colors.insert({picture.rgba[i], picture.rgba[i + 1], picture.rgba[i + 2], picture.rgba[i + 3]});
     EXPECT_GT(colors.size(), 100u);
 
-    const Json coarse = Json::parse(render("coarse.png", "1", {"--json", "--detail-pixels", "1000"}).out), fine = Json::parse(render("fine.png", "1", {"--json", "--detail-pixels", "0.01"}).out);
+    const Json coarse = Json::parse(render("coarse.png", "1", {"--json", "--detail-pixels", "1000"}).out),
+               fine = Json::parse(render("fine.png", "1", {"--json", "--detail-pixels", "0.01"}).out);
     EXPECT_GT(coarse["drawn"].size(), 1u);
     EXPECT_LT(coarse["drawn"][0], 9) << "who stands far enough from the eye is drawn coarser";
     EXPECT_EQ(fine["drawn"], Json::array({9}));
@@ -270,7 +288,8 @@ TEST_F(Cli, RenderWritesAPictureOfTheAskedSize) {
 
 TEST_F(Cli, GenerateIsExactAndDeterministic) {
     const auto generate = [&](const char* seed, const char* out) {
-        const Outcome run = run_tool({"generate", "--joints", "123", "--levels", "45", "--faces", "1000", "--seed", seed, "--out", file(out)});
+        const Outcome run = run_tool(
+            {"generate", "--joints", "123", "--levels", "45", "--faces", "1000", "--seed", seed, "--out", file(out)});
         EXPECT_TRUE(run.succeeded()) << run;
         EXPECT_NE(run.out.find("123 joints, 45 levels"), std::string::npos) << run;
         return read_file(file(out));
@@ -288,14 +307,17 @@ TEST_F(Cli, GenerateIsExactAndDeterministic) {
 TEST_F(Cli, BenchHasARecordForEachScanMethod) {
     const Outcome text = run_tool({"bench", creature(), "--count", "50", "--samples", "2"});
     EXPECT_TRUE(text.succeeded()) << text;
-    const Outcome run = run_tool({"bench", creature(), "--count", "50", "--samples", "2", "--json"}, {.environment = {{"THRONG_COMMIT", "abc1234"}}});
+    const Outcome run = run_tool({"bench", creature(), "--count", "50", "--samples", "2", "--json"},
+                                 {.environment = {{"THRONG_COMMIT", "abc1234"}}});
     EXPECT_TRUE(run.succeeded()) << run;
     std::set<std::string> scans;
     std::istringstream lines(run.out);
     for (std::string line; std::getline(lines, line);) {
         const Json record = Json::parse(line);
-        EXPECT_EQ(keys(record), (std::set<std::string>{"bench", "scan", "path", "characters", "joints", "files", "clips_blended", "samples", "stages", "total", "ns_per_joint",
-                                                       "max_error", "memory_bytes", "device", "driver", "subgroup_size", "commit", "date"}));
+        EXPECT_EQ(keys(record),
+                  (std::set<std::string>{"bench", "scan", "path", "characters", "joints", "files", "clips_blended",
+                                         "samples", "stages", "total", "ns_per_joint", "max_error", "memory_bytes",
+                                         "device", "driver", "subgroup_size", "commit", "date"}));
         EXPECT_EQ(record["path"], "staged");
         EXPECT_EQ(record["stages"]["fused"]["median_ms"], 0);
         EXPECT_GT(record["stages"]["sample"]["median_ms"], 0);
@@ -305,19 +327,23 @@ TEST_F(Cli, BenchHasARecordForEachScanMethod) {
         EXPECT_EQ(record["commit"], "abc1234");
         EXPECT_LT(record["max_error"], 1e-4);
         EXPECT_GE(record["memory_bytes"], 50 * kJoints * 48);
-        EXPECT_EQ(keys(record["stages"]), (std::set<std::string>{"control", "steer", "cull", "sample", "blend", "procedural", "scan", "bind", "fused", "pace", "skin"}));
+        EXPECT_EQ(keys(record["stages"]),
+                  (std::set<std::string>{"control", "steer", "cull", "sample", "blend", "procedural", "scan", "bind",
+                                         "fused", "pace", "skin"}));
         for (const Json& spread : {record["stages"]["scan"], record["total"]}) {
             EXPECT_EQ(keys(spread), (std::set<std::string>{"median_ms", "p5_ms", "p95_ms"}));
             EXPECT_LE(spread["p5_ms"], spread["median_ms"]);
             EXPECT_LE(spread["median_ms"], spread["p95_ms"]);
         }
         ASSERT_EQ(record["files"].size(), 1u);
-        EXPECT_EQ(keys(record["files"][0]), (std::set<std::string>{"name", "joints", "levels", "mean_depth", "leaves", "palette_entries", "keys"}));
+        EXPECT_EQ(keys(record["files"][0]), (std::set<std::string>{"name", "joints", "levels", "mean_depth", "leaves",
+                                                                   "palette_entries", "keys"}));
         EXPECT_TRUE(record["files"][0]["keys"].get<std::string>().ends_with(" %"));
         EXPECT_TRUE(scans.insert(record["scan"]).second) << "twice: " << record["scan"];
         EXPECT_NE(text.out.find(record["scan"].get<std::string>()), std::string::npos);
     }
-    const Outcome fused = run_tool({"bench", creature(), "--count", "50", "--samples", "1", "--scan", "auto", "--path", "fused", "--error", "exact", "--json"});
+    const Outcome fused = run_tool({"bench", creature(), "--count", "50", "--samples", "1", "--scan", "auto", "--path",
+                                    "fused", "--error", "exact", "--json"});
     EXPECT_TRUE(fused.succeeded()) << fused;
     EXPECT_EQ(Json::parse(fused.out)["path"], "fused");
     EXPECT_EQ(Json::parse(fused.out)["files"][0]["keys"], "exact");
@@ -349,7 +375,8 @@ TEST_F(Cli, TuneKeepsWhatInfoChoosesBy) {
     EXPECT_TRUE(tune.succeeded()) << tune;
     EXPECT_NE(scan_line().find("costs: measured by throng tune"), std::string::npos) << scan_line();
 
-    ASSERT_EQ(std::distance(fs::directory_iterator(cache / "throng"), fs::directory_iterator()), 1) << "one file, and nothing temporary";
+    ASSERT_EQ(std::distance(fs::directory_iterator(cache / "throng"), fs::directory_iterator()), 1)
+        << "one file, and nothing temporary";
     const fs::path file = fs::directory_iterator(cache / "throng")->path();
     std::ofstream(file) << "{}";
     EXPECT_NE(scan_line().find(file.string()), std::string::npos) << scan_line();
@@ -357,12 +384,14 @@ TEST_F(Cli, TuneKeepsWhatInfoChoosesBy) {
     const fs::path blocked = this->file("blocked");
     fs::create_directory(blocked);
     std::ofstream(blocked / "throng") << "no folder";
-    EXPECT_TRUE(run_tool({"tune", "--quick"}, {.environment = {{"XDG_CACHE_HOME", blocked.string()}}}).refused((blocked / "throng").string()));
+    EXPECT_TRUE(run_tool({"tune", "--quick"}, {.environment = {{"XDG_CACHE_HOME", blocked.string()}}})
+                    .refused((blocked / "throng").string()));
 }
 
 TEST_F(Cli, BenchScanHasARecordForEachMethodAndCase) {
     const std::string path = file("scan.jsonl");
-    const Outcome run = run_tool({"bench", "scan", "--methods", "serial,compressed", "--characters", "20", "--joints", "30", "--levels", "5,9", "--samples", "2", "--json", path},
+    const Outcome run = run_tool({"bench", "scan", "--methods", "serial,compressed", "--characters", "20", "--joints",
+                                  "30", "--levels", "5,9", "--samples", "2", "--json", path},
                                  {.environment = {{"THRONG_COMMIT", "abc1234"}}});
     EXPECT_TRUE(run.succeeded()) << run;
     std::set<std::string> cases;
@@ -370,11 +399,18 @@ TEST_F(Cli, BenchScanHasARecordForEachMethodAndCase) {
     for (std::string line; std::getline(lines, line);) {
         const Json record = Json::parse(line);
         const bool on_chip = record["experiment"] == "on_chip";
-        std::set<std::string> wanted{"bench", "experiment", "method", "shape", "seed", "characters", "joints", "levels", "mean_depth", "leaves", "device", "driver", "subgroup_size", "commit", "date"};
+        std::set<std::string> wanted{"bench",      "experiment", "method",        "shape",      "seed",
+                                     "characters", "joints",     "levels",        "mean_depth", "leaves",
+                                     "device",     "driver",     "subgroup_size", "commit",     "date"};
         if (!record.contains("obstacle")) {
-            wanted.merge(std::set<std::string>{"lanes", "multiplications", "longest_thread", "barriers", "shared_bytes", "max_error", "samples"});
-            if (on_chip) wanted.merge(std::set<std::string>{"workgroup_size", "on_chip_ns_per_joint", "on_chip_p5", "on_chip_p95", "barrier_share"});
-            else wanted.merge(std::set<std::string>{"bytes", "median_ms", "p5_ms", "p95_ms", "copy_ms", "times_copy", "ns_per_joint"});
+            wanted.merge(std::set<std::string>{"lanes", "multiplications", "longest_thread", "barriers", "shared_bytes",
+                                               "max_error", "samples"});
+            if (on_chip)
+                wanted.merge(std::set<std::string>{"workgroup_size", "on_chip_ns_per_joint", "on_chip_p5",
+                                                   "on_chip_p95", "barrier_share"});
+            else
+                wanted.merge(std::set<std::string>{"bytes", "median_ms", "p5_ms", "p95_ms", "copy_ms", "times_copy",
+                                                   "ns_per_joint"});
             EXPECT_LE(record["max_error"], 1e-5);
             EXPECT_EQ(record["samples"], 2);
         } else {
@@ -391,32 +427,46 @@ TEST_F(Cli, BenchScanHasARecordForEachMethodAndCase) {
             EXPECT_EQ(record["bytes"], 20 * 30 * (of_similarities ? 80 : 96));
             EXPECT_LE(record["p5_ms"], record["median_ms"]);
             EXPECT_LE(record["median_ms"], record["p95_ms"]);
-            EXPECT_NEAR(record["times_copy"].get<double>(), record["median_ms"].get<double>() / record["copy_ms"].get<double>(), 1e-9);
+            EXPECT_NEAR(record["times_copy"].get<double>(),
+                        record["median_ms"].get<double>() / record["copy_ms"].get<double>(), 1e-9);
         }
-        EXPECT_TRUE(cases.insert(record["experiment"].get<std::string>() + record["levels"].dump() + record["method"].get<std::string>()).second) << "twice: " << line;
+        EXPECT_TRUE(cases
+                        .insert(record["experiment"].get<std::string>() + record["levels"].dump() +
+                                record["method"].get<std::string>())
+                        .second)
+            << "twice: " << line;
         EXPECT_NE(run.out.find(record["method"].get<std::string>()), std::string::npos);
     }
-    EXPECT_EQ(cases, (std::set<std::string>{"levels5auto", "levels5serial", "levels5compressed", "levels9auto", "levels9serial", "levels9compressed", "on_chip5serial", "on_chip5compressed",
-                                            "on_chip9serial", "on_chip9compressed"}));
+    EXPECT_EQ(cases, (std::set<std::string>{"levels5auto", "levels5serial", "levels5compressed", "levels9auto",
+                                            "levels9serial", "levels9compressed", "on_chip5serial",
+                                            "on_chip5compressed", "on_chip9serial", "on_chip9compressed"}));
     const std::string help = run_tool({"bench", "scan", "--help"}).out;
     EXPECT_NE(help.find("Examples:\n  throng bench scan"), std::string::npos) << help;
 }
 
 TEST_F(Cli, BenchFrameHasARecordForEachVariantOfEachConfiguration) {
-    const Outcome run = run_tool({"bench", "frame", "--quick", "--count", "20", "--samples", "2", "--json"}, {.environment = {{"THRONG_COMMIT", "abc1234"}}});
+    const Outcome run = run_tool({"bench", "frame", "--quick", "--count", "20", "--samples", "2", "--json"},
+                                 {.environment = {{"THRONG_COMMIT", "abc1234"}}});
     EXPECT_TRUE(run.succeeded()) << run;
     std::map<std::string, std::set<std::string>> variants;  // of each configuration
     std::istringstream lines(run.out);
     for (std::string line; std::getline(lines, line);) {
         const Json record = Json::parse(line);
-        std::set<std::string> wanted{"bench", "configuration", "variant", "path", "characters", "joints", "levels", "mean_depth", "palette_entries", "bytes", "device", "driver", "subgroup_size", "commit", "date"};
+        std::set<std::string> wanted{
+            "bench",           "configuration", "variant", "path",   "characters",    "joints", "levels", "mean_depth",
+            "palette_entries", "bytes",         "device",  "driver", "subgroup_size", "commit", "date"};
         const bool is_copy = record["path"] == "copy", is_floor = is_copy || record["path"] == "fill";
-        if (is_floor) wanted.insert("by");
-        else wanted.merge(std::set<std::string>{"clips", "keys"});
+        if (is_floor)
+            wanted.insert("by");
+        else
+            wanted.merge(std::set<std::string>{"clips", "keys"});
         if (!is_copy) wanted.insert("skin_format");
-        if (record.contains("obstacle")) wanted.insert("obstacle");
-        else wanted.merge(std::set<std::string>{"samples", "host_samples", "ms", "ns_per_joint", "gb_per_s"});
-        if (!is_floor && !record.contains("obstacle")) wanted.merge(std::set<std::string>{"scan", "max_error", "stages", "times_fill_floor"});
+        if (record.contains("obstacle"))
+            wanted.insert("obstacle");
+        else
+            wanted.merge(std::set<std::string>{"samples", "host_samples", "ms", "ns_per_joint", "gb_per_s"});
+        if (!is_floor && !record.contains("obstacle"))
+            wanted.merge(std::set<std::string>{"scan", "max_error", "stages", "times_fill_floor"});
         EXPECT_EQ(keys(record), wanted) << line;
         EXPECT_EQ(record["bench"], "frame");
         EXPECT_EQ(record["characters"], 20);
@@ -425,7 +475,9 @@ TEST_F(Cli, BenchFrameHasARecordForEachVariantOfEachConfiguration) {
     }
     ASSERT_EQ(variants.size(), 5u) << "two of the six differ in the number of characters alone";
     for (const auto& [configuration, names] : variants)
-        for (const char* name : {"staged", "fused", "fused, one clip", "fused, 24 bytes", "fused, 32 bytes", "fill, 48 bytes", "vkCmdFillBuffer", "copy as staged"}) EXPECT_TRUE(names.contains(name)) << configuration << ": " << name;
+        for (const char* name : {"staged", "fused", "fused, one clip", "fused, 24 bytes", "fused, 32 bytes",
+                                 "fill, 48 bytes", "vkCmdFillBuffer", "copy as staged"})
+            EXPECT_TRUE(names.contains(name)) << configuration << ": " << name;
     EXPECT_TRUE(variants["20 x 300, 60 levels"].contains("fused, exact keys"));
     const std::string help = run_tool({"bench", "frame", "--help"}).out;
     EXPECT_NE(help.find("Examples:\n  throng bench frame"), std::string::npos) << help;
@@ -433,7 +485,8 @@ TEST_F(Cli, BenchFrameHasARecordForEachVariantOfEachConfiguration) {
 
 TEST_F(Cli, BenchFrameMeasuresAFileAndWritesAReport) {
     const std::string page = file("frame.html");
-    const Outcome run = run_tool({"bench", "frame", creature(), "--count", "30", "--samples", "1", "--error", "exact", "--report", page});
+    const Outcome run = run_tool(
+        {"bench", "frame", creature(), "--count", "30", "--samples", "1", "--error", "exact", "--report", page});
     EXPECT_TRUE(run.succeeded()) << run;
     EXPECT_NE(run.out.find("30 x creature.glb, keys exact: 30 characters x 40 joints"), std::string::npos) << run;
     EXPECT_NE(run.out.find("\ncopy as staged"), std::string::npos) << run;
@@ -441,7 +494,8 @@ TEST_F(Cli, BenchFrameMeasuresAFileAndWritesAReport) {
 }
 
 TEST_F(Cli, BenchViewTellsWhatLeavingOutGains) {
-    const std::vector<std::string> arguments{"bench", "view", creature(), "--count", "60", "--samples", "1", "--size", "320x180"};
+    const std::vector<std::string> arguments{"bench",     "view", creature(), "--count", "60",
+                                             "--samples", "1",    "--size",   "320x180"};
     const Outcome text = run_tool(arguments);
     ASSERT_TRUE(text.succeeded()) << text;
     std::vector<std::string> with_json = arguments;
@@ -452,7 +506,10 @@ TEST_F(Cli, BenchViewTellsWhatLeavingOutGains) {
     std::set<std::string> variants;
     for (std::string line; std::getline(lines, line);) {
         const Json record = Json::parse(line);
-        std::set<std::string> wanted{"bench", "configuration", "variant", "path", "characters", "joints", "levels", "drawn", "memory_bytes", "max_error", "samples", "ms", "stages", "times_faster", "device", "driver", "subgroup_size", "commit", "date"};
+        std::set<std::string> wanted{"bench",  "configuration", "variant",      "path",      "characters",    "joints",
+                                     "levels", "drawn",         "memory_bytes", "max_error", "samples",       "ms",
+                                     "stages", "times_faster",  "device",       "driver",    "subgroup_size", "commit",
+                                     "date"};
         if (record["variant"] != "everything") wanted.insert("detail_pixels");
         if (record.contains("max_pixels")) wanted.insert("max_pixels");
         if (record.contains("full_rate_pixels")) wanted.insert("full_rate_pixels");
@@ -462,7 +519,8 @@ TEST_F(Cli, BenchViewTellsWhatLeavingOutGains) {
         EXPECT_NE(text.out.find(record["variant"].get<std::string>()), std::string::npos) << text;
     }
     EXPECT_EQ(variants.size(), 4u);
-    const Outcome nobody = run_tool({"bench", "view", creature(), "--count", "20", "--samples", "1", "--eye", "0,500,0", "--target", "0,1000,1"});
+    const Outcome nobody = run_tool(
+        {"bench", "view", creature(), "--count", "20", "--samples", "1", "--eye", "0,500,0", "--target", "0,1000,1"});
     EXPECT_TRUE(nobody.succeeded()) << nobody;
     EXPECT_NE(nobody.out.find("not measured: the camera sees none"), std::string::npos) << nobody;
     EXPECT_TRUE(run_tool({"bench", "view", "--count", "0"}).refused("--count"));
@@ -470,7 +528,8 @@ TEST_F(Cli, BenchViewTellsWhatLeavingOutGains) {
 
 TEST_F(Cli, BenchBaselinesComparesAllThree) {
     const std::string path = file("baselines.jsonl");
-    const Outcome run = run_tool({"bench", "baselines", creature(), "--count", "50", "--samples", "2", "--json", path}, {.environment = {{"THRONG_COMMIT", "abc1234"}}});
+    const Outcome run = run_tool({"bench", "baselines", creature(), "--count", "50", "--samples", "2", "--json", path},
+                                 {.environment = {{"THRONG_COMMIT", "abc1234"}}});
     EXPECT_TRUE(run.succeeded()) << run;
     std::map<std::string, Json> records;
     std::ifstream lines(path);
@@ -489,13 +548,17 @@ TEST_F(Cli, BenchBaselinesComparesAllThree) {
     ASSERT_EQ(records.size(), 3u);
     for (const char* method : {"baked", "flattened"}) {
         EXPECT_GT(records[method]["bytes_per_clip"], records["throng"]["bytes_per_clip"]);
-        EXPECT_GT(records[method]["blend_error_mm_max"], 100 * records["throng"]["blend_error_mm_max"].get<double>()) << method;
+        EXPECT_GT(records[method]["blend_error_mm_max"], 100 * records["throng"]["blend_error_mm_max"].get<double>())
+            << method;
     }
 }
 
 TEST_F(Cli, BenchReportMakesAPageOfRecords) {
     const std::string records = file("scan.jsonl"), page = file("report.html"), plot = file("levels.svg");
-    std::ofstream(records) << R"({"bench": "scan", "experiment": "levels", "method": "serial", "levels": 15, "median_ms": 3, "copy_ms": 2, "times_copy": 1.5})" "\n";
+    std::ofstream(records)
+        << R"({"bench": "scan", "experiment": "levels", "method": "serial", "levels": 15, "median_ms": 3, "copy_ms": )"
+           R"(2, "times_copy": 1.5})"
+           "\n";
     const Outcome run = run_tool({"bench", "report", records, "--out", page, "--plot", plot});
     EXPECT_TRUE(run.succeeded()) << run;
     EXPECT_GT(fs::file_size(page), 10'000u);
@@ -510,8 +573,9 @@ TEST_F(Cli, DevicesAreListed) {
     ASSERT_FALSE(devices.empty());
     for (size_t i = 0; i < devices.size(); ++i) {
         EXPECT_EQ(devices[i]["index"], i);
-        EXPECT_EQ(keys(devices[i]), (std::set<std::string>{"index", "name", "type", "driver", "vulkan", "subgroup_size", "shared_memory_bytes",
-                                                           "storage_buffer_range_bytes", "usable"}));
+        EXPECT_EQ(keys(devices[i]),
+                  (std::set<std::string>{"index", "name", "type", "driver", "vulkan", "subgroup_size",
+                                         "shared_memory_bytes", "storage_buffer_range_bytes", "usable"}));
     }
     const Outcome text = run_tool({"devices"});
     EXPECT_NE(text.out.find(devices[0]["name"].get<std::string>()), std::string::npos) << text;
@@ -570,7 +634,8 @@ TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
         {{"render", creature(), "--out", png, "--time", "1e300"}, "--time"},
         {{"render", creature(), "--out", png, "--device", "99"}, "99"},
         {{"generate", "--out", file("nowhere/creature.glb")}, "nowhere/creature.glb"},
-        {{"generate", "unicorn", "--out", file("none.glb")}, "there is no 'unicorn'. There are: dragon, willow, walker, centipede"},
+        {{"generate", "unicorn", "--out", file("none.glb")},
+         "there is no 'unicorn'. There are: dragon, willow, walker, centipede"},
         {{"generate", "--joints", "0", "--out", file("none.glb")}, "joints"},
         {{"generate", "--joints", "-5", "--out", file("none.glb")}, "joints"},
         {{"generate", "--joints", "10", "--levels", "11", "--out", file("none.glb")}, "levels"},
@@ -612,7 +677,8 @@ TEST_F(Cli, AFullDiskIsSaid) {
     }
 }
 
-// Broken and malicious files of others, and mutants of sound ones: an answer or a refusal, never a crash, a hang, or memory without end.
+// Broken and malicious files of others, and mutants of sound ones: an answer or a refusal, never a crash, a hang, or
+// memory without end.
 TEST_F(Cli, InvalidFilesAreAnsweredOrRefused) {
     const char* shared = std::getenv("THRONG_SHARED");
     const fs::path folder = fs::path(shared ? shared : THRONG_SHARED_DIR) / "invalid";
@@ -623,10 +689,14 @@ TEST_F(Cli, InvalidFilesAreAnsweredOrRefused) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
         const fs::path& path = entry.path();
         if (path.extension() != ".glb" && path.extension() != ".gltf") continue;
-        const Outcome run = run_tool({"info", path.string()}, {.memory_limit_bytes = kMemory_bytes, .time_limit_s = 20});
-        if (run.succeeded() && !run.out.empty()) ++answered;
-        else if (run.refused(path.filename().string()) && run.out.empty()) ++refused;
-        else ADD_FAILURE() << path << "\n" << run;
+        const Outcome run = run_tool({"info", path.string()},
+                                     {.memory_limit_bytes = kMemory_bytes, .time_limit_s = 20});
+        if (run.succeeded() && !run.out.empty())
+            ++answered;
+        else if (run.refused(path.filename().string()) && run.out.empty())
+            ++refused;
+        else
+            ADD_FAILURE() << path << "\n" << run;
         EXPECT_LT(run.time_s, 5) << path;
         slowest_s = std::max(slowest_s, run.time_s);
     }

@@ -1,4 +1,5 @@
-// What compilation keeps exactly, and what it may leave out. Tracks are evaluated here once more, from glTF's words alone.
+// What compilation keeps exactly, and what it may leave out. Tracks are evaluated here once more, from glTF's words
+// alone.
 #include "compile/rig.h"
 #include "control/control_reference.h"
 #include "sample/sample_reference.h"
@@ -72,8 +73,8 @@ Value track_value(const AssetTrack& track, double time_s) {
         case Interpolation::kCubicSpline: {
             const Value out_tangent = element(k, 2), in_tangent = element(k + 1, 0);
             for (size_t c = 0; c < 4; ++c)
-                out[c] = (2 * t * t * t - 3 * t * t + 1) * a[c] + td * (t * t * t - 2 * t * t + t) * out_tangent[c] + (-2 * t * t * t + 3 * t * t) * b[c] +
-                         td * (t * t * t - t * t) * in_tangent[c];
+                out[c] = (2 * t * t * t - 3 * t * t + 1) * a[c] + td * (t * t * t - 2 * t * t + t) * out_tangent[c] +
+                         (-2 * t * t * t + 3 * t * t) * b[c] + td * (t * t * t - t * t) * in_tangent[c];
             return finished(out);
         }
     }
@@ -86,8 +87,10 @@ Trs<double> node_trs(const Asset& asset, uint32_t node, const AssetClip* clip, d
     for (const AssetTrack& track : clip->tracks) {
         if (track.node != node) continue;
         const Value v = track_value(track, time_s);
-        if (track.target == TrackTarget::kRotation) trs.rotation = {v[0], v[1], v[2], v[3]};
-        else (track.target == TrackTarget::kTranslation ? trs.translation : trs.scale) = {v[0], v[1], v[2]};
+        if (track.target == TrackTarget::kRotation)
+            trs.rotation = {v[0], v[1], v[2], v[3]};
+        else
+            (track.target == TrackTarget::kTranslation ? trs.translation : trs.scale) = {v[0], v[1], v[2]};
     }
     return trs;
 }
@@ -96,7 +99,8 @@ Trs<double> node_trs(const Asset& asset, uint32_t node, const AssetClip* clip, d
 std::vector<AffineT<double>> node_models(const Asset& asset, const AssetClip* clip, double time_s) {
     std::vector<AffineT<double>> models(asset.nodes.size());
     for (uint32_t node = 0; node < asset.nodes.size(); ++node)
-        for (uint32_t up = node; up != kNone; up = asset.nodes[up].parent) models[node] = to_affine(node_trs(asset, up, clip, time_s)) * models[node];
+        for (uint32_t up = node; up != kNone; up = asset.nodes[up].parent)
+            models[node] = to_affine(node_trs(asset, up, clip, time_s)) * models[node];
     return models;
 }
 
@@ -106,7 +110,8 @@ struct Builder {
     Asset asset{.name = "built"};
 
     uint32_t node(uint32_t parent, const Trs<double>& trs = {}) {
-        asset.nodes.push_back({.name = "node " + std::to_string(asset.nodes.size()), .parent = parent, .parent_from_node = trs});
+        asset.nodes.push_back(
+            {.name = "node " + std::to_string(asset.nodes.size()), .parent = parent, .parent_from_node = trs});
         return static_cast<uint32_t>(asset.nodes.size() - 1);
     }
     uint32_t skin(const std::vector<uint32_t>& joints) {
@@ -120,18 +125,25 @@ struct Builder {
             primitive.influence_count = influence_count;
             for (uint32_t v = 0; v < 3; ++v)
                 for (uint32_t i = 0; i < influence_count; ++i) {
-                    primitive.influence_joints.push_back(static_cast<uint16_t>((v + i) % asset.skins[skin_index].joints.size()));
+                    primitive.influence_joints.push_back(
+                        static_cast<uint16_t>((v + i) % asset.skins[skin_index].joints.size()));
                     primitive.influence_weights.push_back(i == 0 ? 1.0f : 0.0f);
                 }
         }
         asset.meshes.push_back({.name = "mesh", .primitives = {primitive}});
-        asset.mesh_instances.push_back({.node = node, .mesh = static_cast<uint32_t>(asset.meshes.size() - 1), .skin = skin_index});
+        asset.mesh_instances.push_back(
+            {.node = node, .mesh = static_cast<uint32_t>(asset.meshes.size() - 1), .skin = skin_index});
         return static_cast<uint32_t>(asset.meshes.size() - 1);
     }
-    AssetTrack& track(uint32_t node_index, TrackTarget target, const std::vector<float>& times_s, const std::vector<float>& values, Interpolation interpolation = Interpolation::kLinear) {
+    AssetTrack& track(uint32_t node_index, TrackTarget target, const std::vector<float>& times_s,
+                      const std::vector<float>& values, Interpolation interpolation = Interpolation::kLinear) {
         if (asset.clips.empty()) asset.clips.push_back({.name = "clip"});
         AssetClip& clip = asset.clips.back();
-        clip.tracks.push_back({.node = node_index, .target = target, .interpolation = interpolation, .times_s = times_s, .values = values});
+        clip.tracks.push_back({.node = node_index,
+                               .target = target,
+                               .interpolation = interpolation,
+                               .times_s = times_s,
+                               .values = values});
         clip.duration_s = std::max(clip.duration_s, double{times_s.back()});
         return clip.tracks.back();
     }
@@ -173,8 +185,10 @@ TrackErrors clip_errors(const Asset& asset, const Character& character, uint32_t
         for (uint32_t joint = 0; joint < character.rig.joint_count(); ++joint) {
             const Trs<double> wanted = node_trs(asset, character.rig.nodes[joint], &asset.clips[clip], time_s);
             const auto &q = pose[joint].rotation, w = normalized(wanted.rotation);
-            const double chord = std::min(dot(Quaternion<double>{q.x - w.x, q.y - w.y, q.z - w.z, q.w - w.w}, {q.x - w.x, q.y - w.y, q.z - w.z, q.w - w.w}),
-                                          dot(Quaternion<double>{q.x + w.x, q.y + w.y, q.z + w.z, q.w + w.w}, {q.x + w.x, q.y + w.y, q.z + w.z, q.w + w.w}));
+            const double chord = std::min(dot(Quaternion<double>{q.x - w.x, q.y - w.y, q.z - w.z, q.w - w.w},
+                                              {q.x - w.x, q.y - w.y, q.z - w.z, q.w - w.w}),
+                                          dot(Quaternion<double>{q.x + w.x, q.y + w.y, q.z + w.z, q.w + w.w},
+                                              {q.x + w.x, q.y + w.y, q.z + w.z, q.w + w.w}));
             errors.rotation_rad = std::max(errors.rotation_rad, 2 * std::sqrt(chord));
             errors.translation = std::max(errors.translation, length(pose[joint].translation - wanted.translation));
             errors.scale = std::max(errors.scale, length(pose[joint].scale - wanted.scale));
@@ -185,7 +199,8 @@ TrackErrors clip_errors(const Asset& asset, const Character& character, uint32_t
 
 TEST(Compile, LinearAndSteppedClipsAreExact) {
     for (const uint64_t seed : {1u, 2u, 3u}) {
-        const Asset asset = make_asset({.joint_count = 30, .seed = seed, .clip_count = 3, .axis_count = 5, .key_count = 9});
+        const Asset asset = make_asset(
+            {.joint_count = 30, .seed = seed, .clip_count = 3, .axis_count = 5, .key_count = 9});
         const Character character = compiled(asset);
         ASSERT_EQ(character.clips.size(), 3u);
         for (uint32_t clip = 0; clip < 3; ++clip) {
@@ -212,7 +227,8 @@ TEST(Compile, CubicClipsAreRefinedToTheBound) {
     TrackErrors worst;
     uint32_t rows = 0;
     for (const uint64_t seed : {4u, 5u, 6u}) {
-        const Asset asset = make_asset({.joint_count = 20, .seed = seed, .clip_count = 2, .key_count = 5, .cubic = true});
+        const Asset asset = make_asset(
+            {.joint_count = 20, .seed = seed, .clip_count = 2, .key_count = 5, .cubic = true});
         const Character character = compiled(asset);
         for (uint32_t clip = 0; clip < 2; ++clip) {
             const TrackErrors errors = clip_errors(asset, character, clip);
@@ -227,7 +243,8 @@ TEST(Compile, CubicClipsAreRefinedToTheBound) {
     EXPECT_LE(worst.rotation_rad, 1e-6 + kRounding);
     EXPECT_LE(worst.translation, 1e-6 + kRounding);
     EXPECT_LE(worst.scale, 1e-6 + kRounding);
-    std::printf("  6 cubic clips, %u rows added: largest error %.1e rad, %.1e of the size, factor %.1e\n", rows, worst.rotation_rad, worst.translation, worst.scale);
+    std::printf("  6 cubic clips, %u rows added: largest error %.1e rad, %.1e of the size, factor %.1e\n", rows,
+                worst.rotation_rad, worst.translation, worst.scale);
 }
 
 // A symmetric curve meets its chord in the middle: looking there alone would take it for a line.
@@ -235,7 +252,8 @@ TEST(Compile, ACubicTrackThatMeetsItsChordIsRefined) {
     Builder builder;
     const uint32_t joint = builder.node(kNone);
     builder.mesh(joint, builder.skin({joint}));
-    builder.track(joint, TrackTarget::kTranslation, {0, 1}, {0, 0, 0, 0, 0, 0, 3, 0, 0, 3, 0, 0, 1, 0, 0, 0, 0, 0}, Interpolation::kCubicSpline);
+    builder.track(joint, TrackTarget::kTranslation, {0, 1}, {0, 0, 0, 0, 0, 0, 3, 0, 0, 3, 0, 0, 1, 0, 0, 0, 0, 0},
+                  Interpolation::kCubicSpline);
     const Character character = compiled(builder.asset);
     EXPECT_GT(character.clips[0].refined_row_count, 100u);
     EXPECT_LE(clip_errors(builder.asset, character, 0).translation, 1.3e-6 * character.size);
@@ -247,12 +265,17 @@ TEST(Compile, WhatDoesNotChangeIsStoredOnce) {
     builder.mesh(a, builder.skin({a, b}));
     builder.track(a, TrackTarget::kTranslation, {0, 1, 2}, {1, 2, 3, 1, 2, 3, 1, 2, 3});
     builder.track(a, TrackTarget::kScale, {0.5f}, {2, 2, 2});
-    builder.track(b, TrackTarget::kTranslation, {0, 1}, {9, 9, 9, 4, 5, 6, 9, 9, 9, 0, 0, 0, 4, 5, 6, 0, 0, 0}, Interpolation::kCubicSpline);  // tangents move it
-    builder.track(b, TrackTarget::kScale, {0, 1}, {0, 0, 0, 3, 3, 3, 0, 0, 0, 0, 0, 0, 3, 3, 3, 0, 0, 0}, Interpolation::kCubicSpline);       // these do not
+    // Tangents move it
+    builder.track(b, TrackTarget::kTranslation, {0, 1}, {9, 9, 9, 4, 5, 6, 9, 9, 9, 0, 0, 0, 4, 5, 6, 0, 0, 0},
+                  Interpolation::kCubicSpline);
+    // These do not
+    builder.track(b, TrackTarget::kScale, {0, 1}, {0, 0, 0, 3, 3, 3, 0, 0, 0, 0, 0, 0, 3, 3, 3, 0, 0, 0},
+                  Interpolation::kCubicSpline);
     builder.track(b, TrackTarget::kRotation, {0, 2}, {0, 0, 0, 1, 0, 0, 1, 0});
     const Character character = compiled(builder.asset);
     EXPECT_EQ(character.clips[0].row_stride, 2u);
-    EXPECT_EQ(character.keys.size(), 3 * 2 + 3 + 2 * size_t{character.clips[0].row_count}) << "rest pose, constants, rows";
+    EXPECT_EQ(character.keys.size(), 3 * 2 + 3 + 2 * size_t{character.clips[0].row_count})
+        << "rest pose, constants, rows";
     const Trs<double> first = sample_reference(character, 0, 0.3)[0], second = sample_reference(character, 0, 1.9)[1];
     EXPECT_EQ(first.translation, (Vec3<double>{1, 2, 3}));
     EXPECT_EQ(first.scale, (Vec3<double>{2, 2, 2}));
@@ -290,14 +313,16 @@ TEST(Compile, NeighbouringRotationsLieInOneHemisphere) {
             const uint32_t word = character.tracks[clip * 40 + joint].rotation;
             if (!(word & kTrackAnimated)) continue;
             for (uint32_t row = 1; row < c.row_count; ++row) {
-                const auto &a = character.keys[(word & kTrackPosition) + (row - 1) * c.row_stride], &b = character.keys[(word & kTrackPosition) + row * c.row_stride];
+                const auto &a = character.keys[(word & kTrackPosition) + (row - 1) * c.row_stride],
+                           &b = character.keys[(word & kTrackPosition) + row * c.row_stride];
                 EXPECT_GE(a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3], 0);
             }
         }
     }
 }
 
-// Half a turn lies on the border of the hemispheres, where rounding decides: what is stored must mean what the source means.
+// Half a turn lies on the border of the hemispheres, where rounding decides: what is stored must mean what the source
+// means.
 TEST(Compile, HalfATurnGoesTheSourcesWay) {
     Random random(8);
     Builder builder;
@@ -305,7 +330,8 @@ TEST(Compile, HalfATurnGoesTheSourcesWay) {
     for (int i = 0; i < 200; ++i) joints.push_back(builder.node(i == 0 ? kNone : 0));
     builder.mesh(0, builder.skin(joints));
     for (const uint32_t joint : joints) {
-        const Quaternion<float> from = random.rotation().as<float>(), to = (from.as<double>() * axis_angle(random.direction(), 3.14159265358979)).as<float>();
+        const Quaternion<float> from = random.rotation().as<float>(),
+                                to = (from.as<double>() * axis_angle(random.direction(), 3.14159265358979)).as<float>();
         builder.track(joint, TrackTarget::kRotation, {0, 1}, {from.x, from.y, from.z, from.w, to.x, to.y, to.z, to.w});
     }
     const Character character = compiled(builder.asset);
@@ -318,7 +344,8 @@ TEST(Compile, AFarLargerUnionDropsRowsWithinTheBound) {
     Random random(9);
     Builder builder;
     std::vector<uint32_t> joints;
-    for (int i = 0; i < 150; ++i) joints.push_back(builder.node(i == 0 ? kNone : 0, moved(random.unit(), random.unit(), 0)));
+    for (int i = 0; i < 150; ++i)
+        joints.push_back(builder.node(i == 0 ? kNone : 0, moved(random.unit(), random.unit(), 0)));
     builder.mesh(0, builder.skin(joints));
     for (const uint32_t joint : joints) {
         // A line, given by too many keys at uneven times.
@@ -332,8 +359,10 @@ TEST(Compile, AFarLargerUnionDropsRowsWithinTheBound) {
         }
         builder.track(joint, TrackTarget::kTranslation, times_s, values);
     }
-    builder.track(7, TrackTarget::kRotation, {0, 4, 5, 10}, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 1, 0});  // and one with a corner
-    for (uint32_t wheel = 80; wheel < 140; ++wheel) {  // and some that spin by half turns, fast enough that every row between two keys could go
+    // And one with a corner
+    builder.track(7, TrackTarget::kRotation, {0, 4, 5, 10}, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 1, 0});
+    // And some that spin by half turns, fast enough that every row between two keys could go
+    for (uint32_t wheel = 80; wheel < 140; ++wheel) {
         const Quaternion<double> start = random.rotation();
         const Vec3<double> axis = random.direction();
         std::vector<float> times_s, values;
@@ -347,7 +376,9 @@ TEST(Compile, AFarLargerUnionDropsRowsWithinTheBound) {
     const Character character = compiled(builder.asset);
     const Clip& clip = character.clips[0];
     const TrackErrors errors = clip_errors(builder.asset, character, 0);
-    std::printf("  %zu keys of 211 tracks; union of %u rows, %u dropped; largest error %.1e of the size, %.1e rad\n", size_t{clip.source_key_count}, clip.row_count + clip.dropped_row_count, clip.dropped_row_count, errors.translation / character.size, errors.rotation_rad);
+    std::printf("  %zu keys of 211 tracks; union of %u rows, %u dropped; largest error %.1e of the size, %.1e rad\n",
+                size_t{clip.source_key_count}, clip.row_count + clip.dropped_row_count, clip.dropped_row_count,
+                errors.translation / character.size, errors.rotation_rad);
     EXPECT_GT(clip.row_count + clip.dropped_row_count, 440u);
     EXPECT_LT(clip.row_count, 100u);
     EXPECT_GE(clip.row_count, 15u);
@@ -367,11 +398,15 @@ TEST(Compile, FoldingStaticNodesChangesNothing) {
         std::vector<uint32_t> skinned, animated;
         for (uint32_t i = 0; i < 80; ++i) {
             const uint32_t parent = i == 0 || random.chance(0.05) ? kNone : i - 1 - random.below(std::min(i, 5u));
-            Trs<double> trs = i % 7 == 3 ? Trs<double>{} : random.chance(0.15) ? random.trs(0.3, 0.2) : similarity(random);
+            Trs<double> trs = i % 7 == 3            ? Trs<double>{}
+                              : random.chance(0.15) ? random.trs(0.3, 0.2)
+                                                    : similarity(random);
             if (random.chance(0.05)) trs.scale = trs.scale * -1.0;
             builder.node(parent, trs);
-            if (random.chance(0.2)) skinned.push_back(i);
-            else if (random.chance(0.2)) animated.push_back(i);
+            if (random.chance(0.2))
+                skinned.push_back(i);
+            else if (random.chance(0.2))
+                animated.push_back(i);
         }
         if (skinned.empty()) skinned.push_back(79);
         builder.mesh(0, builder.skin(skinned));
@@ -379,7 +414,8 @@ TEST(Compile, FoldingStaticNodesChangesNothing) {
         for (const uint32_t node : animated) {
             const Quaternion<double> a = random.rotation(), b = random.rotation();
             const auto f = [](double x) { return static_cast<float>(x); };
-            builder.track(node, TrackTarget::kRotation, {0, 1}, {f(a.x), f(a.y), f(a.z), f(a.w), f(b.x), f(b.y), f(b.z), f(b.w)});
+            builder.track(node, TrackTarget::kRotation, {0, 1},
+                          {f(a.x), f(a.y), f(a.z), f(a.w), f(b.x), f(b.y), f(b.z), f(b.w)});
             builder.track(node, TrackTarget::kTranslation, {0, 0.4f, 1}, {0, 0, 0, 0.2f, 0.1f, 0, 0.1f, 0.3f, 0.2f});
             builder.track(node, TrackTarget::kScale, {0, 1}, {1, 1, 1, 1.2f, 0.9f, 1.1f}, Interpolation::kStep);
         }
@@ -389,15 +425,19 @@ TEST(Compile, FoldingStaticNodesChangesNothing) {
             const uint32_t node = character.rig.nodes[joint], parent = character.rig.parents[joint];
             EXPECT_TRUE(parent == kNone || parent < joint);
             EXPECT_EQ(character.rig.names[joint], builder.asset.nodes[node].name);
-            kept_static += std::count(skinned.begin(), skinned.end(), node) == 0 && std::count(animated.begin(), animated.end(), node) == 0;
+            kept_static += std::count(skinned.begin(), skinned.end(), node) == 0 &&
+                           std::count(animated.begin(), animated.end(), node) == 0;
         }
         for (const double time_s : {0.0, 0.25, 0.4, 0.77, 1.0}) {
             const AssetClip* clip = builder.asset.clips.empty() ? nullptr : &builder.asset.clips[0];
             const std::vector<AffineT<double>> models = node_models(builder.asset, clip, time_s);
-            const ReferencePose pose = *reference_pose(character, {.first = {.clip = clip ? 0 : kNone, .time_s = time_s, .loop = false}});
+            const ReferencePose pose = *reference_pose(
+                character, {.first = {.clip = clip ? 0 : kNone, .time_s = time_s, .loop = false}});
             for (uint32_t joint = 0; joint < character.rig.joint_count(); ++joint) {
-                const double error = matrix_error(pose.model_from_joint[joint].as<float>(), models[character.rig.nodes[joint]], 1);
-                EXPECT_LE(error, 3e-6) << "seed " << seed << ", node " << character.rig.nodes[joint] << " at " << time_s;
+                const double error = matrix_error(pose.model_from_joint[joint].as<float>(),
+                                                  models[character.rig.nodes[joint]], 1);
+                EXPECT_LE(error, 3e-6) << "seed " << seed << ", node " << character.rig.nodes[joint] << " at "
+                                       << time_s;
                 worst = std::max(worst, error);
             }
             // The rigid mesh too, wherever it hangs.
@@ -408,11 +448,13 @@ TEST(Compile, FoldingStaticNodesChangesNothing) {
     }
     EXPECT_GT(folded, 50u);
     EXPECT_GT(kept_static, 10u) << "static, but scaled unevenly";
-    std::printf("  10 trees of 80 nodes: %zu nodes folded, %zu kept for their scale; largest error %.1e\n", folded, kept_static, worst);
+    std::printf("  10 trees of 80 nodes: %zu nodes folded, %zu kept for their scale; largest error %.1e\n", folded,
+                kept_static, worst);
 }
 
 TEST(Compile, AnUnevenlyScaledNodeIsKept) {
-    for (const Vec3<double>& scale : {Vec3<double>{2, 1, 1}, Vec3<double>{1, 2, 1}, Vec3<double>{1, 1, 2}, Vec3<double>{1, 1, 1}}) {
+    for (const Vec3<double>& scale :
+         {Vec3<double>{2, 1, 1}, Vec3<double>{1, 2, 1}, Vec3<double>{1, 1, 2}, Vec3<double>{1, 1, 1}}) {
         Builder builder;
         Trs<double> middle;
         middle.scale = scale;
@@ -424,7 +466,8 @@ TEST(Compile, AnUnevenlyScaledNodeIsKept) {
     Trs<double> even = moved(1, 0, 0), uneven = moved(0, 1, 0);
     even.scale = {2, 2, 2};
     uneven.scale = {1, 2, 1};
-    const uint32_t root = builder.node(kNone, even), middle = builder.node(root, uneven), joint = builder.node(middle, moved(0, 0, 1));
+    const uint32_t root = builder.node(kNone, even), middle = builder.node(root, uneven),
+                   joint = builder.node(middle, moved(0, 0, 1));
     builder.mesh(root, builder.skin({joint}));
     const Character character = compiled(builder.asset);
     ASSERT_EQ(character.rig.joint_count(), 2u);
@@ -435,7 +478,8 @@ TEST(Compile, AnUnevenlyScaledNodeIsKept) {
 
 TEST(Compile, TheRigIsMeasured) {
     Builder builder;
-    const uint32_t a = builder.node(kNone), b = builder.node(a), c = builder.node(b), d = builder.node(a), e = builder.node(kNone);
+    const uint32_t a = builder.node(kNone), b = builder.node(a), c = builder.node(b), d = builder.node(a),
+                   e = builder.node(kNone);
     builder.mesh(a, builder.skin({e, d, c, b, a}));
     const Character character = compiled(builder.asset);
     EXPECT_EQ(character.rig.nodes, (std::vector<uint32_t>{a, b, c, d, e})) << "depth first";
@@ -453,14 +497,17 @@ TEST(Compile, LargeRigsInAnyOrder) {
     constexpr uint32_t kCount = 3000;
     Builder builder;
     std::vector<uint32_t> joints;
-    for (uint32_t i = 0; i < kCount; ++i) joints.push_back(builder.node(i + 1 == kCount ? kNone : i + 1 + (i % 2 == 0 && i + 2 < kCount ? 1 : 0), moved(0.001, 0, 0)));
+    for (uint32_t i = 0; i < kCount; ++i)
+        joints.push_back(
+            builder.node(i + 1 == kCount ? kNone : i + 1 + (i % 2 == 0 && i + 2 < kCount ? 1 : 0), moved(0.001, 0, 0)));
     builder.mesh(0, builder.skin(joints));
     const Character character = compiled(builder.asset);
     ASSERT_EQ(character.rig.joint_count(), kCount);
     EXPECT_EQ(character.rig.nodes[0], kCount - 1);
     for (uint32_t joint = 1; joint < kCount; ++joint) {
         ASSERT_LT(character.rig.parents[joint], joint);
-        ASSERT_EQ(character.rig.nodes[character.rig.parents[joint]], builder.asset.nodes[character.rig.nodes[joint]].parent);
+        ASSERT_EQ(character.rig.nodes[character.rig.parents[joint]],
+                  builder.asset.nodes[character.rig.nodes[joint]].parent);
     }
 }
 
@@ -575,7 +622,7 @@ TEST(Compile, WeightsAreBroughtToOne) {
     const uint32_t a = builder.node(kNone), b = builder.node(a), c = builder.node(a);
     builder.mesh(a, builder.skin({a, b, c}), 8);
     AssetPrimitive& primitive = builder.asset.meshes[0].primitives[0];
-    primitive.influence_weights = {1, 2, 1, 0, 0, 3, 0, 1,   0.5f, 0, 0, 0, 0, 0, 0, 0,   0, 0, 0, 0, 0, 0, 0, 0};
+    primitive.influence_weights = {1, 2, 1, 0, 0, 3, 0, 1, 0.5f, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     const Character character = compiled(builder.asset);
     EXPECT_EQ(character.sections[0].influence_sets, 2u);
     ASSERT_EQ(character.influences.size(), 6u);
@@ -583,7 +630,8 @@ TEST(Compile, WeightsAreBroughtToOne) {
     EXPECT_EQ(character.influences[1].weights, (std::array<float, 4>{0, 0.375f, 0, 0.125f}));
     EXPECT_EQ(character.influences[1].entries, (std::array<uint16_t, 4>{1, 2, 0, 1}));
     EXPECT_EQ(character.influences[2].weights, (std::array<float, 4>{1, 0, 0, 0}));
-    EXPECT_EQ(character.influences[4].weights, (std::array<float, 4>{1, 0, 0, 0})) << "without a weight: the first joint";
+    EXPECT_EQ(character.influences[4].weights, (std::array<float, 4>{1, 0, 0, 0}))
+        << "without a weight: the first joint";
     EXPECT_EQ(character.influences[4].entries[0], 2u);
     ASSERT_EQ(character.warnings.size(), 1u);
     EXPECT_EQ(character.warnings[0],
@@ -614,7 +662,8 @@ TEST(Compile, PrimitivesWithoutJointsFollowTheirNode) {
     Builder builder;
     const uint32_t root = builder.node(kNone, moved(0, 0, 2)), joint = builder.node(root, moved(3, 0, 0));
     builder.mesh(root, builder.skin({joint}));
-    builder.asset.meshes[0].primitives.push_back({.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .indices = {0, 1, 2}});
+    builder.asset.meshes[0].primitives.push_back(
+        {.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .indices = {0, 1, 2}});
     const Character character = compiled(builder.asset);
     ASSERT_EQ(character.sections.size(), 2u);
     EXPECT_EQ(character.sections[0].skin, 0u);

@@ -23,7 +23,8 @@ struct Axes {
     std::vector<io::ClipAxis> clips;
 
     void add(const std::vector<float>& axis_s, float duration_s, uint32_t row_stride) {
-        clips.push_back({static_cast<uint32_t>(times_s.size()), static_cast<uint32_t>(axis_s.size()), row_stride, static_cast<uint32_t>(1000 * clips.size()), duration_s});
+        clips.push_back({static_cast<uint32_t>(times_s.size()), static_cast<uint32_t>(axis_s.size()), row_stride,
+                         static_cast<uint32_t>(1000 * clips.size()), duration_s});
         times_s.insert(times_s.end(), axis_s.begin(), axis_s.end());
     }
     std::vector<uint32_t> words() const {
@@ -31,7 +32,9 @@ struct Axes {
         std::memcpy(out.data(), clips.data(), out.size() * sizeof(uint32_t));
         return out;
     }
-    std::span<const float> times_of(uint32_t clip) const { return std::span(times_s).subspan(clips[clip].first_time, clips[clip].row_count); }
+    std::span<const float> times_of(uint32_t clip) const {
+        return std::span(times_s).subspan(clips[clip].first_time, clips[clip].row_count);
+    }
 };
 
 Axes make_axes() {
@@ -39,7 +42,9 @@ Axes make_axes() {
     Random random(1);
     std::vector<float> uniform_s, uneven_s{0};
     for (int i = 0; i <= 32; ++i) uniform_s.push_back(static_cast<float>(i) / 32);
-    for (int i = 0; i < 100; ++i) uneven_s.push_back(uneven_s.back() + static_cast<float>(random.chance(0.2) ? random.between(0.1, 0.5) : random.between(0.001, 0.01)));
+    for (int i = 0; i < 100; ++i)
+        uneven_s.push_back(uneven_s.back() + static_cast<float>(random.chance(0.2) ? random.between(0.1, 0.5)
+                                                                                   : random.between(0.001, 0.01)));
     axes.add(uniform_s, 1, 11);
     axes.add(uneven_s, uneven_s.back(), 3);
     axes.add({0.5f, 0.75f, 1.5f}, 2, 5);  // starts late, ends early
@@ -55,7 +60,8 @@ void check_cursor(const Axes& axes, const io::SlotPlayback& slot, const io::Slot
     const std::span<const float> times_s = axes.times_of(slot.clip);
     const RowCursor wanted = find_rows_reference(times_s, slot.time_s);
     EXPECT_EQ(cursor.first_track, slot.clip * kJointCount);
-    ASSERT_EQ(cursor.earlier, axis.first_row + wanted.earlier * axis.row_stride) << "clip " << slot.clip << " at " << slot.time_s << " s";
+    ASSERT_EQ(cursor.earlier, axis.first_row + wanted.earlier * axis.row_stride)
+        << "clip " << slot.clip << " at " << slot.time_s << " s";
     if (cursor.fraction > 0) {
         EXPECT_EQ(cursor.later, axis.first_row + wanted.later * axis.row_stride);
     } else {  // any row, as it has no part in the value
@@ -67,10 +73,17 @@ void check_cursor(const Axes& axes, const io::SlotPlayback& slot, const io::Slot
 class Runner {
 public:
     Runner(const Axes& axes, std::vector<io::InstancePlayback> playbacks)
-        : kernel_(control_kernel(test_gpu())), count_(static_cast<uint32_t>(playbacks.size())), state(std::move(playbacks)), playbacks_(state), axes_(axes.words()), times_(axes.times_s), cursors_(poison<io::InstanceCursor>(count_)) {}
+        : kernel_(control_kernel(test_gpu())),
+          count_(static_cast<uint32_t>(playbacks.size())),
+          state(std::move(playbacks)),
+          playbacks_(state),
+          axes_(axes.words()),
+          times_(axes.times_s),
+          cursors_(poison<io::InstanceCursor>(count_)) {}
 
     void step(float time_step_s) {
-        run_invocations(kernel_, ControlBuffers{playbacks_, axes_, times_, cursors_}, io::ControlPush{count_, kJointCount, time_step_s}, count_);
+        run_invocations(kernel_, ControlBuffers{playbacks_, axes_, times_, cursors_},
+                        io::ControlPush{count_, kJointCount, time_step_s}, count_);
         state = playbacks_.read();
         cursors = cursors_.read();
     }
@@ -97,7 +110,10 @@ TEST(Control, FollowsTheReferenceOverManySteps) {
     for (int i = 0; i < 1000; ++i) {
         const auto slot = [&] {
             const uint32_t clip = random.below(static_cast<uint32_t>(axes.clips.size()));
-            return io::SlotPlayback{.clip = clip, .loop = random.below(2), .time_s = static_cast<float>(random.unit()) * axes.clips[clip].duration_s, .speed = static_cast<float>(random.between(-2, 2))};
+            return io::SlotPlayback{.clip = clip,
+                                    .loop = random.below(2),
+                                    .time_s = static_cast<float>(random.unit()) * axes.clips[clip].duration_s,
+                                    .speed = static_cast<float>(random.between(-2, 2))};
         };
         playbacks.push_back({slot(), slot(), static_cast<float>(random.unit())});
     }
@@ -109,7 +125,8 @@ TEST(Control, FollowsTheReferenceOverManySteps) {
         const float step_s = step % 20 == 19 ? 3.7f : step % 7 == 6 ? -0.05f : 1.0f / 60;
         runner.step(step_s);
         for (size_t i = 0; i < before.size(); ++i) {
-            const auto check = [&](const io::SlotPlayback& was, const io::SlotPlayback& is, const io::SlotCursor& cursor) {
+            const auto check = [&](const io::SlotPlayback& was, const io::SlotPlayback& is,
+                                   const io::SlotCursor& cursor) {
                 const double duration_s = axes.clips[was.clip].duration_s;
                 EXPECT_EQ(is.clip, was.clip);
                 EXPECT_EQ(is.loop, was.loop);
@@ -120,9 +137,11 @@ TEST(Control, FollowsTheReferenceOverManySteps) {
                 const double wanted_s = local_time_reference(unwrapped_s, duration_s, was.loop != 0);
                 wraps += unwrapped_s != wanted_s;
                 double difference_s = std::abs(is.time_s - wanted_s);
-                if (was.loop) difference_s = std::min(difference_s, duration_s - difference_s);  // the end is the beginning
+                // The end is the beginning
+                if (was.loop) difference_s = std::min(difference_s, duration_s - difference_s);
                 const double rounding_s = 2e-7 * std::max(duration_s, std::abs(unwrapped_s)) + 1e-9;
-                EXPECT_LE(difference_s, std::max(1e-6, rounding_s)) << "clip " << was.clip << ", from " << was.time_s << " by " << step_s << " x " << was.speed;
+                EXPECT_LE(difference_s, std::max(1e-6, rounding_s))
+                    << "clip " << was.clip << ", from " << was.time_s << " by " << step_s << " x " << was.speed;
                 if (duration_s < 10) worst_s = std::max(worst_s, difference_s);
                 check_cursor(axes, is, cursor);
             };
@@ -134,18 +153,21 @@ TEST(Control, FollowsTheReferenceOverManySteps) {
         if (testing::Test::HasFailure()) FAIL() << "in step " << step;
     }
     EXPECT_GT(wraps, 1000u);
-    std::printf("  1000 instances x 200 steps, %zu wraps or clamps; largest error of clips below 10 s %.1e s\n", wraps, worst_s);
+    std::printf("  1000 instances x 200 steps, %zu wraps or clamps; largest error of clips below 10 s %.1e s\n", wraps,
+                worst_s);
 }
 
 TEST(Control, FindsTheRowsAtAndAroundEveryKey) {
     const Axes axes = make_axes();
     std::vector<io::InstancePlayback> playbacks;
     const auto add = [&](uint32_t clip, float time_s) {
-        for (const uint32_t loop : {0u, 1u}) playbacks.push_back({{clip, loop, time_s, 0}, {clip, 1 - loop, time_s, 0}, 0.5f});
+        for (const uint32_t loop : {0u, 1u})
+            playbacks.push_back({{clip, loop, time_s, 0}, {clip, 1 - loop, time_s, 0}, 0.5f});
     };
     for (uint32_t clip = 0; clip < axes.clips.size(); ++clip) {
         for (const float time_s : axes.times_of(clip))
-            for (const float at_s : {time_s, std::nextafter(time_s, -1.0f), std::nextafter(time_s, 1e9f)}) add(clip, at_s);
+            for (const float at_s : {time_s, std::nextafter(time_s, -1.0f), std::nextafter(time_s, 1e9f)})
+                add(clip, at_s);
         for (const float time_s : {0.0f, axes.clips[clip].duration_s, -1.0f, 1e4f}) add(clip, time_s);
     }
     Runner runner(axes, playbacks);
@@ -155,9 +177,15 @@ TEST(Control, FindsTheRowsAtAndAroundEveryKey) {
         check_cursor(axes, runner.state[i].second, runner.cursors[i].second);
         const io::SlotPlayback& was = playbacks[i].first;
         const float duration_s = axes.clips[was.clip].duration_s;
-        if (was.loop && was.time_s == duration_s) { EXPECT_EQ(runner.state[i].first.time_s, 0) << "t = D wraps to 0"; }
-        if (!was.loop) { EXPECT_EQ(runner.state[i].first.time_s, std::clamp(was.time_s, 0.0f, duration_s)); }
-        if (was.loop && was.time_s >= 0 && was.time_s < duration_s) { EXPECT_EQ(runner.state[i].first.time_s, was.time_s); }
+        if (was.loop && was.time_s == duration_s) {
+            EXPECT_EQ(runner.state[i].first.time_s, 0) << "t = D wraps to 0";
+        }
+        if (!was.loop) {
+            EXPECT_EQ(runner.state[i].first.time_s, std::clamp(was.time_s, 0.0f, duration_s));
+        }
+        if (was.loop && was.time_s >= 0 && was.time_s < duration_s) {
+            EXPECT_EQ(runner.state[i].first.time_s, was.time_s);
+        }
     }
     std::printf("  %zu instances on and beside the keys of %zu axes\n", playbacks.size(), axes.clips.size());
 }
@@ -165,7 +193,8 @@ TEST(Control, FindsTheRowsAtAndAroundEveryKey) {
 // Speeds and steps are finite, but their product need not be: the time stays within the clip, and comes back.
 TEST(Control, AnOverflowStaysInTheClip) {
     const Axes axes = make_axes();
-    Runner runner(axes, {{{0, 1, 0.5f, 3e38f}, {0, 0, 0.5f, 3e38f}, 1}, {{1, 1, 0.5f, -3e38f}, {1, 0, 0.5f, -3e38f}, 1}});
+    Runner runner(axes,
+                  {{{0, 1, 0.5f, 3e38f}, {0, 0, 0.5f, 3e38f}, 1}, {{1, 1, 0.5f, -3e38f}, {1, 0, 0.5f, -3e38f}, 1}});
     for (const float step_s : {1000.0f, -1000.0f, 1e-39f}) {
         runner.step(step_s);
         for (size_t i = 0; i < 2; ++i)

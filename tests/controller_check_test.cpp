@@ -8,7 +8,9 @@
 namespace throng {
 namespace {
 
-Character creature() { return *compile_character(*make_creature({.joint_count = 40, .level_count = 12, .face_count = 100}), {.error = 0}); }
+Character creature() {
+    return *compile_character(*make_creature({.joint_count = 40, .level_count = 12, .face_count = 100}), {.error = 0});
+}
 
 Controller two_states() {
     Controller controller;
@@ -33,7 +35,8 @@ TEST(CheckController, TakesWhatTheCharacterHas) {
     EXPECT_EQ(error_of(direct_layers(1)), "");
     EXPECT_EQ(error_of(direct_layers(16, {{"tail", {{.joint = "tail_0_0"}}}})), "");
     for (const char* name : {"walker", "flyer", "dragon"}) {
-        const Result<Controller> example = load_controller(THRONG_SOURCE_DIR "/examples/controllers/" + std::string(name) + ".json");
+        const Result<Controller> example = load_controller(THRONG_SOURCE_DIR "/examples/controllers/" +
+                                                           std::string(name) + ".json");
         ASSERT_TRUE(example) << example.error().text();
         EXPECT_EQ(error_of(*example), "");
     }
@@ -47,11 +50,18 @@ TEST(CheckController, NamesWhatIsMissingAndWhatThereIs) {
     };
     const std::string start = "made with creature: ";
     EXPECT_EQ(after([](Controller& c) { c.layers[0].states[1].points[0].clip = "Wlk"; }),
-              start + "layers[0].states.b.clip: there is no clip 'Wlk'; did you mean 'walk'? There are: idle, walk, fly, glide, roar");
-    EXPECT_EQ(after([](Controller& c) { c.events[0].clip = "swim"; }), start + "events[0].clip: there is no clip 'swim'. There are: idle, walk, fly, glide, roar");
-    EXPECT_EQ(after([](Controller& c) { c.events[0].time_s = 1.3; }), start + "events[0].at_s: 1.3 s is beyond the end of clip 'walk', which lasts 1.2 s");
+              start +
+                  "layers[0].states.b.clip: there is no clip 'Wlk'; did you mean 'walk'? There are: idle, walk, fly, "
+                  "glide, roar");
+    EXPECT_EQ(after([](Controller& c) { c.events[0].clip = "swim"; }),
+              start + "events[0].clip: there is no clip 'swim'. There are: idle, walk, fly, glide, roar");
+    EXPECT_EQ(after([](Controller& c) { c.events[0].time_s = 1.3; }),
+              start + "events[0].at_s: 1.3 s is beyond the end of clip 'walk', which lasts 1.2 s");
     const std::string joint = after([](Controller& c) { c.masks[0].items[0].joint = "tail_0"; });
-    EXPECT_TRUE(joint.starts_with(start + "masks.tail[0].joint: there is no joint 'tail_0'; did you mean 'tail_0_0'? There are: body, tail_0_0, ")) << joint;
+    EXPECT_TRUE(joint.starts_with(
+        start +
+        "masks.tail[0].joint: there is no joint 'tail_0'; did you mean 'tail_0_0'? There are: body, tail_0_0, "))
+        << joint;
     EXPECT_TRUE(joint.ends_with(", … (40)")) << joint;
 }
 
@@ -64,16 +74,27 @@ TEST(CheckController, KeepsTheRulesOfFiles) {
     const std::string start = "made with creature: ";
     const float nan = std::numeric_limits<float>::quiet_NaN();
     EXPECT_EQ(error_of(Controller{.name = "made"}), start + "layers: a controller has at least one layer");
-    EXPECT_EQ(after([](Controller& c) { c.layers.push_back(c.layers[0]); }), start + "layers[1].name: the name 'body' is taken; rename one");
-    EXPECT_EQ(after([](Controller& c) { c.layers[0].states[1].name = "a"; }), start + "layers[0].states.a: the name 'a' is taken; rename one");
-    EXPECT_EQ(after([](Controller& c) { c.layers[0].states[1].points.clear(); }), start + "layers[0].states.b.clips: a state has at least one clip");
-    EXPECT_EQ(after([](Controller& c) { c.layers[0].states[1].points.push_back({"fly"}); }),
-              start + "layers[0].states.b.blend: a state of several clips needs the parameter that chooses between them");
-    EXPECT_EQ(after([&](Controller& c) { c.layers[0].states[1].speed = nan; }), start + "layers[0].states.b.speed: must be a finite number");
-    EXPECT_EQ(after([&](Controller& c) { c.layers[0].transitions[0].fade_s = nan; }), start + "layers[0].transitions[0].fade_s: nan is not between 0.0001 and 1000");
-    EXPECT_EQ(after([&](Controller& c) { c.masks[0].items[0].weight = nan; }), start + "masks.tail[0].weight: nan is not between 0 and 1");
-    EXPECT_EQ(after([](Controller& c) { c.parameters = {{"p", ParameterType::kBool, 2}}; }), start + "parameters.p: must begin with 0 or 1");
-    EXPECT_EQ(after([](Controller& c) { c.layers.resize(17, {.name = "x"}); }), start + "layers: 17 layers, more than the limit of 16");
+    EXPECT_EQ(after([](Controller& c) { c.layers.push_back(c.layers[0]); }),
+              start + "layers[1].name: the name 'body' is taken; rename one");
+    EXPECT_EQ(after([](Controller& c) { c.layers[0].states[1].name = "a"; }),
+              start + "layers[0].states.a: the name 'a' is taken; rename one");
+    EXPECT_EQ(after([](Controller& c) { c.layers[0].states[1].points.clear(); }),
+              start + "layers[0].states.b.clips: a state has at least one clip");
+    EXPECT_EQ(
+        after([](Controller& c) { c.layers[0].states[1].points.push_back({"fly"}); }),
+        start + "layers[0].states.b.blend: a state of several clips needs the parameter that chooses between them");
+    EXPECT_EQ(after([&](Controller& c) { c.layers[0].states[1].speed = nan; }),
+              start + "layers[0].states.b.speed: must be a finite number");
+    EXPECT_EQ(after([&](Controller& c) { c.layers[0].transitions[0].fade_s = nan; }),
+              start + "layers[0].transitions[0].fade_s: nan is not between 0.0001 and 1000");
+    EXPECT_EQ(after([&](Controller& c) { c.masks[0].items[0].weight = nan; }),
+              start + "masks.tail[0].weight: nan is not between 0 and 1");
+    EXPECT_EQ(after([](Controller& c) {
+                  c.parameters = {{"p", ParameterType::kBool, 2}};
+              }),
+              start + "parameters.p: must begin with 0 or 1");
+    EXPECT_EQ(after([](Controller& c) { c.layers.resize(17, {.name = "x"}); }),
+              start + "layers: 17 layers, more than the limit of 16");
 }
 
 TEST(CheckController, DirectLayersPlayWhatTheyAreTold) {

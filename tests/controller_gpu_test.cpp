@@ -41,7 +41,9 @@ public:
           placements_(std::vector<Affine>(count)),
           inertias_(std::vector<io::InstanceInertia>(count)),
           commands_(std::vector<io::ControlCommand>(count * size_t{kCommandsEach})),
-          controller_bindings_(controller_.bind(ControllerBuffers{tables_, axes_, times_, root_rows_, layers_, parameters_, voices_, events_, roots_, placements_, inertias_, layers_, parameters_, voice_times_})),
+          controller_bindings_(controller_.bind(ControllerBuffers{tables_, axes_, times_, root_rows_, layers_,
+                                                                  parameters_, voices_, events_, roots_, placements_,
+                                                                  inertias_, layers_, parameters_, voice_times_})),
           command_bindings_(command_.bind(CommandBuffers{commands_, layers_, parameters_})) {}
 
     static constexpr uint32_t kCommandsEach = 3;
@@ -53,9 +55,16 @@ public:
             record_update(gpu, buffer, commands_, 0, commands);
             gpu.vk.vkCmdFillBuffer(buffer, BufferRange(events_).buffer, 0, sizeof(io::EventHead), 0);
             memory_barrier(gpu, buffer, kTransferWrite, kShaderRead | kShaderWrite);
-            if (command_count > 0) command_.dispatch_invocations(buffer, command_bindings_, io::CommandPush{command_count, made_.layout.layer_count, made_.layout.parameter_count}, command_count);
+            if (command_count > 0)
+                command_.dispatch_invocations(
+                    buffer, command_bindings_,
+                    io::CommandPush{command_count, made_.layout.layer_count, made_.layout.parameter_count},
+                    command_count);
             memory_barrier(gpu, buffer, kShaderWrite, kShaderRead | kShaderWrite);
-            controller_.dispatch_invocations(buffer, controller_bindings_, io::ControllerPush{count_, 1000, joint_count_, made_.voice_limit, kEventCapacity, time_step_s, io::kPushTellsTimes}, count_);
+            controller_.dispatch_invocations(buffer, controller_bindings_,
+                                             io::ControllerPush{count_, 1000, joint_count_, made_.voice_limit,
+                                                                kEventCapacity, time_step_s, io::kPushTellsTimes},
+                                             count_);
         });
     }
     std::vector<io::LayerState> layers() const {
@@ -72,7 +81,9 @@ public:
         EventBlock block;
         std::memcpy(&block.head, words.data(), sizeof block.head);
         block.records.resize(std::min(block.head.count, kEventCapacity));
-        if (!block.records.empty()) std::memcpy(block.records.data(), words.data() + sizeof block.head / 4, block.records.size() * sizeof(io::EventRecord));
+        if (!block.records.empty())
+            std::memcpy(block.records.data(), words.data() + sizeof block.head / 4,
+                        block.records.size() * sizeof(io::EventRecord));
         return block;
     }
     const ControllerTables& made() const { return made_; }
@@ -80,7 +91,8 @@ public:
 private:
     static std::vector<uint32_t> axis_words(const Character& character) {
         std::vector<io::ClipAxis> axes;
-        for (const Clip& clip : character.clips) axes.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});
+        for (const Clip& clip : character.clips)
+            axes.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});
         axes.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0});
         return as_words(axes);
     }
@@ -129,7 +141,10 @@ std::vector<io::ControlCommand> random_commands(Random& random, const Controller
     for (uint32_t instance = 0; instance < count; ++instance)
         while (random.below(24) == 0 && commands.size() < count * size_t{Kernels::kCommandsEach}) {
             const uint32_t parameter = random.below(static_cast<uint32_t>(controller.parameters.size()));
-            commands.push_back({.instance = instance, .kind = io::kCommandParameter, .target = parameter, .value = random_value(random, controller.parameters[parameter].type)});
+            commands.push_back({.instance = instance,
+                                .kind = io::kCommandParameter,
+                                .target = parameter,
+                                .value = random_value(random, controller.parameters[parameter].type)});
         }
     return commands;
 }
@@ -143,13 +158,15 @@ void expect_layers(std::span<const io::LayerState> device, std::span<const io::L
         EXPECT_EQ(device[i].mask, reference[i].mask);
         for (uint32_t k = 0; k < reference[i].play_count; ++k)
             ASSERT_EQ(std::memcmp(&device[i].plays[k], &reference[i].plays[k], sizeof(io::LayerPlay)), 0)
-                << "layer " << i << ", play " << k << ": state " << device[i].plays[k].motion << ", phase " << device[i].plays[k].phase << " and state " << reference[i].plays[k].motion << ", phase "
+                << "layer " << i << ", play " << k << ": state " << device[i].plays[k].motion << ", phase "
+                << device[i].plays[k].phase << " and state " << reference[i].plays[k].motion << ", phase "
                 << reference[i].plays[k].phase;
     }
 }
 
 // Rows may be neighbours where a time falls on a key: what counts is the time that they stand for.
-void expect_voices(std::span<const io::Voice> device, std::span<const ControllerVoice> reference, const Character& character) {
+void expect_voices(std::span<const io::Voice> device, std::span<const ControllerVoice> reference,
+                   const Character& character) {
     const std::vector<io::Voice> wanted = to_io(reference, character);
     for (size_t i = 0; i < wanted.size(); ++i) {
         ASSERT_EQ(device[i].first_track, wanted[i].first_track) << "voice " << i;
@@ -167,7 +184,8 @@ using EventKey = std::tuple<uint32_t, uint32_t, uint32_t>;  // instance, layer, 
 
 void expect_events(const EventBlock& device, const std::map<EventKey, std::vector<double>>& reference) {
     std::map<EventKey, std::vector<double>> seen;
-    for (const io::EventRecord& record : device.records) seen[{record.instance, record.layer, record.event}].push_back(record.time_s);
+    for (const io::EventRecord& record : device.records)
+        seen[{record.instance, record.layer, record.event}].push_back(record.time_s);
     ASSERT_EQ(seen.size(), reference.size());
     for (const auto& [key, times_s] : reference) {
         ASSERT_TRUE(seen.contains(key));
@@ -188,7 +206,8 @@ void follow(const Controller& controller, uint32_t instance_count, uint32_t upda
     const auto layer_count = kernels.made().layout.layer_count;
     const size_t parameter_count = controller.parameters.size();
     for (uint32_t update = 0; update < update_count && !::testing::Test::HasFailure(); ++update) {
-        const float time_step_s = random.below(50) == 0 ? static_cast<float>(random.between(-0.5, 3)) : static_cast<float>(random.between(0, 0.05));
+        const float time_step_s = random.below(50) == 0 ? static_cast<float>(random.between(-0.5, 3))
+                                                        : static_cast<float>(random.between(0, 0.05));
         const std::vector<io::ControlCommand> commands = commands_of(random, character);
         kernels.update(commands, time_step_s);
         for (const io::ControlCommand& command : commands) references[command.instance].apply(command);
@@ -201,12 +220,18 @@ void follow(const Controller& controller, uint32_t instance_count, uint32_t upda
         for (uint32_t i = 0; i < instance_count && !::testing::Test::HasFailure(); ++i) {
             const ControllerUpdate wanted = references[i].update(time_step_s);
             expect_layers(std::span(layers).subspan(i * layer_count, layer_count), references[i].layers);
-            EXPECT_TRUE(std::equal(references[i].parameters.begin(), references[i].parameters.end(), parameters.begin() + static_cast<ptrdiff_t>(i * parameter_count)));
-            expect_voices(std::span(voices).subspan(i * size_t{kernels.made().voice_limit}, kernels.made().voice_limit), wanted.voices, character);
-            for (size_t k = 0; k < wanted.voices.size(); ++k) EXPECT_NEAR(voice_times[i * size_t{kernels.made().voice_limit} + k], wanted.voices[k].time_s, 1e-5) << "of voice " << k;
-            for (const ControllerEventAt& event : wanted.events) wanted_events[{1000 + i, event.layer, event.event}].push_back(event.time_s);
+            EXPECT_TRUE(std::equal(references[i].parameters.begin(), references[i].parameters.end(),
+                                   parameters.begin() + static_cast<ptrdiff_t>(i * parameter_count)));
+            expect_voices(std::span(voices).subspan(i * size_t{kernels.made().voice_limit}, kernels.made().voice_limit),
+                          wanted.voices, character);
+            for (size_t k = 0; k < wanted.voices.size(); ++k)
+                EXPECT_NEAR(voice_times[i * size_t{kernels.made().voice_limit} + k], wanted.voices[k].time_s, 1e-5)
+                    << "of voice " << k;
+            for (const ControllerEventAt& event : wanted.events)
+                wanted_events[{1000 + i, event.layer, event.event}].push_back(event.time_s);
             for (const io::LayerState& state : references[i].layers) transition_count += state.taken != io::kAbsent;
-            if (::testing::Test::HasFailure()) ADD_FAILURE() << "instance " << i << ", update " << update << " by " << time_step_s << " s";
+            if (::testing::Test::HasFailure())
+                ADD_FAILURE() << "instance " << i << ", update " << update << " by " << time_step_s << " s";
         }
         for (auto& [key, times_s] : wanted_events) {
             std::sort(times_s.begin(), times_s.end());
@@ -220,10 +245,12 @@ void follow(const Controller& controller, uint32_t instance_count, uint32_t upda
 }
 
 void follow_example(const char* name) {
-    const Result<Controller> controller = load_controller(std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" + name + ".json");
+    const Result<Controller> controller = load_controller(std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" +
+                                                          name + ".json");
     ASSERT_TRUE(controller) << controller.error().text();
     constexpr uint32_t kInstances = 1000;
-    follow(*controller, kInstances, 2000, [&](Random& random, const Character&) { return random_commands(random, *controller, kInstances); });
+    follow(*controller, kInstances, 2000,
+           [&](Random& random, const Character&) { return random_commands(random, *controller, kInstances); });
 }
 
 TEST(ControllerOnTheGpu, AgreesWithTheReferenceAsAWalker) { follow_example("walker"); }
@@ -238,10 +265,14 @@ TEST(ControllerOnTheGpu, LayersPlayWhatTheyAreTold) {
         for (uint32_t instance = 0; instance < kInstances; ++instance) {
             const float fade_rate = random.below(4) == 0 ? 0 : static_cast<float>(random.between(0.5, 20));
             if (random.below(12) == 0)
-                commands.push_back({instance, random.below(8) == 0 ? io::kCommandPlayInertial : io::kCommandPlay, random.below(3), random.below(static_cast<uint32_t>(character.clips.size()) + 1),
-                                    random.below(UINT32_MAX), random.below(2), static_cast<float>(random.between(-2, 2)), fade_rate});
+                commands.push_back({instance, random.below(8) == 0 ? io::kCommandPlayInertial : io::kCommandPlay,
+                                    random.below(3), random.below(static_cast<uint32_t>(character.clips.size()) + 1),
+                                    random.below(UINT32_MAX), random.below(2),
+                                    static_cast<float>(random.between(-2, 2)), fade_rate});
             if (random.below(12) == 0)
-                commands.push_back({instance, io::kCommandLayer, random.below(3), random.below(2) == 0 ? io::kAbsent : 0, random.below(2), 0, static_cast<float>(random.below(5)) / 4, fade_rate});
+                commands.push_back({instance, io::kCommandLayer, random.below(3),
+                                    random.below(2) == 0 ? io::kAbsent : 0, random.below(2), 0,
+                                    static_cast<float>(random.below(5)) / 4, fade_rate});
         }
         return commands;
     });

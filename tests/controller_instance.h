@@ -25,13 +25,22 @@ inline Character character_of(const std::vector<float>& durations_s) {
 
 class Instance {
 public:
-    explicit Instance(Controller of, std::vector<float> durations_s = {1, 2, 4}) : character(character_of(durations_s)), controller(std::move(of)), reference(controller, character) {}
+    explicit Instance(Controller of, std::vector<float> durations_s = {1, 2, 4})
+        : character(character_of(durations_s)), controller(std::move(of)), reference(controller, character) {}
 
     void set(std::string_view parameter, float value) {
-        reference.apply({.kind = io::kCommandParameter, .target = controller.find_parameter(parameter), .value = value});
+        reference.apply(
+            {.kind = io::kCommandParameter, .target = controller.find_parameter(parameter), .value = value});
     }
-    void play(uint32_t clip, float fade_rate = 0, float speed = 1, bool loop = true, uint32_t phase = 0, uint32_t layer = 0) {
-        reference.apply({.kind = io::kCommandPlay, .target = layer, .motion = clip, .phase = phase, .loop = loop, .value = speed, .fade_rate = fade_rate});
+    void play(uint32_t clip, float fade_rate = 0, float speed = 1, bool loop = true, uint32_t phase = 0,
+              uint32_t layer = 0) {
+        reference.apply({.kind = io::kCommandPlay,
+                         .target = layer,
+                         .motion = clip,
+                         .phase = phase,
+                         .loop = loop,
+                         .value = speed,
+                         .fade_rate = fade_rate});
     }
     void update(float time_step_s) { last = reference.update(time_step_s); }
 

@@ -69,7 +69,8 @@ TEST(ControllerJson, StatesAreReadInTheirOrder) {
     const Controller c = *parse_controller(kCompleteController, "guard.json");
     const std::vector<ControllerState>& states = c.layers[0].states;
     ASSERT_EQ(states.size(), 4u);
-    EXPECT_EQ(states[0].name + states[1].name + states[2].name + states[3].name, "movezebraaimfall") << "the start comes first, the others as in the file";
+    EXPECT_EQ(states[0].name + states[1].name + states[2].name + states[3].name, "movezebraaimfall")
+        << "the start comes first, the others as in the file";
 
     EXPECT_EQ(states[0].x_parameter, "speed");
     EXPECT_EQ(states[0].y_parameter, "");
@@ -104,7 +105,8 @@ TEST(ControllerJson, TransitionsAreReadInTheirOrder) {
     EXPECT_EQ(transitions[0].to, "move");
     std::string conditions;
     for (const ControllerCondition& condition : transitions[0].conditions)
-        conditions += condition.parameter + " " + std::to_string(static_cast<int>(condition.test)) + " " + std::to_string(condition.value) + "; ";
+        conditions += condition.parameter + " " + std::to_string(static_cast<int>(condition.test)) + " " +
+                      std::to_string(condition.value) + "; ";
     EXPECT_EQ(conditions, "speed 0 0.100000; speed 1 9.000000; alert 2 0.000000; tired 3 0.000000; ");
     EXPECT_EQ(transitions[0].exit, 0);
     EXPECT_EQ(transitions[0].fade_s, 0);
@@ -130,7 +132,8 @@ TEST(ControllerJson, TheLeastControllerIsALayer) {
     EXPECT_EQ(error_of("{\"layers\": []}"), "guard.json:1: layers: a controller has at least one layer");
     EXPECT_EQ(error_of("{}"), "guard.json:1: 'layers' is missing");
     EXPECT_EQ(error_of("[]"), "guard.json:1: must be an object, but is an array");
-    EXPECT_EQ(error_of("\n\n7\n"), "guard.json:3: must be an object, but is a number") << "a number is read up to the end of its line, no further";
+    EXPECT_EQ(error_of("\n\n7\n"), "guard.json:3: must be an object, but is a number")
+        << "a number is read up to the end of its line, no further";
     EXPECT_TRUE(error_of("").starts_with("guard.json:1: not JSON: ")) << error_of("");
 }
 
@@ -149,7 +152,9 @@ TEST(ControllerJson, WhatIsBrokenIsNamedWithItsLine) {
     for (const BrokenController& how : kBrokenControllers) {
         const std::string text = broken(how), error = error_of(text);
         ASSERT_FALSE(text.empty()) << "'" << how.old << "' is not in the complete file";
-        EXPECT_TRUE(error.starts_with("guard.json:" + std::to_string(how.line) + ": ")) << how.old << " -> " << how.now << "\n" << error;
+        EXPECT_TRUE(error.starts_with("guard.json:" + std::to_string(how.line) + ": "))
+            << how.old << " -> " << how.now << "\n"
+            << error;
         EXPECT_NE(error.find(how.reason), std::string::npos) << how.old << " -> " << how.now << "\n" << error;
         EXPECT_EQ(error.find('\n'), std::string::npos) << error;
     }
@@ -157,7 +162,8 @@ TEST(ControllerJson, WhatIsBrokenIsNamedWithItsLine) {
 
 TEST(ControllerJson, LinesOfEveryKindOfEndAreCounted) {
     std::string windows;
-    for (const char c : broken({"\"fade\": \"cross\"", "\"fade\": 1", 47, ""})) windows += c == '\n' ? "\r\n" : std::string(1, c);
+    for (const char c : broken({"\"fade\": \"cross\"", "\"fade\": 1", 47, ""}))
+        windows += c == '\n' ? "\r\n" : std::string(1, c);
     EXPECT_EQ(error_of(windows), "guard.json:47: layers[0].transitions[2].fade: must be a string, but is a number");
     EXPECT_EQ(error_of("\xEF\xBB\xBF{\n\"layers\":\n7\n}"), "guard.json:2: layers: must be an array, but is a number")
         << "with a byte order mark; a member's line is its key's";
@@ -179,17 +185,20 @@ TEST(ControllerJson, EachLimitIsKeptAndNamed) {
         size_t limit;
         std::string what;
     };
-    const std::string one_layer = R"("layers": [{"name": "a"}]})", open_layer = R"({"parameters": {"x": 0}, "layers": [{"name": "a", "states": {)";
+    const std::string one_layer = R"("layers": [{"name": "a"}]})",
+                      open_layer = R"({"parameters": {"x": 0}, "layers": [{"name": "a", "states": {)";
     for (const auto& [before, item, after, limit, what] : std::vector<Limit>{
              {R"({"parameters": {)", R"("p#": 0)", "}, " + one_layer, kParameterLimit, "parameters: # parameters"},
              {R"({"masks": {)", R"("m#": [])", "}, " + one_layer, kMaskLimit, "masks: # masks"},
              {R"({"masks": {"m": [)", R"({"joint": "j"})", "]}, " + one_layer, kMaskItemLimit, "masks.m: # items"},
-             {R"({"events": [)", R"({"name": "e", "clip": "c", "at_s": 0})", "], " + one_layer, kEventLimit, "events: # events"},
+             {R"({"events": [)", R"({"name": "e", "clip": "c", "at_s": 0})", "], " + one_layer, kEventLimit,
+              "events: # events"},
              {R"({"layers": [)", R"({"name": "l#"})", "]}", kLayerLimit, "layers: # layers"},
              {open_layer, R"("s#": {"clip": "c"})", "}}]}", kStateLimit, "layers[0].states: # states"},
-             {open_layer + R"("s": {"blend": "x", "clips": [)", R"({"clip": "c", "at": #})", "]}}}]}", kBlendPointLimit, "layers[0].states.s.clips: # clips"},
-             {open_layer + R"("s": {"clip": "c"}}, "transitions": [)", R"({"from": "s", "to": "s", "exit": 1})", "]}]}", kTransitionLimit,
-              "layers[0].transitions: # transitions"},
+             {open_layer + R"("s": {"blend": "x", "clips": [)", R"({"clip": "c", "at": #})", "]}}}]}", kBlendPointLimit,
+              "layers[0].states.s.clips: # clips"},
+             {open_layer + R"("s": {"clip": "c"}}, "transitions": [)", R"({"from": "s", "to": "s", "exit": 1})", "]}]}",
+              kTransitionLimit, "layers[0].transitions: # transitions"},
          }) {
         EXPECT_EQ(error_of(before + repeated(limit, item) + after), "");
         const Result<Controller> over = parse_controller(before + repeated(limit + 1, item) + after, "guard.json");
@@ -198,7 +207,8 @@ TEST(ControllerJson, EachLimitIsKeptAndNamed) {
         std::string expected = "guard.json:1: " + what + ", more than the limit of " + std::to_string(limit);
         EXPECT_EQ(over.error().text(), expected.replace(expected.find('#'), 1, std::to_string(limit + 1)));
     }
-    EXPECT_EQ(error_of("{\"parameters\": [\n" + repeated(kJsonValueLimit, "0") + "]}"), "guard.json:2: the JSON has more than the limit of 500000 values");
+    EXPECT_EQ(error_of("{\"parameters\": [\n" + repeated(kJsonValueLimit, "0") + "]}"),
+              "guard.json:2: the JSON has more than the limit of 500000 values");
     EXPECT_EQ(error_of(std::string(kJsonTextLimit_bytes + 1, ' ')), "guard.json: is larger than the limit of 4 MiB");
     EXPECT_NE(error_of(std::string(kJsonTextLimit_bytes, '[')).find("nested deeper"), std::string::npos);
 }
@@ -214,7 +224,8 @@ void expect_no_crash(const std::string& json) {
 }
 
 TEST(ControllerJson, NoBytesCrashIt) {
-    for (size_t size = 0; size < kCompleteController.size(); ++size) expect_no_crash(kCompleteController.substr(0, size));
+    for (size_t size = 0; size < kCompleteController.size(); ++size)
+        expect_no_crash(kCompleteController.substr(0, size));
     std::mt19937 random(1);
     const auto below = [&](size_t count) { return random() % count; };
     const std::string alphabet = "{}[]\",:0123456789.-+eE \n\\u*";

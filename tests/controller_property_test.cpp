@@ -22,13 +22,17 @@ Exact random_controller(Random& random) {
     for (int i = 0; i < 12; ++i) {
         const uint32_t clip = random.below(4);
         const double place = random.chance(0.3) ? random.below(9) / 8.0 : random.unit();
-        exact.controller.events.push_back({"event " + std::to_string(i), std::string(1, static_cast<char>('a' + clip)), place * exact.durations_s[clip]});
+        exact.controller.events.push_back({"event " + std::to_string(i), std::string(1, static_cast<char>('a' + clip)),
+                                           place * exact.durations_s[clip]});
     }
     const uint32_t layer_count = 1 + random.below(3);
     for (uint32_t layer = 0; layer < layer_count; ++layer) {
-        ControllerState state{.name = "only", .loop = random.chance(0.7), .speed = (static_cast<float>(random.below(33)) - 16) / 8};
+        ControllerState state{
+            .name = "only", .loop = random.chance(0.7), .speed = (static_cast<float>(random.below(33)) - 16) / 8};
         const uint32_t kind = random.below(3);
-        for (uint32_t i = 0; i < (kind == 0 ? 1 : 4); ++i) state.points.push_back({std::string(1, static_cast<char>('a' + random.below(4))), static_cast<float>(kind == 1 ? i : i % 2), static_cast<float>(i / 2)});
+        for (uint32_t i = 0; i < (kind == 0 ? 1 : 4); ++i)
+            state.points.push_back({std::string(1, static_cast<char>('a' + random.below(4))),
+                                    static_cast<float>(kind == 1 ? i : i % 2), static_cast<float>(i / 2)});
         if (kind > 0) state.x_parameter = "x";
         if (kind > 1) state.y_parameter = "y";
         exact.controller.layers.push_back({.name = std::to_string(layer), .states = {state}});
@@ -64,7 +68,8 @@ TEST(AnyController, HowTimeIsDividedIntoStepsChangesNoEvent) {
                 divided.update(part_s);
                 count(of_divided, divided);
             }
-            for (uint32_t layer = 0; layer < exact.controller.layers.size(); ++layer) ASSERT_EQ(whole.leading(layer).phase, divided.leading(layer).phase);
+            for (uint32_t layer = 0; layer < exact.controller.layers.size(); ++layer)
+                ASSERT_EQ(whole.leading(layer).phase, divided.leading(layer).phase);
             voices = std::max(voices, whole.last.voices.size());
         }
         ASSERT_EQ(of_whole, of_divided) << "round " << round;
@@ -80,7 +85,9 @@ TEST(AnyController, AsManyEventsAsLoops) {
         std::vector<ControllerEvent> events;
         for (int i = 0; i < 8; ++i) events.push_back({std::to_string(i), "a", random.unit() * 2});
         Controller controller{.name = "test", .events = events};
-        controller.layers = {{.name = "base", .states = {{.name = "only", .points = {{"a"}}, .speed = random.chance(0.5) ? 1.0f : -1.0f}}}};
+        controller.layers = {
+            {.name = "base",
+             .states = {{.name = "only", .points = {{"a"}}, .speed = random.chance(0.5) ? 1.0f : -1.0f}}}};
         Instance instance(controller, {2});
         EventCounts counts;
         const uint32_t loops = 1 + random.below(50);
@@ -95,7 +102,8 @@ TEST(AnyController, AsManyEventsAsLoops) {
     }
 }
 
-// Any controller, any step: weights of a layer sum to 1, no more voices than the tables promise, and the state stays a state.
+// Any controller, any step: weights of a layer sum to 1, no more voices than the tables promise, and the state stays a
+// state.
 TEST(AnyController, WhateverHappensLayersAreWhole) {
     Random random(6);
     size_t most = 0, taken = 0;
@@ -108,9 +116,13 @@ TEST(AnyController, WhateverHappensLayersAreWhole) {
             }
             for (ControllerState& state : layer.states) state.sync = random.chance(0.5) ? "feet" : "";
             for (int i = 0; i < 6; ++i)
-                layer.transitions.push_back({.to = layer.states[random.below(3)].name, .conditions = {{random.chance(0.5) ? "x" : "y", random.chance(0.5) ? When::kAbove : When::kBelow, static_cast<float>(random.unit())}},
-                                             .exit = random.chance(0.3) ? static_cast<float>(random.unit()) : 0, .fade_s = random.chance(0.7) ? static_cast<float>(random.between(0.05, 0.5)) : 0,
-                                             .interrupts = random.chance(0.7)});
+                layer.transitions.push_back(
+                    {.to = layer.states[random.below(3)].name,
+                     .conditions = {{random.chance(0.5) ? "x" : "y", random.chance(0.5) ? When::kAbove : When::kBelow,
+                                     static_cast<float>(random.unit())}},
+                     .exit = random.chance(0.3) ? static_cast<float>(random.unit()) : 0,
+                     .fade_s = random.chance(0.7) ? static_cast<float>(random.between(0.05, 0.5)) : 0,
+                     .interrupts = random.chance(0.7)});
         }
         Instance instance(exact.controller, exact.durations_s);
         const uint32_t limit = make_controller_tables(instance.controller, instance.character).voice_limit;
@@ -132,7 +144,8 @@ TEST(AnyController, WhateverHappensLayersAreWhole) {
                 for (uint32_t k = 0; k < state.play_count; ++k) {
                     ASSERT_LE(state.plays[k].fade, 1);
                     ASSERT_TRUE(k == 0 || exact.controller.layers[layer].states[state.plays[k].motion].sync.empty() ||
-                                exact.controller.layers[layer].states[state.plays[0].motion].sync.empty() || state.plays[k].phase == state.plays[0].phase);
+                                exact.controller.layers[layer].states[state.plays[0].motion].sync.empty() ||
+                                state.plays[k].phase == state.plays[0].phase);
                 }
             }
         }

@@ -22,11 +22,12 @@ protected:
     // What the schema says of each text; empty where there is no validator.
     std::vector<std::string> verdicts(const std::vector<std::string>& texts) {
         std::string names;
-        for (size_t i = 0; i < texts.size(); ++i) names += " " + folder_.write(std::to_string(i) + ".json", texts[i]).string();
+        for (size_t i = 0; i < texts.size(); ++i)
+            names += " " + folder_.write(std::to_string(i) + ".json", texts[i]).string();
         const std::string source = THRONG_SOURCE_DIR;
         for (const char* python : {"python3", "/usr/bin/python3"}) {  // Debian's package is of Debian's Python
-            const std::string command =
-                std::string(python) + " " + source + "/tests/controller_schema.py " + source + "/docs/controller.schema.json" + names + " 2>&1";
+            const std::string command = std::string(python) + " " + source + "/tests/controller_schema.py " + source +
+                                        "/docs/controller.schema.json" + names + " 2>&1";
             std::FILE* pipe = popen(command.c_str(), "r");
             std::string out;
             std::array<char, 4096> block;
@@ -56,8 +57,10 @@ private:
     if (verdicts.empty()) GTEST_SKIP() << "no jsonschema for Python here (Debian: apt-get install python3-jsonschema)"
 
 TEST_F(ControllerSchema, TakesTheExamplesAndWhatThrongReads) {
-    std::vector<std::string> texts{kCompleteController, R"({"layers": [{"name": "all"}]})", R"({"layers": [{"name": "all", "transitions": []}]})"};
-    for (const auto& example : fs::directory_iterator(fs::path(THRONG_SOURCE_DIR) / "examples/controllers")) texts.push_back(read_file(example.path()));
+    std::vector<std::string> texts{kCompleteController, R"({"layers": [{"name": "all"}]})",
+                                   R"({"layers": [{"name": "all", "transitions": []}]})"};
+    for (const auto& example : fs::directory_iterator(fs::path(THRONG_SOURCE_DIR) / "examples/controllers"))
+        texts.push_back(read_file(example.path()));
     EXPECT_GE(texts.size(), 6u);
     const std::vector<std::string> said = verdicts(texts);
     SKIP_WITHOUT_VALIDATOR(said);
@@ -80,7 +83,8 @@ TEST_F(ControllerSchema, RefusesWhatASchemaCanTell) {
 // Words of the file in other places: what throng still reads, the schema must take.
 TEST_F(ControllerSchema, IsNeverStricterThanThrong) {
     std::vector<std::string> words{"0", "1", "-1", "0.5", "2.5", "4", "true", "false", "{}", "[]"};
-    for (const char* word : {"speed", "side", "alert", "jump", "trigger", "triggered", "legs", "move", "aim", "override", "additive", "cross", "inertial", "upper", "*"})
+    for (const char* word : {"speed", "side", "alert", "jump", "trigger", "triggered", "legs", "move", "aim",
+                             "override", "additive", "cross", "inertial", "upper", "*"})
         words.push_back("\"" + std::string(word) + "\"");
     std::mt19937 random(3);
     std::vector<std::string> texts;
@@ -90,7 +94,8 @@ TEST_F(ControllerSchema, IsNeverStricterThanThrong) {
         size_t at = text.find(old, random() % text.size());
         if (at == text.npos) continue;
         text.replace(at, old.size(), words[random() % words.size()]);
-        if (parse_controller(text, "") && std::find(texts.begin(), texts.end(), text) == texts.end()) texts.push_back(text);
+        if (parse_controller(text, "") && std::find(texts.begin(), texts.end(), text) == texts.end())
+            texts.push_back(text);
     }
     EXPECT_GE(texts.size(), 60u);
     const std::vector<std::string> said = verdicts(texts);

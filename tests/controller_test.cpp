@@ -14,12 +14,17 @@ using When = ControllerCondition::Test;
 
 constexpr uint32_t kHalf = 0x80000000u, kQuarter = 0x40000000u;
 
-ControllerState one_clip(std::string name, bool loop = true, float speed = 1) { return {.name = name, .points = {{name}}, .loop = loop, .speed = speed}; }
+ControllerState one_clip(std::string name, bool loop = true, float speed = 1) {
+    return {.name = name, .points = {{name}}, .loop = loop, .speed = speed};
+}
 
 // States a, b, c of the clips with these names.
 Controller three_states(std::vector<ControllerTransition> transitions, bool loop = true) {
-    Controller controller{.name = "test", .parameters = {{"go", ParameterType::kTrigger}, {"x"}, {"on", ParameterType::kBool}}};
-    controller.layers = {{.name = "base", .states = {one_clip("a", loop), one_clip("b", loop), one_clip("c", loop)}, .transitions = std::move(transitions)}};
+    Controller controller{.name = "test",
+                          .parameters = {{"go", ParameterType::kTrigger}, {"x"}, {"on", ParameterType::kBool}}};
+    controller.layers = {{.name = "base",
+                          .states = {one_clip("a", loop), one_clip("b", loop), one_clip("c", loop)},
+                          .transitions = std::move(transitions)}};
     return controller;
 }
 const std::vector<ControllerCondition> kGo{{"go", When::kTriggered}};
@@ -75,7 +80,8 @@ TEST(Controller, AFadeThatEndsDropsWhatItCovers) {
 
 TEST(Controller, TransitionsInterruptAFadeOnlyWhereTheySaySo) {
     for (const bool interrupts : {false, true}) {
-        Instance instance(three_states({{.from = "a", .to = "b", .fade_s = 1}, {.from = "b", .to = "c", .fade_s = 1, .interrupts = interrupts}}));
+        Instance instance(three_states(
+            {{.from = "a", .to = "b", .fade_s = 1}, {.from = "b", .to = "c", .fade_s = 1, .interrupts = interrupts}}));
         instance.update(0);
         instance.update(0.25f);
         instance.update(0.25f);
@@ -114,8 +120,11 @@ TEST(Controller, ExitWaitsForCycles) {
 }
 
 TEST(Controller, TheFirstTransitionThatHoldsIsTakenAndOnlyOne) {
-    Instance instance(three_states({{.from = "a", .to = "b", .conditions = {{"x", When::kAbove, 1}}}, {.from = "a", .to = "c", .conditions = {{"x", When::kAbove, 0}, {"on", When::kIsFalse}}},
-                                    {.from = "c", .to = "a", .conditions = {{"on", When::kIsTrue}}}, {.from = "b", .to = "a", .conditions = {{"x", When::kBelow, 1}}}}));
+    Instance instance(
+        three_states({{.from = "a", .to = "b", .conditions = {{"x", When::kAbove, 1}}},
+                      {.from = "a", .to = "c", .conditions = {{"x", When::kAbove, 0}, {"on", When::kIsFalse}}},
+                      {.from = "c", .to = "a", .conditions = {{"on", When::kIsTrue}}},
+                      {.from = "b", .to = "a", .conditions = {{"x", When::kBelow, 1}}}}));
     instance.update(0);
     instance.update(100);
     EXPECT_EQ(instance.leading().motion, 0u) << "0 is not above 0";
@@ -162,8 +171,10 @@ TEST(Controller, ATriggerServesAllLayersOfOneUpdate) {
 
 // a (1 s) and b (2 s) in step, c (4 s) not.
 Controller synchronised() {
-    Controller controller = three_states({{.from = "a", .to = "b", .conditions = kGo, .fade_s = 1}, {.from = "b", .to = "c", .conditions = {{"x", When::kAbove, 0}}, .fade_s = 1, .interrupts = true},
-                                          {.from = "c", .to = "a", .conditions = {{"on", When::kIsTrue}}, .fade_s = 1, .interrupts = true}});
+    Controller controller = three_states(
+        {{.from = "a", .to = "b", .conditions = kGo, .fade_s = 1},
+         {.from = "b", .to = "c", .conditions = {{"x", When::kAbove, 0}}, .fade_s = 1, .interrupts = true},
+         {.from = "c", .to = "a", .conditions = {{"on", When::kIsTrue}}, .fade_s = 1, .interrupts = true}});
     controller.layers[0].states[0].sync = controller.layers[0].states[1].sync = "feet";
     return controller;
 }
@@ -193,13 +204,15 @@ TEST(Controller, WhatIsNotInStepCountsWithTheLeadingRate) {
     EXPECT_EQ(phase_of_b, kHalf + kQuarter);
     instance.set("on", 1);
     instance.update(0.5f);  // a fades in over c (now 1) and b (dropped): no phase to take
-    EXPECT_EQ(instance.leading().phase, phase_of_b + static_cast<uint32_t>(0.5 * 0x1p32)) << "b was still there when a was pushed; a then goes at its own rate of 1";
+    EXPECT_EQ(instance.leading().phase, phase_of_b + static_cast<uint32_t>(0.5 * 0x1p32))
+        << "b was still there when a was pushed; a then goes at its own rate of 1";
     EXPECT_EQ(instance.play_count(), 2u);
 }
 
 TEST(Controller, OneParameterMixesNeighbours) {
     Controller controller = three_states({});
-    controller.layers[0].states = {{.name = "walk", .points = {{"a", 1}, {"b", 2}, {"c", 4}}, .x_parameter = "x", .speed = 2}};
+    controller.layers[0].states = {
+        {.name = "walk", .points = {{"a", 1}, {"b", 2}, {"c", 4}}, .x_parameter = "x", .speed = 2}};
     Instance instance(controller);
     const auto expect = [&](float x, std::vector<float> weights, float cycles) {
         const uint32_t before = instance.leading().phase;
@@ -220,7 +233,11 @@ TEST(Controller, OneParameterMixesNeighbours) {
 TEST(Controller, TwoParametersMixTriangles) {
     Controller controller = three_states({});
     controller.parameters.push_back({"speed"});
-    controller.layers[0].states = {{.name = "walk", .points = {{"a", 0, 0}, {"b", 2, 0}, {"c", 0, 2}}, .x_parameter = "x", .y_parameter = "on", .speed_parameter = "speed"}};
+    controller.layers[0].states = {{.name = "walk",
+                                    .points = {{"a", 0, 0}, {"b", 2, 0}, {"c", 0, 2}},
+                                    .x_parameter = "x",
+                                    .y_parameter = "on",
+                                    .speed_parameter = "speed"}};
     Instance instance(controller);
     instance.set("x", 0.5f);
     instance.set("on", 1);
@@ -234,7 +251,8 @@ TEST(Controller, TwoParametersMixTriangles) {
     EXPECT_EQ(instance.weights(), (std::vector<float>{0, 1, 0}));
 }
 
-Controller with_events(bool loop, float speed = 1, std::vector<ControllerEvent> events = {{"end", "a", 1}, {"half", "a", 0.5}, {"start", "a", 0}}) {
+Controller with_events(bool loop, float speed = 1,
+                       std::vector<ControllerEvent> events = {{"end", "a", 1}, {"half", "a", 0.5}, {"start", "a", 0}}) {
     Controller controller{.name = "test", .events = std::move(events)};
     controller.layers = {{.name = "base", .states = {one_clip("a", loop, speed)}}};
     return controller;
@@ -299,7 +317,8 @@ TEST(Controller, OnlyTheHeaviestClipOfTheLeadingPlayHasEvents) {
     instance.set("go", 1);
     instance.set("x", 0.5f);
     instance.update(0.75f);
-    EXPECT_EQ(instance.events(), "b@0.666667") << "the first of equals; a, at 0.25 of the next cycle, has none any more";
+    EXPECT_EQ(instance.events(), "b@0.666667")
+        << "the first of equals; a, at 0.25 of the next cycle, has none any more";
     controller.layers[0].weight = 0;
     Instance unseen(controller);
     unseen.update(1);
@@ -393,13 +412,22 @@ TEST(Controller, WeightsOfLayersGoToTheirGoals) {
     Instance instance(controller);
     instance.play(0);
     const auto aim = [&](float goal, float fade_rate, uint32_t mode = io::kModeOverride, uint32_t mask = io::kAbsent) {
-        instance.reference.apply({.kind = io::kCommandLayer, .target = 0, .motion = mask, .phase = mode, .value = goal, .fade_rate = fade_rate});
+        instance.reference.apply({.kind = io::kCommandLayer,
+                                  .target = 0,
+                                  .motion = mask,
+                                  .phase = mode,
+                                  .value = goal,
+                                  .fade_rate = fade_rate});
     };
     const auto expect = [&](float time_step_s, float weight) {
         instance.update(time_step_s);
-        if (weight > 0) { EXPECT_EQ(instance.last.voices.back().layer_weight, weight); }
-        else { EXPECT_EQ(instance.last.voices.back().layer, io::kAbsent); }
-        EXPECT_EQ(instance.last.voices.size(), weight > 0 && weight < 1 ? 2u : 1u) << "the rest pose where it does not cover all";
+        if (weight > 0) {
+            EXPECT_EQ(instance.last.voices.back().layer_weight, weight);
+        } else {
+            EXPECT_EQ(instance.last.voices.back().layer, io::kAbsent);
+        }
+        EXPECT_EQ(instance.last.voices.size(), weight > 0 && weight < 1 ? 2u : 1u)
+            << "the rest pose where it does not cover all";
     };
     expect(1, 1);
     aim(0.5f, 2);
@@ -434,7 +462,8 @@ TEST(Controller, TheLowestLayerMovesItsCharacter) {
     const Controller controller = direct_layers(2);
     ControllerReference reference(controller, character);
     const auto play = [&](uint32_t layer, uint32_t clip, float fade_rate = 0) {
-        reference.apply({.kind = io::kCommandPlay, .target = layer, .motion = clip, .loop = 1, .value = 1, .fade_rate = fade_rate});
+        reference.apply(
+            {.kind = io::kCommandPlay, .target = layer, .motion = clip, .loop = 1, .value = 1, .fade_rate = fade_rate});
     };
     const auto expect = [&](float time_step_s, double x, double z, double turn_rad) {
         const GroundMove move = reference.update(time_step_s).move;
@@ -471,10 +500,12 @@ TEST(Controller, VoicesAsTheStagesReadThem) {
     ASSERT_EQ(voices.size(), 3u);
     EXPECT_EQ(voices[0].flags, io::kVoiceBeginsLayer);
     EXPECT_EQ(voices[1].flags, io::kVoiceEndsLayer);
-    EXPECT_EQ(voices[2].flags, io::kVoiceBeginsLayer | io::kVoiceEndsLayer | io::kVoiceEnds | io::kVoiceAdditive | io::kVoiceMasked | 1u << io::kVoiceMaskShift);
+    EXPECT_EQ(voices[2].flags, io::kVoiceBeginsLayer | io::kVoiceEndsLayer | io::kVoiceEnds | io::kVoiceAdditive |
+                                   io::kVoiceMasked | 1u << io::kVoiceMaskShift);
     for (size_t i = 0; i < 3; ++i) {
         const Clip& clip = instance.character.clips[instance.last.voices[i].clip];
-        const RowCursor rows = find_rows_reference(std::span(instance.character.times_s).subspan(clip.first_time, clip.row_count), 0.75);
+        const RowCursor rows = find_rows_reference(
+            std::span(instance.character.times_s).subspan(clip.first_time, clip.row_count), 0.75);
         EXPECT_EQ(voices[i].first_track, instance.last.voices[i].clip * 4);
         EXPECT_EQ(voices[i].earlier, clip.first_row + rows.earlier * clip.row_stride);
         EXPECT_EQ(voices[i].later, clip.first_row + rows.later * clip.row_stride);

@@ -17,7 +17,8 @@
 namespace throng {
 namespace {
 
-constexpr CreatureKind kKinds[] = {CreatureKind::kDragon, CreatureKind::kWillow, CreatureKind::kWalker, CreatureKind::kCentipede};
+constexpr CreatureKind kKinds[] = {CreatureKind::kDragon, CreatureKind::kWillow, CreatureKind::kWalker,
+                                   CreatureKind::kCentipede};
 constexpr const char* kNames[] = {"dragon", "willow", "walker", "centipede"};
 
 constexpr uint32_t kJointCounts[] = {1, 2, 3, 5, 17, 64, 100, 300, 1000};
@@ -29,15 +30,18 @@ std::vector<CreatureSettings> grid(CreatureKind kind) {
     for (const uint32_t joints : kJointCounts) {
         std::set<uint32_t> levels{joints};
         for (const uint32_t count : kLevelCounts)
-            if (count <= joints && (count > 1 || joints == 1) && (joints < 1000 || count % 4 == 0)) levels.insert(count);  // large ones take their time
+            // Large ones take their time
+            if (count <= joints && (count > 1 || joints == 1) && (joints < 1000 || count % 4 == 0))
+                levels.insert(count);
         for (const uint32_t count : levels) out.push_back({joints, count, 1500, joints + count, kind});
     }
     return out;
 }
 
 std::string text_of(const CreatureSettings& s) {
-    return std::string(kNames[size_t(s.kind)]) + ", " + std::to_string(s.joint_count) + " joints, " + std::to_string(s.level_count) + " levels, " +
-           std::to_string(s.face_count) + " faces, seed " + std::to_string(s.seed);
+    return std::string(kNames[size_t(s.kind)]) + ", " + std::to_string(s.joint_count) + " joints, " +
+           std::to_string(s.level_count) + " levels, " + std::to_string(s.face_count) + " faces, seed " +
+           std::to_string(s.seed);
 }
 
 Asset creature(const CreatureSettings& settings) {
@@ -89,8 +93,8 @@ Box box_of_skin(const Asset& asset, const Matrices& model_from_joint) {
         Vec3<double> position;
         for (size_t i = 4 * v; i < 4 * v + 4; ++i) {
             const uint32_t joint = p.influence_joints[i];
-            const auto skin =
-                model_from_joint[asset.skins[0].joints[joint]] * asset.skins[0].inverse_binds[joint].as<double>();
+            const auto skin = model_from_joint[asset.skins[0].joints[joint]] *
+                              asset.skins[0].inverse_binds[joint].as<double>();
             position = position + transform_point(skin, p.positions[v].as<double>()) * double(p.influence_weights[i]);
         }
         box.add(position);
@@ -192,7 +196,8 @@ void expect_seamless_clips_that_turn_every_joint(const Asset& asset, CreatureKin
             // As fast out of the loop as into it.
             for (size_t c = 0; c < components && keys > 20; ++c) {
                 const float *first = &track.values[c], *last = &track.values[(keys - 1) * components + c];
-                ASSERT_NEAR(first[components] - first[0], last[0] - *(last - components), 0.12) << "node " << track.node;
+                ASSERT_NEAR(first[components] - first[0], last[0] - *(last - components), 0.12)
+                    << "node " << track.node;
             }
             ASSERT_TRUE(moves) << "node " << track.node;
             if (components == 4)
@@ -252,18 +257,27 @@ TEST(Creature, HasExactlyTheLargestTrees) {
 }
 
 TEST(Creature, MeshIsNearItsFaceBudget) {
-    const auto faces_of = [](const CreatureSettings& settings) { return creature(settings).meshes[0].primitives[0].indices.size() / 3; };
+    const auto faces_of = [](const CreatureSettings& settings) {
+        return creature(settings).meshes[0].primitives[0].indices.size() / 3;
+    };
     const auto expect_near = [&](const CreatureSettings& settings) {
         const double made = double(faces_of(settings)), wanted = settings.face_count;
         EXPECT_LE(made, wanted) << text_of(settings);
         EXPECT_GE(made, 0.95 * wanted) << text_of(settings);
     };
     for (const uint32_t faces : {300u, 1000u, 1500u, 3000u, 20000u, 200000u}) {
-        for (const auto& [joints, levels] :
-             {std::pair{1u, 1u}, {17u, 17u}, {20u, 8u}, {64u, 15u}, {300u, 15u}, {300u, 120u}, {300u, 2u}, {4000u, 60u}})
+        for (const auto& [joints, levels] : {std::pair{1u, 1u},
+                                             {17u, 17u},
+                                             {20u, 8u},
+                                             {64u, 15u},
+                                             {300u, 15u},
+                                             {300u, 120u},
+                                             {300u, 2u},
+                                             {4000u, 60u}})
             expect_near({joints, levels, faces, 3});
         for (const CreatureKind kind : kKinds)
-            for (const auto& [joints, levels] : {std::pair{1u, 1u}, {20u, 8u}, {300u, 60u}}) expect_near({joints, levels, faces, 3, kind});
+            for (const auto& [joints, levels] : {std::pair{1u, 1u}, {20u, 8u}, {300u, 60u}})
+                expect_near({joints, levels, faces, 3, kind});
     }
     for (const CreatureKind kind : kKinds)
         for (const uint32_t faces : {0u, 10u, 50u, 100u, 200u}) {
@@ -315,7 +329,8 @@ TEST(Creature, CurlsUp) {
 
 TEST(Creature, IsKnownByItsName) {
     for (const CreatureKind kind : kKinds) EXPECT_EQ(*creature_kind(kNames[size_t(kind)]), kind);
-    EXPECT_EQ(creature_kind("unicorn").error().message, "there is no 'unicorn'. There are: dragon, willow, walker, centipede");
+    EXPECT_EQ(creature_kind("unicorn").error().message,
+              "there is no 'unicorn'. There are: dragon, willow, walker, centipede");
 }
 
 TEST(Creature, StandsOnTheGroundAndFacesForward) {
@@ -391,9 +406,12 @@ tinygltf::Model read_back(const Asset& asset) {
 }
 
 TEST(GlbWriter, IsReadByTinygltf) {
-    for (const CreatureSettings& settings :
-         {CreatureSettings{300, 60, 1500, 1}, {1, 1, 20, 1}, {1000, 15, 150000, 2}, creature_settings(CreatureKind::kWillow),
-          creature_settings(CreatureKind::kWalker), creature_settings(CreatureKind::kCentipede)}) {
+    for (const CreatureSettings& settings : {CreatureSettings{300, 60, 1500, 1},
+                                             {1, 1, 20, 1},
+                                             {1000, 15, 150000, 2},
+                                             creature_settings(CreatureKind::kWillow),
+                                             creature_settings(CreatureKind::kWalker),
+                                             creature_settings(CreatureKind::kCentipede)}) {
         SCOPED_TRACE(text_of(settings));
         const Asset asset = creature(settings);
         const tinygltf::Model model = read_back(asset);

@@ -37,19 +37,22 @@ inline std::vector<DrawnInstance> drawn_of(Crowd& crowd) {
 }
 
 inline Character creature(uint32_t joints = 60, uint32_t levels = 15, double error = 1e-4) {
-    Result<Character> character = compile_character(*make_creature({.joint_count = joints, .level_count = levels}), {.error = error});
+    Result<Character> character = compile_character(*make_creature({.joint_count = joints, .level_count = levels}),
+                                                    {.error = error});
     EXPECT_TRUE(character);
     return std::move(*character);
 }
 
 // One of examples/controllers.
 inline Controller example(const char* name) {
-    Result<Controller> controller = load_controller(std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" + name + ".json");
+    Result<Controller> controller = load_controller(std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" + name +
+                                                    ".json");
     EXPECT_TRUE(controller) << (controller ? "" : controller.error().text());
     return std::move(*controller);
 }
 
-inline std::vector<ReferenceCharacter> references(const Character& character, const Controller& controller, uint32_t count) {
+inline std::vector<ReferenceCharacter> references(const Character& character, const Controller& controller,
+                                                  uint32_t count) {
     std::vector<ReferenceCharacter> all;
     for (uint32_t i = 0; i < count; ++i) all.push_back(std::move(*ReferenceCharacter::create(character, controller)));
     return all;
@@ -71,13 +74,19 @@ inline Character small_character() { return make_character({.name = "small", .jo
 inline ClipPlayback random_slot(Random& random, const Character& character) {
     const auto clip_count = static_cast<uint32_t>(character.clips.size());
     const uint32_t clip = random.below(clip_count + 1);
-    return {.clip = clip == clip_count ? kNone : clip, .time_s = random.between(-1, 5), .speed = static_cast<float>(random.between(-2, 2)), .loop = random.chance(0.5)};
+    return {.clip = clip == clip_count ? kNone : clip,
+            .time_s = random.between(-1, 5),
+            .speed = static_cast<float>(random.between(-2, 2)),
+            .loop = random.chance(0.5)};
 }
 
 // Weights 0 and 1 are frequent.
 inline Playback random_playback(Random& random, const Character& character) {
-    const std::array<float, 5> weights{0, 1, 0.5f, static_cast<float>(random.unit()), static_cast<float>(random.unit())};
-    return {.first = random_slot(random, character), .second = random_slot(random, character), .weight = weights[random.below(5)]};
+    const std::array<float, 5> weights{0, 1, 0.5f, static_cast<float>(random.unit()),
+                                       static_cast<float>(random.unit())};
+    return {.first = random_slot(random, character),
+            .second = random_slot(random, character),
+            .weight = weights[random.below(5)]};
 }
 
 inline std::vector<Playback> random_playbacks(Random& random, const Character& character, uint32_t count) {
@@ -98,7 +107,8 @@ inline Playback advanced(Playback playback, const Character& character, double s
 }
 
 // Largest error of an instance as a fraction of the character's size.
-inline double instance_error(Crowd& crowd, uint32_t instance, const Character& character, const Playback& playback, bool with_model = false) {
+inline double instance_error(Crowd& crowd, uint32_t instance, const Character& character, const Playback& playback,
+                             bool with_model = false) {
     const ReferencePose pose = *reference_pose(character, playback);
     double worst = 0;
     const auto compare = [&](const Result<std::vector<Affine>>& got, const std::vector<AffineT<double>>& wanted) {
@@ -106,7 +116,8 @@ inline double instance_error(Crowd& crowd, uint32_t instance, const Character& c
             worst = std::numeric_limits<double>::infinity();
             return;
         }
-        for (size_t i = 0; i < wanted.size(); ++i) worst = std::max(worst, matrix_error((*got)[i], wanted[i], character.size));
+        for (size_t i = 0; i < wanted.size(); ++i)
+            worst = std::max(worst, matrix_error((*got)[i], wanted[i], character.size));
     };
     compare(crowd.read_skin_matrices(instance), pose.model_from_bind);
     if (with_model) compare(crowd.read_model_matrices(instance), pose.model_from_joint);
@@ -124,8 +135,10 @@ inline double instance_error(Crowd& crowd, uint32_t instance, const Character& c
 inline double model_error(Crowd& crowd, uint32_t instance, const ReferencePose& wanted, double size) {
     const std::vector<Affine> model = *crowd.read_model_matrices(instance), skin = *crowd.read_skin_matrices(instance);
     double worst = 0;
-    for (size_t i = 0; i < model.size(); ++i) worst = std::max(worst, matrix_error(model[i], wanted.model_from_joint[i], size));
-    for (size_t i = 0; i < skin.size(); ++i) worst = std::max(worst, matrix_error(skin[i], wanted.model_from_bind[i], size));
+    for (size_t i = 0; i < model.size(); ++i)
+        worst = std::max(worst, matrix_error(model[i], wanted.model_from_joint[i], size));
+    for (size_t i = 0; i < skin.size(); ++i)
+        worst = std::max(worst, matrix_error(skin[i], wanted.model_from_bind[i], size));
     return worst;
 }
 
@@ -146,8 +159,10 @@ struct MixedCrowd {
     std::vector<const Character*> character_of;  // [instance]
 
     explicit MixedCrowd(double scale_spread) {
-        for (const AssetSettings& asset : {AssetSettings{.name = "one", .joint_count = 1, .seed = 2}, AssetSettings{.name = "small", .seed = 6},
-                                           AssetSettings{.name = "cubic", .joint_count = 70, .seed = 3, .cubic = true}, AssetSettings{.name = "large", .joint_count = 300, .seed = 4}}) {
+        for (const AssetSettings& asset :
+             {AssetSettings{.name = "one", .joint_count = 1, .seed = 2}, AssetSettings{.name = "small", .seed = 6},
+              AssetSettings{.name = "cubic", .joint_count = 70, .seed = 3, .cubic = true},
+              AssetSettings{.name = "large", .joint_count = 300, .seed = 4}}) {
             AssetSettings scaled = asset;
             scaled.scale_spread = scale_spread;
             characters.push_back(make_character(scaled));

@@ -14,7 +14,9 @@ double matrix_error(std::span<const Affine> matrices, std::span<const AffineT<do
     double worst = 0;
     for (size_t i = 0; i < std::min(matrices.size(), wanted.size()); ++i)
         for (size_t row = 0; row < 3; ++row)
-            for (size_t column = 0; column < 4; ++column) worst = std::max(worst, std::abs(double{matrices[i].row[row][column]} - wanted[i].row[row][column]) / (column == 3 ? size : 1));
+            for (size_t column = 0; column < 4; ++column)
+                worst = std::max(worst, std::abs(double{matrices[i].row[row][column]} - wanted[i].row[row][column]) /
+                                            (column == 3 ? size : 1));
     return worst;
 }
 
@@ -23,7 +25,10 @@ void follow(UpdatePath path, const char* name, double error) {
     constexpr uint32_t kInstances = 40, kUpdates = 60;
     const Character character = creature(60, 15, error);
     const Controller controller = example(name);
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}}, .path = path, .keep_model_matrices = true});
+    Crowd crowd = create(
+        {.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}},
+         .path = path,
+         .keep_model_matrices = true});
     EXPECT_EQ(crowd.path(0)->is_fused, path == UpdatePath::kFused);
     std::vector<ReferenceCharacter> wanted = references(character, controller, kInstances);
     std::vector<uint32_t> everybody(kInstances);
@@ -49,16 +54,20 @@ void follow(UpdatePath path, const char* name, double error) {
             for (const CharacterEvent& event : wanted[i].events()) --seen[{i, event.event}];
             const WatchedInstance& watched = (*feedback)[0].watched[i];
             EXPECT_EQ(watched.layers, wanted[i].layers()) << "instance " << i << ", update " << update;
-            EXPECT_TRUE(std::ranges::equal(watched.parameters, wanted[i].parameters())) << "instance " << i << ", update " << update;
+            EXPECT_TRUE(std::ranges::equal(watched.parameters, wanted[i].parameters()))
+                << "instance " << i << ", update " << update;
             fading += std::ranges::count_if(watched.layers, [](const auto& layer) { return layer.size() > 1; });
         }
-        for (const auto& [key, count] : seen) EXPECT_EQ(count, 0) << "instance " << key.first << ", event " << key.second << ", update " << update;
+        for (const auto& [key, count] : seen)
+            EXPECT_EQ(count, 0) << "instance " << key.first << ", event " << key.second << ", update " << update;
     }
     EXPECT_GT(fading, 0u);
     for (uint32_t i = 0; i < kInstances; ++i) {
         const ReferencePose pose = wanted[i].pose();
-        EXPECT_LE(matrix_error(*crowd.read_model_matrices(i), pose.model_from_joint, character.size), 1e-4) << "instance " << i;
-        EXPECT_LE(matrix_error(*crowd.read_skin_matrices(i), pose.model_from_bind, character.size), 1e-4) << "instance " << i;
+        EXPECT_LE(matrix_error(*crowd.read_model_matrices(i), pose.model_from_joint, character.size), 1e-4)
+            << "instance " << i;
+        EXPECT_LE(matrix_error(*crowd.read_skin_matrices(i), pose.model_from_bind, character.size), 1e-4)
+            << "instance " << i;
     }
 }
 
@@ -77,15 +86,24 @@ TEST(CrowdController, ThousandsOfCommandsAreAppliedInTheirOrder) {
     const Character character = creature(20);
     const Controller controller = direct_layers(2, {{.name = "tail", .items = {{.joint = character.rig.names[1]}}}});
     constexpr uint32_t kInstances = 3000;
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 10}, {.character = &character, .instance_count = kInstances, .controller = &controller}}, .keep_model_matrices = true});
+    Crowd crowd = create(
+        {.groups = {{.character = &character, .instance_count = 10},
+                    {.character = &character, .instance_count = kInstances, .controller = &controller}},
+         .keep_model_matrices = true});
     std::vector<ReferenceCharacter> wanted = references(character, controller, kInstances);
     Random random(5);
     for (int round = 0; round < 5; ++round) {
         for (int k = 0; k < 9000; ++k) {
             const uint32_t i = random.below(kInstances), layer = random.below(2);
-            const LayerPlayback playback{.clip = {.clip = random.below(4) == 0 ? kNone : random.below(3), .time_s = random.between(-1, 3), .speed = static_cast<float>(random.between(-2, 2)), .loop = random.chance(0.5)},
+            const LayerPlayback playback{.clip = {.clip = random.below(4) == 0 ? kNone : random.below(3),
+                                                  .time_s = random.between(-1, 3),
+                                                  .speed = static_cast<float>(random.between(-2, 2)),
+                                                  .loop = random.chance(0.5)},
                                          .fade_s = random.chance(0.3) ? 0 : static_cast<float>(random.between(0, 0.5))};
-            const LayerBlend blend{.weight = static_cast<float>(random.unit()), .fade_s = playback.fade_s, .mode = random.chance(0.5) ? LayerMode::kAdditive : LayerMode::kOverride, .mask = random.chance(0.5) ? 0 : kNone};
+            const LayerBlend blend{.weight = static_cast<float>(random.unit()),
+                                   .fade_s = playback.fade_s,
+                                   .mode = random.chance(0.5) ? LayerMode::kAdditive : LayerMode::kOverride,
+                                   .mask = random.chance(0.5) ? 0 : kNone};
             ASSERT_TRUE(crowd.play(10 + i, layer, playback));
             ASSERT_TRUE(wanted[i].play(layer, playback));
             ASSERT_TRUE(crowd.set_layer(10 + i, layer, blend));
@@ -95,7 +113,9 @@ TEST(CrowdController, ThousandsOfCommandsAreAppliedInTheirOrder) {
         for (ReferenceCharacter& one : wanted) ASSERT_TRUE(one.update(0.07f));
     }
     for (uint32_t i = 0; i < kInstances; i += 37)
-        EXPECT_LE(matrix_error(*crowd.read_model_matrices(10 + i), wanted[i].pose().model_from_joint, character.size), 1e-4) << "instance " << i;
+        EXPECT_LE(matrix_error(*crowd.read_model_matrices(10 + i), wanted[i].pose().model_from_joint, character.size),
+                  1e-4)
+            << "instance " << i;
 }
 
 // Two layers; plays that begin before the last one has died away, some with a cross-fade between.
@@ -104,13 +124,18 @@ TEST(CrowdController, InertialPlaysFollowTheReference) {
     const Controller controller = direct_layers(2, {}, true);
     for (const UpdatePath path : {UpdatePath::kFused, UpdatePath::kStaged}) {
         constexpr uint32_t kInstances = 20;
-        Crowd crowd = create({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}}, .path = path, .keep_model_matrices = true});
+        Crowd crowd = create(
+            {.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}},
+             .path = path,
+             .keep_model_matrices = true});
         std::vector<ReferenceCharacter> wanted = references(character, controller, kInstances);
         Random random(8);
         for (int update = 0; update < 40; ++update) {
             for (uint32_t i = 0; i < kInstances; ++i) {
                 if (update > 0 && !random.chance(0.1)) continue;
-                const LayerPlayback playback{.clip = {.clip = random.below(3), .time_s = random.between(0, 2)}, .fade_s = static_cast<float>(random.between(0.1, 0.5)), .fade = random.chance(0.8) ? FadeKind::kInertial : FadeKind::kCross};
+                const LayerPlayback playback{.clip = {.clip = random.below(3), .time_s = random.between(0, 2)},
+                                             .fade_s = static_cast<float>(random.between(0.1, 0.5)),
+                                             .fade = random.chance(0.8) ? FadeKind::kInertial : FadeKind::kCross};
                 const uint32_t layer = random.below(2);
                 ASSERT_TRUE(crowd.play(i, layer, playback) && wanted[i].play(layer, playback));
             }
@@ -118,7 +143,8 @@ TEST(CrowdController, InertialPlaysFollowTheReference) {
             for (uint32_t i = 0; i < kInstances; ++i) {
                 ASSERT_TRUE(wanted[i].update(0.03f));
                 const ReferencePose pose = wanted[i].pose();
-                EXPECT_LE(matrix_error(*crowd.read_model_matrices(i), pose.model_from_joint, character.size), 1e-4) << "instance " << i << ", update " << update;
+                EXPECT_LE(matrix_error(*crowd.read_model_matrices(i), pose.model_from_joint, character.size), 1e-4)
+                    << "instance " << i << ", update " << update;
             }
         }
     }
@@ -131,11 +157,14 @@ TEST(CrowdController, AnInertialPlayBeginsWhereTheCharacterIs) {
         ReferenceCharacter one = std::move(*ReferenceCharacter::create(character, controller));
         EXPECT_TRUE(one.play(0, {.clip = {.clip = 0}}) && one.update(0.1f) && one.update(0.1f));
         const std::vector<AffineT<double>> before = one.pose().model_from_joint;
-        EXPECT_TRUE(one.play(0, {.clip = {.clip = 2, .time_s = 0.5}, .fade_s = fade_s, .fade = fade}) && one.update(0.0001f));
+        EXPECT_TRUE(one.play(0, {.clip = {.clip = 2, .time_s = 0.5}, .fade_s = fade_s, .fade = fade}) &&
+                    one.update(0.0001f));
         const std::vector<AffineT<double>> after = one.pose().model_from_joint;
         double furthest = 0;
         for (size_t joint = 0; joint < before.size(); ++joint)
-            for (size_t row = 0; row < 3; ++row) furthest = std::max(furthest, std::abs(after[joint].row[row][3] - before[joint].row[row][3]) / character.size);
+            for (size_t row = 0; row < 3; ++row)
+                furthest = std::max(furthest,
+                                    std::abs(after[joint].row[row][3] - before[joint].row[row][3]) / character.size);
         return furthest;
     };
     EXPECT_LT(jump(FadeKind::kInertial, 0.4f), 0.01);
@@ -148,11 +177,16 @@ TEST(CrowdController, SocketsAreTheJointsInModelOrWorldSpace) {
     for (const UpdatePath path : {UpdatePath::kFused, UpdatePath::kStaged})
         for (const SocketSpace space : {SocketSpace::kModel, SocketSpace::kWorld}) {
             const std::vector<uint32_t> joints{3, 0, character.rig.joint_count() - 1};
-            Crowd crowd = create({.groups = {{.character = &character, .instance_count = 5},
-                                             {.character = &character, .instance_count = 70, .controller = &controller, .sockets = joints, .socket_space = space},
-                                             {.character = &character, .instance_count = 3, .sockets = {1}, .socket_space = space}},
-                                  .path = path,
-                                  .keep_model_matrices = true});
+            Crowd crowd = create(
+                {.groups = {{.character = &character, .instance_count = 5},
+                            {.character = &character,
+                             .instance_count = 70,
+                             .controller = &controller,
+                             .sockets = joints,
+                             .socket_space = space},
+                            {.character = &character, .instance_count = 3, .sockets = {1}, .socket_space = space}},
+                 .path = path,
+                 .keep_model_matrices = true});
             Affine place;
             place.row[0] = {0, 0, 2, 10};
             place.row[2] = {-2, 0, 0, 20};
@@ -174,9 +208,11 @@ TEST(CrowdController, SocketsAreTheJointsInModelOrWorldSpace) {
                 ASSERT_EQ(instance.sockets.size(), of.size());
                 const std::vector<Affine> model = *crowd.read_model_matrices(watched[k]);
                 for (size_t s = 0; s < of.size(); ++s) {
-                    const Affine wanted = space == SocketSpace::kWorld && watched[k] != 5 ? place * model[of[s]] : model[of[s]];
+                    const Affine wanted = space == SocketSpace::kWorld && watched[k] != 5 ? place * model[of[s]]
+                                                                                          : model[of[s]];
                     for (size_t row = 0; row < 3; ++row)
-                        for (size_t column = 0; column < 4; ++column) EXPECT_NEAR(instance.sockets[s].row[row][column], wanted.row[row][column], 1e-4);
+                        for (size_t column = 0; column < 4; ++column)
+                            EXPECT_NEAR(instance.sockets[s].row[row][column], wanted.row[row][column], 1e-4);
                 }
             }
         }
@@ -186,8 +222,11 @@ TEST(CrowdController, FeedbackCountsWhatFindsNoRoomAndKeepsFourUpdates) {
     const Character character = creature(20);
     const Controller controller = example("guard");
     constexpr uint32_t kInstances = 50;
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}}, .event_capacity = 7});
-    for (uint32_t i = 0; i < kInstances; ++i) ASSERT_TRUE(crowd.set_parameters(i, controller.find_parameter("speed"), std::array{1.0f}));
+    Crowd crowd = create(
+        {.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}},
+         .event_capacity = 7});
+    for (uint32_t i = 0; i < kInstances; ++i)
+        ASSERT_TRUE(crowd.set_parameters(i, controller.find_parameter("speed"), std::array{1.0f}));
     for (int update = 0; update < 6; ++update) ASSERT_TRUE(crowd.update(0.5f));
     const std::vector<Feedback> feedback = *crowd.feedback();
     ASSERT_EQ(feedback.size(), 4u);
@@ -208,7 +247,9 @@ TEST(CrowdController, TellsWhatLayersPlay) {
     const Controller guard = example("guard"), direct = direct_layers(2);
     ASSERT_EQ(guard.layers[0].states[1].name, "move");
     // One without a controller, so that places in buffers differ from numbers of instances.
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2}, {.character = &character, .instance_count = 2, .controller = &guard}, {.character = &character, .instance_count = 2, .controller = &direct}}});
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2},
+                                     {.character = &character, .instance_count = 2, .controller = &guard},
+                                     {.character = &character, .instance_count = 2, .controller = &direct}}});
     ASSERT_TRUE(crowd.set_parameters(3, guard.find_parameter("speed"), std::array{2.0f}));
     ASSERT_TRUE(crowd.play(5, 0, {.clip = {.clip = 2, .time_s = character.clips[2].duration_s / 4, .speed = 0}}));
     ASSERT_TRUE(crowd.play(5, 1, {.clip = {.clip = 0}}));
@@ -251,7 +292,9 @@ TEST(CrowdController, TellsWhatLayersPlay) {
 TEST(CrowdController, WrongCallsAreRefused) {
     const Character character = creature(20);
     const Controller controller = example("guard"), direct = direct_layers(1);
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1}, {.character = &character, .instance_count = 1, .controller = &controller}, {.character = &character, .instance_count = 1, .controller = &direct}}});
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1},
+                                     {.character = &character, .instance_count = 1, .controller = &controller},
+                                     {.character = &character, .instance_count = 1, .controller = &direct}}});
     const auto refusal = [](const auto& result) { return result ? std::string() : result.error().text(); };
     const Playback playback;
     EXPECT_NE(refusal(crowd.set_playback(1, {&playback, 1})).find("controller"), std::string::npos);
@@ -260,19 +303,30 @@ TEST(CrowdController, WrongCallsAreRefused) {
     EXPECT_NE(refusal(crowd.play(2, 1, {})).find("layer 1 of a controller that has 1"), std::string::npos);
     EXPECT_NE(refusal(crowd.play(2, 0, {.clip = {.clip = 9}})).find("clip 9"), std::string::npos);
     EXPECT_NE(refusal(crowd.play(2, 0, {.clip = {.clip = 0}, .fade_s = -1})).find("fade"), std::string::npos);
-    EXPECT_NE(refusal(crowd.play(2, 0, {.clip = {.clip = 0, .speed = std::numeric_limits<float>::infinity()}})).find("finite"), std::string::npos);
+    EXPECT_NE(refusal(crowd.play(2, 0, {.clip = {.clip = 0, .speed = std::numeric_limits<float>::infinity()}}))
+                  .find("finite"),
+              std::string::npos);
     EXPECT_NE(refusal(crowd.set_layer(2, 0, {.weight = 2})).find("weight"), std::string::npos);
     EXPECT_NE(refusal(crowd.set_layer(2, 0, {.mask = 0})).find("mask 0"), std::string::npos);
     EXPECT_NE(refusal(crowd.set_parameters(1, 1, std::array{0.0f, 0.0f})).find("parameters 1 to 3"), std::string::npos);
-    EXPECT_NE(refusal(crowd.set_parameters(1, 0, std::array{std::numeric_limits<float>::quiet_NaN()})).find("finite"), std::string::npos);
+    EXPECT_NE(refusal(crowd.set_parameters(1, 0, std::array{std::numeric_limits<float>::quiet_NaN()})).find("finite"),
+              std::string::npos);
     EXPECT_NE(refusal(crowd.play(3, 0, {})).find("of a crowd of 3"), std::string::npos);
-    EXPECT_NE(refusal(crowd.play(2, 0, {.clip = {.clip = 0}, .fade_s = 1, .fade = FadeKind::kInertial})).find("inertial"), std::string::npos);
+    EXPECT_NE(
+        refusal(crowd.play(2, 0, {.clip = {.clip = 0}, .fade_s = 1, .fade = FadeKind::kInertial})).find("inertial"),
+        std::string::npos);
     EXPECT_NE(refusal(crowd.watch(std::array{3u})).find("of a crowd of 3"), std::string::npos);
     EXPECT_NE(refusal(crowd.watch(std::vector<uint32_t>(65, 0))).find("watch_capacity is 64"), std::string::npos);
     Crowd plain = create({.groups = {{.character = &character, .instance_count = 1}}});
     EXPECT_NE(refusal(plain.watch(std::array{0u})).find("no group has a controller"), std::string::npos);
-    EXPECT_NE(refusal(Crowd::create(test_device(), {.groups = {{.character = &character, .instance_count = 1, .sockets = {2, 2}}}})).find("twice"), std::string::npos);
-    EXPECT_NE(refusal(Crowd::create(test_device(), {.groups = {{.character = &character, .instance_count = 1, .sockets = {99}}}})).find("joint 99"), std::string::npos);
+    EXPECT_NE(refusal(Crowd::create(test_device(),
+                                    {.groups = {{.character = &character, .instance_count = 1, .sockets = {2, 2}}}}))
+                  .find("twice"),
+              std::string::npos);
+    EXPECT_NE(refusal(Crowd::create(test_device(),
+                                    {.groups = {{.character = &character, .instance_count = 1, .sockets = {99}}}}))
+                  .find("joint 99"),
+              std::string::npos);
     ASSERT_TRUE(crowd.update(0.1f));
 }
 

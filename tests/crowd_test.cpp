@@ -21,7 +21,8 @@ void expect_reference(const MixedCrowd& mixed, const ScanMethod& method) {
     settings.scan = method.name;
     Crowd crowd = create(settings);
     ASSERT_EQ(crowd.instance_count(), mixed.playbacks.size());
-    for (uint32_t group = 0; group < mixed.characters.size(); ++group) EXPECT_EQ(crowd.path(group)->scan.method.substr(0, crowd.path(group)->scan.method.find(':')), method.name);
+    for (uint32_t group = 0; group < mixed.characters.size(); ++group)
+        EXPECT_EQ(crowd.path(group)->scan.method.substr(0, crowd.path(group)->scan.method.find(':')), method.name);
     ASSERT_TRUE(crowd.set_playback(0, mixed.playbacks));
     double worst = 0;
     std::vector<Playback> now = mixed.playbacks;
@@ -30,11 +31,13 @@ void expect_reference(const MixedCrowd& mixed, const ScanMethod& method) {
         for (uint32_t i = 0; i < now.size(); ++i) {
             now[i] = advanced(now[i], *mixed.character_of[i], step_s);
             const double error = instance_error(crowd, i, *mixed.character_of[i], now[i], true);
-            EXPECT_LE(error, kPoseBound) << method.name << ", instance " << i << ", " << mixed.character_of[i]->name << ", step " << step_s << " s";
+            EXPECT_LE(error, kPoseBound) << method.name << ", instance " << i << ", " << mixed.character_of[i]->name
+                                         << ", step " << step_s << " s";
             worst = std::max(worst, error);
         }
     }
-    std::printf("  %-22s %zu instances of 1, 20, 70 and 300 joints, 4 updates: largest error %.1e of the size\n", std::string(method.name).c_str(), now.size(), worst);
+    std::printf("  %-22s %zu instances of 1, 20, 70 and 300 joints, 4 updates: largest error %.1e of the size\n",
+                std::string(method.name).c_str(), now.size(), worst);
 }
 
 TEST(Crowd, AMixedCrowdFollowsTheReferenceWithEveryScan) {
@@ -42,7 +45,8 @@ TEST(Crowd, AMixedCrowdFollowsTheReferenceWithEveryScan) {
     for (const Character& character : scaled.characters) EXPECT_FALSE(character.rig.uniform_scale) << character.name;
     for (const Character& character : unscaled.characters) EXPECT_TRUE(character.rig.uniform_scale) << character.name;
     for (const ScanMethod& method : scan_table()) {
-        if (method.layout == ScanLayout::kCharacterMajor) expect_reference(method.format == ScanFormat::kSimilarity ? unscaled : scaled, method);
+        if (method.layout == ScanLayout::kCharacterMajor)
+            expect_reference(method.format == ScanFormat::kSimilarity ? unscaled : scaled, method);
     }
 }
 
@@ -72,7 +76,13 @@ TEST(Crowd, AutoChoosesAScanAndSaysWhy) {
 
 // More matrices than one buffer of the device holds: several batches, and several waves through the arena.
 TEST(Crowd, ManyLargeCharactersAreSplitIntoBatchesAndWaves) {
-    const Character large = make_character({.name = "65535 joints", .joint_count = 65535, .shape = RigShape::kBushy, .scale_spread = 0, .clip_count = 1, .axis_count = 1, .key_count = 2});
+    const Character large = make_character({.name = "65535 joints",
+                                            .joint_count = 65535,
+                                            .shape = RigShape::kBushy,
+                                            .scale_spread = 0,
+                                            .clip_count = 1,
+                                            .axis_count = 1,
+                                            .key_count = 2});
     const Character small = small_character();
     const uint64_t range_bytes = std::min(test_device().info().storage_buffer_range_bytes, uint64_t{256} << 20);
     const auto large_count = static_cast<uint32_t>(range_bytes / (65535 * sizeof(Affine))) + 2;
@@ -88,9 +98,11 @@ TEST(Crowd, ManyLargeCharactersAreSplitIntoBatchesAndWaves) {
     ASSERT_TRUE(crowd.update(0));
     const uint32_t second_batch = crowd.state().batches[2].first_instance;
     ASSERT_GT(second_batch, 3u);
-    for (const uint32_t instance : {0u, 2u, 3u, second_batch - 1, second_batch, large_count + 2, large_count + 3, large_count + 6}) {
+    for (const uint32_t instance :
+         {0u, 2u, 3u, second_batch - 1, second_batch, large_count + 2, large_count + 3, large_count + 6}) {
         const Character& character = instance >= 3 && instance < 3 + large_count ? large : small;
-        EXPECT_LE(instance_error(crowd, instance, character, playbacks[instance]), kPoseBound) << "instance " << instance;
+        EXPECT_LE(instance_error(crowd, instance, character, playbacks[instance]), kPoseBound)
+            << "instance " << instance;
     }
     uint32_t next = 0;
     for (const OutputBlock& block : crowd.outputs()) {
@@ -103,7 +115,9 @@ TEST(Crowd, ManyLargeCharactersAreSplitIntoBatchesAndWaves) {
         next += block.instance_count;
     }
     EXPECT_EQ(next, crowd.instance_count());
-    std::printf("  %u instances of 65,535 joints: %zu batches, %u waves, %.0f MB\n", large_count, crowd.state().batches.size(), crowd.state().staged->wave_count(), static_cast<double>(crowd.size_bytes()) * 1e-6);
+    std::printf("  %u instances of 65,535 joints: %zu batches, %u waves, %.0f MB\n", large_count,
+                crowd.state().batches.size(), crowd.state().staged->wave_count(),
+                static_cast<double>(crowd.size_bytes()) * 1e-6);
     const StageTimes times = *crowd.stage_times();
     EXPECT_GT(times.scan, 0);
 }
@@ -120,21 +134,34 @@ TEST(Crowd, ManySmallCharactersAreSplitIntoBatches) {
     ASSERT_TRUE(crowd.set_playback(0, playbacks));
     ASSERT_TRUE(crowd.update(0));
     const uint32_t edge = crowd.outputs()[1].first_instance;
-    for (const uint32_t instance : {0u, 1u, edge - 1, edge, limit + 4}) EXPECT_LE(instance_error(crowd, instance, one, playbacks[instance]), kPoseBound) << instance;
+    for (const uint32_t instance : {0u, 1u, edge - 1, edge, limit + 4})
+        EXPECT_LE(instance_error(crowd, instance, one, playbacks[instance]), kPoseBound) << instance;
 }
 
 // 65,535 joints in one character: every method.
 TEST(Crowd, TheLargestCharacterWorksWithEveryScan) {
-    const Character large = make_character({.name = "65535 joints", .joint_count = 65535, .shape = RigShape::kBushy, .scale_spread = 0, .clip_count = 1, .axis_count = 1, .key_count = 2});
+    const Character large = make_character({.name = "65535 joints",
+                                            .joint_count = 65535,
+                                            .shape = RigShape::kBushy,
+                                            .scale_spread = 0,
+                                            .clip_count = 1,
+                                            .axis_count = 1,
+                                            .key_count = 2});
     ASSERT_EQ(large.rig.joint_count(), 65535u);
     Random random(11);
     const std::vector<Playback> playbacks = random_playbacks(random, large, 2);
     for (const ScanMethod& method : scan_table()) {
-        const CrowdSettings settings{.groups = {{&large, 2}}, .path = UpdatePath::kStaged, .scan = std::string(method.name), .keep_model_matrices = true};
+        const CrowdSettings settings{.groups = {{&large, 2}},
+                                     .path = UpdatePath::kStaged,
+                                     .scan = std::string(method.name),
+                                     .keep_model_matrices = true};
         const std::vector<uint32_t> lanes = method.lane_choices(scan_limits(*test_device().gpu()));
-        const bool applies = method.layout == ScanLayout::kCharacterMajor && std::any_of(lanes.begin(), lanes.end(), [&](uint32_t choice) {
-            return plan_scan(method, ScanRig(large.rig.parents, true), scan_limits(*test_device().gpu()), choice).obstacle.empty();
-        });
+        const bool applies = method.layout == ScanLayout::kCharacterMajor &&
+                             std::any_of(lanes.begin(), lanes.end(), [&](uint32_t choice) {
+                                 return plan_scan(method, ScanRig(large.rig.parents, true),
+                                                  scan_limits(*test_device().gpu()), choice)
+                                     .obstacle.empty();
+                             });
         if (!applies) {
             const Result<Crowd> refused = Crowd::create(test_device(), settings);
             ASSERT_FALSE(refused) << method.name;
@@ -144,7 +171,8 @@ TEST(Crowd, TheLargestCharacterWorksWithEveryScan) {
         Crowd crowd = create(settings);
         ASSERT_TRUE(crowd.set_playback(0, playbacks));
         ASSERT_TRUE(crowd.update(0));
-        for (uint32_t i = 0; i < 2; ++i) EXPECT_LE(instance_error(crowd, i, large, playbacks[i], true), kPoseBound) << method.name;
+        for (uint32_t i = 0; i < 2; ++i)
+            EXPECT_LE(instance_error(crowd, i, large, playbacks[i], true), kPoseBound) << method.name;
     }
 }
 
@@ -157,13 +185,15 @@ TEST(Crowd, OnlyChangedInstancesAreSetAnew) {
     const auto looping = [](uint32_t clip, double time_s, float speed) {
         return Playback{.first = {.clip = clip, .time_s = time_s, .speed = speed, .loop = true}, .weight = 1};
     };
-    for (uint32_t i = 0; i < kCount; ++i) playbacks.push_back(looping(i % 3, 0.05 * i, 1 + 0.1f * static_cast<float>(i)));
+    for (uint32_t i = 0; i < kCount; ++i)
+        playbacks.push_back(looping(i % 3, 0.05 * i, 1 + 0.1f * static_cast<float>(i)));
     ASSERT_TRUE(crowd.set_playback(0, playbacks));
     const auto update_and_compare = [&](double step_s) {
         ASSERT_TRUE(crowd.update(static_cast<float>(step_s)));
         for (uint32_t i = 0; i < kCount; ++i) {
             ages_s[i] += step_s;
-            EXPECT_LE(instance_error(crowd, i, character, advanced(playbacks[i], character, ages_s[i])), kPoseBound) << "instance " << i;
+            EXPECT_LE(instance_error(crowd, i, character, advanced(playbacks[i], character, ages_s[i])), kPoseBound)
+                << "instance " << i;
         }
     };
     const auto change = [&](uint32_t first, uint32_t count, uint32_t clip) {
@@ -176,23 +206,28 @@ TEST(Crowd, OnlyChangedInstancesAreSetAnew) {
     };
     update_and_compare(0.3);
     update_and_compare(0.25);
-    change(4, 2, 1);   // over the edge of a group
+    change(4, 2, 1);  // over the edge of a group
     update_and_compare(0.11);
-    change(2, 3, 0);   // overlapping, out of order, one inside another
+    change(2, 3, 0);  // overlapping, out of order, one inside another
     change(1, 5, 2);
     change(3, 1, 1);
     change(11, 1, 2);
     update_and_compare(0.2);
-    change(7, 0, 1);   // nothing
+    change(7, 0, 1);  // nothing
     update_and_compare(0.2);
 }
 
 TEST(Crowd, TimeStaysInTheClip) {
     const Character character = small_character();  // clip 0 is 1 s long
     Crowd crowd = create({.groups = {{&character, 4}}});
-    const auto play = [&](double time_s, float speed, bool loop) { return Playback{.first = {.clip = 0, .time_s = time_s, .speed = speed, .loop = loop}}; };
-    ASSERT_TRUE(crowd.set_playback(0, std::vector{play(0, 1, true), play(0, 1, false), play(0, -1, true), play(1, -1, false)}));
-    const auto shows = [&](uint32_t instance, double time_s) { return instance_error(crowd, instance, character, play(time_s, 0, false)) <= kPoseBound; };
+    const auto play = [&](double time_s, float speed, bool loop) {
+        return Playback{.first = {.clip = 0, .time_s = time_s, .speed = speed, .loop = loop}};
+    };
+    ASSERT_TRUE(
+        crowd.set_playback(0, std::vector{play(0, 1, true), play(0, 1, false), play(0, -1, true), play(1, -1, false)}));
+    const auto shows = [&](uint32_t instance, double time_s) {
+        return instance_error(crowd, instance, character, play(time_s, 0, false)) <= kPoseBound;
+    };
     ASSERT_TRUE(crowd.update(0.75f));
     EXPECT_TRUE(shows(0, 0.75) && shows(1, 0.75) && shows(2, 0.25) && shows(3, 0.25));
     ASSERT_TRUE(crowd.update(0.5f));
@@ -208,7 +243,8 @@ TEST(Crowd, TimeStaysInTheClip) {
 TEST(Crowd, NoSpeedMakesAPoseThatIsNotFinite) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 2}}});
-    ASSERT_TRUE(crowd.set_playback(0, std::vector{Playback{.first = {.clip = 0, .speed = 3e38f, .loop = true}}, Playback{.first = {.clip = 0, .speed = 3e38f, .loop = false}}}));
+    ASSERT_TRUE(crowd.set_playback(0, std::vector{Playback{.first = {.clip = 0, .speed = 3e38f, .loop = true}},
+                                                  Playback{.first = {.clip = 0, .speed = 3e38f, .loop = false}}}));
     for (int i = 0; i < 2; ++i) {
         ASSERT_TRUE(crowd.update(1000));
         for (const Affine& matrix : skins_of(crowd))
@@ -225,7 +261,8 @@ TEST(Crowd, WeightsAtTheEndsShowOneClip) {
     ASSERT_TRUE(crowd.update(0));
     EXPECT_LE(instance_error(crowd, 0, character, Playback{a, {}, 1}), kPoseBound);
     EXPECT_LE(instance_error(crowd, 1, character, Playback{b, {}, 1}), kPoseBound);
-    EXPECT_LE(instance_error(crowd, 2, character, Playback{b, a, 0.75f}), kPoseBound) << "a quarter of a is three quarters of b";
+    EXPECT_LE(instance_error(crowd, 2, character, Playback{b, a, 0.75f}), kPoseBound)
+        << "a quarter of a is three quarters of b";
     EXPECT_GT(instance_error(crowd, 2, character, Playback{a, b, 0.75f}), kPoseBound);
 }
 
@@ -263,7 +300,8 @@ TEST(Crowd, WrongValuesAreRefusedAndChangeNothing) {
     ASSERT_TRUE(crowd.update(0.1f));
     const std::vector<Affine> before = skins_of(crowd);
 
-    constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
+    constexpr double kNan = std::numeric_limits<double>::quiet_NaN(),
+                     kInfinity = std::numeric_limits<double>::infinity();
     const Playback good{.first = {.clip = 1, .time_s = 0.5}};
     const auto refused = [&](uint32_t first, const std::vector<Playback>& playbacks, const std::string& says) {
         const Result<void> result = crowd.set_playback(first, playbacks);
@@ -304,7 +342,8 @@ TEST(Crowd, WrongValuesAreRefusedAndChangeNothing) {
 
     ASSERT_TRUE(crowd.update(0));
     EXPECT_TRUE(same_bits(skins_of(crowd), before));
-    EXPECT_EQ(download<Affine>(test_gpu(), BufferRange(crowd.outputs()[0].placement_buffer, 0, 4 * sizeof(Affine))), std::vector<Affine>(4));
+    EXPECT_EQ(download<Affine>(test_gpu(), BufferRange(crowd.outputs()[0].placement_buffer, 0, 4 * sizeof(Affine))),
+              std::vector<Affine>(4));
 }
 
 TEST(Crowd, WrongSettingsAreRefused) {
@@ -313,7 +352,8 @@ TEST(Crowd, WrongSettingsAreRefused) {
         const Result<Crowd> crowd = Crowd::create(test_device(), settings);
         ASSERT_FALSE(crowd);
         EXPECT_EQ(crowd.error().code, ErrorCode::kInvalidArgument);
-        for (const std::string& text : says) EXPECT_NE(crowd.error().text().find(text), std::string::npos) << crowd.error().text();
+        for (const std::string& text : says)
+            EXPECT_NE(crowd.error().text().find(text), std::string::npos) << crowd.error().text();
     };
     refused({}, {"no instances"});
     refused({.groups = {{&character, 0}}}, {"no instances"});
@@ -329,7 +369,8 @@ TEST(Crowd, TheSameInputsGiveTheSameBits) {
     for (const ScanMethodInfo& method : scan_methods()) {
         if (!method.in_crowds) continue;
         const auto run = [&](bool with_neighbours) {
-            Crowd crowd = create({.groups = {{&character, with_neighbours ? 70u : 0u}, {&character, 40}}, .scan = method.name});
+            Crowd crowd = create(
+                {.groups = {{&character, with_neighbours ? 70u : 0u}, {&character, 40}}, .scan = method.name});
             Random random(14);
             const std::vector<Playback> playbacks = random_playbacks(random, character, 40);
             EXPECT_TRUE(crowd.set_playback(crowd.instance_count() - 40, playbacks));
@@ -350,7 +391,8 @@ TEST(Crowd, RecordsIntoTheCallersCommandBuffer) {
     Crowd crowd = create({.groups = {{&character, 3}}});
     Random random(15);
     std::vector<Playback> playbacks = random_playbacks(random, character, 3);
-    for (Playback& playback : playbacks) playback.first.loop = playback.second.loop = true;  // so that two steps are one
+    // So that two steps are one
+    for (Playback& playback : playbacks) playback.first.loop = playback.second.loop = true;
     ASSERT_TRUE(crowd.set_playback(0, playbacks));
     EXPECT_FALSE(crowd.stage_times()) << "nothing has been recorded";
 
@@ -385,7 +427,9 @@ TEST(Crowd, RecordsIntoTheCallersCommandBuffer) {
     for (uint32_t i = 0; i < 3; ++i) {
         const ReferencePose pose = *reference_pose(character, advanced(playbacks[i], character, 0.2));
         for (size_t entry = 0; entry < pose.model_from_bind.size(); ++entry)
-            EXPECT_LE(matrix_error(between[i * pose.model_from_bind.size() + entry], pose.model_from_bind[entry], character.size), kPoseBound);
+            EXPECT_LE(matrix_error(between[i * pose.model_from_bind.size() + entry], pose.model_from_bind[entry],
+                                   character.size),
+                      kPoseBound);
         EXPECT_LE(instance_error(crowd, i, character, advanced(playbacks[i], character, 0.5)), kPoseBound);
     }
     EXPECT_TRUE(crowd.stage_times());
@@ -500,7 +544,8 @@ TEST(Crowd, APictureWithoutPixelsHasNoView) {
     for (const auto& [width, height] : {std::pair(0u, 0u), std::pair(0u, 9u), std::pair(9u, 0u)}) {
         const Result<CrowdView> view = view_of({.eye = {0, 1, 5}, .target = {}}, width, height, {});
         ASSERT_FALSE(view);
-        EXPECT_EQ(view.error().text(), "view: a picture of " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
+        EXPECT_EQ(view.error().text(),
+                  "view: a picture of " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
     }
 }
 
@@ -533,7 +578,8 @@ TEST(Crowd, DirtyRangesMergeWhatTouches) {
     EXPECT_EQ(take(), Ranges{});
     dirty.add(5, 0);
     EXPECT_EQ(take(), Ranges{});
-    for (const auto& [first, count] : Ranges{{10, 5}, {0, 3}, {12, 1}, {14, 4}, {20, 5}, {3, 1}, {12, 2}, {21, 1}}) dirty.add(first, count);
+    for (const auto& [first, count] : Ranges{{10, 5}, {0, 3}, {12, 1}, {14, 4}, {20, 5}, {3, 1}, {12, 2}, {21, 1}})
+        dirty.add(first, count);
     EXPECT_EQ(take(), (Ranges{{0, 4}, {10, 8}, {20, 5}}));
     EXPECT_EQ(take(), Ranges{}) << "taken twice";
 }

@@ -17,14 +17,17 @@ namespace {
 constexpr uint32_t kWidth = 160, kHeight = 120;
 constexpr uint32_t kUnseen = ~0u;
 
-Character creature_with_details() { return *compile_character(*make_creature({.joint_count = 40, .level_count = 12, .face_count = 800})); }
+Character creature_with_details() {
+    return *compile_character(*make_creature({.joint_count = 40, .level_count = 12, .face_count = 800}));
+}
 
 // Anywhere within a square, of any size, some mirrored.
 std::vector<Affine> random_places(Random& random, uint32_t count, double extent) {
     std::vector<Affine> places;
     for (uint32_t i = 0; i < count; ++i) {
         Trs<double> place = random.trs(1, 0.2);
-        place.translation = {random.between(-extent, extent), random.between(-0.05, 0.05) * extent, random.between(-extent, extent)};
+        place.translation = {random.between(-extent, extent), random.between(-0.05, 0.05) * extent,
+                             random.between(-extent, extent)};
         if (random.chance(0.2)) place.scale.x = -place.scale.x;
         places.push_back(to_affine(place).as<float>());
     }
@@ -32,7 +35,9 @@ std::vector<Affine> random_places(Random& random, uint32_t count, double extent)
 }
 
 Camera random_camera(Random& random, double extent) {
-    return {.eye = random.vector(extent).as<float>(), .target = random.vector(extent).as<float>(), .vertical_field_of_view_rad = static_cast<float>(random.between(0.1, 2))};
+    return {.eye = random.vector(extent).as<float>(),
+            .target = random.vector(extent).as<float>(),
+            .vertical_field_of_view_rad = static_cast<float>(random.between(0.1, 2))};
 }
 
 TEST(Cull, ListsWhatTheReferenceSees) {
@@ -47,7 +52,8 @@ TEST(Cull, ListsWhatTheReferenceSees) {
         Crowd crowd = create({.groups = {{&character, count}}, .culls = true});
         ASSERT_TRUE(crowd.set_placement(0, places));
         const Group& group = crowd.state().groups[0];
-        const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(), ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
+        const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(),
+                          ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
         for (int round = 0; round < 8; ++round) {
             CrowdView view = *view_of(random_camera(random, extent), kWidth, kHeight, {});
             view.shadow = random.vector(20).as<float>();
@@ -62,7 +68,9 @@ TEST(Cull, ListsWhatTheReferenceSees) {
                 ASSERT_EQ(details[drawn[i].instance], kUnseen) << "listed twice";
                 details[drawn[i].instance] = drawn[i].detail;
                 if (i == 0) continue;
-                EXPECT_TRUE(drawn[i - 1].detail < drawn[i].detail || (drawn[i - 1].detail == drawn[i].detail && drawn[i - 1].instance < drawn[i].instance)) << "in order";
+                EXPECT_TRUE(drawn[i - 1].detail < drawn[i].detail ||
+                            (drawn[i - 1].detail == drawn[i].detail && drawn[i - 1].instance < drawn[i].instance))
+                    << "in order";
             }
             for (uint32_t i = 0; i < count; ++i) {
                 constexpr double kRounding = 1e-4;
@@ -75,11 +83,16 @@ TEST(Cull, ListsWhatTheReferenceSees) {
                 ++seen_in_all;
                 ++of_details[details[i]];
                 ASSERT_LE(details[i], character.details.size());
-                const auto spare_of = [&](uint32_t detail) { return spare_of_detail(planes, place, box, character.details[detail - 1].error); };
+                const auto spare_of = [&](uint32_t detail) {
+                    return spare_of_detail(planes, place, box, character.details[detail - 1].error);
+                };
                 ASSERT_TRUE(details[i] == 0 || spare_of(details[i]) >= -kRounding * extent) << "too coarse";
-                ASSERT_TRUE(details[i] == character.details.size() || spare_of(details[i] + 1) <= kRounding * extent) << "too fine";
+                ASSERT_TRUE(details[i] == character.details.size() || spare_of(details[i] + 1) <= kRounding * extent)
+                    << "too fine";
             }
-            const auto draws = download<io::DrawCommand>(test_gpu(), BufferRange(crowd.outputs()[0].draw_buffer, 0, group.sections.size() * io::kDetailLevels * sizeof(io::DrawCommand)));
+            const auto draws = download<io::DrawCommand>(
+                test_gpu(), BufferRange(crowd.outputs()[0].draw_buffer, 0,
+                                        group.sections.size() * io::kDetailLevels * sizeof(io::DrawCommand)));
             for (size_t k = 0; k < draws.size(); ++k) {
                 const uint32_t detail = k % io::kDetailLevels;
                 EXPECT_EQ(draws[k].instance_count, std::ranges::count(details, detail));
@@ -102,8 +115,10 @@ TEST(Cull, WithoutAViewAllAreListedInFullDetail) {
     for (uint32_t i = 0; i < drawn.size(); ++i) EXPECT_TRUE(drawn[i].instance == i && drawn[i].detail == 0) << i;
 }
 
-// Those that are seen have the bits that they have without a view; the others keep what they had; and all go on in time.
-void expect_same_where_drawn(const CrowdGroup& group, UpdatePath path, bool only_drawn, const std::string& scan = "auto") {
+// Those that are seen have the bits that they have without a view; the others keep what they had; and all go on in
+// time.
+void expect_same_where_drawn(const CrowdGroup& group, UpdatePath path, bool only_drawn,
+                             const std::string& scan = "auto") {
     constexpr uint32_t kCount = 130;
     CrowdGroup copied = group;
     copied.instance_count = kCount;
@@ -112,7 +127,9 @@ void expect_same_where_drawn(const CrowdGroup& group, UpdatePath path, bool only
     Random random(6);
     const std::vector<Affine> places = random_places(random, kCount, 30);
     const std::vector<Playback> playbacks = random_playbacks(random, *group.character, kCount);
-    for (Crowd* crowd : {&viewed, &whole}) ASSERT_TRUE(crowd->set_placement(0, places) && (group.controller || crowd->set_playback(0, playbacks)) && crowd->update(0.1f));
+    for (Crowd* crowd : {&viewed, &whole})
+        ASSERT_TRUE(crowd->set_placement(0, places) && (group.controller || crowd->set_playback(0, playbacks)) &&
+                    crowd->update(0.1f));
     uint32_t skipped = 0;
     for (int update = 0; update < 6; ++update) {
         const CrowdView view = *view_of(random_camera(random, 30), kWidth, kHeight, {});
@@ -124,12 +141,16 @@ void expect_same_where_drawn(const CrowdGroup& group, UpdatePath path, bool only
         for (uint32_t i = 0; i < kCount; ++i) {
             const bool is_animated = is_drawn[i] || !only_drawn;
             skipped += !is_animated;
-            EXPECT_TRUE(same_bits(*viewed.read_skin_matrices(i), is_animated ? *whole.read_skin_matrices(i) : before[i])) << "instance " << i;
+            EXPECT_TRUE(
+                same_bits(*viewed.read_skin_matrices(i), is_animated ? *whole.read_skin_matrices(i) : before[i]))
+                << "instance " << i;
         }
     }
     EXPECT_EQ(skipped > kCount, only_drawn);
     ASSERT_TRUE(viewed.update(0.1f) && whole.update(0.1f));
-    for (uint32_t i = 0; i < kCount; ++i) EXPECT_TRUE(same_bits(*viewed.read_skin_matrices(i), *whole.read_skin_matrices(i))) << "all again, instance " << i;
+    for (uint32_t i = 0; i < kCount; ++i)
+        EXPECT_TRUE(same_bits(*viewed.read_skin_matrices(i), *whole.read_skin_matrices(i)))
+            << "all again, instance " << i;
 }
 
 TEST(Cull, OnlyWhatIsDrawnIsAnimated) {
@@ -174,23 +195,31 @@ TEST(Cull, BatchesChangeNothing) {
     EXPECT_FALSE(sorted(whole).empty());
 }
 
-// A flight over a crowd: the same pictures as of all of it at full detail, but for what a coarser mesh moves by less than a pixel.
+// A flight over a crowd: the same pictures as of all of it at full detail, but for what a coarser mesh moves by less
+// than a pixel.
 TEST(Cull, PicturesAreThoseOfEverything) {
     constexpr uint32_t kCount = 150;
     const Character character = creature_with_details();
     Random random(11);
     const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
     std::vector<Affine> places;
-    for (uint32_t i = 0; i < kCount; ++i) places.push_back(to_affine(Trs<double>{.rotation = axis_angle(Vec3<double>{0, 1, 0}, random.between(0, 6)), .translation = {random.between(-30, 30), 0, random.between(-30, 30)}}).as<float>());
-    Crowd viewed = create({.groups = {{&character, kCount}}, .culls = true}), whole = create({.groups = {{&character, kCount}}});
-    for (Crowd* crowd : {&viewed, &whole}) ASSERT_TRUE(crowd->set_placement(0, places) && crowd->set_playback(0, playbacks));
-    Result<Renderer> of_viewed = Renderer::create(test_device(), {.width = kWidth, .height = kHeight}), of_whole = Renderer::create(test_device(), {.width = kWidth, .height = kHeight});
+    for (uint32_t i = 0; i < kCount; ++i)
+        places.push_back(to_affine(Trs<double>{.rotation = axis_angle(Vec3<double>{0, 1, 0}, random.between(0, 6)),
+                                               .translation = {random.between(-30, 30), 0, random.between(-30, 30)}})
+                             .as<float>());
+    Crowd viewed = create({.groups = {{&character, kCount}}, .culls = true}),
+          whole = create({.groups = {{&character, kCount}}});
+    for (Crowd* crowd : {&viewed, &whole})
+        ASSERT_TRUE(crowd->set_placement(0, places) && crowd->set_playback(0, playbacks));
+    Result<Renderer> of_viewed = Renderer::create(test_device(), {.width = kWidth, .height = kHeight}),
+                     of_whole = Renderer::create(test_device(), {.width = kWidth, .height = kHeight});
     ASSERT_TRUE(of_viewed && of_whole);
     uint64_t drawn = 0;
     double worst = 0;
     for (int frame = 0; frame < 60; ++frame) {
         const double turn = 0.2 * frame;
-        const Camera camera{.eye = Vec3<double>{25 * std::sin(turn), 2 + 0.2 * frame, 25 * std::cos(turn)}.as<float>(), .target = Vec3<double>{20 * std::sin(turn + 2), 0, 20 * std::cos(turn + 2)}.as<float>()};
+        const Camera camera{.eye = Vec3<double>{25 * std::sin(turn), 2 + 0.2 * frame, 25 * std::cos(turn)}.as<float>(),
+                            .target = Vec3<double>{20 * std::sin(turn + 2), 0, 20 * std::cos(turn + 2)}.as<float>()};
         CrowdView view = *view_of(camera, kWidth, kHeight, world_bounds(viewed));
         const bool exact = frame % 2 == 0;  // full detail
         if (exact) view.detail_pixels = 1e-20f;
@@ -205,7 +234,8 @@ TEST(Cull, PicturesAreThoseOfEverything) {
     }
     EXPECT_LT(drawn, 60 * kCount * 9 / 10) << "something is culled";
     EXPECT_LE(worst, 1.5) << "of 255, on average";
-    std::printf("  %.0f %% drawn; levels of detail change a picture by %.2f of 255 at most\n", 100.0 * static_cast<double>(drawn) / (60 * kCount), worst);
+    std::printf("  %.0f %% drawn; levels of detail change a picture by %.2f of 255 at most\n",
+                100.0 * static_cast<double>(drawn) / (60 * kCount), worst);
 }
 
 TEST(Cull, WrongViewsAreRefused) {
@@ -218,9 +248,12 @@ TEST(Cull, WrongViewsAreRefused) {
     EXPECT_EQ(unprepared.error().code, ErrorCode::kInvalidArgument);
     EXPECT_FALSE(plain.read_drawn());
     const float kInfinity = std::numeric_limits<float>::infinity();
-    for (const auto spoil : std::initializer_list<void (*)(CrowdView&)>{[](CrowdView& v) { v.clip_from_world[1][2] = NAN; }, [](CrowdView& v) { v.eye.y = NAN; }, [](CrowdView& v) { v.pixels = 0; },
-                                                                        [](CrowdView& v) { v.detail_pixels = -1; }, [](CrowdView& v) { v.shadow.x = NAN; }, [](CrowdView& v) { v.ground = NAN; },
-                                                                        [](CrowdView& v) { v.full_rate_pixels = std::numeric_limits<float>::infinity(); }, [](CrowdView& v) { v.budget_ms = -1; }}) {
+    for (const auto spoil : std::initializer_list<void (*)(CrowdView&)>{
+             [](CrowdView& v) { v.clip_from_world[1][2] = NAN; }, [](CrowdView& v) { v.eye.y = NAN; },
+             [](CrowdView& v) { v.pixels = 0; }, [](CrowdView& v) { v.detail_pixels = -1; },
+             [](CrowdView& v) { v.shadow.x = NAN; }, [](CrowdView& v) { v.ground = NAN; },
+             [](CrowdView& v) { v.full_rate_pixels = std::numeric_limits<float>::infinity(); },
+             [](CrowdView& v) { v.budget_ms = -1; }}) {
         CrowdView view = sound;
         spoil(view);
         const Result<void> updated = crowd.update(0, &view);
@@ -243,13 +276,15 @@ TEST(Cull, ARefusedUpdateTakesNothingUp) {
     view.eye.y = NAN;
     EXPECT_FALSE(crowd.update(0, &view));
     ASSERT_TRUE(crowd.update(0));
-    EXPECT_TRUE(same_bits(download<Affine>(test_gpu(), crowd.state().batches[0].placements), {Affine(), place, Affine()}));
+    EXPECT_TRUE(
+        same_bits(download<Affine>(test_gpu(), crowd.state().batches[0].placements), {Affine(), place, Affine()}));
 }
 
 // Positions are read by the joints that the level has which is drawn.
 TEST(Cull, PositionsAreThoseOfTheLevel) {
     const Character character = creature_with_details();
-    Crowd crowd = create({.groups = {{&character, 1}}, .path = UpdatePath::kFused, .culls = true, .reduces_joints = true});
+    Crowd crowd = create(
+        {.groups = {{&character, 1}}, .path = UpdatePath::kFused, .culls = true, .reduces_joints = true});
     ASSERT_GT(crowd.state().groups[0].fused.size(), 1u);
     const Playback playback{.first = {.clip = 0, .time_s = 0.4}};
     ASSERT_TRUE(crowd.set_playback(0, {&playback, 1}));

@@ -16,9 +16,12 @@
 namespace throng::test {
 namespace {
 
-Character detailed() { return *compile_character(*make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500})); }
+Character detailed() {
+    return *compile_character(*make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}));
+}
 
-// Of the point from the triangle; C. Ericson, Real-Time Collision Detection, 2005, 5.1.5, by projecting onto the plane and the edges.
+// Of the point from the triangle; C. Ericson, Real-Time Collision Detection, 2005, 5.1.5, by projecting onto the plane
+// and the edges.
 double distance_to_triangle(const Vec3<double>& p, const std::array<Vec3<double>, 3>& t) {
     const Vec3<double> normal = cross(t[1] - t[0], t[2] - t[0]);
     const double squared = dot(normal, normal);
@@ -27,7 +30,8 @@ double distance_to_triangle(const Vec3<double>& p, const std::array<Vec3<double>
     for (size_t k = 0; k < 3; ++k) {
         const Vec3<double> a = t[k], edge = t[(k + 1) % 3] - a;
         inside = inside && dot(cross(edge, p - a), normal) >= 0;
-        const double length_squared = dot(edge, edge), at = length_squared > 0 ? std::clamp(dot(p - a, edge) / length_squared, 0.0, 1.0) : 0;
+        const double length_squared = dot(edge, edge),
+                     at = length_squared > 0 ? std::clamp(dot(p - a, edge) / length_squared, 0.0, 1.0) : 0;
         nearest = std::min(nearest, length(p - (a + edge * at)));
     }
     return inside ? std::abs(dot(p - t[0], normal)) / std::sqrt(squared) : nearest;
@@ -47,21 +51,29 @@ std::vector<Triangle> triangles_of(std::span<const uint32_t> indices, std::span<
     return triangles;
 }
 
-// Of a vertex where the finest level has it from the surface of another one, whose joints may be fewer; and of that one's triangles, in their middles and those of their edges, from the finest.
+// Of a vertex where the finest level has it from the surface of another one, whose joints may be fewer; and of that
+// one's triangles, in their middles and those of their edges, from the finest.
 double furthest_from_level(const Character& character, size_t level, const ReferencePose& pose) {
     Character reduced = character;
     reduced.influences = influences_of_detail(character, static_cast<uint32_t>(level + 1));
-    const std::vector<Vec3<double>> fine = reference_positions(character, pose), coarse = reference_positions(reduced, pose);
+    const std::vector<Vec3<double>> fine = reference_positions(character, pose),
+                                    coarse = reference_positions(reduced, pose);
     double furthest = 0;
     for (size_t i = 0; i < character.sections.size(); ++i) {
         const MeshSection& section = character.sections[i];
         const IndexRange& range = character.detail_ranges[level * character.sections.size() + i];
-        const auto of_section = [&](std::span<const Vec3<double>> all) { return all.subspan(section.first_vertex, section.vertex_count); };
-        const std::vector<Triangle> coarse_mesh = triangles_of(std::span(character.detail_indices).subspan(range.first_index, range.index_count), of_section(coarse));
-        const std::vector<Triangle> fine_mesh = triangles_of(std::span(character.indices).subspan(section.first_index, section.index_count), of_section(fine));
-        for (const Vec3<double>& vertex : of_section(fine)) furthest = std::max(furthest, distance_to_mesh(vertex, coarse_mesh));
+        const auto of_section = [&](std::span<const Vec3<double>> all) {
+            return all.subspan(section.first_vertex, section.vertex_count);
+        };
+        const std::vector<Triangle> coarse_mesh = triangles_of(
+            std::span(character.detail_indices).subspan(range.first_index, range.index_count), of_section(coarse));
+        const std::vector<Triangle> fine_mesh = triangles_of(
+            std::span(character.indices).subspan(section.first_index, section.index_count), of_section(fine));
+        for (const Vec3<double>& vertex : of_section(fine))
+            furthest = std::max(furthest, distance_to_mesh(vertex, coarse_mesh));
         for (const auto& [a, b, c] : coarse_mesh)
-            for (const Vec3<double>& middle : {(a + b + c) * (1 / 3.0), (a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5}) furthest = std::max(furthest, distance_to_mesh(middle, fine_mesh));
+            for (const Vec3<double>& middle : {(a + b + c) * (1 / 3.0), (a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5})
+                furthest = std::max(furthest, distance_to_mesh(middle, fine_mesh));
     }
     return furthest;
 }
@@ -71,23 +83,32 @@ Asset make_strip() {
     constexpr uint32_t kColumns = 33, kRows = 5;
     Asset asset{.name = "strip"};
     asset.nodes = {{.name = "root"}, {.name = "middle", .parent = 0, .parent_from_node = {.translation = {1, 0, 0}}}};
-    asset.skins = {{.name = "skin", .joints = {0, 1}, .inverse_binds = {Affine{}, to_affine(Trs<float>{.translation = {-1, 0, 0}})}}};
+    asset.skins = {{.name = "skin",
+                    .joints = {0, 1},
+                    .inverse_binds = {Affine{}, to_affine(Trs<float>{.translation = {-1, 0, 0}})}}};
     AssetPrimitive strip{.influence_count = 4};
     for (uint32_t row = 0; row < kRows; ++row) {
         for (uint32_t column = 0; column < kColumns; ++column) {
-            const float along = 2.0f * static_cast<float>(column) / (kColumns - 1), weight = std::clamp(along - 0.5f, 0.0f, 1.0f);
+            const float along = 2.0f * static_cast<float>(column) / (kColumns - 1),
+                        weight = std::clamp(along - 0.5f, 0.0f, 1.0f);
             strip.positions.push_back({along, 0.1f * static_cast<float>(row), 0});
             strip.influence_joints.insert(strip.influence_joints.end(), {0, 1, 0, 0});
             strip.influence_weights.insert(strip.influence_weights.end(), {1 - weight, weight, 0, 0});
             if (row + 1 == kRows || column + 1 == kColumns) continue;
             const uint32_t at = row * kColumns + column;
-            for (const uint32_t step : {0u, 1u, kColumns, kColumns, 1u, kColumns + 1}) strip.indices.push_back(at + step);
+            for (const uint32_t step : {0u, 1u, kColumns, kColumns, 1u, kColumns + 1})
+                strip.indices.push_back(at + step);
         }
     }
     asset.meshes = {{.name = "strip", .primitives = {strip}}};
     asset.mesh_instances = {{.node = 0, .mesh = 0, .skin = 0}};
     const Quaternion<float> bent = axis_angle(Vec3<float>{0, 1, 0}, 2.0f);
-    asset.clips = {{.name = "bends", .duration_s = 1, .tracks = {{.node = 1, .target = TrackTarget::kRotation, .times_s = {0, 1}, .values = {0, 0, 0, 1, bent.x, bent.y, bent.z, bent.w}}}}};
+    asset.clips = {{.name = "bends",
+                    .duration_s = 1,
+                    .tracks = {{.node = 1,
+                                .target = TrackTarget::kRotation,
+                                .times_s = {0, 1},
+                                .values = {0, 0, 0, 1, bent.x, bent.y, bent.z, bent.w}}}}};
     return asset;
 }
 
@@ -100,7 +121,8 @@ TEST(Detail, LevelsHaveFewerTrianglesWithinTheirErrors) {
         std::vector<ReferencePose> poses{*reference_pose(character, {})};
         for (int i = 0; i < 8; ++i) {
             const uint32_t clip = random.below(static_cast<uint32_t>(character.clips.size()));
-            poses.push_back(*reference_pose(character, {.first = {.clip = clip, .time_s = random.between(0, character.clips[clip].duration_s)}}));
+            poses.push_back(*reference_pose(
+                character, {.first = {.clip = clip, .time_s = random.between(0, character.clips[clip].duration_s)}}));
         }
         size_t before = character.indices.size();
         for (size_t level = 0; level < character.details.size(); ++level) {
@@ -109,17 +131,22 @@ TEST(Detail, LevelsHaveFewerTrianglesWithinTheirErrors) {
                 const IndexRange& range = character.detail_ranges[level * character.sections.size() + i];
                 count += range.index_count;
                 ASSERT_EQ(range.index_count % 3, 0u);
-                for (uint32_t k = 0; k < range.index_count; ++k) ASSERT_LT(character.detail_indices[range.first_index + k], character.sections[i].vertex_count);
+                for (uint32_t k = 0; k < range.index_count; ++k)
+                    ASSERT_LT(character.detail_indices[range.first_index + k], character.sections[i].vertex_count);
             }
             EXPECT_LE(count, before * 4 / 5);
             before = count;
             const double error = character.details[level].error;
             EXPECT_GE(error, level > 0 ? character.details[level - 1].error : 1e-7 * character.size);
             double furthest = 0;
-            for (const ReferencePose& pose : poses) furthest = std::max(furthest, furthest_from_level(character, level, pose));
+            for (const ReferencePose& pose : poses)
+                furthest = std::max(furthest, furthest_from_level(character, level, pose));
             EXPECT_LE(furthest, 1.1 * error);
             EXPECT_GE(furthest, 0.3 * error) << "and not much less";
-            std::printf("  %s, level %zu: %zu of %zu triangles, error %.1e of the size, furthest vertex %.1e, at rest %.1e\n", character.name.c_str(), level + 1, count / 3, character.indices.size() / 3, error / character.size, furthest / character.size, furthest_from_level(character, level, poses[0]) / character.size);
+            std::printf(
+                "  %s, level %zu: %zu of %zu triangles, error %.1e of the size, furthest vertex %.1e, at rest %.1e\n",
+                character.name.c_str(), level + 1, count / 3, character.indices.size() / 3, error / character.size,
+                furthest / character.size, furthest_from_level(character, level, poses[0]) / character.size);
         }
     }
 }
@@ -135,7 +162,10 @@ TEST(Detail, WithoutClipsNoJointIsLeftOut) {
 
 // Of a chain of joints at rest, of which the last has a vertex, only one moves, by so much.
 Character chain_with_one_that_moves(uint32_t joint_count, uint32_t mover, float by) {
-    Character character{.clips = {{.duration_s = 1, .row_count = 1}}, .times_s = {0}, .keys = {{0, 0, 0, 1}, {0, 0, 0, 0}, {1, 1, 1, 0}, {by, 0, 0, 0}}, .skins = {{.joint_count = joint_count}}};
+    Character character{.clips = {{.duration_s = 1, .row_count = 1}},
+                        .times_s = {0},
+                        .keys = {{0, 0, 0, 1}, {0, 0, 0, 0}, {1, 1, 1, 0}, {by, 0, 0, 0}},
+                        .skins = {{.joint_count = joint_count}}};
     for (uint32_t joint = 0; joint < joint_count; ++joint) {
         character.rig.parents.push_back(joint - 1);  // of the root: kNone
         character.rig.rest.emplace_back();
@@ -152,7 +182,9 @@ Character chain_with_one_that_moves(uint32_t joint_count, uint32_t mover, float 
 
 TEST(Detail, JointsOfDeepChainsAreWeighedInOneWalk) {
     constexpr uint32_t kJoints = 20'000;
-    Character far = chain_with_one_that_moves(kJoints, kJoints - 1, 4), near = chain_with_one_that_moves(kJoints, kJoints - 1, 0.25f), middle = chain_with_one_that_moves(kJoints, kJoints / 2, 4);
+    Character far = chain_with_one_that_moves(kJoints, kJoints - 1, 4),
+              near = chain_with_one_that_moves(kJoints, kJoints - 1, 0.25f),
+              middle = chain_with_one_that_moves(kJoints, kJoints / 2, 4);
     make_joint_details(far);
     EXPECT_EQ(std::ranges::count(far.joint_details, 1u), kJoints - 1) << "in the second level none but the root moves";
     EXPECT_EQ(far.joint_details[0], 2u);
@@ -171,7 +203,8 @@ AssetPrimitive in_pieces(const AssetPrimitive& whole) {
     for (const uint32_t index : whole.indices) {
         pieces.indices.push_back(static_cast<uint32_t>(pieces.positions.size()));
         pieces.positions.push_back(whole.positions[index]);
-        pieces.colors.push_back({static_cast<float>(pieces.positions.size() % 251) / 250, static_cast<float>(pieces.positions.size() / 251) / 16, 0, 1});
+        pieces.colors.push_back({static_cast<float>(pieces.positions.size() % 251) / 250,
+                                 static_cast<float>(pieces.positions.size() / 251) / 16, 0, 1});
         for (uint32_t k = 0; k < 4; ++k) {
             pieces.influence_joints.push_back(whole.influence_joints[index * 4 + k]);
             pieces.influence_weights.push_back(whole.influence_weights[index * 4 + k]);
@@ -194,7 +227,8 @@ TEST(Detail, WhatIsInPiecesHasLevelsToo) {
     }
 }
 
-// Two strips side by side at rest, which a clip takes apart: a triangle of a cluster of both is as wide as they are apart.
+// Two strips side by side at rest, which a clip takes apart: a triangle of a cluster of both is as wide as they are
+// apart.
 TEST(Detail, WhatMovesApartIsNotJoinedUnseen) {
     Asset asset = make_strip();
     AssetPrimitive& both = asset.meshes[0].primitives[0];
@@ -207,11 +241,17 @@ TEST(Detail, WhatMovesApartIsNotJoinedUnseen) {
     }
     for (size_t k = 0; k < index_count; ++k) both.indices.push_back(both.indices[k] + static_cast<uint32_t>(count));
     both = in_pieces(both);
-    asset.clips = {{.name = "parts", .duration_s = 1, .tracks = {{.node = 1, .target = TrackTarget::kTranslation, .times_s = {0, 1}, .values = {1, 0, 0, 1, 3, 0}}}}};
+    asset.clips = {
+        {.name = "parts",
+         .duration_s = 1,
+         .tracks = {
+             {.node = 1, .target = TrackTarget::kTranslation, .times_s = {0, 1}, .values = {1, 0, 0, 1, 3, 0}}}}};
     const Character character = *compile_character(asset);
     const ReferencePose apart = *reference_pose(character, {.first = {.clip = 0, .time_s = 0.9}});
     ASSERT_FALSE(character.details.empty());
-    for (size_t level = 0; level < character.details.size(); ++level) EXPECT_LE(furthest_from_level(character, level, apart), 1.1 * character.details[level].error) << "level " << level + 1;
+    for (size_t level = 0; level < character.details.size(); ++level)
+        EXPECT_LE(furthest_from_level(character, level, apart), 1.1 * character.details[level].error)
+            << "level " << level + 1;
 }
 
 // A static rock of 2 * 150 * 150 triangles.
@@ -223,13 +263,16 @@ Asset make_rock() {
         for (uint32_t column = 0; column < kSides; ++column) {
             const double turn = 6.2831853 * column / kSides, down = 3.14159265 * row / kSides;
             const double swelling = std::sin(5 * turn) * std::sin(down) * std::cos(4 * down);
-            const Vec3<double> outward{std::sin(down) * std::cos(turn), std::cos(down), std::sin(down) * std::sin(turn)};
+            const Vec3<double> outward{std::sin(down) * std::cos(turn), std::cos(down),
+                                       std::sin(down) * std::sin(turn)};
             rock.positions.push_back((outward * (1 + 0.2 * swelling + 0.03 * random.unit())).as<float>());
             if (row == kSides) continue;
             const uint32_t at = row * kSides + column, beside = row * kSides + (column + 1) % kSides;
             rock.indices.insert(rock.indices.end(), {at, beside, at + kSides, beside, beside + kSides, at + kSides});
         }
-    return {.name = "rock", .nodes = {{.name = "rock"}}, .meshes = {{.name = "rock", .primitives = {rock}}},
+    return {.name = "rock",
+            .nodes = {{.name = "rock"}},
+            .meshes = {{.name = "rock", .primitives = {rock}}},
             .mesh_instances = {{.node = 0, .mesh = 0}}};
 }
 
@@ -277,7 +320,8 @@ TEST(Detail, WorkGrowsNoFasterThanTheMesh) {
         EXPECT_NEAR(static_cast<double>(character.indices.size()) / 3, faces, 0.01 * faces);
         steps_per_face.push_back(static_cast<double>(make_details(character)) / faces);
         EXPECT_EQ(character.details.size(), kDetailLimit);
-        std::printf("  %u faces: %.0f boxes and triangles looked at for each, in 9 poses\n", faces, steps_per_face.back());
+        std::printf("  %u faces: %.0f boxes and triangles looked at for each, in 9 poses\n", faces,
+                    steps_per_face.back());
     }
     EXPECT_LE(steps_per_face[1], 500) << "for each place some, in the first pose; then most often one";
     EXPECT_LE(steps_per_face[1], 1.5 * steps_per_face[0]);
@@ -307,14 +351,21 @@ TEST(Detail, SmallMeshesHaveNone) {
 // Vertices at random times, also of a clip's last row, lie within its bounds.
 TEST(Detail, BoundsOfClipsHoldTheirPoses) {
     Random random(2);
-    for (const Character& character : {detailed(), make_character({.joint_count = 30, .seed = 3, .cubic = true, .morph_count = 4})}) {
+    for (const Character& character :
+         {detailed(), make_character({.joint_count = 30, .seed = 3, .cubic = true, .morph_count = 4})}) {
         for (uint32_t clip = 0; clip < character.clips.size(); ++clip) {
-            const Vec3<double> low = character.clips[clip].bounds_min.as<double>(), high = character.clips[clip].bounds_max.as<double>();
+            const Vec3<double> low = character.clips[clip].bounds_min.as<double>(),
+                               high = character.clips[clip].bounds_max.as<double>();
             double beyond = 0;
             for (int i = 0; i < 40; ++i) {
-                const ReferencePose pose = *reference_pose(character, {.first = {.clip = clip, .time_s = i == 0 ? double{character.clips[clip].duration_s} : random.between(0, character.clips[clip].duration_s), .loop = false}});
+                const ReferencePose pose = *reference_pose(
+                    character, {.first = {.clip = clip,
+                                          .time_s = i == 0 ? double{character.clips[clip].duration_s}
+                                                           : random.between(0, character.clips[clip].duration_s),
+                                          .loop = false}});
                 for (const Vec3<double>& p : reference_positions(character, pose))
-                    beyond = std::max({beyond, low.x - p.x, low.y - p.y, low.z - p.z, p.x - high.x, p.y - high.y, p.z - high.z});
+                    beyond = std::max(
+                        {beyond, low.x - p.x, low.y - p.y, low.z - p.z, p.x - high.x, p.y - high.y, p.z - high.z});
             }
             EXPECT_LE(beyond, 0.01 * character.size) << character.name << ", clip " << clip;
             EXPECT_LE(length(high - low), 20 * character.size) << "and are not without end";
@@ -322,7 +373,8 @@ TEST(Detail, BoundsOfClipsHoldTheirPoses) {
     }
 }
 
-// Skinned by the joints of a level alone, a vertex stays within a third of the level's error of where it is with all of them, in the rest pose and at random times of clips.
+// Skinned by the joints of a level alone, a vertex stays within a third of the level's error of where it is with all of
+// them, in the rest pose and at random times of clips.
 TEST(Detail, JointsOfALevelAreEnoughForIt) {
     const Character character = detailed();
     const uint32_t joint_count = character.rig.joint_count();
@@ -335,21 +387,29 @@ TEST(Detail, JointsOfALevelAreEnoughForIt) {
         uint32_t count = 0;
         for (uint32_t joint = 0; joint < joint_count; ++joint) {
             const uint32_t parent = character.rig.parents[joint];
-            ASSERT_LE(character.joint_details[joint], parent == kNone ? character.details.size() : character.joint_details[parent]);
+            ASSERT_LE(character.joint_details[joint],
+                      parent == kNone ? character.details.size() : character.joint_details[parent]);
             count += character.joint_details[joint] >= detail;
         }
         for (const Influences& influences : reduced.influences)
-            for (const uint16_t entry : influences.entries) ASSERT_GE(character.joint_details[character.palette[entry].joint], detail);
+            for (const uint16_t entry : influences.entries)
+                ASSERT_GE(character.joint_details[character.palette[entry].joint], detail);
         double furthest = 0;
         for (int i = 0; i < 30; ++i) {
             const uint32_t clip = random.below(static_cast<uint32_t>(character.clips.size()));
-            const ReferencePose pose = *reference_pose(character, {.first = {.clip = i == 0 ? kNone : clip, .time_s = random.between(0, character.clips[clip].duration_s)}});
-            const std::vector<Vec3<double>> all = skin_reference(character, pose.model_from_bind), some = skin_reference(reduced, pose.model_from_bind);
-            for (size_t vertex = 0; vertex < all.size(); ++vertex) furthest = std::max(furthest, length(all[vertex] - some[vertex]));
+            const ReferencePose pose = *reference_pose(
+                character, {.first = {.clip = i == 0 ? kNone : clip,
+                                      .time_s = random.between(0, character.clips[clip].duration_s)}});
+            const std::vector<Vec3<double>> all = skin_reference(character, pose.model_from_bind),
+                                            some = skin_reference(reduced, pose.model_from_bind);
+            for (size_t vertex = 0; vertex < all.size(); ++vertex)
+                furthest = std::max(furthest, length(all[vertex] - some[vertex]));
         }
         EXPECT_LE(furthest, 1.1 / 3 * character.details[detail - 1].error);
         EXPECT_LT(count, count_before);
-        std::printf("  level %u: %u of %u joints, a vertex moves by %.1e of the size; the mesh by %.1e\n", detail, count, joint_count, furthest / character.size, character.details[detail - 1].error / character.size);
+        std::printf("  level %u: %u of %u joints, a vertex moves by %.1e of the size; the mesh by %.1e\n", detail,
+                    count, joint_count, furthest / character.size,
+                    character.details[detail - 1].error / character.size);
         count_before = count;
     }
     EXPECT_EQ(influences_of_detail(character, 0).size(), character.influences.size());
@@ -370,7 +430,10 @@ TEST(Detail, CraftedLevelsAreRefused) {
         {[](Character& c) { c.joint_details.pop_back(); }, "joint details"},
         {[](Character& c) { c.joint_details[0] = 0; }, "joint details[0]"},
         {[](Character& c) { c.joint_details[3] = kDetailLimit + 1; }, "joint details[3]"},
-        {[](Character& c) { c.skins.back().joint_count -= 1, std::fill(c.joint_details.begin() + 1, c.joint_details.end(), 0); }, "stands for it"},
+        {[](Character& c) {
+             c.skins.back().joint_count -= 1, std::fill(c.joint_details.begin() + 1, c.joint_details.end(), 0);
+         },
+         "stands for it"},
         {[](Character& c) { c.clips[0].bounds_max.y = std::numeric_limits<float>::infinity(); }, "bounds"},
     };
     for (const auto& [spoil, what] : wrong) {

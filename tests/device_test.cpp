@@ -18,7 +18,8 @@ std::vector<DeviceInfo> list() {
 }
 
 std::string swapped_case(std::string text) {
-    for (char& c : text) c = static_cast<char>(std::isupper(static_cast<unsigned char>(c)) ? std::tolower(c) : std::toupper(c));
+    for (char& c : text)
+        c = static_cast<char>(std::isupper(static_cast<unsigned char>(c)) ? std::tolower(c) : std::toupper(c));
     return text;
 }
 
@@ -59,12 +60,14 @@ TEST(Device, IsSelectedByIndexTypeOrName) {
 }
 
 TEST(Device, AnUnknownDeviceIsRefusedAndTheOthersAreNamed) {
-    for (const std::string& select : {std::string("Voodoo 2"), std::string("99"), std::string("99999999999999999999")}) {
+    for (const std::string& select :
+         {std::string("Voodoo 2"), std::string("99"), std::string("99999999999999999999")}) {
         const Result<Device> device = Device::create({.select = select});
         ASSERT_FALSE(device);
         EXPECT_EQ(device.error().code, ErrorCode::kNoDevice);
         EXPECT_NE(device.error().text().find("'" + select + "'"), std::string::npos) << device.error().text();
-        for (const DeviceInfo& info : list()) EXPECT_NE(device.error().text().find(info.name), std::string::npos) << device.error().text();
+        for (const DeviceInfo& info : list())
+            EXPECT_NE(device.error().text().find(info.name), std::string::npos) << device.error().text();
     }
     EXPECT_TRUE(Device::create()) << "after refusals";
 }
@@ -72,7 +75,9 @@ TEST(Device, AnUnknownDeviceIsRefusedAndTheOthersAreNamed) {
 // A crowd and what it must show.
 struct Show {
     Show(const Device& device, const Character& character_in, double time_s)
-        : character(character_in), playback{.first = {.clip = 0, .time_s = time_s}}, crowd(Crowd::create(device, {.groups = {{&character, 2}}}).value()) {
+        : character(character_in),
+          playback{.first = {.clip = 0, .time_s = time_s}},
+          crowd(Crowd::create(device, {.groups = {{&character, 2}}}).value()) {
         EXPECT_TRUE(crowd.set_playback(1, std::vector{playback}));
     }
     void update_and_compare(float step_s) {
@@ -81,7 +86,8 @@ struct Show {
         const ReferencePose wanted = *reference_pose(character, playback);
         const Result<std::vector<Affine>> skin = crowd.read_skin_matrices(1);
         ASSERT_TRUE(skin) << skin.error().text();
-        for (size_t i = 0; i < skin->size(); ++i) EXPECT_LE(matrix_error((*skin)[i], wanted.model_from_bind[i], character.size), 1e-5);
+        for (size_t i = 0; i < skin->size(); ++i)
+            EXPECT_LE(matrix_error((*skin)[i], wanted.model_from_bind[i], character.size), 1e-5);
     }
 
     const Character& character;
@@ -105,9 +111,11 @@ TEST(Device, SeveralLiveSideBySide) {
     first_show.update_and_compare(0.11f);
 }
 
-// Functions of the instance level are the process's: a validated device must survive a later one that is not, and end without it.
+// Functions of the instance level are the process's: a validated device must survive a later one that is not, and end
+// without it.
 TEST(Device, AValidatedDeviceOutlivesOthers) {
-    Result<Device> validated = Device::create({.select = test_device().info().name, .validation = Validation::kStandard});
+    Result<Device> validated = Device::create(
+        {.select = test_device().info().name, .validation = Validation::kStandard});
     if (!validated && validated.error().code == ErrorCode::kNoDevice) GTEST_SKIP() << validated.error().text();
     ASSERT_TRUE(validated) << validated.error().text();
     const std::optional<Device> plain = Device::create({.select = test_device().info().name}).value();
@@ -120,10 +128,12 @@ TEST(Device, AValidatedDeviceOutlivesOthers) {
 TEST(Device, AdoptRefusesNullHandles) {
     const Gpu& gpu = *test_device().gpu();
     const auto instance = reinterpret_cast<VkInstance>(gpu.device);  // never looked at
-    for (const AdoptedDevice& adopted : {AdoptedDevice{}, AdoptedDevice{.physical_device = gpu.physical_device, .device = gpu.device, .queue = gpu.queue},
-                                         AdoptedDevice{.instance = instance, .device = gpu.device, .queue = gpu.queue},
-                                         AdoptedDevice{.instance = instance, .physical_device = gpu.physical_device, .queue = gpu.queue},
-                                         AdoptedDevice{.instance = instance, .physical_device = gpu.physical_device, .device = gpu.device}}) {
+    for (const AdoptedDevice& adopted :
+         {AdoptedDevice{},
+          AdoptedDevice{.physical_device = gpu.physical_device, .device = gpu.device, .queue = gpu.queue},
+          AdoptedDevice{.instance = instance, .device = gpu.device, .queue = gpu.queue},
+          AdoptedDevice{.instance = instance, .physical_device = gpu.physical_device, .queue = gpu.queue},
+          AdoptedDevice{.instance = instance, .physical_device = gpu.physical_device, .device = gpu.device}}) {
         const Result<Device> device = Device::adopt(adopted);
         ASSERT_FALSE(device);
         EXPECT_EQ(device.error().code, ErrorCode::kInvalidArgument);

@@ -1,5 +1,5 @@
-// The pictures' simulations: each method, done by lists of joints instead of transforms, makes each joint's chain in order, with
-// exactly the multiplications that its plan counts; and docs/scan holds what is drawn now.
+// The pictures' simulations: each method, done by lists of joints instead of transforms, makes each joint's chain in
+// order, with exactly the multiplications that its plan counts; and docs/scan holds what is drawn now.
 #include "bench/diagrams/diagram.h"
 #include "bench/skeletons.h"
 #include "scan/scan_table.h"
@@ -18,9 +18,11 @@ constexpr uint32_t kMostJoints = 256;
 const ScanLimits kLimits{.shared_memory_bytes = 48 << 10, .workgroup_size = 1024, .subgroup_size = 32, .shuffle = true};
 
 std::vector<ScanRig> rigs() {
-    std::vector<ScanRig> out{diagram_rig(), ScanRig(std::vector<uint32_t>{kNone}), ScanRig(std::vector<uint32_t>{kNone, kNone, 0, 1, 1})};
+    std::vector<ScanRig> out{diagram_rig(), ScanRig(std::vector<uint32_t>{kNone}),
+                             ScanRig(std::vector<uint32_t>{kNone, kNone, 0, 1, 1})};
     for (const SkeletonShape shape : kSkeletonShapes)
-        for (const uint32_t joints : {9u, 65u, kMostJoints}) out.emplace_back(make_skeleton(shape, joints, joints / 3, 7));
+        for (const uint32_t joints : {9u, 65u, kMostJoints})
+            out.emplace_back(make_skeleton(shape, joints, joints / 3, 7));
     return out;
 }
 
@@ -49,12 +51,14 @@ TEST(Diagram, StepsAreMultiplicationsOfNeighboursInTheTree) {
             std::multiset<uint32_t> stored;
             std::set<std::tuple<uint32_t, uint32_t, uint32_t>> turns;
             for (const FlowStep& step : flow.steps) {
-                for (size_t i = 1; i < step.product.size(); ++i) ASSERT_EQ(rig.parents[step.product[i]], step.product[i - 1]);
+                for (size_t i = 1; i < step.product.size(); ++i)
+                    ASSERT_EQ(rig.parents[step.product[i]], step.product[i - 1]);
                 ASSERT_EQ(step.source == FlowSource::kIdentity, step.source_joint == kNone);
                 if (step.source_joint != kNone) {
                     ASSERT_EQ(step.product[step.source_length - 1], step.source_joint);
                 }
-                ASSERT_TRUE(turns.emplace(step.phase, step.thread, step.row).second) << "a thread does one thing at a time";
+                ASSERT_TRUE(turns.emplace(step.phase, step.thread, step.row).second)
+                    << "a thread does one thing at a time";
                 if (step.stored) stored.insert(step.joint);
             }
             for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) ASSERT_LE(stored.count(joint), 1u) << joint;
@@ -70,7 +74,8 @@ TEST(Diagram, CountsAreThePlans) {
                 const ScanPlan plan = plan_scan(row, rig, kLimits, has_lanes ? lanes : 0);
                 ASSERT_EQ(plan.obstacle, "");
                 const Flow flow = method.simulate(rig, {.lanes = lanes});
-                SCOPED_TRACE(std::string(method.name) + ", " + std::to_string(rig.joint_count()) + " joints, " + std::to_string(rig.level_count) + " levels");
+                SCOPED_TRACE(std::string(method.name) + ", " + std::to_string(rig.joint_count()) + " joints, " +
+                             std::to_string(rig.level_count) + " levels");
                 EXPECT_EQ(flow.steps.size(), plan.counts.multiplications);
                 EXPECT_EQ(flow.longest_thread(), plan.counts.longest_thread);
                 EXPECT_EQ(flow.barriers(), plan.counts.barriers);
@@ -83,13 +88,15 @@ TEST(Diagram, EveryMethodHasAPicture) {
     for (const Diagram& diagram : scan_diagrams()) EXPECT_TRUE(pictures.insert(diagram.name).second) << diagram.name;
     for (const ScanMethod& method : scan_table()) {
         const std::string name(method.name);
-        EXPECT_TRUE(pictures.contains(name.substr(0, std::min(name.find("_quaternion"), name.find("_transposed"))))) << name;
+        EXPECT_TRUE(pictures.contains(name.substr(0, std::min(name.find("_quaternion"), name.find("_transposed")))))
+            << name;
     }
 }
 
 TEST(Diagram, TheDocumentationHasTheCurrentOnes) {
     for (const Diagram& diagram : scan_diagrams()) {
-        const std::string text = test::read_file(std::string(THRONG_SOURCE_DIR) + "/docs/scan/" + diagram.name + ".svg");
+        const std::string text = test::read_file(std::string(THRONG_SOURCE_DIR) + "/docs/scan/" + diagram.name +
+                                                 ".svg");
         EXPECT_TRUE(text == diagram.svg) << diagram.name << ": run throng bench diagrams --out docs/scan";
     }
 }

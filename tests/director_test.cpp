@@ -7,14 +7,17 @@ namespace throng::tools {
 namespace {
 
 TEST(Director, RangesAreWhatControllersAskAbout) {
-    const Result<Controller> controller = parse_controller(R"({
+    const Result<Controller> controller = parse_controller(
+        R"({
       "parameters": {"speed": 0, "side": 0, "brave": false, "jump": "trigger", "weight": 1, "height": 0, "depth": 5},
       "layers": [{"name": "body", "weight": "weight", "states": {
         "stand": {"clip": "idle"},
         "climb": {"blend": "height", "clips": [{"clip": "a", "at": 2}, {"clip": "b", "at": 6}]},
-        "move": {"blend": ["side", "speed"], "clips": [{"clip": "a", "at": [0, 0]}, {"clip": "b", "at": [-2, 0]}, {"clip": "c", "at": [0, 4]}]}},
-        "transitions": [{"from": "stand", "to": "move", "when": {"speed": {"above": 8}}}, {"from": "move", "to": "stand", "when": {"side": {"below": -3}, "brave": true, "jump": "triggered", "depth": {"below": 4}}}]}]})",
-                                                           "test.json");
+        "move": {"blend": ["side", "speed"], "clips": [{"clip": "a", "at": [0, 0]}, {"clip": "b", "at": [-2, 0]}, )"
+        R"({"clip": "c", "at": [0, 4]}]}},
+        "transitions": [{"from": "stand", "to": "move", "when": {"speed": {"above": 8}}}, {"from": "move", "to": )"
+        R"("stand", "when": {"side": {"below": -3}, "brave": true, "jump": "triggered", "depth": {"below": 4}}}]}]})",
+        "test.json");
     ASSERT_TRUE(controller) << controller.error().text();
     const auto range = [&](const char* name) { return parameter_range(*controller, controller->find_parameter(name)); };
     EXPECT_EQ(range("speed").least, 0);

@@ -6,7 +6,8 @@
 
 namespace throng::test {
 
-// Xvfb on a display of its own, which it chooses itself; ends with it. Throws std::runtime_error where it cannot be started.
+// Xvfb on a display of its own, which it chooses itself; ends with it. Throws std::runtime_error where it cannot be
+// started.
 class Display {
 public:
     // "WIDTHxHEIGHTxDEPTH"

@@ -29,7 +29,8 @@ using test::TemporaryFolder;
 // Where a point falls in the picture: -1..1 across and upward where it is inside, and the distance in front of the eye.
 Vec3<double> project(const Camera& camera, double aspect_ratio, const Vec3<double>& point) {
     const Vec3<double> eye = camera.eye.as<double>(), forward = normalized(camera.target.as<double>() - eye);
-    const Vec3<double> right = normalized(cross(forward, Vec3<double>{0, 1, 0})), up = cross(right, forward), p = point - eye;
+    const Vec3<double> right = normalized(cross(forward, Vec3<double>{0, 1, 0})), up = cross(right, forward),
+                       p = point - eye;
     const double depth = dot(p, forward), half_height = depth * std::tan(double{camera.vertical_field_of_view_rad} / 2);
     return {dot(p, right) / (half_height * aspect_ratio), dot(p, up) / half_height, depth};
 }
@@ -41,11 +42,11 @@ struct FitCase {
 
 TEST(FitCamera, HoldsAllCornersInViewAndFillsThePicture) {
     const FitCase cases[] = {
-        {{{-0.5f, 0, -0.2f}, {0.5f, 1.8f, 0.2f}}, 16.0f / 9},   // a person
+        {{{-0.5f, 0, -0.2f}, {0.5f, 1.8f, 0.2f}}, 16.0f / 9},  // a person
         {{{-0.5f, 0, -0.2f}, {0.5f, 1.8f, 0.2f}}, 0.5f},
-        {{{-60, -10, -90}, {60, 80, 70}}, 1},                   // a file in centimetres
-        {{{-8, 0, -8}, {8, 1.8f, 8}}, 16.0f / 9},               // a hundred
-        {{{990, 0, -1008}, {1010, 1.8f, -992}}, 4.0f / 3},      // far from the origin
+        {{{-60, -10, -90}, {60, 80, 70}}, 1},               // a file in centimetres
+        {{{-8, 0, -8}, {8, 1.8f, 8}}, 16.0f / 9},           // a hundred
+        {{{990, 0, -1008}, {1010, 1.8f, -992}}, 4.0f / 3},  // far from the origin
         {{{-0.01f, 0, -0.01f}, {0.01f, 0.02f, 0.01f}}, 2},
     };
     for (const auto& [bounds, aspect_ratio] : cases) {
@@ -55,7 +56,8 @@ TEST(FitCamera, HoldsAllCornersInViewAndFillsThePicture) {
         EXPECT_GT(camera.eye.z, camera.target.z) << "from the front";
         double widest = 0;
         for (int i = 0; i < 8; ++i) {
-            const Vec3<double> corner{i & 1 ? bounds.max.x : bounds.min.x, i & 2 ? bounds.max.y : bounds.min.y, i & 4 ? bounds.max.z : bounds.min.z};
+            const Vec3<double> corner{i & 1 ? bounds.max.x : bounds.min.x, i & 2 ? bounds.max.y : bounds.min.y,
+                                      i & 4 ? bounds.max.z : bounds.min.z};
             const Vec3<double> seen = project(camera, aspect_ratio, corner);
             EXPECT_GT(seen.z, 0);
             EXPECT_LT(std::abs(seen.x), 1);
@@ -123,7 +125,8 @@ TEST(WritePng, FailsWithoutLeavingAnything) {
 
 constexpr uint32_t kWidth = 64, kHeight = 48;
 
-// A red square of side 1 in the plane z = 0 that faces +z and stands on the ground, with one joint; its clip moves it to x = 1 at 1 s.
+// A red square of side 1 in the plane z = 0 that faces +z and stands on the ground, with one joint; its clip moves it
+// to x = 1 at 1 s.
 Asset square() {
     Asset asset;
     asset.name = "square";
@@ -143,7 +146,11 @@ Asset square() {
     asset.meshes = {{.name = "mesh", .primitives = {primitive}}};
     asset.mesh_instances = {{.node = 1, .mesh = 0, .skin = 0}};
     asset.materials = {{.name = "red", .base_color = {0.8f, 0.02f, 0.02f, 1}}};
-    asset.clips = {{.name = "move", .duration_s = 1, .tracks = {{.node = 0, .target = TrackTarget::kTranslation, .times_s = {0, 1}, .values = {0, 0, 0, 1, 0, 0}}}}};
+    asset.clips = {
+        {.name = "move",
+         .duration_s = 1,
+         .tracks = {
+             {.node = 0, .target = TrackTarget::kTranslation, .times_s = {0, 1}, .values = {0, 0, 0, 1, 0, 0}}}}};
     return asset;
 }
 
@@ -156,7 +163,8 @@ Affine mirrored() { return placed({.scale = {-1, 1, 1}}); }
 Renderer& shared_renderer(uint32_t samples, const DrawOptions& options = {}) {
     static std::map<uint32_t, Renderer> renderers;
     if (!renderers.contains(samples)) {
-        Result<Renderer> renderer = Renderer::create(test_device(), {.width = kWidth, .height = kHeight, .samples = samples});
+        Result<Renderer> renderer = Renderer::create(test_device(),
+                                                     {.width = kWidth, .height = kHeight, .samples = samples});
         if (!renderer) throw std::runtime_error(renderer.error().text());
         renderers.emplace(samples, std::move(*renderer));
     }
@@ -165,17 +173,22 @@ Renderer& shared_renderer(uint32_t samples, const DrawOptions& options = {}) {
     return renderer;
 }
 
-// Draws a crowd of `asset`, an instance for each placement, seen along -z: one unit is 14 pixels, x = 0 is in the middle.
-Picture draw(const Asset& asset, const std::vector<Affine>& placements = {Affine{}}, uint32_t samples = 1, double clip_time_s = 0) {
+// Draws a crowd of `asset`, an instance for each placement, seen along -z: one unit is 14 pixels, x = 0 is in the
+// middle.
+Picture draw(const Asset& asset, const std::vector<Affine>& placements = {Affine{}}, uint32_t samples = 1,
+             double clip_time_s = 0) {
     const Result<Character> character = compile_character(asset, kExact);
     EXPECT_TRUE(character) << (character ? "" : character.error().text());
-    Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&*character, static_cast<uint32_t>(placements.size())}}});
+    Result<Crowd> crowd = Crowd::create(test_device(),
+                                        {.groups = {{&*character, static_cast<uint32_t>(placements.size())}}});
     EXPECT_TRUE(crowd);
     EXPECT_TRUE(crowd->set_placement(0, placements));
-    const std::vector<Playback> playback(placements.size(), {.first = {.clip = 0, .time_s = clip_time_s, .loop = false}});
+    const std::vector<Playback> playback(placements.size(),
+                                         {.first = {.clip = 0, .time_s = clip_time_s, .loop = false}});
     EXPECT_TRUE(crowd->set_playback(0, playback));
     EXPECT_TRUE(crowd->update(0));
-    const Result<RenderResult> result = shared_renderer(samples).render(*crowd, {.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 0}, .vertical_field_of_view_rad = 0.7f});
+    const Result<RenderResult> result = shared_renderer(samples).render(
+        *crowd, {.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 0}, .vertical_field_of_view_rad = 0.7f});
     EXPECT_TRUE(result) << (result ? "" : result.error().text());
     EXPECT_GE(result->draw_ms, 0);
     EXPECT_EQ(result->picture.rgba.size(), kWidth * kHeight * 4);
@@ -188,8 +201,10 @@ struct Pixel {
 
 // The pixel where the plane z = 0 is at x, y.
 Pixel at(const Picture& picture, double x, double y) {
-    const Vec3<double> seen = project({.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 0}, .vertical_field_of_view_rad = 0.7f}, double{kWidth} / kHeight, {x, y, 0});
-    const auto column = static_cast<size_t>((seen.x + 1) / 2 * kWidth), row = static_cast<size_t>((1 - seen.y) / 2 * kHeight);
+    const Vec3<double> seen = project({.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 0}, .vertical_field_of_view_rad = 0.7f},
+                                      double{kWidth} / kHeight, {x, y, 0});
+    const auto column = static_cast<size_t>((seen.x + 1) / 2 * kWidth),
+               row = static_cast<size_t>((1 - seen.y) / 2 * kHeight);
     const uint8_t* p = &picture.rgba[(row * kWidth + column) * 4];
     EXPECT_EQ(p[3], 255);
     return {p[0], p[1], p[2]};
@@ -198,7 +213,8 @@ Pixel at(const Picture& picture, double x, double y) {
 bool is_red(const Pixel& p) { return p.r > 100 && p.r > 2 * p.g && p.r > 2 * p.b; }
 bool is_green(const Pixel& p) { return p.g > 100 && p.g > 2 * p.r && p.g > 2 * p.b; }
 bool is_blue(const Pixel& p) { return p.b > 100 && p.b > 2 * p.r && p.b > 2 * p.g; }
-bool is_pale(const Pixel& p) { return std::max({p.r, p.g, p.b}) - std::min({p.r, p.g, p.b}) < 90; }  // the ground, the sky, white
+// The ground, the sky, white
+bool is_pale(const Pixel& p) { return std::max({p.r, p.g, p.b}) - std::min({p.r, p.g, p.b}) < 90; }
 
 TEST(Draw, ShowsFrontFacesUprightAndNothingElse) {
     for (const uint32_t samples : {1u, 4u}) {
@@ -269,7 +285,9 @@ TEST(Draw, MapsTextures) {
     Asset asset = square();
     asset.materials[0].base_color = {1, 1, 1, 1};
     asset.materials[0].image = 0;
-    asset.images = {{.name = "quarters", .encoded = png_bytes({2, 2, {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255}})}};
+    asset.images = {
+        {.name = "quarters",
+         .encoded = png_bytes({2, 2, {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255}})}};
     const Picture picture = draw(asset);
     EXPECT_TRUE(is_red(at(picture, -0.25, 0.75)));
     EXPECT_TRUE(is_green(at(picture, 0.25, 0.75)));
@@ -292,9 +310,11 @@ TEST(Draw, MultipliesFactorTextureAndVertexColor) {
 TEST(Draw, AppliesMorphs) {
     Asset asset = square();
     asset.meshes[0].weights = {0, 0};
-    asset.meshes[0].primitives[0].targets = {{.positions = std::vector<Vec3<float>>(4, {-1, 0, 0}), .normals = {}}, {.positions = {}, .normals = std::vector<Vec3<float>>(4, {1, -1, -1})}};
+    asset.meshes[0].primitives[0].targets = {{.positions = std::vector<Vec3<float>>(4, {-1, 0, 0}), .normals = {}},
+                                             {.positions = {}, .normals = std::vector<Vec3<float>>(4, {1, -1, -1})}};
     const auto with = [&](float first, float second) {
-        asset.clips[0].morph_tracks = {{.node = 1, .interpolation = Interpolation::kLinear, .times_s = {0, 1}, .values = {0, 0, first, second}}};
+        asset.clips[0].morph_tracks = {
+            {.node = 1, .interpolation = Interpolation::kLinear, .times_s = {0, 1}, .values = {0, 0, first, second}}};
         return draw(asset, {placed_at(-1), Affine{}}, 1, 1.0);  // the clip moves the squares by 1
     };
     const Picture still = with(0, 0), moved = with(1, 0), turned_away = with(0, 1);
@@ -324,10 +344,12 @@ TEST(Draw, BrokenNormalMapsChangeNothing) {
     EXPECT_EQ(draw(asset).rgba, without.rgba);
 }
 
-// Images that say they are large, and have no pixels: each takes a sixth of what there is room for, before it is decoded.
+// Images that say they are large, and have no pixels: each takes a sixth of what there is room for, before it is
+// decoded.
 TEST(Draw, TexturesOfACrowdHaveALimit) {
     std::vector<std::byte> encoded = png_bytes({1, 1, {255, 255, 255, 255}});
-    for (const size_t side : {16, 20}) encoded[side + 2] = std::byte{0x20}, encoded[side + 3] = std::byte{0};  // 8192, in the header
+    // 8192, in the header
+    for (const size_t side : {16, 20}) encoded[side + 2] = std::byte{0x20}, encoded[side + 3] = std::byte{0};
     Asset asset = square();
     asset.images.assign(4, {.name = "vast", .encoded = encoded});
     AssetMaterial& material = asset.materials[0];
@@ -336,9 +358,14 @@ TEST(Draw, TexturesOfACrowdHaveALimit) {
     ASSERT_TRUE(character);
     Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&*character, 1}, {&*character, 1}}});
     ASSERT_TRUE(crowd && crowd->update(0));
-    const Result<RenderResult> result = shared_renderer(1).render(*crowd, {.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 0}});
+    const Result<RenderResult> result = shared_renderer(1).render(*crowd,
+                                                                  {.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 0}});
     ASSERT_TRUE(result);
-    const auto warned = [&](const char* of) { return std::ranges::count_if(result->warnings, [&](const std::string& warning) { return warning.find(of) != std::string::npos && warning.ends_with("drawn white"); }); };
+    const auto warned = [&](const char* of) {
+        return std::ranges::count_if(result->warnings, [&](const std::string& warning) {
+            return warning.find(of) != std::string::npos && warning.ends_with("drawn white");
+        });
+    };
     EXPECT_EQ(warned("cannot be decoded"), 6);
     EXPECT_EQ(warned("limit of 2147483648 bytes"), 2);
 }
@@ -360,8 +387,8 @@ TEST(Renderer, RefusesACameraThatSeesNothing) {
     ASSERT_TRUE(crowd && crowd->update(0));
     Renderer& renderer = shared_renderer(1);
     const float infinity = std::numeric_limits<float>::infinity();
-    for (const Camera& camera : {Camera{.eye = {1, 1, 1}, .target = {1, 1, 1}}, Camera{.eye = {infinity, 0, 0}}, Camera{.vertical_field_of_view_rad = 0},
-                                 Camera{.vertical_field_of_view_rad = 4}}) {
+    for (const Camera& camera : {Camera{.eye = {1, 1, 1}, .target = {1, 1, 1}}, Camera{.eye = {infinity, 0, 0}},
+                                 Camera{.vertical_field_of_view_rad = 0}, Camera{.vertical_field_of_view_rad = 4}}) {
         const Result<RenderResult> result = renderer.render(*crowd, camera);
         ASSERT_FALSE(result);
         EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
@@ -389,14 +416,17 @@ Renderer renderer_of(const RendererSettings& settings = {.width = kWidth, .heigh
     return std::move(*renderer);
 }
 
-// Two frames recorded into one command buffer, so that nothing but barriers is between them, for crowds that cull and keep two sets of matrices, or neither.
+// Two frames recorded into one command buffer, so that nothing but barriers is between them, for crowds that cull and
+// keep two sets of matrices, or neither.
 TEST(Renderer, FramesFollowEachOther) {
     const Result<Character> character = compile_character(square(), kExact);
     ASSERT_TRUE(character);
     Renderer one = renderer_of();
     Renderer& other = shared_renderer(4);
-    for (const CrowdSettings& settings : {CrowdSettings{}, CrowdSettings{.keep_previous_matrices = true, .culls = true}}) {
-        Crowd apart = crowd_of(*character, settings), together = crowd_of(*character, settings), recorded = crowd_of(*character, settings);
+    for (const CrowdSettings& settings :
+         {CrowdSettings{}, CrowdSettings{.keep_previous_matrices = true, .culls = true}}) {
+        Crowd apart = crowd_of(*character, settings), together = crowd_of(*character, settings),
+              recorded = crowd_of(*character, settings);
         std::vector<Picture> expected;
         for (int frame = 0; frame < 2; ++frame) {
             ASSERT_TRUE(apart.update(0.4f));
@@ -418,11 +448,14 @@ TEST(Renderer, FramesFollowEachOther) {
                 VkBufferImageCopy region{};
                 region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
                 region.imageExtent = {kWidth, kHeight, 1};
-                gpu->vk.vkCmdCopyImageToBuffer(commands, one.picture(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, copy.handle(), 1, &region);
+                gpu->vk.vkCmdCopyImageToBuffer(commands, one.picture(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                               copy.handle(), 1, &region);
             }
             memory_barrier(*gpu, commands, kTransferWrite, kHostRead);
         });
-        for (size_t frame = 0; frame < 2; ++frame) EXPECT_EQ(std::memcmp(copies[frame].mapped(), expected[frame].rgba.data(), expected[frame].rgba.size()), 0) << "frame " << frame;
+        for (size_t frame = 0; frame < 2; ++frame)
+            EXPECT_EQ(std::memcmp(copies[frame].mapped(), expected[frame].rgba.data(), expected[frame].rgba.size()), 0)
+                << "frame " << frame;
     }
 }
 
@@ -458,8 +491,11 @@ TEST(Renderer, TakesAnotherSize) {
 TEST(Renderer, RefusesWrongOptions) {
     Renderer renderer = renderer_of({.width = 8, .height = 8});
     const float infinity = std::numeric_limits<float>::infinity();
-    for (const DrawOptions& options : {DrawOptions{.exposure = 0}, DrawOptions{.exposure = infinity}, DrawOptions{.to_sun = {1, 0.04f, 0}}, DrawOptions{.to_sun = {0, 0, 0}}, DrawOptions{.to_sun = {0, infinity, 0}},
-                                       DrawOptions{.detail_pixels = 0}, DrawOptions{.detail_pixels = infinity}, DrawOptions{.full_rate_pixels = -1}, DrawOptions{.full_rate_pixels = infinity}, DrawOptions{.budget_ms = -1}}) {
+    for (const DrawOptions& options :
+         {DrawOptions{.exposure = 0}, DrawOptions{.exposure = infinity}, DrawOptions{.to_sun = {1, 0.04f, 0}},
+          DrawOptions{.to_sun = {0, 0, 0}}, DrawOptions{.to_sun = {0, infinity, 0}}, DrawOptions{.detail_pixels = 0},
+          DrawOptions{.detail_pixels = infinity}, DrawOptions{.full_rate_pixels = -1},
+          DrawOptions{.full_rate_pixels = infinity}, DrawOptions{.budget_ms = -1}}) {
         const Result<void> result = renderer.set_options(options);
         ASSERT_FALSE(result);
         EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
@@ -470,7 +506,8 @@ TEST(Renderer, RefusesWrongOptions) {
 }
 
 // A crowd of `asset` at `placements`, as `camera` sees it.
-Picture pictured(const Asset& asset, const std::vector<Affine>& placements, const Camera& camera, const DrawOptions& options, const CrowdSettings& settings = {}) {
+Picture pictured(const Asset& asset, const std::vector<Affine>& placements, const Camera& camera,
+                 const DrawOptions& options, const CrowdSettings& settings = {}) {
     const Result<Character> character = compile_character(asset, kExact);
     EXPECT_TRUE(character) << (character ? "" : character.error().text());
     CrowdSettings with_group = settings;
@@ -484,7 +521,8 @@ Picture pictured(const Asset& asset, const std::vector<Affine>& placements, cons
 
 Pixel seen_at(const Picture& picture, const Camera& camera, const Vec3<double>& point) {
     const Vec3<double> seen = project(camera, static_cast<double>(picture.width) / picture.height, point);
-    const auto column = static_cast<size_t>((seen.x + 1) / 2 * picture.width), row = static_cast<size_t>((1 - seen.y) / 2 * picture.height);
+    const auto column = static_cast<size_t>((seen.x + 1) / 2 * picture.width),
+               row = static_cast<size_t>((1 - seen.y) / 2 * picture.height);
     const uint8_t* p = &picture.rgba.at((row * picture.width + column) * 4);
     return {p[0], p[1], p[2]};
 }
@@ -494,15 +532,18 @@ int sum_of(const Pixel& p) { return p.r + p.g + p.b; }
 TEST(Draw, ShadowsFallOnTheGroundAndOnOthers) {
     const DrawOptions lit{.shadows = false, .to_sun = {0, 1, 1}}, shadowed{.to_sun = {0, 1, 1}};
     const std::vector<Affine> places{Affine{}, placed({.translation = {0, 0, -0.6f}})};
-    const Camera above{.eye = {0, 4, -4}, .target = {0, 0, -0.5f}}, beside{.eye = {3, 1, 2}, .target = {0, 0.5f, -0.3f}};
-    const auto darkens = [&](const Picture& without_any, const Picture& with, const Camera& camera, const Vec3<double>& point) {
+    const Camera above{.eye = {0, 4, -4}, .target = {0, 0, -0.5f}},
+        beside{.eye = {3, 1, 2}, .target = {0, 0.5f, -0.3f}};
+    const auto darkens = [&](const Picture& without_any, const Picture& with, const Camera& camera,
+                             const Vec3<double>& point) {
         const int without = sum_of(seen_at(without_any, camera, point)), shaded = sum_of(seen_at(with, camera, point));
         EXPECT_TRUE(shaded == without || shaded < 0.8 * without) << shaded << " of " << without;
         return shaded < without;
     };
     const Picture one = pictured(square(), {Affine{}}, above, lit), two = pictured(square(), places, beside, lit);
     for (const bool culls : {false, true}) {
-        const Picture one_shadowed = pictured(square(), {Affine{}}, above, shadowed, {.culls = culls}), two_shadowed = pictured(square(), places, beside, shadowed, {.culls = culls});
+        const Picture one_shadowed = pictured(square(), {Affine{}}, above, shadowed, {.culls = culls}),
+                      two_shadowed = pictured(square(), places, beside, shadowed, {.culls = culls});
         EXPECT_TRUE(darkens(one, one_shadowed, above, {0, 0, -0.5})) << "the ground behind";
         EXPECT_FALSE(darkens(one, one_shadowed, above, {0, 0, -1.2})) << "beyond the shadow";
         EXPECT_FALSE(darkens(one, one_shadowed, above, {0.7, 0, -0.5})) << "beside it";
@@ -513,15 +554,19 @@ TEST(Draw, ShadowsFallOnTheGroundAndOnOthers) {
     Asset masked = square();
     masked.materials[0].alpha_mode = AlphaMode::kMask;
     masked.materials[0].base_color[3] = 0.2f;
-    EXPECT_FALSE(darkens(one, pictured(masked, {Affine{}}, above, shadowed), above, {0, 0, -0.5})) << "what a mask leaves out throws none";
+    EXPECT_FALSE(darkens(one, pictured(masked, {Affine{}}, above, shadowed), above, {0, 0, -0.5}))
+        << "what a mask leaves out throws none";
 }
 
 double linear(double srgb) { return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4); }
-double encoded(double color) { return 255 * (color <= 0.0031308 ? 12.92 * color : 1.055 * std::pow(color, 1 / 2.4) - 0.055); }
+double encoded(double color) {
+    return 255 * (color <= 0.0031308 ? 12.92 * color : 1.055 * std::pow(color, 1 / 2.4) - 0.055);
+}
 
 // A square with a material, whose images are of one pixel each, and the normal that these give it.
 struct LitSquare {
-    LitSquare(const char* name, const AssetMaterial& material_in, const std::vector<std::array<uint8_t, 4>>& images_in = {}, const Vec3<double>& normal_in = {0, 0, 1})
+    LitSquare(const char* name, const AssetMaterial& material_in,
+              const std::vector<std::array<uint8_t, 4>>& images_in = {}, const Vec3<double>& normal_in = {0, 0, 1})
         : what(name), material(material_in), images(images_in), normal(normal_in) {}
 
     std::string what;
@@ -537,7 +582,8 @@ void expect_lit_as_the_reference(const std::vector<LitSquare>& squares, const Dr
     for (const LitSquare& lit : squares) {
         Asset asset = square();
         asset.materials = {lit.material};
-        for (const auto& rgba : lit.images) asset.images.push_back({.name = "image", .encoded = png_bytes({1, 1, {rgba.begin(), rgba.end()}})});
+        for (const auto& rgba : lit.images)
+            asset.images.push_back({.name = "image", .encoded = png_bytes({1, 1, {rgba.begin(), rgba.end()}})});
         placements.push_back(placed_at(1.1f * static_cast<float>(placements.size())));
         characters.push_back(*compile_character(asset, kExact));
     }
@@ -552,20 +598,32 @@ void expect_lit_as_the_reference(const std::vector<LitSquare>& squares, const Dr
     const auto row = [](const io::vec4& v) { return Vec3<double>{v.x, v.y, v.z}; };
     for (size_t i = 0; i < squares.size(); ++i) {
         const auto& [what, material, images, normal] = squares[i];
-        LitSurface surface{.normal = normal, .albedo = {material.base_color[0], material.base_color[1], material.base_color[2]}, .metallic = material.metallic, .roughness = material.roughness,
+        LitSurface surface{.normal = normal,
+                           .albedo = {material.base_color[0], material.base_color[1], material.base_color[2]},
+                           .metallic = material.metallic,
+                           .roughness = material.roughness,
                            .emissive = {material.emissive[0], material.emissive[1], material.emissive[2]}};
-        if (material.metallic_roughness_image != kNone) surface.metallic *= images[0][2] / 255.0, surface.roughness *= images[0][1] / 255.0;
-        if (material.emissive_image != kNone) surface.emissive = Vec3<double>{linear(images[0][0] / 255.0), linear(images[0][1] / 255.0), linear(images[0][2] / 255.0)} * 0.5;
-        const double map_occlusion = material.occlusion_image == kNone ? 1 : 1 + material.occlusion_strength * (images[0][0] / 255.0 - 1);
+        if (material.metallic_roughness_image != kNone)
+            surface.metallic *= images[0][2] / 255.0, surface.roughness *= images[0][1] / 255.0;
+        if (material.emissive_image != kNone)
+            surface.emissive = Vec3<double>{linear(images[0][0] / 255.0), linear(images[0][1] / 255.0),
+                                            linear(images[0][2] / 255.0)} *
+                               0.5;
+        const double map_occlusion = material.occlusion_image == kNone
+                                         ? 1
+                                         : 1 + material.occlusion_strength * (images[0][0] / 255.0 - 1);
         for (const auto& [x, y] : {std::pair(-0.25, 0.15), {0.2, 0.8}, {0.0, 0.5}}) {
             const Vec3<double> seen = project(camera, double{kWidth} / kHeight, {placements[i].row[0][3] + x, y, 0});
             const double column = std::floor((seen.x + 1) / 2 * kWidth), line = std::floor((1 - seen.y) / 2 * kHeight);
             // The place of the middle of the pixel, on the plane z = 0.
-            const Vec3<double> eye = row(scene.eye), ray = row(scene.forward) + row(scene.right) * ((column + 0.5) / kWidth * 2 - 1) + row(scene.down) * ((line + 0.5) / kHeight * 2 - 1);
+            const Vec3<double> eye = row(scene.eye), ray = row(scene.forward) +
+                                                           row(scene.right) * ((column + 0.5) / kWidth * 2 - 1) +
+                                                           row(scene.down) * ((line + 0.5) / kHeight * 2 - 1);
             surface.place = eye + ray * (-eye.z / ray.z);
             const double t = std::clamp((surface.place.y - scene.ground.y) / scene.ground.w / 0.25, 0.0, 1.0);
             surface.occlusion = (0.5 + 0.5 * t * t * (3 - 2 * t)) * map_occlusion;
-            const Vec3<double> expected = pictured_reference(scene, surface.place, reflected_light_reference(scene, surface, 1));
+            const Vec3<double> expected = pictured_reference(scene, surface.place,
+                                                             reflected_light_reference(scene, surface, 1));
             const uint8_t* p = &picture.rgba[(static_cast<size_t>(line) * kWidth + static_cast<size_t>(column)) * 4];
             EXPECT_NEAR(p[0], encoded(std::clamp(expected.x, 0.0, 1.0)), 1.2) << what << " at " << x << ", " << y;
             EXPECT_NEAR(p[1], encoded(std::clamp(expected.y, 0.0, 1.0)), 1.2) << what;
@@ -575,20 +633,45 @@ void expect_lit_as_the_reference(const std::vector<LitSquare>& squares, const Dr
 }
 
 TEST(Draw, MaterialsAreLitAsTheReferenceSays) {
-    const LitSquare rough("rough", {.base_color = {0.5f, 0.3f, 0.2f, 1}, .metallic = 0, .roughness = 1}), polished("polished", {.base_color = {0.1f, 0.3f, 0.2f, 1}, .metallic = 0, .roughness = 0.2f}),
-        metal("metal", {.base_color = {0.9f, 0.6f, 0.2f, 1}, .metallic = 1, .roughness = 0.4f}), half("half metal", {.base_color = {0.2f, 0.6f, 0.2f, 1}, .metallic = 0.5f, .roughness = 0.7f}),
-        shining("shining", {.base_color = {0.1f, 0.1f, 0.1f, 1}, .metallic = 0, .roughness = 1, .emissive = {0.1f, 3, 0.2f}}),
-        maps("maps of metal and occlusion", {.metallic = 0.9f, .roughness = 0.8f, .metallic_roughness_image = 0, .occlusion_image = 0, .occlusion_strength = 0.5f}, {{51, 153, 204, 255}}),
-        emission("map of emission", {.base_color = {0, 0, 0, 1}, .metallic = 0, .roughness = 1, .emissive = {0.5f, 0.5f, 0.5f}, .emissive_image = 0}, {{188, 50, 100, 255}}),
-        normals("map of normals", {.base_color = {0.6f, 0.6f, 0.6f, 1}, .metallic = 0, .roughness = 0.5f, .normal_image = 0, .normal_scale = 0.8f}, {{200, 60, 220, 255}}, normalized(Vec3<double>{0.8 * (400.0 / 255 - 1), 0.8 * (120.0 / 255 - 1), 440.0 / 255 - 1}));
+    const LitSquare rough("rough", {.base_color = {0.5f, 0.3f, 0.2f, 1}, .metallic = 0, .roughness = 1}),
+        polished("polished", {.base_color = {0.1f, 0.3f, 0.2f, 1}, .metallic = 0, .roughness = 0.2f}),
+        metal("metal", {.base_color = {0.9f, 0.6f, 0.2f, 1}, .metallic = 1, .roughness = 0.4f}),
+        half("half metal", {.base_color = {0.2f, 0.6f, 0.2f, 1}, .metallic = 0.5f, .roughness = 0.7f}),
+        shining("shining",
+                {.base_color = {0.1f, 0.1f, 0.1f, 1}, .metallic = 0, .roughness = 1, .emissive = {0.1f, 3, 0.2f}}),
+        maps("maps of metal and occlusion",
+             {.metallic = 0.9f,
+              .roughness = 0.8f,
+              .metallic_roughness_image = 0,
+              .occlusion_image = 0,
+              .occlusion_strength = 0.5f},
+             {{51, 153, 204, 255}}),
+        emission("map of emission",
+                 {.base_color = {0, 0, 0, 1},
+                  .metallic = 0,
+                  .roughness = 1,
+                  .emissive = {0.5f, 0.5f, 0.5f},
+                  .emissive_image = 0},
+                 {{188, 50, 100, 255}}),
+        normals("map of normals",
+                {.base_color = {0.6f, 0.6f, 0.6f, 1},
+                 .metallic = 0,
+                 .roughness = 0.5f,
+                 .normal_image = 0,
+                 .normal_scale = 0.8f},
+                {{200, 60, 220, 255}},
+                normalized(Vec3<double>{0.8 * (400.0 / 255 - 1), 0.8 * (120.0 / 255 - 1), 440.0 / 255 - 1}));
     expect_lit_as_the_reference({rough, shining, maps, emission}, {});
-    expect_lit_as_the_reference({polished, metal, half, normals}, {.fog = false, .exposure = 1.3f, .to_sun = {0.6f, 0.3f, 1}});
+    expect_lit_as_the_reference({polished, metal, half, normals},
+                                {.fog = false, .exposure = 1.3f, .to_sun = {0.6f, 0.3f, 1}});
 }
 
-// Where the sun is behind the eye, the half-way vector is the one to the eye, and their product may round to more than 1.
+// Where the sun is behind the eye, the half-way vector is the one to the eye, and their product may round to more
+// than 1.
 TEST(Draw, LooksAlongTheSun) {
     const Vec3<float> to_sun = normalized(Vec3<float>{0.3f, 0.4f, 1});
-    const Camera camera{.eye = Vec3<float>{0, 0.5f, 0} + to_sun * 5.0f, .target = {0, 0.5f, 0}, .vertical_field_of_view_rad = 1e-3f};
+    const Camera camera{
+        .eye = Vec3<float>{0, 0.5f, 0} + to_sun * 5.0f, .target = {0, 0.5f, 0}, .vertical_field_of_view_rad = 1e-3f};
     const Picture picture = pictured(square(), {Affine{}}, camera, {.shadows = false, .to_sun = to_sun});
     const Pixel first = seen_at(picture, camera, {0, 0.5, 0});
     for (size_t i = 0; i < picture.rgba.size(); i += 4) ASSERT_NEAR(picture.rgba[i], first.r, 2) << "pixel " << i / 4;
@@ -596,9 +679,13 @@ TEST(Draw, LooksAlongTheSun) {
 
 TEST(Draw, FogGrowsWithDistance) {
     const Camera camera{.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 0}};
-    const std::vector<Affine> places{placed({.translation = {-0.8f, 0, 0}}), placed({.translation = {2, 0, -10}, .scale = {2, 2, 2}})};
-    const Picture clear = pictured(square(), places, camera, {.fog = false}), foggy = pictured(square(), places, camera, {});
-    const auto change = [&](const Vec3<double>& point) { return sum_of(seen_at(foggy, camera, point)) - sum_of(seen_at(clear, camera, point)); };
+    const std::vector<Affine> places{placed({.translation = {-0.8f, 0, 0}}),
+                                     placed({.translation = {2, 0, -10}, .scale = {2, 2, 2}})};
+    const Picture clear = pictured(square(), places, camera, {.fog = false}),
+                  foggy = pictured(square(), places, camera, {});
+    const auto change = [&](const Vec3<double>& point) {
+        return sum_of(seen_at(foggy, camera, point)) - sum_of(seen_at(clear, camera, point));
+    };
     EXPECT_GT(change({2, 1.6, -10}), change({-0.8, 0.8, 0}) + 10);
     EXPECT_GE(change({-0.8, 0.8, 0}), 0);
 }
@@ -613,9 +700,11 @@ TEST(Draw, SkeletonsShowLevelsOverTheMesh) {
     asset.skins[0].joints = {0, 2, 3};
     asset.skins[0].inverse_binds.resize(3);
     const Camera camera{.eye = {0, 0.5f, 2}, .target = {0, 0.5f, 0}};
-    for (const CrowdSettings& settings : {CrowdSettings{.keep_model_matrices = true}, CrowdSettings{.keep_model_matrices = true, .culls = true}}) {
+    for (const CrowdSettings& settings :
+         {CrowdSettings{.keep_model_matrices = true}, CrowdSettings{.keep_model_matrices = true, .culls = true}}) {
         const Picture picture = pictured(asset, {Affine{}}, camera, {.skeletons = true}, settings);
-        const Pixel first = seen_at(picture, camera, {0, 0.3, -0.15}), second = seen_at(picture, camera, {0.2, 0.6, -0.3});
+        const Pixel first = seen_at(picture, camera, {0, 0.3, -0.15}),
+                    second = seen_at(picture, camera, {0.2, 0.6, -0.3});
         EXPECT_EQ(std::tuple(first.r, first.g), std::tuple(0, 255)) << "the second of three levels";
         EXPECT_NEAR(first.b, encoded(0.4), 1);
         EXPECT_NEAR(second.r, encoded(0.8), 1) << "the third";
@@ -624,22 +713,27 @@ TEST(Draw, SkeletonsShowLevelsOverTheMesh) {
     }
     const Result<Character> character = compile_character(square(), kExact);
     Crowd unseen = crowd_of(*character, {.keep_model_matrices = true, .culls = true});
-    const CrowdView away = *view_of({.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 9}}, kWidth, kHeight, world_bounds(unseen));
+    const CrowdView away = *view_of({.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 9}}, kWidth, kHeight,
+                                    world_bounds(unseen));
     ASSERT_TRUE(unseen.update(0, &away));
-    const Picture with_lines = shared_renderer(1, {.skeletons = true, .bounds = true}).render(unseen, kFront)->picture, without = shared_renderer(1).render(unseen, kFront)->picture;
+    const Picture with_lines = shared_renderer(1, {.skeletons = true, .bounds = true}).render(unseen, kFront)->picture,
+                  without = shared_renderer(1).render(unseen, kFront)->picture;
     EXPECT_EQ(with_lines.rgba, without.rgba) << "what is not listed has none";
 
     Crowd crowd = crowd_of(*character);
     const Result<RenderResult> result = shared_renderer(1, {.skeletons = true}).render_frame(crowd, 0, kFront);
     ASSERT_FALSE(result);
-    EXPECT_EQ(result.error().text(), "skeletons: the crowd keeps no model matrices; set CrowdSettings::keep_model_matrices");
+    EXPECT_EQ(result.error().text(),
+              "skeletons: the crowd keeps no model matrices; set CrowdSettings::keep_model_matrices");
 }
 
 TEST(Draw, BoundsAreTheBoxesOfCulling) {
     const Result<Character> character = compile_character(square(), kExact);
     const Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&*character, 1}}});
     const Group& group = crowd->state().groups[0];
-    const Vec3<double> middle_of_edge{group.posed_max.x, group.posed_max.y, (group.posed_min.z + group.posed_max.z) / 2.0}, low{(group.posed_min.x + group.posed_max.x) / 2.0, group.posed_min.y, group.posed_max.z};
+    const Vec3<double> middle_of_edge{group.posed_max.x, group.posed_max.y,
+                                      (group.posed_min.z + group.posed_max.z) / 2.0},
+        low{(group.posed_min.x + group.posed_max.x) / 2.0, group.posed_min.y, group.posed_max.z};
     const Camera camera{.eye = {2, 2, 3}, .target = {0.4f, 0.5f, 0}};
     for (const bool culls : {false, true}) {
         const Picture with = pictured(square(), {Affine{}}, camera, {.bounds = true}, {.culls = culls});
@@ -658,11 +752,18 @@ TEST(ShadowMap, MovesInWholeTexels) {
     const Vec3<float> sun = normalized(Vec3<float>{-0.45f, 0.85f, 0.5f});
     constexpr uint32_t kSize = 1024;
     const Vec3<float> point{3, 1, -2};
-    const auto place_in = [&](const ShadowFit& fit, size_t row) { return double{dot(Vec3<float>{fit.map_from_world[row][0], fit.map_from_world[row][1], fit.map_from_world[row][2]}, point) + fit.map_from_world[row][3]} * kSize; };
+    const auto place_in = [&](const ShadowFit& fit, size_t row) {
+        return double{
+                   dot(Vec3<float>{fit.map_from_world[row][0], fit.map_from_world[row][1], fit.map_from_world[row][2]},
+                       point) +
+                   fit.map_from_world[row][3]} *
+               kSize;
+    };
     std::optional<ShadowFit> before;
     int compared = 0;
     for (int step = 0; step < 40; ++step) {
-        const Camera camera{.eye = {0.07f * static_cast<float>(step), 3, 12}, .target = {0.02f * static_cast<float>(step), 0, 0}};
+        const Camera camera{.eye = {0.07f * static_cast<float>(step), 3, 12},
+                            .target = {0.02f * static_cast<float>(step), 0, 0}};
         const ShadowFit fit = fit_shadow(camera, make_view(camera, 1.5f), bounds, sun, kSize);
         for (size_t row = 0; row < 2; ++row) {
             EXPECT_GT(place_in(fit, row), 2);
@@ -682,7 +783,8 @@ TEST(WorldBounds, HoldEveryInstance) {
     ASSERT_TRUE(character);
     Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&*character, 1}, {&*character, 2}}});
     ASSERT_TRUE(crowd);
-    const std::vector<Affine> placements{placed_at(-3), turned(), placed({.translation = {0, 2, 4}, .scale = {2, 3, 1}})};
+    const std::vector<Affine> placements{placed_at(-3), turned(),
+                                         placed({.translation = {0, 2, 4}, .scale = {2, 3, 1}})};
     ASSERT_TRUE(crowd->set_placement(0, placements));
     const Bounds bounds = world_bounds(*crowd);
     EXPECT_NEAR(bounds.min.x, -3.5, 1e-6);

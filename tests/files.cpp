@@ -7,7 +7,8 @@ namespace throng::test {
 
 TemporaryFolder::TemporaryFolder() {
     std::random_device random;
-    path_ = std::filesystem::temp_directory_path() / ("throng_test_" + std::to_string(random()) + std::to_string(random()));
+    path_ = std::filesystem::temp_directory_path() /
+            ("throng_test_" + std::to_string(random()) + std::to_string(random()));
     std::filesystem::create_directories(path_);
 }
 

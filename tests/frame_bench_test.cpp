@@ -1,4 +1,5 @@
-// The benchmark of whole updates: every variant and floor is measured or says why not, no wrong result is timed, floors do all of their work.
+// The benchmark of whole updates: every variant and floor is measured or says why not, no wrong result is timed, floors
+// do all of their work.
 #include "bench/frame_bench.h"
 #include "bench/frame_crowds.h"
 #include "bench/frame_floors.h"
@@ -25,35 +26,54 @@ constexpr uint32_t kJoints = 40, kLevels = 12, kCharacters = 30;
 constexpr const char* kConfiguration = "30 x 40, 12 levels";
 const Progress kQuiet = [](const std::string&) {};
 
-Character creature(const CompileSettings& settings = {}) { return *compile_character(*make_creature({.joint_count = kJoints, .level_count = kLevels, .face_count = 600}), settings); }
+Character creature(const CompileSettings& settings = {}) {
+    return *compile_character(*make_creature({.joint_count = kJoints, .level_count = kLevels, .face_count = 600}),
+                              settings);
+}
 
 // Two different clips in each, at different times.
 std::vector<Playback> playbacks() {
     std::vector<Playback> all;
     for (uint32_t i = 0; i < kCharacters; ++i)
-        all.push_back({.first = {.clip = i % 3, .time_s = 0.1 * i}, .second = {.clip = (i + 1) % 3, .time_s = 0.07 * i}, .weight = 0.1f + 0.02f * static_cast<float>(i)});
+        all.push_back({.first = {.clip = i % 3, .time_s = 0.1 * i},
+                       .second = {.clip = (i + 1) % 3, .time_s = 0.07 * i},
+                       .weight = 0.1f + 0.02f * static_cast<float>(i)});
     return all;
 }
 
 std::map<std::string, Json> by_variant(const std::vector<Json>& records) {
     std::map<std::string, Json> all;
-    for (const Json& record : records) EXPECT_TRUE(all.emplace(record["variant"], record).second) << "twice: " << record["variant"];
+    for (const Json& record : records)
+        EXPECT_TRUE(all.emplace(record["variant"], record).second) << "twice: " << record["variant"];
     return all;
 }
 
-std::map<std::string, Json> measure(const Character& character, const Character* exact, uint32_t samples, const SkinReference& reference = skin_reference_of) {
+std::map<std::string, Json> measure(const Character& character, const Character* exact, uint32_t samples,
+                                    const SkinReference& reference = skin_reference_of) {
     const std::vector<Playback> playback = playbacks();
-    return by_variant(measure_frame(test_device(), {.configuration = kConfiguration, .character = &character, .keys = "0.01 %", .exact = exact, .playback = playback}, samples, kQuiet, reference));
+    return by_variant(measure_frame(test_device(),
+                                    {.configuration = kConfiguration,
+                                     .character = &character,
+                                     .keys = "0.01 %",
+                                     .exact = exact,
+                                     .playback = playback},
+                                    samples, kQuiet, reference));
 }
 
 TEST(FrameBench, BytesAreCountedByHand) {
     // 188: state 36, both times 8, cursor written once and read by two samples and blend, 36 each.
     EXPECT_EQ((FrameTraffic{.joint_count = 300, .palette_count = 300}.bytes_per_instance()), 188 + 300u * 432);
-    EXPECT_EQ((FrameTraffic{.joint_count = 300, .palette_count = 300, .local_bytes = 32}.bytes_per_instance()), 188 + 300u * 400);
-    EXPECT_EQ((FrameTraffic{.clip_count = 1, .joint_count = 300, .palette_count = 300}.bytes_per_instance()), 188 + 300u * 336);
-    EXPECT_EQ((FrameTraffic{.joint_count = 10, .palette_count = 7, .skin_bytes = 24}.bytes_per_instance()), 188 + 10u * (192 + 144) + 7u * (48 + 24));
-    EXPECT_EQ((FrameTraffic{.fused = true, .joint_count = 300, .palette_count = 300}.bytes_per_instance()), 116 + 300u * 48);
-    EXPECT_EQ((FrameTraffic{.fused = true, .joint_count = 300, .palette_count = 7, .skin_bytes = 32}.bytes_per_instance()), 116 + 7u * 32);
+    EXPECT_EQ((FrameTraffic{.joint_count = 300, .palette_count = 300, .local_bytes = 32}.bytes_per_instance()),
+              188 + 300u * 400);
+    EXPECT_EQ((FrameTraffic{.clip_count = 1, .joint_count = 300, .palette_count = 300}.bytes_per_instance()),
+              188 + 300u * 336);
+    EXPECT_EQ((FrameTraffic{.joint_count = 10, .palette_count = 7, .skin_bytes = 24}.bytes_per_instance()),
+              188 + 10u * (192 + 144) + 7u * (48 + 24));
+    EXPECT_EQ((FrameTraffic{.fused = true, .joint_count = 300, .palette_count = 300}.bytes_per_instance()),
+              116 + 300u * 48);
+    EXPECT_EQ(
+        (FrameTraffic{.fused = true, .joint_count = 300, .palette_count = 7, .skin_bytes = 32}.bytes_per_instance()),
+        116 + 7u * 32);
 }
 
 TEST(FrameBench, EveryVariantIsMeasured) {
@@ -75,7 +95,8 @@ TEST(FrameBench, EveryVariantIsMeasured) {
         EXPECT_LE(record["ms"]["median"], record["ms"]["p95"]);
         const double ms = record["ms"]["median"];
         EXPECT_NEAR(record["ns_per_joint"].get<double>() * kCharacters * kJoints * 1e-6, ms, 1e-9 * ms);
-        EXPECT_NEAR(record["gb_per_s"].get<double>() * ms * 1e6, record["bytes"].get<double>(), 1e-6 * record["bytes"].get<double>());
+        EXPECT_NEAR(record["gb_per_s"].get<double>() * ms * 1e6, record["bytes"].get<double>(),
+                    1e-6 * record["bytes"].get<double>());
     }
     struct Wanted {
         const char *variant, *path, *format, *keys, *fill;
@@ -83,11 +104,12 @@ TEST(FrameBench, EveryVariantIsMeasured) {
         uint64_t instance_bytes;
         double error;
     };
-    for (const Wanted& wanted : {Wanted{"fused", "fused", "affine", "0.01 %", "fill, 48 bytes", 2, 116 + kJoints * 48, 1e-4},
-                                 Wanted{"fused, one clip", "fused", "affine", "0.01 %", "fill, 48 bytes", 1, 116 + kJoints * 48, 1e-4},
-                                 Wanted{"fused, 24 bytes", "fused", "half_affine", "0.01 %", "fill, 24 bytes", 2, 116 + kJoints * 24, 2e-3},
-                                 Wanted{"fused, 32 bytes", "fused", "similarity", "0.01 %", "fill, 32 bytes", 2, 116 + kJoints * 32, 1e-4},
-                                 Wanted{"fused, exact keys", "fused", "affine", "exact", "fill, 48 bytes", 2, 116 + kJoints * 48, 1e-4}}) {
+    for (const Wanted& wanted :
+         {Wanted{"fused", "fused", "affine", "0.01 %", "fill, 48 bytes", 2, 116 + kJoints * 48, 1e-4},
+          Wanted{"fused, one clip", "fused", "affine", "0.01 %", "fill, 48 bytes", 1, 116 + kJoints * 48, 1e-4},
+          Wanted{"fused, 24 bytes", "fused", "half_affine", "0.01 %", "fill, 24 bytes", 2, 116 + kJoints * 24, 2e-3},
+          Wanted{"fused, 32 bytes", "fused", "similarity", "0.01 %", "fill, 32 bytes", 2, 116 + kJoints * 32, 1e-4},
+          Wanted{"fused, exact keys", "fused", "affine", "exact", "fill, 48 bytes", 2, 116 + kJoints * 48, 1e-4}}) {
         const Json &record = records.at(wanted.variant), &fill = records.at(wanted.fill);
         EXPECT_EQ(record["path"], wanted.path) << wanted.variant;
         EXPECT_EQ(record["skin_format"], wanted.format) << wanted.variant;
@@ -95,7 +117,9 @@ TEST(FrameBench, EveryVariantIsMeasured) {
         EXPECT_EQ(record["clips"], wanted.clips) << wanted.variant;
         EXPECT_EQ(record["bytes"], kCharacters * wanted.instance_bytes) << wanted.variant;
         EXPECT_LE(record["max_error"], wanted.error) << wanted.variant;
-        EXPECT_NEAR(record["times_fill_floor"].get<double>(), record["ms"]["median"].get<double>() / fill["ms"]["median"].get<double>(), 1e-9) << wanted.variant;
+        EXPECT_NEAR(record["times_fill_floor"].get<double>(),
+                    record["ms"]["median"].get<double>() / fill["ms"]["median"].get<double>(), 1e-9)
+            << wanted.variant;
         EXPECT_TRUE(record["stages"].contains("fused") && !record["stages"].contains("sample")) << record;
         EXPECT_EQ(fill["path"], "fill");
         EXPECT_EQ(fill["bytes"], kCharacters * (wanted.instance_bytes - 116));
@@ -107,7 +131,8 @@ TEST(FrameBench, EveryVariantIsMeasured) {
     EXPECT_EQ(staged["bytes"], kCharacters * (188 + kJoints * (similarities ? 400 : 432)));
     EXPECT_EQ(records.at("copy as staged")["bytes"], staged["bytes"]);
     EXPECT_EQ(records.at("copy as staged")["path"], "copy");
-    EXPECT_GT(records.at("fused, 24 bytes")["max_error"], records.at("fused")["max_error"]) << "half floats cannot be as exact";
+    EXPECT_GT(records.at("fused, 24 bytes")["max_error"], records.at("fused")["max_error"])
+        << "half floats cannot be as exact";
 }
 
 // Against a reference that is off by a little in one number of one palette entry.
@@ -124,19 +149,22 @@ TEST(FrameBench, AWrongResultIsNotTimed) {
     for (const char* variant : {"staged", "fused", "fused, one clip", "fused, 32 bytes"}) {
         EXPECT_EQ(little.at(variant)["wrong"], true) << variant;
         EXPECT_NEAR(little.at(variant)["max_error"].get<double>(), 1e-3, 1e-4) << variant;
-        for (const char* field : {"ms", "stages", "samples", "ns_per_joint", "times_fill_floor"}) EXPECT_FALSE(little.at(variant).contains(field)) << variant << ", " << field;
+        for (const char* field : {"ms", "stages", "samples", "ns_per_joint", "times_fill_floor"})
+            EXPECT_FALSE(little.at(variant).contains(field)) << variant << ", " << field;
     }
     EXPECT_FALSE(little.at("fused, 24 bytes").contains("wrong")) << "half floats are allowed that much";
     EXPECT_TRUE(little.at("fused, 24 bytes").contains("ms"));
     for (const double offset : {3e-3, std::numeric_limits<double>::quiet_NaN()})
-        for (const auto& [variant, record] : measure(character, nullptr, 1, reference_off_by(offset))) EXPECT_NE(record.contains("wrong"), record["path"] == "copy") << variant;
+        for (const auto& [variant, record] : measure(character, nullptr, 1, reference_off_by(offset)))
+            EXPECT_NE(record.contains("wrong"), record["path"] == "copy") << variant;
 }
 
 TEST(FrameBench, SaysWhatDoesNotApply) {
     Character character = creature();
     for (float& element : character.palette[3].joint_from_bind.row[0]) element *= 2;  // no similarity any more
     const std::map<std::string, Json> records = measure(character, nullptr, 1);
-    EXPECT_NE(records.at("fused, 32 bytes")["obstacle"].get<std::string>().find("palette entry 3"), std::string::npos) << records.at("fused, 32 bytes");
+    EXPECT_NE(records.at("fused, 32 bytes")["obstacle"].get<std::string>().find("palette entry 3"), std::string::npos)
+        << records.at("fused, 32 bytes");
     EXPECT_FALSE(records.at("fused, 32 bytes").contains("ms"));
     EXPECT_FALSE(records.contains("fill, 32 bytes"));
     EXPECT_TRUE(records.at("fused").contains("ms"));
@@ -157,11 +185,14 @@ TEST(FrameBench, CrowdsAreSharedAndRefusedBeforeMemoryEnds) {
 
 TEST(FrameBench, FillsWriteEveryRow) {
     const Character character = creature();
-    Crowd crowd = *Crowd::create(test_device(), {.groups = {{&character, kCharacters}}, .skin_format = SkinFormat::kHalfAffine});
+    Crowd crowd = *Crowd::create(test_device(),
+                                 {.groups = {{&character, kCharacters}}, .skin_format = SkinFormat::kHalfAffine});
     const FillFloor fill(test::test_gpu(), crowd, SkinFormat::kHalfAffine);
     EXPECT_EQ(fill.size_bytes(), uint64_t{kCharacters} * kJoints * 24);
     const BufferRange target(crowd.outputs()[0].skin_buffer, 0, fill.size_bytes());
-    test::run_on_gpu([&](VkCommandBuffer commands) { test::test_gpu()->vk.vkCmdFillBuffer(commands, target.buffer, 0, target.size_bytes, ~0u); });
+    test::run_on_gpu([&](VkCommandBuffer commands) {
+        test::test_gpu()->vk.vkCmdFillBuffer(commands, target.buffer, 0, target.size_bytes, ~0u);
+    });
     test::run_on_gpu([&](VkCommandBuffer commands) { fill.record_kernel(commands); });
     const auto words = download<uint32_t>(test::test_gpu(), target);
     for (uint32_t row = 0; row < words.size() / 4; ++row) ASSERT_EQ(words[4 * row], row);
@@ -193,13 +224,17 @@ TEST(FrameBench, CopiesMoveEveryRowTheWayStagesDo) {
                 put(commands, floor->buffers()[1], second);
             });
             test::run_on_gpu([&](VkCommandBuffer commands) {
-                if (by_kernel) floor->record_kernel(commands);
-                else floor->record_transfer(commands);
+                if (by_kernel)
+                    floor->record_kernel(commands);
+                else
+                    floor->record_transfer(commands);
             });
             std::vector<uint32_t> wanted = second;
             std::copy_n(first.begin(), floor == &copy ? first.size() : 4 * 777, wanted.begin());
-            EXPECT_EQ(download<uint32_t>(test::test_gpu(), floor->buffers()[0]), first) << (by_kernel ? "kernel" : "transfer");
-            EXPECT_EQ(download<uint32_t>(test::test_gpu(), floor->buffers()[1]), wanted) << (by_kernel ? "kernel" : "transfer");
+            EXPECT_EQ(download<uint32_t>(test::test_gpu(), floor->buffers()[0]), first)
+                << (by_kernel ? "kernel" : "transfer");
+            EXPECT_EQ(download<uint32_t>(test::test_gpu(), floor->buffers()[1]), wanted)
+                << (by_kernel ? "kernel" : "transfer");
         }
 }
 
@@ -213,13 +248,18 @@ TEST(FrameBench, HostTimeCountsWhereASoftwareDevicesTimestampsAreTooShort) {
 }
 
 Json frame_record(const char* variant, const char* path, double ms) {
-    return {{"bench", "frame"}, {"configuration", kConfiguration}, {"variant", variant}, {"path", path}, {"characters", kCharacters}, {"joints", kJoints}, {"levels", kLevels},
-            {"ms", {{"median", ms}, {"p5", 0.9 * ms}, {"p95", 1.2 * ms}}}, {"times_fill_floor", ms / 4}, {"device", "A GPU"}};
+    return {{"bench", "frame"},           {"configuration", kConfiguration},
+            {"variant", variant},         {"path", path},
+            {"characters", kCharacters},  {"joints", kJoints},
+            {"levels", kLevels},          {"ms", {{"median", ms}, {"p5", 0.9 * ms}, {"p95", 1.2 * ms}}},
+            {"times_fill_floor", ms / 4}, {"device", "A GPU"}};
 }
 
 TEST(FrameBench, TheReportHasASectionOfIt) {
-    std::vector<Json> records{frame_record("staged", "staged", 321), frame_record("fused", "fused", 55), frame_record("fill, 48 bytes", "fill", 4), frame_record("fused", "fused", 60),
-                              frame_record("fused, 24 bytes", "fused", 30), frame_record("fused, 32 bytes", "fused", 30)};
+    std::vector<Json> records{
+        frame_record("staged", "staged", 321),        frame_record("fused", "fused", 55),
+        frame_record("fill, 48 bytes", "fill", 4),    frame_record("fused", "fused", 60),
+        frame_record("fused, 24 bytes", "fused", 30), frame_record("fused, 32 bytes", "fused", 30)};
     records[3]["samples"] = 15;
     records[3]["host_samples"] = 2;
     records[0]["host_samples"] = 0;
@@ -231,10 +271,13 @@ TEST(FrameBench, TheReportHasASectionOfIt) {
     EXPECT_EQ(count_of(html, "<svg"), 1u);
     EXPECT_NE(html.find("Whole updates: A GPU"), std::string::npos);
     for (const char* variant : {"staged", "fused", "fill, 48 bytes"}) {
-        EXPECT_EQ(count_of(html, std::string("data-series=\"") + variant + "\"><title>"), 2u) << variant << ": its bar, and the line of its percentiles";
+        EXPECT_EQ(count_of(html, std::string("data-series=\"") + variant + "\"><title>"), 2u)
+            << variant << ": its bar, and the line of its percentiles";
         EXPECT_EQ(count_of(html, std::string("</span>") + variant + "</td>"), 1u) << variant;
     }
-    EXPECT_NE(html.find("Fused is 5.35 times as fast as staged and takes 15.0 times as long as writing its result."), std::string::npos) << "of the last record of a variant";
+    EXPECT_NE(html.find("Fused is 5.35 times as fast as staged and takes 15.0 times as long as writing its result."),
+              std::string::npos)
+        << "of the last record of a variant";
     EXPECT_EQ(count_of(html, "host's time in "), 1u);
     EXPECT_NE(html.find("host's time in 2 of 15 rounds"), std::string::npos);
     EXPECT_NE(html.find("wrong result, not timed"), std::string::npos);
@@ -243,10 +286,15 @@ TEST(FrameBench, TheReportHasASectionOfIt) {
 }
 
 TEST(FrameBench, TheReportEndsOnNoRecord) {
-    std::vector<Json> records{{{"bench", "frame"}}, {{"bench", "frame"}, {"variant", "fused"}}, {{"bench", "frame"}, {"variant", "staged"}, {"ms", 3}, {"stages", "none"}},
-                              {{"bench", "frame"}, {"variant", "a"}, {"ms", {{"median", 0}}}}, {{"bench", "frame"}, {"variant", "b"}, {"ms", {{"median", -1}, {"p5", "x"}}}},
-                              {{"bench", "frame"}, {"variant", "c"}, {"ms", {{"median", 1}}}, {"stages", {{"fused", nullptr}}}}};
-    for (size_t i = 1; i <= records.size(); ++i) EXPECT_NE(scan_report(std::span(records).first(i)).find("</html>"), std::string::npos) << records[i - 1].dump();
+    std::vector<Json> records{
+        {{"bench", "frame"}},
+        {{"bench", "frame"}, {"variant", "fused"}},
+        {{"bench", "frame"}, {"variant", "staged"}, {"ms", 3}, {"stages", "none"}},
+        {{"bench", "frame"}, {"variant", "a"}, {"ms", {{"median", 0}}}},
+        {{"bench", "frame"}, {"variant", "b"}, {"ms", {{"median", -1}, {"p5", "x"}}}},
+        {{"bench", "frame"}, {"variant", "c"}, {"ms", {{"median", 1}}}, {"stages", {{"fused", nullptr}}}}};
+    for (size_t i = 1; i <= records.size(); ++i)
+        EXPECT_NE(scan_report(std::span(records).first(i)).find("</html>"), std::string::npos) << records[i - 1].dump();
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Frames that are recorded and never submitted, or still under way: what record() takes up, gives back, and does not wait for.
+// Frames that are recorded and never submitted, or still under way: what record() takes up, gives back, and does not
+// wait for.
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
 
@@ -63,11 +64,15 @@ class Twins {
 public:
     Twins() {
         CrowdSettings settings{.keep_previous_matrices = true, .culls = true, .skips_updates = true};
-        settings.groups = {{.character = &character_, .instance_count = kEach, .pose_capacity = kEach / 2},
-                           {.character = &character_, .instance_count = kEach, .controller = &controller_, .pose_capacity = kEach},
-                           {.character = &character_, .instance_count = kEach, .controller = &controller_, .sockets = {3, 7},
-                            .steering = Steering{.radius = 0.5f, .speed = 3}},
-                           {.character = &character_, .instance_count = kEach, .procedural = &rules_}};
+        settings.groups = {
+            {.character = &character_, .instance_count = kEach, .pose_capacity = kEach / 2},
+            {.character = &character_, .instance_count = kEach, .controller = &controller_, .pose_capacity = kEach},
+            {.character = &character_,
+             .instance_count = kEach,
+             .controller = &controller_,
+             .sockets = {3, 7},
+             .steering = Steering{.radius = 0.5f, .speed = 3}},
+            {.character = &character_, .instance_count = kEach, .procedural = &rules_}};
         for (Crowd& crowd : crowds) {
             crowd = create(settings);
             std::vector<Affine> places;
@@ -79,8 +84,9 @@ public:
 
     // One random change of any kind.
     void change(Random& random) {
-        const uint32_t any = random.below(4 * kEach), two_clips = random.below(kEach), driven = kEach + random.below(2 * kEach),
-                       agent = 2 * kEach + random.below(kEach), ruled = 3 * kEach + random.below(kEach);
+        const uint32_t any = random.below(4 * kEach), two_clips = random.below(kEach),
+                       driven = kEach + random.below(2 * kEach), agent = 2 * kEach + random.below(kEach),
+                       ruled = 3 * kEach + random.below(kEach);
         const float fade_s = random.chance(0.3) ? 0 : static_cast<float>(random.between(0, 0.4));
         const Vec3<float> somewhere = random.vector(6).as<float>();
         const uint32_t kind = random.chance(0.3) ? 2 : random.below(10);
@@ -121,7 +127,9 @@ public:
         ASSERT_EQ(told[1].size(), 1u) << where;
         const Feedback &a = told[0][0], &b = told[1][0];
         EXPECT_EQ(a.update, b.update) << where;
-        const auto event = [](const CharacterEvent& one) { return std::tuple(one.instance, one.event, one.layer, one.time_s); };
+        const auto event = [](const CharacterEvent& one) {
+            return std::tuple(one.instance, one.event, one.layer, one.time_s);
+        };
         EXPECT_TRUE(std::ranges::equal(a.events, b.events, {}, event, event)) << where;
         ASSERT_EQ(a.watched.size(), b.watched.size()) << where;
         for (size_t i = 0; i < a.watched.size(); ++i) {
@@ -136,7 +144,8 @@ public:
     CrowdView view(Random& random) const {
         const float size = character_.size;
         const Vec3<float> middle{8 * size, 0, 6 * size}, aside = random.vector(12).as<float>() * size;
-        const Camera camera{.eye = middle + Vec3<float>{aside.x, 2 * size + std::abs(aside.y), aside.z}, .target = middle + random.vector(6).as<float>() * size};
+        const Camera camera{.eye = middle + Vec3<float>{aside.x, 2 * size + std::abs(aside.y), aside.z},
+                            .target = middle + random.vector(6).as<float>() * size};
         return *view_of(camera, 320, 200, {}, {.full_rate_pixels = 100});
     }
 
@@ -158,7 +167,8 @@ private:
     std::vector<std::string> set_was_refused_;
 };
 
-// The second crowd records frames that are dropped at random, with changes before, and between the record and its discard.
+// The second crowd records frames that are dropped at random, with changes before, and between the record and its
+// discard.
 TEST(Frames, DroppedAtRandomCostNothing) {
     Twins twins;
     Crowd& dropping = twins.crowds[1];
@@ -170,7 +180,9 @@ TEST(Frames, DroppedAtRandomCostNothing) {
         const CrowdView view = twins.view(random);
         while (random.chance(0.4)) {
             const auto step_s = static_cast<float>(random.between(0, 0.2));
-            recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(dropping.record(commands, step_s, random.chance(0.8) ? &view : nullptr)); });
+            recorder.record([&](VkCommandBuffer commands) {
+                EXPECT_TRUE(dropping.record(commands, step_s, random.chance(0.8) ? &view : nullptr));
+            });
             for (uint32_t i = random.below(4); i > 0; --i) twins.change(random);
             const Result<void> discarded = dropping.discard_last_record();
             ASSERT_TRUE(discarded) << discarded.error().text();
@@ -195,7 +207,8 @@ TEST(Frames, ManyDroppedInARowCostNothing) {
     DrivenCrowd driven;
     Recorder recorder;
     for (int frame = 0; frame < 20; ++frame) {
-        recorder.record([&](VkCommandBuffer commands) { EXPECT_EQ(refusal(driven.crowd.record(commands, 0.1f)), "") << frame; });
+        recorder.record(
+            [&](VkCommandBuffer commands) { EXPECT_EQ(refusal(driven.crowd.record(commands, 0.1f)), "") << frame; });
         EXPECT_TRUE(driven.crowd.discard_last_record());
     }
     EXPECT_TRUE(driven.crowd.update(0.1f));
@@ -229,16 +242,19 @@ TEST(Frames, OnlyTheLastRecordIsDiscarded) {
     EXPECT_FALSE(driven.crowd.discard_last_record()) << "it has been discarded";
 }
 
-// The GPU is held up in the middle of an update's submission, until another thread lets it go on after a while or record() has returned:
-// only a record() that waits for the GPU finds that it was let go.
+// The GPU is held up in the middle of an update's submission, until another thread lets it go on after a while or
+// record() has returned: only a record() that waits for the GPU finds that it was let go.
 TEST(Frames, RecordDoesNotWaitForTheGpu) {
     if (!test_gpu()->has_timestamps()) GTEST_SKIP() << "the queue has no timestamps";
     const Gpu& gpu = *test_gpu();
     const Character character = creature(20, 8);
     Crowd crowd = create({.groups = {{&character, 4}}, .culls = true});
-    const CrowdView view = *view_of({.eye = {0, 5, 20}, .target = {}}, 320, 200, {}, {.full_rate_pixels = 10, .budget_ms = 1});
-    const OwnedEvent go_on(test_gpu(), gpu.vk.vkCreateEvent, VkEventCreateInfo{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO}, "vkCreateEvent");
-    const OwnedEvent begun(test_gpu(), gpu.vk.vkCreateEvent, VkEventCreateInfo{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO}, "vkCreateEvent");
+    const CrowdView view = *view_of({.eye = {0, 5, 20}, .target = {}}, 320, 200, {},
+                                    {.full_rate_pixels = 10, .budget_ms = 1});
+    const OwnedEvent go_on(test_gpu(), gpu.vk.vkCreateEvent, VkEventCreateInfo{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO},
+                           "vkCreateEvent");
+    const OwnedEvent begun(test_gpu(), gpu.vk.vkCreateEvent, VkEventCreateInfo{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO},
+                           "vkCreateEvent");
     Recorder recorder;
     ASSERT_TRUE(crowd.update(0.1f, &view));
     VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
@@ -256,7 +272,8 @@ TEST(Frames, RecordDoesNotWaitForTheGpu) {
     while (gpu.vk.vkGetEventStatus(gpu.device, begun.get()) != VK_EVENT_SET) std::this_thread::yield();
     std::atomic<bool> has_returned = false, was_let_go = false;
     std::thread rescuer([&] {
-        for (int tenth = 0; tenth < 50 && !has_returned; ++tenth) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        for (int tenth = 0; tenth < 50 && !has_returned; ++tenth)
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
         was_let_go = !has_returned;
         gpu.vk.vkSetEvent(gpu.device, wait_for);
     });

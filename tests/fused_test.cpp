@@ -1,4 +1,5 @@
-// The fused update against reference_pose(): every method that has one, packed and exact keys, formats of skin matrices, what is kept.
+// The fused update against reference_pose(): every method that has one, packed and exact keys, formats of skin
+// matrices, what is kept.
 #include "bind/skin_format.h"
 #include "fused/fused.h"
 #include "gpu/spirv_info.h"
@@ -16,9 +17,11 @@ using namespace test;
 
 Character packed_character(const AssetSettings& settings) { return compiled(make_asset(settings), {.error = 1e-4}); }
 
-double crowd_error(Crowd& crowd, const Character& character, const std::vector<Playback>& playbacks, bool with_model = true) {
+double crowd_error(Crowd& crowd, const Character& character, const std::vector<Playback>& playbacks,
+                   bool with_model = true) {
     double worst = 0;
-    for (uint32_t i = 0; i < playbacks.size(); ++i) worst = std::max(worst, instance_error(crowd, i, character, playbacks[i], with_model));
+    for (uint32_t i = 0; i < playbacks.size(); ++i)
+        worst = std::max(worst, instance_error(crowd, i, character, playbacks[i], with_model));
     return worst;
 }
 
@@ -29,7 +32,9 @@ TEST(Fused, EveryMethodFollowsTheReference) {
         size_t cases = 0, refused = 0;
         double worst = 0;
         for (const uint32_t joint_count : {1u, 70u, 300u}) {
-            const AssetSettings asset{.joint_count = joint_count, .seed = joint_count, .scale_spread = method.format == ScanFormat::kSimilarity ? 0 : 0.1};
+            const AssetSettings asset{.joint_count = joint_count,
+                                      .seed = joint_count,
+                                      .scale_spread = method.format == ScanFormat::kSimilarity ? 0 : 0.1};
             for (const Character& character : {make_character(asset), packed_character(asset)}) {
                 Random random(joint_count);
                 const std::vector<Playback> playbacks = random_playbacks(random, character, 19);
@@ -37,7 +42,10 @@ TEST(Fused, EveryMethodFollowsTheReference) {
                 if (character.packed) lane_choices.resize(1);  // which keys are read does not depend on the lanes
                 for (const uint32_t lanes : lane_choices) {
                     const ScanChoice choice{&method, lanes};
-                    const CrowdSettings settings{.groups = {{&character, 19}}, .path = UpdatePath::kFused, .scan = name_of(choice), .keep_model_matrices = true};
+                    const CrowdSettings settings{.groups = {{&character, 19}},
+                                                 .path = UpdatePath::kFused,
+                                                 .scan = name_of(choice),
+                                                 .keep_model_matrices = true};
                     const FusedPlan plan = plan_fused(choice, FusedRig(character), limits);
                     if (!plan.obstacle.empty()) {
                         const Result<Crowd> crowd = Crowd::create(test_device(), settings);
@@ -52,18 +60,21 @@ TEST(Fused, EveryMethodFollowsTheReference) {
                     ASSERT_TRUE(crowd.set_playback(0, playbacks));
                     ASSERT_TRUE(crowd.update(0));
                     const double error = crowd_error(crowd, character, playbacks);
-                    EXPECT_LE(error, 2 * kPoseBound) << settings.scan << ", " << joint_count << " joints, " << (character.packed ? "packed" : "exact");
+                    EXPECT_LE(error, 2 * kPoseBound) << settings.scan << ", " << joint_count << " joints, "
+                                                     << (character.packed ? "packed" : "exact");
                     worst = std::max(worst, error);
                     ++cases;
                 }
             }
         }
         EXPECT_GT(cases, 0u) << method.name;
-        std::printf("  %-22s %3zu cases, %zu refused: largest error %.1e of the size\n", std::string(method.name).c_str(), cases, refused, worst);
+        std::printf("  %-22s %3zu cases, %zu refused: largest error %.1e of the size\n",
+                    std::string(method.name).c_str(), cases, refused, worst);
     }
 }
 
-// Few instances share a subgroup's lanes, many have one each, and more than a workgroup's leave the last one partly empty.
+// Few instances share a subgroup's lanes, many have one each, and more than a workgroup's leave the last one partly
+// empty.
 TEST(Fused, AnyNumberOfInstances) {
     const Character character = packed_character({.joint_count = 70, .seed = 3});
     const ScanLimits limits = scan_limits(*test_gpu());
@@ -75,12 +86,16 @@ TEST(Fused, AnyNumberOfInstances) {
         }
         ++scan_count;
         for (const uint32_t count : {1u, 2u, 3u, 7u, 8u, 9u, 15u, 16u, 17u, 100u}) {
-            Crowd crowd = create({.groups = {{&character, count}}, .path = UpdatePath::kFused, .scan = scan, .keep_model_matrices = true});
+            Crowd crowd = create({.groups = {{&character, count}},
+                                  .path = UpdatePath::kFused,
+                                  .scan = scan,
+                                  .keep_model_matrices = true});
             Random random(count);
             const std::vector<Playback> playbacks = random_playbacks(random, character, count);
             ASSERT_TRUE(crowd.set_playback(0, playbacks));
             ASSERT_TRUE(crowd.update(0));
-            EXPECT_LE(crowd_error(crowd, character, playbacks), kPoseBound) << count << " instances by " << crowd.path(0)->scan.method;
+            EXPECT_LE(crowd_error(crowd, character, playbacks), kPoseBound)
+                << count << " instances by " << crowd.path(0)->scan.method;
         }
     }
     EXPECT_GE(scan_count, 2u);
@@ -93,7 +108,9 @@ TEST(Fused, JointsThatOnlyTurn) {
     for (const uint32_t turning_count : {kJoints, kJoints / 2}) {
         Asset asset = make_asset({.joint_count = kJoints, .shape = RigShape::kChain, .seed = 31});
         for (AssetClip& clip : asset.clips)
-            std::erase_if(clip.tracks, [&](const AssetTrack& track) { return track.target != TrackTarget::kRotation && track.node < turning_count; });
+            std::erase_if(clip.tracks, [&](const AssetTrack& track) {
+                return track.target != TrackTarget::kRotation && track.node < turning_count;
+            });
         for (const CompileSettings& compile : {kExact, CompileSettings{.error = 1e-4}}) {
             const Result<Character> character = compile_character(asset, compile);
             ASSERT_TRUE(character) << character.error().text();
@@ -107,15 +124,22 @@ TEST(Fused, JointsThatOnlyTurn) {
             EXPECT_EQ(fixed + free, kJoints);
             EXPECT_GE(fixed, turning_count);
             EXPECT_EQ(free > 0, turning_count < kJoints);
-            Crowd crowd = create({.groups = {{&*character, kInstances}}, .path = UpdatePath::kFused, .scan = "serial", .keep_model_matrices = true});
+            Crowd crowd = create({.groups = {{&*character, kInstances}},
+                                  .path = UpdatePath::kFused,
+                                  .scan = "serial",
+                                  .keep_model_matrices = true});
             Random random(turning_count);
-            std::vector<Playback> playbacks = random_playbacks(random, *character, kInstances);  // with weights of 0, 1 and between: one kernel
-            for (const bool blends : {true, false}) {                                            // 0 and 1 alone: the other
+            // With weights of 0, 1 and between: one kernel
+            std::vector<Playback> playbacks = random_playbacks(random, *character, kInstances);
+            // 0 and 1 alone: the other
+            for (const bool blends : {true, false}) {
                 if (!blends)
                     for (Playback& playback : playbacks) playback.weight = playback.weight < 0.5f ? 0.0f : 1.0f;
                 ASSERT_TRUE(crowd.set_playback(0, playbacks));
                 ASSERT_TRUE(crowd.update(0));
-                EXPECT_LE(crowd_error(crowd, *character, playbacks), 2 * kPoseBound) << turning_count << " joints only turn, " << (character->packed ? "packed" : "exact") << ", blends " << blends;
+                EXPECT_LE(crowd_error(crowd, *character, playbacks), 2 * kPoseBound)
+                    << turning_count << " joints only turn, " << (character->packed ? "packed" : "exact") << ", blends "
+                    << blends;
             }
         }
     }
@@ -151,15 +175,19 @@ TEST(Fused, EveryFormatOnBothPathsStaysWithinItsError) {
         uint32_t bytes;
     };
     for (const UpdatePath path : {UpdatePath::kFused, UpdatePath::kStaged}) {
-        for (const Case& c : {Case{SkinFormat::kAffine, kPoseBound, 48}, Case{SkinFormat::kHalfAffine, 5e-3, 24}, Case{SkinFormat::kSimilarity, 2e-5, 32}}) {
+        for (const Case& c : {Case{SkinFormat::kAffine, kPoseBound, 48}, Case{SkinFormat::kHalfAffine, 5e-3, 24},
+                              Case{SkinFormat::kSimilarity, 2e-5, 32}}) {
             EXPECT_EQ(skin_format_bytes(c.format), c.bytes);
             Crowd crowd = create({.groups = {{&character, 11}}, .path = path, .skin_format = c.format});
             ASSERT_TRUE(crowd.set_playback(0, playbacks));
             ASSERT_TRUE(crowd.update(0));
             const double error = crowd_error(crowd, character, playbacks, false);
             EXPECT_LE(error, c.bound) << "path " << static_cast<int>(path) << ", " << c.bytes << " bytes";
-            if (c.format == SkinFormat::kHalfAffine) { EXPECT_GT(error, 1e-5) << "halves were not used"; }
-            std::printf("  %s, %u bytes: largest error %.1e of the size\n", path == UpdatePath::kFused ? "fused" : "staged", c.bytes, error);
+            if (c.format == SkinFormat::kHalfAffine) {
+                EXPECT_GT(error, 1e-5) << "halves were not used";
+            }
+            std::printf("  %s, %u bytes: largest error %.1e of the size\n",
+                        path == UpdatePath::kFused ? "fused" : "staged", c.bytes, error);
         }
     }
 }
@@ -169,7 +197,8 @@ TEST(Fused, SimilaritiesAreRefusedWhereTheyCannotHoldTheMatrices) {
     Character sheared = make_character({.joint_count = 20, .scale_spread = 0});
     sheared.palette[3].joint_from_bind.row[0][1] += 0.5f;
     for (const Character& character : {scaled, sheared}) {
-        const Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&character, 2}}, .skin_format = SkinFormat::kSimilarity});
+        const Result<Crowd> crowd = Crowd::create(
+            test_device(), {.groups = {{&character, 2}}, .skin_format = SkinFormat::kSimilarity});
         ASSERT_FALSE(crowd);
         EXPECT_EQ(crowd.error().code, ErrorCode::kUnsupported);
         EXPECT_NE(crowd.error().text().find("32-byte skin matrices"), std::string::npos) << crowd.error().text();
@@ -181,13 +210,16 @@ TEST(Fused, SimilaritiesAreRefusedWhereTheyCannotHoldTheMatrices) {
 TEST(Fused, SimilaritiesOfMirrorsAndHalfTurns) {
     Character character = make_character({.joint_count = 9, .scale_spread = 0});
     for (size_t entry = 0; entry < character.palette.size(); ++entry) {
-        const std::array<Quaternion<float>, 5> turns{{{0, 0, 0, 1}, {1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0.6f, 0, 0.8f, 0}}};
+        const std::array<Quaternion<float>, 5> turns{
+            {{0, 0, 0, 1}, {1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0.6f, 0, 0.8f, 0}}};
         const float scale = entry % 2 == 0 ? 1.5f : -0.5f;
-        character.palette[entry].joint_from_bind = to_affine(Trs<float>{.rotation = turns[entry % turns.size()], .translation = {1, 2, 3}, .scale = {scale, scale, scale}});
+        character.palette[entry].joint_from_bind = to_affine(Trs<float>{
+            .rotation = turns[entry % turns.size()], .translation = {1, 2, 3}, .scale = {scale, scale, scale}});
     }
     Random random(21);
     const std::vector<Playback> playbacks = random_playbacks(random, character, 9);
-    Crowd crowd = create({.groups = {{&character, 9}}, .path = UpdatePath::kFused, .skin_format = SkinFormat::kSimilarity});
+    Crowd crowd = create(
+        {.groups = {{&character, 9}}, .path = UpdatePath::kFused, .skin_format = SkinFormat::kSimilarity});
     ASSERT_TRUE(crowd.set_playback(0, playbacks));
     ASSERT_TRUE(crowd.update(0));
     EXPECT_LE(crowd_error(crowd, character, playbacks, false), 2e-5);
@@ -199,15 +231,18 @@ TEST(Fused, PreviousMatricesAreThoseOfTheUpdateBefore) {
         Crowd crowd = create({.groups = {{&character, 6}}, .path = path, .keep_previous_matrices = true});
         Random random(2);
         ASSERT_TRUE(crowd.set_playback(0, random_playbacks(random, character, 6)));
-        const auto read = [&](VkBuffer buffer) { return download<Affine>(test_gpu(), BufferRange(buffer, 0, 6 * character.palette.size() * sizeof(Affine))); };
+        const auto read = [&](VkBuffer buffer) {
+            return download<Affine>(test_gpu(), BufferRange(buffer, 0, 6 * character.palette.size() * sizeof(Affine)));
+        };
         std::vector<Affine> last;
         for (int update = 0; update < 4; ++update) {
             ASSERT_TRUE(crowd.update(0.13f));
             const OutputBlock& block = crowd.outputs()[0];
             const std::vector<Affine> now = read(block.skin_buffer), previous = read(block.previous_skin_buffer);
             EXPECT_TRUE(same_bits(now, skins_of(crowd)));
-            if (update == 0) { EXPECT_TRUE(same_bits(previous, now)) << "nothing has moved yet"; }
-            else {
+            if (update == 0) {
+                EXPECT_TRUE(same_bits(previous, now)) << "nothing has moved yet";
+            } else {
                 EXPECT_TRUE(same_bits(previous, last));
                 EXPECT_FALSE(same_bits(previous, now));
             }
@@ -221,7 +256,8 @@ TEST(Fused, LanesThatAMethodDoesNotHaveAreRefusedOnEveryPath) {
     const Character character = small_character();
     for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kFused, UpdatePath::kStaged})
         for (const char* scan : {"serial:7", "subgroup:3"}) {
-            const Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&character, 2}}, .path = path, .scan = scan});
+            const Result<Crowd> crowd = Crowd::create(test_device(),
+                                                      {.groups = {{&character, 2}}, .path = path, .scan = scan});
             ASSERT_FALSE(crowd) << scan;
             EXPECT_EQ(crowd.error().code, ErrorCode::kUnsupported) << scan;
             EXPECT_NE(crowd.error().text().find("invocations a character"), std::string::npos) << crowd.error().text();
@@ -229,10 +265,16 @@ TEST(Fused, LanesThatAMethodDoesNotHaveAreRefusedOnEveryPath) {
 }
 
 // What a GPU would be given, with its 48 KiB of shared memory and subgroups of 32.
-constexpr ScanLimits kHardware{.shared_memory_bytes = 49152, .workgroup_size = 1024, .subgroup_size = 32, .shuffle = true, .is_cpu = false};
+constexpr ScanLimits kHardware{
+    .shared_memory_bytes = 49152, .workgroup_size = 1024, .subgroup_size = 32, .shuffle = true, .is_cpu = false};
 
 Character character_of(uint32_t joint_count, double scale_spread) {
-    return make_character({.joint_count = joint_count, .scale_spread = scale_spread, .clip_count = 1, .axis_count = 1, .key_count = 2, .vertex_count = 3});
+    return make_character({.joint_count = joint_count,
+                           .scale_spread = scale_spread,
+                           .clip_count = 1,
+                           .axis_count = 1,
+                           .key_count = 2,
+                           .vertex_count = 3});
 }
 
 TEST(Fused, AGpuTakesTheFirstMethodThatFits) {
@@ -241,13 +283,21 @@ TEST(Fused, AGpuTakesTheFirstMethodThatFits) {
         double scale_spread;
         const char* wanted;  // empty: none
     };
-    // A tile of 2 characters, 64 lanes: 2 * joints * 32 bytes of similarities or 48 of affines, and slots of 64 lanes each beside it.
-    for (const Case& c : {Case{64, 0, "subgroup_quaternion:32"}, Case{64, 0.1, "subgroup:32"}, Case{700, 0, "subgroup_quaternion:32"}, Case{700, 0.1, "fragments:32"}, Case{1100, 0, ""}, Case{1100, 0.1, ""}}) {
+    // A tile of 2 characters, 64 lanes: 2 * joints * 32 bytes of similarities or 48 of affines, and slots of 64 lanes
+    // each beside it.
+    for (const Case& c :
+         {Case{64, 0, "subgroup_quaternion:32"}, Case{64, 0.1, "subgroup:32"}, Case{700, 0, "subgroup_quaternion:32"},
+          Case{700, 0.1, "fragments:32"}, Case{1100, 0, ""}, Case{1100, 0.1, ""}}) {
         const FusedPlan plan = choose_fused(FusedRig(character_of(c.joint_count, c.scale_spread)), kHardware);
-        const std::string where = std::to_string(c.joint_count) + " joints, scale spread " + std::to_string(c.scale_spread);
+        const std::string where = std::to_string(c.joint_count) + " joints, scale spread " +
+                                  std::to_string(c.scale_spread);
         EXPECT_EQ(plan.obstacle.empty() ? name_of(plan.choice) : "", c.wanted) << where << ": " << plan.obstacle;
-        if (!plan.obstacle.empty()) { EXPECT_NE(plan.obstacle.find("49152"), std::string::npos) << plan.obstacle; }
-        if (plan.obstacle.empty()) { EXPECT_EQ(plan.tile_transforms, plan.scan.instances_per_workgroup * c.joint_count) << where; }
+        if (!plan.obstacle.empty()) {
+            EXPECT_NE(plan.obstacle.find("49152"), std::string::npos) << plan.obstacle;
+        }
+        if (plan.obstacle.empty()) {
+            EXPECT_EQ(plan.tile_transforms, plan.scan.instances_per_workgroup * c.joint_count) << where;
+        }
     }
 }
 
@@ -271,7 +321,9 @@ TEST(Fused, TooFewStorageBuffersAreAnObstacle) {
     limits.storage_buffers = needed;
     EXPECT_EQ(choose_fused(FusedRig(character), limits).obstacle, "");
     --limits.storage_buffers;
-    EXPECT_EQ(choose_fused(FusedRig(character), limits).obstacle, std::to_string(needed) + " storage buffers in one kernel exceed the device's " + std::to_string(needed - 1));
+    EXPECT_EQ(
+        choose_fused(FusedRig(character), limits).obstacle,
+        std::to_string(needed) + " storage buffers in one kernel exceed the device's " + std::to_string(needed - 1));
 
     const Device device = another_device();
     device.gpu()->properties.limits.maxPerStageDescriptorStorageBuffers = needed - 1;
@@ -287,7 +339,9 @@ TEST(Fused, TooFewStorageBuffersAreAnObstacle) {
     const Result<Crowd> none = Crowd::create(device, {.groups = {{&character, 2}}});
     ASSERT_FALSE(none);
     EXPECT_EQ(none.error().code, ErrorCode::kLimit);
-    EXPECT_NE(none.error().text().find("storage buffers exceed the device's 1 (maxPerStageDescriptorStorageBuffers)"), std::string::npos) << none.error().text();
+    EXPECT_NE(none.error().text().find("storage buffers exceed the device's 1 (maxPerStageDescriptorStorageBuffers)"),
+              std::string::npos)
+        << none.error().text();
 }
 
 TEST(Fused, TablesAreNamedWhereTheDeviceCannotReadThem) {
@@ -308,11 +362,19 @@ TEST(Fused, TablesAreNamedWhereTheDeviceCannotReadThem) {
     const Result<Crowd> refused = Crowd::create(*device, {.groups = {{&character, 1}}});
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
-    EXPECT_EQ(refused.error().text(), "Fox: keys: a table of " + std::to_string(keys) + " elements exceeds the device's " + std::to_string(keys - 1) + " (maxTexelBufferElements)");
+    EXPECT_EQ(refused.error().text(), "Fox: keys: a table of " + std::to_string(keys) +
+                                          " elements exceeds the device's " + std::to_string(keys - 1) +
+                                          " (maxTexelBufferElements)");
 }
 
 TEST(Fused, WhatDoesNotFitIsStagedUnlessAskedFor) {
-    const Character large = make_character({.name = "large", .joint_count = 65535, .shape = RigShape::kBushy, .scale_spread = 0, .clip_count = 1, .axis_count = 1, .key_count = 2});
+    const Character large = make_character({.name = "large",
+                                            .joint_count = 65535,
+                                            .shape = RigShape::kBushy,
+                                            .scale_spread = 0,
+                                            .clip_count = 1,
+                                            .axis_count = 1,
+                                            .key_count = 2});
     const ScanLimits limits = scan_limits(*test_gpu());
     const FusedPlan plan = choose_fused(FusedRig(large), limits);
     ASSERT_FALSE(plan.obstacle.empty());
@@ -323,7 +385,8 @@ TEST(Fused, WhatDoesNotFitIsStagedUnlessAskedFor) {
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kUnsupported);
     const Character character = small_character();
-    EXPECT_FALSE(create({.groups = {{&character, 2}}, .scan = "gateau2012_walk"}).path(0)->is_fused) << "it has no fused form";
+    EXPECT_FALSE(create({.groups = {{&character, 2}}, .scan = "gateau2012_walk"}).path(0)->is_fused)
+        << "it has no fused form";
     EXPECT_TRUE(create({.groups = {{&character, 2}}}).path(0)->is_fused);
 }
 

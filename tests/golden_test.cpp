@@ -36,7 +36,8 @@ std::vector<Golden> load_goldens() {
     for (const auto& folder : std::filesystem::directory_iterator(shared_folder("characters"))) {
         if (!folder.is_directory()) continue;
         for (const auto& file : std::filesystem::directory_iterator(folder)) {
-            std::ifstream in(shared_folder("goldens") / (folder.path().filename().string() + "__" + file.path().stem().string() + ".json"));
+            std::ifstream in(shared_folder("goldens") /
+                             (folder.path().filename().string() + "__" + file.path().stem().string() + ".json"));
             if (!in) continue;
             Golden golden{.file = file.path()};
             golden.data = json::parse(in);
@@ -79,7 +80,8 @@ double matrix_error(const AffineT<double>& m, const json& golden, double size) {
     double scale = 1, linear = 0, translation = 0;
     for (size_t column = 0; column < 4; ++column)
         for (size_t row = 0; row < 3; ++row) {
-            const double wanted = golden[column * 4 + row].get<double>(), difference = std::abs(m.row[row][column] - wanted);
+            const double wanted = golden[column * 4 + row].get<double>(),
+                         difference = std::abs(m.row[row][column] - wanted);
             if (!(difference >= 0)) return std::numeric_limits<double>::infinity();
             if (column < 3) {
                 scale = std::max(scale, std::abs(wanted));
@@ -96,7 +98,9 @@ void compare(const Golden& golden, const json& answer, const Computed& computed,
         const json& skin = answer["skins"][s];
         const Skin& ours = golden.character.skins[s];
         const json& declared = golden.data["skins"][s];
-        const json& world = declared.contains("jointWorldAsSkin") ? answer["skins"][declared["jointWorldAsSkin"].get<size_t>()]["jointWorld"] : skin["jointWorld"];
+        const json& world = declared.contains("jointWorldAsSkin")
+                                ? answer["skins"][declared["jointWorldAsSkin"].get<size_t>()]["jointWorld"]
+                                : skin["jointWorld"];
         ASSERT_EQ(declared["jointNodes"].size(), ours.joint_count);
         for (uint32_t k = 0; k < ours.joint_count; ++k) {
             const uint32_t entry = ours.first_entry + k, joint = golden.character.palette[entry].joint;
@@ -108,14 +112,16 @@ void compare(const Golden& golden, const json& answer, const Computed& computed,
     }
     for (size_t p = 0; p < golden.data["primitives"].size(); ++p) {
         const json& primitive = golden.data["primitives"][p];
-        const auto section = std::find_if(golden.character.sections.begin(), golden.character.sections.end(), [&](const MeshSection& candidate) {
-            return candidate.node == primitive["node"] && candidate.primitive == primitive["primitive"];
-        });
+        const auto section = std::find_if(
+            golden.character.sections.begin(), golden.character.sections.end(), [&](const MeshSection& candidate) {
+                return candidate.node == primitive["node"] && candidate.primitive == primitive["primitive"];
+            });
         ASSERT_NE(section, golden.character.sections.end());
         EXPECT_EQ(section->vertex_count, primitive["vertexCount"].get<uint32_t>());
         for (size_t v = 0; v < primitive["vertices"].size(); ++v) {
             const json& wanted = answer["primitives"][p]["positions"][v];
-            const Vec3<double>& position = computed.positions[section->first_vertex + primitive["vertices"][v].get<uint32_t>()];
+            const Vec3<double>& position =
+                computed.positions[section->first_vertex + primitive["vertices"][v].get<uint32_t>()];
             const double error = length(position - Vec3<double>{wanted[0], wanted[1], wanted[2]}) / golden.size;
             worst.vertex = error >= 0 ? std::max(worst.vertex, error) : std::numeric_limits<double>::infinity();
             ++worst.vertices;
@@ -129,8 +135,12 @@ struct Bounds {
 };
 
 void report(const Golden& golden, const std::string& method, const Comparison& worst, const Bounds& bounds = {}) {
-    std::printf("  %-22s %-16s %2zu answers, %5llu matrices, %5llu vertices; largest error of joints %.1e, skin %.1e, vertices %.1e\n", golden.character.name.c_str(),
-                method.c_str(), golden.answers().size(), static_cast<unsigned long long>(worst.matrices), static_cast<unsigned long long>(worst.vertices), worst.joint, worst.skin, worst.vertex);
+    std::printf(
+        "  %-22s %-16s %2zu answers, %5llu matrices, %5llu vertices; largest error of joints %.1e, skin %.1e, vertices "
+        "%.1e\n",
+        golden.character.name.c_str(), method.c_str(), golden.answers().size(),
+        static_cast<unsigned long long>(worst.matrices), static_cast<unsigned long long>(worst.vertices), worst.joint,
+        worst.skin, worst.vertex);
     EXPECT_LE(worst.joint, bounds.matrix) << golden.character.name << ", " << method;
     EXPECT_LE(worst.skin, bounds.matrix) << golden.character.name << ", " << method;
     EXPECT_LE(worst.vertex, bounds.vertex) << golden.character.name << ", " << method;
@@ -144,7 +154,8 @@ TEST(Golden, Reference) {
         Comparison worst;
         for (size_t i = 0; i < golden.answers().size(); ++i) {
             const ReferencePose pose = *reference_pose(golden.character, golden.playbacks[i]);
-            compare(golden, golden.answers()[i], {pose.model_from_joint, pose.model_from_bind, reference_positions(golden.character, pose)}, worst);
+            compare(golden, golden.answers()[i],
+                    {pose.model_from_joint, pose.model_from_bind, reference_positions(golden.character, pose)}, worst);
         }
         report(golden, "reference", worst);
         answer_count += golden.answers().size();
@@ -154,8 +165,11 @@ TEST(Golden, Reference) {
 }
 
 // All answers of a file are one crowd, so that the instances differ from each other.
-void expect_golden(const Golden& golden, const Character& character, CrowdSettings settings, const std::string& label, const Bounds& bounds) {
-    const auto as_doubles = [](const auto& from, auto&& to) { for (const auto& value : from) to.push_back(value.template as<double>()); };
+void expect_golden(const Golden& golden, const Character& character, CrowdSettings settings, const std::string& label,
+                   const Bounds& bounds) {
+    const auto as_doubles = [](const auto& from, auto&& to) {
+        for (const auto& value : from) to.push_back(value.template as<double>());
+    };
     const auto count = static_cast<uint32_t>(golden.playbacks.size());
     settings.groups = {{&character, count}};
     settings.keep_model_matrices = true;
@@ -180,7 +194,8 @@ TEST(Golden, EveryScanMethodOnTheGpu) {
         for (const ScanMethodInfo& method : scan_methods()) {
             const bool takes_similarities = find_scan_method(method.name)->format == ScanFormat::kSimilarity;
             if (!method.in_crowds || (takes_similarities && !golden.character.rig.uniform_scale)) continue;
-            expect_golden(golden, golden.character, {.path = UpdatePath::kStaged, .scan = method.name}, method.name, {});
+            expect_golden(golden, golden.character, {.path = UpdatePath::kStaged, .scan = method.name}, method.name,
+                          {});
         }
 }
 
@@ -189,12 +204,15 @@ TEST(Golden, InOnePassOnTheGpu) {
     constexpr double kAnyMatrix = 1;
     for (const Golden& golden : load_goldens()) {
         expect_golden(golden, golden.character, {.path = UpdatePath::kFused}, "fused", {});
-        expect_golden(golden, golden.character, {.path = UpdatePath::kFused, .skin_format = SkinFormat::kHalfAffine}, "fused, 24 bytes", {.matrix = kAnyMatrix, .vertex = 5e-3});
+        expect_golden(golden, golden.character, {.path = UpdatePath::kFused, .skin_format = SkinFormat::kHalfAffine},
+                      "fused, 24 bytes", {.matrix = kAnyMatrix, .vertex = 5e-3});
         const Result<Character> packed = load_character(golden.file);
         ASSERT_TRUE(packed && packed->packed) << golden.file;
         const double bound = CompileSettings{}.error * packed->size / golden.size + kBound;
         for (const UpdatePath path : {UpdatePath::kFused, UpdatePath::kStaged})
-            expect_golden(golden, *packed, {.path = path}, path == UpdatePath::kFused ? "fused, packed" : "staged, packed", {.matrix = kAnyMatrix, .vertex = bound});
+            expect_golden(golden, *packed, {.path = path},
+                          path == UpdatePath::kFused ? "fused, packed" : "staged, packed",
+                          {.matrix = kAnyMatrix, .vertex = bound});
     }
 }
 

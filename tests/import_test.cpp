@@ -439,8 +439,8 @@ TEST(Import, Interpolations) {
     EXPECT_EQ(loaded(b).clips[0].tracks[0].interpolation, Interpolation::kStep);
     sampler(b)["interpolation"] = "CUBICSPLINE";
     expect_refused(b, "animations[0].samplers[0].output", "has 2 values, but must have 6, for 2 key times");
-    sampler(b)["output"] =
-        b.add<float>({0, 0, 0, 0, 0, 0, 0, 1, 9, 9, 9, 9, 8, 8, 8, 8, 0, 0, 1, 0, 0, 0, 0, 0}, "VEC4", kFloat);
+    sampler(b)["output"] = b.add<float>({0, 0, 0, 0, 0, 0, 0, 1, 9, 9, 9, 9, 8, 8, 8, 8, 0, 0, 1, 0, 0, 0, 0, 0},
+                                        "VEC4", kFloat);
     const Asset asset = loaded(b);
     EXPECT_TRUE(asset.warnings.empty());  // a tangent of length zero is no fault
     EXPECT_EQ(asset.clips[0].tracks[0].interpolation, Interpolation::kCubicSpline);
@@ -955,12 +955,24 @@ TEST(Import, MorphTargets) {
     GlbBuilder b = tiny_character();
     const std::array<float, 3> moved{7, 8, 9};
     const std::array<uint8_t, 1> which{1};
-    const size_t view = b.add_view(std::as_bytes(std::span(moved))), index = b.add_view(std::as_bytes(std::span(which)));
-    b.json["accessors"].push_back({{"componentType", kFloat}, {"count", 3}, {"type", "VEC3"},
-                                   {"sparse", {{"count", 1}, {"indices", {{"bufferView", index}, {"componentType", kUint8}}}, {"values", {{"bufferView", view}}}}}});
-    const size_t sparse = b.json["accessors"].size() - 1, positions = b.add<float>({1, 2, 3, 4, 5, 6, 7, 8, 9}, "VEC3", kFloat), normals = b.add<float>({0, 0, 1, 0, 1, 0, 0, 0, 0}, "VEC3", kFloat);
-    primitive(b)["targets"] = {{{"POSITION", positions}, {"NORMAL", normals}, {"TANGENT", 99}}, {{"POSITION", sparse}}, Json::object()};
-    b.json["meshes"].push_back({{"primitives", {{{"attributes", {{"POSITION", kPosition}}}, {"mode", 0}, {"targets", {Json::object(), Json::object()}}}, {{"attributes", {{"POSITION", kPosition}}}, {"targets", {{{"POSITION", sparse}}, Json::object()}}}}}});
+    const size_t view = b.add_view(std::as_bytes(std::span(moved))),
+                 index = b.add_view(std::as_bytes(std::span(which)));
+    b.json["accessors"].push_back({{"componentType", kFloat},
+                                   {"count", 3},
+                                   {"type", "VEC3"},
+                                   {"sparse",
+                                    {{"count", 1},
+                                     {"indices", {{"bufferView", index}, {"componentType", kUint8}}},
+                                     {"values", {{"bufferView", view}}}}}});
+    const size_t sparse = b.json["accessors"].size() - 1,
+                 positions = b.add<float>({1, 2, 3, 4, 5, 6, 7, 8, 9}, "VEC3", kFloat),
+                 normals = b.add<float>({0, 0, 1, 0, 1, 0, 0, 0, 0}, "VEC3", kFloat);
+    primitive(b)["targets"] = {
+        {{"POSITION", positions}, {"NORMAL", normals}, {"TANGENT", 99}}, {{"POSITION", sparse}}, Json::object()};
+    b.json["meshes"].push_back(
+        {{"primitives",
+          {{{"attributes", {{"POSITION", kPosition}}}, {"mode", 0}, {"targets", {Json::object(), Json::object()}}},
+           {{"attributes", {{"POSITION", kPosition}}}, {"targets", {{{"POSITION", sparse}}, Json::object()}}}}}});
     b.json["nodes"].push_back({{"mesh", 1}, {"weights", {0.25, -2}}});
     b.json["nodes"].push_back({{"mesh", 0}});
     b.json["scenes"][0]["nodes"] = {0, 1, 3, 4};
@@ -997,7 +1009,8 @@ TEST(Import, MorphTargets) {
 
 TEST(Import, QuantisedMorphTargets) {
     GlbBuilder b = tiny_character();
-    const size_t positions = b.add<int16_t>({1, 2, 3, -4, 5, 6, 7, 8, 32767}, "VEC3", kInt16), normals = b.add<int8_t>({127, 0, 0, 0, -127, 0, 0, 0, 0}, "VEC3", kInt8);
+    const size_t positions = b.add<int16_t>({1, 2, 3, -4, 5, 6, 7, 8, 32767}, "VEC3", kInt16),
+                 normals = b.add<int8_t>({127, 0, 0, 0, -127, 0, 0, 0, 0}, "VEC3", kInt8);
     b.json["accessors"][normals]["normalized"] = true;
     primitive(b)["targets"] = {{{"POSITION", positions}, {"NORMAL", normals}}};
     const std::string place = "meshes[0].primitives[0].targets[0]";
@@ -1015,7 +1028,8 @@ TEST(Import, QuantisedMorphTargets) {
 
 TEST(Import, BrokenMorphTargets) {
     GlbBuilder good = tiny_character();
-    const size_t two = good.add<float>(std::vector<float>(6), "VEC3", kFloat), flat = good.add<float>(std::vector<float>(6), "VEC2", kFloat),
+    const size_t two = good.add<float>(std::vector<float>(6), "VEC3", kFloat),
+                 flat = good.add<float>(std::vector<float>(6), "VEC2", kFloat),
                  infinite = good.add<float>({0, 0, 0, 0, kInfinity, 0, 0, 0, 0}, "VEC3", kFloat);
     primitive(good)["targets"] = {{{"POSITION", kPosition}}, Json::object()};
     EXPECT_EQ(loaded(good).meshes[0].weights.size(), 2u);
@@ -1029,17 +1043,32 @@ TEST(Import, BrokenMorphTargets) {
     refused([](GlbBuilder& b) { primitive(b)["targets"][1] = 4; }, place + "[1]", "must be an object");
     refused([](GlbBuilder& b) { primitive(b)["targets"][0]["POSITION"] = 99; }, place + "[0].POSITION", "index 99");
     refused([](GlbBuilder& b) { primitive(b)["targets"][0]["NORMAL"] = -1; }, place + "[0].NORMAL", "");
-    refused([&](GlbBuilder& b) { primitive(b)["targets"][0]["POSITION"] = two; }, place + "[0].POSITION", "has 2 elements, but POSITION has 3");
-    refused([&](GlbBuilder& b) { primitive(b)["targets"][0]["POSITION"] = flat; }, place + "[0].POSITION", "must be VEC3, but is VEC2");
-    refused([&](GlbBuilder& b) { primitive(b)["targets"][1]["NORMAL"] = infinite; }, place + "[1].NORMAL", "vertex 1 is not finite");
-    refused([](GlbBuilder& b) { primitive(b)["targets"][1]["POSITION"] = kWeights; }, place + "[1].POSITION", "must be VEC3, but is VEC4");
-    refused([](GlbBuilder& b) {
-        b.json["meshes"][0]["primitives"].push_back(primitive(b));
-        b.json["meshes"][0]["primitives"][1]["targets"].erase(1);
-    }, "meshes[0].primitives[1].targets", "has 1 morph targets, but the first primitive has 2");
-    refused([](GlbBuilder& b) { b.json["meshes"][0]["weights"] = {1, 2, 3}; }, "meshes[0].weights", "has 3 numbers, but the mesh has 2 morph targets");
-    refused([](GlbBuilder& b) { b.json["meshes"][0]["weights"] = {1, "x"}; }, "meshes[0].weights[1]", "must be a number");
-    refused([](GlbBuilder& b) { b.json["nodes"][0]["weights"] = {1}; }, "nodes[0].weights", "has 1 numbers, but the mesh has 2 morph targets");
+    refused([&](GlbBuilder& b) { primitive(b)["targets"][0]["POSITION"] = two; }, place + "[0].POSITION",
+            "has 2 elements, but POSITION has 3");
+    refused([&](GlbBuilder& b) { primitive(b)["targets"][0]["POSITION"] = flat; }, place + "[0].POSITION",
+            "must be VEC3, but is VEC2");
+    refused([&](GlbBuilder& b) { primitive(b)["targets"][1]["NORMAL"] = infinite; }, place + "[1].NORMAL",
+            "vertex 1 is not finite");
+    refused([](GlbBuilder& b) { primitive(b)["targets"][1]["POSITION"] = kWeights; }, place + "[1].POSITION",
+            "must be VEC3, but is VEC4");
+    refused(
+        [](GlbBuilder& b) {
+            b.json["meshes"][0]["primitives"].push_back(primitive(b));
+            b.json["meshes"][0]["primitives"][1]["targets"].erase(1);
+        },
+        "meshes[0].primitives[1].targets", "has 1 morph targets, but the first primitive has 2");
+    refused(
+        [](GlbBuilder& b) {
+            b.json["meshes"][0]["weights"] = {1, 2, 3};
+        },
+        "meshes[0].weights", "has 3 numbers, but the mesh has 2 morph targets");
+    refused(
+        [](GlbBuilder& b) {
+            b.json["meshes"][0]["weights"] = {1, "x"};
+        },
+        "meshes[0].weights[1]", "must be a number");
+    refused([](GlbBuilder& b) { b.json["nodes"][0]["weights"] = {1}; }, "nodes[0].weights",
+            "has 1 numbers, but the mesh has 2 morph targets");
     refused([](GlbBuilder& b) { b.json["nodes"][0]["weights"] = {0, 1e40}; }, "nodes[0].weights[1]", "");
     // Many targets over one accessor cost a file nothing.
     GlbBuilder b = tiny_character();
@@ -1054,7 +1083,8 @@ TEST(Import, BrokenMorphTargets) {
 TEST(Import, MorphWeightsOfClips) {
     GlbBuilder good = tiny_character();
     primitive(good)["targets"] = {{{"POSITION", kPosition}}, Json::object()};
-    const size_t times = good.add<float>({0.5f, 1, 1, 3}, "SCALAR", kFloat), values = good.add<float>({1, 2, 3, 4, 5, 6, 7, 8}, "SCALAR", kFloat);
+    const size_t times = good.add<float>({0.5f, 1, 1, 3}, "SCALAR", kFloat),
+                 values = good.add<float>({1, 2, 3, 4, 5, 6, 7, 8}, "SCALAR", kFloat);
     good.json["animations"][0]["samplers"].push_back({{"input", times}, {"output", values}});
     good.json["animations"][0]["channels"].push_back({{"sampler", 1}, {"target", {{"node", 0}, {"path", "weights"}}}});
     const auto track = [](const GlbBuilder& b) {
@@ -1088,7 +1118,8 @@ TEST(Import, MorphWeightsOfClips) {
     EXPECT_EQ(track(b).values, (std::vector<float>{0, 0.2f, 1, 0}));
     b = good;
     b.json["animations"][0]["channels"].push_back(b.json["animations"][0]["channels"][1]);
-    EXPECT_TRUE(has_warning(loaded(b), "animations[0].channels[2]: animates what another channel of the clip animates"));
+    EXPECT_TRUE(
+        has_warning(loaded(b), "animations[0].channels[2]: animates what another channel of the clip animates"));
 
     const std::string place = "animations[0].samplers[1]";
     const auto refused = [&](const auto& breaks, const std::string& where, const std::string& part) {
@@ -1096,13 +1127,20 @@ TEST(Import, MorphWeightsOfClips) {
         breaks(broken);
         expect_refused(broken, where, part);
     };
-    refused([&](GlbBuilder& f) { weights_sampler(f)["interpolation"] = "CUBICSPLINE"; }, place + ".output", "has 8 values, but must have 24, for 4 key times and 2 morph targets");
-    refused([&](GlbBuilder& f) { weights_sampler(f)["output"] = kTimes; }, place + ".output", "has 2 values, but must have 8");
-    refused([&](GlbBuilder& f) { weights_sampler(f)["output"] = kPosition; }, place + ".output", "must be SCALAR, but is VEC3");
-    refused([&](GlbBuilder& f) { weights_sampler(f)["output"] = kIndices; }, place + ".output", "must be floats or normalised integers");
-    refused([&](GlbBuilder& f) { weights_sampler(f)["input"] = kPosition; }, place + ".input", "must be SCALAR of floats");
-    refused([&](GlbBuilder& f) { weights_sampler(f)["interpolation"] = "WIGGLE"; }, place + ".interpolation", "'WIGGLE' is unknown");
-    refused([&](GlbBuilder& f) { overwrite<float>(f, values, 5, kNan); }, place + ".output", "the value of key 2 is not finite");
+    refused([&](GlbBuilder& f) { weights_sampler(f)["interpolation"] = "CUBICSPLINE"; }, place + ".output",
+            "has 8 values, but must have 24, for 4 key times and 2 morph targets");
+    refused([&](GlbBuilder& f) { weights_sampler(f)["output"] = kTimes; }, place + ".output",
+            "has 2 values, but must have 8");
+    refused([&](GlbBuilder& f) { weights_sampler(f)["output"] = kPosition; }, place + ".output",
+            "must be SCALAR, but is VEC3");
+    refused([&](GlbBuilder& f) { weights_sampler(f)["output"] = kIndices; }, place + ".output",
+            "must be floats or normalised integers");
+    refused([&](GlbBuilder& f) { weights_sampler(f)["input"] = kPosition; }, place + ".input",
+            "must be SCALAR of floats");
+    refused([&](GlbBuilder& f) { weights_sampler(f)["interpolation"] = "WIGGLE"; }, place + ".interpolation",
+            "'WIGGLE' is unknown");
+    refused([&](GlbBuilder& f) { overwrite<float>(f, values, 5, kNan); }, place + ".output",
+            "the value of key 2 is not finite");
 }
 
 // ---- Materials ----
@@ -1166,16 +1204,23 @@ TEST(Import, MaterialsHaveAllTexturesThatShareTheirCoordinates) {
         b.json["images"].push_back({{"bufferView", view}, {"mimeType", "image/png"}, {"name", std::to_string(i)}});
         b.json["textures"].push_back({{"source", i}});
     }
-    b.json["materials"] = {{{"pbrMetallicRoughness", {{"metallicFactor", 0.25}, {"roughnessFactor", 0.75}, {"baseColorTexture", {{"index", 0}, {"texCoord", 1}}}, {"metallicRoughnessTexture", {{"index", 1}, {"texCoord", 1}}}}},
+    b.json["materials"] = {{{"pbrMetallicRoughness",
+                             {{"metallicFactor", 0.25},
+                              {"roughnessFactor", 0.75},
+                              {"baseColorTexture", {{"index", 0}, {"texCoord", 1}}},
+                              {"metallicRoughnessTexture", {{"index", 1}, {"texCoord", 1}}}}},
                             {"normalTexture", {{"index", 2}, {"texCoord", 1}, {"scale", 0.5}}},
                             {"occlusionTexture", {{"index", 3}, {"texCoord", 1}, {"strength", 0.125}}},
                             {"emissiveTexture", {{"index", 4}, {"texCoord", 1}}},
                             {"emissiveFactor", {1, 0.5, 0}},
                             {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", 4}}}}}}};
-    const auto name_of = [](const Asset& asset, uint32_t image) { return image == kNone ? "none" : asset.images.at(image).name; };
+    const auto name_of = [](const Asset& asset, uint32_t image) {
+        return image == kNone ? "none" : asset.images.at(image).name;
+    };
     const Asset asset = loaded(b);
     const AssetMaterial& material = asset.materials[0];
-    EXPECT_EQ(std::tuple(material.metallic, material.roughness, material.normal_scale, material.occlusion_strength), std::tuple(0.25f, 0.75f, 0.5f, 0.125f));
+    EXPECT_EQ(std::tuple(material.metallic, material.roughness, material.normal_scale, material.occlusion_strength),
+              std::tuple(0.25f, 0.75f, 0.5f, 0.125f));
     EXPECT_EQ(material.emissive, (std::array<float, 3>{4, 2, 0}));
     EXPECT_EQ(name_of(asset, material.image), "0");
     EXPECT_EQ(name_of(asset, material.metallic_roughness_image), "1");
@@ -1191,7 +1236,8 @@ TEST(Import, MaterialsHaveAllTexturesThatShareTheirCoordinates) {
     b.json["textures"][0].erase("source");
     b.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 0;
     const Asset left_out = loaded(b);
-    EXPECT_EQ(name_of(left_out, left_out.materials[0].metallic_roughness_image), "1") << "a texture without an image decides nothing";
+    EXPECT_EQ(name_of(left_out, left_out.materials[0].metallic_roughness_image), "1")
+        << "a texture without an image decides nothing";
     b.json["materials"][0]["normalTexture"]["index"] = 5;
     b.json["materials"][0]["normalTexture"]["texCoord"] = 1;
     expect_refused(b, "materials[0].normalTexture.index", "index 5");
@@ -1500,11 +1546,11 @@ TEST(Import, InvalidFiles) {
         "joint_negative.gltf", "joint_float.gltf", "joint_string.gltf", "node_self_child.gltf", "scene_index_oor.gltf",
         "mesh_index_oor.gltf", "skeleton_oor.gltf", "ibm_oor.gltf", "anim_sampler_oor.gltf", "anim_node_oor.gltf",
         "vjoint_oor.glb", "node__node_loop.gltf", "node__node_loop_scene.gltf", "node__node_parent_override.gltf",
-        "node__unresolved_child_node.gltf", "skin__unresolved_joint.gltf",
-        "material__unresolved_normal.gltf", "material__unresolved_emissive.gltf",
-        "GltfImporter__Test__scene-invalid-cycle.gltf", "GltfImporter__Test__scene-invalid-cycle-deep.gltf",
-        "GltfImporter__Test__scene-invalid-multiple-parents.gltf", "mesh_data__index_buffer_oob.gltf",
-        "mesh_data__index_buffer_primitive_restart.gltf", "GltfImporter__Test__mesh-invalid-sparse-indices.gltf",
+        "node__unresolved_child_node.gltf", "skin__unresolved_joint.gltf", "material__unresolved_normal.gltf",
+        "material__unresolved_emissive.gltf", "GltfImporter__Test__scene-invalid-cycle.gltf",
+        "GltfImporter__Test__scene-invalid-cycle-deep.gltf", "GltfImporter__Test__scene-invalid-multiple-parents.gltf",
+        "mesh_data__index_buffer_oob.gltf", "mesh_data__index_buffer_primitive_restart.gltf",
+        "GltfImporter__Test__mesh-invalid-sparse-indices.gltf",
         // Counts, types and bounds that lie.
         "ibm_short.gltf", "ibm_comp.gltf", "anim_in_huge.gltf", "anim_in_vec3.gltf", "anim_out_vec3.gltf",
         "anim_interp.gltf", "rot_3.gltf", "trs_huge.gltf", "scale_string.gltf", "bv_past_end.gltf",

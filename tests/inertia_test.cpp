@@ -23,11 +23,15 @@ constexpr double kTimeStep_s = 1.0 / 60;
 
 io::JointPose to_pose(const Trs<double>& trs) {
     const Trs<float> t = trs.as<float>();
-    return {.rotation = {t.rotation.x, t.rotation.y, t.rotation.z, t.rotation.w}, .translation = {t.translation.x, t.translation.y, t.translation.z, 0}, .scale = {t.scale.x, t.scale.y, t.scale.z, 0}};
+    return {.rotation = {t.rotation.x, t.rotation.y, t.rotation.z, t.rotation.w},
+            .translation = {t.translation.x, t.translation.y, t.translation.z, 0},
+            .scale = {t.scale.x, t.scale.y, t.scale.z, 0}};
 }
 
 Trs<double> as_trs(const io::JointPose& p) {
-    return {normalized(Quaternion<double>{p.rotation.x, p.rotation.y, p.rotation.z, p.rotation.w}), {p.translation.x, p.translation.y, p.translation.z}, {p.scale.x, p.scale.y, p.scale.z}};
+    return {normalized(Quaternion<double>{p.rotation.x, p.rotation.y, p.rotation.z, p.rotation.w}),
+            {p.translation.x, p.translation.y, p.translation.z},
+            {p.scale.x, p.scale.y, p.scale.z}};
 }
 
 TEST(Inertia, DecaysToRestWithoutOvershoot) {
@@ -38,7 +42,8 @@ TEST(Inertia, DecaysToRestWithoutOvershoot) {
                 const double v = x * speed, end_s = std::min(duration_s, speed < 0 ? -5 / speed : duration_s);
                 const auto at = [&](double t) { return decayed_reference(x, v, t, duration_s); };
                 EXPECT_EQ(at(0), x);
-                EXPECT_NEAR((at(kStep_s) - at(0)) / kStep_s, v, x * 1e-2 / (end_s * end_s));  // half the acceleration times the step
+                // Half the acceleration times the step
+                EXPECT_NEAR((at(kStep_s) - at(0)) / kStep_s, v, x * 1e-2 / (end_s * end_s));
                 EXPECT_EQ(at(end_s), 0);
                 EXPECT_EQ(at(2 * duration_s), 0);
                 EXPECT_LE(at(end_s * 0.999), x * 1e-7) << "arrives with neither speed nor acceleration";
@@ -55,18 +60,28 @@ TEST(Inertia, DecaysToRestWithoutOvershoot) {
 
 // A swing that is cut off while it nears the target's, which moves too: neither place nor speed jumps.
 TEST(Inertia, NeitherPlaceNorSpeedJumps) {
-    constexpr double kStep_s = 1e-3, kDuration_s = 0.4, kSwitch_s = 0.5, kAcceleration = 120;  // the quintic's largest is about 10 offsets / duration^2
+    // The quintic's largest is about 10 offsets / duration^2
+    constexpr double kStep_s = 1e-3, kDuration_s = 0.4, kSwitch_s = 0.5, kAcceleration = 120;
     const Vec3<double> axis = normalized(Vec3<double>{1, 2, -1});
-    const auto source = [&](double t) { return Trs<double>{axis_angle(axis, 1.6 - t), {2 - t, 0, 1}, Vec3<double>{1, 1, 1} * (2 - t)}; };
-    const auto target = [&](double t) { return Trs<double>{axis_angle(axis, 0.2 * t), {t, 0, 1}, Vec3<double>{1, 1, 1} * (0.5 + t)}; };
-    const ReferenceInertia inertia = inertia_begin_reference({source(kSwitch_s), source(kSwitch_s - kStep_s), target(kSwitch_s), target(kSwitch_s - kStep_s)}, kStep_s);
-    const auto shown = [&](double t) { return t <= kSwitch_s ? source(t) : inertia_apply_reference(inertia, t - kSwitch_s, kDuration_s, target(t)); };
+    const auto source = [&](double t) {
+        return Trs<double>{axis_angle(axis, 1.6 - t), {2 - t, 0, 1}, Vec3<double>{1, 1, 1} * (2 - t)};
+    };
+    const auto target = [&](double t) {
+        return Trs<double>{axis_angle(axis, 0.2 * t), {t, 0, 1}, Vec3<double>{1, 1, 1} * (0.5 + t)};
+    };
+    const ReferenceInertia inertia = inertia_begin_reference(
+        {source(kSwitch_s), source(kSwitch_s - kStep_s), target(kSwitch_s), target(kSwitch_s - kStep_s)}, kStep_s);
+    const auto shown = [&](double t) {
+        return t <= kSwitch_s ? source(t) : inertia_apply_reference(inertia, t - kSwitch_s, kDuration_s, target(t));
+    };
     const auto angle = [&](double t) {
         const Quaternion<double> q = shown(t).rotation;
         return 2 * std::atan2(dot({q.x, q.y, q.z}, axis), q.w);
     };
     for (double t = kSwitch_s - 0.1; t < kSwitch_s + 0.6; t += kStep_s) {
-        const auto bend = [&](auto&& value) { return std::abs(value(t + kStep_s) - 2 * value(t) + value(t - kStep_s)) / (kStep_s * kStep_s); };
+        const auto bend = [&](auto&& value) {
+            return std::abs(value(t + kStep_s) - 2 * value(t) + value(t - kStep_s)) / (kStep_s * kStep_s);
+        };
         EXPECT_LE(bend(angle), kAcceleration) << "at " << t;
         EXPECT_LE(bend([&](double at) { return shown(at).translation.x; }), kAcceleration) << "at " << t;
         EXPECT_LE(bend([&](double at) { return shown(at).scale.y; }), kAcceleration) << "at " << t;
@@ -77,8 +92,10 @@ TEST(Inertia, NeitherPlaceNorSpeedJumps) {
 // An offset that grows is taken back from where it is.
 TEST(Inertia, AnOffsetThatGrowsHasNoSpeed) {
     const Trs<double> rest;
-    const Trs<double> away{axis_angle(Vec3<double>{1, 0, 0}, 0.5), {0, 2, 0}, {1, 1, 3}}, less{axis_angle(Vec3<double>{1, 0, 0}, 0.4), {0, 1, 0}, {1, 1, 2}};
-    const ReferenceInertia growing = inertia_begin_reference({away, less, rest, rest}, kTimeStep_s), shrinking = inertia_begin_reference({less, away, rest, rest}, kTimeStep_s);
+    const Trs<double> away{axis_angle(Vec3<double>{1, 0, 0}, 0.5), {0, 2, 0}, {1, 1, 3}},
+        less{axis_angle(Vec3<double>{1, 0, 0}, 0.4), {0, 1, 0}, {1, 1, 2}};
+    const ReferenceInertia growing = inertia_begin_reference({away, less, rest, rest}, kTimeStep_s),
+                           shrinking = inertia_begin_reference({less, away, rest, rest}, kTimeStep_s);
     EXPECT_EQ(growing.rotation.speed, 0);
     EXPECT_EQ(growing.translation.speed, 0);
     EXPECT_EQ(growing.scale.speed, 0);
@@ -87,21 +104,32 @@ TEST(Inertia, AnOffsetThatGrowsHasNoSpeed) {
     EXPECT_NEAR(shrinking.scale.speed, -60, 1e-9);
     EXPECT_NEAR(shrinking.rotation.size, 0.4, 1e-12);
 
-    const auto turned = [](double angle_rad) { return Trs<double>{axis_angle(Vec3<double>{1, 0, 0}, angle_rad), {}, {1, 1, 1}}; };
-    EXPECT_NEAR(inertia_begin_reference({turned(std::numbers::pi - 0.1), turned(std::numbers::pi + 0.1), rest, rest}, kTimeStep_s).rotation.speed, -12, 1e-9) << "from beyond half a turn";
+    const auto turned = [](double angle_rad) {
+        return Trs<double>{axis_angle(Vec3<double>{1, 0, 0}, angle_rad), {}, {1, 1, 1}};
+    };
+    EXPECT_NEAR(inertia_begin_reference({turned(std::numbers::pi - 0.1), turned(std::numbers::pi + 0.1), rest, rest},
+                                        kTimeStep_s)
+                    .rotation.speed,
+                -12, 1e-9)
+        << "from beyond half a turn";
 }
 
 TEST(Inertia, TheShadersFollowTheReference) {
     Random random(8);
     std::vector<io::JointPose> poses;
     const auto near = [&](const Trs<double>& t, double extent) {
-        Trs<double> out{t.rotation * axis_angle(random.direction(), random.between(0, extent)), t.translation + random.vector(extent), t.scale + random.vector(extent * 0.2)};
+        Trs<double> out{t.rotation * axis_angle(random.direction(), random.between(0, extent)),
+                        t.translation + random.vector(extent), t.scale + random.vector(extent * 0.2)};
         if (random.chance(0.5)) out.rotation = -out.rotation;
         return out;
     };
     for (int i = 0; i < 2000; ++i) {
-        const Trs<double> target = random.trs(1, 0.3), shown = i % 10 == 0 ? target : near(target, i % 10 == 1 ? 0.01 : 2.8);  // short of half a turn, where either way round is right
-        for (const Trs<double>& t : {shown, i % 3 == 0 ? shown : near(shown, 0.05), target, i % 2 == 0 ? target : near(target, 0.05)}) poses.push_back(to_pose(t));
+        // Short of half a turn, where either way round is right
+        const Trs<double> target = random.trs(1, 0.3),
+                          shown = i % 10 == 0 ? target : near(target, i % 10 == 1 ? 0.01 : 2.8);
+        for (const Trs<double>& t :
+             {shown, i % 3 == 0 ? shown : near(shown, 0.05), target, i % 2 == 0 ? target : near(target, 0.05)})
+            poses.push_back(to_pose(t));
     }
     for (int i = 0; i < 100; ++i) {  // turns that come from beyond half a turn
         const Trs<double> target = random.trs(1, 0.3);
@@ -124,18 +152,25 @@ TEST(Inertia, TheShadersFollowTheReference) {
     double worst = 0;
     for (const float elapsed_s : {0.0f, 0.016f, 0.05f, 0.1f, 0.2f, 0.29f, 0.3f, 1.0f}) {
         const Guarded<io::JointPose> results(poison<io::JointPose>(count));
-        run_invocations(kernel, Buffers{inputs, results}, Push{count, static_cast<float>(kTimeStep_s), elapsed_s, 0.3f}, count);
+        run_invocations(kernel, Buffers{inputs, results}, Push{count, static_cast<float>(kTimeStep_s), elapsed_s, 0.3f},
+                        count);
         const std::vector<io::JointPose> got = results.read();
         for (size_t i = 0; i < count; ++i) {
             const Trs<double> target = as_trs(poses[4 * i + 2]);
-            const ReferenceInertia inertia = inertia_begin_reference({as_trs(poses[4 * i]), as_trs(poses[4 * i + 1]), target, as_trs(poses[4 * i + 3])}, static_cast<float>(kTimeStep_s));
+            const ReferenceInertia inertia = inertia_begin_reference(
+                {as_trs(poses[4 * i]), as_trs(poses[4 * i + 1]), target, as_trs(poses[4 * i + 3])},
+                static_cast<float>(kTimeStep_s));
             const Trs<double> wanted = inertia_apply_reference(inertia, elapsed_s, 0.3f, target);
             // A speed is a difference divided by the time step, and its rounding lasts as long as the transition.
-            const double error = matrix_error(to_affine(as_trs(got[i])).as<float>(), to_affine(wanted), 1) / (1 + (elapsed_s < 0.3f ? elapsed_s / kTimeStep_s : 0));
+            const double error = matrix_error(to_affine(as_trs(got[i])).as<float>(), to_affine(wanted), 1) /
+                                 (1 + (elapsed_s < 0.3f ? elapsed_s / kTimeStep_s : 0));
             EXPECT_LE(error, kBound) << "joint " << i << " after " << elapsed_s;
             worst = std::max(worst, error);
             const Trs<double> end = elapsed_s == 0 ? as_trs(poses[4 * i]) : target;
-            if (elapsed_s == 0 || elapsed_s >= 0.3f) { EXPECT_LE(matrix_error(to_affine(as_trs(got[i])).as<float>(), to_affine(end), 1), kBound) << "the ends of the transition"; }
+            if (elapsed_s == 0 || elapsed_s >= 0.3f) {
+                EXPECT_LE(matrix_error(to_affine(as_trs(got[i])).as<float>(), to_affine(end), 1), kBound)
+                    << "the ends of the transition";
+            }
         }
     }
     std::printf("  %u joints, 8 times: largest error %.1e\n", count, worst);

@@ -21,15 +21,16 @@ std::vector<T> poison(size_t count) {
     return out;
 }
 
-// Values on the device, and guard words behind them that a kernel reaches if it writes too far: they lie within the bound range,
-// for the software device cuts off what lies beyond.
+// Values on the device, and guard words behind them that a kernel reaches if it writes too far: they lie within the
+// bound range, for the software device cuts off what lies beyond.
 template <class T>
 class Guarded {
 public:
     explicit Guarded(const std::vector<T>& values) : size_bytes_(values.size() * sizeof(T)) {
         std::vector<std::byte> bytes(size_bytes_ + kGuard_bytes, kGuard);
         if (size_bytes_ > 0) std::memcpy(bytes.data(), values.data(), size_bytes_);
-        buffer_ = upload(test_gpu(), "test", bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT);
+        buffer_ = upload(test_gpu(), "test", bytes,
+                         VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT);
         if (sizeof(T) == 4 || sizeof(T) % 16 == 0) buffer_.allow_texels(sizeof(T) == 4 ? 4 : 16);
     }
     operator BufferRange() const { return BufferRange(buffer_); }
@@ -39,7 +40,9 @@ public:
         const std::vector<std::byte> bytes = download<std::byte>(test_gpu(), buffer_);
         std::vector<T> out(size_bytes_ / sizeof(T));
         if (size_bytes_ > 0) std::memcpy(static_cast<void*>(out.data()), bytes.data(), size_bytes_);
-        EXPECT_TRUE(std::all_of(bytes.begin() + static_cast<ptrdiff_t>(size_bytes_), bytes.end(), [](std::byte b) { return b == kGuard; })) << "guard words overwritten";
+        EXPECT_TRUE(std::all_of(bytes.begin() + static_cast<ptrdiff_t>(size_bytes_), bytes.end(), [](std::byte b) {
+            return b == kGuard;
+        })) << "guard words overwritten";
         return out;
     }
 

@@ -1,6 +1,7 @@
 #version 460
-// Every struct that C++ and the shaders share, each in a buffer of its own: gpu_test reads from this module, compiled without
-// optimisation, where the members lie, and compares with offsetof. Keep in step with src/*/*_io.h; the test says what is missing.
+// Every struct that C++ and the shaders share, each in a buffer of its own: gpu_test reads from this module, compiled
+// without optimisation, where the members lie, and compares with offsetof. Keep in step with src/*/*_io.h; the test
+// says what is missing.
 #include "bind/bind_io.h"
 #include "bind/sockets_io.h"
 #include "blend/blend_io.h"

@@ -1,4 +1,5 @@
-// Morph targets: what the compiler makes of them, the stage against its reference, and positions of crowds against the definition.
+// Morph targets: what the compiler makes of them, the stage against its reference, and positions of crowds against the
+// definition.
 #include "control/controller_io.h"
 #include "morph/morph.h"
 #include "morph/morph_reference.h"
@@ -22,16 +23,20 @@ constexpr double kCubicBound = 1e-4;
 // The weight in the file's own terms (glTF 2.0, appendix C), written once more.
 double weight_of_track(const AssetMorphTrack& track, size_t target_count, size_t target, double time_s) {
     const bool cubic = track.interpolation == Interpolation::kCubicSpline;
-    const auto at = [&](size_t key, size_t part) { return double{track.values[(key * (cubic ? 3 : 1) + part) * target_count + target]}; };
+    const auto at = [&](size_t key, size_t part) {
+        return double{track.values[(key * (cubic ? 3 : 1) + part) * target_count + target]};
+    };
     const size_t last = track.times_s.size() - 1, value = cubic ? 1 : 0;
     if (time_s <= track.times_s.front()) return at(0, value);
     if (time_s >= track.times_s.back()) return at(last, value);
     size_t key = 0;
     while (track.times_s[key + 1] <= time_s) ++key;
-    const double span_s = double{track.times_s[key + 1]} - track.times_s[key], t = (time_s - track.times_s[key]) / span_s;
+    const double span_s = double{track.times_s[key + 1]} - track.times_s[key],
+                 t = (time_s - track.times_s[key]) / span_s;
     if (track.interpolation == Interpolation::kStep) return at(key, 0);
     if (!cubic) return at(key, 0) + (at(key + 1, 0) - at(key, 0)) * t;
-    return (2 * t * t * t - 3 * t * t + 1) * at(key, 1) + span_s * (t * t * t - 2 * t * t + t) * at(key, 2) + (3 * t * t - 2 * t * t * t) * at(key + 1, 1) + span_s * (t * t * t - t * t) * at(key + 1, 0);
+    return (2 * t * t * t - 3 * t * t + 1) * at(key, 1) + span_s * (t * t * t - 2 * t * t + t) * at(key, 2) +
+           (3 * t * t - 2 * t * t * t) * at(key + 1, 1) + span_s * (t * t * t - t * t) * at(key + 1, 0);
 }
 
 const AssetMorphTrack* track_of(const AssetClip& clip, uint32_t node) {
@@ -39,7 +44,8 @@ const AssetMorphTrack* track_of(const AssetClip& clip, uint32_t node) {
     return found == clip.morph_tracks.end() ? nullptr : &*found;
 }
 
-// One clip, of one second, that moves one joint and the weights that `tracks` say; three targets of which the first moves the first vertex.
+// One clip, of one second, that moves one joint and the weights that `tracks` say; three targets of which the first
+// moves the first vertex.
 Asset small_asset(std::vector<AssetMorphTrack> tracks = {}) {
     Asset asset = make_asset({.joint_count = 3, .scale_spread = 0, .clip_count = 2, .vertex_count = 6});
     AssetMesh& mesh = asset.meshes[0];
@@ -62,14 +68,14 @@ TEST(Morph, CompilesWhatTargetsMove) {
     asset.meshes[2].target_names = {"a", "b", "c"};
     asset.mesh_instances.push_back({.node = 2, .mesh = 2, .skin = kNone, .weights = {1, 2, 3}});
     const Character character = compiled(asset), without = compiled([&] {
-        Asset plain = asset;
-        for (AssetMesh& mesh : plain.meshes) {
-            mesh.weights.clear();
-            mesh.primitives[0].targets.clear();
-        }
-        plain.mesh_instances[2].weights.clear();
-        return plain;
-    }());
+                                                     Asset plain = asset;
+                                                     for (AssetMesh& mesh : plain.meshes) {
+                                                         mesh.weights.clear();
+                                                         mesh.primitives[0].targets.clear();
+                                                     }
+                                                     plain.mesh_instances[2].weights.clear();
+                                                     return plain;
+                                                 }());
     ASSERT_EQ(character.morphs.size(), 6u);
     EXPECT_EQ(character.morphs[1].name, "mesh.1");
     EXPECT_EQ(character.morphs[1].default_weight, 0.5f);
@@ -91,7 +97,8 @@ TEST(Morph, CompilesWhatTargetsMove) {
     EXPECT_EQ(character.morph_deltas[4].normal, (static_cast<uint32_t>(-511) & 1023) << 10 | 128u << 20);
     // Bounds are of the resting character, with what the default weights add to it.
     Vec3<double> low{1e9, 1e9, 1e9};
-    for (const Vec3<double>& p : reference_positions(character, *reference_pose(character, {}))) low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    for (const Vec3<double>& p : reference_positions(character, *reference_pose(character, {})))
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
     EXPECT_NEAR(length(character.bounds_min.as<double>() - low), 0, 1e-5);
     EXPECT_GT(character.size, without.size);
     EXPECT_TRUE(character.morph_values.empty() && character.morph_times_s.empty());
@@ -99,14 +106,21 @@ TEST(Morph, CompilesWhatTargetsMove) {
 }
 
 TEST(Morph, ConstantsAreOneValueAndStepsStayExact) {
-    const Character character = compiled(small_asset({{.node = 0, .interpolation = Interpolation::kStep, .times_s = {0.25f, 0.5f, 0.75f}, .values = {1, 0, 7, 2, 0, 7, 3, 0, 7}}}));
+    const Character character = compiled(small_asset({{.node = 0,
+                                                       .interpolation = Interpolation::kStep,
+                                                       .times_s = {0.25f, 0.5f, 0.75f},
+                                                       .values = {1, 0, 7, 2, 0, 7, 3, 0, 7}}}));
     const Clip& clip = character.clips[0];
     EXPECT_EQ(clip.morph_row_count, 3u);
     EXPECT_EQ(clip.morph_row_stride, 1u);
     EXPECT_EQ(character.morph_values.size(), 3u + 2u);
     EXPECT_EQ(character.clips[1].morph_row_count, 0u);
-    const auto weight = [&](uint32_t morph, double time_s) { return *morph_weight_reference(character, 0, morph, time_s); };
-    for (const auto& [time_s, wanted] : std::initializer_list<std::pair<double, double>>{{0, 1}, {0.25, 1}, {0.499999, 1}, {0.5, 2}, {0.74, 2}, {0.75, 3}, {9, 3}}) EXPECT_EQ(weight(0, time_s), wanted) << time_s;
+    const auto weight = [&](uint32_t morph, double time_s) {
+        return *morph_weight_reference(character, 0, morph, time_s);
+    };
+    for (const auto& [time_s, wanted] : std::initializer_list<std::pair<double, double>>{
+             {0, 1}, {0.25, 1}, {0.499999, 1}, {0.5, 2}, {0.74, 2}, {0.75, 3}, {9, 3}})
+        EXPECT_EQ(weight(0, time_s), wanted) << time_s;
     EXPECT_EQ(weight(1, 0.6), 0);
     EXPECT_EQ(weight(2, 0.6), 7);
     EXPECT_FALSE(morph_weight_reference(character, 1, 0, 0.6)) << "another clip";
@@ -127,7 +141,8 @@ TEST(Morph, RowsFollowTheTracksOfTheFile) {
                     EXPECT_EQ(morph_weight_reference(character, clip, morph, 0).has_value(), track != nullptr);
                     for (int i = 0; track && i <= 500; ++i) {
                         const double time_s = asset.clips[clip].duration_s * i / 500;
-                        const double difference = std::abs(*morph_weight_reference(character, clip, morph, time_s) - weight_of_track(*track, 5, morph % 5, time_s));
+                        const double difference = std::abs(*morph_weight_reference(character, clip, morph, time_s) -
+                                                           weight_of_track(*track, 5, morph % 5, time_s));
                         double& largest = track->interpolation == Interpolation::kCubicSpline ? worst_cubic : worst;
                         largest = std::max(largest, difference);
                     }
@@ -150,7 +165,10 @@ TEST(Morph, LimitsAreNamed) {
     many.meshes[0].weights.resize(4097);
     many.meshes[0].primitives[0].targets.resize(4097);
     refused(many, "the limit is 4096");
-    Asset wild = small_asset({{.node = 0, .interpolation = Interpolation::kCubicSpline, .times_s = {0, 1000}, .values = std::vector<float>(18, 1e6f)}});
+    Asset wild = small_asset({{.node = 0,
+                               .interpolation = Interpolation::kCubicSpline,
+                               .times_s = {0, 1000},
+                               .values = std::vector<float>(18, 1e6f)}});
     for (size_t i = 0; i < 18; i += 2) wild.clips[0].morph_tracks[0].values[i] = i % 4 == 0 ? 1e9f : -1e9f;
     for (size_t i : {3, 4, 5, 12, 13, 14}) wild.clips[0].morph_tracks[0].values[i] = 0;
     refused(wild, "weights to be followed");
@@ -159,13 +177,17 @@ TEST(Morph, LimitsAreNamed) {
 // ---- The stage
 
 struct Instance {
-    Playback two;                  // of clips
+    Playback two;  // of clips
     std::vector<MorphLayer> layers;
 };
 
 std::vector<MorphLayer> layers_of(const Character& character, const Playback& playback) {
-    const auto voice = [&](const ClipPlayback& slot, double weight) { return MorphVoice{slot.clip == kNone ? static_cast<uint32_t>(character.clips.size()) : slot.clip, slot.time_s, weight}; };
-    return {{.voices = {voice(playback.first, double{playback.weight}), voice(playback.second, 1 - double{playback.weight})}}};
+    const auto voice = [&](const ClipPlayback& slot, double weight) {
+        return MorphVoice{slot.clip == kNone ? static_cast<uint32_t>(character.clips.size()) : slot.clip, slot.time_s,
+                          weight};
+    };
+    return {{.voices = {voice(playback.first, double{playback.weight}),
+                        voice(playback.second, 1 - double{playback.weight})}}};
 }
 
 class Stage {
@@ -174,14 +196,19 @@ public:
 
     std::vector<std::vector<io::ActiveMorph>> run_two(const std::vector<Playback>& playbacks) const {
         std::vector<io::InstancePlayback> states;
-        const auto slot = [&](const ClipPlayback& from) { return io::SlotPlayback{from.clip == kNone ? static_cast<uint32_t>(character_.clips.size()) : from.clip, from.loop, static_cast<float>(from.time_s), from.speed}; };
-        for (const Playback& playback : playbacks) states.push_back({slot(playback.first), slot(playback.second), playback.weight});
+        const auto slot = [&](const ClipPlayback& from) {
+            return io::SlotPlayback{from.clip == kNone ? static_cast<uint32_t>(character_.clips.size()) : from.clip,
+                                    from.loop, static_cast<float>(from.time_s), from.speed};
+        };
+        for (const Playback& playback : playbacks)
+            states.push_back({slot(playback.first), slot(playback.second), playback.weight});
         const Guarded<io::InstancePlayback> buffer(states);
         const Guarded<io::vec4> none(std::vector<io::vec4>(1));
         return run(buffer, none, none, static_cast<uint32_t>(playbacks.size()), 0);
     }
 
-    std::vector<std::vector<io::ActiveMorph>> run_layers(const std::vector<std::vector<MorphLayer>>& instances, uint32_t voice_limit = 16) const {
+    std::vector<std::vector<io::ActiveMorph>> run_layers(const std::vector<std::vector<MorphLayer>>& instances,
+                                                         uint32_t voice_limit = 16) const {
         std::vector<io::Voice> voices(instances.size() * voice_limit);
         std::vector<float> times_s(voices.size(), 0.5f);
         for (size_t i = 0; i < instances.size(); ++i) {
@@ -189,7 +216,14 @@ public:
             for (const MorphLayer& layer : instances[i]) {
                 for (const MorphVoice& voice : layer.voices) {
                     times_s[at] = static_cast<float>(voice.time_s);
-                    voices[at++] = {.first_track = voice.clip * character_.rig.joint_count(), .earlier = 0, .later = 0, .fraction = 0, .weight = static_cast<float>(voice.weight), .layer_weight = static_cast<float>(layer.weight), .reference_row = 0, .flags = layer.is_additive ? io::kVoiceAdditive : 0};
+                    voices[at++] = {.first_track = voice.clip * character_.rig.joint_count(),
+                                    .earlier = 0,
+                                    .later = 0,
+                                    .fraction = 0,
+                                    .weight = static_cast<float>(voice.weight),
+                                    .layer_weight = static_cast<float>(layer.weight),
+                                    .reference_row = 0,
+                                    .flags = layer.is_additive ? io::kVoiceAdditive : 0};
                 }
                 voices[at - layer.voices.size()].flags |= io::kVoiceBeginsLayer;
                 voices[at - 1].flags |= io::kVoiceEndsLayer;
@@ -202,13 +236,19 @@ public:
     }
 
 private:
-    std::vector<std::vector<io::ActiveMorph>> run(const BufferRange& playbacks, const BufferRange& voices, const BufferRange& times, uint32_t count, uint32_t voice_limit) const {
+    std::vector<std::vector<io::ActiveMorph>> run(const BufferRange& playbacks, const BufferRange& voices,
+                                                  const BufferRange& times, uint32_t count,
+                                                  uint32_t voice_limit) const {
         const Guarded<io::ActiveMorph> active(poison<io::ActiveMorph>(count * size_t{io::kActiveMorphs}));
-        run_invocations(morph_kernel(test_gpu(), voice_limit > 0), MorphBuffers{playbacks, voices, times, tables_.axes, tables_.times, tables_.tracks, tables_.values, active},
-                        io::MorphPush{count, tables_.morph_count, character_.rig.joint_count(), voice_limit}, count);
+        run_invocations(
+            morph_kernel(test_gpu(), voice_limit > 0),
+            MorphBuffers{playbacks, voices, times, tables_.axes, tables_.times, tables_.tracks, tables_.values, active},
+            io::MorphPush{count, tables_.morph_count, character_.rig.joint_count(), voice_limit}, count);
         const std::vector<io::ActiveMorph> all = active.read();
         std::vector<std::vector<io::ActiveMorph>> out;
-        for (size_t i = 0; i < all.size(); i += io::kActiveMorphs) out.emplace_back(all.begin() + static_cast<ptrdiff_t>(i), all.begin() + static_cast<ptrdiff_t>(i + io::kActiveMorphs));
+        for (size_t i = 0; i < all.size(); i += io::kActiveMorphs)
+            out.emplace_back(all.begin() + static_cast<ptrdiff_t>(i),
+                             all.begin() + static_cast<ptrdiff_t>(i + io::kActiveMorphs));
         return out;
     }
 
@@ -216,13 +256,16 @@ private:
     MorphTables tables_;
 };
 
-// The active morphs may differ where weights are equal but for rounding: each must have its weight, and none that was left out may be larger than one that was not.
+// The active morphs may differ where weights are equal but for rounding: each must have its weight, and none that was
+// left out may be larger than one that was not.
 double compare(const std::vector<io::ActiveMorph>& got, const std::vector<double>& weights) {
     double worst = 0, least = 1e30;
     std::vector<bool> is_active(weights.size());
     for (size_t i = 0; i < got.size(); ++i) {
         least = std::min(least, std::abs(double{got[i].weight}));
-        if (i > 0) { EXPECT_LE(std::abs(got[i].weight), std::abs(got[i - 1].weight)); }
+        if (i > 0) {
+            EXPECT_LE(std::abs(got[i].weight), std::abs(got[i - 1].weight));
+        }
         if (got[i].weight == 0) continue;
         EXPECT_LT(got[i].morph, weights.size());
         if (got[i].morph >= weights.size()) return 1e9;
@@ -231,7 +274,10 @@ double compare(const std::vector<io::ActiveMorph>& got, const std::vector<double
         worst = std::max(worst, std::abs(got[i].weight - weights[got[i].morph]));
     }
     for (size_t morph = 0; morph < weights.size(); ++morph)
-        if (!is_active[morph]) { EXPECT_LE(std::abs(weights[morph]), std::max(least, 1e-6) + kWeightBound) << "morph " << morph << " was left out"; }
+        if (!is_active[morph]) {
+            EXPECT_LE(std::abs(weights[morph]), std::max(least, 1e-6) + kWeightBound)
+                << "morph " << morph << " was left out";
+        }
     return worst;
 }
 
@@ -240,17 +286,20 @@ double as_float(double value) { return static_cast<float>(value); }
 TEST(Morph, TwoClipsFollowTheReference) {
     double worst = 0;
     for (const uint32_t morph_count : {1u, 2u, 3u, 5u, 40u}) {
-        const Character character = make_character({.joint_count = 4, .seed = morph_count, .cubic = true, .morph_count = morph_count});
+        const Character character = make_character(
+            {.joint_count = 4, .seed = morph_count, .cubic = true, .morph_count = morph_count});
         const Stage stage(character);
         Random random(morph_count);
         std::vector<Playback> playbacks;
         for (int i = 0; i < 100; ++i) {
             Playback playback = random_playback(random, character);
-            for (ClipPlayback* slot : {&playback.first, &playback.second}) slot->time_s = as_float(random.between(0, 3));
+            for (ClipPlayback* slot : {&playback.first, &playback.second})
+                slot->time_s = as_float(random.between(0, 3));
             playbacks.push_back(playback);
         }
         const auto got = stage.run_two(playbacks);
-        for (size_t i = 0; i < playbacks.size(); ++i) worst = std::max(worst, compare(got[i], morphs_reference(character, layers_of(character, playbacks[i]))));
+        for (size_t i = 0; i < playbacks.size(); ++i)
+            worst = std::max(worst, compare(got[i], morphs_reference(character, layers_of(character, playbacks[i]))));
     }
     EXPECT_LE(worst, kWeightBound);
     std::printf("  largest error of a weight %.1e\n", worst);
@@ -259,25 +308,31 @@ TEST(Morph, TwoClipsFollowTheReference) {
 TEST(Morph, LayersFollowTheReference) {
     double worst = 0;
     for (const uint32_t morph_count : {1u, 4u, 7u, 30u}) {
-        const Character character = make_character({.joint_count = 4, .seed = morph_count + 50, .cubic = true, .morph_count = morph_count});
+        const Character character = make_character(
+            {.joint_count = 4, .seed = morph_count + 50, .cubic = true, .morph_count = morph_count});
         const Stage stage(character);
         Random random(morph_count);
         std::vector<std::vector<MorphLayer>> instances;
         for (int i = 0; i < 120; ++i) {
             std::vector<MorphLayer>& layers = instances.emplace_back();
             for (uint32_t k = 1 + random.below(4); k > 0; --k) {
-                MorphLayer& layer = layers.emplace_back(MorphLayer{.is_additive = random.chance(0.4), .weight = random.chance(0.3) ? 1 : as_float(random.unit()), .voices = {}});
+                MorphLayer& layer = layers.emplace_back(
+                    MorphLayer{.is_additive = random.chance(0.4),
+                               .weight = random.chance(0.3) ? 1 : as_float(random.unit()),
+                               .voices = {}});
                 double rest = 1;
                 for (uint32_t v = 1 + random.below(4); v > 0; --v) {
                     const double weight = v == 1 ? rest : as_float(rest * random.unit());
-                    layer.voices.push_back({random.below(static_cast<uint32_t>(character.clips.size() + 1)), as_float(random.between(0, 3)), as_float(weight)});
+                    layer.voices.push_back({random.below(static_cast<uint32_t>(character.clips.size() + 1)),
+                                            as_float(random.between(0, 3)), as_float(weight)});
                     rest -= weight;
                 }
             }
         }
         for (const uint32_t voice_limit : {16u, 19u}) {
             const auto got = stage.run_layers(instances, voice_limit);
-            for (size_t i = 0; i < instances.size(); ++i) worst = std::max(worst, compare(got[i], morphs_reference(character, instances[i])));
+            for (size_t i = 0; i < instances.size(); ++i)
+                worst = std::max(worst, compare(got[i], morphs_reference(character, instances[i])));
         }
     }
     EXPECT_LE(worst, kWeightBound);
@@ -286,7 +341,8 @@ TEST(Morph, LayersFollowTheReference) {
 
 // Clip 0 animates all three weights, clip 1 none: by hand.
 TEST(Morph, LayersKeepTheRules) {
-    const Character character = compiled(small_asset({{.node = 0, .times_s = {0, 1}, .values = {0.2f, 0, 0.4f, 1, 1, 0.4f}}}));
+    const Character character = compiled(
+        small_asset({{.node = 0, .times_s = {0, 1}, .values = {0.2f, 0, 0.4f, 1, 1, 0.4f}}}));
     const auto weights = [&](const std::vector<MorphLayer>& layers) {
         const std::vector<double> wanted = morphs_reference(character, layers);
         const std::vector<io::ActiveMorph> got = Stage(character).run_layers({layers})[0];
@@ -300,8 +356,10 @@ TEST(Morph, LayersKeepTheRules) {
     expect(weights({{.voices = {rest}}}), {0, 0.5, 0});
     expect(weights({{.voices = {still}}}), {0, 0.5, 0});
     expect(weights({{.voices = {at_half}}}), {0.6, 0.5, 0.4});
-    expect(weights({{.voices = {{0, 1, 0.25}, {1, 0, 0.75}}}}), {0.25, 0.625, 0.1});  // what a clip does not animate counts with the default weight
-    expect(weights({{.voices = {{0, 1, 1}}}, {.weight = 0.5, .voices = {still}}}), {1, 1, 0.4});  // a layer leaves what none of its voices animates
+    // What a clip does not animate counts with the default weight
+    expect(weights({{.voices = {{0, 1, 0.25}, {1, 0, 0.75}}}}), {0.25, 0.625, 0.1});
+    // A layer leaves what none of its voices animates
+    expect(weights({{.voices = {{0, 1, 1}}}, {.weight = 0.5, .voices = {still}}}), {1, 1, 0.4});
     expect(weights({{.voices = {{0, 1, 1}}}, {.weight = 0.5, .voices = {{0, 0, 1}}}}), {0.6, 0.5, 0.4});
     expect(weights({{.voices = {rest}}, {.is_additive = true, .weight = 0.5, .voices = {{0, 1, 1}}}}), {0.4, 1, 0});
     expect(weights({{.voices = {rest}}, {.is_additive = true, .voices = {still}}}), {0, 0.5, 0});
@@ -318,12 +376,15 @@ TEST(Morph, TheEightLargestAreShown) {
         Character changed = character;
         for (size_t i = 0; i < weights.size(); ++i) changed.morphs[i].default_weight = weights[i];
         const std::vector<io::ActiveMorph> got = Stage(changed).run_two({Playback{}})[0];
-        const std::vector<WeightedMorph> wanted = active_morphs_reference(std::vector<double>(weights.begin(), weights.end()));
+        const std::vector<WeightedMorph> wanted = active_morphs_reference(
+            std::vector<double>(weights.begin(), weights.end()));
         ASSERT_EQ(wanted.size(), order.size());
         for (size_t i = 0; i < io::kActiveMorphs; ++i) {
             EXPECT_EQ(got[i].morph, i < order.size() ? order[i] : 0) << i;
             EXPECT_EQ(got[i].weight, i < order.size() ? weights[order[i]] : 0) << i;
-            if (i < order.size()) { EXPECT_EQ(wanted[i].morph, order[i]); }
+            if (i < order.size()) {
+                EXPECT_EQ(wanted[i].morph, order[i]);
+            }
         }
     };
     expect(defaults, {9, 6, 1, 2, 5, 7, 8, 10});
@@ -350,26 +411,36 @@ TEST(Morph, CrowdsOfTwoClipsShowThem) {
     double worst = 0, moved = 0;
     for (const UpdatePath path : {UpdatePath::kStaged, UpdatePath::kFused})
         for (const double error : {0.0, 1e-4}) {
-            const Character character = compiled(make_asset({.joint_count = 9, .seed = 4, .cubic = true, .morph_count = 6}), {.error = error}), plain = make_character({.joint_count = 6});
+            const Character character = compiled(
+                                make_asset({.joint_count = 9, .seed = 4, .cubic = true, .morph_count = 6}),
+                                {.error = error}),
+                            plain = make_character({.joint_count = 6});
             Crowd crowd = create({.groups = {{&plain, 3}, {&character, 40}}, .path = path});
             EXPECT_EQ(crowd.outputs()[0].morph_buffer, VkBuffer{VK_NULL_HANDLE});
             Character unmorphed = character;
             unmorphed.morphs.clear();
             const Crowd other = create({.groups = {{&plain, 3}, {&unmorphed, 40}}, .path = path});
-            EXPECT_GE(crowd.size_bytes(), other.size_bytes() + 40 * kActiveMorphLimit * sizeof(io::ActiveMorph) + character.morph_deltas.size() * sizeof(MorphDelta)) << "its memory is counted";
+            EXPECT_GE(crowd.size_bytes(), other.size_bytes() + 40 * kActiveMorphLimit * sizeof(io::ActiveMorph) +
+                                              character.morph_deltas.size() * sizeof(MorphDelta))
+                << "its memory is counted";
             ASSERT_NE(crowd.outputs()[1].morph_buffer, VkBuffer{VK_NULL_HANDLE});
             Random random(3);
             const std::vector<Playback> playbacks = random_playbacks(random, character, 40);
             ASSERT_TRUE(crowd.set_playback(3, playbacks));
             ASSERT_TRUE(crowd.update(0.2f));
-            const auto active = download<io::ActiveMorph>(test_gpu(), BufferRange(crowd.outputs()[1].morph_buffer, 0, 40 * io::kActiveMorphs * sizeof(io::ActiveMorph)));
+            const auto active = download<io::ActiveMorph>(
+                test_gpu(),
+                BufferRange(crowd.outputs()[1].morph_buffer, 0, 40 * io::kActiveMorphs * sizeof(io::ActiveMorph)));
             for (uint32_t i = 0; i < 40; ++i) {
                 const ReferencePose pose = *reference_pose(character, advanced(playbacks[i], character, 0.2f));
                 ASSERT_EQ(pose.morph_weights.size(), 12u);
                 const auto first = active.begin() + i * io::kActiveMorphs;
-                EXPECT_LE(compare({first, first + io::kActiveMorphs}, pose.morph_weights), kWeightBound) << "instance " << i;
-                worst = std::max(worst, position_error(crowd, 3 + i, reference_positions(character, pose), character.size));
-                moved = std::max(moved, position_error(crowd, 3 + i, skin_reference(character, pose.model_from_bind), character.size));
+                EXPECT_LE(compare({first, first + io::kActiveMorphs}, pose.morph_weights), kWeightBound)
+                    << "instance " << i;
+                worst = std::max(worst,
+                                 position_error(crowd, 3 + i, reference_positions(character, pose), character.size));
+                moved = std::max(moved, position_error(crowd, 3 + i, skin_reference(character, pose.model_from_bind),
+                                                       character.size));
             }
             ASSERT_TRUE(crowd.stage_times());
         }
@@ -395,28 +466,38 @@ TEST(Morph, BatchesChangeNothing) {
 TEST(Morph, CrowdsWithAControllerShowThem) {
     double worst = 0;
     for (const UpdatePath path : {UpdatePath::kStaged, UpdatePath::kFused}) {
-        const Character character = compiled(make_asset({.joint_count = 9, .seed = 6, .morph_count = 6}), {.error = 1e-4});
+        const Character character = compiled(make_asset({.joint_count = 9, .seed = 6, .morph_count = 6}),
+                                             {.error = 1e-4});
         Controller controller;
         controller.layers = {{.name = "body"}, {.name = "face"}, {.name = "talk", .mode = LayerMode::kAdditive}};
         constexpr uint32_t kInstances = 30;
-        Crowd crowd = create({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}}, .path = path});
+        Crowd crowd = create(
+            {.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}},
+             .path = path});
         std::vector<ReferenceCharacter> wanted = references(character, controller, kInstances);
         Random random(9);
         for (int update = 0; update < 12; ++update) {
             for (uint32_t i = 0; i < kInstances; ++i)
                 for (uint32_t layer = 0; layer < 3; ++layer) {
                     if (!random.chance(0.4)) continue;
-                    const LayerPlayback playback{.clip = random_slot(random, character), .fade_s = random.chance(0.3) ? 0 : static_cast<float>(random.between(0, 0.5))};
-                    const LayerBlend blend{.weight = static_cast<float>(random.unit()), .fade_s = playback.fade_s, .mode = layer == 2 ? LayerMode::kAdditive : LayerMode::kOverride};
+                    const LayerPlayback playback{
+                        .clip = random_slot(random, character),
+                        .fade_s = random.chance(0.3) ? 0 : static_cast<float>(random.between(0, 0.5))};
+                    const LayerBlend blend{.weight = static_cast<float>(random.unit()),
+                                           .fade_s = playback.fade_s,
+                                           .mode = layer == 2 ? LayerMode::kAdditive : LayerMode::kOverride};
                     ASSERT_TRUE(crowd.play(i, layer, playback) && crowd.set_layer(i, layer, blend));
                     ASSERT_TRUE(wanted[i].play(layer, playback) && wanted[i].set_layer(layer, blend));
                 }
             ASSERT_TRUE(crowd.update(0.07f));
             for (ReferenceCharacter& one : wanted) ASSERT_TRUE(one.update(0.07f));
-            const auto active = download<io::ActiveMorph>(test_gpu(), BufferRange(crowd.outputs()[0].morph_buffer, 0, kInstances * io::kActiveMorphs * sizeof(io::ActiveMorph)));
+            const auto active = download<io::ActiveMorph>(
+                test_gpu(), BufferRange(crowd.outputs()[0].morph_buffer, 0,
+                                        kInstances * io::kActiveMorphs * sizeof(io::ActiveMorph)));
             for (uint32_t i = 0; i < kInstances; ++i) {
                 const auto first = active.begin() + i * io::kActiveMorphs;
-                EXPECT_LE(compare({first, first + io::kActiveMorphs}, wanted[i].pose().morph_weights), kWeightBound) << "instance " << i << ", update " << update;
+                EXPECT_LE(compare({first, first + io::kActiveMorphs}, wanted[i].pose().morph_weights), kWeightBound)
+                    << "instance " << i << ", update " << update;
             }
         }
         // Skinned by the matrices that the crowd has: how those follow the reference is another test's.
@@ -424,7 +505,11 @@ TEST(Morph, CrowdsWithAControllerShowThem) {
             std::vector<AffineT<double>> matrices;
             const std::vector<Affine> read = *crowd.read_skin_matrices(i);
             for (const Affine& matrix : read) matrices.push_back(matrix.as<double>());
-            worst = std::max(worst, position_error(crowd, i, skin_reference(character, matrices, active_morphs_reference(wanted[i].pose().morph_weights)), character.size));
+            worst = std::max(
+                worst, position_error(
+                           crowd, i,
+                           skin_reference(character, matrices, active_morphs_reference(wanted[i].pose().morph_weights)),
+                           character.size));
         }
     }
     EXPECT_LE(worst, kPoseBound);
@@ -438,23 +523,26 @@ TEST(Morph, AClipOfWeightsAloneIsPlayed) {
     const Character character = compiled(asset, {.error = 1e-4});
     Controller controller;
     controller.layers = {{.name = "body"}};
-    Crowd crowd = create({.groups = {{&character, 1}, {.character = &character, .instance_count = 1, .controller = &controller}}});
+    Crowd crowd = create(
+        {.groups = {{&character, 1}, {.character = &character, .instance_count = 1, .controller = &controller}}});
     ASSERT_TRUE(crowd.set_playback(0, std::array{Playback{.first = {.clip = 0}}}));
     ASSERT_TRUE(crowd.play(1, 0, {.clip = {.clip = 0}}));
     for (int update = 1; update <= 3; ++update) {
         ASSERT_TRUE(crowd.update(0.25f));
         for (const OutputBlock& block : crowd.outputs()) {
-            const auto active = download<io::ActiveMorph>(test_gpu(), BufferRange(block.morph_buffer, 0, io::kActiveMorphs * sizeof(io::ActiveMorph)));
+            const auto active = download<io::ActiveMorph>(
+                test_gpu(), BufferRange(block.morph_buffer, 0, io::kActiveMorphs * sizeof(io::ActiveMorph)));
             EXPECT_EQ(active[0].morph, 0u);
             EXPECT_NEAR(active[0].weight, 0.25 * update, 1e-6);
         }
     }
 }
 
-// A real character, against the file itself: weights, differences and skinning written once more. Its clips keep all weights at 0, so they are given some:
-// eight of nine.
+// A real character, against the file itself: weights, differences and skinning written once more. Its clips keep all
+// weights at 0, so they are given some: eight of nine.
 TEST(Morph, ARealCharacterShowsWhatItsFileSays) {
-    const std::filesystem::path file = std::filesystem::path(THRONG_SHARED_DIR) / "characters/robot_expressive/RobotExpressive.glb";
+    const std::filesystem::path file = std::filesystem::path(THRONG_SHARED_DIR) /
+                                       "characters/robot_expressive/RobotExpressive.glb";
     if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is missing";
     Asset asset = *load_asset(file);
     const Character as_it_is = compiled(asset);
@@ -469,11 +557,13 @@ TEST(Morph, ARealCharacterShowsWhatItsFileSays) {
                 if (&track != &clip.morph_tracks[0] || i % 3 != 0) track.values[i] = static_cast<float>(random.unit());
     }
     const Character character = compiled(asset);
-    Crowd staged = create({.groups = {{&character, 1}}, .path = UpdatePath::kStaged}), fused = create({.groups = {{&character, 1}}});
+    Crowd staged = create({.groups = {{&character, 1}}, .path = UpdatePath::kStaged}),
+          fused = create({.groups = {{&character, 1}}});
     double worst = 0, moved = 0;
     for (uint32_t clip = 0; clip < asset.clips.size(); ++clip)
         for (const float part : {0.0f, 0.3f, 0.55f, 0.9f}) {
-            const Playback playback{.first = {.clip = clip, .time_s = part * asset.clips[clip].duration_s, .speed = 0, .loop = false}};
+            const Playback playback{
+                .first = {.clip = clip, .time_s = part * asset.clips[clip].duration_s, .speed = 0, .loop = false}};
             const ReferencePose pose = *reference_pose(character, playback);
             std::vector<Vec3<double>> wanted(character.vertices.size());
             for (const MeshSection& section : character.sections) {
@@ -483,20 +573,26 @@ TEST(Morph, ARealCharacterShowsWhatItsFileSays) {
                 for (uint32_t v = 0; v < section.vertex_count; ++v) {
                     Vec3<double> position = primitive.positions[v].as<double>();
                     for (size_t t = 0; t < primitive.targets.size(); ++t) {
-                        const double weight = track ? weight_of_track(*track, mesh.weights.size(), t, playback.first.time_s) : double{mesh.weights[t]};
-                        if (!primitive.targets[t].positions.empty()) position = position + primitive.targets[t].positions[v].as<double>() * weight;
+                        const double weight = track ? weight_of_track(*track, mesh.weights.size(), t,
+                                                                      playback.first.time_s)
+                                                    : double{mesh.weights[t]};
+                        if (!primitive.targets[t].positions.empty())
+                            position = position + primitive.targets[t].positions[v].as<double>() * weight;
                     }
                     Vec3<double>& sum = wanted[section.first_vertex + v];
                     for (uint32_t i = 0; i < section.influence_sets * 4; ++i) {
-                        const Influences& influences = character.influences[section.first_influences + v * section.influence_sets + i / 4];
-                        sum = sum + transform_point(pose.model_from_bind[influences.entries[i % 4]], position) * double{influences.weights[i % 4]};
+                        const Influences& influences =
+                            character.influences[section.first_influences + v * section.influence_sets + i / 4];
+                        sum = sum + transform_point(pose.model_from_bind[influences.entries[i % 4]], position) *
+                                        double{influences.weights[i % 4]};
                     }
                 }
             }
             for (Crowd* crowd : {&staged, &fused}) {
                 ASSERT_TRUE(crowd->set_playback(0, {&playback, 1}) && crowd->update(0));
                 worst = std::max(worst, position_error(*crowd, 0, wanted, character.size));
-                moved = std::max(moved, position_error(*crowd, 0, skin_reference(character, pose.model_from_bind), character.size));
+                moved = std::max(
+                    moved, position_error(*crowd, 0, skin_reference(character, pose.model_from_bind), character.size));
             }
         }
     EXPECT_LE(worst, kPoseBound);

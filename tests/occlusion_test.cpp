@@ -17,15 +17,27 @@ namespace {
 
 // A picture of depths, ready to be read.
 Image depth_image(const std::vector<float>& depths, uint32_t width, uint32_t height) {
-    Image image(test_gpu(), {.what = "depths", .width = width, .height = height, .format = VK_FORMAT_R32_SFLOAT, .usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
+    Image image(test_gpu(), {.what = "depths",
+                             .width = width,
+                             .height = height,
+                             .format = VK_FORMAT_R32_SFLOAT,
+                             .usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
+                                      VK_IMAGE_USAGE_SAMPLED_BIT});
     const Buffer staging = upload(test_gpu(), "depths", depths, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
     test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
-        transition(*test_gpu(), commands, {.image = image.handle(), .to = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, .after = kTransferWrite});
+        transition(*test_gpu(), commands,
+                   {.image = image.handle(), .to = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, .after = kTransferWrite});
         VkBufferImageCopy copy{};
         copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
         copy.imageExtent = {width, height, 1};
-        test_gpu()->vk.vkCmdCopyBufferToImage(commands, staging.handle(), image.handle(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
-        transition(*test_gpu(), commands, {.image = image.handle(), .from = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, .to = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, .before = kTransferWrite, .after = kTransferRead});
+        test_gpu()->vk.vkCmdCopyBufferToImage(commands, staging.handle(), image.handle(),
+                                              VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+        transition(*test_gpu(), commands,
+                   {.image = image.handle(),
+                    .from = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                    .to = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                    .before = kTransferWrite,
+                    .after = kTransferRead});
     });
     return image;
 }
@@ -41,7 +53,8 @@ void update(Crowd& crowd, const CrowdView& view, const DepthImage& depths) {
 
 std::set<uint32_t> instances_drawn(Crowd& crowd) {
     std::set<uint32_t> instances;
-    for (const DrawnInstance& one : drawn_of(crowd)) EXPECT_TRUE(instances.insert(one.instance).second) << "listed twice";
+    for (const DrawnInstance& one : drawn_of(crowd))
+        EXPECT_TRUE(instances.insert(one.instance).second) << "listed twice";
     return instances;
 }
 
@@ -49,10 +62,12 @@ std::set<uint32_t> instances_drawn(Crowd& crowd) {
 std::vector<float> random_depths(Random& random, uint32_t width, uint32_t height) {
     std::vector<float> depths(size_t{width} * height, 0);
     for (uint32_t i = 0; i < 6; ++i) {
-        const uint32_t left = random.below(width), top = random.below(height), right = left + random.below(width), bottom = top + random.below(height);
+        const uint32_t left = random.below(width), top = random.below(height), right = left + random.below(width),
+                       bottom = top + random.below(height);
         const auto depth = static_cast<float>(1e-4 * std::pow(10, random.between(0, 2)));
         for (uint32_t y = top; y < std::min(bottom, height); ++y)
-            for (uint32_t x = left; x < std::min(right, width); ++x) depths[size_t{y} * width + x] = std::max(depths[size_t{y} * width + x], depth);
+            for (uint32_t x = left; x < std::min(right, width); ++x)
+                depths[size_t{y} * width + x] = std::max(depths[size_t{y} * width + x], depth);
     }
     return depths;
 }
@@ -68,11 +83,15 @@ TEST(Occlusion, WhatTheReferenceSeesIsDrawn) {
             const Group& group = crowd.state().groups[0];
             const double size = length(group.posed_max - group.posed_min);
             std::vector<Affine> places;
-            for (uint32_t i = 0; i < kCount; ++i) places.push_back(to_affine(Trs<double>{.translation = random.vector(60 * size)}).as<float>());
+            for (uint32_t i = 0; i < kCount; ++i)
+                places.push_back(to_affine(Trs<double>{.translation = random.vector(60 * size)}).as<float>());
             ASSERT_TRUE(crowd.set_placement(0, places));
-            const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(), ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
+            const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(),
+                              ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
             for (int round = 0; round < 6; ++round) {
-                CrowdView view = *view_of({.eye = random.vector(60 * size).as<float>(), .target = random.vector(20 * size).as<float>()}, width, height, {});
+                CrowdView view = *view_of(
+                    {.eye = random.vector(60 * size).as<float>(), .target = random.vector(20 * size).as<float>()},
+                    width, height, {});
                 view.shadow = round % 2 ? random.vector(2 * size).as<float>() : Vec3<float>{};
                 view.ground = round % 3 ? static_cast<float>(random.between(-20, 20) * size) : -1e30f;
                 view.occlusion = true;
@@ -82,7 +101,8 @@ TEST(Occlusion, WhatTheReferenceSeesIsDrawn) {
                 std::vector<float> given = depths;
                 if (!reversed) {  // the same scene with depths that grow: 1 - z
                     for (float& depth : given) depth = 1 - depth;
-                    for (size_t k = 0; k < 4; ++k) view.clip_from_world[2][k] = view.clip_from_world[3][k] - view.clip_from_world[2][k];
+                    for (size_t k = 0; k < 4; ++k)
+                        view.clip_from_world[2][k] = view.clip_from_world[3][k] - view.clip_from_world[2][k];
                 }
                 const Image image = depth_image(given, width, height);
                 // Twice: first all wait, then those that were visible are listed before the depths are known.
@@ -95,7 +115,8 @@ TEST(Occlusion, WhatTheReferenceSeesIsDrawn) {
                         const bool in_view = seen_by(seen, place, box) > 0;
                         const double shown_by_reference = shown_by(seen, place, box, depths, width, height);
                         EXPECT_TRUE(in_view || !drawn.contains(i));
-                        EXPECT_TRUE(!in_view || shown_by_reference <= -1e-7 || drawn.contains(i)) << "instance " << i << " is visible";
+                        EXPECT_TRUE(!in_view || shown_by_reference <= -1e-7 || drawn.contains(i))
+                            << "instance " << i << " is visible";
                         if (!in_view || turn > 0) continue;
                         hidden += !drawn.contains(i);
                         hidden_by_reference += shown_by_reference < -1e-7;
@@ -110,58 +131,80 @@ TEST(Occlusion, WhatTheReferenceSeesIsDrawn) {
     std::printf("  %u drawn; %u hidden, by the reference %u\n", shown, hidden, hidden_by_reference);
 }
 
-// What waited is animated as soon as nothing hides it; what is hidden again is drawn once more, for it may hide others, and then no longer.
+// What waited is animated as soon as nothing hides it; what is hidden again is drawn once more, for it may hide others,
+// and then no longer.
 TEST(Occlusion, WhatAppearsIsAnimatedAtOnce) {
     const Character character = small_character();
     constexpr uint32_t kCount = 20, kSize = 64;
-    Crowd crowd = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .keep_previous_matrices = true, .culls = true, .skips_updates = true}), whole = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused});
-    const std::vector<Affine> places(kCount, to_affine(Trs<double>{.translation = {0, 0, -10.0 * character.size}}).as<float>());
+    Crowd crowd = create({.groups = {{&character, kCount}},
+                          .path = UpdatePath::kFused,
+                          .keep_previous_matrices = true,
+                          .culls = true,
+                          .skips_updates = true}),
+          whole = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused});
+    const std::vector<Affine> places(kCount,
+                                     to_affine(Trs<double>{.translation = {0, 0, -10.0 * character.size}}).as<float>());
     Random random(3);
     const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
     for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_placement(0, places) && one->set_playback(0, playbacks));
     CrowdView view = *view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}}, kSize, kSize, {});
     view.occlusion = true;
-    const Image open = depth_image(std::vector<float>(kSize * kSize, 0.0f), kSize, kSize), closed = depth_image(std::vector<float>(kSize * kSize, 1.0f), kSize, kSize);
-    const std::vector<std::pair<const Image*, size_t>> steps{{&closed, 0}, {&closed, 0}, {&open, kCount}, {&open, kCount}, {&closed, kCount}, {&closed, 0}, {&open, kCount}};
+    const Image open = depth_image(std::vector<float>(kSize * kSize, 0.0f), kSize, kSize),
+                closed = depth_image(std::vector<float>(kSize * kSize, 1.0f), kSize, kSize);
+    const std::vector<std::pair<const Image*, size_t>> steps{
+        {&closed, 0}, {&closed, 0}, {&open, kCount}, {&open, kCount}, {&closed, kCount}, {&closed, 0}, {&open, kCount}};
     for (const auto& [image, count] : steps) {
         update(crowd, view, {image->handle(), VK_IMAGE_ASPECT_COLOR_BIT, kSize, kSize});
         ASSERT_TRUE(whole.update(0.01f));
         EXPECT_EQ(instances_drawn(crowd).size(), count);
-        for (uint32_t i = 0; i < kCount && count > 0; ++i) EXPECT_TRUE(same_bits(*crowd.read_skin_matrices(i), *whole.read_skin_matrices(i))) << i;
+        for (uint32_t i = 0; i < kCount && count > 0; ++i)
+            EXPECT_TRUE(same_bits(*crowd.read_skin_matrices(i), *whole.read_skin_matrices(i))) << i;
     }
-    const std::vector<Affine> previous = download<Affine>(test_gpu(), BufferRange(crowd.outputs()[0].previous_skin_buffer, 0, crowd.outputs()[0].palette_count * sizeof(Affine)));
+    const std::vector<Affine> previous = download<Affine>(
+        test_gpu(),
+        BufferRange(crowd.outputs()[0].previous_skin_buffer, 0, crowd.outputs()[0].palette_count * sizeof(Affine)));
     EXPECT_TRUE(same_bits(previous, *crowd.read_skin_matrices(0))) << "what appears has not moved";
 }
 
-// A picture has more texels than the device dispatches workgroups of; another, larger than the first, comes while that one's update is under way.
+// A picture has more texels than the device dispatches workgroups of; another, larger than the first, comes while that
+// one's update is under way.
 TEST(Occlusion, PicturesMayBeLargeAndChangeInSize) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 2}}, .culls = true});
-    const std::vector<Affine> places(2, to_affine(Trs<double>{.translation = {0, 0, -10.0 * character.size}}).as<float>());
+    const std::vector<Affine> places(2,
+                                     to_affine(Trs<double>{.translation = {0, 0, -10.0 * character.size}}).as<float>());
     ASSERT_TRUE(crowd.set_placement(0, places));
     CrowdView view = *view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}}, 64, 64, {});
     view.occlusion = true;
     constexpr uint32_t kWidth = 16384, kHeight = 1040;
-    const Image small = depth_image(std::vector<float>(64, 0.0f), 8, 8), large = depth_image(std::vector<float>(size_t{kWidth} * kHeight, 1.0f), kWidth, kHeight);
+    const Image small = depth_image(std::vector<float>(64, 0.0f), 8, 8),
+                large = depth_image(std::vector<float>(size_t{kWidth} * kHeight, 1.0f), kWidth, kHeight);
     test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
-        ASSERT_TRUE(crowd.record(commands, 0.01f, &view) && crowd.record_disoccluded(commands, {small.handle(), VK_IMAGE_ASPECT_COLOR_BIT, 8, 8}));
-        for (int turn = 0; turn < 2; ++turn) ASSERT_TRUE(crowd.record(commands, 0.01f, &view) && crowd.record_disoccluded(commands, {large.handle(), VK_IMAGE_ASPECT_COLOR_BIT, kWidth, kHeight}));
+        ASSERT_TRUE(crowd.record(commands, 0.01f, &view) &&
+                    crowd.record_disoccluded(commands, {small.handle(), VK_IMAGE_ASPECT_COLOR_BIT, 8, 8}));
+        for (int turn = 0; turn < 2; ++turn)
+            ASSERT_TRUE(
+                crowd.record(commands, 0.01f, &view) &&
+                crowd.record_disoccluded(commands, {large.handle(), VK_IMAGE_ASPECT_COLOR_BIT, kWidth, kHeight}));
     });
     EXPECT_EQ(instances_drawn(crowd).size(), 0u) << "all hidden, wherever they are looked for";
     update(crowd, view, {small.handle(), VK_IMAGE_ASPECT_COLOR_BIT, 8, 8});
     EXPECT_EQ(instances_drawn(crowd).size(), 2u);
 }
 
-// A gap of one column in a wall, at each place after the other: what reaches within a texel of it is drawn, since other roundings drew the wall.
+// A gap of one column in a wall, at each place after the other: what reaches within a texel of it is drawn, since other
+// roundings drew the wall.
 TEST(Occlusion, ATexelAroundABoxCountsToo) {
     const Character character = small_character();
     constexpr uint32_t kCount = 12, kSize = 48;
     Crowd crowd = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true});
     const Group& group = crowd.state().groups[0];
-    const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(), ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
+    const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(),
+                      ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
     const double size = length(group.posed_max - group.posed_min);
     std::vector<Affine> places;
-    for (uint32_t i = 0; i < kCount; ++i) places.push_back(to_affine(Trs<double>{.translation = {(i - 5.5) * 0.37 * size, 0, -10 * size}}).as<float>());
+    for (uint32_t i = 0; i < kCount; ++i)
+        places.push_back(to_affine(Trs<double>{.translation = {(i - 5.5) * 0.37 * size, 0, -10 * size}}).as<float>());
     ASSERT_TRUE(crowd.set_placement(0, places));
     CrowdView view = *view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}}, kSize, kSize, {});
     const CrowdView away = *view_of({.eye = {0, 0, 0}, .target = {0, 0, 1}}, kSize, kSize, {});
@@ -199,7 +242,8 @@ Character at_full_detail(Character character) {
 
 // A block that moves with the root of a character, and fills nine tenths of its bounds.
 Character block_of(Character character) {
-    const Vec3<float> middle = (character.bounds_min + character.bounds_max) * 0.5f, half = (character.bounds_max - character.bounds_min) * 0.45f;
+    const Vec3<float> middle = (character.bounds_min + character.bounds_max) * 0.5f,
+                      half = (character.bounds_max - character.bounds_min) * 0.45f;
     MeshSection section = character.sections[0];
     section.first_vertex = section.first_influences = section.first_index = 0;
     section.influence_sets = 1;
@@ -207,39 +251,56 @@ Character block_of(Character character) {
     character.vertices.clear();
     character.influences.clear();
     for (uint32_t corner = 0; corner < 8; ++corner) {
-        character.vertices.push_back({.position = middle + Vec3<float>{corner & 1 ? half.x : -half.x, corner & 2 ? half.y : -half.y, corner & 4 ? half.z : -half.z}, .normal_octahedral = 0});
+        character.vertices.push_back(
+            {.position = middle + Vec3<float>{corner & 1 ? half.x : -half.x, corner & 2 ? half.y : -half.y,
+                                              corner & 4 ? half.z : -half.z},
+             .normal_octahedral = 0});
         character.influences.push_back({.weights = {1, 0, 0, 0}, .entries = {}});
     }
-    character.indices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
+    character.indices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
+                         2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
     section.index_count = static_cast<uint32_t>(character.indices.size());
     character.sections = {section};
     return character;
 }
 
-// From anywhere to anywhere, in one submission each: the picture is that of a crowd that is animated and drawn entirely, to the pixel, shadows included. Every tenth view stays for three frames, of which the last hides most.
+// From anywhere to anywhere, in one submission each: the picture is that of a crowd that is animated and drawn
+// entirely, to the pixel, shadows included. Every tenth view stays for three frames, of which the last hides most.
 void expect_nothing_lost(uint32_t view_count, bool skins_once) {
     constexpr uint32_t kCount = 40, kBlocks = 10;
-    const Character character = at_full_detail(*compile_character(*make_creature({.joint_count = 20, .level_count = 6, .face_count = 100}))), block = block_of(character);
+    const Character character = at_full_detail(
+                        *compile_character(*make_creature({.joint_count = 20, .level_count = 6, .face_count = 100}))),
+                    block = block_of(character);
     Random random(21);
     const double size = character.size;
     std::vector<Affine> places;
     for (uint32_t i = 0; i < kBlocks + kCount; ++i) {
         const double scale = i < kBlocks ? 3 : 0.5;
-        places.push_back(to_affine(Trs<double>{axis_angle(Vec3<double>{0, 1, 0}, random.between(0, 6)), {random.between(-9, 9) * size, -character.bounds_min.y * scale, random.between(-9, 9) * size}, {scale, scale, scale}}).as<float>());
+        places.push_back(to_affine(Trs<double>{axis_angle(Vec3<double>{0, 1, 0}, random.between(0, 6)),
+                                               {random.between(-9, 9) * size, -character.bounds_min.y * scale,
+                                                random.between(-9, 9) * size},
+                                               {scale, scale, scale}})
+                             .as<float>());
     }
     const std::vector<Playback> playbacks = random_playbacks(random, character, kBlocks + kCount);
     const std::vector<CrowdGroup> groups{{&block, kBlocks}, {&character, kCount}};
-    Crowd crowd = create({.groups = groups, .culls = true, .skips_updates = true, .skins_once = skins_once}), whole = create({.groups = groups, .skins_once = skins_once});
+    Crowd crowd = create({.groups = groups, .culls = true, .skips_updates = true, .skins_once = skins_once}),
+          whole = create({.groups = groups, .skins_once = skins_once});
     for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_placement(0, places) && one->set_playback(0, playbacks));
     Result<Renderer> renderer = Renderer::create(test_device(), {.width = 48, .height = 36});
     ASSERT_TRUE(renderer);
     uint64_t drawn = 0, in_view = 0;
     const auto see = [&](const Camera& camera) {
-        const Result<RenderResult> seen = renderer->render_frame(crowd, 0.01f, camera), wanted = renderer->render_frame(whole, 0.01f, camera);
+        const Result<RenderResult> seen = renderer->render_frame(crowd, 0.01f, camera),
+                                   wanted = renderer->render_frame(whole, 0.01f, camera);
         return seen && wanted && seen->picture.rgba == wanted->picture.rgba;
     };
     for (uint32_t number = 0; number < view_count; ++number) {
-        const Camera camera{.eye = Vec3<double>{random.between(-10, 10) * size, random.between(0.1, 3) * size, random.between(-10, 10) * size}.as<float>(), .target = Vec3<double>{random.between(-5, 5) * size, size, random.between(-5, 5) * size}.as<float>()};
+        const Camera camera{
+            .eye = Vec3<double>{random.between(-10, 10) * size, random.between(0.1, 3) * size,
+                                random.between(-10, 10) * size}
+                       .as<float>(),
+            .target = Vec3<double>{random.between(-5, 5) * size, size, random.between(-5, 5) * size}.as<float>()};
         ASSERT_TRUE(renderer->set_options({.shadows = number % 3 == 0, .occlusion = true}));
         ASSERT_TRUE(see(camera)) << "view " << number;
         if (number % 10 > 0) continue;
@@ -250,7 +311,8 @@ void expect_nothing_lost(uint32_t view_count, bool skins_once) {
         in_view += drawn_of(crowd).size();
     }
     EXPECT_LT(drawn + view_count / 20, in_view) << "some are hidden";
-    std::printf("  of %llu in view %llu are drawn\n", static_cast<unsigned long long>(in_view), static_cast<unsigned long long>(drawn));
+    std::printf("  of %llu in view %llu are drawn\n", static_cast<unsigned long long>(in_view),
+                static_cast<unsigned long long>(drawn));
 }
 
 TEST(Occlusion, AThousandRandomViewsLoseNothing) { expect_nothing_lost(1000, false); }
@@ -263,7 +325,8 @@ TEST(Occlusion, WrongUseIsRefused) {
     const Image image = depth_image(std::vector<float>(12), 4, 3);
     const auto refused = [&](Crowd& of, const DepthImage& depths) {
         Result<void> result;
-        test_gpu()->submit_and_wait([&](VkCommandBuffer commands) { result = of.record_disoccluded(commands, depths); });
+        test_gpu()->submit_and_wait(
+            [&](VkCommandBuffer commands) { result = of.record_disoccluded(commands, depths); });
         return !result && result.error().code == ErrorCode::kInvalidArgument;
     };
     const DepthImage depths{image.handle(), VK_IMAGE_ASPECT_COLOR_BIT, 4, 3};

@@ -21,12 +21,15 @@ constexpr uint32_t kWidth = 160, kHeight = 120;
 // In rows behind one another, all in view.
 std::vector<Affine> rows_of(uint32_t count, double size) {
     std::vector<Affine> places;
-    for (uint32_t i = 0; i < count; ++i) places.push_back(to_affine(Trs<double>{.translation = {(i % 5 - 2.0) * 0.1 * size, 0, -size * (2 + i * 0.9)}}).as<float>());
+    for (uint32_t i = 0; i < count; ++i)
+        places.push_back(
+            to_affine(Trs<double>{.translation = {(i % 5 - 2.0) * 0.1 * size, 0, -size * (2 + i * 0.9)}}).as<float>());
     return places;
 }
 
 CrowdView view_along(float full_rate_pixels) {
-    CrowdView view = *view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}, .vertical_field_of_view_rad = 1.5f}, kWidth, kHeight, {});
+    CrowdView view = *view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}, .vertical_field_of_view_rad = 1.5f}, kWidth,
+                              kHeight, {});
     view.detail_pixels = 1e-20f;
     view.full_rate_pixels = full_rate_pixels;
     return view;
@@ -34,13 +37,15 @@ CrowdView view_along(float full_rate_pixels) {
 
 // 0 where rounding decides.
 uint32_t expected_period(const CrowdView& view, const Affine& place, const Group& group) {
-    const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(), ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
+    const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(),
+                      ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
     const AffineT<double> world_from_model = place.as<double>();
     const Vec3<double> eye = view.eye.as<double>();
     const double distance = length(transform_point(world_from_model, box.centre) - eye) - length(box.half_extent);
     if (distance <= 0) return 1;
     const double size_pixels = 2 * length(box.half_extent) / distance * double{view.pixels};
-    const uint32_t low = period_reference(size_pixels * 0.9999, view.full_rate_pixels), high = period_reference(size_pixels * 1.0001, view.full_rate_pixels);
+    const uint32_t low = period_reference(size_pixels * 0.9999, view.full_rate_pixels),
+                   high = period_reference(size_pixels * 1.0001, view.full_rate_pixels);
     return low == high ? low : 0;
 }
 
@@ -62,14 +67,22 @@ void expect_paced(const CrowdGroup& group, SkinFormat format, bool keeps_previou
     constexpr uint32_t kCount = 40, kUpdates = 26;
     CrowdGroup copied = group;
     copied.instance_count = kCount;
-    const CrowdSettings settings{.groups = {copied}, .path = UpdatePath::kFused, .skin_format = format, .keep_previous_matrices = keeps_previous, .culls = true, .skips_updates = true};
-    Crowd paced = create(settings), whole = create({.groups = {copied}, .path = UpdatePath::kFused, .skin_format = format});
+    const CrowdSettings settings{.groups = {copied},
+                                 .path = UpdatePath::kFused,
+                                 .skin_format = format,
+                                 .keep_previous_matrices = keeps_previous,
+                                 .culls = true,
+                                 .skips_updates = true};
+    Crowd paced = create(settings),
+          whole = create({.groups = {copied}, .path = UpdatePath::kFused, .skin_format = format});
     const Group& of = paced.state().groups[0];
     const std::vector<Affine> places = rows_of(kCount, length(of.posed_max - of.posed_min));
     Random random(4);
     const std::vector<Playback> playbacks = random_playbacks(random, *group.character, kCount);
-    for (Crowd* crowd : {&paced, &whole}) ASSERT_TRUE(crowd->set_placement(0, places) && (group.controller || crowd->set_playback(0, playbacks)));
-    const CrowdView near = view_along(40), away = *view_of({.eye = {0, 0, 10}, .target = {0, 0, 90}}, kWidth, kHeight, {});
+    for (Crowd* crowd : {&paced, &whole})
+        ASSERT_TRUE(crowd->set_placement(0, places) && (group.controller || crowd->set_playback(0, playbacks)));
+    const CrowdView near = view_along(40),
+                    away = *view_of({.eye = {0, 0, 10}, .target = {0, 0, 90}}, kWidth, kHeight, {});
     struct Way {
         std::vector<Affine> shown, ahead;
         uint32_t left = 0;
@@ -106,9 +119,12 @@ void expect_paced(const CrowdGroup& group, SkinFormat format, bool keeps_previou
                     way.left = period;
                 }
                 for (size_t entry = 0; entry < got.size() && way.left > 0; ++entry) {
-                    const AffineT<double> wanted = pace_reference(way.shown[entry].as<double>(), way.ahead[entry].as<double>(), way.left);
+                    const AffineT<double> wanted = pace_reference(way.shown[entry].as<double>(),
+                                                                  way.ahead[entry].as<double>(), way.left);
                     for (size_t row = 0; row < 3; ++row)
-                        for (size_t column = 0; column < 4; ++column) ASSERT_NEAR(got[entry].row[row][column], wanted.row[row][column], bound * group.character->size);
+                        for (size_t column = 0; column < 4; ++column)
+                            ASSERT_NEAR(got[entry].row[row][column], wanted.row[row][column],
+                                        bound * group.character->size);
                 }
                 EXPECT_TRUE(way.left != 0 || same_bits(got, way.shown)) << "waits";
                 EXPECT_TRUE(way.left != 1 || same_bits(got, way.ahead)) << "arrives";
@@ -141,8 +157,11 @@ TEST(Pace, SimilaritiesTurnOnTheShortestPath) {
 TEST(Pace, TheCostIsEven) {
     constexpr uint32_t kCount = 4000;
     const Character character = small_character();
-    Crowd crowd = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true, .skips_updates = true});
-    ASSERT_TRUE(crowd.set_placement(0, std::vector<Affine>(kCount, to_affine(Trs<double>{.translation = {0, 0, -1000.0 * character.size}}).as<float>())));
+    Crowd crowd = create(
+        {.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true, .skips_updates = true});
+    ASSERT_TRUE(crowd.set_placement(
+        0, std::vector<Affine>(kCount,
+                               to_affine(Trs<double>{.translation = {0, 0, -1000.0 * character.size}}).as<float>())));
     const CrowdView view = view_along(10);
     ASSERT_TRUE(crowd.update(0.01f, &view));
     EXPECT_EQ(animated_in_last_update(crowd), kCount) << "what appears is animated at once";
@@ -158,8 +177,11 @@ TEST(Pace, TheCostIsEven) {
 TEST(Pace, ABudgetLetsMoreAndMoreWait) {
     constexpr uint32_t kCount = 640;
     const Character character = small_character();
-    Crowd crowd = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true, .skips_updates = true});
-    ASSERT_TRUE(crowd.set_placement(0, std::vector<Affine>(kCount, to_affine(Trs<double>{.translation = {0, 0, -20.0 * character.size}}).as<float>())));
+    Crowd crowd = create(
+        {.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true, .skips_updates = true});
+    ASSERT_TRUE(crowd.set_placement(
+        0, std::vector<Affine>(kCount,
+                               to_affine(Trs<double>{.translation = {0, 0, -20.0 * character.size}}).as<float>())));
     CrowdView view = view_along(0);
     const auto updated = [&](float budget_ms) {
         view.budget_ms = budget_ms;
@@ -176,26 +198,33 @@ TEST(Pace, ABudgetLetsMoreAndMoreWait) {
 }
 
 TEST(Pace, CoarserLevelsHaveFewerJoints) {
-    const Character character = *compile_character(*make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}), {.error = 0});
+    const Character character = *compile_character(
+        *make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}), {.error = 0});
     ASSERT_GE(character.details.size(), 2u);
     constexpr uint32_t kCount = 48;
-    Crowd reduced = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true, .reduces_joints = true}), whole = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused});
+    Crowd reduced = create(
+              {.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true, .reduces_joints = true}),
+          whole = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused});
     Random random(8);
     const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
     const std::vector<Affine> places = rows_of(kCount, 3.0 * character.size);
-    for (Crowd* crowd : {&reduced, &whole}) ASSERT_TRUE(crowd->set_placement(0, places) && crowd->set_playback(0, playbacks));
+    for (Crowd* crowd : {&reduced, &whole})
+        ASSERT_TRUE(crowd->set_placement(0, places) && crowd->set_playback(0, playbacks));
     CrowdView view = view_along(0);
     view.detail_pixels = 0.2f;
     ASSERT_TRUE(reduced.update(0.1f, &view) && whole.update(0.1f));
     std::array<uint32_t, 4> compared{}, drawn{};
     for (const DrawnInstance& one : drawn_of(reduced)) {
         ++drawn[one.detail];
-        const std::vector<Affine> got = *reduced.read_skin_matrices(one.instance), wanted = *whole.read_skin_matrices(one.instance);
+        const std::vector<Affine> got = *reduced.read_skin_matrices(one.instance),
+                                  wanted = *whole.read_skin_matrices(one.instance);
         for (size_t entry = 0; entry < got.size(); ++entry) {
             if (one.detail > 0 && character.joint_details[character.palette[entry].joint] < one.detail) continue;
             ++compared[one.detail];
             for (size_t row = 0; row < 3; ++row)
-                for (size_t column = 0; column < 4; ++column) ASSERT_NEAR(got[entry].row[row][column], wanted[entry].row[row][column], 2e-6 * character.size) << "instance " << one.instance << ", entry " << entry;
+                for (size_t column = 0; column < 4; ++column)
+                    ASSERT_NEAR(got[entry].row[row][column], wanted[entry].row[row][column], 2e-6 * character.size)
+                        << "instance " << one.instance << ", entry " << entry;
         }
     }
     const std::vector<uint32_t> work = download<uint32_t>(test_gpu(), reduced.state().batches[0].work);
@@ -203,24 +232,36 @@ TEST(Pace, CoarserLevelsHaveFewerJoints) {
     ASSERT_EQ(sets.size(), 1 + character.details.size());
     for (size_t detail = 0; detail < sets.size(); ++detail) {
         EXPECT_GT(compared[detail], 0u) << "level " << detail;
-        EXPECT_EQ(work[2 * detail + 1], drawn[detail]) << "animated with no more joints than level " << detail << " has";
+        EXPECT_EQ(work[2 * detail + 1], drawn[detail])
+            << "animated with no more joints than level " << detail << " has";
         std::printf("  level %zu: %u joints\n", detail, sets[detail].joint_count);
         EXPECT_TRUE(detail == 0 || sets[detail].joint_count <= sets[detail - 1].joint_count);
     }
     EXPECT_LT(sets.back().joint_count, character.rig.joint_count() / 2);
-    Crowd posed = create({.groups = {{.character = &character, .instance_count = 1, .pose_capacity = 1}}, .path = UpdatePath::kFused, .culls = true, .reduces_joints = true});
+    Crowd posed = create({.groups = {{.character = &character, .instance_count = 1, .pose_capacity = 1}},
+                          .path = UpdatePath::kFused,
+                          .culls = true,
+                          .reduces_joints = true});
     EXPECT_EQ(posed.state().groups[0].fused.size(), 1u) << "poses from outside may move any joint";
 }
 
-// Matrices of joints that only the finer level has were not animated before: they do not wait for their turn, and have not moved.
+// Matrices of joints that only the finer level has were not animated before: they do not wait for their turn, and have
+// not moved.
 TEST(Pace, AFinerLevelIsAnimatedAtOnce) {
-    const Character character = *compile_character(*make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}), {.error = 0});
+    const Character character = *compile_character(
+        *make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}), {.error = 0});
     constexpr uint32_t kCount = 8;
-    Crowd crowd = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .keep_previous_matrices = true, .culls = true, .skips_updates = true, .reduces_joints = true});
+    Crowd crowd = create({.groups = {{&character, kCount}},
+                          .path = UpdatePath::kFused,
+                          .keep_previous_matrices = true,
+                          .culls = true,
+                          .skips_updates = true,
+                          .reduces_joints = true});
     Crowd whole = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused});
     Random random(12);
     const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
-    const std::vector<Affine> places(kCount, to_affine(Trs<double>{.translation = {0, 0, -20.0 * character.size}}).as<float>());
+    const std::vector<Affine> places(kCount,
+                                     to_affine(Trs<double>{.translation = {0, 0, -20.0 * character.size}}).as<float>());
     for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_placement(0, places) && one->set_playback(0, playbacks));
     CrowdView view = view_along(1e6f);  // every eighth update
     for (const float detail_pixels : {1e6f, 1e6f, 1e6f, 1e-20f}) {
@@ -238,13 +279,20 @@ TEST(Pace, AFinerLevelIsAnimatedAtOnce) {
 
 // Of coarser levels the matrices of their joints go on, wherever these lie in the palette, and arrive.
 TEST(Pace, FewerJointsGoOnToo) {
-    const Character character = *compile_character(*make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}), {.error = 0});
+    const Character character = *compile_character(
+        *make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}), {.error = 0});
     constexpr uint32_t kCount = 8;
     for (const bool keeps_previous : {false, true}) {
-        Crowd crowd = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .keep_previous_matrices = keeps_previous, .culls = true, .skips_updates = true, .reduces_joints = true});
+        Crowd crowd = create({.groups = {{&character, kCount}},
+                              .path = UpdatePath::kFused,
+                              .keep_previous_matrices = keeps_previous,
+                              .culls = true,
+                              .skips_updates = true,
+                              .reduces_joints = true});
         Crowd whole = create({.groups = {{&character, kCount}}, .path = UpdatePath::kFused});
         Random random(13);
-        const std::vector<Affine> places(kCount, to_affine(Trs<double>{.translation = {0, 0, -20.0 * character.size}}).as<float>());
+        const std::vector<Affine> places(
+            kCount, to_affine(Trs<double>{.translation = {0, 0, -20.0 * character.size}}).as<float>());
         for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_placement(0, places));
         CrowdView view = view_along(1e6f);  // every eighth update
         view.detail_pixels = 1e6f;
@@ -257,7 +305,9 @@ TEST(Pace, FewerJointsGoOnToo) {
             uint32_t compared = 0, left_out = 0;
             for (const DrawnInstance& one : drawn_of(crowd)) {
                 ASSERT_EQ(one.detail, character.details.size());
-                const std::vector<Affine> got = *crowd.read_skin_matrices(one.instance), wanted = *whole.read_skin_matrices(one.instance), before = keeps_previous ? previous_of(crowd, one.instance) : got;
+                const std::vector<Affine> got = *crowd.read_skin_matrices(one.instance),
+                                          wanted = *whole.read_skin_matrices(one.instance),
+                                          before = keeps_previous ? previous_of(crowd, one.instance) : got;
                 for (size_t entry = 0; entry < got.size(); ++entry) {
                     if (character.joint_details[character.palette[entry].joint] < one.detail) {
                         ++left_out;
@@ -266,8 +316,12 @@ TEST(Pace, FewerJointsGoOnToo) {
                     ++compared;
                     for (size_t row = 0; row < 3; ++row)
                         for (size_t column = 0; column < 4; ++column) {
-                            ASSERT_NEAR(got[entry].row[row][column], wanted[entry].row[row][column], 2e-6 * character.size) << "instance " << one.instance << ", entry " << entry;
-                            ASSERT_NEAR(before[entry].row[row][column], wanted[entry].row[row][column], 2e-6 * character.size) << "instance " << one.instance << ", entry " << entry << " before";
+                            ASSERT_NEAR(got[entry].row[row][column], wanted[entry].row[row][column],
+                                        2e-6 * character.size)
+                                << "instance " << one.instance << ", entry " << entry;
+                            ASSERT_NEAR(before[entry].row[row][column], wanted[entry].row[row][column],
+                                        2e-6 * character.size)
+                                << "instance " << one.instance << ", entry " << entry << " before";
                         }
                 }
             }

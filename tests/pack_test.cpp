@@ -1,4 +1,5 @@
-// Packed clips: what decoding gives back, and how far the skin is from that of exact keys, measured here at the vertices.
+// Packed clips: what decoding gives back, and how far the skin is from that of exact keys, measured here at the
+// vertices.
 #include "compile/clip_packer.h"
 #include "compile/limits.h"
 #include "compile/packed_track.h"
@@ -34,7 +35,8 @@ double vertex_error(const Character& exact, const Character& packed, uint32_t cl
             const uint32_t at = c->clips[clip].first_time + row;
             times_s.push_back(c->times_s[at]);
             if (row + 1 == c->clips[clip].row_count) continue;
-            for (const double w : {0.21, 0.5, 0.8}) times_s.push_back(c->times_s[at] + w * (double{c->times_s[at + 1]} - c->times_s[at]));
+            for (const double w : {0.21, 0.5, 0.8})
+                times_s.push_back(c->times_s[at] + w * (double{c->times_s[at + 1]} - c->times_s[at]));
         }
     const size_t stride = std::max<size_t>(1, times_s.size() / most_times);
     double largest = 0;
@@ -54,12 +56,13 @@ double vertex_error(const Character& exact, const Character& packed, uint32_t cl
 bool has_full_rotation(const Character& character, uint32_t clip) {
     const size_t joint_count = character.rig.joint_count();
     for (size_t joint = 0; joint < joint_count; ++joint)
-        if (track_at(character, character.tracks[clip * joint_count + joint].rotation).layout & kPackedFull) return true;
+        if (track_at(character, character.tracks[clip * joint_count + joint].rotation).layout & kPackedFull)
+            return true;
     return false;
 }
 
-// The one thing whose bits are given, not chosen, are full rotations: clips with such may miss a small bound, if the least bound does too, and
-// must say so.
+// The one thing whose bits are given, not chosen, are full rotations: clips with such may miss a small bound, if the
+// least bound does too, and must say so.
 void expect_within(const Asset& asset, double bound, size_t most_times) {
     const Character exact = compiled(asset), packed = compiled(asset, {.error = bound});
     ASSERT_TRUE(packed.packed);
@@ -99,8 +102,10 @@ struct OneJoint {
         asset.mesh_instances.push_back({.node = 0, .mesh = 0, .skin = 0});
         asset.clips.push_back({.name = "clip"});
     }
-    void track(TrackTarget target, const std::vector<float>& times_s, const std::vector<float>& values, Interpolation interpolation = Interpolation::kLinear) {
-        asset.clips[0].tracks.push_back({.node = 0, .target = target, .interpolation = interpolation, .times_s = times_s, .values = values});
+    void track(TrackTarget target, const std::vector<float>& times_s, const std::vector<float>& values,
+               Interpolation interpolation = Interpolation::kLinear) {
+        asset.clips[0].tracks.push_back(
+            {.node = 0, .target = target, .interpolation = interpolation, .times_s = times_s, .values = values});
         asset.clips[0].duration_s = std::max(asset.clips[0].duration_s, double{times_s.back()});
     }
     // `turns` about an axis, a key every `key_degrees`.
@@ -119,10 +124,12 @@ TEST(Pack, BitsComeBackAtEveryOffsetAndWidth) {
     Random random(3);
     for (uint32_t width = 0; width <= kPackedComponentBits; ++width)
         for (size_t offset = 0; offset < 70; ++offset) {
-            const std::array<uint32_t, 3> written{random.below(1u << width), random.below(1u << width), random.below(1u << width)};
+            const std::array<uint32_t, 3> written{random.below(1u << width), random.below(1u << width),
+                                                  random.below(1u << width)};
             std::vector<uint32_t> words(8);
             for (size_t i = 0; i < 3; ++i) write_bits(words, offset + i * width, written[i], width);
-            for (size_t i = 0; i < 3; ++i) ASSERT_EQ(read_bits(words, offset + i * width, width), written[i]) << width << " bits at " << offset;
+            for (size_t i = 0; i < 3; ++i)
+                ASSERT_EQ(read_bits(words, offset + i * width, width), written[i]) << width << " bits at " << offset;
             uint32_t set_count = 0, wanted_count = 0;
             for (const uint32_t word : words) set_count += static_cast<uint32_t>(__builtin_popcount(word));
             for (const uint32_t bits : written) wanted_count += static_cast<uint32_t>(__builtin_popcount(bits));
@@ -133,15 +140,20 @@ TEST(Pack, BitsComeBackAtEveryOffsetAndWidth) {
 TEST(Pack, EachComponentComesBackWithinHalfAStep) {
     Random random(5);
     for (uint32_t left_out = 0; left_out < 4; ++left_out) {
-        PackedTrack track{.minimum = {-0.4f, 0.1f, -0.2f}, .layout = 21u | 7u << 5 | 1u << 10 | left_out << kPackedLeftOutShift};
+        PackedTrack track{.minimum = {-0.4f, 0.1f, -0.2f},
+                          .layout = 21u | 7u << 5 | 1u << 10 | left_out << kPackedLeftOutShift};
         track.step = {0.8f / (1 << 21), 0.4f / (1 << 7), 0.4f};
         for (int i = 0; i < 100; ++i) {
-            const std::array<double, 3> v{random.between(-0.4, 0.4), random.between(0.1, 0.5), random.between(-0.4, 0.4)};
+            const std::array<double, 3> v{random.between(-0.4, 0.4), random.between(0.1, 0.5),
+                                          random.between(-0.4, 0.4)};
             TrackSample value{};
             for (uint32_t c = 0; c < 3; ++c) value[(left_out + 1 + c) % 4] = v[c];
             value[left_out] = std::sqrt(1 - v[0] * v[0] - v[1] * v[1] - v[2] * v[2]);
-            const TrackSample got = packed_value(track, TrackTarget::kRotation, quantised(track, TrackTarget::kRotation, value));
-            for (uint32_t c = 0; c < 3; ++c) EXPECT_LE(std::abs(got[(left_out + 1 + c) % 4] - v[c]), double{track.step[c]} * 0.501 + (c == 1 ? double{track.step[1]} / 2 : 0));
+            const TrackSample got = packed_value(track, TrackTarget::kRotation,
+                                                 quantised(track, TrackTarget::kRotation, value));
+            for (uint32_t c = 0; c < 3; ++c)
+                EXPECT_LE(std::abs(got[(left_out + 1 + c) % 4] - v[c]),
+                          double{track.step[c]} * 0.501 + (c == 1 ? double{track.step[1]} / 2 : 0));
             EXPECT_GE(got[left_out], 0);
         }
     }
@@ -149,7 +161,8 @@ TEST(Pack, EachComponentComesBackWithinHalfAStep) {
 
 TEST(Pack, BoundsOutsideTheRangeAreRefused) {
     const Asset asset = make_asset({.joint_count = 3});
-    for (const double bad : {-1e-4, 1e-7, 0.2, 1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    for (const double bad :
+         {-1e-4, 1e-7, 0.2, 1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
         const Result<Character> character = compile_character(asset, {.error = bad});
         ASSERT_FALSE(character) << bad;
         EXPECT_EQ(character.error().code, ErrorCode::kInvalidArgument);
@@ -165,7 +178,8 @@ TEST(Pack, TheRestPoseIsConstants) {
     EXPECT_TRUE(packed.packed);
     EXPECT_EQ(packed.words.size(), 3u);
     for (const JointTracks& tracks : packed.tracks)
-        for (const uint32_t position : {tracks.rotation, tracks.translation, tracks.scale}) EXPECT_EQ(packed_row_bits(track_at(packed, position)), 0u);
+        for (const uint32_t position : {tracks.rotation, tracks.translation, tracks.scale})
+            EXPECT_EQ(packed_row_bits(track_at(packed, position)), 0u);
     const std::vector<Trs<double>> wanted = sample_reference(exact, 0, 0), got = sample_reference(packed, 0, 0);
     for (size_t joint = 0; joint < wanted.size(); ++joint) {
         EXPECT_NEAR(std::abs(dot(got[joint].rotation, wanted[joint].rotation)), 1, 1e-12);
@@ -213,14 +227,16 @@ TEST(Pack, StepTracksHoldAndSwitchAtTheirKeys) {
         values.insert(values.end(), {static_cast<float>(key), 0, 0});  // a straight line: no row of it is needed
     }
     one.track(TrackTarget::kTranslation, times_s, values);
-    one.track(TrackTarget::kRotation, {0.05f, 1.23f, 2.34f, 3.45f}, {0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 1, 0, 0.6f, 0, 0, 0.8f}, Interpolation::kStep);
+    one.track(TrackTarget::kRotation, {0.05f, 1.23f, 2.34f, 3.45f},
+              {0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 1, 0, 0.6f, 0, 0, 0.8f}, Interpolation::kStep);
     const Character exact = compiled(one.asset), packed = compiled(one.asset, {.error = 1e-4});
     const PackedTrack rotation = track_at(packed, packed.tracks[0].rotation);
     EXPECT_TRUE(rotation.layout & kPackedStep);
     EXPECT_LE(packed.clips[0].row_count, 5u) << "two ends, and two switches";
     for (const float switch_s : {1.23f, 3.45f})
         for (const double offset_s : {-1e-6, 0.0, 1e-6}) {
-            const Quaternion<double> wanted = sample_reference(exact, 0, double{switch_s} + offset_s)[0].rotation, got = sample_reference(packed, 0, double{switch_s} + offset_s)[0].rotation;
+            const Quaternion<double> wanted = sample_reference(exact, 0, double{switch_s} + offset_s)[0].rotation,
+                                     got = sample_reference(packed, 0, double{switch_s} + offset_s)[0].rotation;
             EXPECT_NEAR(std::abs(dot(wanted, got)), 1, 1e-6) << switch_s << " " << offset_s;
         }
     expect_within(one.asset, 1e-4, 1000);
@@ -235,7 +251,8 @@ TEST(Pack, RowsWhereAStepTrackChangesAreKept) {
         values.insert(values.end(), {0, 0, 0, 1});
     }
     one.track(TrackTarget::kRotation, times_s, values);
-    one.track(TrackTarget::kTranslation, {0, 0.7f, 1.1f, 2.9f}, {0, 0, 0, 1, 0, 0, 1.00001f, 0, 0, 0, 0, 0}, Interpolation::kStep);
+    one.track(TrackTarget::kTranslation, {0, 0.7f, 1.1f, 2.9f}, {0, 0, 0, 1, 0, 0, 1.00001f, 0, 0, 0, 0, 0},
+              Interpolation::kStep);
     const Character packed = compiled(one.asset, {.error = 1e-3});
     EXPECT_EQ(packed.times_s, (std::vector<float>{0, 0.7f, 1.1f, 2.9f}));
 }
@@ -288,7 +305,8 @@ TEST(Pack, AnUnreachableBoundIsSaid) {
     EXPECT_NE(packed.warnings[0].find("0.0001 %"), std::string::npos) << packed.warnings[0];
 }
 
-// A full rotation, whose bits are given, beside joints whose bits are chosen: a bound just above what the finest keys cost.
+// A full rotation, whose bits are given, beside joints whose bits are chosen: a bound just above what the finest keys
+// cost.
 TEST(Pack, ABoundThatTheFinestKeysKeepIsKept) {
     OneJoint one;
     one.spin(2, 9, {1, 2, 3});
@@ -313,8 +331,8 @@ TEST(Pack, ABoundThatTheFinestKeysKeepIsKept) {
     }
 }
 
-// Where there is no room for rows along an arc, a straight line replaces it, and its error is found between the rows: a quarter turn lags
-// 0.9 degrees behind, at a vertex 1 m away.
+// Where there is no room for rows along an arc, a straight line replaces it, and its error is found between the rows: a
+// quarter turn lags 0.9 degrees behind, at a vertex 1 m away.
 TEST(Pack, ArcsWithoutRowsAreMeasured) {
     OneJoint one;
     one.spin(0.25, 90, {0, 0, 1});
@@ -384,7 +402,9 @@ TEST(Pack, WithoutASkinTheJointsAreMeasured) {
         const Playback playback{.first = {0, i / 200.0, 1, false}};
         const ReferencePose wanted = *reference_pose(exact, playback), got = *reference_pose(packed, playback);
         for (size_t joint = 0; joint < 30; ++joint)
-            for (size_t r = 0; r < 3; ++r) EXPECT_NEAR(got.model_from_joint[joint].row[r][3], wanted.model_from_joint[joint].row[r][3], 1e-4 * double{exact.size});
+            for (size_t r = 0; r < 3; ++r)
+                EXPECT_NEAR(got.model_from_joint[joint].row[r][3], wanted.model_from_joint[joint].row[r][3],
+                            1e-4 * double{exact.size});
     }
 }
 
@@ -393,27 +413,32 @@ TEST(Pack, TestRigsKeepTheBound) {
         for (const uint32_t joint_count : {1u, 65u, 300u}) {
             SCOPED_TRACE(testing::Message() << joint_count << " joints");
             expect_within(make_asset({.joint_count = joint_count, .seed = joint_count}), bound, 150);
-            if (joint_count < 300) expect_within(make_asset({.joint_count = joint_count, .seed = joint_count, .cubic = true}), bound, 150);
+            if (joint_count < 300)
+                expect_within(make_asset({.joint_count = joint_count, .seed = joint_count, .cubic = true}), bound, 150);
         }
 }
 
 TEST(Pack, ADeepChainKeepsTheBound) {
     for (const double bound : {1e-3, 1e-4, 1e-5})
-        expect_within(make_asset({.joint_count = 120, .shape = RigShape::kChain, .scale_spread = 0, .key_count = 20}), bound, 150);
+        expect_within(make_asset({.joint_count = 120, .shape = RigShape::kChain, .scale_spread = 0, .key_count = 20}),
+                      bound, 150);
 }
 
 TEST(Pack, PosesThatAreNotFiniteAreRefused) {
-    EXPECT_EQ(displacement(AffineT<double>{.row = {{{std::nan(""), 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}}}}, {{-1, -1, -1}, {1, 1, 1}, false}),
+    EXPECT_EQ(displacement(AffineT<double>{.row = {{{std::nan(""), 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}}}},
+                           {{-1, -1, -1}, {1, 1, 1}, false}),
               std::numeric_limits<double>::infinity());
     Asset asset = make_asset({.joint_count = 12, .shape = RigShape::kChain, .clip_count = 0});
     asset.clips.push_back({.name = "grow", .duration_s = 1});
     for (uint32_t node = 0; node < asset.nodes.size(); ++node)
-        asset.clips[0].tracks.push_back({.node = node, .target = TrackTarget::kScale, .times_s = {0, 1}, .values = {1, 1, 1, 3e38f, 3e38f, 3e38f}});
+        asset.clips[0].tracks.push_back(
+            {.node = node, .target = TrackTarget::kScale, .times_s = {0, 1}, .values = {1, 1, 1, 3e38f, 3e38f, 3e38f}});
     EXPECT_TRUE(compile_character(asset, kExact));
     const Result<Character> packed = compile_character(asset);
     ASSERT_FALSE(packed);
     EXPECT_EQ(packed.error().code, ErrorCode::kInvalidFile);
-    EXPECT_NE(packed.error().message.find("'grow': its poses are not finite"), std::string::npos) << packed.error().text();
+    EXPECT_NE(packed.error().message.find("'grow': its poses are not finite"), std::string::npos)
+        << packed.error().text();
 }
 
 // A few megabytes that would take hours.
@@ -464,7 +489,8 @@ TEST(Pack, RealCharactersShrinkTenfold) {
         size_bytes += of_clips_bytes;
         // All that is uploaded, but for the rest pose and the words behind the last row.
         const size_t joint_count = packed->rig.joint_count();
-        const size_t uploaded_bytes = packed->keys.size() * 16 + packed->words.size() * 4 + packed->times_s.size() * 4 + packed->tracks.size() * 16;
+        const size_t uploaded_bytes = packed->keys.size() * 16 + packed->words.size() * 4 + packed->times_s.size() * 4 +
+                                      packed->tracks.size() * 16;
         EXPECT_GE(uploaded_bytes, of_clips_bytes);
         EXPECT_LE(uploaded_bytes, of_clips_bytes + joint_count * (16 + 3 * 16) + 12);
     }

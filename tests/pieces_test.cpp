@@ -15,11 +15,13 @@ namespace {
 using namespace test;
 
 std::string place(RigShape shape, uint32_t joint_count, uint32_t pieces) {
-    return std::string(name_of(shape)) + " of " + std::to_string(joint_count) + " joints in " + std::to_string(pieces) + " pieces";
+    return std::string(name_of(shape)) + " of " + std::to_string(joint_count) + " joints in " + std::to_string(pieces) +
+           " pieces";
 }
 
 TEST(Pieces, EachJointIsInOnePieceThatHangsTogether) {
-    for (const RigShape shape : {RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary, RigShape::kRandom, RigShape::kBushy}) {
+    for (const RigShape shape :
+         {RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary, RigShape::kRandom, RigShape::kBushy}) {
         for (const uint32_t joint_count : {1u, 2u, 9u, 64u, 300u, 2000u}) {
             const ScanRig rig(make_parents(shape, joint_count));
             for (const uint32_t most : {1u, 2u, 8u, 32u, 256u}) {
@@ -33,7 +35,8 @@ TEST(Pieces, EachJointIsInOnePieceThatHangsTogether) {
                         ++seen[joint];
                         EXPECT_EQ(cut.piece_of_joint[joint], p);
                         const uint32_t parent = rig.parents[joint];
-                        EXPECT_TRUE(parent == cut.pieces[p].attachment || before.count(parent)) << place(shape, joint_count, most) << ", joint " << joint;
+                        EXPECT_TRUE(parent == cut.pieces[p].attachment || before.count(parent))
+                            << place(shape, joint_count, most) << ", joint " << joint;
                         before.insert(joint);
                     }
                     EXPECT_FALSE(before.count(cut.pieces[p].attachment));
@@ -45,12 +48,14 @@ TEST(Pieces, EachJointIsInOnePieceThatHangsTogether) {
 }
 
 TEST(Pieces, AreOfNearlyEqualSize) {
-    for (const RigShape shape : {RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary, RigShape::kRandom, RigShape::kBushy}) {
+    for (const RigShape shape :
+         {RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary, RigShape::kRandom, RigShape::kBushy}) {
         for (const uint32_t most : {8u, 32u}) {
             const PieceCut cut = cut_into_pieces(ScanRig(make_parents(shape, 1000)), most);
             size_t largest = 0;
             for (const Piece& piece : cut.pieces) largest = std::max(largest, piece.joints.size());
-            EXPECT_LE(largest, 2 * 1000 / most + 1) << place(shape, 1000, most);  // subtrees cannot always be cut evenly
+            // Subtrees cannot always be cut evenly
+            EXPECT_LE(largest, 2 * 1000 / most + 1) << place(shape, 1000, most);
         }
     }
 }
@@ -65,21 +70,28 @@ TEST(Pieces, AChainIsCutEvenlyAndAStarToo) {
 
 // A walk in the table, followed with a stack as the shader does, meets each joint's parent where the word says.
 TEST(Pieces, TheTableLeadsEachWalkToItsParents) {
-    for (const RigShape shape : {RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary, RigShape::kRandom, RigShape::kBushy}) {
+    for (const RigShape shape :
+         {RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary, RigShape::kRandom, RigShape::kBushy}) {
         constexpr uint32_t kLanes = 16;
         const ScanRig rig(make_parents(shape, 500));
         const PieceTable table = piece_table(rig, kLanes, kRowsOfAffine);
-        ASSERT_EQ(table.links.size(), io::kFirstRow + (table.path_row_count + table.round_count + table.walk_row_count) * kLanes);
+        ASSERT_EQ(table.links.size(),
+                  io::kFirstRow + (table.path_row_count + table.round_count + table.walk_row_count) * kLanes);
         std::vector<uint32_t> seen(rig.joint_count());
         for (uint32_t lane = 0; lane < kLanes; ++lane) {
             std::vector<uint32_t> slots(table.slot_count, kNone);
             uint32_t last = kNone, attachment = kNone;
             for (uint32_t row = 0; row < table.walk_row_count; ++row) {
-                const uint32_t word = table.links[io::kFirstRow + (table.path_row_count + table.round_count + row) * kLanes + lane];
+                const uint32_t word =
+                    table.links[io::kFirstRow + (table.path_row_count + table.round_count + row) * kLanes + lane];
                 if (word == io::kIdle) break;
-                const uint32_t joint = word & io::kWalkJointMask, source = word >> io::kWalkParentShift & io::kWalkFieldMask, keep = word >> io::kWalkKeepShift & io::kWalkFieldMask;
+                const uint32_t joint = word & io::kWalkJointMask,
+                               source = word >> io::kWalkParentShift & io::kWalkFieldMask,
+                               keep = word >> io::kWalkKeepShift & io::kWalkFieldMask;
                 if (row == 0) attachment = rig.parents[joint];
-                const uint32_t parent = source == io::kParentIsLast ? last : source == io::kParentIsPrefix ? attachment : slots.at(source - io::kParentInSlot);
+                const uint32_t parent = source == io::kParentIsLast     ? last
+                                        : source == io::kParentIsPrefix ? attachment
+                                                                        : slots.at(source - io::kParentInSlot);
                 EXPECT_EQ(parent, rig.parents[joint]) << name_of(shape) << ", joint " << joint;
                 if (keep > 0) slots.at(keep - 1) = joint;
                 last = joint;
@@ -90,18 +102,21 @@ TEST(Pieces, TheTableLeadsEachWalkToItsParents) {
     }
 }
 
-// What ../shared/design/gpu.md found with a prototype: 376 to 508 multiplications for 300 joints in 32 pieces, 18 to 27 on the longest lane.
+// What ../shared/design/gpu.md found with a prototype: 376 to 508 multiplications for 300 joints in 32 pieces, 18 to 27
+// on the longest lane.
 TEST(Pieces, DoLittleMoreThanOneMultiplicationAJoint) {
     for (const RigShape shape : {RigShape::kRandom, RigShape::kBushy, RigShape::kComb, RigShape::kChain}) {
         const ScanRig rig(make_parents(shape, 300));
         const PieceTable table = piece_table(rig, 32, kRowsOfAffine);
-        std::printf("  %-7s %3u levels: %llu multiplications, %u on the longest lane, %u slots\n", std::string(name_of(shape)).c_str(), rig.level_count,
+        std::printf("  %-7s %3u levels: %llu multiplications, %u on the longest lane, %u slots\n",
+                    std::string(name_of(shape)).c_str(), rig.level_count,
                     static_cast<unsigned long long>(table.multiplications), table.longest_lane, table.slot_count);
         EXPECT_GE(table.multiplications, 300u);
         EXPECT_LE(table.multiplications, 750u);
         EXPECT_LE(table.longest_lane, 40u);
     }
-    EXPECT_EQ(piece_table(ScanRig(make_parents(RigShape::kRandom, 300)), 1, kRowsOfAffine).multiplications, 300u) << "a single piece has no path and no rounds";
+    EXPECT_EQ(piece_table(ScanRig(make_parents(RigShape::kRandom, 300)), 1, kRowsOfAffine).multiplications, 300u)
+        << "a single piece has no path and no rounds";
 }
 
 }  // namespace

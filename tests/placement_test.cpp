@@ -28,7 +28,9 @@ std::vector<double> pitches_of(const std::vector<PlacementKind>& kinds) {
 double least_apart(const std::vector<Place>& places, const std::vector<double>& pitches) {
     double least = std::numeric_limits<double>::infinity();
     for (size_t i = 0; i < places.size(); ++i)
-        for (size_t j = 0; j < i; ++j) least = std::min(least, std::hypot(places[i].x - places[j].x, places[i].z - places[j].z) / ((pitches[i] + pitches[j]) / 2));
+        for (size_t j = 0; j < i; ++j)
+            least = std::min(least, std::hypot(places[i].x - places[j].x, places[i].z - places[j].z) /
+                                        ((pitches[i] + pitches[j]) / 2));
     return least;
 }
 
@@ -39,7 +41,9 @@ double extent(const std::vector<Place>& places) {
 }
 
 bool equal(const std::vector<Place>& a, const std::vector<Place>& b) {
-    return std::ranges::equal(a, b, [](const Place& p, const Place& q) { return p.x == q.x && p.z == q.z && p.heading_turns == q.heading_turns; });
+    return std::ranges::equal(a, b, [](const Place& p, const Place& q) {
+        return p.x == q.x && p.z == q.z && p.heading_turns == q.heading_turns;
+    });
 }
 
 TEST(Placement, IsApartWhateverItsCount) {
@@ -99,13 +103,17 @@ TEST(Placement, HeadingsFollowTheFormation) {
     const std::vector<Place> lane = placed(Formation::kPath, {{12, 1}});
     for (size_t i = 0; i + 1 < lane.size(); ++i) {
         const double dx = lane[i + 1].x - lane[i].x, dz = lane[i + 1].z - lane[i].z;
-        const double ahead = (dx * creature::sine(lane[i].heading_turns) + dz * creature::cosine(lane[i].heading_turns)) / std::hypot(dx, dz);
+        const double ahead = (dx * creature::sine(lane[i].heading_turns) +
+                              dz * creature::cosine(lane[i].heading_turns)) /
+                             std::hypot(dx, dz);
         EXPECT_GT(ahead, 0.8) << i;
     }
 }
 
 TEST(Placement, WhatIsInfinitelyLargeIsRefused) {
-    for (const double pitch : {1e200, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) EXPECT_THROW(placed(Formation::kGrid, {{4, pitch}}), CommandError) << pitch;
+    for (const double pitch :
+         {1e200, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()})
+        EXPECT_THROW(placed(Formation::kGrid, {{4, pitch}}), CommandError) << pitch;
 }
 
 Character of_clips(size_t count) {
@@ -119,7 +127,10 @@ Character of_clips(size_t count) {
 TEST(Scatter, CharactersKeepTheirClipsWhateverTheirNumber) {
     const std::vector<Character> characters{of_clips(5), of_clips(3)};
     const Scatter few = scatter(characters, {.counts = {6, 4}}), many = scatter(characters, {.counts = {50, 70}});
-    const auto same = [](const Playback& a, const Playback& b) { return std::tuple(a.first.clip, a.first.time_s, a.second.clip, a.second.time_s, a.weight) == std::tuple(b.first.clip, b.first.time_s, b.second.clip, b.second.time_s, b.weight); };
+    const auto same = [](const Playback& a, const Playback& b) {
+        return std::tuple(a.first.clip, a.first.time_s, a.second.clip, a.second.time_s, a.weight) ==
+               std::tuple(b.first.clip, b.first.time_s, b.second.clip, b.second.time_s, b.weight);
+    };
     for (size_t i = 0; i < 6; ++i) EXPECT_TRUE(same(few.playback[i], many.playback[i])) << i;
     for (size_t i = 0; i < 4; ++i) EXPECT_TRUE(same(few.playback[6 + i], many.playback[50 + i])) << i;
     EXPECT_FALSE(same(few.playback[0], few.playback[1]));

@@ -15,13 +15,35 @@ namespace {
 
 using namespace test;
 
-constexpr ScanLimits kSoftware{.shared_memory_bytes = 32768, .workgroup_size = 1024, .subgroup_size = 8, .shuffle = true, .is_cpu = true};
-constexpr ScanLimits kHardware{.shared_memory_bytes = 49152, .workgroup_size = 1024, .subgroup_size = 32, .shuffle = true, .is_cpu = false};
-const ScanCosts kSoftwareCosts{.launch_ms = 0.1, .row_ns = 40, .multiplication_ns = 20, .barrier_ns = 500, .workgroup_ns = 300, .latency_ns = 1e-3, .units = 2, .resident_subgroups = 1e9, .bytes_per_ns = 20, .origin = "test"};
-const ScanCosts kHardwareCosts{.launch_ms = 0.003, .row_ns = 2.4, .multiplication_ns = 5.3, .barrier_ns = 20, .workgroup_ns = 50, .latency_ns = 130, .units = 80, .resident_subgroups = 2560, .bytes_per_ns = 800, .origin = "test"};
+constexpr ScanLimits kSoftware{
+    .shared_memory_bytes = 32768, .workgroup_size = 1024, .subgroup_size = 8, .shuffle = true, .is_cpu = true};
+constexpr ScanLimits kHardware{
+    .shared_memory_bytes = 49152, .workgroup_size = 1024, .subgroup_size = 32, .shuffle = true, .is_cpu = false};
+const ScanCosts kSoftwareCosts{.launch_ms = 0.1,
+                               .row_ns = 40,
+                               .multiplication_ns = 20,
+                               .barrier_ns = 500,
+                               .workgroup_ns = 300,
+                               .latency_ns = 1e-3,
+                               .units = 2,
+                               .resident_subgroups = 1e9,
+                               .bytes_per_ns = 20,
+                               .origin = "test"};
+const ScanCosts kHardwareCosts{.launch_ms = 0.003,
+                               .row_ns = 2.4,
+                               .multiplication_ns = 5.3,
+                               .barrier_ns = 20,
+                               .workgroup_ns = 50,
+                               .latency_ns = 130,
+                               .units = 80,
+                               .resident_subgroups = 2560,
+                               .bytes_per_ns = 800,
+                               .origin = "test"};
 
 // Numbered depth first, as the compiler does.
-ScanRig random_rig(uint32_t joint_count, bool uniform_scale) { return ScanRig(bench::make_skeleton(bench::SkeletonShape::kRandom, joint_count, joint_count / 5, 1), uniform_scale); }
+ScanRig random_rig(uint32_t joint_count, bool uniform_scale) {
+    return ScanRig(bench::make_skeleton(bench::SkeletonShape::kRandom, joint_count, joint_count / 5, 1), uniform_scale);
+}
 
 template <class Body>
 Error error_of(Body&& body) {
@@ -35,7 +57,8 @@ Error error_of(Body&& body) {
 }
 
 TEST(Planner, ASoftwareDeviceWalksCharactersOneByOne) {
-    EXPECT_EQ(name_of(choose_scan("auto", random_rig(300, true), 10'000, kSoftware, kSoftwareCosts).choice), "serial_quaternion");
+    EXPECT_EQ(name_of(choose_scan("auto", random_rig(300, true), 10'000, kSoftware, kSoftwareCosts).choice),
+              "serial_quaternion");
     EXPECT_EQ(name_of(choose_scan("auto", random_rig(300, false), 10'000, kSoftware, kSoftwareCosts).choice), "serial");
 }
 
@@ -48,7 +71,8 @@ TEST(Planner, OneLargeCharacterIsSharedByManyInvocations) {
 }
 
 TEST(Planner, AGpuDoesNotWalkDeepSkeletonsJointByJoint) {
-    const ExplainedChoice chosen = choose_scan("auto", ScanRig(make_parents(RigShape::kChain, 300)), 10'000, kHardware, kHardwareCosts);
+    const ExplainedChoice chosen = choose_scan("auto", ScanRig(make_parents(RigShape::kChain, 300)), 10'000, kHardware,
+                                               kHardwareCosts);
     EXPECT_EQ(chosen.choice.method->origin, ScanOrigin::kOurs) << name_of(chosen.choice) << ": " << chosen.reason;
 }
 
@@ -59,7 +83,9 @@ TEST(Planner, SortsItsPredictionsAndLeavesOutWhatDoesNotApply) {
         EXPECT_EQ(all[i].choice.method->format, ScanFormat::kAffine);
         EXPECT_EQ(all[i].choice.method->layout, ScanLayout::kCharacterMajor);
         EXPECT_GT(all[i].milliseconds, 0);
-        if (i > 0) { EXPECT_LE(all[i - 1].milliseconds, all[i].milliseconds); }
+        if (i > 0) {
+            EXPECT_LE(all[i - 1].milliseconds, all[i].milliseconds);
+        }
     }
 }
 
@@ -67,13 +93,15 @@ TEST(Planner, TakesWhatIsAskedFor) {
     const ScanRig rig = random_rig(100, false);
     EXPECT_EQ(name_of(choose_scan("compressed", rig, 10, kSoftware, kSoftwareCosts).choice), "compressed");
     EXPECT_EQ(name_of(choose_scan("subgroup:4", rig, 10, kSoftware, kSoftwareCosts).choice), "subgroup:4");
-    EXPECT_EQ(choose_scan("subgroup", rig, 100'000, kSoftware, kSoftwareCosts).choice.lanes, 1u) << "without lanes, the fastest ones";
+    EXPECT_EQ(choose_scan("subgroup", rig, 100'000, kSoftware, kSoftwareCosts).choice.lanes, 1u)
+        << "without lanes, the fastest ones";
     EXPECT_EQ(choose_scan("subgroup", rig, 1, kSoftware, kSoftwareCosts).choice.lanes, 8u);
 }
 
 TEST(Planner, RefusesWhatDoesNotExistOrApply) {
     const auto refused = [](const std::string& wanted, ErrorCode code, const std::string& part) {
-        const Error error = error_of([&] { choose_scan(wanted, random_rig(100, false), 10, kSoftware, kSoftwareCosts); });
+        const Error error = error_of(
+            [&] { choose_scan(wanted, random_rig(100, false), 10, kSoftware, kSoftwareCosts); });
         EXPECT_EQ(error.code, code) << wanted;
         EXPECT_NE(error.text().find(part), std::string::npos) << error.text();
         EXPECT_NE(error.text().find(wanted), std::string::npos) << error.text();
@@ -97,7 +125,10 @@ TEST(ScanCosts, AreReadAsTheyAreWritten) {
     const ScanCosts read = scan_costs_from_json(to_json(kHardwareCosts), "test");
     EXPECT_EQ(to_json(read), to_json(kHardwareCosts));
     std::string text = to_json(kHardwareCosts);
-    for (const std::string& damaged : {std::string(text).replace(text.find("\"test\""), 6, "7"), text.substr(0, 40), std::string("[]"), std::string("nonsense"), std::string(text).replace(text.find("2.4"), 3, "-24"), std::string(text).replace(text.find("2.4"), 3, "\"2\"")}) {
+    for (const std::string& damaged :
+         {std::string(text).replace(text.find("\"test\""), 6, "7"), text.substr(0, 40), std::string("[]"),
+          std::string("nonsense"), std::string(text).replace(text.find("2.4"), 3, "-24"),
+          std::string(text).replace(text.find("2.4"), 3, "\"2\"")}) {
         const Error error = error_of([&] { scan_costs_from_json(damaged, "costs.json"); });
         EXPECT_EQ(error.code, ErrorCode::kInvalidFile);
         EXPECT_NE(error.text().find("costs.json"), std::string::npos);
@@ -120,21 +151,27 @@ TEST(ScanCosts, ComeFromTheCacheWhereItHasThem) {
     const ScanCosts costs = scan_costs(gpu);
     EXPECT_EQ(costs.row_ns, built_in_scan_costs(gpu).row_ns) << "a damaged file is not used";
     EXPECT_NE(costs.origin.find(file.string()), std::string::npos) << "and the reason names it: " << costs.origin;
-    if (before) setenv("XDG_CACHE_HOME", saved.c_str(), 1);
-    else unsetenv("XDG_CACHE_HOME");
+    if (before)
+        setenv("XDG_CACHE_HOME", saved.c_str(), 1);
+    else
+        unsetenv("XDG_CACHE_HOME");
 }
 
 // Times that follow the model exactly lead back to constants that predict them.
 TEST(ScanTune, FindsTheCostsBehindObservations) {
-    for (const auto& [limits, truth, start] : {std::tuple{kSoftware, kSoftwareCosts, kHardwareCosts}, std::tuple{kHardware, kHardwareCosts, kSoftwareCosts}}) {
+    for (const auto& [limits, truth, start] : {std::tuple{kSoftware, kSoftwareCosts, kHardwareCosts},
+                                               std::tuple{kHardware, kHardwareCosts, kSoftwareCosts}}) {
         ScanCosts from = start;
-        if (limits.is_cpu) from.units = truth.units, from.resident_subgroups = truth.resident_subgroups, from.latency_ns = truth.latency_ns, from.bytes_per_ns = truth.bytes_per_ns;
+        if (limits.is_cpu)
+            from.units = truth.units, from.resident_subgroups = truth.resident_subgroups,
+            from.latency_ns = truth.latency_ns, from.bytes_per_ns = truth.bytes_per_ns;
         std::vector<bench::ScanObservation> observations;
         for (const uint32_t joints : {32u, 300u})
             for (const uint32_t characters : {1u, 100u, 10'000u})
                 for (const ScanPrediction& p : predict_scans(random_rig(joints, true), characters, limits, truth))
                     observations.push_back({p.choice, random_rig(joints, true), characters, p.milliseconds});
-        EXPECT_GT(bench::typical_factor(observations, limits, from), 1.5) << "the start is far off, or this test shows nothing";
+        EXPECT_GT(bench::typical_factor(observations, limits, from), 1.5)
+            << "the start is far off, or this test shows nothing";
         const ScanCosts fitted = bench::fit_scan_costs(observations, limits, from);
         EXPECT_LT(bench::typical_factor(observations, limits, fitted), 1.1) << to_json(fitted);
     }

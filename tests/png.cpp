@@ -13,7 +13,8 @@ namespace throng::test {
 
 Png read_png(const std::filesystem::path& path) {
     Png png;
-    const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(stbi_load(path.c_str(), &png.width, &png.height, &png.channels, 4), stbi_image_free);
+    const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(
+        stbi_load(path.c_str(), &png.width, &png.height, &png.channels, 4), stbi_image_free);
     if (!pixels) {
         ADD_FAILURE() << path << ": " << stbi_failure_reason();
         return {.width = 1, .height = 1, .channels = 0, .rgba = {0, 0, 0, 0}};

@@ -12,7 +12,9 @@ struct Png {
     int channels = 0;  // of the file
     std::vector<uint8_t> rgba;
 
-    const uint8_t* at(int x, int y) const { return &rgba[(static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)) * 4]; }
+    const uint8_t* at(int x, int y) const {
+        return &rgba[(static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)) * 4];
+    }
 };
 
 // Fails the test, and is one black pixel, where there is no picture.

@@ -19,8 +19,10 @@ std::vector<Trs<float>> bent(Random& random, const Character& character) {
     for (Trs<float>& joint : pose) {
         Trs<double> moved = joint.as<double>();
         moved.rotation = moved.rotation * axis_angle(random.direction(), random.between(0, 0.8));
-        const double length = random.between(0.5, 2) * (random.chance(0.5) ? -1 : 1);  // neither length one nor a hemisphere is asked for
-        moved.rotation = {moved.rotation.x * length, moved.rotation.y * length, moved.rotation.z * length, moved.rotation.w * length};
+        // Neither length one nor a hemisphere is asked for
+        const double length = random.between(0.5, 2) * (random.chance(0.5) ? -1 : 1);
+        moved.rotation = {moved.rotation.x * length, moved.rotation.y * length, moved.rotation.z * length,
+                          moved.rotation.w * length};
         moved.translation = moved.translation + random.vector(0.05);
         moved.scale = moved.scale * random.between(0.9, 1.1);
         joint = moved.as<float>();
@@ -32,12 +34,15 @@ std::vector<Trs<float>> bent(Random& random, const Character& character) {
 struct Twins {
     Crowd posed, plain;
 
-    explicit Twins(CrowdSettings settings, uint32_t capacity) : posed(create(with(settings, capacity))), plain(create(settings)) {}
+    explicit Twins(CrowdSettings settings, uint32_t capacity)
+        : posed(create(with(settings, capacity))), plain(create(settings)) {}
     static CrowdSettings with(CrowdSettings settings, uint32_t capacity) {
         for (CrowdGroup& group : settings.groups) group.pose_capacity = capacity;
         return settings;
     }
-    bool are_the_same(uint32_t instance) { return same_bits(*posed.read_skin_matrices(instance), *plain.read_skin_matrices(instance)); }
+    bool are_the_same(uint32_t instance) {
+        return same_bits(*posed.read_skin_matrices(instance), *plain.read_skin_matrices(instance));
+    }
 };
 
 // Set, replaced and cleared at random, with and without fades, among others that are never posed.
@@ -45,7 +50,10 @@ void follow(UpdatePath path, const char* name, double error) {
     constexpr uint32_t kInstances = 30, kPosed = 12, kUpdates = 60;
     const Character character = creature(60, 15, error);
     const Controller controller = example(name);
-    Twins crowds({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}}, .path = path, .keep_model_matrices = true}, kPosed);
+    Twins crowds({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}},
+                  .path = path,
+                  .keep_model_matrices = true},
+                 kPosed);
     std::vector<ReferenceCharacter> wanted = references(character, controller, kInstances);
     Random random(23);
     double worst = 0;
@@ -71,11 +79,13 @@ void follow(UpdatePath path, const char* name, double error) {
         for (Crowd* crowd : {&crowds.posed, &crowds.plain}) ASSERT_TRUE(crowd->update(step_s));
         for (ReferenceCharacter& one : wanted) ASSERT_TRUE(one.update(step_s));
         if (update % 5 != 4) continue;
-        for (uint32_t i = 0; i < kInstances; ++i) worst = std::max(worst, model_error(crowds.posed, i, wanted[i].pose(), character.size));
+        for (uint32_t i = 0; i < kInstances; ++i)
+            worst = std::max(worst, model_error(crowds.posed, i, wanted[i].pose(), character.size));
         for (uint32_t i = kPosed; i < kInstances; ++i) EXPECT_TRUE(crowds.are_the_same(i)) << "instance " << i;
     }
     EXPECT_LE(worst, 1e-4);
-    std::printf("  %s, %s: largest error %.1e of the size\n", name, path == UpdatePath::kFused ? "fused" : "staged", worst);
+    std::printf("  %s, %s: largest error %.1e of the size\n", name, path == UpdatePath::kFused ? "fused" : "staged",
+                worst);
 }
 
 TEST(Posed, ControllersFollowTheReferenceFused) {
@@ -90,12 +100,18 @@ TEST(Posed, ControllersFollowTheReferenceStaged) {
 
 constexpr uint32_t kAnyNumber = ~0u;
 
-// Characters of two clips, in several groups and batches; more poses than one piece of an upload holds. `scan` also where it takes similarities.
+// Characters of two clips, in several groups and batches; more poses than one piece of an upload holds. `scan` also
+// where it takes similarities.
 void expect_blended(UpdatePath path, const std::string& scan, SkinFormat format, uint32_t most_workgroups) {
     constexpr uint32_t kInstances = 70;
     const Character character = creature(100), other = creature(30, 15, 0);
     const Device device = device_of_workgroups(most_workgroups);
-    CrowdSettings settings{.groups = {{.character = &other, .instance_count = 3, .pose_capacity = 1}, {.character = &character, .instance_count = kInstances}}, .path = path, .skin_format = format, .scan = scan, .keep_model_matrices = true};
+    CrowdSettings settings{.groups = {{.character = &other, .instance_count = 3, .pose_capacity = 1},
+                                      {.character = &character, .instance_count = kInstances}},
+                           .path = path,
+                           .skin_format = format,
+                           .scan = scan,
+                           .keep_model_matrices = true};
     Result<Crowd> plain = Crowd::create(device, settings);
     ASSERT_TRUE(plain) << plain.error().text();
     settings.groups[1].pose_capacity = kInstances;
@@ -121,22 +137,32 @@ void expect_blended(UpdatePath path, const std::string& scan, SkinFormat format,
     double worst = 0;
     for (uint32_t i = 0; i < kInstances; ++i) {
         if (poses[i].empty()) {
-            EXPECT_TRUE(same_bits(*crowd->read_skin_matrices(3 + i), *plain->read_skin_matrices(3 + i))) << "instance " << i;
+            EXPECT_TRUE(same_bits(*crowd->read_skin_matrices(3 + i), *plain->read_skin_matrices(3 + i)))
+                << "instance " << i;
             continue;
         }
         const Playback playback = advanced(playbacks[3 + i], character, kStep_s);
-        const auto sampled = [&](const ClipPlayback& slot) { return slot.clip == kNone ? sample_reference(character, static_cast<uint32_t>(character.clips.size()), 0) : sample_reference(character, slot.clip, slot.time_s); };
-        const std::vector<Trs<double>> first = sampled(playback.first), second = sampled(playback.second), pose = checked_pose(poses[i], character.rig.joint_count(), character.rig.uniform_scale, "pose");
+        const auto sampled = [&](const ClipPlayback& slot) {
+            return slot.clip == kNone ? sample_reference(character, static_cast<uint32_t>(character.clips.size()), 0)
+                                      : sample_reference(character, slot.clip, slot.time_s);
+        };
+        const std::vector<Trs<double>> first = sampled(playback.first), second = sampled(playback.second),
+                                       pose = checked_pose(poses[i], character.rig.joint_count(),
+                                                           character.rig.uniform_scale, "pose");
         std::vector<Trs<double>> local;
         for (size_t joint = 0; joint < pose.size(); ++joint)
-            local.push_back(blend_reference(pose[joint], blend_reference(first[joint], second[joint], playback.weight), i % 2 == 0 ? fade.weight() : 1));
+            local.push_back(blend_reference(pose[joint], blend_reference(first[joint], second[joint], playback.weight),
+                                            i % 2 == 0 ? fade.weight() : 1));
         worst = std::max(worst, model_error(*crowd, 3 + i, pose_from_local(character, local), character.size));
     }
     EXPECT_LE(worst, 2 * kPoseBound);
     for (uint32_t i = 0; i < kInstances; ++i) ASSERT_TRUE(crowd->clear_pose(3 + i));
     for (Crowd* one : {&*plain, &*crowd}) ASSERT_TRUE(one->update(kStep_s));
-    for (uint32_t i = 0; i < 3 + kInstances; ++i) EXPECT_TRUE(same_bits(*crowd->read_skin_matrices(i), *plain->read_skin_matrices(i))) << "cleared, instance " << i;
-    std::printf("  %-20s %s, %zu batches: largest error %.1e of the size\n", crowd->path(1)->scan.method.c_str(), crowd->path(1)->is_fused ? "fused" : "staged", crowd->outputs().size(), worst);
+    for (uint32_t i = 0; i < 3 + kInstances; ++i)
+        EXPECT_TRUE(same_bits(*crowd->read_skin_matrices(i), *plain->read_skin_matrices(i)))
+            << "cleared, instance " << i;
+    std::printf("  %-20s %s, %zu batches: largest error %.1e of the size\n", crowd->path(1)->scan.method.c_str(),
+                crowd->path(1)->is_fused ? "fused" : "staged", crowd->outputs().size(), worst);
 }
 
 TEST(Posed, TwoClipsFollowTheReference) {
@@ -155,7 +181,10 @@ TEST(Posed, FullWeightIsThePoseAndNoneIsTheAnimation) {
     Random random(3);
     const std::vector<Trs<float>> pose = bent(random, character);
     for (const UpdatePath path : {UpdatePath::kFused, UpdatePath::kStaged}) {
-        Twins crowds({.groups = {{.character = &character, .instance_count = 4}, {.character = &character, .instance_count = 4, .controller = &controller}}, .path = path}, 4);
+        Twins crowds({.groups = {{.character = &character, .instance_count = 4},
+                                 {.character = &character, .instance_count = 4, .controller = &controller}},
+                      .path = path},
+                     4);
         const std::vector<Playback> playbacks = random_playbacks(random, character, 4);
         for (Crowd* crowd : {&crowds.posed, &crowds.plain}) {
             ASSERT_TRUE(crowd->set_playback(0, playbacks));
@@ -166,11 +195,13 @@ TEST(Posed, FullWeightIsThePoseAndNoneIsTheAnimation) {
         };
         for (const uint32_t i : {0u, 2u, 3u, 4u, 6u}) ASSERT_TRUE(crowds.posed.set_pose(i, pose, 0.25f));
         update(0);
-        for (uint32_t i = 0; i < 8; ++i) EXPECT_TRUE(crowds.are_the_same(i)) << "a fade that has not begun, instance " << i;
+        for (uint32_t i = 0; i < 8; ++i)
+            EXPECT_TRUE(crowds.are_the_same(i)) << "a fade that has not begun, instance " << i;
         update(0.1f);
         for (const uint32_t i : {0u, 4u, 6u}) EXPECT_FALSE(crowds.are_the_same(i)) << i;
         update(0.2f);
-        for (const uint32_t i : {2u, 3u, 4u, 6u}) EXPECT_TRUE(same_bits(*crowds.posed.read_skin_matrices(i), *crowds.posed.read_skin_matrices(0))) << i;
+        for (const uint32_t i : {2u, 3u, 4u, 6u})
+            EXPECT_TRUE(same_bits(*crowds.posed.read_skin_matrices(i), *crowds.posed.read_skin_matrices(0))) << i;
         for (const uint32_t i : {1u, 5u, 7u}) EXPECT_TRUE(crowds.are_the_same(i)) << i;
         for (const uint32_t i : {0u, 2u, 3u, 4u, 6u}) ASSERT_TRUE(crowds.posed.clear_pose(i, 0.1f));
         update(0.05f);
@@ -212,13 +243,16 @@ TEST(Posed, FadesAreEasedAndTurnBackWhereTheyAre) {
 
 TEST(Posed, RoomForPosesIsFreeWhenTheyHaveFadedOut) {
     const Character character = creature(20);
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 5}, {.character = &character, .instance_count = 5, .pose_capacity = 2}}});
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 5},
+                                     {.character = &character, .instance_count = 5, .pose_capacity = 2}}});
     const std::vector<Trs<float>>& pose = character.rig.rest;
     const auto expect_full = [&](uint32_t instance, const char* capacity) {
         const Result<void> refused = crowd.set_pose(instance, pose);
         ASSERT_FALSE(refused);
         EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
-        EXPECT_NE(refused.error().text().find(std::string("all ") + capacity + " poses of CrowdGroup::pose_capacity"), std::string::npos) << refused.error().text();
+        EXPECT_NE(refused.error().text().find(std::string("all ") + capacity + " poses of CrowdGroup::pose_capacity"),
+                  std::string::npos)
+            << refused.error().text();
     };
     expect_full(0, "0");
     ASSERT_TRUE(crowd.clear_pose(0, 1)) << "there is none";
@@ -243,7 +277,8 @@ TEST(Posed, WrongPosesAreRefusedAndChangeNothing) {
     ASSERT_TRUE(character.rig.uniform_scale);
     ASSERT_FALSE(stretched.rig.uniform_scale);
     const Controller controller = direct_layers(1);
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1, .pose_capacity = 9}, {.character = &stretched, .instance_count = 1, .pose_capacity = 1}}});
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1, .pose_capacity = 9},
+                                     {.character = &stretched, .instance_count = 1, .pose_capacity = 1}}});
     ReferenceCharacter reference = std::move(*ReferenceCharacter::create(character, controller));
     const auto expect_refused = [&](std::vector<Trs<float>> pose, float fade_s, const char* why) {
         for (const Result<void>& result : {crowd.set_pose(0, pose, fade_s), reference.set_pose(pose, fade_s)}) {
@@ -260,7 +295,8 @@ TEST(Posed, WrongPosesAreRefusedAndChangeNothing) {
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     expect_refused({}, 0, "0 transforms for a character that has 20 joints");
     expect_refused(changed([](Trs<float>& t) { t.rotation = {0, 0, 0, 0}; }), 0, "joint 7: its rotation has length 0");
-    expect_refused(changed([](Trs<float>& t) { t.translation.y = std::nanf(""); }), 0, "joint 7: a number is not finite");
+    expect_refused(changed([](Trs<float>& t) { t.translation.y = std::nanf(""); }), 0,
+                   "joint 7: a number is not finite");
     expect_refused(changed([](Trs<float>& t) { t.rotation.w = kInfinity; }), 0, "not finite");
     expect_refused(changed([](Trs<float>& t) { t.scale.z = -kInfinity; }), 0, "not finite");
     expect_refused(changed([](Trs<float>& t) { t.scale.z = 1.001f; }), 0, "joint 7: its scale differs along the axes");

@@ -17,7 +17,8 @@ using Locals = std::vector<Trs<double>>;
 
 // A straight chain up along +y, a unit a bone, beside a first joint that all hang on.
 Character chain(uint32_t joint_count) {
-    Asset asset = make_asset({.joint_count = joint_count, .shape = RigShape::kChain, .scale_spread = 0, .clip_count = 0});
+    Asset asset = make_asset(
+        {.joint_count = joint_count, .shape = RigShape::kChain, .scale_spread = 0, .clip_count = 0});
     Character character = *compile_character(asset);
     for (uint32_t joint = 0; joint < joint_count; ++joint) {
         character.rig.names[joint] = "joint " + std::to_string(joint);
@@ -46,14 +47,17 @@ WindClock::Moment wind(const Wind& wind, double at_s = 0) {
 
 TEST(ProceduralPlan, ASubtreeBecomesItsLongestChainsInRanks) {
     Character character = make_character({.joint_count = 31, .shape = RigShape::kBinary});
-    const ProceduralRules rules{.targets = {}, .rules = {WindRule{.joint = character.rig.names[0]}, SpringRule{.joint = character.rig.names[1]}}};
+    const ProceduralRules rules{
+        .targets = {},
+        .rules = {WindRule{.joint = character.rig.names[0]}, SpringRule{.joint = character.rig.names[1]}}};
     const ProceduralPlan plan = plan_procedural(rules, character);
     for (uint32_t rule = 0; rule < 2; ++rule) {
         std::vector<uint32_t> seen;
         for (const PlannedChain& chain : plan.chains) {
             if (chain.rule != rule) continue;
             seen.insert(seen.end(), chain.joints.begin(), chain.joints.end());
-            for (size_t k = 1; k < chain.joints.size(); ++k) EXPECT_EQ(character.rig.parents[chain.joints[k]], chain.joints[k - 1]);
+            for (size_t k = 1; k < chain.joints.size(); ++k)
+                EXPECT_EQ(character.rig.parents[chain.joints[k]], chain.joints[k - 1]);
         }
         std::ranges::sort(seen);
         EXPECT_EQ(std::ranges::adjacent_find(seen), seen.end()) << "a joint is in two chains";
@@ -77,22 +81,31 @@ TEST(ProceduralPlan, ASubtreeBecomesItsLongestChainsInRanks) {
 // A spring that keeps out of what another rule moves comes after it, and before what moves that once more.
 TEST(ProceduralPlan, CollidersAreReadWhenTheyStandStill) {
     const Character character = make_character({.joint_count = 31, .shape = RigShape::kBinary});
-    const auto child_from = [&](size_t first) { return static_cast<size_t>(std::find(character.rig.parents.begin() + static_cast<std::ptrdiff_t>(first), character.rig.parents.end(), 0u) - character.rig.parents.begin()); };
+    const auto child_from = [&](size_t first) {
+        return static_cast<size_t>(std::find(character.rig.parents.begin() + static_cast<std::ptrdiff_t>(first),
+                                             character.rig.parents.end(), 0u) -
+                                   character.rig.parents.begin());
+    };
     const size_t collider = child_from(0), springy = child_from(collider + 1);  // both hang on the first joint
     const std::vector<std::string>& names = character.rig.names;
     const WindRule moves{.joint = names[collider]};
-    const ProceduralRules rules{.targets = {}, .rules = {moves, SpringRule{.joint = names[springy], .colliders = {{.joint = names[collider]}}}, moves}};
+    const ProceduralRules rules{
+        .targets = {},
+        .rules = {moves, SpringRule{.joint = names[springy], .colliders = {{.joint = names[collider]}}}, moves}};
     const ProceduralPlan plan = plan_procedural(rules, character);
     const auto ranks_of = [&](uint32_t rule, bool moves_collider) {
         std::vector<uint32_t> ranks;
         for (const PlannedChain& chain : plan.chains)
-            if (chain.rule == rule && (!moves_collider || std::ranges::find(chain.joints, collider) != chain.joints.end())) ranks.push_back(chain.rank);
+            if (chain.rule == rule &&
+                (!moves_collider || std::ranges::find(chain.joints, collider) != chain.joints.end()))
+                ranks.push_back(chain.rank);
         return ranks;
     };
     const std::vector<uint32_t> before = ranks_of(0, true), springs = ranks_of(1, false), after = ranks_of(2, true);
     ASSERT_EQ(before.size(), 1u);
     ASSERT_EQ(after.size(), 1u);
-    for (const uint32_t rank : springs) EXPECT_TRUE(before[0] < rank && rank < after[0]) << before[0] << ", " << rank << ", " << after[0];
+    for (const uint32_t rank : springs)
+        EXPECT_TRUE(before[0] < rank && rank < after[0]) << before[0] << ", " << rank << ", " << after[0];
 }
 
 TEST(ProceduralPlan, WrongRulesAreRefusedWithTheirNumber) {
@@ -108,7 +121,8 @@ TEST(ProceduralPlan, WrongRulesAreRefusedWithTheirNumber) {
         {SpringRule{.joint = "joint 0", .radius = -1}, "radius"},
         {SpringRule{.joint = "joint 0", .colliders = {{.joint = "head"}}}, "there is no joint 'head'"},
         {SpringRule{.joint = "joint 0", .colliders = {{.joint = "joint 0", .radius = -1}}}, "collider"},
-        {SpringRule{.joint = "joint 0", .colliders = std::vector<Collider>(17, {.joint = "joint 0"})}, "17 colliders; at most 16"},
+        {SpringRule{.joint = "joint 0", .colliders = std::vector<Collider>(17, {.joint = "joint 0"})},
+         "17 colliders; at most 16"},
         {LookAtRule{.joint = "joint 0", .target = "sun"}, "there is no target 'sun'"},
         {LookAtRule{.joint = "joint 0", .target = "prey", .forward = {0, 0, 0}}, "forward"},
         {LookAtRule{.joint = "joint 0", .target = "prey", .limit_rad = 4}, "limit_rad"},
@@ -120,7 +134,8 @@ TEST(ProceduralPlan, WrongRulesAreRefusedWithTheirNumber) {
     };
     for (const auto& [rule, what] : wrong) {
         const ProceduralRules rules{.targets = {"prey"}, .rules = {WindRule{.joint = "joint 0"}, rule}};
-        const Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{.character = &character, .instance_count = 1, .procedural = &rules}}});
+        const Result<Crowd> crowd = Crowd::create(
+            test_device(), {.groups = {{.character = &character, .instance_count = 1, .procedural = &rules}}});
         ASSERT_FALSE(crowd) << what;
         EXPECT_NE(crowd.error().text().find("procedural rule 1"), std::string::npos) << crowd.error().text();
         EXPECT_NE(crowd.error().text().find(what), std::string::npos) << crowd.error().text();
@@ -139,10 +154,14 @@ TEST(ProceduralReference, WithoutWindNothingBends) {
 TEST(ProceduralReference, WindBendsAChainItsWayAndNotPastIt) {
     const Character character = chain(9);
     for (const float strength : {1.0f, 10.0f, 1e6f}) {
-        const ProceduralRules rules{.targets = {}, .rules = {WindRule{.joint = "joint 0", .bend_rad = 0.02f, .sway_rad = 0}}};
+        const ProceduralRules rules{.targets = {},
+                                    .rules = {WindRule{.joint = "joint 0", .bend_rad = 0.02f, .sway_rad = 0}}};
         ProceduralReference reference(rules, character);
         Locals local = rest_of(character);
-        reference.update(local, {.world_from_model = {}, .wind = wind({.velocity = {strength, 0, 0}, .gust = 0}), .instance = 0, .time_step_s = 1});
+        reference.update(local, {.world_from_model = {},
+                                 .wind = wind({.velocity = {strength, 0, 0}, .gust = 0}),
+                                 .instance = 0,
+                                 .time_step_s = 1});
         const Vec3<double> tip = place_of(character, local, 8);
         EXPECT_GT(tip.x, 0.05) << strength;
         EXPECT_GT(tip.y, -1e-9) << strength;
@@ -166,7 +185,8 @@ TEST(ProceduralReference, SwayGoesOnAfterDays) {
 
 TEST(ProceduralReference, SpringsComeToRestWhereThePoseHasThem) {
     const Character character = chain(6);
-    const ProceduralRules rules{.targets = {}, .rules = {SpringRule{.joint = "joint 0", .frequency_hz = 3, .damping = 0.5f}}};
+    const ProceduralRules rules{.targets = {},
+                                .rules = {SpringRule{.joint = "joint 0", .frequency_hz = 3, .damping = 0.5f}}};
     ProceduralReference reference(rules, character);
     AffineT<double> placement;
     Locals local;
@@ -185,8 +205,15 @@ TEST(ProceduralReference, SpringsAreStableAtAnyTimeStep) {
     const Character character = chain(12);
     for (const float frequency_hz : {0.0f, 1.0f, 30.0f, 1000.0f})
         for (const float damping : {0.0f, 0.3f, 5.0f}) {
-            const ProceduralRules rules{.targets = {}, .rules = {SpringRule{.joint = "joint 2", .frequency_hz = frequency_hz, .damping = damping, .gravity = {0, -10, 0}, .drag = 1,
-                                                                            .colliders = {{.joint = "joint 1", .a = {0.3f, 0, 0}, .b = {0.3f, 5, 0}, .radius = 0.25f}}}}};
+            const ProceduralRules rules{
+                .targets = {},
+                .rules = {SpringRule{
+                    .joint = "joint 2",
+                    .frequency_hz = frequency_hz,
+                    .damping = damping,
+                    .gravity = {0, -10, 0},
+                    .drag = 1,
+                    .colliders = {{.joint = "joint 1", .a = {0.3f, 0, 0}, .b = {0.3f, 5, 0}, .radius = 0.25f}}}}};
             ProceduralReference reference(rules, character);
             Random random(7);
             AffineT<double> placement;
@@ -194,11 +221,16 @@ TEST(ProceduralReference, SpringsAreStableAtAnyTimeStep) {
                 Locals local = rest_of(character);
                 placement.row[0][3] = random.between(-3, 3);
                 const double step_s = std::pow(10, random.between(-6, 2));
-                reference.update(local, {.world_from_model = placement, .wind = wind({.velocity = {5, 0, 5}}, i), .instance = 0, .time_step_s = random.chance(0.1) ? 0 : step_s});
+                reference.update(local, {.world_from_model = placement,
+                                         .wind = wind({.velocity = {5, 0, 5}}, i),
+                                         .instance = 0,
+                                         .time_step_s = random.chance(0.1) ? 0 : step_s});
                 const ReferencePose pose = pose_from_local(character, local);
                 for (const AffineT<double>& m : pose.model_from_joint)
                     for (const auto& row : m.row)
-                        for (const double number : row) ASSERT_TRUE(std::isfinite(number) && std::abs(number) < 13) << frequency_hz << " Hz, damping " << damping << ", update " << i;
+                        for (const double number : row)
+                            ASSERT_TRUE(std::isfinite(number) && std::abs(number) < 13)
+                                << frequency_hz << " Hz, damping " << damping << ", update " << i;
             }
         }
 }
@@ -206,14 +238,21 @@ TEST(ProceduralReference, SpringsAreStableAtAnyTimeStep) {
 TEST(ProceduralReference, SpringsStayOutOfColliders) {
     const Character character = chain(8);
     const Collider capsule{.joint = "joint 0", .a = {0.2f, -9, -3}, .b = {0.2f, -9, 3}, .radius = 8.5f};
-    const ProceduralRules rules{.targets = {}, .rules = {SpringRule{.joint = "joint 0", .frequency_hz = 0.5f, .damping = 1, .gravity = {2, -30, 0}, .radius = 0.05f, .colliders = {capsule}}}};
+    const ProceduralRules rules{.targets = {},
+                                .rules = {SpringRule{.joint = "joint 0",
+                                                     .frequency_hz = 0.5f,
+                                                     .damping = 1,
+                                                     .gravity = {2, -30, 0},
+                                                     .radius = 0.05f,
+                                                     .colliders = {capsule}}}};
     ProceduralReference reference(rules, character);
     Locals local;
     for (int i = 0; i < 2000; ++i) {
         local = rest_of(character);
         reference.update(local, {.world_from_model = {}, .wind = {}, .instance = 0, .time_step_s = 1.0 / 60});
     }
-    // They lie on it: gravity would have them hang straight down. A bone's length is kept after it was pushed out, which may cost a part of the way.
+    // They lie on it: gravity would have them hang straight down. A bone's length is kept after it was pushed out,
+    // which may cost a part of the way.
     for (uint32_t joint = 1; joint < 8; ++joint) {
         const Vec3<double> at = place_of(character, local, joint);
         EXPECT_GT(std::hypot(at.x - 0.2, at.y + 9), 8.55 * 0.98) << "joint " << joint;
@@ -226,17 +265,25 @@ TEST(ProceduralReference, LookAtPointsAtItsTargetWithinItsLimit) {
     Random random(3);
     for (int i = 0; i < 500; ++i) {
         const float limit_rad = static_cast<float>(random.between(0, 3.1));
-        const ProceduralRules rules{.targets = {"prey"}, .rules = {LookAtRule{.joint = "joint 4", .target = "prey", .forward = {0, 0, 2}, .limit_rad = limit_rad}}};
+        const ProceduralRules rules{
+            .targets = {"prey"},
+            .rules = {LookAtRule{.joint = "joint 4", .target = "prey", .forward = {0, 0, 2}, .limit_rad = limit_rad}}};
         ProceduralReference reference(rules, character);
         const Trs<double> placement = random.trs(5, 0);
         reference.targets[0] = {random.vector(20), 1};
         Locals local = rest_of(character);
         for (Trs<double>& joint : local) joint.rotation = random.rotation();
-        const auto forward = [&] { return normalized(transform_vector(to_affine(placement) * pose_from_local(character, local).model_from_joint[4], Vec3<double>{0, 0, 1})); };
+        const auto forward = [&] {
+            return normalized(transform_vector(
+                to_affine(placement) * pose_from_local(character, local).model_from_joint[4], Vec3<double>{0, 0, 1}));
+        };
         const Vec3<double> before = forward();
-        reference.update(local, {.world_from_model = to_affine(placement), .wind = {}, .instance = 0, .time_step_s = 0});
-        const Vec3<double> to_target = normalized(reference.targets[0].place - transform_point(to_affine(placement), place_of(character, local, 4)));
-        const double asked_rad = std::acos(std::clamp(dot(before, to_target), -1.0, 1.0)), left_rad = std::acos(std::clamp(dot(forward(), to_target), -1.0, 1.0));
+        reference.update(local,
+                         {.world_from_model = to_affine(placement), .wind = {}, .instance = 0, .time_step_s = 0});
+        const Vec3<double> to_target = normalized(reference.targets[0].place -
+                                                  transform_point(to_affine(placement), place_of(character, local, 4)));
+        const double asked_rad = std::acos(std::clamp(dot(before, to_target), -1.0, 1.0)),
+                     left_rad = std::acos(std::clamp(dot(forward(), to_target), -1.0, 1.0));
         EXPECT_NEAR(left_rad, std::max(asked_rad - limit_rad, 0.0), 1e-6);
     }
 }
@@ -256,9 +303,11 @@ TEST(ProceduralReference, ReachPutsTheJointAtItsTargetOrAsNearAsItGets) {
         const double upper = length(local[4].translation), lower = length(local[5].translation);
         reference.targets[0] = {shoulder + random.direction() * random.between(0.1, 5), 1};
         reference.update(local, {.world_from_model = {}, .wind = {}, .instance = 0, .time_step_s = 0});
-        const double wanted = length(reference.targets[0].place - shoulder), reached = std::clamp(wanted, std::abs(upper - lower), upper + lower);
+        const double wanted = length(reference.targets[0].place - shoulder),
+                     reached = std::clamp(wanted, std::abs(upper - lower), upper + lower);
         const Vec3<double> at = place_of(character, local, 5);
-        EXPECT_NEAR(length(at - (shoulder + normalized(reference.targets[0].place - shoulder) * reached)), 0, 1e-6) << i;
+        EXPECT_NEAR(length(at - (shoulder + normalized(reference.targets[0].place - shoulder) * reached)), 0, 1e-6)
+            << i;
         EXPECT_NEAR(length(place_of(character, local, 4) - shoulder), upper, 1e-9);
     }
 }
@@ -266,7 +315,9 @@ TEST(ProceduralReference, ReachPutsTheJointAtItsTargetOrAsNearAsItGets) {
 TEST(ProceduralReference, WeightsGoPartOfTheWay) {
     const Character character = chain(6);
     const auto end_with = [&](double target_weight, float rule_weight) {
-        const ProceduralRules rules{.targets = {"a"}, .rules = {ReachRule{.joint = "joint 5", .target = "a", .weight = rule_weight}, LookAtRule{.joint = "joint 1", .target = "a", .weight = rule_weight}}};
+        const ProceduralRules rules{.targets = {"a"},
+                                    .rules = {ReachRule{.joint = "joint 5", .target = "a", .weight = rule_weight},
+                                              LookAtRule{.joint = "joint 1", .target = "a", .weight = rule_weight}}};
         ProceduralReference reference(rules, character);
         Locals local = rest_of(character);
         reference.targets[0] = {{1, 4, 0}, target_weight};
@@ -286,24 +337,30 @@ struct Limb {
 };
 Limb deepest_limb(const Rig& rig) {
     std::vector<uint32_t> depths(rig.joint_count());
-    for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) depths[joint] = rig.parents[joint] == kNone ? 0 : depths[rig.parents[joint]] + 1;
+    for (uint32_t joint = 0; joint < rig.joint_count(); ++joint)
+        depths[joint] = rig.parents[joint] == kNone ? 0 : depths[rig.parents[joint]] + 1;
     const auto end = static_cast<uint32_t>(std::ranges::max_element(depths) - depths.begin());
     uint32_t root = end;
     while (rig.parents[root] != kNone) root = rig.parents[root];
     return {root, rig.parents[end], end};
 }
 
-// Errors of all joints of a crowd's instances that are moved about for a while, sorted. Gently: where a spring's end is driven past its joint, the way back is anyone's choice, and float and
-// double choose differently.
-std::vector<double> errors(const Character& character, const std::vector<ProceduralRule>& moved_by, const std::string& scan) {
+// Errors of all joints of a crowd's instances that are moved about for a while, sorted. Gently: where a spring's end is
+// driven past its joint, the way back is anyone's choice, and float and double choose differently.
+std::vector<double> errors(const Character& character, const std::vector<ProceduralRule>& moved_by,
+                           const std::string& scan) {
     const ProceduralRules rules{.targets = {"prey", "ledge"}, .rules = moved_by};
     constexpr uint32_t kInstances = 70;
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 3}, {.character = &character, .instance_count = kInstances, .procedural = &rules}}, .scan = scan, .keep_model_matrices = true});
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 3},
+                                     {.character = &character, .instance_count = kInstances, .procedural = &rules}},
+                          .scan = scan,
+                          .keep_model_matrices = true});
     EXPECT_FALSE(crowd.path(1)->is_fused);
     EXPECT_NE(crowd.path(1)->reason.find("procedural"), std::string::npos) << crowd.path(1)->reason;
     Random random(12);
     std::vector<Playback> playbacks = random_playbacks(random, character, kInstances);
-    for (Playback& playback : playbacks) playback.first.speed = playback.second.speed = static_cast<float>(random.between(-0.2, 0.2));
+    for (Playback& playback : playbacks)
+        playback.first.speed = playback.second.speed = static_cast<float>(random.between(-0.2, 0.2));
     EXPECT_TRUE(crowd.set_playback(3, playbacks));
     std::vector<ProceduralReference> wanted;
     for (uint32_t i = 0; i < kInstances; ++i) wanted.emplace_back(rules, character);
@@ -315,13 +372,17 @@ std::vector<double> errors(const Character& character, const std::vector<Procedu
     for (int update = 0; update < 30; ++update) {
         const auto step_s = static_cast<float>(random.chance(0.1) ? 0 : random.between(0.008, 0.05));
         if (update % 12 == 3) {
-            const Wind blows{.velocity = random.vector(5).as<float>(), .gust = 0.5f, .wavelength = static_cast<float>(size)};
+            const Wind blows{
+                .velocity = random.vector(5).as<float>(), .gust = 0.5f, .wavelength = static_cast<float>(size)};
             EXPECT_TRUE(crowd.set_wind(blows));
             clock.set(blows);
         }
         std::vector<Affine> placements;
         for (uint32_t i = 0; i < kInstances; ++i) {
-            placements.push_back(to_affine(Trs<double>{.rotation = axis_angle(Vec3<double>{0, 1, 0}, 0.01 * update + i), .translation = {0.004 * size * update, 0, double(i)}, .scale = {i % 2 == 0 ? 2.0 : -2.0, 2, 2}}).as<float>());
+            placements.push_back(to_affine(Trs<double>{.rotation = axis_angle(Vec3<double>{0, 1, 0}, 0.01 * update + i),
+                                                       .translation = {0.004 * size * update, 0, double(i)},
+                                                       .scale = {i % 2 == 0 ? 2.0 : -2.0, 2, 2}})
+                                     .as<float>());
             const uint32_t target = random.below(2);
             if (update > 0 && random.chance(0.5)) continue;
             const Vec3<float> place = (aims[2 * i + target] + random.vector(0.01 * size)).as<float>();
@@ -334,15 +395,24 @@ std::vector<double> errors(const Character& character, const std::vector<Procedu
         clock.advance(step_s);
         for (uint32_t i = 0; i < kInstances; ++i) {
             playbacks[i] = advanced(playbacks[i], character, step_s);
-            const auto sampled = [&](const ClipPlayback& slot) { return slot.clip == kNone ? sample_reference(character, static_cast<uint32_t>(character.clips.size()), 0) : sample_reference(character, slot.clip, slot.time_s); };
+            const auto sampled = [&](const ClipPlayback& slot) {
+                return slot.clip == kNone
+                           ? sample_reference(character, static_cast<uint32_t>(character.clips.size()), 0)
+                           : sample_reference(character, slot.clip, slot.time_s);
+            };
             Locals local = sampled(playbacks[i].first);
             const Locals second = sampled(playbacks[i].second);
-            for (size_t joint = 0; joint < local.size(); ++joint) local[joint] = blend_reference(local[joint], second[joint], playbacks[i].weight);
-            wanted[i].update(local, {.world_from_model = placements[i].as<double>(), .wind = clock.moment(), .instance = 3 + i, .time_step_s = step_s});
+            for (size_t joint = 0; joint < local.size(); ++joint)
+                local[joint] = blend_reference(local[joint], second[joint], playbacks[i].weight);
+            wanted[i].update(local, {.world_from_model = placements[i].as<double>(),
+                                     .wind = clock.moment(),
+                                     .instance = 3 + i,
+                                     .time_step_s = step_s});
             if (update % 10 != 9) continue;
             const ReferencePose pose = pose_from_local(character, local);
             const std::vector<Affine> got = *crowd.read_model_matrices(3 + i);
-            for (size_t joint = 0; joint < got.size(); ++joint) all.push_back(matrix_error(got[joint], pose.model_from_joint[joint], size));
+            for (size_t joint = 0; joint < got.size(); ++joint)
+                all.push_back(matrix_error(got[joint], pose.model_from_joint[joint], size));
         }
     }
     std::ranges::sort(all);
@@ -351,24 +421,34 @@ std::vector<double> errors(const Character& character, const std::vector<Procedu
 
 // Each rule alone, then all one after the other: rounding is what springs on springs with short bones make most of.
 void follow(double scale_spread, const std::string& scan) {
-    const Character character = make_character({.joint_count = 70, .shape = RigShape::kRandom, .seed = 9, .scale_spread = scale_spread});
+    const Character character = make_character(
+        {.joint_count = 70, .shape = RigShape::kRandom, .seed = 9, .scale_spread = scale_spread});
     const std::vector<std::string>& names = character.rig.names;
     const Limb limb = deepest_limb(character.rig);
-    const std::vector<ProceduralRule> rules{LookAtRule{.joint = names[limb.root], .target = "prey", .limit_rad = 1},
-                                            WindRule{.joint = names[limb.root], .bend_rad = 0.05f, .sway_rad = 0.02f, .sway_hz = 1.3f},
-                                            SpringRule{.joint = names[limb.parent], .frequency_hz = 1.5f, .damping = 0.5f, .gravity = {0, -3, 0}, .drag = 0.3f, .radius = 0.01f,
-                                                       .colliders = {{.joint = names[limb.root], .a = {0, 0, 0}, .b = {0, 1, 0}, .radius = 0.3f}, {.joint = names[0], .radius = 0.4f}}},
-                                            SpringRule{.joint = names[limb.root], .frequency_hz = 4, .damping = 0.8f},
-                                            ReachRule{.joint = names[limb.end], .target = "ledge", .weight = 0.7f},
-                                            WindRule{.joint = names[limb.end]}};
+    const std::vector<ProceduralRule> rules{
+        LookAtRule{.joint = names[limb.root], .target = "prey", .limit_rad = 1},
+        WindRule{.joint = names[limb.root], .bend_rad = 0.05f, .sway_rad = 0.02f, .sway_hz = 1.3f},
+        SpringRule{.joint = names[limb.parent],
+                   .frequency_hz = 1.5f,
+                   .damping = 0.5f,
+                   .gravity = {0, -3, 0},
+                   .drag = 0.3f,
+                   .radius = 0.01f,
+                   .colliders = {{.joint = names[limb.root], .a = {0, 0, 0}, .b = {0, 1, 0}, .radius = 0.3f},
+                                 {.joint = names[0], .radius = 0.4f}}},
+        SpringRule{.joint = names[limb.root], .frequency_hz = 4, .damping = 0.8f},
+        ReachRule{.joint = names[limb.end], .target = "ledge", .weight = 0.7f},
+        WindRule{.joint = names[limb.end]}};
     const auto expect_few_beyond = [](const std::vector<double>& sorted, double bound, const std::string& what) {
         EXPECT_LE(sorted[sorted.size() * 98 / 100], bound) << what;
         EXPECT_LE(sorted.back(), 0.02) << what;
     };
     for (size_t i = 0; i < rules.size(); ++i) {
         const std::vector<double> alone = errors(character, {rules[i]}, scan);
-        if (std::holds_alternative<SpringRule>(rules[i])) expect_few_beyond(alone, 2e-5, "rule " + std::to_string(i));
-        else EXPECT_LE(alone.back(), 1e-4) << "rule " << i;
+        if (std::holds_alternative<SpringRule>(rules[i]))
+            expect_few_beyond(alone, 2e-5, "rule " + std::to_string(i));
+        else
+            EXPECT_LE(alone.back(), 1e-4) << "rule " << i;
     }
     expect_few_beyond(errors(character, rules, scan), 1e-4, "all together");
 }
@@ -378,9 +458,14 @@ TEST(Procedural, MovesSimilaritiesAsTheReferenceDoes) { follow(0, "subgroup_quat
 
 // Wind on a chain that is too long for the loops of a software device, or moved whole.
 TEST(Procedural, ChainsBeyondTheDevicesLoopsAreRefused) {
-    const Character character = make_character({.joint_count = 4000, .shape = RigShape::kChain, .clip_count = 1, .key_count = 2});
-    const ProceduralRules rules{.targets = {}, .rules = {SpringRule{.joint = character.rig.names[0], .colliders = std::vector<Collider>(16, {.joint = character.rig.names[0]})}}};
-    const Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{.character = &character, .instance_count = 1, .procedural = &rules}}});
+    const Character character = make_character(
+        {.joint_count = 4000, .shape = RigShape::kChain, .clip_count = 1, .key_count = 2});
+    const ProceduralRules rules{
+        .targets = {},
+        .rules = {SpringRule{.joint = character.rig.names[0],
+                             .colliders = std::vector<Collider>(16, {.joint = character.rig.names[0]})}}};
+    const Result<Crowd> crowd = Crowd::create(
+        test_device(), {.groups = {{.character = &character, .instance_count = 1, .procedural = &rules}}});
     if (crowd) GTEST_SKIP() << "this device ends no loops";
     EXPECT_EQ(crowd.error().code, ErrorCode::kUnsupported);
     EXPECT_NE(crowd.error().text().find("steps"), std::string::npos) << crowd.error().text();
@@ -389,9 +474,12 @@ TEST(Procedural, ChainsBeyondTheDevicesLoopsAreRefused) {
 // A limb that is hidden by its scale, a target without weight, and one where the joint is: finite, and in place.
 TEST(Procedural, LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing) {
     const Character character = chain(6);
-    const ProceduralRules rules{.targets = {"a", "b"},
-                                .rules = {ReachRule{.joint = "joint 5", .target = "a"}, LookAtRule{.joint = "joint 1", .target = "a"}, ReachRule{.joint = "joint 2", .target = "b"}, SpringRule{.joint = "joint 0"}}};
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 3, .procedural = &rules}}, .keep_model_matrices = true});
+    const ProceduralRules rules{
+        .targets = {"a", "b"},
+        .rules = {ReachRule{.joint = "joint 5", .target = "a"}, LookAtRule{.joint = "joint 1", .target = "a"},
+                  ReachRule{.joint = "joint 2", .target = "b"}, SpringRule{.joint = "joint 0"}}};
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 3, .procedural = &rules}},
+                          .keep_model_matrices = true});
     Affine hidden;
     for (auto& row : hidden.row) row = {0, 0, 0, 1};
     ASSERT_TRUE(crowd.set_placement(1, {&hidden, 1}));
@@ -400,11 +488,15 @@ TEST(Procedural, LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing) {
     ASSERT_TRUE(crowd.set_placement(2, {&flat, 1}));
     for (uint32_t i = 0; i < 3; ++i) ASSERT_TRUE(crowd.set_target(i, 0, {3, 1, 0}, i == 0 ? 0.0f : 1.0f));
     const std::vector<AffineT<double>> rest = reference_pose(character, {})->model_from_joint;
-    ASSERT_TRUE(crowd.set_target(0, 1, Vec3<double>{rest[2].row[0][3], rest[2].row[1][3], rest[2].row[2][3]}.as<float>(), 1));  // where it is
+    // Where it is
+    ASSERT_TRUE(
+        crowd.set_target(0, 1, Vec3<double>{rest[2].row[0][3], rest[2].row[1][3], rest[2].row[2][3]}.as<float>(), 1));
     ASSERT_TRUE(crowd.update(0.1f));
     for (uint32_t i = 0; i < 3; ++i) {
         const std::vector<Affine> got = *crowd.read_model_matrices(i);
-        for (size_t joint = 0; joint < got.size(); ++joint) EXPECT_LE(matrix_error(got[joint], rest[joint], character.size), 1e-5) << "instance " << i << ", joint " << joint;
+        for (size_t joint = 0; joint < got.size(); ++joint)
+            EXPECT_LE(matrix_error(got[joint], rest[joint], character.size), 1e-5)
+                << "instance " << i << ", joint " << joint;
     }
 }
 
@@ -412,8 +504,14 @@ TEST(Procedural, LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing) {
 TEST(Procedural, BatchesAndManyChainsChangeNothing) {
     constexpr uint32_t kInstances = 10;
     const Character character = make_character({.joint_count = 40, .shape = RigShape::kComb, .seed = 5});
-    const ProceduralRules rules{.targets = {"prey"}, .rules = {SpringRule{.joint = character.rig.names[0]}, WindRule{.joint = character.rig.names[0]}, LookAtRule{.joint = character.rig.names[3], .target = "prey"}}};
-    const CrowdSettings settings{.groups = {{.character = &character, .instance_count = kInstances, .procedural = &rules}}, .scan = "serial", .keep_model_matrices = true};
+    const ProceduralRules rules{
+        .targets = {"prey"},
+        .rules = {SpringRule{.joint = character.rig.names[0]}, WindRule{.joint = character.rig.names[0]},
+                  LookAtRule{.joint = character.rig.names[3], .target = "prey"}}};
+    const CrowdSettings settings{
+        .groups = {{.character = &character, .instance_count = kInstances, .procedural = &rules}},
+        .scan = "serial",
+        .keep_model_matrices = true};
     Crowd whole = create(settings);
     Result<Crowd> parts = Crowd::create(device_of_workgroups(3), settings);
     ASSERT_TRUE(parts) << parts.error().text();
@@ -425,16 +523,24 @@ TEST(Procedural, BatchesAndManyChainsChangeNothing) {
         for (uint32_t i = 0; i < kInstances; ++i) ASSERT_TRUE(crowd->set_target(i, 0, {float(i), 2, 3}, 0.5f));
         for (int update = 0; update < 4; ++update) ASSERT_TRUE(crowd->update(0.05f));
     }
-    for (uint32_t i = 0; i < kInstances; ++i) EXPECT_EQ(*whole.read_model_matrices(i), *parts->read_model_matrices(i)) << i;
+    for (uint32_t i = 0; i < kInstances; ++i)
+        EXPECT_EQ(*whole.read_model_matrices(i), *parts->read_model_matrices(i)) << i;
 }
 
 // Layers, a pose that was set, wind and targets; the reference does it all.
 TEST(Procedural, WorksBelowAController) {
     const Character character = make_character({.joint_count = 30, .shape = RigShape::kChain, .seed = 2});
-    const ProceduralRules rules{.targets = {"prey"}, .rules = {WindRule{.joint = character.rig.names[1]}, LookAtRule{.joint = character.rig.names[3], .target = "prey"}}};
+    const ProceduralRules rules{.targets = {"prey"},
+                                .rules = {WindRule{.joint = character.rig.names[1]},
+                                          LookAtRule{.joint = character.rig.names[3], .target = "prey"}}};
     const Controller controller = direct_layers(1);
     constexpr uint32_t kInstances = 3;
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller, .procedural = &rules, .pose_capacity = 1}}, .keep_model_matrices = true});
+    Crowd crowd = create({.groups = {{.character = &character,
+                                      .instance_count = kInstances,
+                                      .controller = &controller,
+                                      .procedural = &rules,
+                                      .pose_capacity = 1}},
+                          .keep_model_matrices = true});
     const Wind wind{.velocity = {2, 0, 1}};
     const Affine place = to_affine(Trs<float>{.translation = {1, 2, 3}});
     ASSERT_TRUE(crowd.set_wind(wind) && crowd.set_placement(1, {&place, 1}));
@@ -455,7 +561,9 @@ TEST(Procedural, WorksBelowAController) {
             ASSERT_TRUE(wanted[i].update(0.1f));
             const std::vector<AffineT<double>> model = wanted[i].pose().model_from_joint;
             const std::vector<Affine> got = *crowd.read_model_matrices(i);
-            for (size_t joint = 0; joint < got.size(); ++joint) EXPECT_LE(matrix_error(got[joint], model[joint], character.size), 2e-5) << "instance " << i << ", joint " << joint << ", update " << update;
+            for (size_t joint = 0; joint < got.size(); ++joint)
+                EXPECT_LE(matrix_error(got[joint], model[joint], character.size), 2e-5)
+                    << "instance " << i << ", joint " << joint << ", update " << update;
         }
     }
     EXPECT_EQ(wanted[1].placement(), place.as<double>());
@@ -467,7 +575,8 @@ TEST(Procedural, WorksBelowAController) {
 TEST(Procedural, WrongTargetsAndPathsAreRefused) {
     const Character character = chain(4);
     const ProceduralRules rules{.targets = {"prey"}, .rules = {LookAtRule{.joint = "joint 1", .target = "prey"}}};
-    CrowdSettings settings{.groups = {{.character = &character, .instance_count = 2, .procedural = &rules}, {.character = &character, .instance_count = 1}}};
+    CrowdSettings settings{.groups = {{.character = &character, .instance_count = 2, .procedural = &rules},
+                                      {.character = &character, .instance_count = 1}}};
     Crowd crowd = create(settings);
     EXPECT_FALSE(crowd.set_target(3, 0, {}, 1));
     EXPECT_FALSE(crowd.set_target(2, 0, {}, 1));

@@ -1,5 +1,5 @@
-// The benchmark's report: every method in it, nothing fetched, nothing that a record says taken for markup or for a command, and one
-// clear error for what is missing. Figures need gnuplot, which ./run installs.
+// The benchmark's report: every method in it, nothing fetched, nothing that a record says taken for markup or for a
+// command, and one clear error for what is missing. Figures need gnuplot, which ./run installs.
 #include "base/failure.h"
 #include "bench/report/gnuplot.h"
 #include "bench/report/html.h"
@@ -23,19 +23,27 @@ namespace {
 using test::count_of;
 using test::TemporaryFolder;
 
-const std::vector<std::string> kMethods{"gateau2012_walk", "compressed", "serial", "fragments", "not_known_yet", "auto"};
+const std::vector<std::string> kMethods{"gateau2012_walk", "compressed",    "serial",
+                                        "fragments",       "not_known_yet", "auto"};
 
 Json record(const std::string& experiment, const std::string& method, double levels, double ms) {
-    return {{"bench", "scan"},  {"experiment", experiment},   {"method", method}, {"lanes", 32},         {"shape", "random"}, {"seed", 1},
-            {"joints", 300},    {"characters", 10'000},       {"levels", levels}, {"mean_depth", 9.46},  {"leaves", 47},      {"multiplications", 1692},
-            {"median_ms", ms},  {"p5_ms", 0.9 * ms},          {"p95_ms", 1.2 * ms}, {"copy_ms", 50},     {"times_copy", ms / 50}, {"ns_per_joint", ms / 3},
-            {"device", "A GPU"}, {"chosen", method == "auto" ? "serial" : ""}};
+    return {{"bench", "scan"},       {"experiment", experiment},
+            {"method", method},      {"lanes", 32},
+            {"shape", "random"},     {"seed", 1},
+            {"joints", 300},         {"characters", 10'000},
+            {"levels", levels},      {"mean_depth", 9.46},
+            {"leaves", 47},          {"multiplications", 1692},
+            {"median_ms", ms},       {"p5_ms", 0.9 * ms},
+            {"p95_ms", 1.2 * ms},    {"copy_ms", 50},
+            {"times_copy", ms / 50}, {"ns_per_joint", ms / 3},
+            {"device", "A GPU"},     {"chosen", method == "auto" ? "serial" : ""}};
 }
 
 std::vector<Json> records_of(const std::string& experiment) {
     std::vector<Json> records;
     for (size_t m = 0; m < kMethods.size(); ++m)
-        for (const double levels : {15.0, 60.0, 120.0}) records.push_back(record(experiment, kMethods[m], levels, 60 + 31 * static_cast<double>(m) + levels));
+        for (const double levels : {15.0, 60.0, 120.0})
+            records.push_back(record(experiment, kMethods[m], levels, 60 + 31 * static_cast<double>(m) + levels));
     return records;
 }
 
@@ -66,14 +74,17 @@ TEST(Report, NeedsNothingBeyondItself) {
         records.insert(records.end(), more.begin(), more.end());
     }
     for (const std::string& page : {scan_report(records), scan_levels_plot(records)})
-        for (const char* external : {"src=", "href=\"", "href='h", "url(", "@import", "<link", "<!DOCTYPE svg"}) EXPECT_EQ(count_of(page, external), 0u) << external;
+        for (const char* external : {"src=", "href=\"", "href='h", "url(", "@import", "<link", "<!DOCTYPE svg"})
+            EXPECT_EQ(count_of(page, external), 0u) << external;
 }
 
 TEST(Report, TakesNoTextForMarkupOrForACommand) {
     const TemporaryFolder folder;
     const std::filesystem::path untouched = folder.write("untouched", "");
     const std::string remove = "rm " + untouched.string();
-    for (const std::string& evil : {std::string("<script>x</script>&\"'"), "`" + remove + "`", "'\nsystem('" + remove + "')\n'", "\"\n!" + remove + "\n", std::string("\\\"@x$data1{/Bold ^_")}) {
+    for (const std::string& evil :
+         {std::string("<script>x</script>&\"'"), "`" + remove + "`", "'\nsystem('" + remove + "')\n'",
+          "\"\n!" + remove + "\n", std::string("\\\"@x$data1{/Bold ^_")}) {
         std::vector<Json> records = records_of("levels");
         const std::vector<Json> more = records_of("on_chip");
         records.insert(records.end(), more.begin(), more.end());
@@ -94,7 +105,8 @@ TEST(Report, TakesNoTextForMarkupOrForACommand) {
 }
 
 TEST(Report, SaysWhyAMethodIsNotTimed) {
-    std::vector<Json> records{record("levels", "serial", 15, 60), record("levels", "fragments", 15, 60), record("levels", "compressed", 15, 20)};
+    std::vector<Json> records{record("levels", "serial", 15, 60), record("levels", "fragments", 15, 60),
+                              record("levels", "compressed", 15, 20)};
     records[1].erase("median_ms");
     records[1]["obstacle"] = "1,000 joints are too many";
     records[2]["wrong"] = true;
@@ -106,18 +118,36 @@ TEST(Report, SaysWhyAMethodIsNotTimed) {
 }
 
 TEST(Report, TheLastRecordOfACaseCounts) {
-    const std::string html = scan_report(std::vector{record("levels", "serial", 15, 61), record("levels", "serial", 15, 67)});
+    const std::string html = scan_report(
+        std::vector{record("levels", "serial", 15, 61), record("levels", "serial", 15, 67)});
     EXPECT_EQ(html.find("61.0"), std::string::npos);
     EXPECT_NE(html.find("67.0"), std::string::npos);
 }
 
 TEST(Report, EndsOnNoRecord) {
-    std::vector<Json> records{Json::object(), {{"bench", "update"}}, {{"bench", "scan"}}, {{"bench", 3}}, {{"bench", "baseline"}}, {{"bench", "scan"}, {"method", "serial"}}};
+    std::vector<Json> records{Json::object(), {{"bench", "update"}},   {{"bench", "scan"}},
+                              {{"bench", 3}}, {{"bench", "baseline"}}, {{"bench", "scan"}, {"method", "serial"}}};
     for (const char* experiment : {"levels", "joints", "characters", "on_chip", "grid"}) {
         records.push_back({{"bench", "scan"}, {"method", "serial"}, {"experiment", experiment}});
-        records.push_back({{"bench", "scan"}, {"method", "auto"}, {"experiment", experiment}, {"levels", "many"}, {"median_ms", nullptr}, {"device", 7}, {"chosen", Json::array()}});
-        records.push_back({{"bench", "scan"}, {"method", "serial"}, {"experiment", experiment}, {"levels", 0}, {"joints", 0}, {"characters", -1}, {"median_ms", 0}, {"ns_per_joint", 1}, {"times_copy", -1}});
-        for (size_t i = 1; i <= records.size(); ++i) EXPECT_NE(scan_report(std::span(records).first(i)).find("</html>"), std::string::npos) << records[i - 1].dump();
+        records.push_back({{"bench", "scan"},
+                           {"method", "auto"},
+                           {"experiment", experiment},
+                           {"levels", "many"},
+                           {"median_ms", nullptr},
+                           {"device", 7},
+                           {"chosen", Json::array()}});
+        records.push_back({{"bench", "scan"},
+                           {"method", "serial"},
+                           {"experiment", experiment},
+                           {"levels", 0},
+                           {"joints", 0},
+                           {"characters", -1},
+                           {"median_ms", 0},
+                           {"ns_per_joint", 1},
+                           {"times_copy", -1}});
+        for (size_t i = 1; i <= records.size(); ++i)
+            EXPECT_NE(scan_report(std::span(records).first(i)).find("</html>"), std::string::npos)
+                << records[i - 1].dump();
     }
     EXPECT_NE(scan_report({}).find("no record"), std::string::npos);
     EXPECT_NE(failure_of([] { scan_levels_plot({}); }).find("time"), std::string::npos);

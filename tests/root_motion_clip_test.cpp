@@ -1,4 +1,5 @@
-// Root motion taken out of clips: what is taken and what is left make the original, and instances on the GPU move by it.
+// Root motion taken out of clips: what is taken and what is left make the original, and instances on the GPU move by
+// it.
 #include "control/controller_reference.h"
 #include "control/layer_commands.h"
 #include "sample/sample_reference.h"
@@ -28,13 +29,16 @@ using Motion = std::function<ModelPose(double time_s)>;
 ModelPose walk(double time_s) {
     const double yaw = 50 * pi / 180 * time_s, radius = 1.2 / (50 * pi / 180), phase = 2 * pi * time_s;
     const Quaternion<double> swing = axis_angle(normalized(Vec3<double>{1, 0, 0.4}), 0.15 * std::sin(phase));
-    return {axis_angle(kUp, yaw) * swing, {0.1 + radius * (1 - std::cos(yaw)), 0.9 + 0.04 * std::sin(2 * phase), -0.2 + radius * std::sin(yaw)}};
+    return {axis_angle(kUp, yaw) * swing,
+            {0.1 + radius * (1 - std::cos(yaw)), 0.9 + 0.04 * std::sin(2 * phase), -0.2 + radius * std::sin(yaw)}};
 }
 
-// A walker: hips, which a leg hangs on, under an armature that is turned and scaled as exporters do; the armature is a joint or not.
+// A walker: hips, which a leg hangs on, under an armature that is turned and scaled as exporters do; the armature is a
+// joint or not.
 struct Walker {
     Asset asset{.name = "walker"};
-    Trs<double> armature{axis_angle(normalized(Vec3<double>{1, 0.1, 0}), -pi / 2), {0.3, -0.1, 0.2}, {0.01, 0.01, 0.01}};
+    Trs<double> armature{
+        axis_angle(normalized(Vec3<double>{1, 0.1, 0}), -pi / 2), {0.3, -0.1, 0.2}, {0.01, 0.01, 0.01}};
     enum : uint32_t { kArmature, kHips, kLeg };
 
     explicit Walker(bool armature_is_joint) {
@@ -48,7 +52,13 @@ struct Walker {
             asset.skins[0].joints.push_back(kArmature);
             asset.skins[0].inverse_binds.push_back(large);
         }
-        AssetPrimitive primitive{.positions = {{0, 0, 0}, {0.3f, 0.9f, 0.1f}, {-0.2f, 0.4f, 0.3f}, {0, -0.8f, 0}, {0.1f, -0.4f, 0.2f}, {0.1f, 0.2f, -0.5f}}, .indices = {0, 1, 2, 3, 4, 5}};
+        AssetPrimitive primitive{.positions = {{0, 0, 0},
+                                               {0.3f, 0.9f, 0.1f},
+                                               {-0.2f, 0.4f, 0.3f},
+                                               {0, -0.8f, 0},
+                                               {0.1f, -0.4f, 0.2f},
+                                               {0.1f, 0.2f, -0.5f}},
+                                 .indices = {0, 1, 2, 3, 4, 5}};
         primitive.influence_count = 4;
         for (uint16_t v = 0; v < 6; ++v) {
             const auto joint = static_cast<uint16_t>(v / 3);
@@ -60,22 +70,29 @@ struct Walker {
     }
 
     void clip(const char* name, double duration_s) { asset.clips.push_back({.name = name, .duration_s = duration_s}); }
-    void track(uint32_t node, TrackTarget target, const std::vector<float>& times_s, const std::vector<float>& values, Interpolation interpolation = Interpolation::kLinear) {
-        asset.clips.back().tracks.push_back({.node = node, .target = target, .interpolation = interpolation, .times_s = times_s, .values = values});
+    void track(uint32_t node, TrackTarget target, const std::vector<float>& times_s, const std::vector<float>& values,
+               Interpolation interpolation = Interpolation::kLinear) {
+        asset.clips.back().tracks.push_back(
+            {.node = node, .target = target, .interpolation = interpolation, .times_s = times_s, .values = values});
     }
 
     // Keys at these times so that the hips, in model space, move like that; the leg swings.
-    void move(const char* name, const std::vector<float>& times_s, const Motion& motion, Interpolation interpolation = Interpolation::kLinear) {
+    void move(const char* name, const std::vector<float>& times_s, const Motion& motion,
+              Interpolation interpolation = Interpolation::kLinear) {
         clip(name, times_s.back());
-        const Quaternion<double> back{-armature.rotation.x, -armature.rotation.y, -armature.rotation.z, armature.rotation.w};
+        const Quaternion<double> back{-armature.rotation.x, -armature.rotation.y, -armature.rotation.z,
+                                      armature.rotation.w};
         std::vector<float> rotations, translations, swings;
         const auto append = [](std::vector<float>& to, std::initializer_list<double> values) {
             for (const double value : values) to.push_back(static_cast<float>(value));
         };
         for (const float time_s : times_s) {
             const ModelPose pose = motion(time_s);
-            const Quaternion<double> q = back * pose.rotation, swing = axis_angle(Vec3<double>{1, 0, 0}, 0.5 * std::sin(2 * pi * double{time_s}));
-            const Vec3<double> p = transform_vector(to_affine(Trs<double>{.rotation = back}), pose.position - armature.translation) * (1 / armature.scale.x);
+            const Quaternion<double> q = back * pose.rotation,
+                                     swing = axis_angle(Vec3<double>{1, 0, 0}, 0.5 * std::sin(2 * pi * double{time_s}));
+            const Vec3<double> p = transform_vector(to_affine(Trs<double>{.rotation = back}),
+                                                    pose.position - armature.translation) *
+                                   (1 / armature.scale.x);
             append(rotations, {q.x, q.y, q.z, q.w});
             append(translations, {p.x, p.y, p.z});
             append(swings, {swing.x, swing.y, swing.z, swing.w});
@@ -95,15 +112,20 @@ std::vector<float> times(double duration_s, double rate) {
 
 const CompileSettings kTaken{.error = 0, .root_motion_joint = "hips"};
 
-RootRows rows_of(const Character& character, const Clip& clip) { return RootRows(character.root_rows).subspan(clip.first_root_row, clip.root_row_count); }
+RootRows rows_of(const Character& character, const Clip& clip) {
+    return RootRows(character.root_rows).subspan(clip.first_root_row, clip.root_row_count);
+}
 
-Vec3<double> moved(const GroundMove& move, const Vec3<double>& p) { return {move.cos * p.x + move.sin * p.z + move.x, p.y, -move.sin * p.x + move.cos * p.z + move.z}; }
+Vec3<double> moved(const GroundMove& move, const Vec3<double>& p) {
+    return {move.cos * p.x + move.sin * p.z + move.x, p.y, -move.sin * p.x + move.cos * p.z + move.z};
+}
 
 std::vector<Vec3<double>> points(const Character& character, uint32_t clip, double time_s) {
     return reference_positions(character, *reference_pose(character, {.first = {clip, time_s, 1, false}}));
 }
 
-// Largest distance of a vertex, as a part of the size, of what is left of a clip, moved by its rows, from the whole clip.
+// Largest distance of a vertex, as a part of the size, of what is left of a clip, moved by its rows, from the whole
+// clip.
 double put_together_error(const Character& whole, const Character& taken, uint32_t clip, double time_s) {
     const double duration_s = whole.clips[clip].duration_s;
     const GroundMove place = place_at(rows_of(taken, taken.clips[clip]), phase_at(time_s, duration_s, false));
@@ -119,10 +141,13 @@ void expect_put_together(const Walker& walker, double between) {
         SCOPED_TRACE(whole.clips[clip].name);
         EXPECT_GE(taken.clips[clip].root_row_count, 2u);
         for (uint32_t row = 0; row < whole.clips[clip].row_count; ++row)
-            EXPECT_LE(put_together_error(whole, taken, clip, whole.times_s[whole.clips[clip].first_time + row]), 1e-5) << row;
+            EXPECT_LE(put_together_error(whole, taken, clip, whole.times_s[whole.clips[clip].first_time + row]), 1e-5)
+                << row;
         Random random(4);
         double worst = 0;
-        for (int i = 0; i < 2000; ++i) worst = std::max(worst, put_together_error(whole, taken, clip, random.between(0, whole.clips[clip].duration_s)));
+        for (int i = 0; i < 2000; ++i)
+            worst = std::max(worst,
+                             put_together_error(whole, taken, clip, random.between(0, whole.clips[clip].duration_s)));
         EXPECT_LE(worst, between);
     }
 }
@@ -130,7 +155,8 @@ void expect_put_together(const Walker& walker, double between) {
 TEST(RootMotionOfClips, WhatIsTakenAndWhatIsLeftMakeTheOriginal) {
     for (const bool armature_is_joint : {false, true}) {
         Walker walker(armature_is_joint);
-        for (const double rate : {30.0, 24.0, 60.0, 7.0}) walker.move(("walk of " + std::to_string(rate)).c_str(), times(2, rate), walk);
+        for (const double rate : {30.0, 24.0, 60.0, 7.0})
+            walker.move(("walk of " + std::to_string(rate)).c_str(), times(2, rate), walk);
         walker.move("uneven", {0, 0.01f, 0.3f, 0.31f, 0.9f, 1.2345f}, walk);
         walker.move("two keys", {0, 1}, walk);
         walker.move("late", {0.4f, 0.5f, 0.61f}, walk);
@@ -203,7 +229,10 @@ TEST(RootMotionOfClips, TwoCyclesWalkOn) {
 
 TEST(RootMotionOfClips, AClipThatStaysHasNoRows) {
     Walker walker(true);
-    const auto nod = [](double time_s) { return ModelPose{axis_angle(Vec3<double>{1, 0, 0}, 0.2 * std::sin(6 * time_s)), {0.1, 0.9 + 0.1 * std::sin(6 * time_s), 0.3}}; };
+    const auto nod = [](double time_s) {
+        return ModelPose{axis_angle(Vec3<double>{1, 0, 0}, 0.2 * std::sin(6 * time_s)),
+                         {0.1, 0.9 + 0.1 * std::sin(6 * time_s), 0.3}};
+    };
     walker.move("idle", times(1, 30), nod);
     const Character whole = compiled(walker.asset);
     Character taken = compiled(walker.asset, kTaken);
@@ -217,19 +246,26 @@ TEST(RootMotionOfClips, AClipThatStaysHasNoRows) {
     walker.move("idle again", times(1, 30), nod);
     taken = compiled(walker.asset, kTaken);
     EXPECT_TRUE(taken.warnings.empty());
-    for (const uint32_t clip : {0u, 2u, 3u}) EXPECT_EQ(taken.clips[clip].root_row_count + taken.clips[clip].first_root_row, 0u);
+    for (const uint32_t clip : {0u, 2u, 3u})
+        EXPECT_EQ(taken.clips[clip].root_row_count + taken.clips[clip].first_root_row, 0u);
     EXPECT_EQ(taken.clips[1].root_row_count, 61u);
     const Character all = compiled(walker.asset);
     for (const uint32_t clip : {0u, 2u, 3u}) {
         EXPECT_EQ(taken.clips[clip].size_bytes, all.clips[clip].size_bytes);
-        for (double time_s = 0; time_s < 1; time_s += 0.07) EXPECT_EQ(points(taken, clip, time_s), points(all, clip, time_s));
+        for (double time_s = 0; time_s < 1; time_s += 0.07)
+            EXPECT_EQ(points(taken, clip, time_s), points(all, clip, time_s));
     }
 }
 
 // What jumps must not leave a part of the jump behind.
 TEST(RootMotionOfClips, StepsAreTakenWhole) {
     Walker walker(true);
-    walker.move("steps", {0, 0.255f, 0.71f, 1}, [](double time_s) { return ModelPose{axis_angle(kUp, time_s), {3 * time_s, 0.9, 0.2}}; }, Interpolation::kStep);
+    walker.move(
+        "steps", {0, 0.255f, 0.71f, 1},
+        [](double time_s) {
+            return ModelPose{axis_angle(kUp, time_s), {3 * time_s, 0.9, 0.2}};
+        },
+        Interpolation::kStep);
     const Character whole = compiled(walker.asset), taken = compiled(walker.asset, kTaken);
     EXPECT_EQ(taken.clips[0].row_count, 4u);
     for (double time_s = 0; time_s <= 1; time_s += 0.003) {
@@ -241,8 +277,15 @@ TEST(RootMotionOfClips, StepsAreTakenWhole) {
 
 TEST(RootMotionOfClips, TurnsOfAnySizeAreFollowed) {
     Walker walker(true);
-    const auto spin = [](double degrees_per_s) { return [degrees_per_s](double time_s) { return ModelPose{axis_angle(kUp, degrees_per_s * pi / 180 * time_s) * axis_angle(Vec3<double>{0, 0, 1}, 0.3), {0.2, 0.9, -0.1}}; }; };
-    walker.move("fast", times(2, 10), spin(1000));  // 17 degrees a row: the chord is 1.1 % shorter than the radius of 0.2
+    const auto spin = [](double degrees_per_s) {
+        return [degrees_per_s](double time_s) {
+            return ModelPose{
+                axis_angle(kUp, degrees_per_s * pi / 180 * time_s) * axis_angle(Vec3<double>{0, 0, 1}, 0.3),
+                {0.2, 0.9, -0.1}};
+        };
+    };
+    // 17 degrees a row: the chord is 1.1 % shorter than the radius of 0.2
+    walker.move("fast", times(2, 10), spin(1000));
     expect_put_together(walker, 2e-3);
     walker.asset.clips.clear();
     walker.move("half turns", times(4, 1), spin(180));
@@ -251,9 +294,12 @@ TEST(RootMotionOfClips, TurnsOfAnySizeAreFollowed) {
     const Character taken = compiled(walker.asset, kTaken);
     for (const Clip& clip : taken.clips)
         for (uint32_t row = 1; row < clip.row_count; ++row) {
-            const uint32_t word = taken.tracks[static_cast<size_t>(&clip - taken.clips.data()) * taken.rig.joint_count() + Walker::kHips].rotation;
+            const uint32_t word =
+                taken.tracks[static_cast<size_t>(&clip - taken.clips.data()) * taken.rig.joint_count() + Walker::kHips]
+                    .rotation;
             if (!(word & kTrackAnimated)) continue;
-            const auto &a = taken.keys[(word & kTrackPosition) + (row - 1) * clip.row_stride], &b = taken.keys[(word & kTrackPosition) + row * clip.row_stride];
+            const auto &a = taken.keys[(word & kTrackPosition) + (row - 1) * clip.row_stride],
+                       &b = taken.keys[(word & kTrackPosition) + row * clip.row_stride];
             EXPECT_GE(a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3], 0);
         }
 }
@@ -261,22 +307,28 @@ TEST(RootMotionOfClips, TurnsOfAnySizeAreFollowed) {
 // Over the head and back on the feet: that is no turn about +y.
 TEST(RootMotionOfClips, ASomersaultIsNoTurn) {
     Walker walker(false);
-    walker.move("somersault", times(1, 30), [](double time_s) { return ModelPose{axis_angle(Vec3<double>{1, 0, 0}, 2 * pi * time_s), {0, 0.9 + time_s * (1 - time_s), 2 * time_s}}; });
+    walker.move("somersault", times(1, 30), [](double time_s) {
+        return ModelPose{axis_angle(Vec3<double>{1, 0, 0}, 2 * pi * time_s),
+                         {0, 0.9 + time_s * (1 - time_s), 2 * time_s}};
+    });
     expect_put_together(walker, 1e-3);
     const Character taken = compiled(walker.asset, kTaken);
     for (const auto& row : taken.root_rows) EXPECT_NEAR(row[2], 1, 1e-4);
 }
 
 TEST(RootMotionOfClips, MistakesAreNamed) {
-    const auto expect_error = [](const Asset& asset, const char* joint, ErrorCode code, const std::vector<std::string>& named) {
+    const auto expect_error = [](const Asset& asset, const char* joint, ErrorCode code,
+                                 const std::vector<std::string>& named) {
         const Result<Character> refused = compile_character(asset, {.error = 0, .root_motion_joint = joint});
         ASSERT_FALSE(refused) << joint;
         EXPECT_EQ(refused.error().code, code);
-        for (const std::string& name : named) EXPECT_NE(refused.error().text().find(name), std::string::npos) << refused.error().text();
+        for (const std::string& name : named)
+            EXPECT_NE(refused.error().text().find(name), std::string::npos) << refused.error().text();
     };
     Walker walker(true);
     walker.move("walk", times(1, 30), walk);
-    expect_error(walker.asset, "hisp", ErrorCode::kInvalidArgument, {"walker", "there is no joint 'hisp'; did you mean 'hips'? There are: armature, hips, leg"});
+    expect_error(walker.asset, "hisp", ErrorCode::kInvalidArgument,
+                 {"walker", "there is no joint 'hisp'; did you mean 'hips'? There are: armature, hips, leg"});
     expect_error(walker.asset, "leg", ErrorCode::kUnsupported, {"'hips', above 'leg', is animated in clip 'walk'"});
     for (const double scale : {0.0, 0.02}) {
         Asset uneven = walker.asset;
@@ -297,15 +349,18 @@ TEST(RootMotionOfClips, PackedClipsKeepTheirBound) {
     walker.move("walk", times(2, 30), walk);
     walker.move("slow", times(3, 24), [](double time_s) { return walk(time_s / 2); });
     for (const double bound : {1e-3, 1e-4}) {
-        const Character exact = compiled(walker.asset, kTaken), packed = compiled(walker.asset, {.error = bound, .root_motion_joint = "hips"});
+        const Character exact = compiled(walker.asset, kTaken),
+                        packed = compiled(walker.asset, {.error = bound, .root_motion_joint = "hips"});
         ASSERT_TRUE(packed.packed);
         EXPECT_EQ(packed.root_rows, exact.root_rows);
         for (uint32_t clip = 0; clip < packed.clips.size(); ++clip) {
             EXPECT_LE(packed.clips[clip].error, bound);
             EXPECT_GT(packed.clips[clip].size_bytes, packed.clips[clip].root_row_count * 16);
             for (double time_s = 0; time_s < packed.clips[clip].duration_s; time_s += 0.011) {
-                const std::vector<Vec3<double>> wanted = points(exact, clip, time_s), got = points(packed, clip, time_s);
-                for (size_t v = 0; v < wanted.size(); ++v) EXPECT_LE(length(got[v] - wanted[v]), (bound + 1e-6) * double{exact.size});
+                const std::vector<Vec3<double>> wanted = points(exact, clip, time_s),
+                                                got = points(packed, clip, time_s);
+                for (size_t v = 0; v < wanted.size(); ++v)
+                    EXPECT_LE(length(got[v] - wanted[v]), (bound + 1e-6) * double{exact.size});
             }
         }
     }
@@ -336,8 +391,18 @@ TEST(RootMotionOfClips, AFileKeepsIt) {
 class Walking {
 public:
     Walking(const Character& character, uint32_t count, bool moves_placements, UpdatePath path = UpdatePath::kAuto)
-        : character_(character), controller_(direct_layers(1)), crowd_(create({.groups = {{.character = &character, .instance_count = count, .controller = &controller_, .moves_placements = moves_placements}}, .path = path})),
-          references_(count, ControllerReference(controller_, character)), moves_placements_(moves_placements), base_(count), place_(count), moved_m_(count) {
+        : character_(character),
+          controller_(direct_layers(1)),
+          crowd_(create({.groups = {{.character = &character,
+                                     .instance_count = count,
+                                     .controller = &controller_,
+                                     .moves_placements = moves_placements}},
+                         .path = path})),
+          references_(count, ControllerReference(controller_, character)),
+          moves_placements_(moves_placements),
+          base_(count),
+          place_(count),
+          moved_m_(count) {
         for (const Clip& clip : character.clips) durations_s_.push_back(clip.duration_s);
         EXPECT_TRUE(crowd_.watch(std::array{count - 1}));
     }
@@ -359,8 +424,10 @@ public:
         ASSERT_TRUE(crowd_.update(time_step_s));
         const OutputBlock& block = crowd_.outputs()[0];
         const uint64_t count = references_.size();
-        const std::vector<Affine> placements = download<Affine>(crowd_.state().gpu, {block.placement_buffer, 0, count * sizeof(Affine)});
-        const std::vector<io::RootState> roots = download<io::RootState>(crowd_.state().gpu, crowd_.state().batches[0].roots);
+        const std::vector<Affine> placements = download<Affine>(crowd_.state().gpu,
+                                                                {block.placement_buffer, 0, count * sizeof(Affine)});
+        const std::vector<io::RootState> roots = download<io::RootState>(crowd_.state().gpu,
+                                                                         crowd_.state().batches[0].roots);
         ASSERT_EQ(roots.size(), count);
         EXPECT_EQ(block.root_buffer, crowd_.state().batches[0].roots.handle());
         const std::vector<Feedback> feedback = *crowd_.feedback();
@@ -368,7 +435,8 @@ public:
         const WatchedInstance& watched = feedback[0].watched[0];
         EXPECT_EQ(watched.world_from_model, placements.back());
         const io::vec4& told = roots.back().move;
-        EXPECT_EQ(watched.move.row, (std::array<std::array<float, 4>, 3>{{{told.z, 0, told.w, told.x}, {0, 1, 0, 0}, {-told.w, 0, told.z, told.y}}}));
+        EXPECT_EQ(watched.move.row, (std::array<std::array<float, 4>, 3>{
+                                        {{told.z, 0, told.w, told.x}, {0, 1, 0, 0}, {-told.w, 0, told.z, told.y}}}));
         for (uint32_t i = 0; i < count; ++i) {
             const GroundMove move = references_[i].update(time_step_s).move;
             place_[i] = turned_to_length_one(place_[i] * move);
@@ -378,11 +446,13 @@ public:
             EXPECT_NEAR(roots[i].move.y, move.z, 1e-5 * (1 + std::hypot(move.x, move.z)));
             EXPECT_NEAR(roots[i].move.z, move.cos, 1e-5);
             EXPECT_NEAR(roots[i].move.w, move.sin, 1e-5);
-            const AffineT<double> wanted = moves_placements_ ? base_[i].as<double>() * affine_of(place_[i]) : base_[i].as<double>();
+            const AffineT<double> wanted = moves_placements_ ? base_[i].as<double>() * affine_of(place_[i])
+                                                             : base_[i].as<double>();
             for (size_t row = 0; row < 3; ++row)
                 for (size_t column = 0; column < 4; ++column) {
                     const double tolerance = moves_placements_ ? 2 * (column == 3 ? bound : 1e-4) : 0;
-                    EXPECT_NEAR(placements[i].row[row][column], wanted.row[row][column], tolerance) << "instance " << i << ": " << row << ", " << column;
+                    EXPECT_NEAR(placements[i].row[row][column], wanted.row[row][column], tolerance)
+                        << "instance " << i << ": " << row << ", " << column;
                 }
         }
     }
@@ -417,12 +487,15 @@ private:
 Character walkers(double error) {
     Walker walker(true);
     walker.move("walk", times(2, 30), walk);
-    walker.move("stroll", times(1.5, 24), [](double time_s) { return ModelPose{axis_angle(kUp, -0.3 * time_s), {0, 0.9, 0.8 * time_s}}; });
+    walker.move("stroll", times(1.5, 24), [](double time_s) {
+        return ModelPose{axis_angle(kUp, -0.3 * time_s), {0, 0.9, 0.8 * time_s}};
+    });
     walker.move("idle", times(1, 30), [](double) { return ModelPose{{}, {0, 0.9, 0}}; });
     return compiled(walker.asset, {.error = error, .root_motion_joint = "hips"});
 }
 
-const Affine kSomewhere = to_affine(Trs<double>{axis_angle(normalized(Vec3<double>{0.1, 1, 0.2}), 1.1), {5, 1, -3}, {2, 2, 2}}).as<float>();
+const Affine kSomewhere =
+    to_affine(Trs<double>{axis_angle(normalized(Vec3<double>{0.1, 1, 0.2}), 1.1), {5, 1, -3}, {2, 2, 2}}).as<float>();
 
 TEST(RootMotionOnTheGpu, PlacementsFollowTheClips) {
     for (const double error : {0.0, 1e-4})
@@ -474,7 +547,11 @@ TEST(RootMotionOnTheGpu, ClipsThatCrossFadeMoveTogether) {
     Walking walking(character, 2, true);
     Random random(7);
     for (int round = 0; round < 10; ++round) {
-        for (uint32_t i = 0; i < 2; ++i) walking.play(i, {.clip = {.clip = random.below(3), .time_s = random.unit(), .speed = static_cast<float>(random.between(-1, 2))}, .fade_s = static_cast<float>(random.between(0.1, 0.8))});
+        for (uint32_t i = 0; i < 2; ++i)
+            walking.play(i, {.clip = {.clip = random.below(3),
+                                      .time_s = random.unit(),
+                                      .speed = static_cast<float>(random.between(-1, 2))},
+                             .fade_s = static_cast<float>(random.between(0.1, 0.8))});
         walking.steps(20, 8 + static_cast<uint64_t>(round));
     }
 }

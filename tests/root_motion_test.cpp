@@ -19,7 +19,8 @@ std::vector<std::array<float, 4>> arc() {
     std::vector<std::array<float, 4>> rows;
     for (int i = 0; i <= 4; ++i) {
         const double yaw = -i * 3.14159265358979 / 8, radius = 2;
-        rows.push_back({static_cast<float>(radius * (std::cos(yaw) - 1)), static_cast<float>(-radius * std::sin(yaw)), static_cast<float>(std::cos(yaw)), static_cast<float>(std::sin(yaw))});
+        rows.push_back({static_cast<float>(radius * (std::cos(yaw) - 1)), static_cast<float>(-radius * std::sin(yaw)),
+                        static_cast<float>(std::cos(yaw)), static_cast<float>(std::sin(yaw))});
     }
     return rows;
 }
@@ -56,7 +57,8 @@ TEST(RootMotion, IsExactOverLoops) {
         const auto loops = [&] { return static_cast<int64_t>(random.below(20)) - 10; };
         const uint32_t a = phase(), b = phase(), c = phase();
         const int64_t ab = loops(), bc = loops();
-        expect_same(move_between(rows, a, b, ab) * move_between(rows, b, c, bc), move_between(rows, a, c, ab + bc), 1e-5);
+        expect_same(move_between(rows, a, b, ab) * move_between(rows, b, c, bc), move_between(rows, a, c, ab + bc),
+                    1e-5);
         expect_same(inverse(move_between(rows, a, b, ab)), move_between(rows, b, a, -ab), 1e-5);
     }
 }

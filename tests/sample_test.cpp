@@ -16,7 +16,8 @@ using namespace test;
 
 constexpr double kBound = 2e-6;  // of a component, relative where it exceeds 1
 
-// The cursor that the control stage gives for this time. The fraction is rounded to float there, so the reference's fraction is too.
+// The cursor that the control stage gives for this time. The fraction is rounded to float there, so the reference's
+// fraction is too.
 io::SlotCursor cursor_at(const Character& character, uint32_t clip, double time_s) {
     io::SlotCursor cursor{.first_track = clip * character.rig.joint_count(), .earlier = 0, .later = 0, .fraction = 0};
     if (clip == character.clips.size()) return cursor;
@@ -37,20 +38,25 @@ double component_error(double got, double wanted) {
 double pose_error(const io::JointPose& got, const Trs<double>& wanted) {
     const Quaternion<double> q{got.rotation.x, got.rotation.y, got.rotation.z, got.rotation.w};
     const Quaternion<double> w = dot(q, wanted.rotation) < 0 ? -wanted.rotation : wanted.rotation;
-    return std::max({component_error(q.x, w.x), component_error(q.y, w.y), component_error(q.z, w.z), component_error(q.w, w.w),
-                     component_error(got.translation.x, wanted.translation.x), component_error(got.translation.y, wanted.translation.y),
-                     component_error(got.translation.z, wanted.translation.z), component_error(got.scale.x, wanted.scale.x),
-                     component_error(got.scale.y, wanted.scale.y), component_error(got.scale.z, wanted.scale.z)});
+    return std::max({component_error(q.x, w.x), component_error(q.y, w.y), component_error(q.z, w.z),
+                     component_error(q.w, w.w), component_error(got.translation.x, wanted.translation.x),
+                     component_error(got.translation.y, wanted.translation.y),
+                     component_error(got.translation.z, wanted.translation.z),
+                     component_error(got.scale.x, wanted.scale.x), component_error(got.scale.y, wanted.scale.y),
+                     component_error(got.scale.z, wanted.scale.z)});
 }
 
-std::vector<io::JointPose> run_sample(const Character& character, const std::vector<io::InstanceCursor>& cursors, uint32_t slot) {
+std::vector<io::JointPose> run_sample(const Character& character, const std::vector<io::InstanceCursor>& cursors,
+                                      uint32_t slot) {
     const auto count = static_cast<uint32_t>(cursors.size());
     const Guarded<io::JointPose> poses(poison<io::JointPose>(size_t{count} * character.rig.joint_count()));
     const Guarded<io::InstanceCursor> cursor_buffer(cursors);
     const Guarded<JointTracks> tracks(character.tracks);
     const Guarded<std::array<float, 4>> keys(character.keys);
     const Guarded<uint32_t> words(character.words);
-    run_workgroups(sample_kernel(test_gpu(), character.packed), SampleBuffers{cursor_buffer, tracks, keys, words, poses}, io::SamplePush{character.rig.joint_count(), slot}, count);
+    run_workgroups(sample_kernel(test_gpu(), character.packed),
+                   SampleBuffers{cursor_buffer, tracks, keys, words, poses},
+                   io::SamplePush{character.rig.joint_count(), slot}, count);
     return poses.read();
 }
 
@@ -70,14 +76,17 @@ void expect_reference(const Character& character) {
             return Shown{clip, i == 0 ? 0 : i == 1 ? duration_s : random.between(0, duration_s)};
         };
         shown.push_back({any(), any()});
-        cursors.push_back({cursor_at(character, shown.back()[0].clip, shown.back()[0].time_s), cursor_at(character, shown.back()[1].clip, shown.back()[1].time_s), 0.5f});
+        cursors.push_back({cursor_at(character, shown.back()[0].clip, shown.back()[0].time_s),
+                           cursor_at(character, shown.back()[1].clip, shown.back()[1].time_s), 0.5f});
     }
     double worst = 0;
     for (const uint32_t slot : {0u, 1u}) {
         const std::vector<io::JointPose> poses = run_sample(character, cursors, slot);
         for (size_t i = 0; i < cursors.size(); ++i) {
-            const std::vector<Trs<double>> wanted = sample_reference(character, shown[i][slot].clip, shown[i][slot].time_s);
-            for (size_t joint = 0; joint < joint_count; ++joint) worst = std::max(worst, pose_error(poses[i * joint_count + joint], wanted[joint]));
+            const std::vector<Trs<double>> wanted = sample_reference(character, shown[i][slot].clip,
+                                                                     shown[i][slot].time_s);
+            for (size_t joint = 0; joint < joint_count; ++joint)
+                worst = std::max(worst, pose_error(poses[i * joint_count + joint], wanted[joint]));
         }
     }
     EXPECT_LE(worst, kBound) << joint_count << " joints";
@@ -86,13 +95,17 @@ void expect_reference(const Character& character) {
 
 TEST(Sample, CompiledClipsFollowTheReference) {
     for (const uint32_t joint_count : {1u, 63u, 64u, 65u, 300u})
-        expect_reference(make_character({.joint_count = joint_count, .seed = joint_count, .clip_count = 4, .cubic = joint_count == 65}));
+        expect_reference(make_character(
+            {.joint_count = joint_count, .seed = joint_count, .clip_count = 4, .cubic = joint_count == 65}));
 }
 
 TEST(Sample, PackedClipsFollowTheReference) {
     for (const uint32_t joint_count : {1u, 63u, 65u, 300u}) {
         for (const double error : {1e-2, 1e-4, 1e-6}) {
-            const Result<Character> packed = compile_character(make_asset({.joint_count = joint_count, .seed = joint_count, .clip_count = 4, .cubic = joint_count == 65}), {.error = error});
+            const Result<Character> packed = compile_character(
+                make_asset(
+                    {.joint_count = joint_count, .seed = joint_count, .clip_count = 4, .cubic = joint_count == 65}),
+                {.error = error});
             ASSERT_TRUE(packed) << packed.error().text();
             ASSERT_TRUE(packed->packed);
             expect_reference(*packed);
@@ -104,17 +117,20 @@ TEST(Sample, PackedClipsFollowTheReference) {
 TEST(Sample, SkipsClipsWithoutWeight) {
     const Character character = make_character({.joint_count = 70});
     const io::SlotCursor first = cursor_at(character, 0, 0.3), second = cursor_at(character, 1, 0.7);
-    const std::vector<io::InstanceCursor> cursors{{first, second, 1}, {first, second, 0}, {first, second, 0.5f}, {first, second, 1}};
+    const std::vector<io::InstanceCursor> cursors{
+        {first, second, 1}, {first, second, 0}, {first, second, 0.5f}, {first, second, 1}};
     const std::vector<io::JointPose> untouched = poison<io::JointPose>(70);
     for (const uint32_t slot : {0u, 1u}) {
         const std::vector<io::JointPose> poses = run_sample(character, cursors, slot);
         const std::vector<Trs<double>> wanted = sample_reference(character, slot, slot == 0 ? 0.3 : 0.7);
         for (size_t i = 0; i < cursors.size(); ++i) {
-            const std::vector<io::JointPose> of_instance(poses.begin() + static_cast<ptrdiff_t>(i * 70), poses.begin() + static_cast<ptrdiff_t>(i * 70 + 70));
+            const std::vector<io::JointPose> of_instance(poses.begin() + static_cast<ptrdiff_t>(i * 70),
+                                                         poses.begin() + static_cast<ptrdiff_t>(i * 70 + 70));
             const bool has_weight = (slot == 0 ? cursors[i].weight : 1 - cursors[i].weight) > 0;
             EXPECT_EQ(same_bits(of_instance, untouched), !has_weight) << "slot " << slot << ", instance " << i;
             if (!has_weight) continue;
-            for (size_t joint = 0; joint < 70; ++joint) EXPECT_LE(pose_error(of_instance[joint], wanted[joint]), kBound);
+            for (size_t joint = 0; joint < 70; ++joint)
+                EXPECT_LE(pose_error(of_instance[joint], wanted[joint]), kBound);
         }
     }
 }
@@ -140,19 +156,26 @@ TEST(Sample, ArcsOfEverySize) {
     character.keys.push_back({1, 2, 3, 0});
     character.keys.push_back({1, 1, 1, 0});
     for (uint32_t joint = 0; joint < joint_count; ++joint) {
-        // Half a turn, to the bit: the quaternions are at right angles, and either way round would be right but for dot >= 0.
+        // Half a turn, to the bit: the quaternions are at right angles, and either way round would be right but for dot
+        // >= 0.
         const Vec3<double> axis = joint < 2 ? Vec3<double>{0, 1, 0} : random.direction();
-        const Quaternion<double> from = joint < 2 ? Quaternion<double>{} : random.rotation(), turn = axis_angle(axis, angles_rad[joint]);
-        const Quaternion<float> a = from.as<float>(), b = (joint == 1 ? Quaternion<double>{0, 1, 0, 0} : normalized(from * turn)).as<float>();
+        const Quaternion<double> from = joint < 2 ? Quaternion<double>{} : random.rotation(),
+                                 turn = axis_angle(axis, angles_rad[joint]);
+        const Quaternion<float> a = from.as<float>(),
+                                b = (joint == 1 ? Quaternion<double>{0, 1, 0, 0} : normalized(from * turn)).as<float>();
         character.keys[joint] = {a.x, a.y, a.z, a.w};
         character.keys[joint_count + joint] = {b.x, b.y, b.z, b.w};
-        character.tracks.push_back({.rotation = joint | kTrackAnimated, .translation = constants, .scale = constants + 1});
+        character.tracks.push_back(
+            {.rotation = joint | kTrackAnimated, .translation = constants, .scale = constants + 1});
     }
     std::vector<io::InstanceCursor> cursors;
     std::vector<double> times_s;
     for (const double time_s : {0.0, 1e-7, 0.001, 0.1, 0.25, 0.5, 0.75, 0.9, 0.999, 0.9999999}) {
         times_s.push_back(static_cast<float>(time_s));
-        cursors.push_back({.first = {.first_track = 0, .earlier = 0, .later = joint_count, .fraction = static_cast<float>(time_s)}, .second = {}, .weight = 1});
+        cursors.push_back(
+            {.first = {.first_track = 0, .earlier = 0, .later = joint_count, .fraction = static_cast<float>(time_s)},
+             .second = {},
+             .weight = 1});
     }
     const std::vector<io::JointPose> poses = run_sample(character, cursors, 0);
     double worst = 0, worst_length = 0;
@@ -164,11 +187,14 @@ TEST(Sample, ArcsOfEverySize) {
             EXPECT_LE(error, kBound) << angles_rad[joint] << " rad at " << times_s[i];
             worst = std::max(worst, error);
             const io::vec4& q = pose.rotation;
-            worst_length = std::max(worst_length, std::abs(std::sqrt(double{q.x} * q.x + double{q.y} * q.y + double{q.z} * q.z + double{q.w} * q.w) - 1));
+            worst_length = std::max(
+                worst_length,
+                std::abs(std::sqrt(double{q.x} * q.x + double{q.y} * q.y + double{q.z} * q.z + double{q.w} * q.w) - 1));
         }
     }
     EXPECT_LE(worst_length, 5e-7);
-    std::printf("  %u arcs x %zu times: largest error %.1e, of the length %.1e\n", joint_count, cursors.size(), worst, worst_length);
+    std::printf("  %u arcs x %zu times: largest error %.1e, of the length %.1e\n", joint_count, cursors.size(), worst,
+                worst_length);
 }
 
 // A stepped track holds its earlier row to the last moment, beside a linear one and a constant.
@@ -177,11 +203,15 @@ TEST(Sample, StepLinearAndConstant) {
     character.rig.parents = {kNone};
     character.clips.push_back({.duration_s = 1, .row_count = 3, .row_stride = 2});
     character.times_s = {0, 0.5f, 1};
-    character.keys = {{1, 0, 0, 0}, {1, 1, 1, 0}, {3, 0, 0, 0}, {2, 4, 6, 0}, {7, 0, 0, 0}, {9, 9, 9, 0}, {0, 0, 1, 0}};  // [row][column], then a constant
+    // [row][column], then a constant
+    character.keys = {{1, 0, 0, 0}, {1, 1, 1, 0}, {3, 0, 0, 0}, {2, 4, 6, 0}, {7, 0, 0, 0}, {9, 9, 9, 0}, {0, 0, 1, 0}};
     character.tracks = {{.rotation = 6, .translation = 0 | kTrackAnimated | kTrackStep, .scale = 1 | kTrackAnimated}};
     const io::SlotCursor end{.first_track = 0, .earlier = 4, .later = 4, .fraction = 0};
-    const std::vector<io::JointPose> poses = run_sample(character, {{{0, 0, 2, 0.25f}, {}, 1}, {{0, 2, 4, 0.999f}, {}, 1}, {end, {}, 1}}, 0);
-    const auto equals = [](const io::vec4& v, float x, float y, float z) { return std::abs(v.x - x) + std::abs(v.y - y) + std::abs(v.z - z) < 1e-5f; };
+    const std::vector<io::JointPose> poses = run_sample(
+        character, {{{0, 0, 2, 0.25f}, {}, 1}, {{0, 2, 4, 0.999f}, {}, 1}, {end, {}, 1}}, 0);
+    const auto equals = [](const io::vec4& v, float x, float y, float z) {
+        return std::abs(v.x - x) + std::abs(v.y - y) + std::abs(v.z - z) < 1e-5f;
+    };
     EXPECT_TRUE(equals(poses[0].translation, 1, 0, 0) && equals(poses[0].scale, 1.25f, 1.75f, 2.25f));
     EXPECT_TRUE(equals(poses[1].translation, 3, 0, 0) && equals(poses[1].scale, 8.993f, 8.995f, 8.997f));
     EXPECT_TRUE(equals(poses[2].translation, 7, 0, 0) && equals(poses[2].scale, 9, 9, 9));
@@ -189,7 +219,8 @@ TEST(Sample, StepLinearAndConstant) {
 }
 
 TEST(Sample, TheReferenceTakesTheShorterArc) {
-    const Quaternion<double> from{}, to = axis_angle(Vec3<double>{0, 0, 1}, 1.0), middle = axis_angle(Vec3<double>{0, 0, 1}, 0.25);
+    const Quaternion<double> from{}, to = axis_angle(Vec3<double>{0, 0, 1}, 1.0),
+                                     middle = axis_angle(Vec3<double>{0, 0, 1}, 0.25);
     for (const Quaternion<double>& end : {to, -to}) {
         const Quaternion<double> got = slerp_reference(from, end, 0.25);
         EXPECT_NEAR(std::abs(dot(got, middle)), 1, 1e-12);

@@ -16,7 +16,8 @@ namespace {
 
 using namespace test;
 
-constexpr ScanLimits kSmallGpu{.shared_memory_bytes = 32768, .workgroup_size = 1024, .subgroup_size = 8, .shuffle = true, .is_cpu = true};
+constexpr ScanLimits kSmallGpu{
+    .shared_memory_bytes = 32768, .workgroup_size = 1024, .subgroup_size = 8, .shuffle = true, .is_cpu = true};
 
 ScanCounts counts_of(std::string_view name, const ScanRig& rig, uint32_t lanes = 0) {
     const ScanPlan plan = plan_scan(*find_scan_method(name), rig, kSmallGpu, lanes);
@@ -65,7 +66,8 @@ TEST(ScanPlan, CountsOfSmallRigsAreThoseByHand) {
 
 // The longest chain inside a block and the hops out of it, walked joint by joint.
 TEST(ScanPlan, MultiplicationsAreThoseOfTheDefinitions) {
-    for (const RigShape shape : {RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary, RigShape::kRandom, RigShape::kBushy}) {
+    for (const RigShape shape :
+         {RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary, RigShape::kRandom, RigShape::kBushy}) {
         const ScanRig rig(make_parents(shape, 300, 3));
         std::map<std::string_view, uint64_t> wanted;
         std::vector<uint32_t> child_count(rig.joint_count());
@@ -85,27 +87,34 @@ TEST(ScanPlan, MultiplicationsAreThoseOfTheDefinitions) {
             wanted["serial"] += rig.depths[joint] > 1 ? 1 : 0;
             if (rig.parents[joint] != kNone) ++child_count[rig.parents[joint]];
         }
-        for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) wanted["kandar2024_leaves"] += child_count[joint] == 0 ? rig.depths[joint] - 1 : 0;
-        for (const auto& [name, multiplications] : wanted) EXPECT_EQ(counts_of(name, rig).multiplications, multiplications) << name << ", " << name_of(shape);
+        for (uint32_t joint = 0; joint < rig.joint_count(); ++joint)
+            wanted["kandar2024_leaves"] += child_count[joint] == 0 ? rig.depths[joint] - 1 : 0;
+        for (const auto& [name, multiplications] : wanted)
+            EXPECT_EQ(counts_of(name, rig).multiplications, multiplications) << name << ", " << name_of(shape);
     }
 }
 
-// No method does with less than a multiplication for each joint that has a parent, nor with a shorter thread than its lanes allow.
+// No method does with less than a multiplication for each joint that has a parent, nor with a shorter thread than its
+// lanes allow.
 TEST(ScanPlan, CountsArePlausible) {
-    for (const RigShape shape : {RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary, RigShape::kRandom, RigShape::kBushy}) {
+    for (const RigShape shape :
+         {RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary, RigShape::kRandom, RigShape::kBushy}) {
         const ScanRig rig(make_parents(shape, 300, 3), true);
-        const auto least = static_cast<uint64_t>(std::count_if(rig.parents.begin(), rig.parents.end(), [](uint32_t parent) { return parent != kNone; }));
+        const auto least = static_cast<uint64_t>(
+            std::count_if(rig.parents.begin(), rig.parents.end(), [](uint32_t parent) { return parent != kNone; }));
         for (const ScanMethod& method : scan_table()) {
             for (const uint32_t lanes : method.lane_choices(kSmallGpu)) {
                 const ScanPlan plan = plan_scan(method, rig, kSmallGpu, lanes);
                 if (!plan.obstacle.empty()) continue;
                 const ScanCounts& counts = plan.counts;
-                const std::string where = std::string(method.name) + ":" + std::to_string(lanes) + ", " + std::string(name_of(shape));
+                const std::string where = std::string(method.name) + ":" + std::to_string(lanes) + ", " +
+                                          std::string(name_of(shape));
                 EXPECT_GE(counts.multiplications, least) << where;
                 EXPECT_LE(counts.multiplications, rig.joint_count() * uint64_t{rig.level_count}) << where;
                 EXPECT_GE(uint64_t{counts.longest_thread} * plan.workgroup_size, counts.multiplications) << where;
                 EXPECT_GE(counts.longest_thread, std::bit_width(rig.level_count - 1)) << where;
-                EXPECT_GE(counts.issue_steps * kSmallGpu.subgroup_size, static_cast<double>(counts.multiplications)) << where;
+                EXPECT_GE(counts.issue_steps * kSmallGpu.subgroup_size, static_cast<double>(counts.multiplications))
+                    << where;
                 EXPECT_GT(counts.issue_rows, counts.issue_steps) << where;
             }
         }
@@ -113,14 +122,17 @@ TEST(ScanPlan, CountsArePlausible) {
 }
 
 TEST(ScanPlan, APlanNamesItsObstacle) {
-    const ScanRig uniform(make_parents(RigShape::kBinary, 30), true), stretched(make_parents(RigShape::kBinary, 30), false);
+    const ScanRig uniform(make_parents(RigShape::kBinary, 30), true),
+        stretched(make_parents(RigShape::kBinary, 30), false);
     for (const ScanMethod& method : scan_table()) {
         const std::vector<uint32_t> choices = method.lane_choices(kSmallGpu);
         ASSERT_FALSE(choices.empty()) << method.name;
         EXPECT_EQ(plan_scan(method, uniform, kSmallGpu, choices[0]).obstacle, "") << method.name;
         const std::string scale = plan_scan(method, stretched, kSmallGpu, choices[0]).obstacle;
-        EXPECT_EQ(scale.find("scale") != std::string::npos, method.format == ScanFormat::kSimilarity) << method.name << ": " << scale;
-        EXPECT_NE(plan_scan(method, uniform, kSmallGpu, 7).obstacle.find("7 invocations"), std::string::npos) << method.name;
+        EXPECT_EQ(scale.find("scale") != std::string::npos, method.format == ScanFormat::kSimilarity)
+            << method.name << ": " << scale;
+        EXPECT_NE(plan_scan(method, uniform, kSmallGpu, 7).obstacle.find("7 invocations"), std::string::npos)
+            << method.name;
         EXPECT_EQ(lanes_obstacle(method, kSmallGpu, choices[0]), "") << method.name;
         EXPECT_NE(lanes_obstacle(method, kSmallGpu, 7).find("7 invocations"), std::string::npos) << method.name;
     }
@@ -128,9 +140,11 @@ TEST(ScanPlan, APlanNamesItsObstacle) {
 
 // A shared array has an element also where the rig needs none.
 TEST(ScanPlan, WhatIsDeclaredInSharedMemoryIsCounted) {
-    const ScanRig single(make_parents(RigShape::kChain, 1)), star(make_parents(RigShape::kStar, 9)), chain(make_parents(RigShape::kChain, 5));
+    const ScanRig single(make_parents(RigShape::kChain, 1)), star(make_parents(RigShape::kStar, 9)),
+        chain(make_parents(RigShape::kChain, 5));
     ScanLimits limits = kSmallGpu;
-    for (const auto& [name, rig] : {std::pair{"doubling", single}, {"levels", single}, {"levels", star}, {"levels", chain}}) {
+    for (const auto& [name, rig] :
+         {std::pair{"doubling", single}, {"levels", single}, {"levels", star}, {"levels", chain}}) {
         const ScanPlan plan = plan_scan(*find_scan_method(name), rig, kSmallGpu, 0);
         EXPECT_EQ(plan.counts.shared_bytes, 96u) << name;
         EXPECT_EQ(plan.constants[0], 1u) << name;
@@ -150,7 +164,8 @@ TEST(ScanPlan, TooManyLoopIterationsAreAnObstacle) {
     EXPECT_EQ(plan_scan(*find_scan_method("doubling"), chain, limits, 0).obstacle, "");
     EXPECT_EQ(counts_of("gateau2012_walk", ScanRig(make_parents(RigShape::kChain, 33))).loop_iterations, 32u + 2 + 1);
     // Of 256 invocations the sixth subgroup has joints 40 to 47, then 296 to 299.
-    EXPECT_EQ(counts_of("gateau2012_walk", ScanRig(make_parents(RigShape::kChain, 300))).loop_iterations, 47u + 2 + 299 + 2 + 1);
+    EXPECT_EQ(counts_of("gateau2012_walk", ScanRig(make_parents(RigShape::kChain, 300))).loop_iterations,
+              47u + 2 + 299 + 2 + 1);
 }
 
 TEST(ScanPlan, TheTableNamesItsMethods) {

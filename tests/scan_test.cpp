@@ -1,5 +1,5 @@
-// Every scan method against the reference. Quarter turns, Hurwitz quaternions and integer translations make every product exact in
-// float, so that a method must give the reference's very numbers, whatever its order of association.
+// Every scan method against the reference. Quarter turns, Hurwitz quaternions and integer translations make every
+// product exact in float, so that a method must give the reference's very numbers, whatever its order of association.
 #include "base/failure.h"
 #include "scan/scan.h"
 #include "scan/scan_reference.h"
@@ -46,13 +46,16 @@ Local exact_similarity(Random& random) {
     std::array<double, 4> q{};
     if (const uint32_t kind = random.below(6); kind < 4)
         for (double& component : q) component = sign(0.5);
-    else q[random.below(4)] = sign(1);
+    else
+        q[random.below(4)] = sign(1);
     const auto integer = [&] { return static_cast<double>(random.below(9)) - 4; };
     const double scale = sign(1), x = integer(), y = integer(), z = integer();
     return as_local(Trs<double>{{q[0], q[1], q[2], q[3]}, {x, y, z}, {scale, scale, scale}});
 }
 
-Local exact_local(Random& random, ScanFormat format) { return format == ScanFormat::kAffine ? as_local(exact_transform(random)) : exact_similarity(random); }
+Local exact_local(Random& random, ScanFormat format) {
+    return format == ScanFormat::kAffine ? as_local(exact_transform(random)) : exact_similarity(random);
+}
 
 // Transforms of several instances of one rig, and what the reference makes of them.
 struct RigCrowd {
@@ -85,7 +88,9 @@ struct ExactCrowds {
     ExactCrowds(const std::vector<uint32_t>& parents, uint32_t instance_count, Random& random)
         : affine(parents, instance_count, [&] { return exact_local(random, ScanFormat::kAffine); }),
           similarity(parents, instance_count, [&] { return exact_local(random, ScanFormat::kSimilarity); }) {}
-    const RigCrowd& of(const ScanMethod& method) const { return method.format == ScanFormat::kAffine ? affine : similarity; }
+    const RigCrowd& of(const ScanMethod& method) const {
+        return method.format == ScanFormat::kAffine ? affine : similarity;
+    }
 };
 
 // [rows][columns][size] to [columns][rows][size]
@@ -119,7 +124,9 @@ struct ScanRun {
           model(poison<Affine>(matrix_count())),
           scratch(poison<Affine>(matrix_count())) {}
     size_t matrix_count() const { return size_t{crowd.rig.joint_count()} * instance_count; }
-    ScanBuffers buffers(const Buffer& links) const { return {.local = local, .links = links, .model = model, .scratch = scratch}; }
+    ScanBuffers buffers(const Buffer& links) const {
+        return {.local = local, .links = links, .model = model, .scratch = scratch};
+    }
 
     // [instance][joint], after a look at the guard words and the input.
     std::vector<Affine> result() const {
@@ -153,8 +160,9 @@ size_t count_different(const std::vector<Affine>& got, const std::vector<AffineT
 ScanLimits device_limits() { return scan_limits(*test_gpu()); }
 
 std::string place(const ScanChoice& choice, RigShape shape, uint32_t joint_count, uint32_t instance_count) {
-    return std::string(choice.method->name) + ", " + std::to_string(choice.lanes) + " lanes, " + std::string(name_of(shape)) + " of " + std::to_string(joint_count) +
-           " joints, " + std::to_string(instance_count) + " instances";
+    return std::string(choice.method->name) + ", " + std::to_string(choice.lanes) + " lanes, " +
+           std::string(name_of(shape)) + " of " + std::to_string(joint_count) + " joints, " +
+           std::to_string(instance_count) + " instances";
 }
 
 // What was compared, by method, and what was left out because the method does not apply.
@@ -172,7 +180,8 @@ public:
     void print() {
         for (const ScanMethod& method : scan_table()) {
             const Row& row = rows_[method.name];
-            std::printf("  %-22s %5zu cases, %9zu matrices, equal bit for bit", std::string(method.name).c_str(), row.cases, row.matrices);
+            std::printf("  %-22s %5zu cases, %9zu matrices, equal bit for bit", std::string(method.name).c_str(),
+                        row.cases, row.matrices);
             if (row.skips > 0) std::printf("; %zu do not apply: %s", row.skips, row.obstacle.c_str());
             std::printf("\n");
         }
@@ -186,9 +195,10 @@ private:
     std::map<std::string_view, Row> rows_;
 };
 
-// A method may refuse a rig of many thousand joints for its loop iterations or for the paths of its leaves, and lanes for too little
-// shared memory; nothing else is an excuse.
-void expect_excusable(const std::string& obstacle, const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits, const std::string& where) {
+// A method may refuse a rig of many thousand joints for its loop iterations or for the paths of its leaves, and lanes
+// for too little shared memory; nothing else is an excuse.
+void expect_excusable(const std::string& obstacle, const ScanChoice& choice, const ScanRig& rig,
+                      const ScanLimits& limits, const std::string& where) {
     if (obstacle.find("loop iterations") != std::string::npos) {
         EXPECT_GT(uint64_t{rig.joint_count()} * rig.level_count, limits.loop_iterations) << where << ": " << obstacle;
         EXPECT_GT(rig.joint_count(), 2000u) << where << ": " << obstacle;
@@ -208,8 +218,8 @@ void expect_excusable(const std::string& obstacle, const ScanChoice& choice, con
 }
 
 // One choice on one rig; false where a number differs.
-bool is_exact(Tally& tally, const ScanChoice& choice, const RigCrowd& crowd, const ScanLimits& limits, std::span<const uint32_t> instance_counts,
-              const std::string& where) {
+bool is_exact(Tally& tally, const ScanChoice& choice, const RigCrowd& crowd, const ScanLimits& limits,
+              std::span<const uint32_t> instance_counts, const std::string& where) {
     const ScanPlan plan = plan_scan(*choice.method, crowd.rig, limits, choice.lanes);
     if (!plan.obstacle.empty()) {
         expect_excusable(plan.obstacle, choice, crowd.rig, limits, where);
@@ -236,16 +246,19 @@ TEST(Scan, EveryMethodIsExact) {
     for (const uint32_t joint_count : kJointCounts) {
         for (const RigShape shape : kRigShapes) {
             Random random(++seed);
-            const uint32_t most = std::max(std::min(kInstanceCounts.back(), kMatrixLimit / joint_count), kInstanceCounts[1]);
+            const uint32_t most = std::max(std::min(kInstanceCounts.back(), kMatrixLimit / joint_count),
+                                           kInstanceCounts[1]);
             const ExactCrowds crowds(make_parents(shape, joint_count, seed), most, random);
             for (const ScanMethod& method : scan_table()) {
                 const ScanChoice choice{&method, method.lane_choices(limits).at(0)};
-                ASSERT_TRUE(is_exact(tally, choice, crowds.of(method), limits, kInstanceCounts, place(choice, shape, joint_count, most)));
+                ASSERT_TRUE(is_exact(tally, choice, crowds.of(method), limits, kInstanceCounts,
+                                     place(choice, shape, joint_count, most)));
             }
         }
     }
     tally.print();
-    for (const ScanMethod& method : scan_table()) EXPECT_EQ(tally.cases(method), kJointCounts.size() * kRigShapes.size() * kInstanceCounts.size()) << method.name;
+    for (const ScanMethod& method : scan_table())
+        EXPECT_EQ(tally.cases(method), kJointCounts.size() * kRigShapes.size() * kInstanceCounts.size()) << method.name;
 }
 
 TEST(Scan, EveryNumberOfLanesIsExact) {
@@ -260,7 +273,8 @@ TEST(Scan, EveryNumberOfLanesIsExact) {
                 for (const uint32_t lanes : method.lane_choices(limits)) {
                     if (lanes == method.lane_choices(limits)[0]) continue;
                     const ScanChoice choice{&method, lanes};
-                    ASSERT_TRUE(is_exact(tally, choice, crowds.of(method), limits, std::array{1u, 37u}, place(choice, shape, joint_count, 37)));
+                    ASSERT_TRUE(is_exact(tally, choice, crowds.of(method), limits, std::array{1u, 37u},
+                                         place(choice, shape, joint_count, 37)));
                 }
             }
         }
@@ -275,15 +289,17 @@ TEST(Scan, EveryMethodIsExactForTheLargestRigs) {
     };
     Tally tally;
     const ScanLimits limits = device_limits();
-    for (const Case& c : {Case{RigShape::kChain, 5000, 2}, Case{RigShape::kRandom, 5000, 3}, Case{RigShape::kComb, 65535, 1}, Case{RigShape::kRandom, 65535, 1},
-                          Case{RigShape::kBushy, 65535, 2}, Case{RigShape::kStar, 65535, 1}}) {
+    for (const Case& c :
+         {Case{RigShape::kChain, 5000, 2}, Case{RigShape::kRandom, 5000, 3}, Case{RigShape::kComb, 65535, 1},
+          Case{RigShape::kRandom, 65535, 1}, Case{RigShape::kBushy, 65535, 2}, Case{RigShape::kStar, 65535, 1}}) {
         Random random(c.joint_count);
         const ExactCrowds crowds(make_parents(c.shape, c.joint_count, 7), c.instance_count, random);
         for (const ScanMethod& method : scan_table()) {
             const std::vector<uint32_t> choices = method.lane_choices(limits);
             for (const uint32_t lanes : std::set{choices.front(), choices.back()}) {
                 const ScanChoice choice{&method, lanes};
-                is_exact(tally, choice, crowds.of(method), limits, std::array{c.instance_count}, place(choice, c.shape, c.joint_count, c.instance_count));
+                is_exact(tally, choice, crowds.of(method), limits, std::array{c.instance_count},
+                         place(choice, c.shape, c.joint_count, c.instance_count));
             }
         }
     }
@@ -294,7 +310,9 @@ TEST(Scan, EveryMethodIsExactForTheLargestRigs) {
 TEST(Scan, EveryMethodIsExactWithinLowerLimits) {
     const ScanLimits device = device_limits();
     std::map<std::string, ScanLimits> lowered;
-    const auto lower = [&](const std::string& name) -> ScanLimits& { return lowered.emplace(name, device).first->second; };
+    const auto lower = [&](const std::string& name) -> ScanLimits& {
+        return lowered.emplace(name, device).first->second;
+    };
     lower("no shared memory").shared_memory_bytes = 0;
     lower("1,000 bytes of shared memory").shared_memory_bytes = 1000;
     lower("no shuffles").shuffle = false;
@@ -322,8 +340,11 @@ TEST(Scan, EveryMethodIsExactWithinLowerLimits) {
         }
         std::printf("  %s:\n", name.c_str());
         tally.print();
-        for (const ScanMethod& method : scan_table())  // those that exchange through shared memory have another way, too
-            if (method.origin != ScanOrigin::kOurs) { EXPECT_EQ(tally.cases(method), 9u) << name << ", " << method.name; }
+        // Those that exchange through shared memory have another way, too
+        for (const ScanMethod& method : scan_table())
+            if (method.origin != ScanOrigin::kOurs) {
+                EXPECT_EQ(tally.cases(method), 9u) << name << ", " << method.name;
+            }
     }
 }
 
@@ -342,14 +363,16 @@ TEST(Scan, EveryMethodIsExactWithNarrowWords) {
             const ExactCrowds crowds(make_parents(shape, joint_count, 5), 19, random);
             for (const ScanMethod& method : scan_table()) {
                 const ScanChoice choice{&method, method.lane_choices(limits).at(0)};
-                ASSERT_TRUE(is_exact(tally, choice, crowds.of(method), limits, std::array{19u}, place(choice, shape, joint_count, 19)));
+                ASSERT_TRUE(is_exact(tally, choice, crowds.of(method), limits, std::array{19u},
+                                     place(choice, shape, joint_count, 19)));
             }
         }
     }
     tally.print();
 }
 
-// The benchmark's variants: the same transforms for every character, several repeats, barriers doubled; the last repeat's results.
+// The benchmark's variants: the same transforms for every character, several repeats, barriers doubled; the last
+// repeat's results.
 TEST(Scan, EveryOnChipVariantIsExact) {
     constexpr uint32_t kJoints = 100, kInstances = 5, kRepeats = 3;
     Tally tally;
@@ -361,28 +384,36 @@ TEST(Scan, EveryOnChipVariantIsExact) {
             for (const uint32_t lanes : method.lane_choices(limits)) {
                 RigCrowd crowd = one.of(method);
                 ScanPlan plan = plan_scan(method, crowd.rig, limits, lanes);
-                const uint64_t shared_bytes = uint64_t{plan.counts.shared_bytes} * plan.instances_per_workgroup + plan.instances_per_workgroup * kJoints * crowd.rows_per_joint * 16;
+                const uint64_t shared_bytes = uint64_t{plan.counts.shared_bytes} * plan.instances_per_workgroup +
+                                              plan.instances_per_workgroup * kJoints * crowd.rows_per_joint * 16;
                 if (!plan.on_chip || shared_bytes > limits.shared_memory_bytes) {
                     tally.skipped(method, "not on chip, or too large for it");
                     continue;
                 }
                 crowd.instance_count = kInstances;
                 for (uint32_t instance = 1; instance < kInstances; ++instance) {
-                    crowd.rows.insert(crowd.rows.end(), crowd.rows.begin(), crowd.rows.begin() + static_cast<ptrdiff_t>(kJoints * crowd.rows_per_joint));
+                    crowd.rows.insert(crowd.rows.end(), crowd.rows.begin(),
+                                      crowd.rows.begin() + static_cast<ptrdiff_t>(kJoints * crowd.rows_per_joint));
                     crowd.wanted.insert(crowd.wanted.end(), crowd.wanted.begin(), crowd.wanted.begin() + kJoints);
                 }
                 const ScanRun run(crowd, method, kInstances);
                 const Buffer links = upload(test_gpu(), "scan links", plan.links);
                 plan.constants.resize(7);
-                plan.constants.insert(plan.constants.end(), {1, plan.instances_per_workgroup, plan.instances_per_workgroup * kJoints});
+                plan.constants.insert(plan.constants.end(),
+                                      {1, plan.instances_per_workgroup, plan.instances_per_workgroup * kJoints});
                 const ScanShaders& shaders = scan_shaders(method.name);
                 for (const auto& spirv : {shaders.on_chip, shaders.on_chip_wide}) {
                     if (spirv.data() == shaders.on_chip_wide.data() && !test_gpu()->has_int64) continue;
-                    const Kernel kernel(test_gpu(), {.name = method.name, .spirv = spirv, .workgroup_size = plan.workgroup_size, .constants = plan.constants});
-                    const uint32_t workgroups = (kInstances + plan.instances_per_workgroup - 1) / plan.instances_per_workgroup;
+                    const Kernel kernel(test_gpu(), {.name = method.name,
+                                                     .spirv = spirv,
+                                                     .workgroup_size = plan.workgroup_size,
+                                                     .constants = plan.constants});
+                    const uint32_t workgroups = (kInstances + plan.instances_per_workgroup - 1) /
+                                                plan.instances_per_workgroup;
                     run_workgroups(kernel, run.buffers(links), io::ScanPush{kJoints, kInstances, kRepeats}, workgroups);
                     const std::vector<Affine> model = run.result();
-                    ASSERT_EQ(count_different(model, crowd.wanted), 0u) << place({&method, lanes}, shape, kJoints, kInstances);
+                    ASSERT_EQ(count_different(model, crowd.wanted), 0u)
+                        << place({&method, lanes}, shape, kJoints, kInstances);
                     tally.compared(method, model.size());
                 }
             }
@@ -391,7 +422,8 @@ TEST(Scan, EveryOnChipVariantIsExact) {
     tally.print();
 }
 
-// Rotation, translation and scale near 1, non-uniform where the method takes it: rounding differs between the methods, and stays small.
+// Rotation, translation and scale near 1, non-uniform where the method takes it: rounding differs between the methods,
+// and stays small.
 TEST(Scan, EveryMethodRoundsLittle) {
     constexpr double kBound = 1e-5;  // of the crowd's extent
     const ScanLimits limits = device_limits();
@@ -409,11 +441,13 @@ TEST(Scan, EveryMethodRoundsLittle) {
             for (const ScanMethod& method : scan_table()) {
                 const RigCrowd& crowd = method.format == ScanFormat::kAffine ? affine : similarity;
                 double size = 1;
-                for (const auto& m : crowd.wanted) size = std::max({size, std::abs(m.row[0][3]), std::abs(m.row[1][3]), std::abs(m.row[2][3])});
+                for (const auto& m : crowd.wanted)
+                    size = std::max({size, std::abs(m.row[0][3]), std::abs(m.row[1][3]), std::abs(m.row[2][3])});
                 const ScanChoice choice{&method, method.lane_choices(limits).at(0)};
                 const std::vector<Affine> model = run_scan(ScanStage(test_gpu(), choice, crowd.rig, limits), crowd, 5);
                 double error = 0;
-                for (size_t i = 0; i < model.size(); ++i) error = std::max(error, matrix_error(model[i], crowd.wanted[i], size));
+                for (size_t i = 0; i < model.size(); ++i)
+                    error = std::max(error, matrix_error(model[i], crowd.wanted[i], size));
                 EXPECT_LE(error, kBound) << place(choice, shape, joint_count, 5);
                 worst[method.name] = std::max(worst[method.name], error);
             }
@@ -437,7 +471,8 @@ TEST(Scan, TheReferenceMultipliesParentFirst) {
     Affine turn_x, turn_z;
     turn_x.row = {{{1, 0, 0, 1}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
     turn_z.row = {{{0, -1, 0, 2}, {1, 0, 0, 0}, {0, 0, 1, 0}}};
-    const auto model = scan_reference(std::vector<uint32_t>{kNone, 0}, std::vector{turn_x.as<double>(), turn_z.as<double>()});
+    const auto model = scan_reference(std::vector<uint32_t>{kNone, 0},
+                                      std::vector{turn_x.as<double>(), turn_z.as<double>()});
     const Vec3<double> wanted{1 + 2 - 5, -7, 3};  // (3, 5, 7) turned about z and moved, then about x and moved
     EXPECT_EQ(transform_point(model[1], Vec3<double>{3, 5, 7}), wanted);
 }

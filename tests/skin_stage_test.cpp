@@ -1,4 +1,5 @@
-// Crowds whose vertices are skinned once: they hold what the reference says, and pictures of them are those of crowds that the draw skins.
+// Crowds whose vertices are skinned once: they hold what the reference says, and pictures of them are those of crowds
+// that the draw skins.
 #include "skin/skin_reference.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
@@ -19,7 +20,8 @@ std::vector<SkinnedVertex> skinned_of(Crowd& crowd, uint32_t instance) {
     for (const OutputBlock& block : crowd.outputs()) {
         if (instance < block.first_instance || instance >= block.first_instance + block.instance_count) continue;
         const uint64_t size_bytes = uint64_t{block.vertex_count} * sizeof(SkinnedVertex);
-        return download<SkinnedVertex>(test_gpu(), BufferRange(block.skinned_buffer, (instance - block.first_instance) * size_bytes, size_bytes));
+        return download<SkinnedVertex>(
+            test_gpu(), BufferRange(block.skinned_buffer, (instance - block.first_instance) * size_bytes, size_bytes));
     }
     return {};
 }
@@ -33,7 +35,10 @@ TEST(SkinStage, WithoutAViewAllIsSkinned) {
     const Character first = small_character(), second = creature(40, 12);
     for (const UpdatePath path : {UpdatePath::kFused, UpdatePath::kStaged}) {
         Random random(3);
-        Crowd crowd = create({.groups = {{&first, 30}, {&second, 20}}, .path = path, .keep_previous_matrices = true, .skins_once = true});
+        Crowd crowd = create({.groups = {{&first, 30}, {&second, 20}},
+                              .path = path,
+                              .keep_previous_matrices = true,
+                              .skins_once = true});
         std::vector<Playback> playbacks = random_playbacks(random, first, 30);
         for (const Playback& playback : random_playbacks(random, second, 20)) playbacks.push_back(playback);
         ASSERT_TRUE(crowd.set_playback(0, playbacks));
@@ -46,7 +51,8 @@ TEST(SkinStage, WithoutAViewAllIsSkinned) {
                 const std::vector<SkinnedVertex> got = skinned_of(crowd, i);
                 const std::vector<Vec3<double>> wanted = wanted_positions(character, playbacks[i], SkinBlend::kLinear);
                 ASSERT_EQ(got.size(), wanted.size());
-                for (size_t v = 0; v < got.size(); ++v) worst = std::max(worst, length(got[v].position.as<double>() - wanted[v]) / double{character.size});
+                for (size_t v = 0; v < got.size(); ++v)
+                    worst = std::max(worst, length(got[v].position.as<double>() - wanted[v]) / double{character.size});
             }
         }
         EXPECT_LE(worst, 2 * kPoseBound);
@@ -56,16 +62,21 @@ TEST(SkinStage, WithoutAViewAllIsSkinned) {
 
 // Listed instances have the vertices of their level; who is not listed is left alone.
 TEST(SkinStage, WithAViewWhatItListsIsSkinned) {
-    const Character character = *compile_character(*make_creature({.joint_count = 40, .level_count = 12, .face_count = 800}));
+    const Character character = *compile_character(
+        *make_creature({.joint_count = 40, .level_count = 12, .face_count = 800}));
     ASSERT_GE(character.details.size(), 2u);
     constexpr uint32_t kCount = 200;
     Random random(5);
     Crowd crowd = create({.groups = {{&character, kCount}}, .culls = true, .reduces_joints = true, .skins_once = true});
     std::vector<Affine> places;
-    for (uint32_t i = 0; i < kCount; ++i) places.push_back(to_affine(Trs<double>{.translation = {random.between(-30, 30) * character.size, 0, random.between(-60, 5) * character.size}}).as<float>());
+    for (uint32_t i = 0; i < kCount; ++i)
+        places.push_back(to_affine(Trs<double>{.translation = {random.between(-30, 30) * character.size, 0,
+                                                               random.between(-60, 5) * character.size}})
+                             .as<float>());
     ASSERT_TRUE(crowd.set_placement(0, places));
     ASSERT_TRUE(crowd.set_playback(0, random_playbacks(random, character, kCount)));
-    CrowdView view = *view_of({.eye = {0, character.size, 0}, .target = {0, 0, -10 * character.size}}, kWidth, kHeight, {});
+    CrowdView view = *view_of({.eye = {0, character.size, 0}, .target = {0, 0, -10 * character.size}}, kWidth, kHeight,
+                              {});
     view.detail_pixels = 0.5f;
     ASSERT_TRUE(crowd.update(0.1f, &view));
     std::vector<std::vector<SkinnedVertex>> before;
@@ -91,7 +102,8 @@ TEST(SkinStage, WithAViewWhatItListsIsSkinned) {
         if (const uint32_t detail = detail_of[i]; detail > 0) {
             ASSERT_EQ(character.sections.size(), 1u);
             const IndexRange& range = character.detail_ranges[detail - 1];
-            indices.assign(character.detail_indices.begin() + range.first_index, character.detail_indices.begin() + range.first_index + range.index_count);
+            indices.assign(character.detail_indices.begin() + range.first_index,
+                           character.detail_indices.begin() + range.first_index + range.index_count);
         }
         Character reduced = character;
         reduced.influences = influences_of_detail(character, detail_of[i]);
@@ -99,7 +111,8 @@ TEST(SkinStage, WithAViewWhatItListsIsSkinned) {
         std::vector<AffineT<double>> matrices;
         for (const Affine& matrix : read) matrices.push_back(matrix.as<double>());
         const std::vector<Vec3<double>> wanted = skin_reference(detail_of[i] > 0 ? reduced : character, matrices);
-        for (const uint32_t v : indices) worst = std::max(worst, length(got[v].position.as<double>() - wanted[v]) / double{character.size});
+        for (const uint32_t v : indices)
+            worst = std::max(worst, length(got[v].position.as<double>() - wanted[v]) / double{character.size});
     }
     EXPECT_GT(left_alone, 20u);
     EXPECT_LE(worst, 1e-6);
@@ -122,7 +135,11 @@ TEST(SkinStage, PicturesAreThoseThatTheDrawSkins) {
     const Character character = creature(40, 12);
     Random random(6);
     std::vector<Affine> places;
-    for (uint32_t i = 0; i < 12; ++i) places.push_back(to_affine(Trs<double>{axis_angle(Vec3<double>{0, 1, 0}, random.between(0, 6)), random.vector(2 * character.size), {i % 3 ? 1.0 : -1.5, 1, 1}}).as<float>());
+    for (uint32_t i = 0; i < 12; ++i)
+        places.push_back(to_affine(Trs<double>{axis_angle(Vec3<double>{0, 1, 0}, random.between(0, 6)),
+                                               random.vector(2 * character.size),
+                                               {i % 3 ? 1.0 : -1.5, 1, 1}})
+                             .as<float>());
     const std::vector<Playback> playbacks = random_playbacks(random, character, 12);
     Result<Renderer> renderer = Renderer::create(test_device(), {.width = kWidth, .height = kHeight});
     ASSERT_TRUE(renderer);
@@ -130,12 +147,14 @@ TEST(SkinStage, PicturesAreThoseThatTheDrawSkins) {
         std::vector<Picture> pictures;
         for (const bool culls : {false, true})
             for (const bool once : {false, true}) {
-                Crowd crowd = create({.groups = {{&character, 12}}, .culls = culls, .skin_blend = blend, .skins_once = once});
+                Crowd crowd = create(
+                    {.groups = {{&character, 12}}, .culls = culls, .skin_blend = blend, .skins_once = once});
                 ASSERT_TRUE(crowd.set_placement(0, places) && crowd.set_playback(0, playbacks));
                 const Camera camera = fit_camera(world_bounds(crowd), 4.0f / 3);
                 Result<RenderResult> result = renderer->render_frame(crowd, 0.1f, camera);
                 ASSERT_TRUE(result) << result.error().text();
-                if (culls) result = renderer->render_frame(crowd, 0, camera);  // the second half of an update has listed some
+                // The second half of an update has listed some
+                if (culls) result = renderer->render_frame(crowd, 0, camera);
                 ASSERT_TRUE(result);
                 pictures.push_back(result->picture);
             }
@@ -148,14 +167,16 @@ TEST(SkinStage, DualQuaternionsFollowTheReference) {
     const Character character = make_character({.joint_count = 20, .scale_spread = 0});
     for (const SkinFormat format : {SkinFormat::kAffine, SkinFormat::kSimilarity}) {
         Random random(8);
-        Crowd crowd = create({.groups = {{&character, 20}}, .skin_format = format, .skin_blend = SkinBlend::kDualQuaternion});
+        Crowd crowd = create(
+            {.groups = {{&character, 20}}, .skin_format = format, .skin_blend = SkinBlend::kDualQuaternion});
         const std::vector<Playback> playbacks = random_playbacks(random, character, 20);
         ASSERT_TRUE(crowd.set_playback(0, playbacks) && crowd.update(0));
         double worst = 0, moved = 0;
         for (uint32_t i = 0; i < 20; ++i) {
             const std::vector<Vec3<float>> got = *crowd.read_positions(i);
             const Playback playback = advanced(playbacks[i], character, 0);
-            const std::vector<Vec3<double>> wanted = wanted_positions(character, playback, SkinBlend::kDualQuaternion), linear = wanted_positions(character, playback, SkinBlend::kLinear);
+            const std::vector<Vec3<double>> wanted = wanted_positions(character, playback, SkinBlend::kDualQuaternion),
+                                            linear = wanted_positions(character, playback, SkinBlend::kLinear);
             for (size_t v = 0; v < got.size(); ++v) {
                 worst = std::max(worst, length(got[v].as<double>() - wanted[v]) / double{character.size});
                 moved = std::max(moved, length(linear[v] - wanted[v]) / double{character.size});
@@ -168,7 +189,8 @@ TEST(SkinStage, DualQuaternionsFollowTheReference) {
 
 TEST(SkinStage, WhatDualQuaternionsCannotBlendIsRefused) {
     const Character character = make_character({.joint_count = 20, .scale_spread = 0.1});
-    const Result<Crowd> crowd = Crowd::create(test_device(), {.groups = {{&character, 2}}, .skin_blend = SkinBlend::kDualQuaternion});
+    const Result<Crowd> crowd = Crowd::create(test_device(),
+                                              {.groups = {{&character, 2}}, .skin_blend = SkinBlend::kDualQuaternion});
     ASSERT_FALSE(crowd);
     EXPECT_EQ(crowd.error().code, ErrorCode::kUnsupported);
     EXPECT_NE(crowd.error().text().find("use the linear blend"), std::string::npos) << crowd.error().text();

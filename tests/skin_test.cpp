@@ -25,7 +25,8 @@ void normalize_weights(std::span<Influences> of_vertex) {
 
 // Sections in any order and of any size, the pools' first elements used by none of them.
 // `sums_to_one`: weights do, as dual quaternions need it.
-Character make_mesh(Random& random, uint32_t palette_count, const std::vector<std::pair<uint32_t, uint32_t>>& sections, bool sums_to_one = false) {
+Character make_mesh(Random& random, uint32_t palette_count, const std::vector<std::pair<uint32_t, uint32_t>>& sections,
+                    bool sums_to_one = false) {
     Character character;
     character.palette.resize(palette_count);
     character.influences.resize(5);
@@ -41,16 +42,20 @@ Character make_mesh(Random& random, uint32_t palette_count, const std::vector<st
         character.morphs.resize(character.morphs.size() + section.morph_count);
         character.sections.push_back(section);
         for (uint32_t v = 0; v < vertex_count; ++v) {
-            character.vertices.push_back({.position = random.vector(1).as<float>(), .normal_octahedral = random.below(0xFFFFFFFFu)});
+            character.vertices.push_back(
+                {.position = random.vector(1).as<float>(), .normal_octahedral = random.below(0xFFFFFFFFu)});
             if (section.morph_count > 0 && random.chance(0.7)) {
                 character.vertices.back().first_delta = static_cast<uint32_t>(character.morph_deltas.size() + 1);
-                for (uint32_t m = 0; m < section.morph_count; ++m) character.morph_deltas.push_back({.position = random.vector(0.2).as<float>()});
+                for (uint32_t m = 0; m < section.morph_count; ++m)
+                    character.morph_deltas.push_back({.position = random.vector(0.2).as<float>()});
             }
             const size_t first = character.influences.size();
             for (uint32_t set = 0; set < influence_sets; ++set) {
                 Influences influences;
                 for (size_t i = 0; i < 4; ++i) {
-                    influences.weights[i] = random.chance(0.4) ? 0.0f : static_cast<float>(random.unit()) / static_cast<float>(influence_sets);
+                    influences.weights[i] = random.chance(0.4) ? 0.0f
+                                                               : static_cast<float>(random.unit()) /
+                                                                     static_cast<float>(influence_sets);
                     influences.entries[i] = static_cast<uint16_t>(random.below(palette_count));
                 }
                 character.influences.push_back(influences);
@@ -72,7 +77,8 @@ Vec3<double> unpacked(uint32_t octahedral) {
 // By the inverse transpose, which is made of cross products of the columns, over the determinant.
 Vec3<double> transformed_normal(const AffineT<double>& m, const Vec3<double>& n) {
     const auto column = [&](size_t k) { return Vec3<double>{m.row[0][k], m.row[1][k], m.row[2][k]}; };
-    const Vec3<double> sum = cross(column(1), column(2)) * n.x + cross(column(2), column(0)) * n.y + cross(column(0), column(1)) * n.z;
+    const Vec3<double> sum = cross(column(1), column(2)) * n.x + cross(column(2), column(0)) * n.y +
+                             cross(column(0), column(1)) * n.z;
     return normalized(determinant(m) < 0 ? sum * -1.0 : sum);
 }
 
@@ -119,7 +125,8 @@ Skinned run_skin(const Character& character, const SkinCase& of, Random& random)
     std::vector<io::ActiveMorph> shown(of.instance_count * size_t{io::kActiveMorphs});
     std::vector<WeightedMorph> of_instance_shown;
     for (uint32_t i = 0; i < of.instance_count; ++i)
-        for (uint32_t k = 0, count = character.morphs.empty() ? 0 : random.below(io::kActiveMorphs + 1); k < count; ++k) {
+        for (uint32_t k = 0, count = character.morphs.empty() ? 0 : random.below(io::kActiveMorphs + 1); k < count;
+             ++k) {
             const uint32_t morph = random.below(static_cast<uint32_t>(character.morphs.size()));
             const auto weight = static_cast<float>(random.between(-1, 1));
             shown[i * io::kActiveMorphs + k] = {morph, weight};
@@ -133,20 +140,34 @@ Skinned run_skin(const Character& character, const SkinCase& of, Random& random)
     const Guarded<uint32_t> skin_matrices(matrices);
     const Guarded<SkinnedVertex> skinned(poison<SkinnedVertex>(character.vertices.size()));
     const Kernel kernel = skin_kernel(test_gpu(), of.format, of.blend, false);
-    run_workgroups(kernel, SkinBuffers{vertices, influences, skin_matrices, skinned, deltas, active, tables.sections, tables.vertices, vertices, vertices},
-                   io::SkinPush{.section_count = static_cast<uint32_t>(character.sections.size()), .vertex_count = static_cast<uint32_t>(character.vertices.size()), .palette_count = palette_count, .first_instance = of.instance, .influence_offset = 0, .only_animated = 0}, 1);
+    run_workgroups(kernel,
+                   SkinBuffers{vertices, influences, skin_matrices, skinned, deltas, active, tables.sections,
+                               tables.vertices, vertices, vertices},
+                   io::SkinPush{.section_count = static_cast<uint32_t>(character.sections.size()),
+                                .vertex_count = static_cast<uint32_t>(character.vertices.size()),
+                                .palette_count = palette_count,
+                                .first_instance = of.instance,
+                                .influence_offset = 0,
+                                .only_animated = 0},
+                   1);
     Skinned out{skinned.read(), skin_reference(character, of_instance, of_instance_shown, of.blend), {}};
     for (const MeshSection& section : character.sections) {
         for (uint32_t v = 0; v < section.vertex_count; ++v) {
             std::vector<WeightedTransform> transforms;
             for (uint32_t set = 0; set < section.influence_sets; ++set) {
-                const Influences& four = character.influences[section.first_influences + v * section.influence_sets + set];
+                const Influences& four =
+                    character.influences[section.first_influences + v * section.influence_sets + set];
                 for (size_t i = 0; i < 4; ++i)
-                    if (four.weights[i] != 0) transforms.push_back({double{four.weights[i]}, of_instance[four.entries[i]]});
+                    if (four.weights[i] != 0)
+                        transforms.push_back({double{four.weights[i]}, of_instance[four.entries[i]]});
             }
             const AffineT<double> transform = blended_transform(of.blend, transforms);
-            const bool known = section.morph_count == 0 && std::abs(determinant(transform)) > 0.01;  // a matrix that flattens has no normals
-            out.wanted_normals.push_back(known ? transformed_normal(transform, unpacked(character.vertices[section.first_vertex + v].normal_octahedral)) : Vec3<double>{});
+            // A matrix that flattens has no normals
+            const bool known = section.morph_count == 0 && std::abs(determinant(transform)) > 0.01;
+            out.wanted_normals.push_back(
+                known ? transformed_normal(transform,
+                                           unpacked(character.vertices[section.first_vertex + v].normal_octahedral))
+                      : Vec3<double>{});
         }
     }
     return out;
@@ -178,13 +199,16 @@ TEST(Skin, FollowsTheReference) {
     Errors errors;
     for (const uint32_t palette_count : {1u, 40u, 65'536u}) {
         Random random(palette_count);
-        const Character character = make_mesh(random, palette_count, {{1, 1}, {63, 2}, {64, 1}, {65, 2}, {200, 1}, {7, 3}});
+        const Character character = make_mesh(random, palette_count,
+                                              {{1, 1}, {63, 2}, {64, 1}, {65, 2}, {200, 1}, {7, 3}});
         for (const uint32_t instance : {0u, 1u, 2u}) errors.add(run_skin(character, {instance, 3}, random));
     }
     EXPECT_LE(errors.position, 3e-6);
     EXPECT_LE(errors.normal, 1e-4);
     EXPECT_GT(errors.normals, 1000u);
-    std::printf("  %zu vertices in 6 sections, 4 to 12 influences: largest error %.1e of about 3; of %zu normals %.1e rad\n", errors.positions, errors.position, errors.normals, errors.normal);
+    std::printf(
+        "  %zu vertices in 6 sections, 4 to 12 influences: largest error %.1e of about 3; of %zu normals %.1e rad\n",
+        errors.positions, errors.position, errors.normals, errors.normal);
 }
 
 TEST(Skin, DualQuaternionsFollowTheReference) {
@@ -192,11 +216,13 @@ TEST(Skin, DualQuaternionsFollowTheReference) {
         Errors errors;
         Random random(9);
         const Character character = make_mesh(random, 40, {{1, 1}, {130, 2}, {65, 1}, {7, 3}}, true);
-        for (const uint32_t instance : {0u, 2u}) errors.add(run_skin(character, {instance, 3, format, SkinBlend::kDualQuaternion}, random));
+        for (const uint32_t instance : {0u, 2u})
+            errors.add(run_skin(character, {instance, 3, format, SkinBlend::kDualQuaternion}, random));
         EXPECT_LE(errors.position, 3e-5);
         EXPECT_LE(errors.normal, 1e-4);
         EXPECT_GT(errors.normals, 50u);
-        std::printf("  %zu vertices: largest error %.1e; of %zu normals %.1e rad\n", errors.positions, errors.position, errors.normals, errors.normal);
+        std::printf("  %zu vertices: largest error %.1e; of %zu normals %.1e rad\n", errors.positions, errors.position,
+                    errors.normals, errors.normal);
     }
 }
 
@@ -211,10 +237,13 @@ TEST(Skin, TheReferenceWeighsPositions) {
     EXPECT_EQ(skin_reference(character, skin)[0], (Vec3<double>{1 + 3, 2 - 2, 3}));
 }
 
-// Kavan's example: half way along a forearm that is twisted by 170 degrees, linear blending leaves a twelfth of its girth, dual quaternions all of it.
+// Kavan's example: half way along a forearm that is twisted by 170 degrees, linear blending leaves a twelfth of its
+// girth, dual quaternions all of it.
 TEST(Skin, ATwistedLimbKeepsItsGirth) {
     constexpr double kTwist = 170 * 3.14159265358979 / 180;
-    const std::array half{WeightedTransform{0.5, {}}, WeightedTransform{0.5, to_affine(Trs<double>{axis_angle(Vec3<double>{1, 0, 0}, kTwist), {}, {1, 1, 1}})}};
+    const std::array half{
+        WeightedTransform{0.5, {}},
+        WeightedTransform{0.5, to_affine(Trs<double>{axis_angle(Vec3<double>{1, 0, 0}, kTwist), {}, {1, 1, 1}})}};
     const Vec3<double> skin{0.7, 0.6, 0.8};
     const auto girth = [&](SkinBlend blend) {
         const Vec3<double> p = transform_point(blended_transform(blend, half), skin);
@@ -225,20 +254,29 @@ TEST(Skin, ATwistedLimbKeepsItsGirth) {
     EXPECT_NEAR(girth(SkinBlend::kDualQuaternion), 1, 1e-12);
 }
 
-// A bend about an elbow that is nowhere near the origin is one about the elbow, and one transform alone is what it is, on either side of the quaternions.
+// A bend about an elbow that is nowhere near the origin is one about the elbow, and one transform alone is what it is,
+// on either side of the quaternions.
 TEST(Skin, DualQuaternionsKnowNoOrigin) {
     Random random(4);
     for (int round = 0; round < 50; ++round) {
         Trs<double> parts = random.trs(5, 0.5);
         parts.scale = {parts.scale.x, parts.scale.x, parts.scale.x};
-        const AffineT<double> one = to_affine(parts), moved = to_affine(Trs<double>{random.rotation(), random.vector(20), {1, 1, 1}});
+        const AffineT<double> one = to_affine(parts),
+                              moved = to_affine(Trs<double>{random.rotation(), random.vector(20), {1, 1, 1}});
         const Vec3<double> p = random.vector(3);
-        const auto blended = [&](const AffineT<double>& a, const AffineT<double>& b, double weight) { return blended_transform(SkinBlend::kDualQuaternion, std::array{WeightedTransform{weight, a}, WeightedTransform{1 - weight, b}}); };
+        const auto blended = [&](const AffineT<double>& a, const AffineT<double>& b, double weight) {
+            return blended_transform(SkinBlend::kDualQuaternion,
+                                     std::array{WeightedTransform{weight, a}, WeightedTransform{1 - weight, b}});
+        };
         EXPECT_LE(length(transform_point(blended(one, one, 0.3), p) - transform_point(one, p)), 1e-12);
         parts.rotation = random.rotation();
         parts.scale = {1, 1, 1};
-        const AffineT<double> rigid = to_affine(Trs<double>{random.rotation(), random.vector(2), {1, 1, 1}}), other = to_affine(parts);
-        EXPECT_LE(length(transform_point(blended(moved * rigid, moved * other, 0.6), p) - transform_point(moved * blended(rigid, other, 0.6), p)), 1e-10) << "in another place likewise";
+        const AffineT<double> rigid = to_affine(Trs<double>{random.rotation(), random.vector(2), {1, 1, 1}}),
+                              other = to_affine(parts);
+        EXPECT_LE(length(transform_point(blended(moved * rigid, moved * other, 0.6), p) -
+                         transform_point(moved * blended(rigid, other, 0.6), p)),
+                  1e-10)
+            << "in another place likewise";
     }
 }
 

@@ -30,7 +30,11 @@ Character body(bool walks) {
 Controller walker(const Character& character) {
     return {.name = "walker",
             .parameters = {{.name = "alert"}, {.name = "speed"}},
-            .layers = {{.name = "body", .states = {{.name = "walk", .points = {{.clip = character.clips[0].name}}, .speed = 1 / kWalk, .speed_parameter = "speed"}}}}};
+            .layers = {{.name = "body",
+                        .states = {{.name = "walk",
+                                    .points = {{.clip = character.clips[0].name}},
+                                    .speed = 1 / kWalk,
+                                    .speed_parameter = "speed"}}}}};
 }
 constexpr uint32_t kSpeed = 1;
 
@@ -38,16 +42,23 @@ template <class T>
 std::vector<T> all_of(Crowd& crowd, VkBuffer OutputBlock::*buffer, uint32_t per_instance = 1) {
     std::vector<T> all;
     for (const OutputBlock& block : crowd.outputs()) {
-        const std::vector<T> part = block.*buffer ? download<T>(crowd.state().gpu, {block.*buffer, 0, block.instance_count * per_instance * sizeof(T)}) : std::vector<T>(block.instance_count * per_instance);
+        const std::vector<T> part = block.*buffer ? download<T>(crowd.state().gpu,
+                                                                {block.*buffer, 0,
+                                                                 block.instance_count * per_instance * sizeof(T)})
+                                                  : std::vector<T>(block.instance_count * per_instance);
         all.insert(all.end(), part.begin(), part.end());
     }
     return all;
 }
 std::vector<Affine> placements_of(Crowd& crowd) { return all_of<Affine>(crowd, &OutputBlock::placement_buffer); }
 
-Affine at(double x, double z, double yaw = 0, double scale = 1) { return to_affine(Trs<double>{axis_angle(Vec3<double>{0, 1, 0}, yaw), {x, 0, z}, {scale, scale, scale}}).as<float>(); }
+Affine at(double x, double z, double yaw = 0, double scale = 1) {
+    return to_affine(Trs<double>{axis_angle(Vec3<double>{0, 1, 0}, yaw), {x, 0, z}, {scale, scale, scale}}).as<float>();
+}
 
-double apart(const Affine& a, const Affine& b) { return std::hypot(double{a.row[0][3]} - b.row[0][3], double{a.row[2][3]} - b.row[2][3]); }
+double apart(const Affine& a, const Affine& b) {
+    return std::hypot(double{a.row[0][3]} - b.row[0][3], double{a.row[2][3]} - b.row[2][3]);
+}
 
 void send(Crowd& crowd, const std::vector<std::optional<Vec3<float>>>& destinations) {
     for (uint32_t i = 0; i < destinations.size(); ++i) {
@@ -59,7 +70,9 @@ void send(Crowd& crowd, const std::vector<std::optional<Vec3<float>>>& destinati
 // A crowd, and what the reference makes of each of its updates.
 class Followed {
 public:
-    Followed(const CrowdSettings& settings, const std::vector<Affine>& places, const std::vector<std::optional<Vec3<float>>>& destinations) : crowd_(create(settings)), destinations_(destinations) {
+    Followed(const CrowdSettings& settings, const std::vector<Affine>& places,
+             const std::vector<std::optional<Vec3<float>>>& destinations)
+        : crowd_(create(settings)), destinations_(destinations) {
         EXPECT_TRUE(crowd_.set_placement(0, places));
         send(crowd_, destinations);
         for (const CrowdGroup& group : settings.groups) groups_.insert(groups_.end(), group.instance_count, group);
@@ -73,7 +86,8 @@ public:
         ASSERT_TRUE(crowd_.update(time_step_s));
         const std::vector<Affine> after = placements_of(crowd_);
         const std::vector<io::AgentState> states = states_now();
-        const std::vector<io::vec4> roots = all_of<io::vec4>(crowd_, &OutputBlock::root_buffer, sizeof(io::RootState) / sizeof(io::vec4));
+        const std::vector<io::vec4> roots = all_of<io::vec4>(crowd_, &OutputBlock::root_buffer,
+                                                             sizeof(io::RootState) / sizeof(io::vec4));
         const std::vector<float> parameters = all_of<float>(crowd_, &OutputBlock::parameter_buffer, 2);
         std::vector<SteeredAgent> agents;
         std::vector<uint32_t> who;
@@ -82,7 +96,15 @@ public:
                 EXPECT_EQ(after[i], before_[i]);
                 continue;
             }
-            SteeredAgent agent{.steering = *groups_[i].steering, .is_carried = is_carried(i), .world_from_model = is_carried(i) ? before_[i].as<double>() * move_of(roots[i * roots.size() / after.size()]) : before_[i].as<double>(), .destination = {}, .speed = double{states_[i].speed}, .patience = double{states_[i].patience}, .stands = states_[i].stands != 0};
+            SteeredAgent agent{.steering = *groups_[i].steering,
+                               .is_carried = is_carried(i),
+                               .world_from_model = is_carried(i) ? before_[i].as<double>() *
+                                                                       move_of(roots[i * roots.size() / after.size()])
+                                                                 : before_[i].as<double>(),
+                               .destination = {},
+                               .speed = double{states_[i].speed},
+                               .patience = double{states_[i].patience},
+                               .stands = states_[i].stands != 0};
             if (destinations_[i]) agent.destination = destinations_[i]->as<double>();
             agents.push_back(agent);
             who.push_back(i);
@@ -91,12 +113,19 @@ public:
         for (size_t k = 0; k < who.size(); ++k) {
             const uint32_t i = who[k];
             SCOPED_TRACE("instance " + std::to_string(i));
-            const double extent = std::max(std::abs(double{before_[i].row[0][3]}), std::abs(double{before_[i].row[2][3]}));  // places are floats
-            const double scale = length(Vec3<double>{wanted[k].world_from_model.row[0][2], wanted[k].world_from_model.row[1][2], wanted[k].world_from_model.row[2][2]}), speed = double{groups_[i].steering->speed};
+            // Places are floats
+            const double extent = std::max(std::abs(double{before_[i].row[0][3]}),
+                                           std::abs(double{before_[i].row[2][3]}));
+            const double scale = length(Vec3<double>{wanted[k].world_from_model.row[0][2],
+                                                     wanted[k].world_from_model.row[1][2],
+                                                     wanted[k].world_from_model.row[2][2]}),
+                         speed = double{groups_[i].steering->speed};
             for (size_t row = 0; row < 3; ++row)
                 for (size_t column = 0; column < 4; ++column) {
                     const double value = wanted[k].world_from_model.row[row][column];
-                    EXPECT_NEAR(after[i].row[row][column], value, column == 3 ? 1e-4 * speed * double{time_step_s} + 3e-7 * (extent + 10) : 1e-3 * scale) << row << ", " << column;
+                    EXPECT_NEAR(after[i].row[row][column], value,
+                                column == 3 ? 1e-4 * speed * double{time_step_s} + 3e-7 * (extent + 10) : 1e-3 * scale)
+                        << row << ", " << column;
                 }
             EXPECT_NEAR(states[i].speed, wanted[k].speed, 1e-3 * speed);
             EXPECT_NEAR(states[i].patience, wanted[k].patience, 1e-5);
@@ -116,7 +145,9 @@ public:
     uint64_t impatient() const { return impatient_; }
 
 private:
-    bool is_carried(uint32_t i) const { return groups_[i].controller && groups_[i].moves_placements && !groups_[i].character->root_rows.empty(); }
+    bool is_carried(uint32_t i) const {
+        return groups_[i].controller && groups_[i].moves_placements && !groups_[i].character->root_rows.empty();
+    }
     // Root motion of an update, of which this is the first of five rows that are kept of an instance.
     static AffineT<double> move_of(const io::vec4& m) {
         AffineT<double> move;
@@ -126,7 +157,9 @@ private:
     std::vector<io::AgentState> states_now() const {
         std::vector<io::AgentState> states;
         for (const Batch& batch : crowd_.state().batches) {
-            const std::vector<io::AgentState> part = batch.agents.handle() ? download<io::AgentState>(crowd_.state().gpu, batch.agents) : std::vector<io::AgentState>(batch.instance_count);
+            const std::vector<io::AgentState> part = batch.agents.handle()
+                                                         ? download<io::AgentState>(crowd_.state().gpu, batch.agents)
+                                                         : std::vector<io::AgentState>(batch.instance_count);
             states.insert(states.end(), part.begin(), part.end());
         }
         return states;
@@ -141,15 +174,24 @@ private:
     uint64_t standing_ = 0, impatient_ = 0;
 };
 
-// Agents of several kinds and sizes, close together; some on the borders of cells, at the same place, at their destination or without one, mirrored or leaning.
+// Agents of several kinds and sizes, close together; some on the borders of cells, at the same place, at their
+// destination or without one, mirrored or leaning.
 struct Mixture {
     static constexpr uint32_t kCounts[] = {90, 5, 40, 60};
     Character still = body(false), walking = body(true);
     Controller controller = walker(walking);
-    CrowdSettings settings{.groups = {{.character = &still, .instance_count = kCounts[0], .steering = Steering{}},
-                                      {.character = &still, .instance_count = kCounts[1]},
-                                      {.character = &walking, .instance_count = kCounts[2], .controller = &controller, .steering = Steering{.radius = 0.5f, .speed = 2, .turn = 2, .speed_parameter = kSpeed}},
-                                      {.character = &walking, .instance_count = kCounts[3], .controller = &controller, .moves_placements = false, .steering = Steering{.radius = 0.2f, .speed = 0.9f, .turn = 5, .speed_parameter = kSpeed}}}};
+    CrowdSettings settings{
+        .groups = {{.character = &still, .instance_count = kCounts[0], .steering = Steering{}},
+                   {.character = &still, .instance_count = kCounts[1]},
+                   {.character = &walking,
+                    .instance_count = kCounts[2],
+                    .controller = &controller,
+                    .steering = Steering{.radius = 0.5f, .speed = 2, .turn = 2, .speed_parameter = kSpeed}},
+                   {.character = &walking,
+                    .instance_count = kCounts[3],
+                    .controller = &controller,
+                    .moves_placements = false,
+                    .steering = Steering{.radius = 0.2f, .speed = 0.9f, .turn = 5, .speed_parameter = kSpeed}}}};
     std::vector<Affine> places;
     std::vector<std::optional<Vec3<float>>> destinations;
 
@@ -158,16 +200,25 @@ struct Mixture {
         Random random(seed);
         for (const uint32_t count : kCounts)
             for (uint32_t i = 0; i < count; ++i) {
-                const auto away = [&] { return random.chance(0.1) ? kCell * (static_cast<double>(random.below(5)) - 2) : random.between(-kExtent, kExtent); };
-                Trs<double> place{axis_angle(Vec3<double>{0, 1, 0}, random.between(-3, 3)), {x + away(), random.between(-1, 1), z + away()}, {}};
+                const auto away = [&] {
+                    return random.chance(0.1) ? kCell * (static_cast<double>(random.below(5)) - 2)
+                                              : random.between(-kExtent, kExtent);
+                };
+                Trs<double> place{axis_angle(Vec3<double>{0, 1, 0}, random.between(-3, 3)),
+                                  {x + away(), random.between(-1, 1), z + away()},
+                                  {}};
                 place.scale = Vec3<double>{1, 1, 1} * random.between(0.5, 2);
                 if (random.chance(0.2)) place.scale.x = -place.scale.x;
                 if (random.chance(0.2)) place.rotation = place.rotation * axis_angle(random.direction(), 0.4);
-                places.push_back(random.chance(0.05) && !places.empty() ? places[random.below(static_cast<uint32_t>(places.size()))] : to_affine(place).as<float>());
+                places.push_back(random.chance(0.05) && !places.empty()
+                                     ? places[random.below(static_cast<uint32_t>(places.size()))]
+                                     : to_affine(place).as<float>());
                 const Vec3<double> far{x + random.between(-20, 20), random.between(-1, 1), z + random.between(-20, 20)};
                 const auto& row = places.back().row;
-                if (random.chance(0.1)) destinations.push_back({});
-                else destinations.push_back(random.chance(0.2) ? Vec3<float>{row[0][3], 5, row[2][3]} : far.as<float>());
+                if (random.chance(0.1))
+                    destinations.push_back({});
+                else
+                    destinations.push_back(random.chance(0.2) ? Vec3<float>{row[0][3], 5, row[2][3]} : far.as<float>());
             }
         for (uint32_t i = kCounts[0]; i < kCounts[0] + kCounts[1]; ++i) destinations[i].reset();
     }
@@ -228,16 +279,20 @@ TEST(Steer, NumbersChangeNoByte) {
     EXPECT_TRUE(same_bits(forwards, backwards));
 }
 
-// Until all stand at their destinations, or so many seconds have passed. Gives how much nearer than the sum of their radii two have come, as a part of it.
-double walk_home(Crowd& crowd, std::span<const Vec3<float>> destinations, float radius, double seconds, bool begins_apart = true) {
+// Until all stand at their destinations, or so many seconds have passed. Gives how much nearer than the sum of their
+// radii two have come, as a part of it.
+double walk_home(Crowd& crowd, std::span<const Vec3<float>> destinations, float radius, double seconds,
+                 bool begins_apart = true) {
     double worst = 0;
     for (double passed_s = 0; passed_s < seconds; passed_s += 0.05) {
         EXPECT_TRUE(crowd.update(0.05f));
         const std::vector<Affine> places = placements_of(crowd);
         bool is_home = true;
         for (size_t i = 0; i < places.size(); ++i) {
-            is_home = is_home && std::hypot(places[i].row[0][3] - destinations[i].x, places[i].row[2][3] - destinations[i].z) <= 2 * radius;
-            for (size_t k = 0; begins_apart && k < i; ++k) worst = std::max(worst, 1 - apart(places[i], places[k]) / (2 * double{radius}));
+            is_home = is_home && std::hypot(places[i].row[0][3] - destinations[i].x,
+                                            places[i].row[2][3] - destinations[i].z) <= 2 * radius;
+            for (size_t k = 0; begins_apart && k < i; ++k)
+                worst = std::max(worst, 1 - apart(places[i], places[k]) / (2 * double{radius}));
         }
         if (is_home) return worst;
     }
@@ -254,12 +309,15 @@ TEST(Steer, CrowdsThatCrossGetThrough) {
     for (int column = 0; column < 5; ++column)
         for (int row = 0; row < 4; ++row)
             for (const bool north : {false, true}) {  // two groups, one towards +z, the other towards +x
-                const double along = 4 + 1.4 * row + random.between(-0.2, 0.2), across = 1.4 * column - 2.8 + random.between(-0.2, 0.2);
+                const double along = 4 + 1.4 * row + random.between(-0.2, 0.2),
+                             across = 1.4 * column - 2.8 + random.between(-0.2, 0.2);
                 places.push_back(north ? at(across, -along) : at(-along, across));
-                destinations.push_back(Vec3<double>{north ? across : 12 - along, 0, north ? 12 - along : across}.as<float>());
+                destinations.push_back(
+                    Vec3<double>{north ? across : 12 - along, 0, north ? 12 - along : across}.as<float>());
             }
     const auto count = static_cast<uint32_t>(places.size());
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = count, .steering = Steering{.radius = kRadius}}}});
+    Crowd crowd = create(
+        {.groups = {{.character = &character, .instance_count = count, .steering = Steering{.radius = kRadius}}}});
     ASSERT_TRUE(crowd.set_placement(0, places) && crowd.set_destination(0, destinations));
     EXPECT_LE(walk_home(crowd, destinations, kRadius, 60), 0.25 + 1e-4);
 }
@@ -269,8 +327,10 @@ TEST(Steer, EveryoneAtOnePlacePartsAndArrives) {
     constexpr uint32_t kCount = 24;
     constexpr float kRadius = 0.3f;
     std::vector<Vec3<float>> destinations;
-    for (uint32_t i = 0; i < kCount; ++i) destinations.push_back(Vec3<double>{5 * std::cos(0.26 * i), 0, 5 * std::sin(0.26 * i)}.as<float>());
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = kCount, .steering = Steering{.radius = kRadius}}}});
+    for (uint32_t i = 0; i < kCount; ++i)
+        destinations.push_back(Vec3<double>{5 * std::cos(0.26 * i), 0, 5 * std::sin(0.26 * i)}.as<float>());
+    Crowd crowd = create(
+        {.groups = {{.character = &character, .instance_count = kCount, .steering = Steering{.radius = kRadius}}}});
     ASSERT_TRUE(crowd.set_destination(0, destinations));
     walk_home(crowd, destinations, kRadius, 60, false);
     const std::vector<Affine> places = placements_of(crowd);
@@ -283,7 +343,10 @@ TEST(Steer, ClipsCarryThoseThatHaveRootMotion) {
     const Controller controller = walker(character);
     const std::vector<Affine> places{at(0, 0, 3), at(5, 0, 1, 2)};
     const std::vector<Vec3<float>> destinations{{0.2f, 0, 6}, {-1, 0, 0.3f}};  // each in the other's way
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .controller = &controller, .steering = Steering{.speed_parameter = kSpeed}}}});
+    Crowd crowd = create({.groups = {{.character = &character,
+                                      .instance_count = 2,
+                                      .controller = &controller,
+                                      .steering = Steering{.speed_parameter = kSpeed}}}});
     ASSERT_TRUE(crowd.set_placement(0, places) && crowd.set_destination(0, destinations));
     double walked = 0;
     Affine last = places[0];
@@ -295,7 +358,8 @@ TEST(Steer, ClipsCarryThoseThatHaveRootMotion) {
         last = now;
     }
     const std::vector<Affine> arrived = placements_of(crowd);
-    for (uint32_t i = 0; i < 2; ++i) EXPECT_LE(std::hypot(arrived[i].row[0][3] - destinations[i].x, arrived[i].row[2][3] - destinations[i].z), 0.3);
+    for (uint32_t i = 0; i < 2; ++i)
+        EXPECT_LE(std::hypot(arrived[i].row[0][3] - destinations[i].x, arrived[i].row[2][3] - destinations[i].z), 0.3);
     EXPECT_LT(walked, 8);
     EXPECT_EQ(all_of<float>(crowd, &OutputBlock::parameter_buffer, 2)[kSpeed], 0);
 }
@@ -316,7 +380,11 @@ TEST(Steer, NobodyMovesWithoutADestinationOrTime) {
 TEST(Steer, ADestinationIsTakenAwayOrWrittenOnTheGpu) {
     const Character character = body(true);
     const Controller controller = walker(character);
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .controller = &controller, .moves_placements = false, .steering = Steering{.speed_parameter = kSpeed}}}});
+    Crowd crowd = create({.groups = {{.character = &character,
+                                      .instance_count = 2,
+                                      .controller = &controller,
+                                      .moves_placements = false,
+                                      .steering = Steering{.speed_parameter = kSpeed}}}});
     const std::vector<Affine> places{at(0, 0), at(9, 0)};
     ASSERT_TRUE(crowd.set_placement(0, places) && crowd.set_destination(0, std::array{Vec3<float>{0, 0, 9}}));
     const auto walk = [&] {
@@ -332,7 +400,8 @@ TEST(Steer, ADestinationIsTakenAwayOrWrittenOnTheGpu) {
     EXPECT_EQ(all_of<float>(crowd, &OutputBlock::parameter_buffer, 2)[kSpeed], 0);
     run_on_gpu([&](VkCommandBuffer commands) {
         const io::vec4 there{9, 0, 9, 1};
-        test_gpu()->vk.vkCmdUpdateBuffer(commands, crowd.outputs()[0].destination_buffer, sizeof there, sizeof there, &there);
+        test_gpu()->vk.vkCmdUpdateBuffer(commands, crowd.outputs()[0].destination_buffer, sizeof there, sizeof there,
+                                         &there);
         memory_barrier(*test_gpu(), commands, kTransferWrite, kShaderRead);
     });
     const std::array moved = walk();
@@ -343,7 +412,9 @@ TEST(Steer, ADestinationIsTakenAwayOrWrittenOnTheGpu) {
 // Who has walked into the picture is drawn, and who has left it is not.
 TEST(Steer, WhatAViewSeesIsWhereTheyStandNow) {
     const Character character = body(false);
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .steering = Steering{.radius = 2, .speed = 100}}}, .culls = true});
+    Crowd crowd = create(
+        {.groups = {{.character = &character, .instance_count = 2, .steering = Steering{.radius = 2, .speed = 100}}},
+         .culls = true});
     const std::vector<Affine> places{at(0, -400), at(0, 0)};
     ASSERT_TRUE(crowd.set_placement(0, places));
     ASSERT_TRUE(crowd.set_destination(0, std::array{Vec3<float>{0, 0, 0}, Vec3<float>{0, 0, 400}}));
@@ -362,17 +433,24 @@ TEST(Steer, WhatAViewSeesIsWhereTheyStandNow) {
 TEST(Steer, MistakesAreNamed) {
     const Character character = body(false);
     const auto refusal = [](const auto& result) { return result ? std::string() : result.error().text(); };
-    const auto refused = [&](const Steering& steering) { return refusal(Crowd::create(test_device(), {.groups = {{.character = &character, .instance_count = 1, .steering = steering}}})); };
+    const auto refused = [&](const Steering& steering) {
+        return refusal(Crowd::create(
+            test_device(), {.groups = {{.character = &character, .instance_count = 1, .steering = steering}}}));
+    };
     constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
     EXPECT_NE(refused({.radius = 0}).find("radius 0.0"), std::string::npos);
     EXPECT_NE(refused({.radius = kNan}).find("radius"), std::string::npos);
     EXPECT_NE(refused({.speed = -1}).find("speed -1"), std::string::npos);
     EXPECT_NE(refused({.turn = std::numeric_limits<float>::infinity()}).find("turn"), std::string::npos);
     EXPECT_NE(refused({.speed_parameter = 0}).find("parameter 0 of a group that has 0"), std::string::npos);
-    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .steering = Steering{}}, {.character = &character, .instance_count = 1}}});
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .steering = Steering{}},
+                                     {.character = &character, .instance_count = 1}}});
     EXPECT_NE(refusal(crowd.set_destination(1, std::vector<Vec3<float>>(2))).find("instance 2"), std::string::npos);
-    EXPECT_NE(refusal(crowd.set_destination(2, std::vector<Vec3<float>>(2))).find("of a crowd of 3"), std::string::npos);
-    EXPECT_NE(refusal(crowd.set_destination(1, std::array{Vec3<float>{0, kNan, 0}})).find("instance 1: a number is not finite"), std::string::npos);
+    EXPECT_NE(refusal(crowd.set_destination(2, std::vector<Vec3<float>>(2))).find("of a crowd of 3"),
+              std::string::npos);
+    EXPECT_NE(refusal(crowd.set_destination(1, std::array{Vec3<float>{0, kNan, 0}}))
+                  .find("instance 1: a number is not finite"),
+              std::string::npos);
     EXPECT_NE(refusal(crowd.clear_destination(0, 3)).find("has no steering"), std::string::npos);
     EXPECT_NE(refusal(crowd.clear_destination(1, 0xFFFFFFFF)).find("of a crowd of 3"), std::string::npos);
 }

@@ -50,9 +50,11 @@ Device& test_device() {
                                                         {"standard", Validation::kStandard},
                                                         {"synchronization", Validation::kSynchronization},
                                                         {"gpu-assisted", Validation::kGpuAssisted}};
-    device = created_device({.select = environment("THRONG_DEVICE", ""), .validation = validations.at(environment("THRONG_VALIDATION", "synchronization"))});
+    device = created_device({.select = environment("THRONG_DEVICE", ""),
+                             .validation = validations.at(environment("THRONG_VALIDATION", "synchronization"))});
     testing::UnitTest::GetInstance()->listeners().Append(new ValidationListener);
-    std::printf("device: %s, driver %s, subgroups of %u\n", device->info().name.c_str(), device->info().driver.c_str(), device->info().subgroup_size);
+    std::printf("device: %s, driver %s, subgroups of %u\n", device->info().name.c_str(), device->info().driver.c_str(),
+                device->info().subgroup_size);
     return *device;
 }
 

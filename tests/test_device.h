@@ -9,8 +9,8 @@
 
 namespace throng {
 
-// THRONG_DEVICE selects it (as --device does); THRONG_VALIDATION is off, standard, synchronization (the default) or gpu-assisted.
-// A message of the validation layer fails the test during which it came.
+// THRONG_DEVICE selects it (as --device does); THRONG_VALIDATION is off, standard, synchronization (the default) or
+// gpu-assisted. A message of the validation layer fails the test during which it came.
 Device& test_device();
 
 // The same device once more, whose limits a test may lower to pretend that it is smaller; not validated.

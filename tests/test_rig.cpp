@@ -10,10 +10,12 @@
 namespace throng::test {
 namespace {
 
-// Sorted times within 0..duration_s; the first axis has both ends, the others neither, so that tracks start late and end early.
+// Sorted times within 0..duration_s; the first axis has both ends, the others neither, so that tracks start late and
+// end early.
 std::vector<float> make_axis(Random& random, double duration_s, uint32_t key_count, bool with_ends) {
     std::vector<float> times_s;
-    for (uint32_t k = 0; k < key_count; ++k) times_s.push_back(static_cast<float>(duration_s * (k + random.between(0.2, 0.8)) / key_count));
+    for (uint32_t k = 0; k < key_count; ++k)
+        times_s.push_back(static_cast<float>(duration_s * (k + random.between(0.2, 0.8)) / key_count));
     if (with_ends) {
         times_s.front() = 0;
         times_s.back() = static_cast<float>(duration_s);
@@ -21,9 +23,12 @@ std::vector<float> make_axis(Random& random, double duration_s, uint32_t key_cou
     return times_s;
 }
 
-AssetTrack make_track(Random& random, uint32_t node, TrackTarget target, const Trs<double>& rest, const std::vector<float>& times_s, const AssetSettings& settings) {
+AssetTrack make_track(Random& random, uint32_t node, TrackTarget target, const Trs<double>& rest,
+                      const std::vector<float>& times_s, const AssetSettings& settings) {
     AssetTrack track{.node = node, .target = target, .times_s = times_s};
-    track.interpolation = settings.cubic && random.chance(0.33) ? Interpolation::kCubicSpline : random.chance(0.2) ? Interpolation::kStep : Interpolation::kLinear;
+    track.interpolation = settings.cubic && random.chance(0.33) ? Interpolation::kCubicSpline
+                          : random.chance(0.2)                  ? Interpolation::kStep
+                                                                : Interpolation::kLinear;
     const auto put = [&](std::initializer_list<double> values) {
         for (double value : values) track.values.push_back(static_cast<float>(value));
     };
@@ -33,8 +38,10 @@ AssetTrack make_track(Random& random, uint32_t node, TrackTarget target, const T
         const auto put_tangent = [&] {
             if (!cubic) return;
             const Vec3<double> t = random.vector(0.2);
-            if (target == TrackTarget::kRotation) put({t.x, t.y, t.z, random.between(-0.2, 0.2)});
-            else put({t.x, t.y, t.z});
+            if (target == TrackTarget::kRotation)
+                put({t.x, t.y, t.z, random.between(-0.2, 0.2)});
+            else
+                put({t.x, t.y, t.z});
         };
         put_tangent();
         if (target == TrackTarget::kRotation) {
@@ -56,7 +63,8 @@ AssetTrack make_track(Random& random, uint32_t node, TrackTarget target, const T
 AssetClip make_clip(Random& random, const Asset& asset, uint32_t index, const AssetSettings& settings) {
     AssetClip clip{.name = "clip " + std::to_string(index), .duration_s = index + 1.0};
     std::vector<std::vector<float>> axes;
-    for (uint32_t a = 0; a < settings.axis_count; ++a) axes.push_back(make_axis(random, clip.duration_s, settings.key_count, a == 0));
+    for (uint32_t a = 0; a < settings.axis_count; ++a)
+        axes.push_back(make_axis(random, clip.duration_s, settings.key_count, a == 0));
     for (uint32_t node = 0; node < asset.nodes.size(); ++node) {
         const auto add = [&](TrackTarget target) {
             const auto& axis = node == 0 ? axes[0] : axes[random.below(settings.axis_count)];
@@ -75,14 +83,17 @@ AssetPrimitive make_primitive(Random& random, uint32_t vertex_count, uint32_t in
         primitive.positions.push_back(random.vector(0.3).as<float>());
         for (uint32_t i = 0; i < influence_count; ++i) {
             primitive.influence_joints.push_back(static_cast<uint16_t>(random.below(joint_count)));
-            primitive.influence_weights.push_back(i > 0 && random.chance(0.3) ? 0.0f : static_cast<float>(random.between(0.1, 1)));
+            primitive.influence_weights.push_back(
+                i > 0 && random.chance(0.3) ? 0.0f : static_cast<float>(random.between(0.1, 1)));
         }
     }
-    for (uint32_t v = 0; v + 2 < vertex_count; v += 3) primitive.indices.insert(primitive.indices.end(), {v, v + 1, v + 2});
+    for (uint32_t v = 0; v + 2 < vertex_count; v += 3)
+        primitive.indices.insert(primitive.indices.end(), {v, v + 1, v + 2});
     return primitive;
 }
 
-// Half of the vertices are moved by no target, and a target moves half of the others. Clips animate no, constant and varying weights.
+// Half of the vertices are moved by no target, and a target moves half of the others. Clips animate no, constant and
+// varying weights.
 void add_morphs(Asset& asset, const AssetSettings& settings) {
     Random random(settings.seed + 77);
     for (uint32_t m = 0; m < 2; ++m) {
@@ -102,15 +113,23 @@ void add_morphs(Asset& asset, const AssetSettings& settings) {
             if (t == 1) target.normals.clear();
         }
         if (m == 1)
-            for (uint32_t t = 0; t < settings.morph_count; ++t) instance.weights.push_back(static_cast<float>(random.between(-1, 1)));
+            for (uint32_t t = 0; t < settings.morph_count; ++t)
+                instance.weights.push_back(static_cast<float>(random.between(-1, 1)));
         for (AssetClip& clip : asset.clips) {
             if (random.chance(0.2)) continue;
-            AssetMorphTrack track{.node = m, .interpolation = settings.cubic && random.chance(0.5) ? Interpolation::kCubicSpline : random.chance(0.3) ? Interpolation::kStep : Interpolation::kLinear,
-                                  .times_s = make_axis(random, clip.duration_s, settings.key_count, false), .values = {}};
-            const uint32_t parts = track.interpolation == Interpolation::kCubicSpline ? 3 : 1, constant = random.below(settings.morph_count);
+            AssetMorphTrack track{.node = m,
+                                  .interpolation = settings.cubic && random.chance(0.5) ? Interpolation::kCubicSpline
+                                                   : random.chance(0.3)                 ? Interpolation::kStep
+                                                                                        : Interpolation::kLinear,
+                                  .times_s = make_axis(random, clip.duration_s, settings.key_count, false),
+                                  .values = {}};
+            const uint32_t parts = track.interpolation == Interpolation::kCubicSpline ? 3 : 1,
+                           constant = random.below(settings.morph_count);
             for (uint32_t key = 0; key < settings.key_count; ++key)
                 for (uint32_t part = 0; part < parts; ++part)
-                    for (uint32_t t = 0; t < settings.morph_count; ++t) track.values.push_back(t == constant ? (parts == 3 && part != 1 ? 0.0f : 0.75f) : static_cast<float>(random.between(-1, 1)));
+                    for (uint32_t t = 0; t < settings.morph_count; ++t)
+                        track.values.push_back(t == constant ? (parts == 3 && part != 1 ? 0.0f : 0.75f)
+                                                             : static_cast<float>(random.between(-1, 1)));
             clip.morph_tracks.push_back(std::move(track));
         }
     }
@@ -158,7 +177,9 @@ std::vector<uint32_t> make_parents(RigShape shape, uint32_t joint_count, uint64_
             case RigShape::kStar: parent = 0; break;
             case RigShape::kComb: parent = joint % 2 == 1 ? joint - 1 : joint - 2; break;
             case RigShape::kBinary: parent = (joint - 1) / 2; break;
-            case RigShape::kRandom: parent = random.chance(0.01) ? kNone : joint - 1 - random.below(std::min(joint, 16u)); break;
+            case RigShape::kRandom:
+                parent = random.chance(0.01) ? kNone : joint - 1 - random.below(std::min(joint, 16u));
+                break;
             case RigShape::kBushy: parent = random.below(joint); break;
         }
         parents.push_back(parent);
@@ -183,14 +204,17 @@ Asset make_asset(const AssetSettings& settings) {
     Random random(settings.seed);
     Asset asset{.name = settings.name};
     for (const uint32_t parent : make_parents(settings.shape, settings.joint_count, settings.seed))
-        asset.nodes.push_back({.name = "joint " + std::to_string(asset.nodes.size()), .parent = parent, .parent_from_node = random.trs(0.15, settings.scale_spread)});
+        asset.nodes.push_back({.name = "joint " + std::to_string(asset.nodes.size()),
+                               .parent = parent,
+                               .parent_from_node = random.trs(0.15, settings.scale_spread)});
     AssetSkin skin{.name = "skin"};
     for (uint32_t node = 0; node < settings.joint_count; ++node) {
         skin.joints.push_back(node);
         skin.inverse_binds.push_back(to_affine(random.trs(0.2, settings.scale_spread)).as<float>());
     }
     asset.skins.push_back(skin);
-    for (uint32_t clip = 0; clip < settings.clip_count; ++clip) asset.clips.push_back(make_clip(random, asset, clip, settings));
+    for (uint32_t clip = 0; clip < settings.clip_count; ++clip)
+        asset.clips.push_back(make_clip(random, asset, clip, settings));
     for (const uint32_t influence_count : {4u, 8u}) {
         AssetMesh mesh{.name = "mesh"};
         mesh.primitives.push_back(make_primitive(random, settings.vertex_count, influence_count, settings.joint_count));

@@ -43,14 +43,15 @@ enum class RigShape {
     kRandom,  // the parent is one of the 16 joints before; some roots more. Deep: joints / 8 levels
     kBushy,   // the parent is any joint before. Flat: some 20 levels, whatever the joint count
 };
-inline constexpr std::array kRigShapes{RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary, RigShape::kRandom};
+inline constexpr std::array kRigShapes{RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary,
+                                       RigShape::kRandom};
 std::string_view name_of(RigShape shape);
 
 // parents[j] < j, or kNone.
 std::vector<uint32_t> make_parents(RigShape shape, uint32_t joint_count, uint64_t seed = 1);
 
-// A rotation by quarter turns about the axes and an integer translation within -4..4: products are exact in float as long as
-// the sums stay below 2^24.
+// A rotation by quarter turns about the axes and an integer translation within -4..4: products are exact in float as
+// long as the sums stay below 2^24.
 Affine exact_transform(Random& random);
 
 struct AssetSettings {
@@ -58,13 +59,14 @@ struct AssetSettings {
     uint32_t joint_count = 20;
     RigShape shape = RigShape::kRandom;
     uint64_t seed = 1;
-    double scale_spread = 0.1;       // of joints, in the rest pose and in clips; 0: no scale at all
-    uint32_t clip_count = 3;         // 1, 2, … seconds long
-    uint32_t axis_count = 3;         // different key times among the tracks of a clip
-    uint32_t key_count = 6;          // a track
-    bool cubic = false;              // a third of the tracks; the rest is linear, and some step
-    uint32_t vertex_count = 30;      // of each of the two meshes: the first with 4 influences, the second with 8
-    uint32_t morph_count = 0;        // targets of each mesh, with weights in most clips; the second mesh is then node 1's
+    double scale_spread = 0.1;   // of joints, in the rest pose and in clips; 0: no scale at all
+    uint32_t clip_count = 3;     // 1, 2, … seconds long
+    uint32_t axis_count = 3;     // different key times among the tracks of a clip
+    uint32_t key_count = 6;      // a track
+    bool cubic = false;          // a third of the tracks; the rest is linear, and some step
+    uint32_t vertex_count = 30;  // of each of the two meshes: the first with 4 influences, the second with 8
+    // Targets of each mesh, with weights in most clips; the second mesh is then node 1's
+    uint32_t morph_count = 0;
 };
 // Every node a joint of the one skin, node k below make_parents()[k].
 Asset make_asset(const AssetSettings& settings);
@@ -72,8 +74,8 @@ Asset make_asset(const AssetSettings& settings);
 Character compiled(const Asset& asset, const CompileSettings& settings = kExact);
 inline Character make_character(const AssetSettings& settings) { return compiled(make_asset(settings)); }
 
-// A matrix's linear part is compared relative to its largest element (at least 1), its translation relative to the size.
-// Infinite where a number is not finite.
+// A matrix's linear part is compared relative to its largest element (at least 1), its translation relative to the
+// size. Infinite where a number is not finite.
 double matrix_error(const Affine& got, const AffineT<double>& wanted, double size);
 
 }  // namespace throng::test

@@ -22,8 +22,8 @@ struct RunSettings {
     std::map<std::string, std::string> environment;
     uint64_t memory_limit_bytes = 0;  // of the address space; 0: none
     unsigned time_limit_s = 300;
-    const char* program = nullptr;    // another one than the tool, of the PATH
-    const char* out_path = nullptr;   // where standard output goes; it is not captured then
+    const char* program = nullptr;   // another one than the tool, of the PATH
+    const char* out_path = nullptr;  // where standard output goes; it is not captured then
 };
 
 struct Outcome {
@@ -36,11 +36,12 @@ struct Outcome {
     bool succeeded() const { return exit_code == 0 && err.empty(); }
     // An exit code of its own and one line on stderr, which names the thing.
     bool refused(const std::string& named) const {
-        return exit_code > 0 && err.starts_with("throng: ") && err.find('\n') == err.size() - 1 && err.find(named) != std::string::npos;
+        return exit_code > 0 && err.starts_with("throng: ") && err.find('\n') == err.size() - 1 &&
+               err.find(named) != std::string::npos;
     }
     friend std::ostream& operator<<(std::ostream& stream, const Outcome& outcome) {
-        return stream << "exit code " << outcome.exit_code << ", signal " << outcome.signal << ", " << outcome.time_s << " s\nstdout: "
-                      << outcome.out.substr(0, 2000) << "\nstderr: " << outcome.err.substr(0, 2000);
+        return stream << "exit code " << outcome.exit_code << ", signal " << outcome.signal << ", " << outcome.time_s
+                      << " s\nstdout: " << outcome.out.substr(0, 2000) << "\nstderr: " << outcome.err.substr(0, 2000);
     }
 };
 
@@ -58,8 +59,12 @@ protected:
     static void TearDownTestSuite() { folder_.reset(); }
 
     static std::string file(const std::string& name) { return (folder_->path() / name).string(); }
-    static std::string write(const std::string& name, const std::string& content) { return folder_->write(name, content).string(); }
-    static std::set<std::filesystem::path> files() { return {std::filesystem::directory_iterator(folder_->path()), {}}; }
+    static std::string write(const std::string& name, const std::string& content) {
+        return folder_->write(name, content).string();
+    }
+    static std::set<std::filesystem::path> files() {
+        return {std::filesystem::directory_iterator(folder_->path()), {}};
+    }
     // A creature in that file.
     static void generate(const std::string& name, std::vector<std::string> arguments);
     // What the command prints with --json.

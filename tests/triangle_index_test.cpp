@@ -37,7 +37,8 @@ Mesh soup(Random& random, size_t count, double extent, double triangle_size) {
     Mesh mesh;
     for (size_t i = 0; i < count; ++i) {
         const Place at = place_within(random, extent);
-        mesh.add({at + place_within(random, triangle_size), at + place_within(random, triangle_size), at + place_within(random, triangle_size)});
+        mesh.add({at + place_within(random, triangle_size), at + place_within(random, triangle_size),
+                  at + place_within(random, triangle_size)});
     }
     return mesh;
 }
@@ -80,7 +81,8 @@ Mesh sheet(Random& random, uint32_t side) {
 
 float smallest_of_all(const Mesh& mesh, const Place& p) {
     float smallest = std::numeric_limits<float>::infinity();
-    for (size_t t = 0; t < mesh.triangle_count(); ++t) smallest = std::min(smallest, squared_distance(p, mesh.triangle(t)));
+    for (size_t t = 0; t < mesh.triangle_count(); ++t)
+        smallest = std::min(smallest, squared_distance(p, mesh.triangle(t)));
     return smallest;
 }
 
@@ -89,7 +91,8 @@ void expect_nearest(const TriangleIndex& index, const Mesh& mesh, const std::vec
     for (const Place& p : places) {
         const float wanted = smallest_of_all(mesh, p);
         for (int i = 0; i < 3; ++i) {
-            const TriangleIndex::Nearest found = index.nearest(p, 0, random.below(static_cast<uint32_t>(mesh.triangle_count())));
+            const TriangleIndex::Nearest found = index.nearest(
+                p, 0, random.below(static_cast<uint32_t>(mesh.triangle_count())));
             ASSERT_EQ(found.squared_distance, wanted);
             ASSERT_EQ(squared_distance(p, index.triangles()[found.triangle]), wanted);
         }
@@ -118,8 +121,9 @@ std::vector<Place> places_around(Random& random, const Mesh& mesh) {
 
 TEST(TriangleIndex, FindsTheNearestOfAllTriangles) {
     Random random(3);
-    std::vector<Mesh> meshes{soup(random, 1, 1, 1), soup(random, 2, 1, 1), soup(random, 5, 1, 1), soup(random, 700, 1, 0.05),
-                             soup(random, 300, 1, 2), degenerate_soup(random), sheet(random, 20)};
+    std::vector<Mesh> meshes{soup(random, 1, 1, 1),      soup(random, 2, 1, 1),   soup(random, 5, 1, 1),
+                             soup(random, 700, 1, 0.05), soup(random, 300, 1, 2), degenerate_soup(random),
+                             sheet(random, 20)};
     Mesh one_many_times;
     for (int i = 0; i < 100; ++i) one_many_times.add({{0, 0, 0}, {1, 0, 0}, {0, 1, 0.5f}});
     meshes.push_back(one_many_times);
@@ -153,9 +157,12 @@ double distance_to_segment(const Vec3<double>& p, const Vec3<double>& a, const V
     return length(p - (a + edge * (squared > 0 ? std::clamp(dot(p - a, edge) / squared, 0.0, 1.0) : 0.0)));
 }
 
-// By the weights of the corners (C. Ericson, Real-Time Collision Detection, 2005, 3.4) of the nearest point of the plane.
-double distance_to_triangle(const Vec3<double>& p, const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c) {
-    double nearest = std::min({distance_to_segment(p, a, b), distance_to_segment(p, b, c), distance_to_segment(p, c, a)});
+// By the weights of the corners (C. Ericson, Real-Time Collision Detection, 2005, 3.4) of the nearest point of the
+// plane.
+double distance_to_triangle(const Vec3<double>& p, const Vec3<double>& a, const Vec3<double>& b,
+                            const Vec3<double>& c) {
+    double nearest = std::min(
+        {distance_to_segment(p, a, b), distance_to_segment(p, b, c), distance_to_segment(p, c, a)});
     const Vec3<double> ab = b - a, ac = c - a, ap = p - a;
     const double bb = dot(ab, ab), bc = dot(ab, ac), cc = dot(ac, ac), whole = bb * cc - bc * bc;
     if (!(whole > 1e-14 * bb * cc)) return nearest;
@@ -178,7 +185,8 @@ TEST(TriangleIndex, DistancesAreRightOfThinTrianglesToo) {
                 const double v = random.unit(), w = random.between(0, 1 - v);
                 const Vec3<double> above = a.as<double>() + ab * v + ac * w + up * random.between(-1, 1);
                 const Place p = i % 2 == 0 ? place_within(random, 1.5) : above.as<float>();
-                const double wanted = distance_to_triangle(p.as<double>(), a.as<double>(), b.as<double>(), c.as<double>());
+                const double wanted = distance_to_triangle(p.as<double>(), a.as<double>(), b.as<double>(),
+                                                           c.as<double>());
                 worst = std::max(worst, std::abs(std::sqrt(double{squared_distance(p, triangle)}) - wanted));
             }
         }

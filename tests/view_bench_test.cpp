@@ -15,22 +15,33 @@ using Json = nlohmann::json;
 
 constexpr uint32_t kCharacters = 60, kJoints = 60;
 
-// In a row that begins at the camera and leads away from it, every third behind it. Levels of detail say that they are off by so many times what they are.
+// In a row that begins at the camera and leads away from it, every third behind it. Levels of detail say that they are
+// off by so many times what they are.
 std::map<std::string, Json> measure(float times_error, const Vec3<float>& target = {0, 0, -1}) {
-    Character character = *compile_character(*make_creature({.joint_count = kJoints, .level_count = 15, .face_count = 600}));
+    Character character = *compile_character(
+        *make_creature({.joint_count = kJoints, .level_count = 15, .face_count = 600}));
     for (DetailLevel& level : character.details) level.error *= times_error;
     std::vector<Playback> playback;
     std::vector<Affine> placement(kCharacters);
     for (uint32_t i = 0; i < kCharacters; ++i) {
-        playback.push_back({.first = {.clip = i % 3, .time_s = 0.1 * i}, .second = {.clip = (i + 1) % 3, .time_s = 0.07 * i}, .weight = 0.1f + 0.01f * static_cast<float>(i)});
+        playback.push_back({.first = {.clip = i % 3, .time_s = 0.1 * i},
+                            .second = {.clip = (i + 1) % 3, .time_s = 0.07 * i},
+                            .weight = 0.1f + 0.01f * static_cast<float>(i)});
         placement[i].row[2][3] = character.size * 3 * static_cast<float>(2 + i) * (i % 3 == 0 ? 1.0f : -1.0f);
     }
     const auto view_of_row = [&](const Bounds& bounds) {
         EXPECT_GT(bounds.max.z, character.size * 100);
-        return *view_of({.eye = {0, 0, 0}, .target = target}, 640, 360, bounds, {.shadows = false, .full_rate_pixels = 100});
+        return *view_of({.eye = {0, 0, 0}, .target = target}, 640, 360, bounds,
+                        {.shadows = false, .full_rate_pixels = 100});
     };
     std::map<std::string, Json> records;
-    for (const Json& record : measure_view(test_device(), {.configuration = "a row", .character = &character, .playback = playback, .placement = placement, .view_of = view_of_row}, 2, [](const std::string&) {}))
+    for (const Json& record : measure_view(test_device(),
+                                           {.configuration = "a row",
+                                           .character = &character,
+                                           .playback = playback,
+                                           .placement = placement,
+                                           .view_of = view_of_row},
+                                           2, [](const std::string&) {}))
         EXPECT_TRUE(records.emplace(record["variant"], record).second);
     return records;
 }
@@ -51,10 +62,13 @@ TEST(ViewBench, EveryVariantIsMeasured) {
         EXPECT_EQ(record["stages"].contains("cull"), variant != "everything");
         EXPECT_EQ(record["stages"].contains("pace"), variant == "and fewer updates") << record;
         const std::vector<uint32_t> drawn = record["drawn"];
-        EXPECT_EQ(std::accumulate(drawn.begin(), drawn.end(), 0u), variant == "everything" ? kCharacters : kCharacters * 2 / 3);
+        EXPECT_EQ(std::accumulate(drawn.begin(), drawn.end(), 0u),
+                  variant == "everything" ? kCharacters : kCharacters * 2 / 3);
         EXPECT_GT(drawn[0], 0u);
         EXPECT_GT(drawn.size(), variant == "everything" ? 0u : 1u);
-        EXPECT_NEAR(record["times_faster"].get<double>(), records.at("everything")["ms"]["median"].get<double>() / record["ms"]["median"].get<double>(), 1e-9);
+        EXPECT_NEAR(record["times_faster"].get<double>(),
+                    records.at("everything")["ms"]["median"].get<double>() / record["ms"]["median"].get<double>(),
+                    1e-9);
     }
     EXPECT_GT(records.at("and fewer joints")["max_pixels"], 0) << "joints have been left out";
     EXPECT_GT(records.at("and fewer updates")["memory_bytes"], records.at("and fewer joints")["memory_bytes"]);
@@ -67,9 +81,11 @@ TEST(ViewBench, AWrongResultIsNotTimed) {
     for (const char* variant : {"and fewer joints", "and fewer updates"}) {
         EXPECT_EQ(records.at(variant)["wrong"], true) << records.at(variant);
         EXPECT_GT(records.at(variant)["max_pixels"], 1);
-        for (const char* field : {"ms", "stages", "samples", "times_faster"}) EXPECT_FALSE(records.at(variant).contains(field)) << field;
+        for (const char* field : {"ms", "stages", "samples", "times_faster"})
+            EXPECT_FALSE(records.at(variant).contains(field)) << field;
     }
-    for (const char* variant : {"everything", "culled"}) EXPECT_TRUE(records.at(variant).contains("ms")) << "fewer triangles of all joints";
+    for (const char* variant : {"everything", "culled"})
+        EXPECT_TRUE(records.at(variant).contains("ms")) << "fewer triangles of all joints";
 }
 
 TEST(ViewBench, WhatSeesNobodyIsNotTimed) {

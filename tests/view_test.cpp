@@ -25,7 +25,9 @@ struct Rectangle {
 
 Rectangle all_of(const Png& picture) { return {0, 0, picture.width, picture.height}; }
 
-int distance(const uint8_t* a, const uint8_t* b) { return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]); }
+int distance(const uint8_t* a, const uint8_t* b) {
+    return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]);
+}
 
 // The part of the rectangle, 0..1, for which `is` says yes.
 template <class Is>
@@ -45,7 +47,8 @@ protected:
     static void SetUpTestSuite() {
         ToolTest::SetUpTestSuite();
         display_ = std::make_unique<Display>(kScreen);
-        for (const auto& [name, seed] : {std::pair{"one.glb", "1"}, {"other.glb", "5"}}) generate(name, {"--joints", "40", "--levels", "12", "--faces", "600", "--seed", seed});
+        for (const auto& [name, seed] : {std::pair{"one.glb", "1"}, {"other.glb", "5"}})
+            generate(name, {"--joints", "40", "--levels", "12", "--faces", "600", "--seed", seed});
     }
     static void TearDownTestSuite() {
         display_.reset();
@@ -62,11 +65,14 @@ protected:
 
     // Runs the events, under the validation layer, which must have nothing to say. What stays is in state_.
     static Outcome view(const std::string& events, std::vector<std::string> arguments = {}) {
-        if (std::ranges::find(arguments, "--count") == arguments.end()) arguments.insert(arguments.end(), {"--count", "12"});
-        arguments.insert(arguments.begin(), {"view", file("one.glb"), "--size", "640x400", "--script", write("events.txt", events), "--dump", file("dump.json")});
+        if (std::ranges::find(arguments, "--count") == arguments.end())
+            arguments.insert(arguments.end(), {"--count", "12"});
+        arguments.insert(arguments.begin(), {"view", file("one.glb"), "--size", "640x400", "--script",
+                                             write("events.txt", events), "--dump", file("dump.json")});
         const Outcome run = run_tool(arguments, {.environment = environment(), .time_limit_s = 120});
         EXPECT_EQ(run.exit_code, 0) << run;
-        for (const char* word : {"VUID", "Validation", "SYNC-HAZARD", "UNASSIGNED"}) EXPECT_EQ((run.out + run.err).find(word), std::string::npos) << run;
+        for (const char* word : {"VUID", "Validation", "SYNC-HAZARD", "UNASSIGNED"})
+            EXPECT_EQ((run.out + run.err).find(word), std::string::npos) << run;
         state_ = Json::parse(read_file(file("dump.json")), nullptr, false);
         EXPECT_FALSE(state_.is_discarded());
         return run;
@@ -86,11 +92,15 @@ constexpr Rectangle kMiddle{200, 120, 440, 300};
 constexpr const char* kStill = "0 hold tab\n0 hold space\n1 let tab\n1 let space\n";
 
 TEST_F(View, ShowsTheCrowdAndFollowsTheMouse) {
-    const Outcome run = view(std::string(kStill) + "4 shot " + file("first.png") + "\n5 move 320 200\n6 press left\n7 move 420 200\n8 release left\n9 shot " + file("turned.png") +
-                             "\n10 press left\n11 move 320 200\n12 release left\n13 shot " + file("back.png") + "\n14 scroll 5\n15 shot " + file("closer.png") +
-                             "\n16 press right\n17 move 380 240\n18 release right\n19 shot " + file("panned.png") + "\n");
+    const Outcome run = view(std::string(kStill) + "4 shot " + file("first.png") +
+                             "\n5 move 320 200\n6 press left\n7 move 420 200\n8 release left\n9 shot " +
+                             file("turned.png") + "\n10 press left\n11 move 320 200\n12 release left\n13 shot " +
+                             file("back.png") + "\n14 scroll 5\n15 shot " + file("closer.png") +
+                             "\n16 press right\n17 move 380 240\n18 release right\n19 shot " + file("panned.png") +
+                             "\n");
     EXPECT_TRUE(run.err.empty()) << run;
-    const Png first = seen("first.png"), turned = seen("turned.png"), back = seen("back.png"), closer = seen("closer.png"), panned = seen("panned.png");
+    const Png first = seen("first.png"), turned = seen("turned.png"), back = seen("back.png"),
+              closer = seen("closer.png"), panned = seen("panned.png");
     ASSERT_EQ(first.width, 640);
     ASSERT_EQ(first.height, 400);
     // The ground changes little along a row; characters do.
@@ -102,7 +112,8 @@ TEST_F(View, ShowsTheCrowdAndFollowsTheMouse) {
 }
 
 TEST_F(View, AnimatesUnlessItIsPaused) {
-    view("0 hold tab\n1 let tab\n3 shot " + file("early.png") + "\n20 shot " + file("late.png") + "\n21 hold space\n22 let space\n23 shot " + file("paused.png") + "\n30 shot " + file("still.png") +
+    view("0 hold tab\n1 let tab\n3 shot " + file("early.png") + "\n20 shot " + file("late.png") +
+         "\n21 hold space\n22 let space\n23 shot " + file("paused.png") + "\n30 shot " + file("still.png") +
          "\n31 type .\n32 shot " + file("stepped.png") + "\n");
     EXPECT_GT(changed(seen("early.png"), seen("late.png"), kMiddle), 0.01);
     EXPECT_EQ(seen("paused.png").rgba, seen("still.png").rgba);
@@ -110,21 +121,30 @@ TEST_F(View, AnimatesUnlessItIsPaused) {
 }
 
 TEST_F(View, ListsItsKeys) {
-    view(std::string(kStill) + "4 shot " + file("without.png") + "\n5 type ?\n8 shot " + file("with.png") + "\n9 hold escape\n10 let escape\n12 shot " + file("again.png") + "\n");
+    view(std::string(kStill) + "4 shot " + file("without.png") + "\n5 type ?\n8 shot " + file("with.png") +
+         "\n9 hold escape\n10 let escape\n12 shot " + file("again.png") + "\n");
     const Png without = seen("without.png"), with = seen("with.png"), again = seen("again.png");
-    const auto is_panel = [](const Png& in) { return part(kMiddle, [&](int x, int y) { return *std::max_element(in.at(x, y), in.at(x, y) + 3) < 70; }); };
+    const auto is_panel = [](const Png& in) {
+        return part(kMiddle, [&](int x, int y) { return *std::max_element(in.at(x, y), in.at(x, y) + 3) < 70; });
+    };
     EXPECT_LT(is_panel(without), 0.3);
     EXPECT_GT(is_panel(with), 0.6);
-    EXPECT_GT(part(kMiddle, [&](int x, int y) { return *std::min_element(with.at(x, y), with.at(x, y) + 3) > 150; }), 0.003) << "its writing";
+    EXPECT_GT(part(kMiddle, [&](int x, int y) { return *std::min_element(with.at(x, y), with.at(x, y) + 3) > 150; }),
+              0.003)
+        << "its writing";
     EXPECT_EQ(without.rgba, again.rgba);
     EXPECT_FALSE(state_["shows_keys"]);
 }
 
 TEST_F(View, AClickInspects) {
     static constexpr Rectangle kInspector{360, 24, 610, 60};
-    view("0 hold space\n1 let space\n3 shot " + file("none.png") + "\n4 move 325 170\n5 press left\n6 release left\n9 shot " + file("one.png") + "\n", {"--count", "1"});
+    view("0 hold space\n1 let space\n3 shot " + file("none.png") +
+             "\n4 move 325 170\n5 press left\n6 release left\n9 shot " + file("one.png") + "\n",
+         {"--count", "1"});
     EXPECT_EQ(state_["selected"], 0);
-    const auto dark = [](const Png& in) { return part(kInspector, [&](int x, int y) { return *std::max_element(in.at(x, y), in.at(x, y) + 3) < 70; }); };
+    const auto dark = [](const Png& in) {
+        return part(kInspector, [&](int x, int y) { return *std::max_element(in.at(x, y), in.at(x, y) + 3) < 70; });
+    };
     EXPECT_LT(dark(seen("none.png")), 0.2);
     EXPECT_GT(dark(seen("one.png")), 0.6);
     // Beside it there is nobody.
@@ -135,14 +155,16 @@ TEST_F(View, AClickInspects) {
 }
 
 TEST_F(View, DrawsSkeletonsInTheColoursOfTheirLevels) {
-    view(std::string(kStill) + "4 shot " + file("flesh.png") + "\n5 type k\n9 shot " + file("bones.png") + "\n", {"--count", "4"});
+    view(std::string(kStill) + "4 shot " + file("flesh.png") + "\n5 type k\n9 shot " + file("bones.png") + "\n",
+         {"--count", "4"});
     EXPECT_TRUE(state_["skeletons"]);
     const Png flesh = seen("flesh.png"), bones = seen("bones.png");
     // Of what the lines have changed: joints near the roots are orange and yellow, those of the tips are blue.
     const auto changed_to = [&](const auto& is_color) {
         return part(all_of(bones), [&](int x, int y) {
             const uint8_t *now = bones.at(x, y), *before = flesh.at(x, y);
-            const int difference = std::abs(now[0] - before[0]) + std::abs(now[1] - before[1]) + std::abs(now[2] - before[2]);
+            const int difference = std::abs(now[0] - before[0]) + std::abs(now[1] - before[1]) +
+                                   std::abs(now[2] - before[2]);
             return difference > 90 && is_color(int{now[0]}, int{now[1]}, int{now[2]});
         });
     };
@@ -151,12 +173,16 @@ TEST_F(View, DrawsSkeletonsInTheColoursOfTheirLevels) {
 }
 
 TEST_F(View, ADroppedControllerDrives) {
-    const Outcome run = view("2 drop " THRONG_SOURCE_DIR "/examples/controllers/guard.json\n5 move 325 170\n6 press left\n7 release left\n12 move 630 20\n", {"--count", "1"});
+    const Outcome run = view(
+        "2 drop " THRONG_SOURCE_DIR
+        "/examples/controllers/guard.json\n5 move 325 170\n6 press left\n7 release left\n12 move 630 20\n",
+        {"--count", "1"});
     EXPECT_TRUE(run.err.empty()) << run;
     EXPECT_EQ(state_["selected"], 0);
     EXPECT_EQ(state_["controller"]["parameters"].size(), 2) << "speed and attack, as the device has them";
     EXPECT_EQ(state_["controller"]["leading"], nlohmann::json::array({0})) << "idle";
-    const Outcome wrong = view("2 drop " THRONG_SOURCE_DIR "/examples/controllers/willow.json\n6 move 630 20\n", {"--count", "1"});
+    const Outcome wrong = view("2 drop " THRONG_SOURCE_DIR "/examples/controllers/willow.json\n6 move 630 20\n",
+                               {"--count", "1"});
     EXPECT_NE(wrong.err.find("gust"), std::string::npos) << "a clip that it has not: " << wrong;
 }
 
@@ -169,7 +195,8 @@ TEST_F(View, ChangesTheNumber) {
 }
 
 TEST_F(View, LeavesOutTheHiddenAndAnimatesSmallOnesLessOften) {
-    const Outcome run = view("2 type u\n3 type o\n6 shot " + file("skipped.png") + "\n20 move 630 20\n", {"--count", "60"});
+    const Outcome run = view("2 type u\n3 type o\n6 shot " + file("skipped.png") + "\n20 move 630 20\n",
+                             {"--count", "60"});
     EXPECT_TRUE(run.err.empty()) << run;
     EXPECT_EQ(state_["skips_updates"], true);
     EXPECT_EQ(state_["occlusion"], true);
@@ -188,7 +215,8 @@ TEST_F(View, CountsWhatIsDrawn) {
 TEST_F(View, PicturesAreNotWrittenOverWhatWasDropped) {
     const std::string dropped = file("dropped.glb");
     fs::copy_file(file("other.glb"), dropped);
-    const Outcome run = run_tool({"view", file("one.glb"), "--size", "640x400", "--script", write("events.txt", "2 drop " + dropped + "\n5 shot " + dropped + "\n")},
+    const Outcome run = run_tool({"view", file("one.glb"), "--size", "640x400", "--script",
+                                  write("events.txt", "2 drop " + dropped + "\n5 shot " + dropped + "\n")},
                                  {.environment = {{"DISPLAY", display_->name()}}, .time_limit_s = 120});
     EXPECT_TRUE(run.refused("dropped.glb: would be written over ")) << run;
     EXPECT_EQ(read_file(dropped), read_file(file("other.glb")));
@@ -196,8 +224,10 @@ TEST_F(View, PicturesAreNotWrittenOverWhatWasDropped) {
 
 TEST_F(View, DropsReplaceTheScene) {
     write("broken.glb", "glTF, it says");
-    const Outcome run = view(std::string(kStill) + "4 shot " + file("one.png") + "\n5 drop " + file("broken.glb") + "\n8 shot " + file("still_one.png") + "\n9 drop " + file("other.glb") + " " + file("one.glb") +
-                                 "\n20 drop " + file("nobody.glb") + "\n24 shot " + file("both.png") + "\n",
+    const Outcome run = view(std::string(kStill) + "4 shot " + file("one.png") + "\n5 drop " + file("broken.glb") +
+                                 "\n8 shot " + file("still_one.png") + "\n9 drop " + file("other.glb") + " " +
+                                 file("one.glb") + "\n20 drop " + file("nobody.glb") + "\n24 shot " + file("both.png") +
+                                 "\n",
                              {"--count", "4"});
     EXPECT_NE(run.err.find("broken.glb"), std::string::npos) << run;
     EXPECT_NE(run.err.find("nobody.glb"), std::string::npos) << run;
@@ -210,26 +240,36 @@ TEST_F(View, DropsReplaceTheScene) {
 }
 
 TEST_F(View, FollowsTheSizeOfTheWindow) {
-    view(std::string(kStill) + "3 resize 500 320\n12 shot " + file("small.png") + "\n13 resize 720 450\n22 shot " + file("large.png") + "\n");
+    view(std::string(kStill) + "3 resize 500 320\n12 shot " + file("small.png") + "\n13 resize 720 450\n22 shot " +
+         file("large.png") + "\n");
     const Png small = seen("small.png"), large = seen("large.png");
     EXPECT_EQ(std::pair(small.width, small.height), std::pair(500, 320));
     EXPECT_EQ(std::pair(large.width, large.height), std::pair(720, 450));
     EXPECT_EQ(state_["size"], (Json{720, 450}));
-    EXPECT_GT(part({300, 180, 420, 300}, [&](int x, int y) { return distance(large.at(x, y), large.at(x + 3, y)) > 40; }), 0.02);
+    EXPECT_GT(
+        part({300, 180, 420, 300}, [&](int x, int y) { return distance(large.at(x, y), large.at(x + 3, y)) > 40; }),
+        0.02);
 }
 
-// The keyboard and the mouse of the display, through the server and GLFW. Times here only make sure that two events do not fall into one frame.
+// The keyboard and the mouse of the display, through the server and GLFW. Times here only make sure that two events do
+// not fall into one frame.
 TEST_F(View, TakesRealInput) {
     const std::string shot = file("real.png");
-    const auto run_command = [](const std::string& words) { return std::system(("DISPLAY=" + display_->name() + " xdotool " + words + " > /dev/null").c_str()); };
+    const auto run_command = [](const std::string& words) {
+        return std::system(("DISPLAY=" + display_->name() + " xdotool " + words + " > /dev/null").c_str());
+    };
     const auto take_shot = [&] {
         fs::remove(shot);
         run_command("key F12");
-        for (int tries = 0; tries < 600 && !fs::exists(shot); ++tries) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        for (int tries = 0; tries < 600 && !fs::exists(shot); ++tries)
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
         return seen("real.png");
     };
     Outcome run;
-    std::thread viewer([&] { run = run_tool({"view", file("one.glb"), "--size", "640x400", "--screenshot", shot}, {.environment = {{"DISPLAY", display_->name()}}, .time_limit_s = 120}); });
+    std::thread viewer([&] {
+        run = run_tool({"view", file("one.glb"), "--size", "640x400", "--screenshot", shot},
+                       {.environment = {{"DISPLAY", display_->name()}}, .time_limit_s = 120});
+    });
     EXPECT_EQ(run_command("search --sync --onlyvisible --name '^throng$'"), 0);
     run_command("mousemove 320 200 sleep 0.3 key Tab sleep 0.3 key space sleep 0.3");
     take_shot();  // the message goes
@@ -243,7 +283,9 @@ TEST_F(View, TakesRealInput) {
 }
 
 TEST_F(View, EndsAfterItsFramesWithAPicture) {
-    const Outcome run = run_tool({"view", file("one.glb"), "--size", "640x400", "--after", "3", "--screenshot", file("end.png")}, {.environment = environment(), .time_limit_s = 120});
+    const Outcome run = run_tool(
+        {"view", file("one.glb"), "--size", "640x400", "--after", "3", "--screenshot", file("end.png")},
+        {.environment = environment(), .time_limit_s = 120});
     EXPECT_TRUE(run.succeeded()) << run;
     EXPECT_EQ(seen("end.png").width, 640);
 }
@@ -304,14 +346,21 @@ TEST(ViewProjection, UndoesItself) {
 
 TEST(ViewPick, MeetsBoxesWhereTheyStand) {
     // Turned by a quarter about y, twice as large, and moved: x from -4 to 0, z from -6 to 2.
-    const view::PlacedBox box{{-2, 0, -1}, {2, 1, 1}, to_affine(Trs<float>{axis_angle(Vec3<float>{0, 1, 0}, 1.57079633f), {-2, 0, -2}, {2, 2, 2}})};
-    const auto along_z = [&](float x, float y, float from) { return view::distance_to(box, {{x, y, from}, {0, 0, -1}}); };
+    const view::PlacedBox box{
+        {-2, 0, -1},
+        {2, 1, 1},
+        to_affine(Trs<float>{axis_angle(Vec3<float>{0, 1, 0}, 1.57079633f), {-2, 0, -2}, {2, 2, 2}})};
+    const auto along_z = [&](float x, float y, float from) {
+        return view::distance_to(box, {{x, y, from}, {0, 0, -1}});
+    };
     EXPECT_NEAR(along_z(-2, 1, 10).value_or(-1), 8, 1e-4f);
     EXPECT_NEAR(along_z(-2, 1, 0).value_or(-1), 0, 1e-4f) << "from within";
     EXPECT_FALSE(along_z(0.5f, 1, 10));
     EXPECT_FALSE(along_z(-2, 2.5f, 10));
     EXPECT_FALSE(along_z(-2, 1, -7)) << "it lies behind";
-    EXPECT_FALSE(view::distance_to({box.min, box.max, to_affine(Trs<float>{.scale = {1, 0, 1}})}, {{0, 5, 0}, {0, -1, 0}})) << "flat";
+    EXPECT_FALSE(
+        view::distance_to({box.min, box.max, to_affine(Trs<float>{.scale = {1, 0, 1}})}, {{0, 5, 0}, {0, -1, 0}}))
+        << "flat";
 }
 
 }  // namespace

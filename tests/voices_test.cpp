@@ -16,7 +16,8 @@ namespace {
 
 using namespace test;
 
-constexpr double kBound = 2e-6;  // of an element, relative where it exceeds 1; times what the mixing itself makes of its inputs' errors
+// Of an element, relative where it exceeds 1; times what the mixing itself makes of its inputs' errors
+constexpr double kBound = 2e-6;
 constexpr uint32_t kNoMask = ~0u;
 
 // A clip at a time.
@@ -38,7 +39,8 @@ using Layers = std::vector<Layer>;
 // The cursor's fraction is a float, and so the reference samples where it points.
 double rounded_time(const Character& character, const Part& part, const RowCursor& rows) {
     const float* times_s = &character.times_s[character.clips[part.clip].first_time];
-    return times_s[rows.earlier] + (double{times_s[rows.later]} - times_s[rows.earlier]) * static_cast<float>(rows.fraction);
+    return times_s[rows.earlier] +
+           (double{times_s[rows.later]} - times_s[rows.earlier]) * static_cast<float>(rows.fraction);
 }
 
 struct Rows {
@@ -47,10 +49,18 @@ struct Rows {
 };
 
 Rows rows_of(const Character& character, const Part& part) {
-    Rows out{.voice = {.first_track = part.clip * character.rig.joint_count(), .earlier = 0, .later = 0, .fraction = 0, .weight = part.weight, .layer_weight = 1, .reference_row = 0, .flags = 0}};
+    Rows out{.voice = {.first_track = part.clip * character.rig.joint_count(),
+                       .earlier = 0,
+                       .later = 0,
+                       .fraction = 0,
+                       .weight = part.weight,
+                       .layer_weight = 1,
+                       .reference_row = 0,
+                       .flags = 0}};
     if (part.clip == character.clips.size()) return out;
     const Clip& clip = character.clips[part.clip];
-    const RowCursor rows = find_rows_reference(std::span(character.times_s).subspan(clip.first_time, clip.row_count), part.time_s);
+    const RowCursor rows = find_rows_reference(std::span(character.times_s).subspan(clip.first_time, clip.row_count),
+                                               part.time_s);
     out.voice.earlier = clip.first_row + rows.earlier * clip.row_stride;
     out.voice.later = clip.first_row + rows.later * clip.row_stride;
     out.voice.fraction = static_cast<float>(rows.fraction);
@@ -81,7 +91,12 @@ std::vector<io::Voice> voices_of(const Character& character, const Layers& layer
 class Stage {
 public:
     explicit Stage(Character character, std::vector<float> masks = {})
-        : character_(std::move(character)), masks_(std::move(masks)), tracks_(character_.tracks), keys_(character_.keys), words_(character_.words), mask_buffer_(masks_) {}
+        : character_(std::move(character)),
+          masks_(std::move(masks)),
+          tracks_(character_.tracks),
+          keys_(character_.keys),
+          words_(character_.words),
+          mask_buffer_(masks_) {}
 
     const Character& character() const { return character_; }
     uint32_t joint_count() const { return character_.rig.joint_count(); }
@@ -91,7 +106,9 @@ public:
         io::Voice other = rows_of(character_, {.clip = 0, .time_s = 0.9}).voice;
         other.flags = io::kVoiceBeginsLayer | io::kVoiceEndsLayer;
         std::vector<io::Voice> out(instances.size() * voice_limit, other);
-        for (size_t i = 0; i < instances.size(); ++i) std::ranges::copy(voices_of(character_, instances[i]), out.begin() + static_cast<ptrdiff_t>(i * voice_limit));
+        for (size_t i = 0; i < instances.size(); ++i)
+            std::ranges::copy(voices_of(character_, instances[i]),
+                              out.begin() + static_cast<ptrdiff_t>(i * voice_limit));
         return out;
     }
 
@@ -104,23 +121,34 @@ public:
     }
     template <class Local = Affine>
     std::vector<Local> run(const BufferRange& voices, size_t count, uint32_t voice_limit) const {
-        constexpr BlendOutput kOutput = sizeof(Local) == sizeof(Affine) ? BlendOutput::kAffine : BlendOutput::kSimilarity;
+        constexpr BlendOutput kOutput = sizeof(Local) == sizeof(Affine) ? BlendOutput::kAffine
+                                                                        : BlendOutput::kSimilarity;
         const Guarded<Local> local(poison<Local>(count * joint_count()));
-        run_workgroups(layered_kernel(test_gpu(), {.packed = character_.packed, .output = kOutput}), LayeredBuffers{voices, mask_buffer_, tracks_, keys_, words_, local, local, local, words_, keys_}, io::LayeredPush{joint_count(), voice_limit}, static_cast<uint32_t>(count));
+        run_workgroups(layered_kernel(test_gpu(), {.packed = character_.packed, .output = kOutput}),
+                       LayeredBuffers{voices, mask_buffer_, tracks_, keys_, words_, local, local, local, words_, keys_},
+                       io::LayeredPush{joint_count(), voice_limit}, static_cast<uint32_t>(count));
         return local.read();
     }
-    std::vector<Affine> run(const std::vector<Layers>& instances, uint32_t voice_limit = 12) const { return run(voices(instances, voice_limit), voice_limit); }
+    std::vector<Affine> run(const std::vector<Layers>& instances, uint32_t voice_limit = 12) const {
+        return run(voices(instances, voice_limit), voice_limit);
+    }
 
     // What the reference takes, for each joint.
     std::vector<std::vector<ReferenceLayer>> reference_layers(const Layers& layers) const {
         std::vector<std::vector<ReferenceLayer>> out(joint_count());
         for (const Layer& layer : layers) {
             for (uint32_t joint = 0; joint < joint_count(); ++joint)
-                out[joint].push_back({layer.is_additive, layer.mask == kNoMask ? layer.weight : double{layer.weight} * masks_[layer.mask * joint_count() + joint], {}});
+                out[joint].push_back({layer.is_additive,
+                                      layer.mask == kNoMask
+                                          ? layer.weight
+                                          : double{layer.weight} * masks_[layer.mask * joint_count() + joint],
+                                      {}});
             for (const Part& part : layer.parts) {
                 const Rows rows = rows_of(character_, part);
-                const std::vector<Trs<double>> pose = sample_reference(character_, part.clip, rows.time_s), first = sample_reference(character_, part.clip, rows.first_s);
-                for (uint32_t joint = 0; joint < joint_count(); ++joint) out[joint].back().voices.push_back({pose[joint], first[joint], part.weight});
+                const std::vector<Trs<double>> pose = sample_reference(character_, part.clip, rows.time_s),
+                                               first = sample_reference(character_, part.clip, rows.first_s);
+                for (uint32_t joint = 0; joint < joint_count(); ++joint)
+                    out[joint].back().voices.push_back({pose[joint], first[joint], part.weight});
             }
         }
         return out;
@@ -138,7 +166,8 @@ private:
 // Zeros, ones and a ramp between them; and one of ones.
 std::vector<float> make_masks(uint32_t joint_count) {
     std::vector<float> out;
-    for (uint32_t joint = 0; joint < joint_count; ++joint) out.push_back(std::clamp(3 * static_cast<float>(joint) / static_cast<float>(joint_count) - 1, 0.0f, 1.0f));
+    for (uint32_t joint = 0; joint < joint_count; ++joint)
+        out.push_back(std::clamp(3 * static_cast<float>(joint) / static_cast<float>(joint_count) - 1, 0.0f, 1.0f));
     out.resize(2 * joint_count, 1.0f);
     return out;
 }
@@ -148,8 +177,12 @@ Layers random_layers(Random& random, const Character& character, uint32_t voice_
     const uint32_t layer_count = 1 + random.below(std::min(voice_count, 4u));
     for (uint32_t i = 0; i < layer_count; ++i) {
         const bool is_lowest = i == 0;
-        Layer layer{.is_additive = !is_lowest && random.chance(0.5), .weight = random.chance(0.3) ? 1.0f : static_cast<float>(random.unit()), .mask = is_lowest ? kNoMask : std::array{kNoMask, 0u, 1u}[random.below(3)], .parts = {}};
-        const uint32_t rest = layer_count - 1 - i, part_count = rest == 0 ? voice_count : 1 + random.below(voice_count - rest);
+        Layer layer{.is_additive = !is_lowest && random.chance(0.5),
+                    .weight = random.chance(0.3) ? 1.0f : static_cast<float>(random.unit()),
+                    .mask = is_lowest ? kNoMask : std::array{kNoMask, 0u, 1u}[random.below(3)],
+                    .parts = {}};
+        const uint32_t rest = layer_count - 1 - i,
+                       part_count = rest == 0 ? voice_count : 1 + random.below(voice_count - rest);
         voice_count -= part_count;
         double sum = 0;
         for (uint32_t k = 0; k < part_count; ++k) {
@@ -164,15 +197,19 @@ Layers random_layers(Random& random, const Character& character, uint32_t voice_
     return out;
 }
 
-double error_of(const Affine& got, const Trs<double>& wanted) { return matrix_error(got, to_affine(wanted), std::max(1.0, length(wanted.translation))); }
+double error_of(const Affine& got, const Trs<double>& wanted) {
+    return matrix_error(got, to_affine(wanted), std::max(1.0, length(wanted.translation)));
+}
 
-// How many times larger than an error of its inputs one of the result is: large where rotations nearly cancel, or lie a quarter turn
-// apart on S3, where rounding decides which way round is shorter.
+// How many times larger than an error of its inputs one of the result is: large where rotations nearly cancel, or lie a
+// quarter turn apart on S3, where rounding decides which way round is shorter.
 double amplification(const std::vector<ReferenceLayer>& layers, const Trs<double>& result, Random& random) {
     constexpr double kError = 1e-5;
     const auto about = [&](double x) { return x + random.between(-kError, kError); };
     const auto moved = [&](const Trs<double>& t) {
-        return Trs<double>{{about(t.rotation.x), about(t.rotation.y), about(t.rotation.z), about(t.rotation.w)}, {about(t.translation.x), about(t.translation.y), about(t.translation.z)}, {about(t.scale.x), about(t.scale.y), about(t.scale.z)}};
+        return Trs<double>{{about(t.rotation.x), about(t.rotation.y), about(t.rotation.z), about(t.rotation.w)},
+                           {about(t.translation.x), about(t.translation.y), about(t.translation.z)},
+                           {about(t.scale.x), about(t.scale.y), about(t.scale.z)}};
     };
     double worst = 1;
     for (int draw = 0; draw < 4; ++draw) {
@@ -208,12 +245,14 @@ void expect_reference(Character character) {
         }
     }
     EXPECT_LE(undecided, local.size() / 50 + 1);
-    std::printf("  %3u joints, %s keys, %zu instances: largest error %.1e, %zu of %zu left out\n", stage.joint_count(), stage.character().packed ? "packed" : "exact", instances.size(), worst, undecided, local.size());
+    std::printf("  %3u joints, %s keys, %zu instances: largest error %.1e, %zu of %zu left out\n", stage.joint_count(),
+                stage.character().packed ? "packed" : "exact", instances.size(), worst, undecided, local.size());
 }
 
 TEST(Voices, FollowTheReference) {
     for (const uint32_t joint_count : {1u, 63u, 65u, 300u}) {
-        const AssetSettings settings{.joint_count = joint_count, .seed = joint_count, .clip_count = 4, .cubic = joint_count == 65};
+        const AssetSettings settings{
+            .joint_count = joint_count, .seed = joint_count, .clip_count = 4, .cubic = joint_count == 65};
         expect_reference(make_character(settings));
         const Character packed = compiled(make_asset(settings), {.error = 1e-4});
         ASSERT_TRUE(packed.packed);
@@ -234,7 +273,9 @@ TEST(Voices, AreSimilaritiesWhereScaleIsUniform) {
     const std::vector<Similarity> similarities = stage.run<Similarity>(voices, 6);
     for (size_t i = 0; i < affines.size(); ++i) {
         const auto& [q, t] = similarities[i];
-        EXPECT_LE(matrix_error(to_affine(Trs<float>{{q.x, q.y, q.z, q.w}, {t.x, t.y, t.z}, {t.w, t.w, t.w}}), affines[i].as<double>(), 1), kBound);
+        EXPECT_LE(matrix_error(to_affine(Trs<float>{{q.x, q.y, q.z, q.w}, {t.x, t.y, t.z}, {t.w, t.w, t.w}}),
+                               affines[i].as<double>(), 1),
+                  kBound);
     }
 }
 
@@ -247,7 +288,8 @@ TEST(Voices, TwoInOneLayerAreABlend) {
         const std::vector<std::vector<ReferenceLayer>> references = stage.reference_layers(layers);
         for (size_t joint = 0; joint < stage.joint_count(); ++joint) {
             const std::vector<ReferenceVoice>& voices = references[joint][0].voices;
-            const Trs<double> wanted = blend_reference(voices[0].pose, voices[1].pose, weight), got = voices_reference(references[joint]);
+            const Trs<double> wanted = blend_reference(voices[0].pose, voices[1].pose, weight),
+                              got = voices_reference(references[joint]);
             EXPECT_LE(error_of(to_affine(got).as<float>(), wanted), 1e-7);  // float's rounding
             EXPECT_LE(error_of(local[joint], wanted), kBound);
         }
@@ -264,8 +306,16 @@ TEST(Voices, WeightsOfNothingAndOfOneAreExact) {
         layer.mask = mask;
         return layer;
     };
-    const std::vector<Layers> instances{{base}, {base, with(wave, false, 0, kNoMask)}, {base, with(wave, true, 0, kNoMask)}, {base, with(wave, false, 1, 0)}, {base, with(wave, true, 1, 0)},
-                                        {wave}, {base, wave}, {base, with(wave, false, 1, 1)}, {with(wave, false, 0.5f, kNoMask)}, {base, with(wave, true, 0, kNoMask), wave}};
+    const std::vector<Layers> instances{{base},
+                                        {base, with(wave, false, 0, kNoMask)},
+                                        {base, with(wave, true, 0, kNoMask)},
+                                        {base, with(wave, false, 1, 0)},
+                                        {base, with(wave, true, 1, 0)},
+                                        {wave},
+                                        {base, wave},
+                                        {base, with(wave, false, 1, 1)},
+                                        {with(wave, false, 0.5f, kNoMask)},
+                                        {base, with(wave, true, 0, kNoMask), wave}};
     const std::vector<Affine> local = stage.run(instances);
     const auto of = [&](size_t instance, size_t first, size_t end) {
         const auto begin = local.begin() + static_cast<ptrdiff_t>(instance * 65);
@@ -274,9 +324,11 @@ TEST(Voices, WeightsOfNothingAndOfOneAreExact) {
     const auto whole = [&](size_t instance) { return of(instance, 0, 65); };
     EXPECT_TRUE(same_bits(whole(1), whole(0))) << "override of weight 0";
     EXPECT_TRUE(same_bits(whole(2), whole(0))) << "additive of weight 0";
-    EXPECT_TRUE(same_bits(of(3, 0, 22), of(0, 0, 22)) && same_bits(of(4, 0, 22), of(0, 0, 22))) << "where the mask is 0";
+    EXPECT_TRUE(same_bits(of(3, 0, 22), of(0, 0, 22)) && same_bits(of(4, 0, 22), of(0, 0, 22)))
+        << "where the mask is 0";
     EXPECT_TRUE(same_bits(of(3, 44, 65), of(5, 44, 65))) << "where the mask is 1";
-    EXPECT_FALSE(same_bits(of(3, 22, 23), of(0, 22, 23)) || same_bits(of(3, 43, 44), of(5, 43, 44))) << "the ramp is open at both ends";
+    EXPECT_FALSE(same_bits(of(3, 22, 23), of(0, 22, 23)) || same_bits(of(3, 43, 44), of(5, 43, 44)))
+        << "the ramp is open at both ends";
     EXPECT_FALSE(same_bits(of(4, 44, 65), of(0, 44, 65))) << "the additive layer does something";
     EXPECT_TRUE(same_bits(whole(6), whole(5))) << "override of weight 1";
     EXPECT_TRUE(same_bits(whole(7), whole(5))) << "mask of ones";
@@ -288,10 +340,13 @@ TEST(Voices, WeightsOfNothingAndOfOneAreExact) {
 TEST(Voices, AFirstRowAddsNothing) {
     const Stage stage(make_character({.joint_count = 65, .clip_count = 4}));
     const Layer base{.parts = {{0, 0.3}}};
-    const std::vector<Affine> local = stage.run({{base}, {base, {.is_additive = true, .parts = {{1, 0, 0.5f}, {2, 0, 0.5f}}}}, {base, {.is_additive = true, .parts = {{4}}}}});
+    const std::vector<Affine> local = stage.run({{base},
+                                                 {base, {.is_additive = true, .parts = {{1, 0, 0.5f}, {2, 0, 0.5f}}}},
+                                                 {base, {.is_additive = true, .parts = {{4}}}}});
     for (size_t joint = 0; joint < 65; ++joint) {
         EXPECT_LE(matrix_error(local[65 + joint], local[joint].as<double>(), 1), 1e-6) << "joint " << joint;
-        EXPECT_LE(matrix_error(local[130 + joint], local[joint].as<double>(), 1), 1e-6) << "the rest pose adds nothing to joint " << joint;
+        EXPECT_LE(matrix_error(local[130 + joint], local[joint].as<double>(), 1), 1e-6)
+            << "the rest pose adds nothing to joint " << joint;
     }
 }
 
@@ -301,34 +356,49 @@ Character two_row_clips(const std::vector<std::array<Trs<float>, 2>>& clips) {
     character.rig.parents = {kNone};
     for (const auto& [first, last] : clips) {
         const auto position = static_cast<uint32_t>(character.keys.size());
-        character.clips.push_back({.duration_s = 1, .first_time = static_cast<uint32_t>(character.times_s.size()), .row_count = 2, .row_stride = 3});
+        character.clips.push_back({.duration_s = 1,
+                                   .first_time = static_cast<uint32_t>(character.times_s.size()),
+                                   .row_count = 2,
+                                   .row_stride = 3});
         character.times_s.insert(character.times_s.end(), {0, 1});
         for (const Trs<float>& t : {first, last})
-            character.keys.insert(character.keys.end(), {{t.rotation.x, t.rotation.y, t.rotation.z, t.rotation.w}, {t.translation.x, t.translation.y, t.translation.z, 0}, {t.scale.x, t.scale.y, t.scale.z, 0}});
-        character.tracks.push_back({.rotation = position | kTrackAnimated, .translation = (position + 1) | kTrackAnimated, .scale = (position + 2) | kTrackAnimated});
+            character.keys.insert(character.keys.end(), {{t.rotation.x, t.rotation.y, t.rotation.z, t.rotation.w},
+                                                         {t.translation.x, t.translation.y, t.translation.z, 0},
+                                                         {t.scale.x, t.scale.y, t.scale.z, 0}});
+        character.tracks.push_back({.rotation = position | kTrackAnimated,
+                                    .translation = (position + 1) | kTrackAnimated,
+                                    .scale = (position + 2) | kTrackAnimated});
     }
     return character;
 }
 
 // Half turns this way and that, half each, add to no rotation at all: the last one has its way.
 TEST(Voices, RotationsThatCancel) {
-    const Trs<float> still{}, half{.rotation = {1, 0, 0, 0}, .translation = {1, 0, 0}}, other_half{.rotation = {-1, 0, 0, 0}, .translation = {3, 0, 0}};
+    const Trs<float> still{}, half{.rotation = {1, 0, 0, 0}, .translation = {1, 0, 0}},
+        other_half{.rotation = {-1, 0, 0, 0}, .translation = {3, 0, 0}};
     const Stage stage(two_row_clips({{still, half}, {still, other_half}, {still, still}}));
     const Layer base{.parts = {{2, 0}}};
     const std::vector<Part> both{{0, 1, 0.5f}, {1, 1, 0.5f}};
-    const std::vector<Layers> instances{{base, {.is_additive = true, .parts = both}}, {base, {.is_additive = true, .weight = 0.5f, .parts = both}}, {{.parts = both}}};
+    const std::vector<Layers> instances{{base, {.is_additive = true, .parts = both}},
+                                        {base, {.is_additive = true, .weight = 0.5f, .parts = both}},
+                                        {{.parts = both}}};
     const std::vector<Affine> local = stage.run(instances);
-    const std::array<double, 3> angles_rad{std::numbers::pi, -std::numbers::pi / 2, std::numbers::pi};  // about x; of an override both are the same half turn
+    // About x; of an override both are the same half turn
+    const std::array<double, 3> angles_rad{std::numbers::pi, -std::numbers::pi / 2, std::numbers::pi};
     for (size_t i = 0; i < instances.size(); ++i) {
-        const Trs<double> wanted{.rotation = axis_angle(Vec3<double>{1, 0, 0}, angles_rad[i]), .translation = {i == 1 ? 1.0 : 2.0, 0, 0}};
+        const Trs<double> wanted{.rotation = axis_angle(Vec3<double>{1, 0, 0}, angles_rad[i]),
+                                 .translation = {i == 1 ? 1.0 : 2.0, 0, 0}};
         EXPECT_LE(error_of(local[i], wanted), kBound) << "instance " << i;
-        EXPECT_LE(error_of(to_affine(voices_reference(stage.reference_layers(instances[i])[0])).as<float>(), wanted), 1e-7) << "the reference, instance " << i;
+        EXPECT_LE(error_of(to_affine(voices_reference(stage.reference_layers(instances[i])[0])).as<float>(), wanted),
+                  1e-7)
+            << "the reference, instance " << i;
     }
 }
 
 // A scale that begins at nothing has no ratio, and is left alone.
 TEST(Voices, ScalesFromNothingAddNothing) {
-    const Stage stage(two_row_clips({{Trs<float>{.scale = {1, 2, 4}}, {}}, {Trs<float>{.scale = {0, 1, 2}}, Trs<float>{.scale = {5, 3, 1}}}}));
+    const Stage stage(two_row_clips(
+        {{Trs<float>{.scale = {1, 2, 4}}, {}}, {Trs<float>{.scale = {0, 1, 2}}, Trs<float>{.scale = {5, 3, 1}}}}));
     const std::vector<Affine> local = stage.run({{{.parts = {{0, 0}}}, {.is_additive = true, .parts = {{1, 1}}}}});
     EXPECT_LE(error_of(local[0], {.rotation = {}, .translation = {}, .scale = {1, 6, 2}}), kBound);
 }
@@ -337,14 +407,17 @@ TEST(Voices, ScalesFromNothingAddNothing) {
 TEST(Voices, TheReferenceAddsInTheSpaceOfTheParent) {
     const auto about_z = [](double angle_rad) { return axis_angle(Vec3<double>{0, 0, 1}, angle_rad); };
     const ReferenceVoice base{.pose = {about_z(0.3), {1, 0, 0}, {1, 2, 1}}, .first = {}};
-    const ReferenceVoice lean{.pose = {-about_z(0.9), {0, 5, 0}, {2, 2, 3}}, .first = {about_z(0.5), {0, 3, 0}, {1, 4, 3}}};
-    const Trs<double> half = voices_reference(std::vector<ReferenceLayer>{{.voices = {base}}, {.is_additive = true, .weight = 0.5, .voices = {lean}}});
+    const ReferenceVoice lean{.pose = {-about_z(0.9), {0, 5, 0}, {2, 2, 3}},
+                              .first = {about_z(0.5), {0, 3, 0}, {1, 4, 3}}};
+    const Trs<double> half = voices_reference(
+        std::vector<ReferenceLayer>{{.voices = {base}}, {.is_additive = true, .weight = 0.5, .voices = {lean}}});
     EXPECT_NEAR(std::abs(dot(half.rotation, about_z(0.5))), 1, 1e-12);
     EXPECT_LE(length(half.translation - Vec3<double>{1, 1, 0}) + length(half.scale - Vec3<double>{1.5, 1.5, 1}), 1e-12);
 
     // From the left: first the pose below, then the difference.
     const Quaternion<double> x = axis_angle(Vec3<double>{1, 0, 0}, 1.0);
-    const Trs<double> turned = voices_reference(std::vector<ReferenceLayer>{{.voices = {{.pose = {x, {}, {1, 1, 1}}, .first = {}}}}, {.is_additive = true, .voices = {lean}}});
+    const Trs<double> turned = voices_reference(std::vector<ReferenceLayer>{
+        {.voices = {{.pose = {x, {}, {1, 1, 1}}, .first = {}}}}, {.is_additive = true, .voices = {lean}}});
     EXPECT_NEAR(std::abs(dot(turned.rotation, about_z(0.4) * x)), 1, 1e-12);
 }
 
@@ -352,7 +425,8 @@ TEST(Voices, TheReferenceAddsInTheSpaceOfTheParent) {
 TEST(Voices, AListEndsWithItsRoom) {
     const Stage stage(make_character({.joint_count = 65}));
     std::vector<Layers> instances;
-    for (const double time_s : {0.1, 0.3, 0.5}) instances.push_back({{.parts = {{0, time_s, 0.5f}, {1, 0.4, 0.5f}}}, {.weight = 0.5f, .parts = {{2, time_s}}}});
+    for (const double time_s : {0.1, 0.3, 0.5})
+        instances.push_back({{.parts = {{0, time_s, 0.5f}, {1, 0.4, 0.5f}}}, {.weight = 0.5f, .parts = {{2, time_s}}}});
     std::vector<io::Voice> voices = stage.voices(instances, 3);
     const std::vector<Affine> wanted = stage.run(voices, 3);
     for (io::Voice& voice : voices) voice.flags &= ~io::kVoiceEnds;
@@ -363,9 +437,12 @@ TEST(Voices, AListEndsWithItsRoom) {
 TEST(Voices, AreReadFromATableThatTheDeviceWrote) {
     const Stage stage(make_character({.joint_count = 65}), make_masks(65));
     Random random(5);
-    const std::vector<io::Voice> voices = stage.voices({random_layers(random, stage.character(), 5), random_layers(random, stage.character(), 8)}, 8);
+    const std::vector<io::Voice> voices = stage.voices(
+        {random_layers(random, stage.character(), 5), random_layers(random, stage.character(), 8)}, 8);
     const Buffer table = make_table<io::Voice>(test_gpu(), "voices", voices.size());
-    test_gpu()->submit_and_wait([&](VkCommandBuffer commands) { test_gpu()->vk.vkCmdUpdateBuffer(commands, table.handle(), 0, table.size_bytes(), voices.data()); });
+    test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
+        test_gpu()->vk.vkCmdUpdateBuffer(commands, table.handle(), 0, table.size_bytes(), voices.data());
+    });
     EXPECT_TRUE(same_bits(stage.run(BufferRange(table), 2, 8), stage.run(voices, 8)));
 }
 

@@ -29,11 +29,15 @@ void run_report(const ReportOptions& options) {
 }  // namespace
 
 void add_bench_report(Command bench_command) {
-    Command command = bench_command.add_subcommand("report", "records of 'throng bench scan', 'baselines' and 'frame' as an HTML page with figures, by gnuplot");
+    Command command = bench_command.add_subcommand(
+        "report", "records of 'throng bench scan', 'baselines' and 'frame' as an HTML page with figures, by gnuplot");
     auto options = std::make_shared<ReportOptions>();
-    command.add_option("records", options->files, "files of records, one a line; of a case measured twice the last counts").required();
+    command
+        .add_option("records", options->files, "files of records, one a line; of a case measured twice the last counts")
+        .required();
     add_out_option(command, options->out, "the .html file to write; it needs no other file");
-    command.add_option("--plot", options->plot, "a file for the figure of time over levels, SVG").check(writable_file());
+    command.add_option("--plot", options->plot, "a file for the figure of time over levels, SVG")
+        .check(writable_file());
     command.footer("Example:\n  throng bench report scan.jsonl baselines.jsonl --out report.html --plot levels.svg");
     command.callback([options] { run_report(*options); });
 }

@@ -1,4 +1,5 @@
-// Ways for a camera around a crowd: functions of time alone, smooth and periodic, so that any frame can be drawn without those before.
+// Ways for a camera around a crowd: functions of time alone, smooth and periodic, so that any frame can be drawn
+// without those before.
 #pragma once
 
 #include <throng/draw.h>
@@ -12,15 +13,16 @@ namespace throng::tools {
 
 // What the camera is to show; world space.
 struct CameraSubject {
-    Bounds bounds;             // of the crowd
+    Bounds bounds;  // of the crowd
     float aspect_ratio = 1;
-    Affine world_from_model;   // of the character that is followed
-    Bounds model_bounds;       // of its rest pose, model space
+    Affine world_from_model;  // of the character that is followed
+    Bounds model_bounds;      // of its rest pose, model space
 };
 
 class CameraPath {
 public:
-    // "fit", "orbit", "flyover", "follow" or "low", with parameters or without: "orbit:seconds=20,height=1.5". --help lists them. Throws CommandError.
+    // "fit", "orbit", "flyover", "follow" or "low", with parameters or without: "orbit:seconds=20,height=1.5". --help
+    // lists them. Throws CommandError.
     explicit CameraPath(const std::string& text = "fit");
 
     // One that stands still.

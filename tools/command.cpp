@@ -54,7 +54,9 @@ ClipTotals::ClipTotals(const Character& character) {
     }
 }
 
-double ClipTotals::ratio() const { return size_bytes == 0 ? 1 : static_cast<double>(raw_size_bytes) / static_cast<double>(size_bytes); }
+double ClipTotals::ratio() const {
+    return size_bytes == 0 ? 1 : static_cast<double>(raw_size_bytes) / static_cast<double>(size_bytes);
+}
 
 uint32_t find_clip(const Character& character, const std::string& name_or_index) {
     const uint32_t named = character.find_clip(name_or_index);
@@ -63,9 +65,11 @@ uint32_t find_clip(const Character& character, const std::string& name_or_index)
 
     constexpr size_t kShown = 20;
     std::string names;
-    for (size_t i = 0; i < std::min(character.clips.size(), kShown); ++i) names += (i ? ", " : "") + std::to_string(i) + " '" + character.clips[i].name + "'";
+    for (size_t i = 0; i < std::min(character.clips.size(), kShown); ++i)
+        names += (i ? ", " : "") + std::to_string(i) + " '" + character.clips[i].name + "'";
     if (character.clips.size() > kShown) names += ", …";
-    throw CommandError(character.name + ": no clip '" + name_or_index + "'; " + (names.empty() ? "the file has none" : "there are: " + names));
+    throw CommandError(character.name + ": no clip '" + name_or_index + "'; " +
+                       (names.empty() ? "the file has none" : "there are: " + names));
 }
 
 void print_warnings(const std::vector<std::string>& warnings) {

@@ -40,7 +40,7 @@ std::vector<Character> load_characters(const std::vector<std::string>& files, co
 struct Cycle {
     Cycle(const Character& character, const Clip& clip);
 
-    double x, z;  // units of the file: metres
+    double x, z;          // units of the file: metres
     double turn_degrees;  // about +y, -180 to 180
 };
 

@@ -24,7 +24,8 @@ Character compile(const CompileOptions& options) {
     // It may be another file's.
     std::error_code unknown;
     if (std::filesystem::exists(options.out, unknown) && !is_compiled_file(options.out))
-        throw CommandError(options.out + " is there, and not a compiled character; give --out another name, or remove it");
+        throw CommandError(options.out +
+                           " is there, and not a compiled character; give --out another name, or remove it");
     print_progress("reading " + options.file);
     const Asset asset = unwrap(load_asset(options.file));
     print_progress("compiling " + options.file);
@@ -40,7 +41,10 @@ nlohmann::json to_json(const CompileOptions& options, const Character& character
     const ClipTotals totals(character);
     nlohmann::json clips = nlohmann::json::array();
     for (const Clip& clip : character.clips)
-        clips.push_back({{"name", clip.name}, {"rows", clip.row_count}, {"bytes", clip.size_bytes}, {"raw_bytes", clip.raw_size_bytes},
+        clips.push_back({{"name", clip.name},
+                         {"rows", clip.row_count},
+                         {"bytes", clip.size_bytes},
+                         {"raw_bytes", clip.raw_size_bytes},
                          {"error_percent", clip.error * 100}});
     return {{"file", options.file},
             {"out", options.out},
@@ -58,12 +62,14 @@ nlohmann::json to_json(const CompileOptions& options, const Character& character
 
 void print_text(const CompileOptions& options, const Character& character, uint64_t bytes) {
     const ClipTotals totals(character);
-    std::printf("%s: %llu bytes, of %s\n", options.out.c_str(), static_cast<unsigned long long>(bytes), options.file.c_str());
+    std::printf("%s: %llu bytes, of %s\n", options.out.c_str(), static_cast<unsigned long long>(bytes),
+                options.file.c_str());
     std::printf("  clips      %zu, %.1f KiB: %.1f times smaller than %.1f KiB of raw floats\n", character.clips.size(),
-                static_cast<double>(totals.size_bytes) / 1024, totals.ratio(), static_cast<double>(totals.raw_size_bytes) / 1024);
+                static_cast<double>(totals.size_bytes) / 1024, totals.ratio(),
+                static_cast<double>(totals.raw_size_bytes) / 1024);
     if (character.packed)
-        std::printf("  error      at most %.2g %% of the character's size, measured at the skin; %.4g %% allowed\n", totals.error * 100,
-                    options.settings.error * 100);
+        std::printf("  error      at most %.2g %% of the character's size, measured at the skin; %.4g %% allowed\n",
+                    totals.error * 100, options.settings.error * 100);
     else
         std::printf("  error      none: exact keys\n");
 }
@@ -71,23 +77,27 @@ void print_text(const CompileOptions& options, const Character& character, uint6
 void run_compile(const CompileOptions& options) {
     const Character character = compile(options);
     const uint64_t bytes = std::filesystem::file_size(options.out);
-    if (options.json) print_json(to_json(options, character, bytes));
-    else print_text(options, character, bytes);
+    if (options.json)
+        print_json(to_json(options, character, bytes));
+    else
+        print_text(options, character, bytes);
 }
 
 }  // namespace
 
 void add_compile(Command app) {
-    Command command = app.add_subcommand("compile", "compress a .glb or .gltf file's clips, and write what the GPU reads, to be loaded at once");
+    Command command = app.add_subcommand(
+        "compile", "compress a .glb or .gltf file's clips, and write what the GPU reads, to be loaded at once");
     auto options = std::make_shared<CompileOptions>();
     command.add_option("file", options->file, "a glTF 2.0 file").required();
     add_out_option(command, options->out, "the .throng file to write; every command takes it in place of its source");
     add_error_option(command, options->settings);
     add_root_motion_option(command, options->settings);
     command.add_flag("--json", options->json, "as JSON");
-    command.footer("Examples:\n  throng compile fox.glb -o fox.throng\n  throng compile fox.glb -o fox.throng --error 0.1\n"
-                   "  throng compile fox.glb -o fox.throng --error exact --json | jq .ratio\n"
-                   "  throng compile fox.glb -o fox.throng --root-motion hips\n  throng info fox.throng");
+    command.footer(
+        "Examples:\n  throng compile fox.glb -o fox.throng\n  throng compile fox.glb -o fox.throng --error 0.1\n"
+        "  throng compile fox.glb -o fox.throng --error exact --json | jq .ratio\n"
+        "  throng compile fox.glb -o fox.throng --root-motion hips\n  throng info fox.throng");
     command.callback([options] { run_compile(*options); });
 }
 

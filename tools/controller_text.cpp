@@ -40,8 +40,11 @@ std::string conditions_text(const ControllerTransition& transition) {
 
 std::vector<std::string> timing_text(const ControllerTransition& transition) {
     std::vector<std::string> text;
-    if (transition.exit > 0) text.push_back("after " + number_text(transition.exit) + (transition.exit == 1 ? " cycle" : " cycles"));
-    if (transition.fade_s > 0) text.push_back(number_text(transition.fade_s) + " s" + (transition.fade == FadeKind::kInertial ? " inertial" : ""));
+    if (transition.exit > 0)
+        text.push_back("after " + number_text(transition.exit) + (transition.exit == 1 ? " cycle" : " cycles"));
+    if (transition.fade_s > 0)
+        text.push_back(number_text(transition.fade_s) + " s" +
+                       (transition.fade == FadeKind::kInertial ? " inertial" : ""));
     if (transition.interrupts) text.push_back("interrupts");
     return text;
 }
@@ -67,7 +70,8 @@ std::vector<std::string> controller_warnings(const Controller& controller) {
         }
         for (const ControllerState& state : layer.states)
             if (!reached.contains(state.name))
-                warnings.push_back(controller.name + ": layer '" + layer.name + "': no transitions lead to state '" + state.name + "'");
+                warnings.push_back(controller.name + ": layer '" + layer.name + "': no transitions lead to state '" +
+                                   state.name + "'");
     }
     return warnings;
 }

@@ -27,15 +27,15 @@ CreatureSettings creature_settings(CreatureKind kind);
 Result<CreatureKind> creature_kind(const std::string& name);
 
 // A skinned, animated creature: feet at y = 0, about 2 units high (the centipede 0.5, and 5 long), facing +z, y up. One
-// skin of all joints (nodes 0 … joint_count - 1, parents first), one mesh node beside the root joint, looping clips with
-// a rotation track for every joint:
+// skin of all joints (nodes 0 … joint_count - 1, parents first), one mesh node beside the root joint, looping clips
+// with a rotation track for every joint:
 //   dragon     idle, walk, fly, glide, roar
 //   willow     calm, gust
 //   walker     idle, walk, run, wave
 //   centipede  idle, walk, curl
 // Deterministic in the settings: own random numbers and trigonometry, IEEE arithmetic only (compile with
-// -ffp-contract=off where the compiler fuses multiply-adds unasked, as GCC does on 64-bit Arm). Keys: 30 a second, fewer
-// where all clips together would pass 64 MiB. Errors: kInvalidArgument, the place names the option; kOutOfMemory.
+// -ffp-contract=off where the compiler fuses multiply-adds unasked, as GCC does on 64-bit Arm). Keys: 30 a second,
+// fewer where all clips together would pass 64 MiB. Errors: kInvalidArgument, the place names the option; kOutOfMemory.
 // Thread-safe.
 Result<Asset> make_creature(const CreatureSettings& settings);
 

@@ -21,8 +21,8 @@ struct SceneOptions {
     CompileSettings compile;
     std::string scan = "auto";
     uint32_t count = 1;
-    std::vector<uint32_t> counts;          // [files], or none: `count` is dealt out evenly
-    std::vector<double> sizes;             // [files], or none
+    std::vector<uint32_t> counts;  // [files], or none: `count` is dealt out evenly
+    std::vector<double> sizes;     // [files], or none
     Formation formation = Formation::kGrid;
     double spacing = 1;
     uint64_t seed = 1;
@@ -39,7 +39,8 @@ std::vector<std::string> controller_files(const SceneOptions& options);
 // The files and their controllers: what a scene is read from.
 std::vector<std::string> input_files(const SceneOptions& options);
 
-// Reads the files, with progress and warnings on stderr, and the controllers that they are to have. Throws CommandError, also where counts or sizes do not fit the files.
+// Reads the files, with progress and warnings on stderr, and the controllers that they are to have. Throws
+// CommandError, also where counts or sizes do not fit the files.
 struct SceneCast {
     explicit SceneCast(const SceneOptions& options);
 
@@ -62,12 +63,15 @@ public:
     // As the last update left it.
     CameraSubject subject(float aspect_ratio) const;
 
-    // Compiles what updates need, and lets characters with controllers live for 12 s, or they would be in step; with --steer all then set out. The first step follows.
+    // Compiles what updates need, and lets characters with controllers live for 12 s, or they would be in step; with
+    // --steer all then set out. The first step follows.
     void start();
-    // Tells controllers something, then an update, by someone else, as a renderer that animates and draws at once; and takes what comes back of it. With --steer in parts of at most 1/20 s, so that agents see each other in
-    // time, of which the last is shown.
+    // Tells controllers something, then an update, by someone else, as a renderer that animates and draws at once; and
+    // takes what comes back of it. With --steer in parts of at most 1/20 s, so that agents see each other in time, of
+    // which the last is shown.
     void step(float step_s, const std::function<void(float part_s)>& update_shown);
-    // The same, but nothing is animated. All go on in time, and are in the state that a step that is shown would have left them in.
+    // The same, but nothing is animated. All go on in time, and are in the state that a step that is shown would have
+    // left them in.
     void step_unseen(float step_s);
 
 private:
@@ -80,9 +84,9 @@ private:
 
     std::optional<Crowd> crowd_;
     std::optional<Director> director_;
-    std::vector<Kind> kinds_;          // [files]
-    std::vector<Affine> placement_;    // [characters], as they were placed
-    Bounds bounds_;                    // of the crowd in its first places
+    std::vector<Kind> kinds_;                // [files]
+    std::vector<Affine> placement_;          // [characters], as they were placed
+    Bounds bounds_;                          // of the crowd in its first places
     std::vector<Vec3<float>> destinations_;  // [characters], with --steer
     Affine world_from_followed_;
     Bounds followed_bounds_;

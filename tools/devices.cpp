@@ -9,7 +9,8 @@ namespace throng::tools {
 namespace {
 
 std::string version_text(uint32_t version) {
-    return std::to_string(version >> 22 & 0x7F) + "." + std::to_string(version >> 12 & 0x3FF) + "." + std::to_string(version & 0xFFF);
+    return std::to_string(version >> 22 & 0x7F) + "." + std::to_string(version >> 12 & 0x3FF) + "." +
+           std::to_string(version & 0xFFF);
 }
 
 void run_devices(bool json) {
@@ -17,15 +18,22 @@ void run_devices(bool json) {
     if (json) {
         nlohmann::json list = nlohmann::json::array();
         for (const DeviceInfo& d : devices)
-            list.push_back({{"index", d.index}, {"name", d.name}, {"type", d.type}, {"driver", d.driver}, {"vulkan", version_text(d.api_version)},
-                            {"subgroup_size", d.subgroup_size}, {"shared_memory_bytes", d.shared_memory_bytes},
-                            {"storage_buffer_range_bytes", d.storage_buffer_range_bytes}, {"usable", d.usable}});
+            list.push_back({{"index", d.index},
+                            {"name", d.name},
+                            {"type", d.type},
+                            {"driver", d.driver},
+                            {"vulkan", version_text(d.api_version)},
+                            {"subgroup_size", d.subgroup_size},
+                            {"shared_memory_bytes", d.shared_memory_bytes},
+                            {"storage_buffer_range_bytes", d.storage_buffer_range_bytes},
+                            {"usable", d.usable}});
         return print_json(list);
     }
     if (devices.empty()) throw CommandError("no Vulkan device; mesa-vulkan-drivers has a software one");
     for (const DeviceInfo& d : devices)
-        std::printf("%u  %s\n   %s, driver %s, Vulkan %s, subgroups of %u%s\n", d.index, d.name.c_str(), d.type.c_str(), d.driver.c_str(),
-                    version_text(d.api_version).c_str(), d.subgroup_size, d.usable ? "" : "; not usable: Vulkan 1.3 is needed");
+        std::printf("%u  %s\n   %s, driver %s, Vulkan %s, subgroups of %u%s\n", d.index, d.name.c_str(), d.type.c_str(),
+                    d.driver.c_str(), version_text(d.api_version).c_str(), d.subgroup_size,
+                    d.usable ? "" : "; not usable: Vulkan 1.3 is needed");
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Gives characters with controllers something to do, as a game would: now and then one is told something new. The same for the same seed and steps.
+// Gives characters with controllers something to do, as a game would: now and then one is told something new. The same
+// for the same seed and steps.
 #pragma once
 
 #include "tools/creature_math.h"
@@ -23,13 +24,15 @@ public:
     // Of the groups of a crowd; those without a controller are left alone.
     Director(std::span<const CrowdGroup> groups, uint64_t seed);
 
-    // Before an update by `step_s`: in each second about a third of the characters are told one of their parameters. Costs time by how many that are, not by how long the step is.
+    // Before an update by `step_s`: in each second about a third of the characters are told one of their parameters.
+    // Costs time by how many that are, not by how long the step is.
     void direct(Crowd& crowd, double step_s);
 
 private:
     struct Cast {
         uint32_t first_instance, instance_count;
-        std::vector<std::pair<uint32_t, ParameterRange>> parameters;  // their numbers, without that which steering tells
+        // Their numbers, without that which steering tells
+        std::vector<std::pair<uint32_t, ParameterRange>> parameters;
         double owed = 0;  // of a character that is not told yet
     };
     std::vector<Cast> casts_;

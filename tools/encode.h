@@ -15,8 +15,8 @@ struct FilmPictures {
     double fps = 30;
 };
 
-// Writes H.264 as .mp4, in the colours of HD television, under another name that is then changed. The same pictures give the same bytes, by the same ffmpeg.
-// Throws CommandError with ffmpeg's reason, and leaves nothing behind.
+// Writes H.264 as .mp4, in the colours of HD television, under another name that is then changed. The same pictures
+// give the same bytes, by the same ffmpeg. Throws CommandError with ffmpeg's reason, and leaves nothing behind.
 void encode_film(const FilmPictures& pictures, const std::filesystem::path& out);
 
 }  // namespace throng::tools

@@ -1,5 +1,6 @@
-// A frame depends on its number alone: whichever are drawn, all characters take the same steps from the first frame on, for in steps that show nothing they only go on
-// in time. So a film may be interrupted, and shared among machines, without a byte of difference.
+// A frame depends on its number alone: whichever are drawn, all characters take the same steps from the first frame on,
+// for in steps that show nothing they only go on in time. So a film may be interrupted, and shared among machines,
+// without a byte of difference.
 #include "tools/film.h"
 
 #include "tools/encode.h"
@@ -24,8 +25,8 @@ struct FilmPlan {
     RendererSettings size;
     FrameRange range;
     Shard shard;
-    bool is_film;         // an .mp4
-    fs::path folder;      // of its frames
+    bool is_film;     // an .mp4
+    fs::path folder;  // of its frames
     FrameFiles files;
 };
 
@@ -36,7 +37,8 @@ FilmPlan::FilmPlan(const RenderOptions& options)
       is_film(options.out.ends_with(".mp4")),
       folder(options.out + ".frames"),
       files(is_film ? folder / "%06d.png" : fs::path(options.out)) {
-    if (is_film && (size.width % 2 != 0 || size.height % 2 != 0)) throw CommandError("--size " + options.size + ": an .mp4 needs an even width and height");
+    if (is_film && (size.width % 2 != 0 || size.height % 2 != 0))
+        throw CommandError("--size " + options.size + ": an .mp4 needs an even width and height");
 }
 
 // The film, its frames of any shard, and their settings.
@@ -52,7 +54,8 @@ std::string content_hash(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     if (!file) throw CommandError(path + ": cannot be read");
     uint64_t hash = 0xcbf29ce484222325u;
-    for (std::istreambuf_iterator<char> byte(file), end; byte != end; ++byte) hash = (hash ^ static_cast<uint8_t>(*byte)) * 0x100000001b3u;
+    for (std::istreambuf_iterator<char> byte(file), end; byte != end; ++byte)
+        hash = (hash ^ static_cast<uint8_t>(*byte)) * 0x100000001b3u;
     char text[17];
     std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(hash));
     return text;
@@ -62,8 +65,10 @@ std::string content_hash(const std::string& path) {
 nlohmann::json settings_of(const RenderOptions& options) {
     const SceneOptions& scene = options.scene;
     nlohmann::json files = nlohmann::json::array(), controllers = files;
-    for (const std::string& file : scene.files) files.push_back({fs::path(file).filename().string(), content_hash(file)});
-    for (const std::string& controller : controller_files(scene)) controllers.push_back(controller.empty() ? "" : content_hash(controller));
+    for (const std::string& file : scene.files)
+        files.push_back({fs::path(file).filename().string(), content_hash(file)});
+    for (const std::string& controller : controller_files(scene))
+        controllers.push_back(controller.empty() ? "" : content_hash(controller));
     return {{"throng", THRONG_VERSION},
             {"files", files},
             {"controllers", controllers},
@@ -90,10 +95,12 @@ nlohmann::json settings_of(const RenderOptions& options) {
             {"bounds", options.bounds}};
 }
 
-// What was chosen for each file: another device, or costs that `throng tune` has measured, may choose otherwise, which rounds otherwise.
+// What was chosen for each file: another device, or costs that `throng tune` has measured, may choose otherwise, which
+// rounds otherwise.
 nlohmann::json updates_of(const Crowd& crowd, size_t file_count) {
     nlohmann::json updates = nlohmann::json::array();
-    for (uint32_t group = 0; group < file_count; ++group) updates.push_back((crowd.path(group)->is_fused ? "fused, " : "staged, ") + crowd.path(group)->scan.method);
+    for (uint32_t group = 0; group < file_count; ++group)
+        updates.push_back((crowd.path(group)->is_fused ? "fused, " : "staged, ") + crowd.path(group)->scan.method);
     return updates;
 }
 
@@ -109,7 +116,8 @@ std::string duration_text(double seconds) {
     return std::to_string(whole / 3600) + " h " + std::to_string(whole / 60 % 60) + " min";
 }
 
-Film draw_frames(const Device& device, const RenderOptions& options, const FilmPlan& plan, const std::vector<uint32_t>& frames, nlohmann::json settings) {
+Film draw_frames(const Device& device, const RenderOptions& options, const FilmPlan& plan,
+                 const std::vector<uint32_t>& frames, nlohmann::json settings) {
     Shot shot(device, options);
     settings["updates"] = updates_of(shot.crowd(), options.scene.files.size());
     if (plan.is_film) fs::create_directory(plan.folder);
@@ -127,7 +135,9 @@ Film draw_frames(const Device& device, const RenderOptions& options, const FilmP
         film.frames.push_back(shot.times());
         const double passed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         const size_t done = film.frames.size();
-        print_progress("frame " + std::to_string(done) + " of " + std::to_string(frames.size()) + ", " + duration_text(passed_s / static_cast<double>(done) * static_cast<double>(frames.size() - done)) + " left");
+        print_progress("frame " + std::to_string(done) + " of " + std::to_string(frames.size()) + ", " +
+                       duration_text(passed_s / static_cast<double>(done) * static_cast<double>(frames.size() - done)) +
+                       " left");
     }
     film.drawn = shot.count_drawn();
     print_progress("");
@@ -138,7 +148,13 @@ void print_film(const RenderOptions& options, const std::string& device, const F
     const size_t rendered = film.frames.size();
     const FrameTimes times = median_of(film.frames);
     if (options.json)
-        return print_json({{"out", options.out}, {"device", device}, {"frames", asked}, {"rendered", rendered}, {"kept", asked - rendered}, {"drawn", film.drawn}, {"stages_ms", to_json(times)}});
+        return print_json({{"out", options.out},
+                           {"device", device},
+                           {"frames", asked},
+                           {"rendered", rendered},
+                           {"kept", asked - rendered},
+                           {"drawn", film.drawn},
+                           {"stages_ms", to_json(times)}});
     std::printf("%s: %zu frames, %zu of them new\n", options.out.c_str(), asked, rendered);
     if (rendered == 0) return;
     std::printf("  medians of a frame on %s:\n", device.c_str());
@@ -177,7 +193,8 @@ void render_film(const RenderOptions& options) {
     }
     if (encodes) encode(options, plan);
     uint32_t asked = 0;
-    for (uint32_t frame = plan.range.first; frame < plan.range.end; ++frame) asked += frame % plan.shard.count == plan.shard.index;
+    for (uint32_t frame = plan.range.first; frame < plan.range.end; ++frame)
+        asked += frame % plan.shard.count == plan.shard.index;
     print_film(options, device_name, film, asked);
 }
 

@@ -17,7 +17,8 @@ FrameTimes median_of(std::span<const FrameTimes> frames) {
         for (const FrameTimes& frame : frames) times.push_back(time_of(frame));
         return bench::spread_of(std::move(times)).median;
     };
-    for (const auto& [name, member] : kStages) median.stages.*member = of([member = member](const FrameTimes& frame) { return frame.stages.*member; });
+    for (const auto& [name, member] : kStages)
+        median.stages.*member = of([member = member](const FrameTimes& frame) { return frame.stages.*member; });
     median.draw_ms = of([](const FrameTimes& frame) { return frame.draw_ms; });
     return median;
 }

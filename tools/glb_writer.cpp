@@ -42,7 +42,9 @@ const char* name_of(TrackTarget target) {
 class GlbWriter {
 public:
     Result<std::vector<std::byte>> write(const Asset& asset) {
-        Json json{{"asset", {{"version", "2.0"}, {"generator", "throng"}}}, {"scene", 0}, {"scenes", Json::array({{{"nodes", roots(asset)}}})}};
+        Json json{{"asset", {{"version", "2.0"}, {"generator", "throng"}}},
+                  {"scene", 0},
+                  {"scenes", Json::array({{{"nodes", roots(asset)}}})}};
         const auto put = [&](const char* key, Json array) {
             if (!array.empty()) json[key] = std::move(array);  // glTF forbids empty arrays
         };
@@ -50,10 +52,11 @@ public:
         put("skins", each(asset.skins, [&](const AssetSkin& skin) { return skin_of(skin); }));
         put("materials", each(asset.materials, material_of));
         put("meshes", each(asset.meshes, [&](const AssetMesh& mesh) {
-            Json out = named(mesh.name);
-            out["primitives"] = each(mesh.primitives, [&](const AssetPrimitive& primitive) { return primitive_of(primitive); });
-            return out;
-        }));
+                Json out = named(mesh.name);
+                out["primitives"] = each(mesh.primitives,
+                                         [&](const AssetPrimitive& primitive) { return primitive_of(primitive); });
+                return out;
+            }));
         put("animations", each(asset.clips, [&](const AssetClip& clip) { return animation_of(clip); }));
         put("accessors", std::move(accessors_));
         put("bufferViews", std::move(views_));
@@ -74,14 +77,16 @@ private:
 
     // Returns the accessor's index.
     template <class T>
-    size_t add_accessor(const std::vector<T>& data, size_t count, const char* type, Component component, Target target = kNoTarget) {
+    size_t add_accessor(const std::vector<T>& data, size_t count, const char* type, Component component,
+                        Target target = kNoTarget) {
         pad(binary_);
         Json view{{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", data.size() * sizeof(T)}};
         if (target == kVertices) view["byteStride"] = data.size() * sizeof(T) / count;
         if (target != kNoTarget) view["target"] = uint32_t(target);
         const auto bytes = std::as_bytes(std::span(data));
         binary_.insert(binary_.end(), bytes.begin(), bytes.end());
-        accessors_.push_back({{"bufferView", views_.size()}, {"componentType", uint32_t(component)}, {"count", count}, {"type", type}});
+        accessors_.push_back(
+            {{"bufferView", views_.size()}, {"componentType", uint32_t(component)}, {"count", count}, {"type", type}});
         views_.push_back(std::move(view));
         return accessors_.size() - 1;
     }
@@ -141,7 +146,8 @@ private:
     static Json material_of(const AssetMaterial& material) {
         Json out = named(material.name);
         out["pbrMetallicRoughness"] = {{"baseColorFactor", material.base_color}, {"metallicFactor", 0}};
-        if (material.alpha_mode != AlphaMode::kOpaque) out["alphaMode"] = material.alpha_mode == AlphaMode::kMask ? "MASK" : "BLEND";
+        if (material.alpha_mode != AlphaMode::kOpaque)
+            out["alphaMode"] = material.alpha_mode == AlphaMode::kMask ? "MASK" : "BLEND";
         if (material.alpha_mode == AlphaMode::kMask) out["alphaCutoff"] = material.alpha_cutoff;
         if (material.double_sided) out["doubleSided"] = true;
         return out;
@@ -179,8 +185,10 @@ private:
                 add_range<1>(track.times_s);
             }
             const bool rotation = track.target == TrackTarget::kRotation;
-            const size_t output = add_accessor(track.values, track.values.size() / (rotation ? 4 : 3), rotation ? "VEC4" : "VEC3", kFloat);
-            channels.push_back({{"sampler", samplers.size()}, {"target", {{"node", track.node}, {"path", name_of(track.target)}}}});
+            const size_t output = add_accessor(track.values, track.values.size() / (rotation ? 4 : 3),
+                                               rotation ? "VEC4" : "VEC3", kFloat);
+            channels.push_back(
+                {{"sampler", samplers.size()}, {"target", {{"node", track.node}, {"path", name_of(track.target)}}}});
             samplers.push_back({{"input", input}, {"output", output}, {"interpolation", name_of(track.interpolation)}});
         }
         Json out = named(clip.name);
@@ -196,13 +204,15 @@ private:
         if (total > 0xFFFFFFFFu) return Error{ErrorCode::kLimit, name, "a .glb file of 4 GiB or more"};
         std::vector<std::byte> out;
         out.reserve(total);
-        const auto append = [&](std::span<const std::byte> bytes) { out.insert(out.end(), bytes.begin(), bytes.end()); };
+        const auto append = [&](std::span<const std::byte> bytes) {
+            out.insert(out.end(), bytes.begin(), bytes.end());
+        };
         const auto words = [&](auto... values) {
             const std::array array{static_cast<uint32_t>(values)...};
             append(std::as_bytes(std::span(array)));
         };
-        words(0x46546C67, 2, total);       // "glTF", version
-        words(text.size(), 0x4E4F534A);    // "JSON"
+        words(0x46546C67, 2, total);     // "glTF", version
+        words(text.size(), 0x4E4F534A);  // "JSON"
         append(std::as_bytes(std::span(text)));
         if (binary_.empty()) return out;
         words(binary_.size(), 0x004E4942);  // "BIN"

@@ -8,7 +8,10 @@ namespace throng::tools {
 std::string run_graphviz(const std::string& graph) {
     using Start = bench::ChildOutput::Start;
     const bench::ChildOutput child = bench::run_child_program({"dot", "-Tsvg"}, graph);
-    if (child.start == Start::kMissing) throw CommandError("dot: Graphviz is not installed, and draws the SVG (Debian: apt-get install graphviz); a .dot file needs none");
+    if (child.start == Start::kMissing)
+        throw CommandError(
+            "dot: Graphviz is not installed, and draws the SVG (Debian: apt-get install graphviz); a .dot file needs "
+            "none");
     if (child.start == Start::kRefused) throw CommandError("dot: cannot be started: " + child.errors);
     if (child.status != 0) throw CommandError("dot: " + child.errors.substr(0, child.errors.find('\n')));
     return child.output;

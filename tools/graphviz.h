@@ -5,7 +5,8 @@
 
 namespace throng::tools {
 
-// A graph in Graphviz's language as SVG. Throws CommandError where Graphviz is not installed or does not understand the graph.
+// A graph in Graphviz's language as SVG. Throws CommandError where Graphviz is not installed or does not understand the
+// graph.
 std::string run_graphviz(const std::string& graph);
 
 // `text` as a string of that language: of one line, and nothing in it is an escape or the string's end.

@@ -40,9 +40,11 @@ Pose pose_by_reference(const Character& character, const Playback& playback, boo
     return {"reference", std::move(pose.model_from_joint), std::move(pose.model_from_bind), std::move(positions)};
 }
 
-Pose pose_on_device(const Character& character, const Playback& playback, const PoseOptions& options, bool with_positions) {
+Pose pose_on_device(const Character& character, const Playback& playback, const PoseOptions& options,
+                    bool with_positions) {
     const Device device = open_device(options.device);
-    Crowd crowd = unwrap(Crowd::create(device, {.groups = {{&character, 1}}, .scan = options.scan, .keep_model_matrices = true}));
+    Crowd crowd = unwrap(
+        Crowd::create(device, {.groups = {{&character, 1}}, .scan = options.scan, .keep_model_matrices = true}));
     unwrap(crowd.set_playback(0, {&playback, 1}));
     unwrap(crowd.update(0));
     Pose pose{device.info().name, {}, {}, {}};
@@ -85,8 +87,12 @@ nlohmann::json to_json(const Character& character, const Pose& pose, std::option
             indices.push_back(vertex);
             positions.push_back({p.x, p.y, p.z});
         }
-        primitives.push_back({{"node", section.node}, {"mesh", section.mesh}, {"primitive", section.primitive}, {"skin", section.skin},
-                              {"vertices", indices}, {"positions", positions}});
+        primitives.push_back({{"node", section.node},
+                              {"mesh", section.mesh},
+                              {"primitive", section.primitive},
+                              {"skin", section.skin},
+                              {"vertices", indices},
+                              {"positions", positions}});
     }
     return {{"file", character.name}, {"device", pose.device}, {"skins", skins}, {"primitives", primitives}};
 }
@@ -96,8 +102,8 @@ void print_text(const Character& character, const Pose& pose) {
     for (uint32_t joint = 0; joint < character.rig.joint_count(); ++joint) {
         const auto& row = pose.model_from_joint[joint].row;
         const uint32_t parent = character.rig.parents[joint];
-        std::printf("%5u %5s  % .6f % .6f % .6f  %s\n", joint, parent == kNone ? "-" : std::to_string(parent).c_str(), row[0][3], row[1][3], row[2][3],
-                    character.rig.names[joint].c_str());
+        std::printf("%5u %5s  % .6f % .6f % .6f  %s\n", joint, parent == kNone ? "-" : std::to_string(parent).c_str(),
+                    row[0][3], row[1][3], row[2][3], character.rig.names[joint].c_str());
     }
 }
 
@@ -110,37 +116,52 @@ std::optional<uint32_t> parse_vertices(const std::string& text) {
 
 void run_pose(const PoseOptions& options) {
     const std::optional<uint32_t> vertex_limit = parse_vertices(options.vertices);
-    if (options.clip.empty() && !options.blend.empty()) throw CommandError("--blend needs --clip: the two clips are blended");
+    if (options.clip.empty() && !options.blend.empty())
+        throw CommandError("--blend needs --clip: the two clips are blended");
     const Character character = unwrap(load_character(options.file, options.compile));
     print_warnings(character.warnings);
     const Playback playback = playback_of(options, character);
     const bool with_positions = vertex_limit != 0u;
-    const Pose pose = options.reference ? pose_by_reference(character, playback, with_positions) : pose_on_device(character, playback, options, with_positions);
-    if (options.json) print_json(to_json(character, pose, vertex_limit));
-    else print_text(character, pose);
+    const Pose pose = options.reference ? pose_by_reference(character, playback, with_positions)
+                                        : pose_on_device(character, playback, options, with_positions);
+    if (options.json)
+        print_json(to_json(character, pose, vertex_limit));
+    else
+        print_text(character, pose);
 }
 
 }  // namespace
 
 void add_pose(Command app) {
-    Command command = app.add_subcommand("pose", "joint matrices, skin matrices and skinned vertices of one character at one time");
+    Command command = app.add_subcommand(
+        "pose", "joint matrices, skin matrices and skinned vertices of one character at one time");
     auto options = std::make_shared<PoseOptions>();
     command.add_option("file", options->file, "a glTF 2.0 file, or one that 'throng compile' wrote").required();
     command.add_option("--clip", options->clip, "name or number of a clip (default: the rest pose)");
     command.add_option("--time", options->time_s, "seconds into the clip").check(finite()).capture_default_str();
     command.add_flag("--loop", options->loop, "wrap times beyond the clip's end, for both clips (else clamp)");
     command.add_option("--blend", options->blend, "name or number of a second clip to blend with");
-    command.add_option("--blend-time", options->blend_time_s, "seconds into the second clip").check(finite()).capture_default_str();
-    command.add_option("--weight", options->weight, "weight of --clip; the second clip has the rest").check(finite()).check(range(0.0, 1.0)).capture_default_str();
+    command.add_option("--blend-time", options->blend_time_s, "seconds into the second clip")
+        .check(finite())
+        .capture_default_str();
+    command.add_option("--weight", options->weight, "weight of --clip; the second clip has the rest")
+        .check(finite())
+        .check(range(0.0, 1.0))
+        .capture_default_str();
     add_error_option(command, options->compile);
     add_scan_option(command, options->scan);
     command.add_flag("--reference", options->reference, "compute on the CPU in double precision; needs no GPU");
-    command.add_option("--vertices", options->vertices, "skinned vertices of each primitive to print: a number, spread evenly, or 'all'").capture_default_str();
+    command
+        .add_option("--vertices", options->vertices,
+                    "skinned vertices of each primitive to print: a number, spread evenly, or 'all'")
+        .capture_default_str();
     add_device_option(command, options->device);
     command.add_flag("--json", options->json, "as JSON: matrices column-major, positions in world space");
-    command.footer("Examples:\n  throng pose fox.glb --clip Walk --time 0.3\n"
-                   "  throng pose fox.glb --clip Walk --time 0.3 --blend Run --blend-time 0.5 --weight 0.25 --loop --vertices all --json\n"
-                   "  throng pose fox.glb --clip 0 --time 1 --reference --json");
+    command.footer(
+        "Examples:\n  throng pose fox.glb --clip Walk --time 0.3\n"
+        "  throng pose fox.glb --clip Walk --time 0.3 --blend Run --blend-time 0.5 --weight 0.25 --loop --vertices all "
+        "--json\n"
+        "  throng pose fox.glb --clip 0 --time 1 --reference --json");
     command.callback([options] { run_pose(*options); });
 }
 

@@ -18,12 +18,16 @@ ClipPlayback random_clip(const Character& character, Random& random) {
 
 Affine placed(const Character& character, double scale, double x, double z, double turn_rad) {
     const double base_y = character.bounds_min.y;
-    const AffineT<double> world_from_scaled = to_affine(Trs<double>{axis_angle(Vec3<double>{0, 1, 0}, turn_rad), {x, -base_y * scale, z}, {scale, scale, scale}});
-    const double center_x = (double{character.bounds_min.x} + character.bounds_max.x) / 2, center_z = (double{character.bounds_min.z} + character.bounds_max.z) / 2;
+    const AffineT<double> world_from_scaled = to_affine(
+        Trs<double>{axis_angle(Vec3<double>{0, 1, 0}, turn_rad), {x, -base_y * scale, z}, {scale, scale, scale}});
+    const double center_x = (double{character.bounds_min.x} + character.bounds_max.x) / 2,
+                 center_z = (double{character.bounds_min.z} + character.bounds_max.z) / 2;
     return (world_from_scaled * to_affine(Trs<double>{.translation = {-center_x, 0, -center_z}})).as<float>();
 }
 
-Vec3<double> extent_of(const Character& character) { return character.bounds_max.as<double>() - character.bounds_min.as<double>(); }
+Vec3<double> extent_of(const Character& character) {
+    return character.bounds_max.as<double>() - character.bounds_min.as<double>();
+}
 
 // How much larger than in their files characters are.
 std::vector<double> scales(std::span<const Character> characters, const std::vector<double>& heights) {
@@ -32,8 +36,10 @@ std::vector<double> scales(std::span<const Character> characters, const std::vec
     std::vector<double> scales;
     for (size_t k = 0; k < characters.size(); ++k) {
         const double height = extent_of(characters[k]).y;
-        if (!heights.empty()) scales.push_back(height > 0 ? heights[k] / height : 1);
-        else scales.push_back(characters.size() > 1 && characters[k].size > 0 ? largest / characters[k].size : 1);
+        if (!heights.empty())
+            scales.push_back(height > 0 ? heights[k] / height : 1);
+        else
+            scales.push_back(characters.size() > 1 && characters[k].size > 0 ? largest / characters[k].size : 1);
     }
     return scales;
 }
@@ -47,7 +53,9 @@ void check_room(std::span<const PlacementKind> kinds) {
         least = std::min(least, kind.pitch);
     }
     if (!(area / (least * least) <= kMostPlaces))
-        throw CommandError("--sizes: on the ground of the largest there are more than 40,000,000 places for the smallest; give fewer of the large ones, or sizes that are closer");
+        throw CommandError(
+            "--sizes: on the ground of the largest there are more than 40,000,000 places for the smallest; give fewer "
+            "of the large ones, or sizes that are closer");
 }
 
 }  // namespace
@@ -59,14 +67,16 @@ double footprint(const Character& character) {
 
 std::vector<uint32_t> deal_out(uint32_t count, size_t parts) {
     std::vector<uint32_t> counts;
-    for (size_t k = 0; k < parts; ++k) counts.push_back(static_cast<uint32_t>(uint64_t{count} * (k + 1) / parts - uint64_t{count} * k / parts));
+    for (size_t k = 0; k < parts; ++k)
+        counts.push_back(static_cast<uint32_t>(uint64_t{count} * (k + 1) / parts - uint64_t{count} * k / parts));
     return counts;
 }
 
 Scatter scatter(std::span<const Character> characters, const ScatterSettings& settings) {
     const std::vector<double> scale = scales(characters, settings.heights);
     std::vector<PlacementKind> kinds;
-    for (size_t k = 0; k < characters.size(); ++k) kinds.push_back({settings.counts[k], footprint(characters[k]) * scale[k] * settings.spacing});
+    for (size_t k = 0; k < characters.size(); ++k)
+        kinds.push_back({settings.counts[k], footprint(characters[k]) * scale[k] * settings.spacing});
     if (settings.heights.empty()) {
         const double widest = std::ranges::max(kinds, {}, &PlacementKind::pitch).pitch;
         for (PlacementKind& kind : kinds) kind.pitch = widest;
@@ -84,8 +94,10 @@ Scatter scatter(std::span<const Character> characters, const ScatterSettings& se
         for (uint32_t i = 0; i < kinds[k].count; ++i) {
             const Place& at = places[next++];
             Random own(first_stream + (uint64_t{k} << 32) + i);  // so that it plays the same, however many there are
-            out.playback.push_back({random_clip(characters[k], own), random_clip(characters[k], own), static_cast<float>(own.unit())});
-            const double turn_rad = at.heading_turns * 2 * std::numbers::pi + own.between(-free.turn_rad, free.turn_rad);
+            out.playback.push_back(
+                {random_clip(characters[k], own), random_clip(characters[k], own), static_cast<float>(own.unit())});
+            const double turn_rad = at.heading_turns * 2 * std::numbers::pi +
+                                    own.between(-free.turn_rad, free.turn_rad);
             const double z = at.z + own.between(-shift, shift), x = at.x + own.between(-shift, shift);
             out.placement.push_back(placed(characters[k], scale[k], x, z, turn_rad));
         }

@@ -13,17 +13,19 @@ namespace throng::tools {
 
 struct ScatterSettings {
     std::vector<uint32_t> counts;  // [characters]: of each
-    std::vector<double> heights;   // [characters], world units; none: all are scaled to the size of the largest, since files come in different units, and take the same room
+    // [characters], world units; none: all are scaled to the size of the largest, since files come in different units,
+    // and take the same room
+    std::vector<double> heights;
     Formation formation = Formation::kGrid;
-    double spacing = 1;            // 1: a character takes a square or circle as wide as its rest pose
+    double spacing = 1;  // 1: a character takes a square or circle as wide as its rest pose
     uint64_t seed = 1;
 };
 
 struct Scatter {
-    std::vector<CrowdGroup> groups;     // one for each character
-    std::vector<Playback> playback;     // [instance_count], groups one after the other, as a Crowd numbers them
+    std::vector<CrowdGroup> groups;  // one for each character
+    std::vector<Playback> playback;  // [instance_count], groups one after the other, as a Crowd numbers them
     std::vector<Affine> placement;
-    std::vector<double> scales;         // [characters], how much larger than in their files
+    std::vector<double> scales;  // [characters], how much larger than in their files
 };
 
 // How wide a character is on the ground, in its file's units.
@@ -32,7 +34,8 @@ double footprint(const Character& character);
 // `count` in as many parts, as even as can be.
 std::vector<uint32_t> deal_out(uint32_t count, size_t parts);
 
-// Around the origin, standing on the ground, kinds mixed. Throws CommandError where heights are too different to be placed together.
+// Around the origin, standing on the ground, kinds mixed. Throws CommandError where heights are too different to be
+// placed together.
 Scatter scatter(std::span<const Character> characters, const ScatterSettings& settings);
 
 }  // namespace throng::tools

@@ -8,8 +8,10 @@ namespace throng::tools {
 
 RendererSettings parse_size(const std::string& text) {
     const size_t x = std::min(text.find('x'), text.size());
-    const auto width = parse_number(text.substr(0, x)), height = parse_number(text.substr(std::min(x + 1, text.size())));
-    if (!width || !height || *width == 0 || *height == 0) throw CommandError("--size " + text + ": give it as WIDTHxHEIGHT, for example 1920x1080");
+    const auto width = parse_number(text.substr(0, x)),
+               height = parse_number(text.substr(std::min(x + 1, text.size())));
+    if (!width || !height || *width == 0 || *height == 0)
+        throw CommandError("--size " + text + ": give it as WIDTHxHEIGHT, for example 1920x1080");
     return {.width = *width, .height = *height};
 }
 
@@ -17,7 +19,11 @@ namespace {
 
 // Skeletons are drawn of all joints.
 CrowdSettings crowd_settings(const RenderOptions& options) {
-    return {.keep_model_matrices = options.skeletons, .culls = !options.everything, .reduces_joints = !options.everything && !options.skeletons, .skin_blend = options.skin_blend, .skins_once = options.skins_once};
+    return {.keep_model_matrices = options.skeletons,
+            .culls = !options.everything,
+            .reduces_joints = !options.everything && !options.skeletons,
+            .skin_blend = options.skin_blend,
+            .skins_once = options.skins_once};
 }
 
 }  // namespace
@@ -29,7 +35,8 @@ Shot::Shot(const Device& device, const RenderOptions& options)
       renderer_(unwrap(Renderer::create(device, size_))),
       culls_(!options.everything),
       follows_(path_.follows() && scene_.may_move()) {
-    unwrap(renderer_.set_options({.detail_pixels = options.detail_pixels, .skeletons = options.skeletons, .bounds = options.bounds}));
+    unwrap(renderer_.set_options(
+        {.detail_pixels = options.detail_pixels, .skeletons = options.skeletons, .bounds = options.bounds}));
     scene_.follow(path_.followed_character());
     scene_.start();
 }
@@ -41,9 +48,11 @@ void Shot::skip(double step_s) {
 
 RenderResult Shot::draw(double step_s, double time_s) {
     if (follows_) scene_.step_unseen(static_cast<float>(std::exchange(step_s, 0)));
-    const Camera camera = path_.at(time_s, scene_.subject(static_cast<float>(size_.width) / static_cast<float>(size_.height)));
+    const Camera camera = path_.at(time_s,
+                                   scene_.subject(static_cast<float>(size_.width) / static_cast<float>(size_.height)));
     RenderResult result;
-    scene_.step(static_cast<float>(step_s), [&](float part_s) { result = unwrap(renderer_.render_frame(scene_.crowd(), part_s, camera)); });
+    scene_.step(static_cast<float>(step_s),
+                [&](float part_s) { result = unwrap(renderer_.render_frame(scene_.crowd(), part_s, camera)); });
     return result;
 }
 

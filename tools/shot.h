@@ -15,8 +15,8 @@ struct RenderOptions {
     SceneOptions scene;
     CameraOptions camera;
     std::string size = "1920x1080", out, device;
-    double time_s = 0;                 // of the first picture
-    std::string frames, shard;         // empty: one picture; all frames
+    double time_s = 0;          // of the first picture
+    std::string frames, shard;  // empty: one picture; all frames
     double fps = 30;
     float detail_pixels = 1;
     SkinBlend skin_blend = SkinBlend::kLinear;
@@ -45,7 +45,9 @@ private:
     CrowdScene scene_;
     Renderer renderer_;
     bool culls_;
-    bool follows_;  // a character that updates may move: each step is two updates then, one that moves it and one of no time, for what the camera then sees
+    // A character that updates may move: each step is two updates then, one that moves it and one of no time, for what
+    // the camera then sees
+    bool follows_;
 };
 
 }  // namespace throng::tools

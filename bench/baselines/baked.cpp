@@ -20,7 +20,8 @@ using Matrices = std::vector<AffineT<double>>;
 // The clip's duration in equal parts, so that a loop closes on a frame.
 uint32_t frame_count(const Clip& clip, double rate) {
     constexpr double kRounding = 1e-6;  // of a frame: durations are floats
-    return clip.duration_s > 0 ? 1 + std::max(1u, static_cast<uint32_t>(std::ceil(clip.duration_s * rate - kRounding))) : 1;
+    return clip.duration_s > 0 ? 1 + std::max(1u, static_cast<uint32_t>(std::ceil(clip.duration_s * rate - kRounding)))
+                               : 1;
 }
 
 // A matrix is three keys; Clip::row_stride and the tracks, one a clip, count matrices.
@@ -45,10 +46,12 @@ Character bake(const Character& character, const BakeSettings& settings) {
                   .first_time = static_cast<uint32_t>(baked.times_s.size()),
                   .row_count = frame_count(from, settings.rate),
                   .row_stride = palette_count};
-        clip.size_bytes = uint64_t{clip.row_count} * (palette_count * sizeof(Affine) + sizeof(float)) + sizeof(JointTracks);
+        clip.size_bytes = uint64_t{clip.row_count} * (palette_count * sizeof(Affine) + sizeof(float)) +
+                          sizeof(JointTracks);
         baked.tracks.push_back({.rotation = static_cast<uint32_t>(baked.keys.size() / 3)});
         for (uint32_t frame = 0; frame < clip.row_count; ++frame) {
-            const auto time_s = static_cast<float>(clip.row_count > 1 ? double{clip.duration_s} * frame / (clip.row_count - 1) : 0);
+            const auto time_s = static_cast<float>(
+                clip.row_count > 1 ? double{clip.duration_s} * frame / (clip.row_count - 1) : 0);
             baked.times_s.push_back(time_s);
             append_frame(baked, character, {.clip = c, .time_s = time_s, .loop = false});
         }
@@ -62,7 +65,8 @@ Character bake(const Character& character, const BakeSettings& settings) {
 AffineT<double> mix(const AffineT<double>& a, const AffineT<double>& b, double w) {
     AffineT<double> out;
     for (size_t row = 0; row < 3; ++row)
-        for (size_t column = 0; column < 4; ++column) out.row[row][column] = (1 - w) * a.row[row][column] + w * b.row[row][column];
+        for (size_t column = 0; column < 4; ++column)
+            out.row[row][column] = (1 - w) * a.row[row][column] + w * b.row[row][column];
     return out;
 }
 
@@ -71,7 +75,8 @@ Matrices sample(const Character& baked, const ClipPlayback& slot) {
     const size_t palette_count = baked.palette.size();
     if (slot.clip != kNone) {
         const Clip& clip = baked.clips[slot.clip];
-        frames = find_rows_reference(std::span(baked.times_s).subspan(clip.first_time, clip.row_count), local_time_reference(slot.time_s, clip.duration_s, slot.loop));
+        frames = find_rows_reference(std::span(baked.times_s).subspan(clip.first_time, clip.row_count),
+                                     local_time_reference(slot.time_s, clip.duration_s, slot.loop));
     }
     const size_t first = slot.clip == kNone ? baked.tracks.back().rotation : baked.tracks[slot.clip].rotation;
     const auto matrix = [&](uint32_t frame, size_t entry) {
@@ -79,7 +84,8 @@ Matrices sample(const Character& baked, const ClipPlayback& slot) {
         return Affine{{baked.keys[key], baked.keys[key + 1], baked.keys[key + 2]}}.as<double>();
     };
     Matrices out;
-    for (size_t entry = 0; entry < palette_count; ++entry) out.push_back(mix(matrix(frames.earlier, entry), matrix(frames.later, entry), frames.fraction));
+    for (size_t entry = 0; entry < palette_count; ++entry)
+        out.push_back(mix(matrix(frames.earlier, entry), matrix(frames.later, entry), frames.fraction));
     return out;
 }
 

@@ -24,7 +24,8 @@ struct BaselineBuffers {
 };
 
 io::SlotPlayback slot_of(const Character& baked, const ClipPlayback& from) {
-    if (from.clip == kNone) return {.clip = static_cast<uint32_t>(baked.clips.size()), .loop = 0, .time_s = 0, .speed = 0};
+    if (from.clip == kNone)
+        return {.clip = static_cast<uint32_t>(baked.clips.size()), .loop = 0, .time_s = 0, .speed = 0};
     const double time_s = local_time_reference(from.time_s, baked.clips[from.clip].duration_s, from.loop);
     return {.clip = from.clip, .loop = from.loop ? 1u : 0u, .time_s = static_cast<float>(time_s), .speed = from.speed};
 }
@@ -32,7 +33,8 @@ io::SlotPlayback slot_of(const Character& baked, const ClipPlayback& from) {
 // Read by `baked` as storage buffers, by `flattened` as tables (gpu/table.glsl).
 template <class T>
 Buffer upload_rows(const std::shared_ptr<Gpu>& gpu, std::string_view what, const std::vector<T>& data) {
-    Buffer rows = upload(gpu, what, data, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT);
+    Buffer rows = upload(gpu, what, data,
+                         VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT);
     rows.allow_texels(texel_bytes_of<T>());
     return rows;
 }
@@ -44,13 +46,17 @@ std::span<const Baseline> baselines() {
     return rows;
 }
 
-void check_key_bytes(const Character& character, std::string_view method, uint64_t key_bytes, const BakeSettings& settings) {
+void check_key_bytes(const Character& character, std::string_view method, uint64_t key_bytes,
+                     const BakeSettings& settings) {
     if (key_bytes > settings.limit_bytes)
-        throw Failure(ErrorCode::kLimit, character.name, std::to_string(key_bytes) + " bytes of " + std::string(method) + " clips exceed the device's storage-buffer range of " +
-                                                             std::to_string(settings.limit_bytes) + " bytes");
+        throw Failure(ErrorCode::kLimit, character.name,
+                      std::to_string(key_bytes) + " bytes of " + std::string(method) +
+                          " clips exceed the device's storage-buffer range of " + std::to_string(settings.limit_bytes) +
+                          " bytes");
 }
 
-BaselineCrowd::BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline, const Character& baked, std::span<const Playback> playbacks)
+BaselineCrowd::BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline, const Character& baked,
+                             std::span<const Playback> playbacks)
     : gpu_(std::move(gpu)),
       palette_count_(static_cast<uint32_t>(baked.palette.size())),
       tracks_per_clip_(static_cast<uint32_t>(baked.tracks.size() / (baked.clips.size() + 1))),
@@ -58,8 +64,10 @@ BaselineCrowd::BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline,
       kernel_(gpu_, {.name = baseline.name, .spirv = gpu_->prefers_wide_words() ? baseline.wide : baseline.plain}),
       clock_(gpu_) {
     std::vector<io::ClipAxis> axes;
-    for (const Clip& clip : baked.clips) axes.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});
-    axes.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0});  // the rest pose
+    for (const Clip& clip : baked.clips)
+        axes.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});
+    // The rest pose
+    axes.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0});
     std::vector<uint32_t> joints;
     std::vector<Affine> binds;
     for (const PaletteEntry& entry : baked.palette) {
@@ -77,17 +85,23 @@ BaselineCrowd::BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline,
 
     const VkPhysicalDeviceLimits& limits = gpu_->properties.limits;
     const uint64_t instance_bytes = std::max(palette_count_, 1u) * uint64_t{sizeof(Affine)};
-    const uint64_t capacity = std::min<uint64_t>(std::min<uint64_t>(limits.maxStorageBufferRange, gpu_->max_allocation_bytes) / instance_bytes, limits.maxComputeWorkGroupCount[0]);
+    const uint64_t capacity = std::min<uint64_t>(
+        std::min<uint64_t>(limits.maxStorageBufferRange, gpu_->max_allocation_bytes) / instance_bytes,
+        limits.maxComputeWorkGroupCount[0]);
     for (size_t first = 0; first < playbacks.size(); first += capacity) {
         const auto members = playbacks.subspan(first, std::min<size_t>(capacity, playbacks.size() - first));
         std::vector<io::InstancePlayback> states;
-        for (const Playback& playback : members) states.push_back({slot_of(baked, playback.first), slot_of(baked, playback.second), playback.weight});
-        Batch batch{.first_instance = static_cast<uint32_t>(first), .instance_count = static_cast<uint32_t>(members.size())};
+        for (const Playback& playback : members)
+            states.push_back({slot_of(baked, playback.first), slot_of(baked, playback.second), playback.weight});
+        Batch batch{.first_instance = static_cast<uint32_t>(first),
+                    .instance_count = static_cast<uint32_t>(members.size())};
         batch.playbacks = upload(gpu_, "playback states", states);
-        batch.cursors = Buffer(gpu_, "cursors", members.size() * sizeof(io::InstanceCursor), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+        batch.cursors = Buffer(gpu_, "cursors", members.size() * sizeof(io::InstanceCursor),
+                               VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
         batch.skin = Buffer(gpu_, "skin matrices", members.size() * instance_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
         batch.control_bindings = control_.bind(ControlBuffers{batch.playbacks, axes_, times_, batch.cursors});
-        batch.baseline_bindings = kernel_.bind(BaselineBuffers{batch.cursors, tracks_, keys_, palette_joints_, joint_from_bind_, batch.skin});
+        batch.baseline_bindings = kernel_.bind(
+            BaselineBuffers{batch.cursors, tracks_, keys_, palette_joints_, joint_from_bind_, batch.skin});
         batches_.push_back(std::move(batch));
     }
 }
@@ -98,22 +112,31 @@ double BaselineCrowd::update_ms(float time_step_s) const {
 
 void BaselineCrowd::record(VkCommandBuffer commands, float time_step_s) const {
     for (const Batch& batch : batches_)
-        control_.dispatch_invocations(commands, batch.control_bindings, io::ControlPush{batch.instance_count, tracks_per_clip_, time_step_s}, batch.instance_count);
+        control_.dispatch_invocations(commands, batch.control_bindings,
+                                      io::ControlPush{batch.instance_count, tracks_per_clip_, time_step_s},
+                                      batch.instance_count);
     memory_barrier(*gpu_, commands, kShaderWrite, kShaderRead);
-    for (const Batch& batch : batches_) kernel_.dispatch_workgroups(commands, batch.baseline_bindings, io::BaselinePush{palette_count_}, batch.instance_count);
+    for (const Batch& batch : batches_)
+        kernel_.dispatch_workgroups(commands, batch.baseline_bindings, io::BaselinePush{palette_count_},
+                                    batch.instance_count);
 }
 
 std::vector<Affine> BaselineCrowd::read_skin_matrices(uint32_t instance) const {
-    const auto batch = std::find_if(batches_.begin(), batches_.end(), [&](const Batch& b) { return instance - b.first_instance < b.instance_count; });
-    if (batch == batches_.end()) throw Failure(ErrorCode::kInvalidArgument, "read-back", "no instance " + std::to_string(instance));
+    const auto batch = std::find_if(batches_.begin(), batches_.end(),
+                                    [&](const Batch& b) { return instance - b.first_instance < b.instance_count; });
+    if (batch == batches_.end())
+        throw Failure(ErrorCode::kInvalidArgument, "read-back", "no instance " + std::to_string(instance));
     const uint64_t size_bytes = uint64_t{palette_count_} * sizeof(Affine);
-    return download<Affine>(gpu_, BufferRange(batch->skin.handle(), (instance - batch->first_instance) * size_bytes, size_bytes));
+    return download<Affine>(
+        gpu_, BufferRange(batch->skin.handle(), (instance - batch->first_instance) * size_bytes, size_bytes));
 }
 
-std::vector<double> displacements(const Character& character, const Playback& playback, std::span<const AffineT<double>> model_from_bind) {
+std::vector<double> displacements(const Character& character, const Playback& playback,
+                                  std::span<const AffineT<double>> model_from_bind) {
     const Result<ReferencePose> pose = reference_pose(character, playback);
     if (!pose) throw Failure(pose.error());
-    const std::vector<Vec3<double>> wanted = skin_reference(character, pose->model_from_bind), got = skin_reference(character, model_from_bind);
+    const std::vector<Vec3<double>> wanted = skin_reference(character, pose->model_from_bind),
+                                    got = skin_reference(character, model_from_bind);
     std::vector<double> out;
     for (size_t vertex = 0; vertex < wanted.size(); ++vertex) out.push_back(length(got[vertex] - wanted[vertex]));
     return out;

@@ -1,5 +1,5 @@
-// What the paper argues against, as whole pipelines: clips that were turned into something without a hierarchy beforehand.
-// They show what baking costs: bytes a clip, and how far vertices stand from where they belong.
+// What the paper argues against, as whole pipelines: clips that were turned into something without a hierarchy
+// beforehand. They show what baking costs: bytes a clip, and how far vertices stand from where they belong.
 #pragma once
 
 #include "bench/gpu_clock.h"
@@ -20,8 +20,8 @@ struct BakeSettings {
 
 struct Baseline {
     std::string_view name, summary, source;
-    // The character with its clips as the method stores them, from the double references; without mesh. Clip::size_bytes counts
-    // what throng's does. Throws kLimit where the keys exceed the limit.
+    // The character with its clips as the method stores them, from the double references; without mesh.
+    // Clip::size_bytes counts what throng's does. Throws kLimit where the keys exceed the limit.
     Character (*bake)(const Character& character, const BakeSettings& settings);
     // The definition: model_from_bind of each palette entry, in double precision, from what bake() made.
     std::vector<AffineT<double>> (*skin_matrices)(const Character& baked, const Playback& playback);
@@ -34,12 +34,14 @@ Baseline baked();
 Baseline flattened();
 
 // Throws kLimit, naming both numbers.
-void check_key_bytes(const Character& character, std::string_view method, uint64_t key_bytes, const BakeSettings& settings);
+void check_key_bytes(const Character& character, std::string_view method, uint64_t key_bytes,
+                     const BakeSettings& settings);
 
 // Instances of one baked character on the GPU: throng's own control stage, then the baseline's one kernel.
 class BaselineCrowd {
 public:
-    BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline, const Character& baked, std::span<const Playback> playbacks);
+    BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline, const Character& baked,
+                  std::span<const Playback> playbacks);
 
     // Advances and animates all instances, and waits: milliseconds on the GPU.
     double update_ms(float time_step_s) const;
@@ -61,7 +63,9 @@ private:
     GpuClock clock_;
 };
 
-// How far each vertex, skinned with these matrices, stands from where the reference of the playback has it; the model's units.
-std::vector<double> displacements(const Character& character, const Playback& playback, std::span<const AffineT<double>> model_from_bind);
+// How far each vertex, skinned with these matrices, stands from where the reference of the playback has it; the model's
+// units.
+std::vector<double> displacements(const Character& character, const Playback& playback,
+                                  std::span<const AffineT<double>> model_from_bind);
 
 }  // namespace throng::bench

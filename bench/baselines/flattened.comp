@@ -1,11 +1,14 @@
 #version 460
-// flattened: the hierarchy is removed offline, so that clips hold each joint's pose in model space; sampled, blended and bound there.
-// Source: J. Shopf, J. Barczak, C. Oat, N. Tatarchuk, March of the Froblins, SIGGRAPH course notes, 2008. Difference: rotation,
-//   translation and scale with throng's own interpolation (its functions, included), so that the space alone makes the difference.
-// Input: keys[clip][row][track], model_from_joint as rotation, translation, scale.   Output: skin[instance][entry], model_from_bind.
-// Needs: rigs whose scales do not shear; up to 48 bytes a joint and row, tracks that stand still once; no hierarchy.
-// Cost: reads two rows a clip, writes a matrix, one multiplication a palette entry; no barrier, and nothing between the stages.
-// Wins: speed, at any depth.   Loses: shape: joints go from pose to pose on straight lines, each for itself, so that a chain that bends
+// flattened: the hierarchy is removed offline, so that clips hold each joint's pose in model space; sampled, blended
+// and bound there. Source: J. Shopf, J. Barczak, C. Oat, N. Tatarchuk, March of the Froblins, SIGGRAPH course notes,
+// 2008. Difference: rotation,
+//   translation and scale with throng's own interpolation (its functions, included), so that the space alone makes the
+//   difference.
+// Input: keys[clip][row][track], model_from_joint as rotation, translation, scale.   Output: skin[instance][entry],
+// model_from_bind. Needs: rigs whose scales do not shear; up to 48 bytes a joint and row, tracks that stand still once;
+// no hierarchy. Cost: reads two rows a clip, writes a matrix, one multiplication a palette entry; no barrier, and
+// nothing between the stages. Wins: speed, at any depth.   Loses: shape: joints go from pose to pose on straight lines,
+// each for itself, so that a chain that bends
 //   differently in two clips comes apart and shrinks between them.   Measured: bench/README.md#baselines
 #include "baselines_io.h"
 #include "gpu/stored.glsl"
@@ -23,7 +26,9 @@ layout(push_constant) uniform Push { BaselinePush push; };
 
 #include "sample/exact.glsl"
 
-JointPose sample_clip(SlotCursor slot, uint joint) { return sample_exact(ROW_AT(tracks, slot.first_track + joint), slot); }
+JointPose sample_clip(SlotCursor slot, uint joint) {
+    return sample_exact(ROW_AT(tracks, slot.first_track + joint), slot);
+}
 
 void main() {
     const uint instance = gl_WorkGroupID.x;
@@ -31,10 +36,14 @@ void main() {
     for (uint entry = gl_LocalInvocationID.x; entry < push.palette_count; entry += kBaselineWorkgroupSize) {
         const uint joint = palette_joints[entry];
         JointPose pose;
-        if (cursor.weight >= 1) pose = sample_clip(cursor.first, joint);
-        else if (cursor.weight <= 0) pose = sample_clip(cursor.second, joint);
-        else pose = blend_joint(sample_clip(cursor.first, joint), sample_clip(cursor.second, joint), cursor.weight);
+        if (cursor.weight >= 1)
+            pose = sample_clip(cursor.first, joint);
+        else if (cursor.weight <= 0)
+            pose = sample_clip(cursor.second, joint);
+        else
+            pose = blend_joint(sample_clip(cursor.first, joint), sample_clip(cursor.second, joint), cursor.weight);
         const Affine model_from_joint = parent_from_joint(pose);  // below no parent but the model
-        skin[instance * push.palette_count + entry] = pack(affine_multiply(model_from_joint, unpack(joint_from_bind[entry])));
+        skin[instance * push.palette_count + entry] = pack(
+            affine_multiply(model_from_joint, unpack(joint_from_bind[entry])));
     }
 }

@@ -27,7 +27,8 @@ Pose model_pose(const Character& character, uint32_t clip, double time_s) {
     const std::vector<AffineT<double>> model = scan_reference(character.rig.parents, local);
     for (size_t joint = 0; joint < pose.size(); ++joint) {
         Trs<double>& trs = pose[joint];
-        if (const uint32_t parent = character.rig.parents[joint]; parent != kNone) trs.rotation = normalized(pose[parent].rotation * trs.rotation);
+        if (const uint32_t parent = character.rig.parents[joint]; parent != kNone)
+            trs.rotation = normalized(pose[parent].rotation * trs.rotation);
         const Quaternion<double>& q = trs.rotation;
         const AffineT<double> scale = to_affine(Trs<double>{.rotation = {-q.x, -q.y, -q.z, q.w}}) * model[joint];
         trs.translation = {model[joint].row[0][3], model[joint].row[1][3], model[joint].row[2][3]};
@@ -59,24 +60,35 @@ void append_clip(Character& flat, const Character& character, uint32_t clip_inde
     std::vector<size_t> columns;
     std::vector<uint32_t> words;
     for (size_t track = 0; track < rows.size(); ++track) {
-        const bool constant = std::all_of(rows[track].begin(), rows[track].end(), [&](const Key& key) { return key == rows[track].front(); });
-        words.push_back(constant ? static_cast<uint32_t>(flat.keys.size()) : static_cast<uint32_t>(columns.size()) | kTrackAnimated);
-        if (constant) flat.keys.push_back(rows[track].front());
-        else columns.push_back(track);
+        const bool constant = std::all_of(rows[track].begin(), rows[track].end(),
+                                          [&](const Key& key) { return key == rows[track].front(); });
+        words.push_back(constant ? static_cast<uint32_t>(flat.keys.size())
+                                 : static_cast<uint32_t>(columns.size()) | kTrackAnimated);
+        if (constant)
+            flat.keys.push_back(rows[track].front());
+        else
+            columns.push_back(track);
     }
     const auto first_row = static_cast<uint32_t>(flat.keys.size());
     for (uint32_t& word : words)
         if (word & kTrackAnimated) word += first_row;
-    for (size_t track = 0; track < words.size(); track += 3) flat.tracks.push_back({.rotation = words[track], .translation = words[track + 1], .scale = words[track + 2]});
+    for (size_t track = 0; track < words.size(); track += 3)
+        flat.tracks.push_back({.rotation = words[track], .translation = words[track + 1], .scale = words[track + 2]});
     for (uint32_t row = 0; row < clip.row_count; ++row)
         for (const size_t column : columns) flat.keys.push_back(rows[column][row]);
     clip.row_stride = static_cast<uint32_t>(columns.size());
-    clip.size_bytes = (flat.keys.size() - first_key) * sizeof(Key) + clip.row_count * sizeof(float) + joint_count * sizeof(JointTracks);
+    clip.size_bytes = (flat.keys.size() - first_key) * sizeof(Key) + clip.row_count * sizeof(float) +
+                      joint_count * sizeof(JointTracks);
 }
 
 // A character all of whose joints are roots: its clips are the model-space poses at the rows of the character's own.
 Character bake(const Character& character, const BakeSettings& settings) {
-    Character flat{.name = character.name + ", flattened", .rig = character.rig, .clips = character.clips, .times_s = character.times_s, .palette = character.palette, .size = character.size};
+    Character flat{.name = character.name + ", flattened",
+                   .rig = character.rig,
+                   .clips = character.clips,
+                   .times_s = character.times_s,
+                   .palette = character.palette,
+                   .size = character.size};
     std::fill(flat.rig.parents.begin(), flat.rig.parents.end(), kNone);
     for (uint32_t clip = 0; clip < flat.clips.size(); ++clip) {
         append_clip(flat, character, clip);

@@ -14,16 +14,18 @@ namespace throng::bench {
 namespace {
 
 constexpr double kWidth = 720, kLeft = 108, kColumn = 36.6, kTreeTop = 72, kLevel = 17, kMargin = 16;
-constexpr double kSegment = 4, kStrip = 8, kStackedStrip = 4, kStackPitch = 5.5;  // strips: a segment a joint of the chain
-constexpr double kGap = 17;        // above a row's strips: where operands come in
-constexpr double kBoundary = 18;   // between two phases
+// strips: a segment a joint of the chain
+constexpr double kSegment = 4, kStrip = 8, kStackedStrip = 4, kStackPitch = 5.5;
+constexpr double kGap = 17;       // above a row's strips: where operands come in
+constexpr double kBoundary = 18;  // between two phases
 
 constexpr uint32_t kColours = 6;  // of svg.cpp's style sheet
 std::string thread_style(uint32_t thread) { return "t" + std::to_string(thread % kColours); }
 
 class Drawing {
 public:
-    Drawing(const ScanRig& rig, std::string_view name, std::string_view summary) : rig_(rig), name_(name), summary_(summary) {
+    Drawing(const ScanRig& rig, std::string_view name, std::string_view summary)
+        : rig_(rig), name_(name), summary_(summary) {
         svg_.text({kMargin, 27}, name, "name");
         svg_.text({kMargin, 45}, summary, "soft");
     }
@@ -33,7 +35,8 @@ public:
     void tree(const std::vector<uint32_t>& writers, bool has_bones) {
         thread_count_ = *std::max_element(writers.begin(), writers.end()) + 1;
         for (uint32_t joint = 0; joint < rig_.joint_count(); ++joint)
-            if (const uint32_t parent = rig_.parents[joint]; parent != kNone) svg_.curve(node(parent), node(joint), has_bones ? "bone" : "bone cut");
+            if (const uint32_t parent = rig_.parents[joint]; parent != kNone)
+                svg_.curve(node(parent), node(joint), has_bones ? "bone" : "bone cut");
         for (uint32_t joint = 0; joint < rig_.joint_count(); ++joint) {
             svg_.dot(node(joint), 8, "joint " + thread_style(writers[joint]));
             svg_.text({node(joint).x, node(joint).y + 3.4}, std::to_string(joint), "number");
@@ -50,7 +53,8 @@ public:
         svg_.text({kMargin, y_ + 8}, "local transforms", "");
         svg_.text({kWidth - 9, y_ - 7}, "step", "soft small end");
         for (uint32_t joint = 0; joint < rig_.joint_count(); ++joint) {
-            const bool is_model = std::none_of(flow.steps.begin(), flow.steps.end(), [&](const FlowStep& s) { return s.joint == joint && s.stored; });
+            const bool is_model = std::none_of(flow.steps.begin(), flow.steps.end(),
+                                               [&](const FlowStep& s) { return s.joint == joint && s.stored; });
             strip(joint, y_, kStrip, 1, "own", is_model);
         }
         y_ += kStrip;
@@ -60,14 +64,17 @@ public:
 
     void boundary(FlowBoundary kind) {
         const double middle = y_ + kBoundary / 2 + 4;
-        const auto across = [&](double y, std::string_view style) { svg_.line({kLeft, y}, {kWidth - kMargin, y}, style); };
+        const auto across = [&](double y, std::string_view style) {
+            svg_.line({kLeft, y}, {kWidth - kMargin, y}, style);
+        };
         if (kind == FlowBoundary::kBarrier) {
             across(middle - 1.5, "wait");
             across(middle + 1.5, "wait");
         } else {
             across(middle, kind == FlowBoundary::kShuffle ? "shuffle" : "next");
         }
-        if (kind != FlowBoundary::kNone) svg_.text({kMargin, middle + 3.5}, kind == FlowBoundary::kBarrier ? "barrier" : "shuffle", "bold");
+        if (kind != FlowBoundary::kNone)
+            svg_.text({kMargin, middle + 3.5}, kind == FlowBoundary::kBarrier ? "barrier" : "shuffle", "bold");
         y_ += kBoundary;
     }
 
@@ -75,31 +82,39 @@ public:
         svg_.text({kMargin, y_ + kGap + 7}, flow.phases[phase_index].label, "");
         const double top = y_;
         for (uint32_t row = 0; row < flow.rows(phase_index); ++row) {
-            std::map<uint32_t, std::vector<const FlowStep*>> at_joint;  // threads that make the same product at the same time
+            // Threads that make the same product at the same time
+            std::map<uint32_t, std::vector<const FlowStep*>> at_joint;
             size_t stack = 1;
             for (const FlowStep& step : flow.steps)
                 if (step.phase == phase_index && step.row == row) at_joint[step.joint].push_back(&step);
             for (const auto& [joint, steps] : at_joint) stack = std::max(stack, steps.size());
             const double height = stack == 1 ? kStrip : static_cast<double>(stack) * kStackPitch;
             for (const auto& [joint, steps] : at_joint)
-                for (size_t i = 0; i < steps.size(); ++i) operand(*steps[i], static_cast<double>(steps.size() - 1 - i) * 1.7);
+                for (size_t i = 0; i < steps.size(); ++i)
+                    operand(*steps[i], static_cast<double>(steps.size() - 1 - i) * 1.7);
             for (const auto& [joint, steps] : at_joint)
                 for (size_t i = 0; i < steps.size(); ++i) {
                     const bool alone = steps.size() == 1;
-                    strip(joint, y_ + kGap + (alone ? 0 : static_cast<double>(i) * kStackPitch), alone ? kStrip : kStackedStrip, steps[i]->product.size(),
+                    strip(joint, y_ + kGap + (alone ? 0 : static_cast<double>(i) * kStackPitch),
+                          alone ? kStrip : kStackedStrip, steps[i]->product.size(),
                           "known " + thread_style(steps[i]->thread), steps[i]->stored);
                 }
-            for (const auto& [joint, steps] : at_joint) bottoms_[joint] = y_ + kGap + (steps.size() == 1 ? kStrip : static_cast<double>(steps.size()) * kStackPitch);
+            for (const auto& [joint, steps] : at_joint)
+                bottoms_[joint] = y_ + kGap +
+                                  (steps.size() == 1 ? kStrip : static_cast<double>(steps.size()) * kStackPitch);
             svg_.text({kWidth - 9, y_ + kGap + 8}, std::to_string(++row_count_), "soft small end");
             y_ += kGap + height;
         }
-        y_ = std::max(y_, top + kGap + 9 + 13.0 * static_cast<double>(std::count(flow.phases[phase_index].label.begin(), flow.phases[phase_index].label.end(), '\n')));
+        y_ = std::max(y_, top + kGap + 9 +
+                              13.0 * static_cast<double>(std::count(flow.phases[phase_index].label.begin(),
+                                                                    flow.phases[phase_index].label.end(), '\n')));
     }
 
     // Matrices that were multiplied offline.
     void stored_row(std::string_view label) {
         svg_.text({kMargin, y_ + 8}, label, "");
-        for (uint32_t joint = 0; joint < rig_.joint_count(); ++joint) strip(joint, y_, kStrip, rig_.depths[joint], "own", false);
+        for (uint32_t joint = 0; joint < rig_.joint_count(); ++joint)
+            strip(joint, y_, kStrip, rig_.depths[joint], "own", false);
         y_ += kStrip + 6;
     }
 
@@ -108,7 +123,8 @@ public:
         svg_.text({kMargin, y_ + kGap + 7}, label, "");
         for (uint32_t joint = 0; joint < rig_.joint_count(); ++joint) {
             for (uint32_t i = 0; i < operands; ++i)
-                svg_.line({centre(joint) + 8 * (i - (operands - 1) / 2.0), y_}, {centre(joint), y_ + kGap - 3}, "move " + thread_style(joint));
+                svg_.line({centre(joint) + 8 * (i - (operands - 1) / 2.0), y_}, {centre(joint), y_ + kGap - 3},
+                          "move " + thread_style(joint));
             strip(joint, y_ + kGap, kStrip, rig_.depths[joint], "known " + thread_style(joint), is_last);
         }
         y_ += kGap + kStrip + 5;
@@ -126,7 +142,8 @@ public:
     // Joint and column, beneath everything else.
     void guides() {
         Svg below;
-        for (uint32_t joint = 0; joint < rig_.joint_count(); ++joint) below.line(node(joint), {centre(joint), y_ + 4}, "guide");
+        for (uint32_t joint = 0; joint < rig_.joint_count(); ++joint)
+            below.line(node(joint), {centre(joint), y_ + 4}, "guide");
         svg_.put_below(below);
     }
 
@@ -146,7 +163,9 @@ public:
         x_ = kMargin;
         legend_text("left factor:", 62);
         constexpr std::array<std::tuple<const char*, const char*, double>, 3> kSources{
-            {{"from hollow t0", "local transform", 90}, {"from t0", "product from memory or another thread", 206}, {"", "own register", 0}}};
+            {{"from hollow t0", "local transform", 90},
+             {"from t0", "product from memory or another thread", 206},
+             {"", "own register", 0}}};
         for (const auto& [style, text, width] : kSources) {
             svg_.line({x_, y_ - 3}, {x_ + 14, y_ - 3}, "move t0");
             if (*style) svg_.dot({x_ + 1, y_ - 3}, 2.3, style);
@@ -168,7 +187,10 @@ public:
     std::string finish() const { return svg_.document(kWidth, y_ + kMargin, name_ + ": " + summary_); }
 
 private:
-    void legend_of_colours() { svg_.text({kWidth - kMargin, y_}, thread_count_ > kColours ? "colour: thread (they repeat)" : "colour: thread", "soft small end"); }
+    void legend_of_colours() {
+        svg_.text({kWidth - kMargin, y_}, thread_count_ > kColours ? "colour: thread (they repeat)" : "colour: thread",
+                  "soft small end");
+    }
 
     void begin_legend() {
         y_ += 14;
@@ -189,7 +211,9 @@ private:
     }
 
     void strip_at(Point corner, double height, uint32_t depth, size_t covered, std::string_view style, bool stored) {
-        for (uint32_t i = 0; i < depth; ++i) svg_.rect({corner.x + i * kSegment, corner.y}, kSegment - 0.6, height, i + covered >= depth ? style : "cell");
+        for (uint32_t i = 0; i < depth; ++i)
+            svg_.rect({corner.x + i * kSegment, corner.y}, kSegment - 0.6, height,
+                      i + covered >= depth ? style : "cell");
         if (stored) svg_.rect({corner.x - 1.8, corner.y - 1.8}, depth * kSegment + 3, height + 3.6, "done", 2);
     }
 
@@ -205,10 +229,13 @@ private:
         }
         const std::string style = thread_style(step.thread);
         const size_t right_length = step.product.size() - step.source_length;
-        const double middle = rig_.depths[step.joint] - static_cast<double>(right_length) - static_cast<double>(step.source_length) / 2;
-        const Point from{centre(step.source_joint), y_ + 3 - raised / 2}, to{strip_left(step.joint) + middle * kSegment, y_ + kGap - 1.5 - raised};
+        const double middle = rig_.depths[step.joint] - static_cast<double>(right_length) -
+                              static_cast<double>(step.source_length) / 2;
+        const Point from{centre(step.source_joint), y_ + 3 - raised / 2},
+            to{strip_left(step.joint) + middle * kSegment, y_ + kGap - 1.5 - raised};
         if (step.source != FlowSource::kLocal && from.y - bottoms_[step.source_joint] > 4)
-            svg_.line({from.x, bottoms_[step.source_joint] + 2}, from, step.source == FlowSource::kRegister ? "carry " + style : "kept");
+            svg_.line({from.x, bottoms_[step.source_joint] + 2}, from,
+                      step.source == FlowSource::kRegister ? "carry " + style : "kept");
         svg_.line(from, to, "move " + style);
         if (step.source == FlowSource::kLocal) svg_.dot(from, 2.2, "from hollow " + style);
         if (step.source == FlowSource::kShared) svg_.dot(from, 2.4, "from " + style);
@@ -217,17 +244,19 @@ private:
     const ScanRig& rig_;
     std::string name_, summary_;
     Svg svg_;
-    double y_ = 0;  // how far down the sheet is full
-    double x_ = 0;  // how far its last line is, in the legend
+    double y_ = 0;                 // how far down the sheet is full
+    double x_ = 0;                 // how far its last line is, in the legend
     std::vector<double> bottoms_;  // [joint], of its last strip
     uint32_t row_count_ = 0, thread_count_ = 0;
 };
 
-std::string plural(uint32_t count, const std::string& word) { return std::to_string(count) + " " + word + (count == 1 ? "" : "s"); }
+std::string plural(uint32_t count, const std::string& word) {
+    return std::to_string(count) + " " + word + (count == 1 ? "" : "s");
+}
 
 std::string counts_text(size_t multiplications, uint32_t longest, uint32_t barriers) {
-    return plural(static_cast<uint32_t>(multiplications), "multiplication") + "  ·  longest thread " + std::to_string(longest) + "  ·  " +
-           (barriers == 0 ? "no barrier" : plural(barriers, "barrier"));
+    return plural(static_cast<uint32_t>(multiplications), "multiplication") + "  ·  longest thread " +
+           std::to_string(longest) + "  ·  " + (barriers == 0 ? "no barrier" : plural(barriers, "barrier"));
 }
 
 Diagram draw(const FlowMethod& method) {
@@ -261,9 +290,11 @@ Diagram draw(const Baseline& baseline, bool binds_at_run_time) {
     drawing.column_row("interpolate", 2, !binds_at_run_time);
     if (binds_at_run_time) drawing.column_row("bind", 1, true);
     drawing.guides();
-    drawing.note(binds_at_run_time ? "Nothing passes between joints: each moves in model space by itself. A second clip is read likewise and blended\n"
+    drawing.note(binds_at_run_time ? "Nothing passes between joints: each moves in model space by itself. A second "
+                                     "clip is read likewise and blended\n"
                                      "in before the bind: there joints drift from their parents."
-                                   : "Nothing passes between joints: the skin matrices of two frames are mixed number by number. A second clip\n"
+                                   : "Nothing passes between joints: the skin matrices of two frames are mixed number "
+                                     "by number. A second clip\n"
                                      "is read likewise and mixed in: there limbs shrink.");
     drawing.legend_of_stored();
     return {std::string(baseline.name), drawing.finish()};

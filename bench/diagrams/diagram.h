@@ -1,5 +1,5 @@
-// The pictures of docs/scan: each method's data flow on one small skeleton. A column is a joint, a row is a multiplication of the
-// longest thread, so that a picture's height is the critical path and its ink is the work.
+// The pictures of docs/scan: each method's data flow on one small skeleton. A column is a joint, a row is a
+// multiplication of the longest thread, so that a picture's height is the critical path and its ink is the work.
 #pragma once
 
 #include "bench/diagrams/flow.h"

@@ -39,7 +39,8 @@ public:
 
     // A product of the thread's, or a local transform that needs no multiplication.
     void store(uint32_t thread, uint32_t joint, const Product& product) {
-        const auto made = std::find_if(flow_.steps.rbegin(), flow_.steps.rend(), [&](const FlowStep& s) { return s.thread == thread && s.product == product; });
+        const auto made = std::find_if(flow_.steps.rbegin(), flow_.steps.rend(),
+                                       [&](const FlowStep& s) { return s.thread == thread && s.product == product; });
         if (made != flow_.steps.rend()) made->stored = true;
         flow_.model[joint] = product;
         flow_.writers[joint] = thread;
@@ -105,15 +106,18 @@ std::vector<Product> run_doubling(Simulation& run, const std::vector<uint32_t>& 
     for (uint32_t joint = 0; joint < parents.size(); ++joint) products.push_back({joint});
     std::vector<uint32_t> ancestors = parents;
     for (uint32_t distance = 1;; distance *= 2) {
-        if (distance > 1 && std::all_of(ancestors.begin(), ancestors.end(), [](uint32_t a) { return a == kNone; })) return products;
-        run.phase("round " + std::to_string(std::bit_width(distance)) + ":\n" + (distance == 1 ? "the parent's" : std::to_string(distance) + " above"),
+        if (distance > 1 && std::all_of(ancestors.begin(), ancestors.end(), [](uint32_t a) { return a == kNone; }))
+            return products;
+        run.phase("round " + std::to_string(std::bit_width(distance)) + ":\n" +
+                      (distance == 1 ? "the parent's" : std::to_string(distance) + " above"),
                   distance == 1 ? FlowBoundary::kNone : FlowBoundary::kBarrier);
         std::vector<Product> next = products;
         std::vector<uint32_t> next_ancestors = ancestors;
         for (uint32_t joint = 0; joint < parents.size(); ++joint) {
             const uint32_t ancestor = ancestors[joint];
             if (ancestor == kNone) continue;
-            next[joint] = run.multiply(joint, distance == 1 ? FlowSource::kLocal : FlowSource::kShared, products[ancestor], products[joint]);
+            next[joint] = run.multiply(joint, distance == 1 ? FlowSource::kLocal : FlowSource::kShared,
+                                       products[ancestor], products[joint]);
             next_ancestors[joint] = ancestors[ancestor];
         }
         products = std::move(next);
@@ -175,7 +179,8 @@ Flow compressed(const ScanRig& rig, const FlowSettings& settings) {
     std::vector<Product> products = strides;
     for (uint32_t joint = 0; joint < rig.joint_count(); ++joint)
         while (blocks.inside[products[joint].front()] != kNone)
-            products[joint] = run.multiply(joint, FlowSource::kShared, strides[blocks.inside[products[joint].front()]], products[joint]);
+            products[joint] = run.multiply(joint, FlowSource::kShared, strides[blocks.inside[products[joint].front()]],
+                                           products[joint]);
     run_hops(run, blocks, products);
     return run.take();
 }
@@ -192,7 +197,9 @@ Flow levels(const ScanRig& rig, const FlowSettings&) {
         for (const bool with_children : {true, false})
             for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) {
                 if (rig.depths[joint] != depth || has_child[joint] != with_children) continue;
-                if (depth > 1) products[joint] = run.multiply(thread, FlowSource::kShared, products[rig.parents[joint]], products[joint]);
+                if (depth > 1)
+                    products[joint] = run.multiply(thread, FlowSource::kShared, products[rig.parents[joint]],
+                                                   products[joint]);
                 run.store(thread++, joint, products[joint]);
             }
     }
@@ -206,7 +213,9 @@ Flow serial(const ScanRig& rig, const FlowSettings&) {
     for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) {
         const uint32_t parent = rig.parents[joint];
         const bool in_register = parent + 1 == joint;  // a run of joints goes on
-        if (parent != kNone) products[joint] = run.multiply(0, in_register ? FlowSource::kRegister : FlowSource::kShared, products[parent], products[joint]);
+        if (parent != kNone)
+            products[joint] = run.multiply(0, in_register ? FlowSource::kRegister : FlowSource::kShared,
+                                           products[parent], products[joint]);
         run.store(0, joint, products[joint]);
     }
     return run.take();
@@ -223,14 +232,17 @@ Flow pieces(const ScanRig& rig, uint32_t lanes, FlowBoundary between_rounds) {
         const uint32_t attachment = cut.pieces[p].attachment;
         if (attachment == kNone) continue;
         const uint32_t piece_above = cut.piece_of_joint[attachment];
-        if (cut.pieces[piece_above].attachment != kNone) above[p] = piece_above;  // above the root's piece there is nothing
+        // Above the root's piece there is nothing
+        if (cut.pieces[piece_above].attachment != kNone) above[p] = piece_above;
         for (const uint32_t joint : chain(rig.parents, attachment)) {
             if (cut.piece_of_joint[joint] != piece_above) continue;
-            prefixes[p] = prefixes[p].empty() ? Product{joint} : run.multiply(p, FlowSource::kRegister, prefixes[p], {joint});
+            prefixes[p] = prefixes[p].empty() ? Product{joint}
+                                              : run.multiply(p, FlowSource::kRegister, prefixes[p], {joint});
         }
     }
     for (uint32_t round = 1; std::any_of(above.begin(), above.end(), [](uint32_t a) { return a != kNone; }); ++round) {
-        run.phase("small scan over\nthe pieces" + (round > 1 ? ", " + std::to_string(round) : std::string()), between_rounds);
+        run.phase("small scan over\nthe pieces" + (round > 1 ? ", " + std::to_string(round) : std::string()),
+                  between_rounds);
         std::vector<Product> next = prefixes;
         std::vector<uint32_t> next_above = above;
         for (uint32_t p = 0; p < piece_count; ++p) {
@@ -248,7 +260,8 @@ Flow pieces(const ScanRig& rig, uint32_t lanes, FlowBoundary between_rounds) {
         for (const uint32_t joint : cut.pieces[p].joints) {
             const uint32_t parent = rig.parents[joint];
             const bool from_prefix = parent == cut.pieces[p].attachment;
-            products[joint] = run.multiply(p, from_prefix || parent == last ? FlowSource::kRegister : FlowSource::kShared,
+            products[joint] = run.multiply(p,
+                                           from_prefix || parent == last ? FlowSource::kRegister : FlowSource::kShared,
                                            from_prefix ? prefixes[p] : products[parent], {joint});
             run.store(p, joint, products[joint]);
             last = joint;
@@ -257,18 +270,26 @@ Flow pieces(const ScanRig& rig, uint32_t lanes, FlowBoundary between_rounds) {
     return run.take();
 }
 
-Flow fragments(const ScanRig& rig, const FlowSettings& settings) { return pieces(rig, settings.lanes, FlowBoundary::kBarrier); }
-Flow subgroup(const ScanRig& rig, const FlowSettings& settings) { return pieces(rig, settings.lanes, FlowBoundary::kShuffle); }
+Flow fragments(const ScanRig& rig, const FlowSettings& settings) {
+    return pieces(rig, settings.lanes, FlowBoundary::kBarrier);
+}
+Flow subgroup(const ScanRig& rig, const FlowSettings& settings) {
+    return pieces(rig, settings.lanes, FlowBoundary::kShuffle);
+}
 
 constexpr std::array kMethods{
     FlowMethod{"gateau2012_walk", gateau2012_walk, "Every joint multiplies the whole chain above it again."},
     FlowMethod{"kandar2024_leaves", kandar2024_leaves,
-               "Stacked: threads that make the same product at the same time. The outlined one stores it:\na joint belongs to the first leaf below it."},
+               "Stacked: threads that make the same product at the same time. The outlined one stores it:\na joint "
+               "belongs to the first leaf below it."},
     FlowMethod{"doubling", doubling, "A product covers twice as many joints after each round."},
     FlowMethod{"blocks64", blocks64, "Drawn with blocks of 8 joints; the method has blocks of 64.", true},
-    FlowMethod{"compressed", compressed, "Drawn with blocks of 8 joints and strides of 3; the method has blocks of 64 and strides of 8.", true},
-    FlowMethod{"levels", levels, "A thread for each joint of the widest level; in the other levels some have nothing to do."},
-    FlowMethod{"serial", serial, "One thread for the whole character; the threads beside it have characters of their own."},
+    FlowMethod{"compressed", compressed,
+               "Drawn with blocks of 8 joints and strides of 3; the method has blocks of 64 and strides of 8.", true},
+    FlowMethod{"levels", levels,
+               "A thread for each joint of the widest level; in the other levels some have nothing to do."},
+    FlowMethod{"serial", serial,
+               "One thread for the whole character; the threads beside it have characters of their own."},
     FlowMethod{"fragments", fragments,
                "Drawn with 4 pieces; the method has 16 to 256. A piece's path runs through the piece above it,\n"
                "down to the joint that it hangs from. ×1: nothing lies above a root."},
@@ -293,7 +314,8 @@ uint32_t Flow::longest_thread() const {
 }
 
 uint32_t Flow::barriers() const {
-    return static_cast<uint32_t>(std::count_if(phases.begin(), phases.end(), [](const FlowPhase& p) { return p.before == FlowBoundary::kBarrier; }));
+    return static_cast<uint32_t>(std::count_if(phases.begin(), phases.end(),
+                                               [](const FlowPhase& p) { return p.before == FlowBoundary::kBarrier; }));
 }
 
 std::span<const FlowMethod> flow_methods() { return kMethods; }

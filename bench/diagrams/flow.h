@@ -1,5 +1,5 @@
-// What a scan method does with a skeleton, multiplication by multiplication: a simulation of its algorithm in which a transform is
-// the list of joints that it is the product of. The pictures in docs/scan are drawn from it.
+// What a scan method does with a skeleton, multiplication by multiplication: a simulation of its algorithm in which a
+// transform is the list of joints that it is the product of. The pictures in docs/scan are drawn from it.
 #pragma once
 
 #include "scan/scan_rig.h"
@@ -13,15 +13,15 @@ using Product = std::vector<uint32_t>;  // joints, the ancestor first: the order
 
 enum class FlowSource { kLocal, kRegister, kShared, kIdentity };  // where the left factor comes from
 
-struct FlowStep {  // a multiplication
-    uint32_t phase = 0, row = 0;   // row: multiplications of the same thread before it in the phase
+struct FlowStep {                 // a multiplication
+    uint32_t phase = 0, row = 0;  // row: multiplications of the same thread before it in the phase
     uint32_t thread = 0;
-    uint32_t joint = 0;            // where the product ends
+    uint32_t joint = 0;  // where the product ends
     FlowSource source = FlowSource::kLocal;
     uint32_t source_joint = kNone;  // where the left factor ends
     uint32_t source_length = 0;     // factors of the left factor
     Product product;
-    bool stored = false;            // it is the joint's model_from_joint
+    bool stored = false;  // it is the joint's model_from_joint
 };
 
 enum class FlowBoundary { kNone, kBarrier, kShuffle };
@@ -50,11 +50,12 @@ struct FlowSettings {
 struct FlowMethod {
     std::string_view name;
     Flow (*simulate)(const ScanRig& rig, const FlowSettings& settings);
-    std::string_view note;      // what the picture does not say itself
+    std::string_view note;  // what the picture does not say itself
     bool has_blocks = false;
 };
 
-// A row for each method of the scan table that has a data flow of its own (its variants for other formats and layouts share it).
+// A row for each method of the scan table that has a data flow of its own (its variants for other formats and layouts
+// share it).
 std::span<const FlowMethod> flow_methods();
 
 }  // namespace throng::bench

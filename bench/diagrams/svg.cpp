@@ -9,18 +9,22 @@ namespace {
 // Threads: the palette of Okabe and Ito (Color Universal Design, 2008) without its yellow and black.
 constexpr std::string_view kStyle = R"(<style>
 svg{--paper:#fff;--edge:#d0d7de;--ink:#1f2328;--soft:#656d76;--faint:#eef1f4;--cell:#dfe4ea;--own:#9aa4b0}
-@media(prefers-color-scheme:dark){svg{--paper:#0d1117;--edge:#30363d;--ink:#e6edf3;--soft:#9198a1;--faint:#1a2028;--cell:#2b323b;--own:#6e7884}.t0.t0{--t:#2a86d1}}
+@media(prefers-color-scheme:dark){svg{--paper:#0d1117;--edge:#30363d;--ink:#e6edf3;--soft:#9198a1;--faint:#1a2028;)"
+                                    R"(--cell:#2b323b;--own:#6e7884}.t0.t0{--t:#2a86d1}}
 .t0{--t:#0072b2}.t1{--t:#e69f00}.t2{--t:#009e73}.t3{--t:#cc79a7}.t4{--t:#56b4e9}.t5{--t:#d55e00}
 text{font-family:Inter,system-ui,Helvetica,Arial,sans-serif;font-size:11px;fill:var(--ink)}
 .paper{fill:var(--paper);stroke:var(--edge)}
-.name{font-size:16px;font-weight:600}.soft{fill:var(--soft)}.small{font-size:9.5px}.mid{text-anchor:middle}.end{text-anchor:end}.bold{font-weight:600}
+.name{font-size:16px;font-weight:600}.soft{fill:var(--soft)}.small{font-size:9.5px}.mid{text-anchor:middle})"
+                                    R"(.end{text-anchor:end}.bold{font-weight:600}
 .joint{fill:var(--t);stroke:none}.number{font-size:9.5px;font-weight:600;fill:#fff;text-anchor:middle}
 .bone{stroke:var(--soft);stroke-width:1.4;fill:none}.cut{stroke-dasharray:2 3;opacity:.6}
 .guide{stroke:var(--faint);stroke-width:1}.block{stroke:var(--soft);stroke-dasharray:3 4;opacity:.6}
 .cell{fill:var(--cell)}.own{fill:var(--own)}.known{fill:var(--t)}.done{fill:none;stroke:var(--ink);stroke-width:1.2}
 .carry{stroke:var(--t);stroke-width:1;opacity:.6}.kept{stroke:var(--own);stroke-width:1}
-.move{stroke:var(--t);stroke-width:1.5;fill:none}.from{fill:var(--t);stroke:var(--t);stroke-width:1.2}.hollow{fill:var(--paper)}
-.wait{stroke:var(--ink);stroke-width:1.2}.shuffle{stroke:var(--ink);stroke-width:1.2;stroke-dasharray:5 4}.next{stroke:var(--edge)}
+.move{stroke:var(--t);stroke-width:1.5;fill:none}.from{fill:var(--t);stroke:var(--t);stroke-width:1.2})"
+                                    R"(.hollow{fill:var(--paper)}
+.wait{stroke:var(--ink);stroke-width:1.2}.shuffle{stroke:var(--ink);stroke-width:1.2;stroke-dasharray:5 4})"
+                                    R"(.next{stroke:var(--edge)}
 </style>)";
 
 std::string number(double value) {
@@ -31,8 +35,12 @@ std::string number(double value) {
     return out == "-0" ? "0" : out;
 }
 
-std::string attribute(std::string_view name, double value) { return " " + std::string(name) + "=\"" + number(value) + "\""; }
-std::string attribute(std::string_view name, std::string_view value) { return " " + std::string(name) + "=\"" + std::string(value) + "\""; }
+std::string attribute(std::string_view name, double value) {
+    return " " + std::string(name) + "=\"" + number(value) + "\"";
+}
+std::string attribute(std::string_view name, std::string_view value) {
+    return " " + std::string(name) + "=\"" + std::string(value) + "\"";
+}
 
 std::string escaped(std::string_view text) {
     std::string out;
@@ -43,37 +51,44 @@ std::string escaped(std::string_view text) {
 }  // namespace
 
 void Svg::rect(Point corner, double width, double height, std::string_view style, double rounding) {
-    body_ += "<rect" + attribute("x", corner.x) + attribute("y", corner.y) + attribute("width", width) + attribute("height", height) +
-             (rounding > 0 ? attribute("rx", rounding) : std::string()) + attribute("class", style) + "/>\n";
+    body_ += "<rect" + attribute("x", corner.x) + attribute("y", corner.y) + attribute("width", width) +
+             attribute("height", height) + (rounding > 0 ? attribute("rx", rounding) : std::string()) +
+             attribute("class", style) + "/>\n";
 }
 
 void Svg::line(Point from, Point to, std::string_view style) {
-    body_ += "<line" + attribute("x1", from.x) + attribute("y1", from.y) + attribute("x2", to.x) + attribute("y2", to.y) + attribute("class", style) + "/>\n";
+    body_ += "<line" + attribute("x1", from.x) + attribute("y1", from.y) + attribute("x2", to.x) +
+             attribute("y2", to.y) + attribute("class", style) + "/>\n";
 }
 
 void Svg::curve(Point from, Point to, std::string_view style) {
     const std::string middle = number((from.y + to.y) / 2);
-    body_ += "<path d=\"M" + number(from.x) + " " + number(from.y) + "C" + number(from.x) + " " + middle + " " + number(to.x) + " " + middle + " " + number(to.x) + " " +
-             number(to.y) + "\"" + attribute("class", style) + "/>\n";
+    body_ += "<path d=\"M" + number(from.x) + " " + number(from.y) + "C" + number(from.x) + " " + middle + " " +
+             number(to.x) + " " + middle + " " + number(to.x) + " " + number(to.y) + "\"" + attribute("class", style) +
+             "/>\n";
 }
 
 void Svg::dot(Point centre, double radius, std::string_view style) {
-    body_ += "<circle" + attribute("cx", centre.x) + attribute("cy", centre.y) + attribute("r", radius) + attribute("class", style) + "/>\n";
+    body_ += "<circle" + attribute("cx", centre.x) + attribute("cy", centre.y) + attribute("r", radius) +
+             attribute("class", style) + "/>\n";
 }
 
 void Svg::text(Point at, std::string_view text, std::string_view style) {
     constexpr double kLine = 13;
     for (size_t begin = 0; begin <= text.size(); at.y += kLine) {
         const size_t end = std::min(text.find('\n', begin), text.size());
-        body_ += "<text" + attribute("x", at.x) + attribute("y", at.y) + attribute("class", style) + ">" + escaped(text.substr(begin, end - begin)) + "</text>\n";
+        body_ += "<text" + attribute("x", at.x) + attribute("y", at.y) + attribute("class", style) + ">" +
+                 escaped(text.substr(begin, end - begin)) + "</text>\n";
         begin = end + 1;
     }
 }
 
 std::string Svg::document(double width, double height, std::string_view title) const {
     return "<svg xmlns=\"http://www.w3.org/2000/svg\"" + attribute("width", width) + attribute("height", height) +
-           attribute("viewBox", "0 0 " + number(width) + " " + number(height)) + " role=\"img\">\n<title>" + escaped(title) + "</title>\n" + std::string(kStyle) +
-           "\n<rect x=\"0.5\" y=\"0.5\"" + attribute("width", width - 1) + attribute("height", height - 1) + " rx=\"8\" class=\"paper\"/>\n" + body_ + "</svg>\n";
+           attribute("viewBox", "0 0 " + number(width) + " " + number(height)) + " role=\"img\">\n<title>" +
+           escaped(title) + "</title>\n" + std::string(kStyle) + "\n<rect x=\"0.5\" y=\"0.5\"" +
+           attribute("width", width - 1) + attribute("height", height - 1) + " rx=\"8\" class=\"paper\"/>\n" + body_ +
+           "</svg>\n";
 }
 
 }  // namespace throng::bench

@@ -1,4 +1,5 @@
-// Drawing into an SVG document that is legible on light and on dark pages. Colours are names of the style sheet in svg.cpp.
+// Drawing into an SVG document that is legible on light and on dark pages. Colours are names of the style sheet in
+// svg.cpp.
 #pragma once
 
 #include <string>
@@ -16,7 +17,8 @@ public:
     void line(Point from, Point to, std::string_view style);
     void curve(Point from, Point to, std::string_view style);  // leaves and arrives vertically
     void dot(Point centre, double radius, std::string_view style);
-    void text(Point at, std::string_view text, std::string_view style);  // lines apart by \n; `style` may say where it is anchored
+    // Lines apart by \n; `style` may say where it is anchored
+    void text(Point at, std::string_view text, std::string_view style);
 
     void put_below(const Svg& other) { body_ = other.body_ + body_; }
 

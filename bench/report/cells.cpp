@@ -20,32 +20,39 @@ std::string key(const Json& record, const std::vector<const char*>& fields) {
 const Json* smallest(const Cells& cells, const char* quantity) {
     const Json* best = nullptr;
     for (const Json* cell : cells)
-        if (const double value = number(*cell, quantity); !std::isnan(value) && (!best || value < number(*best, quantity))) best = cell;
+        if (const double value = number(*cell, quantity);
+            !std::isnan(value) && (!best || value < number(*best, quantity)))
+            best = cell;
     return best;
 }
 
 }  // namespace
 
-Cells latest_cells(std::span<const Json> records, const char* bench, const char* name, std::vector<const char*> fields) {
+Cells latest_cells(std::span<const Json> records, const char* bench, const char* name,
+                   std::vector<const char*> fields) {
     fields.push_back(name);
     std::map<std::string, size_t> places;
     Cells cells;
     for (const Json& record : records) {
         if (text(record, "bench") != bench || text(record, name).empty()) continue;
         const auto [place, is_new] = places.try_emplace(key(record, fields), cells.size());
-        if (is_new) cells.push_back(&record);
-        else cells[place->second] = &record;
+        if (is_new)
+            cells.push_back(&record);
+        else
+            cells[place->second] = &record;
     }
     return cells;
 }
 
 Cells scan_cells(std::span<const Json> records) {
-    return latest_cells(records, "scan", "method", {"device", "driver", "experiment", "lanes", "shape", "seed", "characters", "joints", "levels"});
+    return latest_cells(records, "scan", "method",
+                        {"device", "driver", "experiment", "lanes", "shape", "seed", "characters", "joints", "levels"});
 }
 
 Cells having(const Cells& cells, const char* field, const std::string& value) {
     Cells some;
-    std::copy_if(cells.begin(), cells.end(), std::back_inserter(some), [&](const Json* cell) { return text(*cell, field) == value; });
+    std::copy_if(cells.begin(), cells.end(), std::back_inserter(some),
+                 [&](const Json* cell) { return text(*cell, field) == value; });
     return some;
 }
 
@@ -63,7 +70,9 @@ std::vector<Cells> grouped(const Cells& cells, const std::vector<const char*>& f
 std::vector<std::string> texts(const Cells& cells, const char* field) {
     std::vector<std::string> all;
     for (const Json* cell : cells)
-        if (const std::string value = text(*cell, field); !value.empty() && std::find(all.begin(), all.end(), value) == all.end()) all.push_back(value);
+        if (const std::string value = text(*cell, field);
+            !value.empty() && std::find(all.begin(), all.end(), value) == all.end())
+            all.push_back(value);
     return all;
 }
 
@@ -77,13 +86,16 @@ std::set<double> numbers(const Cells& cells, const char* field) {
 Best best_over(const Cells& cells, const char* field, const char* quantity) {
     Best best;
     for (const Cells& same : grouped(cells, {field}))
-        if (const Json* cell = smallest(same, quantity); cell && !std::isnan(number(*cell, field)) && !flag(*cell, "wrong")) best[number(*cell, field)] = cell;
+        if (const Json* cell = smallest(same, quantity);
+            cell && !std::isnan(number(*cell, field)) && !flag(*cell, "wrong"))
+            best[number(*cell, field)] = cell;
     return best;
 }
 
 const Json* fastest(const Cells& cells) {
     Cells chosen;
-    std::copy_if(cells.begin(), cells.end(), std::back_inserter(chosen), [](const Json* cell) { return text(*cell, "method") != kPlanner && !flag(*cell, "wrong"); });
+    std::copy_if(cells.begin(), cells.end(), std::back_inserter(chosen),
+                 [](const Json* cell) { return text(*cell, "method") != kPlanner && !flag(*cell, "wrong"); });
     return smallest(chosen, "median_ms");
 }
 

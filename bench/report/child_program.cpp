@@ -20,7 +20,8 @@ struct CloseFile {
 };
 using File = std::unique_ptr<std::FILE, CloseFile>;
 
-// Files without a name stand at the child's three streams: unlike pipes they are never full, so neither side waits for the other.
+// Files without a name stand at the child's three streams: unlike pipes they are never full, so neither side waits for
+// the other.
 File temporary_file(const std::string& program) {
     File file(std::tmpfile());
     if (!file) throw Failure(ErrorCode::kFile, program, std::string("no temporary file: ") + std::strerror(errno));
@@ -46,7 +47,8 @@ ChildOutput run_child_program(std::vector<std::string> name_and_arguments, const
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     const std::array streams{in.get(), out.get(), errors.get()};
-    for (size_t stream = 0; stream < streams.size(); ++stream) posix_spawn_file_actions_adddup2(&files, fileno(streams[stream]), static_cast<int>(stream));
+    for (size_t stream = 0; stream < streams.size(); ++stream)
+        posix_spawn_file_actions_adddup2(&files, fileno(streams[stream]), static_cast<int>(stream));
     std::vector<char*> words;
     for (std::string& word : name_and_arguments) words.push_back(word.data());
     words.push_back(nullptr);
@@ -57,8 +59,10 @@ ChildOutput run_child_program(std::vector<std::string> name_and_arguments, const
     int status = 0;
     if (spawned == 0)
         while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
-    if (spawned == ENOENT || (WIFEXITED(status) && WEXITSTATUS(status) == 127)) return {.output = {}, .errors = {}, .status = -1, .start = ChildOutput::Start::kMissing};
-    if (spawned != 0) return {.output = {}, .errors = std::strerror(spawned), .status = -1, .start = ChildOutput::Start::kRefused};
+    if (spawned == ENOENT || (WIFEXITED(status) && WEXITSTATUS(status) == 127))
+        return {.output = {}, .errors = {}, .status = -1, .start = ChildOutput::Start::kMissing};
+    if (spawned != 0)
+        return {.output = {}, .errors = std::strerror(spawned), .status = -1, .start = ChildOutput::Start::kRefused};
     return {.output = content(out.get()), .errors = content(errors.get()), .status = status};
 }
 

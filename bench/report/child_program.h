@@ -12,7 +12,8 @@ struct ChildOutput {
     enum class Start { kStarted, kMissing, kRefused } start = Start::kStarted;
 };
 
-// Runs a program found by its name, with `input` at its standard input, to its end. Throws kFile where there is no room for a temporary file.
+// Runs a program found by its name, with `input` at its standard input, to its end. Throws kFile where there is no room
+// for a temporary file.
 ChildOutput run_child_program(std::vector<std::string> name_and_arguments, const std::string& input);
 
 }  // namespace throng::bench

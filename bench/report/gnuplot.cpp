@@ -20,8 +20,11 @@ std::string first_complaint(const std::string& errors) {
 
 std::string run_gnuplot(const std::string& script) {
     const ChildOutput child = run_child_program({"gnuplot", "--default-settings"}, script);
-    if (child.start == ChildOutput::Start::kMissing) throw Failure(ErrorCode::kUnsupported, "gnuplot", "not installed, and the plots need it (Debian: apt-get install gnuplot-nox)");
-    if (child.start == ChildOutput::Start::kRefused) throw Failure(ErrorCode::kUnsupported, "gnuplot", "cannot be started: " + child.errors);
+    if (child.start == ChildOutput::Start::kMissing)
+        throw Failure(ErrorCode::kUnsupported, "gnuplot",
+                      "not installed, and the plots need it (Debian: apt-get install gnuplot-nox)");
+    if (child.start == ChildOutput::Start::kRefused)
+        throw Failure(ErrorCode::kUnsupported, "gnuplot", "cannot be started: " + child.errors);
     if (child.status != 0) throw Failure(ErrorCode::kInvalidArgument, "gnuplot", first_complaint(child.errors));
     return child.output;
 }
@@ -29,10 +32,14 @@ std::string run_gnuplot(const std::string& script) {
 std::string gnuplot_text(const std::string& text) {
     std::string quoted = "\"";
     for (const char c : text) {
-        if (static_cast<unsigned char>(c) < ' ') quoted += ' ';
-        else if (c == '`' || c == '"') quoted += '\'';
-        else if (c == '\\') quoted += "\\\\";
-        else quoted += c;
+        if (static_cast<unsigned char>(c) < ' ')
+            quoted += ' ';
+        else if (c == '`' || c == '"')
+            quoted += '\'';
+        else if (c == '\\')
+            quoted += "\\\\";
+        else
+            quoted += c;
     }
     return quoted + '"';
 }

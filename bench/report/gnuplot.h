@@ -5,8 +5,8 @@
 
 namespace throng::bench {
 
-// Runs a script and returns what gnuplot writes to standard output. Throws kUnsupported where gnuplot is not installed, and
-// kInvalidArgument with its first complaint where the script fails.
+// Runs a script and returns what gnuplot writes to standard output. Throws kUnsupported where gnuplot is not installed,
+// and kInvalidArgument with its first complaint where the script fails.
 std::string run_gnuplot(const std::string& script);
 
 // `text` as a string of a script: of one line, and nothing in it is a command, a substitution or the string's end.

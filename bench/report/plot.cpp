@@ -22,7 +22,8 @@ constexpr double kFontSize = 14;
 std::string number(double value) { return gnuplot_number(value); }
 
 void replace_all(std::string& text, const std::string& old, const std::string& with) {
-    for (size_t at = 0; (at = text.find(old, at)) != std::string::npos; at += with.size()) text.replace(at, old.size(), with);
+    for (size_t at = 0; (at = text.find(old, at)) != std::string::npos; at += with.size())
+        text.replace(at, old.size(), with);
 }
 
 // 1234567 -> "1,234,567"; 0.5 -> "0.5".
@@ -39,21 +40,25 @@ std::string tic_text(double value) {
 class Figure {
 public:
     Figure(std::string id, double width, double height) : id_(std::move(id)), width_(width), height_(height) {
-        script_ = "set terminal svg size " + number(width) + "," + number(height) + " noenhanced rounded name " + gnuplot_text(id_) + " font 'Helvetica," +
-                  number(kFontSize) + "'\nset encoding utf8\nunset key\nunset border\nunset xtics\nunset ytics\n";
+        script_ = "set terminal svg size " + number(width) + "," + number(height) + " noenhanced rounded name " +
+                  gnuplot_text(id_) + " font 'Helvetica," + number(kFontSize) +
+                  "'\nset encoding utf8\nunset key\nunset border\nunset xtics\nunset ytics\n";
     }
 
     void command(const std::string& line) { script_ += line + "\n"; }
     void margins(double left, double right, double top, double bottom) {
-        command("set lmargin at screen " + number(left / width_) + "\nset rmargin at screen " + number(1 - right / width_) + "\nset tmargin at screen " +
-                number(1 - top / height_) + "\nset bmargin at screen " + number(bottom / height_));
+        command("set lmargin at screen " + number(left / width_) + "\nset rmargin at screen " +
+                number(1 - right / width_) + "\nset tmargin at screen " + number(1 - top / height_) +
+                "\nset bmargin at screen " + number(bottom / height_));
     }
     // In pixels from the top left.
-    void caption(const std::string& text, double x, double y, const Ink& ink, const std::string& alignment = "left", const std::string& font = "") {
-        command("set label " + gnuplot_text(text) + " at screen " + number(x / width_) + "," + number(1 - y / height_) + " " + alignment + " textcolor rgb '" + use(ink) +
-                "'" + (font.empty() ? "" : " font '" + font + "'"));
+    void caption(const std::string& text, double x, double y, const Ink& ink, const std::string& alignment = "left",
+                 const std::string& font = "") {
+        command("set label " + gnuplot_text(text) + " at screen " + number(x / width_) + "," + number(1 - y / height_) +
+                " " + alignment + " textcolor rgb '" + use(ink) + "'" + (font.empty() ? "" : " font '" + font + "'"));
     }
-    // Each row is a line of a gnuplot data block; an empty row lifts the pen. `series` is what the element belongs to, or empty.
+    // Each row is a line of a gnuplot data block; an empty row lifts the pen. `series` is what the element belongs to,
+    // or empty.
     void element(const std::string& series, const std::vector<std::string>& rows, const std::string& style) {
         const std::string block = "$data" + std::to_string(owners_.size());
         std::string data = block + " << END\n";
@@ -71,19 +76,24 @@ public:
         std::string svg = run_gnuplot(script_ + "plot " + elements_ + "\n");
         svg.erase(0, svg.find("<svg"));
         for (size_t i = 0; i < owners_.size(); ++i) {
-            const std::string owner = escape(owners_[i]), opening = "id=\"" + id_ + "_plot_" + std::to_string(i + 1) + "\" ><title>", closing = "</title>";
+            const std::string owner = escape(owners_[i]),
+                              opening = "id=\"" + id_ + "_plot_" + std::to_string(i + 1) + "\" ><title>",
+                              closing = "</title>";
             const size_t start = svg.find(opening);
             if (start == std::string::npos) continue;
-            svg.replace(start, svg.find(closing, start) + closing.size() - start, owner.empty() ? ">" : "data-series=\"" + owner + "\"><title>" + owner + closing);
+            svg.replace(start, svg.find(closing, start) + closing.size() - start,
+                        owner.empty() ? ">" : "data-series=\"" + owner + "\"><title>" + owner + closing);
         }
         replace_all(svg, "<title>" + id_ + "</title>\n", "");
         // Several figures share a page, and identifiers of one must not be found in another.
         replace_all(svg, "id='gp", "id='" + id_ + "-");
         replace_all(svg, "#gp", "#" + id_ + "-");
         replace_all(svg, "id=\"gnuplot_canvas\"", "id=\"" + id_ + "\"");
-        for (size_t filter; (filter = svg.find("<filter")) != std::string::npos;) svg.erase(filter, svg.find("</filter>", filter) + 9 - filter);
+        for (size_t filter; (filter = svg.find("<filter")) != std::string::npos;)
+            svg.erase(filter, svg.find("</filter>", filter) + 9 - filter);
         replace_all(svg, "font-family=\"Helvetica\"", "font-family=\"" + std::string(kFonts) + "\"");
-        replace_all(svg, "font-family=\"Helvetica:Bold\"", "font-weight=\"600\" font-family=\"" + std::string(kFonts) + "\"");
+        replace_all(svg, "font-family=\"Helvetica:Bold\"",
+                    "font-weight=\"600\" font-family=\"" + std::string(kFonts) + "\"");
         return with_dark_page(with_hexadecimal_colours(svg));
     }
 
@@ -104,7 +114,8 @@ private:
     std::string with_dark_page(std::string svg) const {
         std::string style = "<style>@media (prefers-color-scheme: dark) {";
         for (const auto& [light, dark] : inks_)
-            for (const std::string property : {"stroke", "fill", "color"}) style += " [" + property + "=\"" + light + "\"] { " + property + ": " + dark + " }";
+            for (const std::string property : {"stroke", "fill", "color"})
+                style += " [" + property + "=\"" + light + "\"] { " + property + ": " + dark + " }";
         replace_all(svg, "fill = '", "fill='");
         return svg.insert(svg.find("<defs>"), style + " }</style>\n");
     }
@@ -139,14 +150,17 @@ std::vector<double> spread(const std::vector<double>& positions, double gap, dou
     size_t i = 0;
     const double last = std::max(low, high - gap * static_cast<double>(positions.size() - 1));
     for (const Pool& pool : pools)
-        for (size_t k = 0; k < pool.count; ++k, ++i) result[order[i]] = std::clamp(pool.mean(), low, last) + gap * static_cast<double>(i);
+        for (size_t k = 0; k < pool.count; ++k, ++i)
+            result[order[i]] = std::clamp(pool.mean(), low, last) + gap * static_cast<double>(i);
     return result;
 }
 
 // 1, 2, 5, 10, … in the range; fewer where it is long, more where it is short.
 std::vector<double> logarithmic_tics(double low, double high) {
     const double decades = std::log10(high / low);
-    const std::vector<double> steps = decades > 4 ? std::vector<double>{1} : decades > 0.7 ? std::vector<double>{1, 2, 5} : std::vector<double>{1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9};
+    const std::vector<double> steps = decades > 4     ? std::vector<double>{1}
+                                      : decades > 0.7 ? std::vector<double>{1, 2, 5}
+                                                      : std::vector<double>{1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9};
     std::vector<double> tics;
     for (double decade = std::floor(std::log10(low)); decade <= std::log10(high); ++decade)
         for (const double step : steps)
@@ -157,7 +171,7 @@ std::vector<double> logarithmic_tics(double low, double high) {
 // An axis in pixels: from the smallest to the largest value, with room at both ends.
 struct Axis {
     bool logarithmic = false;
-    double low = 0, high = 1;  // of the range, logarithms where the axis is logarithmic
+    double low = 0, high = 1;   // of the range, logarithms where the axis is logarithmic
     double start = 0, end = 1;  // pixels
 
     double scaled(double value) const { return logarithmic ? std::log10(value) : value; }
@@ -168,9 +182,11 @@ struct Axis {
     }
 };
 
-Axis axis(bool logarithmic, double smallest, double largest, double start, double end, double room_before, double room_after) {
+Axis axis(bool logarithmic, double smallest, double largest, double start, double end, double room_before,
+          double room_after) {
     Axis a{.logarithmic = logarithmic, .start = start, .end = end};
-    const double low = a.scaled(smallest), high = std::max(a.scaled(largest), low + 1e-6 * std::max(1.0, std::abs(low)));
+    const double low = a.scaled(smallest),
+                 high = std::max(a.scaled(largest), low + 1e-6 * std::max(1.0, std::abs(low)));
     const double per_pixel = (high - low) / (std::abs(end - start) - room_before - room_after);
     a.low = low - per_pixel * room_before;
     a.high = high + per_pixel * room_after;
@@ -199,7 +215,8 @@ std::string line_plot(const LinePlot& given) {
     LinePlot plot = given;
     std::set<double> xs, ys;
     for (Series& series : plot.series)  // a logarithm has no place for the others
-        std::erase_if(series.points, [&](const PlotPoint& point) { return !(point.y > 0) || (plot.log_x && !(point.x > 0)); });
+        std::erase_if(series.points,
+                      [&](const PlotPoint& point) { return !(point.y > 0) || (plot.log_x && !(point.x > 0)); });
     for (const Series& series : plot.series)
         for (const PlotPoint& point : series.points) {
             xs.insert(point.x);
@@ -217,7 +234,8 @@ std::string line_plot(const LinePlot& given) {
     Figure figure(plot.id, kWidth, kHeight);
     figure.margins(kLeft, 0, top, kBottom);
     figure.command("set logscale y" + std::string(plot.log_x ? "\nset logscale x" : ""));
-    figure.command("set xrange [" + number(x.value(x.start)) + ":" + number(x.value(x.end)) + "]\nset yrange [" + number(y.value(y.start)) + ":" + number(y.value(y.end)) + "]");
+    figure.command("set xrange [" + number(x.value(x.start)) + ":" + number(x.value(x.end)) + "]\nset yrange [" +
+                   number(y.value(y.start)) + ":" + number(y.value(y.end)) + "]");
     if (!plot.title.empty()) figure.caption(plot.title, 12, 20, kTitle, "left", "Helvetica:Bold,17");
     figure.caption(plot.y_label, 12, top - 18, kText);
     figure.caption(plot.x_label, (kLeft + kWidth - kNames) / 2, kHeight - 14, kText, "center");
@@ -229,10 +247,12 @@ std::string line_plot(const LinePlot& given) {
         figure.caption(tic_text(tic), kLeft - 8, y.pixel(tic), kText, "right");
     }
     for (const double tic : readable_tics(xs, x, 44)) {
-        grid.insert(grid.end(), {row({tic, y.value(kHeight - kBottom)}), row({tic, y.value(kHeight - kBottom - 5)}), ""});
+        grid.insert(grid.end(),
+                    {row({tic, y.value(kHeight - kBottom)}), row({tic, y.value(kHeight - kBottom - 5)}), ""});
         figure.caption(tic_text(tic), x.pixel(tic), kHeight - kBottom + 14, kText, "center");
     }
-    grid.insert(grid.end(), {row({x.value(kLeft), y.value(kHeight - kBottom)}), row({grid_end, y.value(kHeight - kBottom)})});
+    grid.insert(grid.end(),
+                {row({x.value(kLeft), y.value(kHeight - kBottom)}), row({grid_end, y.value(kHeight - kBottom)})});
     figure.element("", grid, "with lines linewidth 1 linecolor " + rgb(figure, kGrid));
 
     std::vector<double> ends;
@@ -250,13 +270,21 @@ std::string line_plot(const LinePlot& given) {
             if (point.low > 0 && point.high > 0) band.push_back(row({point.x, point.low, point.high}));
             line.push_back(row({point.x, point.y}));
         }
-        if (band.size() > 1) figure.element(series.name, band, "using 1:2:3 with filledcurves fillcolor " + colour + " fillstyle transparent solid 0.1 noborder");
-        figure.element(series.name, line, "with linespoints linewidth " + number(style.width) + " pointtype " + std::to_string(style.point_type) + " pointsize " +
-                                              number(style.point_size) + (style.dashes.empty() ? "" : " dashtype " + style.dashes) + " linecolor " + colour);
+        if (band.size() > 1)
+            figure.element(
+                series.name, band,
+                "using 1:2:3 with filledcurves fillcolor " + colour + " fillstyle transparent solid 0.1 noborder");
+        figure.element(series.name, line,
+                       "with linespoints linewidth " + number(style.width) + " pointtype " +
+                           std::to_string(style.point_type) + " pointsize " + number(style.point_size) +
+                           (style.dashes.empty() ? "" : " dashtype " + style.dashes) + " linecolor " + colour);
         const PlotPoint& last = series.points.back();
         const double name_y = y.value(names[named++]);
-        figure.element(series.name, {row({x.value(x.pixel(last.x) + 5), last.y}), row({x.value(names_left - 4), name_y})}, "with lines linewidth 0.6 linecolor " + colour);
-        figure.element(series.name, {row({x.value(names_left), name_y}) + gnuplot_text(series.name)}, "using 1:2:3 with labels left textcolor " + colour);
+        figure.element(series.name,
+                       {row({x.value(x.pixel(last.x) + 5), last.y}), row({x.value(names_left - 4), name_y})},
+                       "with lines linewidth 0.6 linecolor " + colour);
+        figure.element(series.name, {row({x.value(names_left), name_y}) + gnuplot_text(series.name)},
+                       "using 1:2:3 with labels left textcolor " + colour);
     }
     return figure.draw();
 }
@@ -271,13 +299,16 @@ std::string bar_plot(const BarPlot& plot) {
     if (!(largest > 0)) return {};
 
     constexpr double kWidth = 560, kNames = 158, kNotes = 92, kRow = 25, kTop = 34, kBegin = 30, kEnd = 26;
-    const double bottom_margin = plot.log_x ? 30 : 12, rows = static_cast<double>(plot.bars.size()), height = kTop + bottom_margin + kRow * rows;
-    const Axis x = plot.log_x ? axis(true, smallest, largest, kNames, kWidth - kNotes, kBegin, kEnd) : axis(false, 0, largest, kNames, kWidth - kNotes, 0, 0);
+    const double bottom_margin = plot.log_x ? 30 : 12, rows = static_cast<double>(plot.bars.size()),
+                 height = kTop + bottom_margin + kRow * rows;
+    const Axis x = plot.log_x ? axis(true, smallest, largest, kNames, kWidth - kNotes, kBegin, kEnd)
+                              : axis(false, 0, largest, kNames, kWidth - kNotes, 0, 0);
     const double begin = x.value(x.start);
 
     Figure figure(plot.id, kWidth, height);
     figure.margins(kNames, kNotes, kTop, bottom_margin);
-    figure.command("set xrange [" + number(begin) + ":" + number(x.value(x.end)) + "]\nset yrange [" + number(rows) + ":0]" + (plot.log_x ? "\nset logscale x" : ""));
+    figure.command("set xrange [" + number(begin) + ":" + number(x.value(x.end)) + "]\nset yrange [" + number(rows) +
+                   ":0]" + (plot.log_x ? "\nset logscale x" : ""));
     figure.caption(plot.title, kNames, 14, kTitle, "left", "Helvetica:Bold,14");
     figure.caption(plot.x_label, kWidth - 4, 14, kText, "right");
     if (plot.log_x) {
@@ -290,17 +321,20 @@ std::string bar_plot(const BarPlot& plot) {
     }
     for (size_t i = 0; i < plot.bars.size(); ++i) {
         const Bar& bar = plot.bars[i];
-        const double top = static_cast<double>(i) + 0.16, bottom = static_cast<double>(i) + 0.84, middle = static_cast<double>(i) + 0.5;
+        const double top = static_cast<double>(i) + 0.16, bottom = static_cast<double>(i) + 0.84,
+                     middle = static_cast<double>(i) + 0.5;
         const double split = bar.value * (1 - std::clamp(bar.pale_share, 0.0, 1.0));
         const auto box = [&](double from, double to, const char* density) {
             if (to > from)
                 figure.element(bar.name, {row({from, middle, from, to, top, bottom})},
-                               "using 1:2:3:4:5:6 with boxxyerror fillcolor " + rgb(figure, bar.ink) + " fillstyle transparent solid " + density + " noborder");
+                               "using 1:2:3:4:5:6 with boxxyerror fillcolor " + rgb(figure, bar.ink) +
+                                   " fillstyle transparent solid " + density + " noborder");
         };
         box(begin, split, "0.92");
         box(split, bar.value, "0.38");
         if (bar.high > bar.low)
-            figure.element(bar.name, {row({bar.low, middle}), row({bar.high, middle})}, "with lines linewidth 1.2 linecolor " + rgb(figure, kTitle));
+            figure.element(bar.name, {row({bar.low, middle}), row({bar.high, middle})},
+                           "with lines linewidth 1.2 linecolor " + rgb(figure, kTitle));
         figure.caption(bar.name, kNames - 8, kTop + kRow * middle, kTitle, "right");
         figure.caption(bar.note, std::max(x.pixel(bar.value), x.pixel(bar.high)) + 7, kTop + kRow * middle, kText);
     }

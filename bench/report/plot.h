@@ -1,5 +1,6 @@
-// Figures, drawn by gnuplot to SVG: one idea of a good figure for all of them. Lines carry their names at their right ends, the
-// background is transparent, and colours change with the page where it is dark. Groups in the SVG carry data-series.
+// Figures, drawn by gnuplot to SVG: one idea of a good figure for all of them. Lines carry their names at their right
+// ends, the background is transparent, and colours change with the page where it is dark. Groups in the SVG carry
+// data-series.
 #pragma once
 
 #include <string>

@@ -41,7 +41,8 @@ LineStyle scan_style(const std::string& method) {
 
 size_t scan_rank(const std::string& method) {
     if (method == kPlanner) return kRows.size() + 1;
-    return static_cast<size_t>(std::find_if(kRows.begin(), kRows.end(), [&](const Row& r) { return r.method == method; }) - kRows.begin());
+    return static_cast<size_t>(
+        std::find_if(kRows.begin(), kRows.end(), [&](const Row& r) { return r.method == method; }) - kRows.begin());
 }
 
 }  // namespace throng::bench

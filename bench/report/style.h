@@ -1,5 +1,5 @@
-// How each scan method looks, the same in every figure: the paper's methods orange and dashed, the plain ones grey, ours blue to
-// violet and solid, the planner's choice a ring around the point that it chose.
+// How each scan method looks, the same in every figure: the paper's methods orange and dashed, the plain ones grey,
+// ours blue to violet and solid, the planner's choice a ring around the point that it chose.
 #pragma once
 
 #include "bench/report/plot.h"

@@ -19,7 +19,9 @@ std::string spread_td(const Json& cell, const char* low = "p5_ms", const char* h
     return td("<small>" + digits(number(cell, low)) + "–" + digits(number(cell, high)) + "</small>");
 }
 std::string table(const std::string& head, const std::string& rows) {
-    return rows.empty() ? "" : "<div class=\"scroll\"><table><thead><tr>" + head + "</tr></thead><tbody>\n" + rows + "</tbody></table></div>\n";
+    return rows.empty() ? ""
+                        : "<div class=\"scroll\"><table><thead><tr>" + head + "</tr></thead><tbody>\n" + rows +
+                              "</tbody></table></div>\n";
 }
 std::string heads(std::initializer_list<std::string_view> names) {
     std::string all;
@@ -28,7 +30,9 @@ std::string heads(std::initializer_list<std::string_view> names) {
 }
 
 Cells by_rank(Cells cells) {
-    std::stable_sort(cells.begin(), cells.end(), [](const Json* a, const Json* b) { return scan_rank(text(*a, "method")) < scan_rank(text(*b, "method")); });
+    std::stable_sort(cells.begin(), cells.end(), [](const Json* a, const Json* b) {
+        return scan_rank(text(*a, "method")) < scan_rank(text(*b, "method"));
+    });
     return cells;
 }
 
@@ -56,11 +60,14 @@ std::string size(double bytes) {
 
 std::string method_name(const std::string& method) {
     const Ink ink = scan_style(method).ink;
-    return "<span class=\"swatch\" style=\"--light:" + ink.light + ";--dark:" + ink.dark + "\"></span>" + escape(method);
+    return "<span class=\"swatch\" style=\"--light:" + ink.light + ";--dark:" + ink.dark + "\"></span>" +
+           escape(method);
 }
 
 std::string case_table(const Cells& cells) {
-    const auto is = [&](const Json& cell, const char* field) { return text(cell, "method") != kPlanner && number(cell, field) == least(cells, field); };
+    const auto is = [&](const Json& cell, const char* field) {
+        return text(cell, "method") != kPlanner && number(cell, field) == least(cells, field);
+    };
     const double best_ms = fastest(cells) ? number(*fastest(cells), "median_ms") : 0;
     std::string rows;
     for (const Json* pointer : by_rank(cells)) {
@@ -68,17 +75,23 @@ std::string case_table(const Cells& cells) {
         const std::string chosen = text(cell, "chosen");
         const double lanes = number(cell, "lanes"), ms = number(cell, "median_ms");
         const bool best = ms == best_ms && text(cell, "method") != kPlanner;
-        rows += "<tr>" + td(method_name(text(cell, "method")) + (chosen.empty() ? "" : " <small>→ " + escape(chosen) + "</small>")) + td(lanes > 0 ? whole(lanes) : "–");
+        rows += "<tr>" +
+                td(method_name(text(cell, "method")) +
+                   (chosen.empty() ? "" : " <small>→ " + escape(chosen) + "</small>")) +
+                td(lanes > 0 ? whole(lanes) : "–");
         if (std::isnan(ms) || flag(cell, "wrong")) {
             rows += "<td class=\"note\" colspan=\"8\">" + why_untimed(cell) + "</td></tr>\n";
             continue;
         }
-        rows += best_td(digits(ms), best) + spread_td(cell) +
-                best_td(digits(number(cell, "times_copy")), best) + best_td(whole(number(cell, "multiplications")), is(cell, "multiplications")) +
-                best_td(whole(number(cell, "longest_thread")), is(cell, "longest_thread")) + td(whole(number(cell, "barriers"))) + td(size(number(cell, "shared_bytes"))) +
+        rows += best_td(digits(ms), best) + spread_td(cell) + best_td(digits(number(cell, "times_copy")), best) +
+                best_td(whole(number(cell, "multiplications")), is(cell, "multiplications")) +
+                best_td(whole(number(cell, "longest_thread")), is(cell, "longest_thread")) +
+                td(whole(number(cell, "barriers"))) + td(size(number(cell, "shared_bytes"))) +
                 td(digits(number(cell, "max_error"))) + "</tr>\n";
     }
-    return table(heads({"method", "lanes", "ms", "p5–p95", "× copy", "multipli&shy;cations", "longest<br>thread", "barriers", "shared<br>bytes", "error"}), rows);
+    return table(heads({"method", "lanes", "ms", "p5–p95", "× copy", "multipli&shy;cations", "longest<br>thread",
+                        "barriers", "shared<br>bytes", "error"}),
+                 rows);
 }
 
 std::string matrix_table(const Cells& cells, const char* field, std::string_view field_name, const char* quantity) {
@@ -107,7 +120,8 @@ std::string on_chip_table(const Cells& cells) {
         for (const Json* pointer : by_rank(level)) {
             const Json& cell = *pointer;
             const double ns = number(cell, "on_chip_ns_per_joint"), share = number(cell, "barrier_share");
-            rows += "<tr>" + td(method_name(text(cell, "method"))) + td(whole(number(cell, "levels"))) + td(whole(number(cell, "joints"))) + td(whole(number(cell, "workgroup_size")));
+            rows += "<tr>" + td(method_name(text(cell, "method"))) + td(whole(number(cell, "levels"))) +
+                    td(whole(number(cell, "joints"))) + td(whole(number(cell, "workgroup_size")));
             if (std::isnan(ns)) {
                 rows += "<td class=\"note\" colspan=\"3\">" + why_untimed(cell) + "</td></tr>\n";
                 continue;
@@ -125,7 +139,8 @@ std::string grid_table(const Cells& cells) {
     for (const double level : levels) head += "<th class=\"cell\">" + whole(level) + " levels</th>";
     int compared = 0, near = 0;
     for (const Cells& line : grouped(cells, {"characters", "joints"})) {
-        rows += "<tr>" + td(whole(number(*line.front(), "characters")) + " × " + whole(number(*line.front(), "joints")));
+        rows += "<tr>" +
+                td(whole(number(*line.front(), "characters")) + " × " + whole(number(*line.front(), "joints")));
         std::map<double, Cells> at;
         for (const Json* cell : line) at[number(*cell, "levels")].push_back(cell);
         for (const double level : levels) {
@@ -134,19 +149,24 @@ std::string grid_table(const Cells& cells) {
                 rows += "<td class=\"cell\">–</td>";
                 continue;
             }
-            rows += "<td class=\"cell\">" + method_name(text(*best, "method")) + "<br><small>" + digits(number(*best, "median_ms")) + " ms";
+            rows += "<td class=\"cell\">" + method_name(text(*best, "method")) + "<br><small>" +
+                    digits(number(*best, "median_ms")) + " ms";
             if (plan) {
                 const double ratio = number(*plan, "median_ms") / number(*best, "median_ms");
                 const bool is_near = ratio <= kNearFastest, same = text(*plan, "chosen") == text(*best, "method");
                 ++compared;
                 near += is_near;
-                rows += std::string(" · <span") + (is_near ? "" : " class=\"bad\"") + ">auto" + (same ? "" : " (" + escape(text(*plan, "chosen")) + ")") + " " + digits(ratio) + " ×</span>";
+                rows += std::string(" · <span") + (is_near ? "" : " class=\"bad\"") + ">auto" +
+                        (same ? "" : " (" + escape(text(*plan, "chosen")) + ")") + " " + digits(ratio) + " ×</span>";
             }
             rows += "</small></td>";
         }
         rows += "</tr>\n";
     }
-    const std::string sentence = compared ? "<p>The planner's choice is within 5 % of the fastest in " + std::to_string(near) + " of " + std::to_string(compared) + " cells.</p>\n" : "";
+    const std::string sentence = compared
+                                     ? "<p>The planner's choice is within 5 % of the fastest in " +
+                                           std::to_string(near) + " of " + std::to_string(compared) + " cells.</p>\n"
+                                     : "";
     return sentence + table(head, rows);
 }
 
@@ -154,11 +174,15 @@ std::string baseline_table(std::span<const Json> records) {
     std::string rows;
     for (const Json& record : records) {
         if (text(record, "bench") != "baseline") continue;
-        rows += "<tr>" + td(escape(text(record, "file"))) + td(escape(text(record, "method"))) + td(digits(number(record, "median_ms"))) + spread_td(record) +
-                td(size(number(record, "bytes_per_clip"))) + td(digits(number(record, "sample_error_mm_max"))) + td(digits(number(record, "blend_error_mm_median"))) +
-                td(digits(number(record, "blend_error_mm_p95"))) + td(digits(number(record, "blend_error_mm_max"))) + "</tr>\n";
+        rows += "<tr>" + td(escape(text(record, "file"))) + td(escape(text(record, "method"))) +
+                td(digits(number(record, "median_ms"))) + spread_td(record) +
+                td(size(number(record, "bytes_per_clip"))) + td(digits(number(record, "sample_error_mm_max"))) +
+                td(digits(number(record, "blend_error_mm_median"))) + td(digits(number(record, "blend_error_mm_p95"))) +
+                td(digits(number(record, "blend_error_mm_max"))) + "</tr>\n";
     }
-    return table(heads({"character", "method", "ms", "p5–p95", "bytes<br>a clip", "one clip:<br>largest, mm", "two blended:<br>median, mm", "p95, mm", "largest, mm"}), rows);
+    return table(heads({"character", "method", "ms", "p5–p95", "bytes<br>a clip", "one clip:<br>largest, mm",
+                        "two blended:<br>median, mm", "p95, mm", "largest, mm"}),
+                 rows);
 }
 
 }  // namespace throng::bench

@@ -24,8 +24,9 @@ struct AssetNode {
 
 struct AssetSkin {
     std::string name{};
-    std::vector<uint32_t> joints{};        // node of each joint, in the file's order
-    std::vector<Affine> inverse_binds{};   // joint_from_model at bind time, one per joint (identities where the file has none)
+    std::vector<uint32_t> joints{};  // node of each joint, in the file's order
+    // joint_from_model at bind time, one per joint (identities where the file has none)
+    std::vector<Affine> inverse_binds{};
 };
 
 enum class Interpolation : uint8_t { kStep, kLinear, kCubicSpline };
@@ -51,9 +52,9 @@ struct AssetMorphTrack {
 };
 
 struct AssetClip {
-    std::string name{};                    // may be empty
-    double duration_s = 0;               // largest key time of any track; a clip starts at 0
-    std::vector<AssetTrack> tracks{};      // at most one per node and target
+    std::string name{};                           // may be empty
+    double duration_s = 0;                        // largest key time of any track; a clip starts at 0
+    std::vector<AssetTrack> tracks{};             // at most one per node and target
     std::vector<AssetMorphTrack> morph_tracks{};  // at most one per node
 };
 
@@ -66,20 +67,23 @@ struct AssetMaterial {
     AlphaMode alpha_mode = AlphaMode::kOpaque;
     float alpha_cutoff = 0.5f;
     bool double_sided = false;
-    float metallic = 1, roughness = 1;             // 0..1
-    uint32_t metallic_roughness_image = kNone;     // linear: green times roughness, blue times metallic
-    uint32_t normal_image = kNone;                 // linear; tangent space: x along texture u, y against v
-    float normal_scale = 1;                        // of x and y
-    uint32_t occlusion_image = kNone;              // linear: red, the part of the ambient light that arrives
-    float occlusion_strength = 1;                  // 0..1
-    std::array<float, 3> emissive{};               // linear; KHR_materials_emissive_strength is a factor of it
-    uint32_t emissive_image = kNone;               // sRGB, times `emissive`
+    float metallic = 1, roughness = 1;          // 0..1
+    uint32_t metallic_roughness_image = kNone;  // linear: green times roughness, blue times metallic
+    uint32_t normal_image = kNone;              // linear; tangent space: x along texture u, y against v
+    float normal_scale = 1;                     // of x and y
+    uint32_t occlusion_image = kNone;           // linear: red, the part of the ambient light that arrives
+    float occlusion_strength = 1;               // 0..1
+    std::array<float, 3> emissive{};            // linear; KHR_materials_emissive_strength is a factor of it
+    uint32_t emissive_image = kNone;            // sRGB, times `emissive`
 };
 
 // Calls visit(member) for each member of AssetMaterial that is an index of an image.
 template <class Visit>
 void visit_images(const Visit& visit) {
-    for (const auto member : {&AssetMaterial::image, &AssetMaterial::metallic_roughness_image, &AssetMaterial::normal_image, &AssetMaterial::occlusion_image, &AssetMaterial::emissive_image}) visit(member);
+    for (const auto member :
+         {&AssetMaterial::image, &AssetMaterial::metallic_roughness_image, &AssetMaterial::normal_image,
+          &AssetMaterial::occlusion_image, &AssetMaterial::emissive_image})
+        visit(member);
 }
 
 // A texture in use: PNG or JPEG bytes, still encoded.
@@ -98,16 +102,17 @@ struct AssetMorphTarget {
 struct AssetPrimitive {
     uint32_t material = kNone;
     std::vector<Vec3<float>> positions{};
-    std::vector<Vec3<float>> normals{};              // optional
-    std::vector<std::array<float, 2>> texcoords{};   // optional; the set that the material's textures use
-    std::vector<std::array<float, 4>> colors{};      // optional, linear
-    uint32_t influence_count = 0;                  // per vertex: 4 per JOINTS_n set; 0 where the primitive is not skinned
+    std::vector<Vec3<float>> normals{};             // optional
+    std::vector<std::array<float, 2>> texcoords{};  // optional; the set that the material's textures use
+    std::vector<std::array<float, 4>> colors{};     // optional, linear
+    // Per vertex: 4 per JOINTS_n set; 0 where the primitive is not skinned
+    uint32_t influence_count = 0;
     // [vertex][influence_count], index into AssetSkin::joints. A vertex without weight follows the first of its joints;
     // where that one is out of range, the first of the skin.
     std::vector<uint16_t> influence_joints{};
-    std::vector<float> influence_weights{};          // [vertex][influence_count], as stored: not rescaled to sum 1
-    std::vector<uint32_t> indices{};                 // three per triangle
-    std::vector<AssetMorphTarget> targets{};         // [target_count] of its mesh, or empty where it has no positions
+    std::vector<float> influence_weights{};   // [vertex][influence_count], as stored: not rescaled to sum 1
+    std::vector<uint32_t> indices{};          // three per triangle
+    std::vector<AssetMorphTarget> targets{};  // [target_count] of its mesh, or empty where it has no positions
 };
 
 struct AssetMesh {
@@ -122,7 +127,7 @@ struct AssetMesh {
 struct AssetMeshInstance {
     uint32_t node = 0;
     uint32_t mesh = 0;
-    uint32_t skin = kNone;  // where kNone, the mesh follows its node rigidly
+    uint32_t skin = kNone;         // where kNone, the mesh follows its node rigidly
     std::vector<float> weights{};  // [target_count] of the mesh, in place of its own; or empty
 };
 
@@ -139,10 +144,10 @@ struct Asset {
 };
 
 // Reads a .glb or .gltf file (glTF 2.0), its buffers and its images.
-// Extensions: KHR_mesh_quantization, EXT_meshopt_compression, KHR_draco_mesh_compression, KHR_texture_transform is ignored
-// with a warning; another extension in `extensionsRequired` is refused by name.
-// Side files must lie in the file's own folder or below it.
-// Errors: kFile, kInvalidFile, kUnsupported, kLimit; each names the file and the place in it. Thread-safe.
+// Extensions: KHR_mesh_quantization, EXT_meshopt_compression, KHR_draco_mesh_compression, KHR_texture_transform is
+// ignored with a warning; another extension in `extensionsRequired` is refused by name. Side files must lie in the
+// file's own folder or below it. Errors: kFile, kInvalidFile, kUnsupported, kLimit; each names the file and the place
+// in it. Thread-safe.
 Result<Asset> load_asset(const std::filesystem::path& path);
 
 }  // namespace throng

@@ -1,4 +1,5 @@
-// A compiled character: the rig, the clips as rows of keys, the skin palette and the mesh, in the layout that the GPU reads.
+// A compiled character: the rig, the clips as rows of keys, the skin palette and the mesh, in the layout that the GPU
+// reads.
 #pragma once
 
 #include <throng/asset.h>
@@ -11,25 +12,25 @@
 namespace throng {
 
 // The joints that matter: all joints of all skins, their ancestors, and the animated nodes that carry a mesh, numbered
-// so that a parent comes before its children (depth first). Static nodes between them are folded into their children where
-// that is exact. A rig may have several roots.
+// so that a parent comes before its children (depth first). Static nodes between them are folded into their children
+// where that is exact. A rig may have several roots.
 struct Rig {
-    std::vector<std::string> names{};        // [joint_count]
-    std::vector<uint32_t> parents{};         // [joint_count], parents[j] < j, or kNone
-    std::vector<uint32_t> nodes{};           // [joint_count], AssetNode of each joint
-    std::vector<Trs<float>> rest{};          // [joint_count], parent_from_joint of the rest pose
-    uint32_t level_count = 0;              // joints on the longest path from a root, both ends included
-    double mean_depth = 0;                 // mean over joints of the joints on the path from the root, both included
-    uint32_t leaf_count = 0;               // joints without children
-    bool uniform_scale = false;            // in the rest pose and all clips every scale is the same along x, y and z
+    std::vector<std::string> names{};  // [joint_count]
+    std::vector<uint32_t> parents{};   // [joint_count], parents[j] < j, or kNone
+    std::vector<uint32_t> nodes{};     // [joint_count], AssetNode of each joint
+    std::vector<Trs<float>> rest{};    // [joint_count], parent_from_joint of the rest pose
+    uint32_t level_count = 0;          // joints on the longest path from a root, both ends included
+    double mean_depth = 0;             // mean over joints of the joints on the path from the root, both included
+    uint32_t leaf_count = 0;           // joints without children
+    bool uniform_scale = false;        // in the rest pose and all clips every scale is the same along x, y and z
 
     uint32_t joint_count() const { return static_cast<uint32_t>(parents.size()); }
 };
 
-// Where a joint's three tracks lie in Character::keys. Each word is a position in float4s; in a character of exact keys with the flags:
-// kTrackAnimated: the key of row r is at position + r * Clip::row_stride; without it, the position is the one value.
-// kTrackStep: the value of the earlier row holds until the next one.
-// In a packed character each word is the position of a PackedTrack, without flags.
+// Where a joint's three tracks lie in Character::keys. Each word is a position in float4s; in a character of exact keys
+// with the flags: kTrackAnimated: the key of row r is at position + r * Clip::row_stride; without it, the position is
+// the one value. kTrackStep: the value of the earlier row holds until the next one. In a packed character each word is
+// the position of a PackedTrack, without flags.
 struct JointTracks {
     uint32_t rotation = 0, translation = 0, scale = 0, unused = 0;
 };
@@ -37,19 +38,20 @@ inline constexpr uint32_t kTrackAnimated = 0x80000000u;
 inline constexpr uint32_t kTrackStep = 0x40000000u;
 inline constexpr uint32_t kTrackPosition = 0x3FFFFFFFu;
 
-// How a track of a packed character is decoded: two float4s of Character::keys; the second is left out where all bits are 0.
-// Component c (0, 1, 2, in full rotations 3) of row r lies in bits_c bits of Character::words, behind those of component c - 1, the first at
-// bit first_bit of the row, least significant bit of a word first; rows begin at word Clip::first_row + r * Clip::row_stride. Its value is
-// minimum[c] + step[c] * bits; without bits, minimum[c]. No more than kPackedComponentBits a component and, behind the start of
-// the word in which the first lies, 96 in all.
+// How a track of a packed character is decoded: two float4s of Character::keys; the second is left out where all bits
+// are 0. Component c (0, 1, 2, in full rotations 3) of row r lies in bits_c bits of Character::words, behind those of
+// component c - 1, the first at bit first_bit of the row, least significant bit of a word first; rows begin at word
+// Clip::first_row + r * Clip::row_stride. Its value is minimum[c] + step[c] * bits; without bits, minimum[c]. No more
+// than kPackedComponentBits a component and, behind the start of the word in which the first lies, 96 in all.
 // Translations and scales are x, y, z. Of a rotation (unit quaternion) the component `left_out` is not stored: it is
-// the non-negative root of 1 - the others' squares, and component c is the quaternion's (left_out + 1 + c) % 4. A full rotation stores all
-// four, each in kPackedFullBits with minimum -1 and step kPackedFullStep, the fourth being quaternion component `left_out`;
-// two neighbouring rows may then be in different hemispheres no more than exact keys may.
-// Between rows: lerp; rotations are normalised afterwards.
+// the non-negative root of 1 - the others' squares, and component c is the quaternion's (left_out + 1 + c) % 4. A full
+// rotation stores all four, each in kPackedFullBits with minimum -1 and step kPackedFullStep, the fourth being
+// quaternion component `left_out`; two neighbouring rows may then be in different hemispheres no more than exact keys
+// may. Between rows: lerp; rotations are normalised afterwards.
 struct PackedTrack {
     std::array<float, 3> minimum{};
-    uint32_t layout = 0;  // bits of component 0, 1, 2: 5 bits each from bit 0; left_out: kPackedLeftOutShift; and the flags below
+    // Bits of component 0, 1, 2: 5 bits each from bit 0; left_out: kPackedLeftOutShift; and the flags below
+    uint32_t layout = 0;
     std::array<float, 3> step{};
     uint32_t first_bit = 0;
 };
@@ -61,49 +63,58 @@ inline constexpr uint32_t kPackedLeftOutShift = 15;
 inline constexpr uint32_t kPackedBitsMask = (1u << kPackedLeftOutShift) - 1;  // 0 under it: a constant
 inline constexpr uint32_t kPackedFull = 1u << 17;
 inline constexpr uint32_t kPackedStep = 1u << 18;  // the value of the earlier row holds until the next one
-inline constexpr uint32_t kPackedWordsBehind = 3;   // decoding reads three words from the one in which a track begins
+inline constexpr uint32_t kPackedWordsBehind = 3;  // decoding reads three words from the one in which a track begins
 
-// Keys of a clip are rows over one time axis. Exact keys: the union of the key times of its tracks, without those that the others
-// reproduce; consecutive rotations of a track lie in the same hemisphere; between rows slerp for rotations, lerp for translations and scales.
-// Two keys half a turn apart have a row between them, so that rounding cannot change the side on which the arc runs. Packed keys: rows chosen
-// so that the skin stays within the error bound, and read as PackedTrack says.
+// Keys of a clip are rows over one time axis. Exact keys: the union of the key times of its tracks, without those that
+// the others reproduce; consecutive rotations of a track lie in the same hemisphere; between rows slerp for rotations,
+// lerp for translations and scales. Two keys half a turn apart have a row between them, so that rounding cannot change
+// the side on which the arc runs. Packed keys: rows chosen so that the skin stays within the error bound, and read as
+// PackedTrack says.
 struct Clip {
     std::string name{};
     float duration_s = 0;
-    uint32_t first_time = 0;    // of its times in Character::times_s
-    uint32_t row_count = 0;     // at least 1
-    uint32_t row_stride = 0;    // from one row of keys to the next: float4s (animated tracks), in a packed character words
-    uint32_t first_row = 0;     // word in which a packed clip's rows begin; exact: 0
+    uint32_t first_time = 0;  // of its times in Character::times_s
+    uint32_t row_count = 0;   // at least 1
+    // From one row of keys to the next: float4s (animated tracks), in a packed character words
+    uint32_t row_stride = 0;
+    uint32_t first_row = 0;  // word in which a packed clip's rows begin; exact: 0
 
-    uint32_t channel_count = 0;      // of the file: translation, rotation, scale
-    uint64_t source_key_count = 0;   // keys of these channels
+    uint32_t channel_count = 0;         // of the file: translation, rotation, scale
+    uint64_t source_key_count = 0;      // keys of these channels
     uint32_t animated_track_count = 0;  // that are not constant
-    uint32_t refined_row_count = 0;  // rows added so that cubic tracks stay within 1e-6 of the character's size, and what root motion leaves within 1e-4
-    uint32_t dropped_row_count = 0;  // rows of the union left out: exact, the others reproduce them within 1e-6 too; packed, within the error bound
-    uint64_t size_bytes = 0;         // keys, words, times and track table
-    uint64_t raw_size_bytes = 0;     // of 10 floats (rotation, translation, scale) a joint at every row of exact keys
-    uint32_t first_root_row = 0, root_row_count = 0;  // of Character::root_rows, evenly spaced over the duration, both ends included; 0: none
-    double error = 0;                // packed: largest displacement of a skinned point against exact keys, as a part of the character's size; also of points where one morph of weight 1 has them
-    // Rows of morph weights, on a time axis of their own: its times in Character::morph_times_s; no rows where all weights that it animates are constant.
+    // Rows added so that cubic tracks stay within 1e-6 of the character's size, and what root motion leaves within 1e-4
+    uint32_t refined_row_count = 0;
+    // Rows of the union left out: exact, the others reproduce them within 1e-6 too; packed, within the error bound
+    uint32_t dropped_row_count = 0;
+    uint64_t size_bytes = 0;      // keys, words, times and track table
+    uint64_t raw_size_bytes = 0;  // of 10 floats (rotation, translation, scale) a joint at every row of exact keys
+    // Of Character::root_rows, evenly spaced over the duration, both ends included; 0: none
+    uint32_t first_root_row = 0, root_row_count = 0;
+    // packed: largest displacement of a skinned point against exact keys, as a part of the character's size; also of
+    // points where one morph of weight 1 has them
+    double error = 0;
+    // Rows of morph weights, on a time axis of their own: its times in Character::morph_times_s; no rows where all
+    // weights that it animates are constant.
     uint32_t first_morph_time = 0, morph_row_count = 0;
-    uint32_t morph_row_stride = 0;   // from one row to the next in Character::morph_values
-    Vec3<float> bounds_min{}, bounds_max{};  // of the mesh at all times of the clip (morphs at weight 1 included), model space
+    uint32_t morph_row_stride = 0;  // from one row to the next in Character::morph_values
+    // Of the mesh at all times of the clip (morphs at weight 1 included), model space
+    Vec3<float> bounds_min{}, bounds_max{};
 };
 
 // A morph target of a mesh that a node carries: what it adds to the mesh's vertices, by a weight of each instance.
 struct Morph {
-    std::string name{};                // mesh.extras.targetNames, else "<mesh>.<target>"
-    uint32_t node = 0, target = 0;   // of the file
-    float default_weight = 0;        // of instances whose clips do not animate it
+    std::string name{};             // mesh.extras.targetNames, else "<mesh>.<target>"
+    uint32_t node = 0, target = 0;  // of the file
+    float default_weight = 0;       // of instances whose clips do not animate it
 };
 
 // An instance shows at most so many morphs at once: those of the largest weights by magnitude.
 inline constexpr uint32_t kActiveMorphLimit = 8;
 inline constexpr float kLeastMorphWeight = 1e-6f;  // what is not larger by magnitude counts as 0
 
-// What one morph adds to one vertex, in the bind space of its mesh, times its weight: exact floats for the position; the normal, which may be off by
-// 0.002 a component and is held within -2..2, as three signed integers of 10 bits, lowest first, in units of kMorphNormalStep. The sum with the
-// vertex's unit normal is normalised. 16 bytes.
+// What one morph adds to one vertex, in the bind space of its mesh, times its weight: exact floats for the position;
+// the normal, which may be off by 0.002 a component and is held within -2..2, as three signed integers of 10 bits,
+// lowest first, in units of kMorphNormalStep. The sum with the vertex's unit normal is normalised. 16 bytes.
 struct MorphDelta {
     Vec3<float> position{};
     uint32_t normal = 0;
@@ -126,37 +137,39 @@ struct Skin {
 
 // 32 bytes. Shared with the shaders (src/skin/skin_io.h has the same layout).
 struct Vertex {
-    Vec3<float> position{};           // bind space of the mesh
-    uint32_t normal_octahedral = 0; // two signed 16-bit fractions
+    Vec3<float> position{};          // bind space of the mesh
+    uint32_t normal_octahedral = 0;  // two signed 16-bit fractions
     std::array<float, 2> texcoord{};
-    uint32_t color = 0xFFFFFFFFu;   // linear, four unsigned bytes, red lowest
-    uint32_t first_delta = 0;       // 0: no morph moves it; else 1 + the first of its MorphDeltas, one for each morph of its section
+    uint32_t color = 0xFFFFFFFFu;  // linear, four unsigned bytes, red lowest
+    // 0: no morph moves it; else 1 + the first of its MorphDeltas, one for each morph of its section
+    uint32_t first_delta = 0;
 };
 static_assert(sizeof(Vertex) == 32);
 
 // Four influences of a vertex; a vertex of a primitive with 8 has two of them, one after the other. 24 bytes.
 struct Influences {
-    std::array<float, 4> weights{};   // all influences of a vertex sum to 1
+    std::array<float, 4> weights{};     // all influences of a vertex sum to 1
     std::array<uint16_t, 4> entries{};  // palette entries
 };
 static_assert(sizeof(Influences) == 24);
 
 // A primitive of the file, as one draw.
 struct MeshSection {
-    uint32_t node = 0, mesh = 0, primitive = 0;  // of the file
-    uint32_t skin = kNone;                       // kNone: rigid
-    uint32_t first_vertex = 0, vertex_count = 0; // in the file's vertex order
-    uint32_t first_influences = 0;               // of Character::influences
-    uint32_t influence_sets = 1;                 // Influences per vertex
+    uint32_t node = 0, mesh = 0, primitive = 0;   // of the file
+    uint32_t skin = kNone;                        // kNone: rigid
+    uint32_t first_vertex = 0, vertex_count = 0;  // in the file's vertex order
+    uint32_t first_influences = 0;                // of Character::influences
+    uint32_t influence_sets = 1;                  // Influences per vertex
     uint32_t first_index = 0, index_count = 0;
     uint32_t material = kNone;
-    uint32_t first_morph = 0, morph_count = 0;   // of Character::morphs
+    uint32_t first_morph = 0, morph_count = 0;  // of Character::morphs
 };
 
 // A coarser mesh of the same vertices. Level 0 is the sections' own; these are 1 and on.
 struct DetailLevel {
-    // How far a vertex of level 0 lies from the surface of this one at most, model space, where that has the joints that joint_details gives it: in the rest pose and in poses of clips that the compiler has
-    // looked at. Compiled levels have more than 0. Not less than that of the level before.
+    // How far a vertex of level 0 lies from the surface of this one at most, model space, where that has the joints
+    // that joint_details gives it: in the rest pose and in poses of clips that the compiler has looked at. Compiled
+    // levels have more than 0. Not less than that of the level before.
     float error = 0;
 };
 struct IndexRange {
@@ -168,36 +181,42 @@ struct Character {
     std::string name{};
     Rig rig{};
     std::vector<Clip> clips{};
-    std::vector<float> times_s{};                  // of all clips, each clip's ascending
-    bool packed = false;                         // clips are compressed; the rest pose too is then read as PackedTracks
-    std::vector<std::array<float, 4>> keys{};      // exact: rest pose (3 * joint_count), then each clip's constants and rows; packed: PackedTracks
-    std::vector<uint32_t> words{};                 // packed: rows of bits, and kPackedWordsBehind words behind the last
-    std::vector<std::array<float, 4>> root_rows{};  // root motion of clips: x, z, cosine and sine of the turn about +y, model space, relative to the clip's begin
-    std::vector<JointTracks> tracks{};             // [clip_count + 1][joint_count]; the last row is the rest pose
+    std::vector<float> times_s{};  // of all clips, each clip's ascending
+    bool packed = false;           // clips are compressed; the rest pose too is then read as PackedTracks
+    // exact: rest pose (3 * joint_count), then each clip's constants and rows; packed: PackedTracks
+    std::vector<std::array<float, 4>> keys{};
+    std::vector<uint32_t> words{};  // packed: rows of bits, and kPackedWordsBehind words behind the last
+    // Root motion of clips: x, z, cosine and sine of the turn about +y, model space, relative to the clip's begin
+    std::vector<std::array<float, 4>> root_rows{};
+    std::vector<JointTracks> tracks{};  // [clip_count + 1][joint_count]; the last row is the rest pose
     std::vector<Skin> skins{};
     std::vector<PaletteEntry> palette{};
     std::vector<Vertex> vertices{};
     std::vector<Influences> influences{};
-    std::vector<uint32_t> indices{};               // relative to the section's first vertex
+    std::vector<uint32_t> indices{};  // relative to the section's first vertex
     std::vector<MeshSection> sections{};
-    std::vector<DetailLevel> details{};            // at most kDetailLimit
-    std::vector<IndexRange> detail_ranges{};       // [details][sections], of detail_indices
-    std::vector<uint32_t> detail_indices{};        // relative to the section's first vertex
-    // [joint_count], or empty, as of a character without clips, of which nothing is known: the coarsest level of detail in which the joint moves by itself, not above its parent's. In coarser ones its
-    // skin matrices are those of the next joint above it that does, as if the joints between them were in the bind pose: in the rest pose and in poses of all clips that displaces vertices by no more than a third of the level's error.
+    std::vector<DetailLevel> details{};       // at most kDetailLimit
+    std::vector<IndexRange> detail_ranges{};  // [details][sections], of detail_indices
+    std::vector<uint32_t> detail_indices{};   // relative to the section's first vertex
+    // [joint_count], or empty, as of a character without clips, of which nothing is known: the coarsest level of detail
+    // in which the joint moves by itself, not above its parent's. In coarser ones its skin matrices are those of the
+    // next joint above it that does, as if the joints between them were in the bind pose: in the rest pose and in poses
+    // of all clips that displaces vertices by no more than a third of the level's error.
     std::vector<uint32_t> joint_details{};
     std::vector<AssetMaterial> materials{};
     std::vector<AssetImage> images{};
-    Vec3<float> bounds_min{}, bounds_max{};          // of the mesh in the rest pose, model space
-    float size = 0;                              // diagonal of these bounds (1 where they are a point): the unit of every error bound
-    std::vector<Morph> morphs{};                   // those of a node one after another
-    std::vector<MorphDelta> morph_deltas{};        // of the vertices that any morph moves
-    // [clip_count][morph_count]: kNone where the clip does not animate the morph, else the position of its weight, or of that in its first row, in
-    // morph_values, and flags as JointTracks has them. Linear between rows, or, with kTrackStep, the earlier row's.
+    Vec3<float> bounds_min{}, bounds_max{};  // of the mesh in the rest pose, model space
+    // Diagonal of these bounds (1 where they are a point): the unit of every error bound
+    float size = 0;
+    std::vector<Morph> morphs{};             // those of a node one after another
+    std::vector<MorphDelta> morph_deltas{};  // of the vertices that any morph moves
+    // [clip_count][morph_count]: kNone where the clip does not animate the morph, else the position of its weight, or
+    // of that in its first row, in morph_values, and flags as JointTracks has them. Linear between rows, or, with
+    // kTrackStep, the earlier row's.
     std::vector<uint32_t> morph_tracks{};
-    std::vector<float> morph_times_s{};            // of all clips, each clip's ascending
-    std::vector<float> morph_values{};             // constants and rows of all clips
-    std::vector<std::string> warnings{};           // of the file and of the compilation, a line each
+    std::vector<float> morph_times_s{};   // of all clips, each clip's ascending
+    std::vector<float> morph_values{};    // constants and rows of all clips
+    std::vector<std::string> warnings{};  // of the file and of the compilation, a line each
 
     // Index of the clip with this name, or kNone.
     uint32_t find_clip(std::string_view clip_name) const;
@@ -207,8 +226,9 @@ struct CompileSettings {
     // How far a skinned point may be displaced by compressing the clips, as a part of the character's size: 1e-6 to
     // 0.1; 0 keeps exact float keys.
     double error = 1e-4;
-    // The joint (of the rig, by name) whose way over the ground, a shift and a turn about +y, is taken out of each clip and kept as
-    // Character::root_rows, for instances with a controller to move by. Empty: none. Joints above it must not be animated.
+    // The joint (of the rig, by name) whose way over the ground, a shift and a turn about +y, is taken out of each clip
+    // and kept as Character::root_rows, for instances with a controller to move by. Empty: none. Joints above it must
+    // not be animated.
     std::string root_motion_joint{};
     // Whether Character::details and what belongs to them are made. Without them CrowdSettings::culls draws the finest
     // mesh wherever a character stands, and reduces_joints leaves out none; all else is the same.
@@ -216,28 +236,34 @@ struct CompileSettings {
 };
 inline const CompileSettings kExact{.error = 0};
 
-// Limits: 65,535 joints; 65,536 palette entries; 256 MiB each of keys, of packed words and of the track table; to be packed, 2^28 poses of a
-// joint (rows of exact keys, of all clips, times joints); 4,096 morphs, and 256 MiB each of their differences, their track table and their weights, for which cubic
-// tracks become rows, straight between each other, within 0.0001 (of the largest weight of the track, where that exceeds 1), 4,000,000 weights of them a clip. Names of morphs are cut at 256 bytes. Control characters of names become '?'. Errors: kInvalidArgument (the error bound, no joint of that
-// name for root motion), kInvalidFile (poses that are not finite), kUnsupported (nothing to animate; an animated or unevenly scaled joint above that of root motion), kLimit.
+// Limits: 65,535 joints; 65,536 palette entries; 256 MiB each of keys, of packed words and of the track table; to be
+// packed, 2^28 poses of a joint (rows of exact keys, of all clips, times joints); 4,096 morphs, and 256 MiB each of
+// their differences, their track table and their weights, for which cubic tracks become rows, straight between each
+// other, within 0.0001 (of the largest weight of the track, where that exceeds 1), 4,000,000 weights of them a clip.
+// Names of morphs are cut at 256 bytes. Control characters of names become '?'. Errors: kInvalidArgument (the error
+// bound, no joint of that name for root motion), kInvalidFile (poses that are not finite), kUnsupported (nothing to
+// animate; an animated or unevenly scaled joint above that of root motion), kLimit.
 Result<Character> compile_character(const Asset& asset, const CompileSettings& settings = {});
 
 // Whether a regular file of this name begins as one that save_character() wrote.
 bool is_compiled_file(const std::filesystem::path& path);
 
-// Character::influences as a coarser level of detail has them: those of joints that do not move in it are their ancestor's that does, by Character::joint_details. The same where that is empty.
+// Character::influences as a coarser level of detail has them: those of joints that do not move in it are their
+// ancestor's that does, by Character::joint_details. The same where that is empty.
 std::vector<Influences> influences_of_detail(const Character& character, uint32_t detail);
 
-// load_asset() and compile_character() in one. A file that save_character() wrote, known by its first bytes, is read as it is: the settings
-// are not used then.
+// load_asset() and compile_character() in one. A file that save_character() wrote, known by its first bytes, is read as
+// it is: the settings are not used then.
 Result<Character> load_character(const std::filesystem::path& path, const CompileSettings& settings = {});
 
-// Writes a compiled character to a file of its own (docs/file_format.md), bit for bit: under another name first, then renamed, so that nobody
-// sees half of it. Errors: kFile, and kInvalidArgument or kLimit for a Character that load_character() would refuse.
+// Writes a compiled character to a file of its own (docs/file_format.md), bit for bit: under another name first, then
+// renamed, so that nobody sees half of it. Errors: kFile, and kInvalidArgument or kLimit for a Character that
+// load_character() would refuse.
 Result<void> save_character(const Character& character, const std::filesystem::path& path);
 
-// The content of such a file, from memory; `name` stands in messages. Files are checked as those of strangers are: what is accepted leads no
-// stage out of its buffers. Errors: kInvalidFile (damaged, cut short, or not such a file), kUnsupported (another version), kLimit.
+// The content of such a file, from memory; `name` stands in messages. Files are checked as those of strangers are: what
+// is accepted leads no stage out of its buffers. Errors: kInvalidFile (damaged, cut short, or not such a file),
+// kUnsupported (another version), kLimit.
 Result<Character> load_compiled_character(std::span<const std::byte> bytes, std::string_view name);
 
 }  // namespace throng

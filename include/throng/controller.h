@@ -12,8 +12,8 @@
 
 namespace throng {
 
-// A number of each character that conditions, blend spaces, speeds and weights read. A bool is 0 or 1; a trigger is set (not 0) until an update
-// in which a transition that asks for it was taken.
+// A number of each character that conditions, blend spaces, speeds and weights read. A bool is 0 or 1; a trigger is set
+// (not 0) until an update in which a transition that asks for it was taken.
 enum class ParameterType { kFloat, kBool, kTrigger };
 struct ControllerParameter {
     std::string name{};
@@ -28,8 +28,9 @@ struct ControllerEvent {
     double time_s = 0;
 };
 
-// Weights of joints, 0..1. An item sets its joint and all below it; later items win. With a ramp, the first `ramp` generations, the joint's own included,
-// rise towards the weight in equal steps: generation g has weight * (g + 1) / (ramp + 1), the joint's own being 0.
+// Weights of joints, 0..1. An item sets its joint and all below it; later items win. With a ramp, the first `ramp`
+// generations, the joint's own included, rise towards the weight in equal steps: generation g has weight * (g + 1) /
+// (ramp + 1), the joint's own being 0.
 struct MaskItem {
     std::string joint{};
     float weight = 1;
@@ -46,16 +47,18 @@ struct BlendPoint {
     float x = 0, y = 0;
 };
 
-// One clip; or a blend space: of one parameter (points ascending in x; between two points their clips are mixed), or of two (points
-// triangulated; within a triangle its three clips, outside the nearest edge's two). Clips of a blend space keep the same phase.
+// One clip; or a blend space: of one parameter (points ascending in x; between two points their clips are mixed), or of
+// two (points triangulated; within a triangle its three clips, outside the nearest edge's two). Clips of a blend space
+// keep the same phase.
 struct ControllerState {
     std::string name{};
     std::vector<BlendPoint> points{};
     std::string x_parameter{}, y_parameter{};  // empty: none
     bool loop = true;
     float speed = 1;
-    std::string speed_parameter{};           // multiplies speed
-    std::string sync{};                      // states of a layer with the same word keep phase when one follows the other
+    std::string speed_parameter{};  // multiplies speed
+    // States of a layer with the same word keep phase when one follows the other
+    std::string sync{};
 };
 
 struct ControllerCondition {
@@ -67,15 +70,16 @@ struct ControllerCondition {
 
 enum class FadeKind { kCross, kInertial };
 
-// Taken where all conditions hold and the leading state has played `exit` cycles since it was entered. The first in the list that can be taken is.
+// Taken where all conditions hold and the leading state has played `exit` cycles since it was entered. The first in the
+// list that can be taken is.
 struct ControllerTransition {
-    std::string from{};          // empty: any state but `to`
+    std::string from{};  // empty: any state but `to`
     std::string to{};
     std::vector<ControllerCondition> conditions{};
-    float exit = 0;            // cycles
+    float exit = 0;  // cycles
     float fade_s = 0;
     FadeKind fade = FadeKind::kCross;
-    bool interrupts = false;   // may be taken before the fade of the one before has ended
+    bool interrupts = false;  // may be taken before the fade of the one before has ended
 };
 
 enum class LayerMode { kOverride, kAdditive };
@@ -84,11 +88,15 @@ enum class LayerMode { kOverride, kAdditive };
 struct ControllerLayer {
     std::string name{};
     LayerMode mode = LayerMode::kOverride;
-    bool inertial_plays = false;   // of a layer without states: Crowd::play() may ask for inertial fades, for which each instance keeps 144 bytes a joint
-    bool model_space_rotations = false;  // of kOverride: rotations are blended as they stand in the model, not in their parents (docs/controller.md); such groups are updated in stages
-    std::string mask{};              // empty: all joints
+    // Of a layer without states: Crowd::play() may ask for inertial fades, for which each instance keeps 144 bytes a
+    // joint
+    bool inertial_plays = false;
+    // Of kOverride: rotations are blended as they stand in the model, not in their parents (docs/controller.md); such
+    // groups are updated in stages
+    bool model_space_rotations = false;
+    std::string mask{};  // empty: all joints
     float weight = 1;
-    std::string weight_parameter{};  // multiplies weight; the product is clamped to 0..1
+    std::string weight_parameter{};         // multiplies weight; the product is clamped to 0..1
     std::vector<ControllerState> states{};  // the first one is the one that it starts in
     std::vector<ControllerTransition> transitions{};
 };
@@ -109,12 +117,13 @@ struct Controller {
 // A controller without states: `count` layers (at least 1) that play what they are told, lowest first.
 Controller direct_layers(uint32_t count = 4, std::vector<JointMask> masks = {}, bool inertial_plays = false);
 
-// From JSON (docs/controller.schema.json). Errors name file and line: kFile, kInvalidFile (not JSON, unknown or missing fields, wrong types, names that
-// are not there, numbers out of range).
+// From JSON (docs/controller.schema.json). Errors name file and line: kFile, kInvalidFile (not JSON, unknown or missing
+// fields, wrong types, names that are not there, numbers out of range).
 Result<Controller> load_controller(const std::filesystem::path& path);
 Result<Controller> parse_controller(std::string_view json, std::string_view name);
 
-// Whether the controller can drive the character: clips and joints are there. Errors: kInvalidArgument, naming what is missing and what there is.
+// Whether the controller can drive the character: clips and joints are there. Errors: kInvalidArgument, naming what is
+// missing and what there is.
 Result<void> check_controller(const Controller& controller, const Character& character);
 
 }  // namespace throng

@@ -13,15 +13,15 @@
 namespace throng {
 
 struct DeviceInfo {
-    uint32_t index = 0;       // as DeviceSettings::select takes it
+    uint32_t index = 0;  // as DeviceSettings::select takes it
     std::string name{};
-    std::string type{};         // "discrete", "integrated", "virtual", "cpu" or "other"
-    std::string driver{};       // name and version
-    uint32_t api_version = 0; // VK_MAKE_API_VERSION
+    std::string type{};        // "discrete", "integrated", "virtual", "cpu" or "other"
+    std::string driver{};      // name and version
+    uint32_t api_version = 0;  // VK_MAKE_API_VERSION
     uint32_t subgroup_size = 0;
-    uint32_t shared_memory_bytes = 0;       // per workgroup
+    uint32_t shared_memory_bytes = 0;  // per workgroup
     uint64_t storage_buffer_range_bytes = 0;
-    bool usable = false;                    // false: too old for throng
+    bool usable = false;  // false: too old for throng
 };
 
 // What the Khronos validation layer looks at. Needs the layer; a device with more than kOff is for tests.
@@ -34,9 +34,9 @@ struct DeviceSettings {
     Validation validation = Validation::kOff;
 };
 
-// An instance, device and queue that the application made and keeps. Vulkan 1.3, loaded from the system's libvulkan.so.1;
-// the device has the features synchronization2 and maintenance4 enabled, and dynamicRendering to draw with throng. The queue
-// supports compute, and graphics to draw with throng.
+// An instance, device and queue that the application made and keeps. Vulkan 1.3, loaded from the system's
+// libvulkan.so.1; the device has the features synchronization2 and maintenance4 enabled, and dynamicRendering to draw
+// with throng. The queue supports compute, and graphics to draw with throng.
 struct AdoptedDevice {
     VkInstance instance = VK_NULL_HANDLE;
     VkPhysicalDevice physical_device = VK_NULL_HANDLE;
@@ -49,8 +49,8 @@ struct AdoptedDevice {
 class Gpu;  // internal
 
 // A handle; copies share one device, which lives as long as the last copy and the last crowd made with it.
-// Several devices may live side by side. Creation is thread-safe; crowds of one device share its queue, so calls that submit
-// (Crowd::update, read_*, Renderer::render) need the caller's lock when made from several threads.
+// Several devices may live side by side. Creation is thread-safe; crowds of one device share its queue, so calls that
+// submit (Crowd::update, read_*, Renderer::render) need the caller's lock when made from several threads.
 class Device {
 public:
     // All physical devices of this machine. Errors: kNoDevice where no Vulkan loader or no driver is installed.

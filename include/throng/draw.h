@@ -21,7 +21,7 @@ struct Picture {
 Result<void> write_png(const std::filesystem::path& path, const Picture& picture);
 
 struct Camera {
-    Vec3<float> eye{0, 2, 5};     // world space
+    Vec3<float> eye{0, 2, 5};  // world space
     Vec3<float> target{0, 1, 0};
     float vertical_field_of_view_rad = 0.7f;
 };
@@ -32,26 +32,33 @@ struct Bounds {
 
 // World bounds of the instances' rest poses, by their placements.
 Bounds world_bounds(const Crowd& crowd);
-// A camera that looks down on the bounds from the front right and holds them in view; a crowd of many thousands runs out of the
-// picture at its corners, so that the nearest can be made out.
+// A camera that looks down on the bounds from the front right and holds them in view; a crowd of many thousands runs
+// out of the picture at its corners, so that the nearest can be made out.
 Camera fit_camera(const Bounds& bounds, float aspect_ratio);
 
 // How pictures look; may change from frame to frame.
 struct DrawOptions {
     bool shadows = true;
-    // Of crowds that cull, render_frame() and record() leave out who is hidden behind others, which takes one more pass, the depths of those that were visible in the last frame: pays where some are large and hide many.
+    // Of crowds that cull, render_frame() and record() leave out who is hidden behind others, which takes one more
+    // pass, the depths of those that were visible in the last frame: pays where some are large and hide many.
     bool occlusion = false;
-    float detail_pixels = 1;  // of crowds that cull, in render_frame(), record() and view_of(): by which a coarser level of detail may be off; above 0
+    // Of crowds that cull, in render_frame(), record() and view_of(): by which a coarser level of detail may be off;
+    // above 0
+    float detail_pixels = 1;
     float full_rate_pixels = 0, budget_ms = 0;  // of crowds that skip updates, likewise: as CrowdView has them
-    bool fog = true;      // the ground and what is far away fade into the horizon
-    float exposure = 1;   // all light is multiplied by it; above 0
-    Vec3<float> to_sun{-0.45f, 0.85f, 0.5f};  // world space, of any length; y at least a twentieth of it
-    bool skeletons = false;  // a line from each joint to its parent, over everything, coloured by level; of crowds that keep model matrices
-    bool bounds = false;     // the boxes that culling goes by
+    bool fog = true;                            // the ground and what is far away fade into the horizon
+    float exposure = 1;                         // all light is multiplied by it; above 0
+    Vec3<float> to_sun{-0.45f, 0.85f, 0.5f};    // world space, of any length; y at least a twentieth of it
+    // A line from each joint to its parent, over everything, coloured by level; of crowds that keep model matrices
+    bool skeletons = false;
+    bool bounds = false;  // the boxes that culling goes by
 };
 
-// What the camera sees of a picture of this size, shadows of the crowd included, for an update of it that is drawn by the same camera and options; without occlusion, of which the second half is the caller's. Errors: kInvalidArgument (camera, options).
-Result<CrowdView> view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, const DrawOptions& options = {});
+// What the camera sees of a picture of this size, shadows of the crowd included, for an update of it that is drawn by
+// the same camera and options; without occlusion, of which the second half is the caller's. Errors: kInvalidArgument
+// (camera, options).
+Result<CrowdView> view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds,
+                          const DrawOptions& options = {});
 
 struct RendererSettings {
     uint32_t width = 1920, height = 1080;  // at most the device's limit
@@ -61,7 +68,7 @@ struct RendererSettings {
 
 struct RenderResult {
     Picture picture{};
-    double draw_ms = 0;  // GPU time of skinning and drawing; 0 where the queue has no timestamps
+    double draw_ms = 0;                   // GPU time of skinning and drawing; 0 where the queue has no timestamps
     std::vector<std::string> warnings{};  // textures that could not be decoded and are drawn white
 };
 
@@ -75,18 +82,20 @@ public:
     Renderer& operator=(Renderer&&) noexcept;
     ~Renderer();
 
-    // Draws the crowd as its last update left it, of one that culls what that has listed; submits and waits. The crowd's device is the renderer's. Alpha-blended materials
-    // are drawn as masks with a cutoff of 0.5, since a crowd is not sorted.
+    // Draws the crowd as its last update left it, of one that culls what that has listed; submits and waits. The
+    // crowd's device is the renderer's. Alpha-blended materials are drawn as masks with a cutoff of 0.5, since a crowd
+    // is not sorted.
     Result<RenderResult> render(const Crowd& crowd, const Camera& camera);
 
-    // As render(), but advances the crowd by `time_step_s` first, as Crowd::update() does: update, for what the camera sees where the crowd culls, and
-    // picture, in one submission.
+    // As render(), but advances the crowd by `time_step_s` first, as Crowd::update() does: update, for what the camera
+    // sees where the crowd culls, and picture, in one submission.
     Result<RenderResult> render_frame(Crowd& crowd, float time_step_s, const Camera& camera);
 
-    // Records the same into the caller's command buffer (recording, outside a render pass, of the device's queue family). The picture is then in picture(), in
-    // VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL and visible to transfer reads, until the next frame. The recorded commands are submitted once, in the order of the calls, to
-    // the device's queue, and have finished before the renderer or the crowd is destroyed, or the renderer resized. Frames may be recorded before the last has
-    // finished. Of a crowd that it has not drawn before it uploads textures, and waits.
+    // Records the same into the caller's command buffer (recording, outside a render pass, of the device's queue
+    // family). The picture is then in picture(), in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL and visible to transfer reads,
+    // until the next frame. The recorded commands are submitted once, in the order of the calls, to the device's queue,
+    // and have finished before the renderer or the crowd is destroyed, or the renderer resized. Frames may be recorded
+    // before the last has finished. Of a crowd that it has not drawn before it uploads textures, and waits.
     Result<void> record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera);
     // VK_FORMAT_R8G8B8A8_SRGB, of the renderer's size; another after resize().
     VkImage picture() const;
@@ -97,7 +106,8 @@ public:
     Result<void> set_options(const DrawOptions& options);
     const DrawOptions& options() const;
 
-    // GPU time of skinning and drawing, of the last frame that has finished; 0 where none has, or the queue has no timestamps.
+    // GPU time of skinning and drawing, of the last frame that has finished; 0 where none has, or the queue has no
+    // timestamps.
     double draw_ms() const;
 
     // Internal.

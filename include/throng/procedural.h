@@ -9,24 +9,25 @@
 
 namespace throng {
 
-// Joints are named as in Rig::names; "a joint and all below it" bend as chains do, each joint on what the one above it does. A joint's bone leads to the
-// next joint of its chain in the rest pose, in a last joint on in the direction of the one before. Lengths and places are in units of the world. Rules move
-// what was posed, by clips, layers or Crowd::set_pose().
+// Joints are named as in Rig::names; "a joint and all below it" bend as chains do, each joint on what the one above it
+// does. A joint's bone leads to the next joint of its chain in the rest pose, in a last joint on in the direction of
+// the one before. Lengths and places are in units of the world. Rules move what was posed, by clips, layers or
+// Crowd::set_pose().
 
-// Of a whole crowd; Crowd::set_wind(). Without velocity there is none. Speed and gust may change in each update; where the direction or the wavelength changes, gusts are
-// suddenly elsewhere.
+// Of a whole crowd; Crowd::set_wind(). Without velocity there is none. Speed and gust may change in each update; where
+// the direction or the wavelength changes, gusts are suddenly elsewhere.
 struct Wind {
-    Vec3<float> velocity{};   // units a second, world; at most 1e6
-    float gust = 0.4f;        // how much of the speed comes and goes, 0..1
-    float wavelength = 10;    // of the longest gusts, which travel with the wind; 1e-6 or more
+    Vec3<float> velocity{};  // units a second, world; at most 1e6
+    float gust = 0.4f;       // how much of the speed comes and goes, 0..1
+    float wavelength = 10;   // of the longest gusts, which travel with the wind; 1e-6 or more
 };
 
 // A joint and all below it bend with the wind, each joint on its own. Nothing is kept from update to update.
 struct WindRule {
     std::string joint{};
-    float bend_rad = 0.02f;  // for each unit/s of wind across the bone; never past the wind's direction
-    float sway_rad = 0.005f; // to and fro, for each unit/s likewise
-    float sway_hz = 1;       // rounded to 1/64; 0..64
+    float bend_rad = 0.02f;   // for each unit/s of wind across the bone; never past the wind's direction
+    float sway_rad = 0.005f;  // to and fro, for each unit/s likewise
+    float sway_hz = 1;        // rounded to 1/64; 0..64
 };
 
 // A capsule that springs stay out of; a sphere where `a` is `b`.
@@ -39,11 +40,11 @@ struct Collider {
 // The bones of a joint and all below it are springs towards where the pose has them. Stable at any time step.
 struct SpringRule {
     std::string joint{};
-    float frequency_hz = 2;    // at which a bone would swing; 0..1000
-    float damping = 0.4f;      // 1: it returns without swinging; 0..1000
-    Vec3<float> gravity{};     // more than what the pose shows already, units/s^2, world
-    float drag = 0;            // acceleration by the wind for each unit/s, 1/s
-    float radius = 0;          // of the bones' ends, for colliders; 0 or more
+    float frequency_hz = 2;             // at which a bone would swing; 0..1000
+    float damping = 0.4f;               // 1: it returns without swinging; 0..1000
+    Vec3<float> gravity{};              // more than what the pose shows already, units/s^2, world
+    float drag = 0;                     // acceleration by the wind for each unit/s, 1/s
+    float radius = 0;                   // of the bones' ends, for colliders; 0 or more
     std::vector<Collider> colliders{};  // at most 16
 };
 
@@ -52,12 +53,13 @@ struct LookAtRule {
     std::string joint{};
     std::string target{};
     Vec3<float> forward{0, 0, 1};  // space of the joint
-    float limit_rad = 1.5f;        // from where the pose points, 0..pi; looks as near as that where the target is farther
-    float weight = 1;              // 0..1, times the target's: part of the way
+    // From where the pose points, 0..pi; looks as near as that where the target is farther
+    float limit_rad = 1.5f;
+    float weight = 1;  // 0..1, times the target's: part of the way
 };
 
-// A joint, its parent and its grandparent: the two upper ones turn so that the joint is at a target (two-bone inverse kinematics), or as
-// near to it as the limb is long. The limb bends in the plane in which the pose has it bent.
+// A joint, its parent and its grandparent: the two upper ones turn so that the joint is at a target (two-bone inverse
+// kinematics), or as near to it as the limb is long. The limb bends in the plane in which the pose has it bent.
 struct ReachRule {
     std::string joint{};
     std::string target{};
@@ -65,7 +67,8 @@ struct ReachRule {
     float weight = 1;           // 0..1, times the target's: part of the way
 };
 
-// In their order: each sees what those before it did. Targets are places that Crowd::set_target() moves; no two have one name. A joint must be the only one of its name.
+// In their order: each sees what those before it did. Targets are places that Crowd::set_target() moves; no two have
+// one name. A joint must be the only one of its name.
 using ProceduralRule = std::variant<WindRule, SpringRule, LookAtRule, ReachRule>;
 struct ProceduralRules {
     std::vector<std::string> targets{};

@@ -1,5 +1,5 @@
-// The definition of every stage: scalar, double precision, on the CPU, no Vulkan. The kernels are tested against it; a program uses
-// it for the exact pose of one character now (hit tests, servers).
+// The definition of every stage: scalar, double precision, on the CPU, no Vulkan. The kernels are tested against it; a
+// program uses it for the exact pose of one character now (hit tests, servers).
 #pragma once
 
 #include <throng/crowd.h>
@@ -14,18 +14,22 @@ struct ReferencePose {
     std::vector<AffineT<double>> parent_from_joint{};  // [joint_count]
     std::vector<AffineT<double>> model_from_joint{};   // [joint_count]
     std::vector<AffineT<double>> model_from_bind{};    // [palette_count], the skin matrices
-    std::vector<double> morph_weights{};               // [morph_count], of all morphs; the kActiveMorphLimit largest by magnitude are shown
+    // [morph_count], of all morphs; the kActiveMorphLimit largest by magnitude are shown
+    std::vector<double> morph_weights{};
 };
 
 // The pose that `playback` shows at its times (speeds do not matter). Errors: kInvalidArgument, as Crowd::set_playback.
 Result<ReferencePose> reference_pose(const Character& character, const Playback& playback);
 
-// One character with a controller on the CPU. Given the same parameters, commands and time steps as an instance of a Crowd it is in the same states at the same
-// times, bit for bit (docs/controller.md), so a server that has no GPU knows what the clients see. Not thread-safe.
+// One character with a controller on the CPU. Given the same parameters, commands and time steps as an instance of a
+// Crowd it is in the same states at the same times, bit for bit (docs/controller.md), so a server that has no GPU knows
+// what the clients see. Not thread-safe.
 class ReferenceCharacter {
 public:
-    // All are referred to as long as this lives; `rules` as CrowdGroup::procedural. Errors: as check_controller(), and as Crowd::create() for the rules.
-    static Result<ReferenceCharacter> create(const Character& character, const Controller& controller, const ProceduralRules* rules = nullptr);
+    // All are referred to as long as this lives; `rules` as CrowdGroup::procedural. Errors: as check_controller(), and
+    // as Crowd::create() for the rules.
+    static Result<ReferenceCharacter> create(const Character& character, const Controller& controller,
+                                             const ProceduralRules* rules = nullptr);
     ReferenceCharacter(ReferenceCharacter&&) noexcept;
     ReferenceCharacter& operator=(ReferenceCharacter&&) noexcept;
     ~ReferenceCharacter();
@@ -40,14 +44,15 @@ public:
     Result<void> set_wind(const Wind& wind);
     Result<void> update(float time_step_s);
 
-    // Where it stands, which procedural rules have to know; update() moves it on by root motion where `moves` is set, as CrowdGroup::moves_placements is. `instance` is its number in
-    // the crowd, by which it sways in the wind.
+    // Where it stands, which procedural rules have to know; update() moves it on by root motion where `moves` is set,
+    // as CrowdGroup::moves_placements is. `instance` is its number in the crowd, by which it sways in the wind.
     void set_placement(const Affine& world_from_model, bool moves = true, uint32_t instance = 0);
     AffineT<double> placement() const;
 
     // After the last update (before the first: the rest pose).
     ReferencePose pose() const;
-    // Of the last update; their instance is 0. `move` is root motion: world_from_model * move is where a character that stood at world_from_model stands now.
+    // Of the last update; their instance is 0. `move` is root motion: world_from_model * move is where a character that
+    // stood at world_from_model stands now.
     std::span<const CharacterEvent> events() const;
     AffineT<double> move() const;
     std::span<const float> parameters() const;

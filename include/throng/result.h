@@ -16,7 +16,7 @@ enum class ErrorCode {
     kLimit,            // a stated limit of throng or of the device is exceeded
     kNoDevice,         // no Vulkan device fits the request
     kOutOfMemory,
-    kVulkan,           // a Vulkan call failed; the message names the call and its result
+    kVulkan,  // a Vulkan call failed; the message names the call and its result
 };
 
 // What went wrong and where: `place` is a path into the input ("fox.glb: animations[2].channels[5]"), or empty.
@@ -45,10 +45,22 @@ public:
     T* operator->() { return &value(); }
     const T* operator->() const { return &value(); }
 
-    T& value() & { assert(ok()); return std::get<0>(state_); }
-    const T& value() const& { assert(ok()); return std::get<0>(state_); }
-    T&& value() && { assert(ok()); return std::get<0>(std::move(state_)); }
-    const Error& error() const { assert(!ok()); return std::get<1>(state_); }
+    T& value() & {
+        assert(ok());
+        return std::get<0>(state_);
+    }
+    const T& value() const& {
+        assert(ok());
+        return std::get<0>(state_);
+    }
+    T&& value() && {
+        assert(ok());
+        return std::get<0>(std::move(state_));
+    }
+    const Error& error() const {
+        assert(!ok());
+        return std::get<1>(state_);
+    }
 
 private:
     std::variant<T, Error> state_;
@@ -63,7 +75,10 @@ public:
 
     bool ok() const { return !failed_; }
     explicit operator bool() const { return ok(); }
-    const Error& error() const { assert(failed_); return error_; }
+    const Error& error() const {
+        assert(failed_);
+        return error_;
+    }
 
 private:
     Error error_;

@@ -13,7 +13,9 @@ struct Vec3 {
     T x = 0, y = 0, z = 0;
 
     template <class U>
-    Vec3<U> as() const { return {U(x), U(y), U(z)}; }
+    Vec3<U> as() const {
+        return {U(x), U(y), U(z)};
+    }
     friend bool operator==(const Vec3&, const Vec3&) = default;
 };
 
@@ -23,11 +25,14 @@ struct Quaternion {
     T x = 0, y = 0, z = 0, w = 1;
 
     template <class U>
-    Quaternion<U> as() const { return {U(x), U(y), U(z), U(w)}; }
+    Quaternion<U> as() const {
+        return {U(x), U(y), U(z), U(w)};
+    }
     friend bool operator==(const Quaternion&, const Quaternion&) = default;
 };
 
-// A 3x4 affine matrix, three rows of four: p' = M * (p, 1). 48 bytes as float: the layout of every matrix buffer of throng.
+// A 3x4 affine matrix, three rows of four: p' = M * (p, 1). 48 bytes as float: the layout of every matrix buffer of
+// throng.
 template <class T>
 struct AffineT {
     std::array<std::array<T, 4>, 3> row{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
@@ -60,19 +65,29 @@ using Affine = AffineT<float>;
 static_assert(sizeof(Affine) == 48);
 
 template <class T>
-Vec3<T> operator+(const Vec3<T>& a, const Vec3<T>& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+Vec3<T> operator+(const Vec3<T>& a, const Vec3<T>& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
 template <class T>
-Vec3<T> operator-(const Vec3<T>& a, const Vec3<T>& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+Vec3<T> operator-(const Vec3<T>& a, const Vec3<T>& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
 template <class T>
-Vec3<T> operator*(const Vec3<T>& a, T s) { return {a.x * s, a.y * s, a.z * s}; }
+Vec3<T> operator*(const Vec3<T>& a, T s) {
+    return {a.x * s, a.y * s, a.z * s};
+}
 template <class T>
-T dot(const Vec3<T>& a, const Vec3<T>& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+T dot(const Vec3<T>& a, const Vec3<T>& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 template <class T>
 Vec3<T> cross(const Vec3<T>& a, const Vec3<T>& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <class T>
-T length(const Vec3<T>& a) { return std::sqrt(dot(a, a)); }
+T length(const Vec3<T>& a) {
+    return std::sqrt(dot(a, a));
+}
 // The zero vector stays zero.
 template <class T>
 Vec3<T> normalized(const Vec3<T>& a) {
@@ -80,12 +95,18 @@ Vec3<T> normalized(const Vec3<T>& a) {
     return l > T(0) ? a * (T(1) / l) : a;
 }
 template <class T>
-Vec3<T> lerp(const Vec3<T>& a, const Vec3<T>& b, T w) { return a * (T(1) - w) + b * w; }
+Vec3<T> lerp(const Vec3<T>& a, const Vec3<T>& b, T w) {
+    return a * (T(1) - w) + b * w;
+}
 
 template <class T>
-T dot(const Quaternion<T>& a, const Quaternion<T>& b) { return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w; }
+T dot(const Quaternion<T>& a, const Quaternion<T>& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
+}
 template <class T>
-Quaternion<T> operator-(const Quaternion<T>& q) { return {-q.x, -q.y, -q.z, -q.w}; }
+Quaternion<T> operator-(const Quaternion<T>& q) {
+    return {-q.x, -q.y, -q.z, -q.w};
+}
 template <class T>
 Quaternion<T> operator*(const Quaternion<T>& a, const Quaternion<T>& b) {
     return {a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
@@ -116,7 +137,9 @@ AffineT<T> operator*(const AffineT<T>& a, const AffineT<T>& b) {
 }
 template <class T>
 Vec3<T> transform_point(const AffineT<T>& m, const Vec3<T>& p) {
-    const auto row = [&](std::size_t r) { return m.row[r][0] * p.x + m.row[r][1] * p.y + m.row[r][2] * p.z + m.row[r][3]; };
+    const auto row = [&](std::size_t r) {
+        return m.row[r][0] * p.x + m.row[r][1] * p.y + m.row[r][2] * p.z + m.row[r][3];
+    };
     return {row(0), row(1), row(2)};
 }
 template <class T>

@@ -13,7 +13,8 @@
 
 namespace throng {
 
-// Writes a new file beside `path`, then has it take that name by `take_name`, a rename() or what behaves like it. Returns the errno of what failed, or 0.
+// Writes a new file beside `path`, then has it take that name by `take_name`, a rename() or what behaves like it.
+// Returns the errno of what failed, or 0.
 template <class TakeName>
 int write_beside(const std::filesystem::path& path, std::span<const std::byte> bytes, TakeName take_name) {
     namespace fs = std::filesystem;
@@ -24,7 +25,8 @@ int write_beside(const std::filesystem::path& path, std::span<const std::byte> b
 
     fs::path unfinished;
     int file = -1;
-    for (unsigned attempt = 0; file < 0; ++attempt) {  // O_EXCL: no two calls write to one file, and no link of that name is followed
+    // O_EXCL: no two calls write to one file, and no link of that name is followed
+    for (unsigned attempt = 0; file < 0; ++attempt) {
         unfinished = path.string() + ".part" + std::to_string(getpid()) + "." + std::to_string(attempt);
         file = ::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (file < 0 && errno != EEXIST) fail("cannot be written: " + std::generic_category().message(errno));
@@ -32,8 +34,10 @@ int write_beside(const std::filesystem::path& path, std::span<const std::byte> b
     int reason = 0;
     while (!bytes.empty() && reason == 0) {
         const ssize_t count = ::write(file, bytes.data(), bytes.size());
-        if (count >= 0) bytes = bytes.subspan(static_cast<size_t>(count));
-        else if (errno != EINTR) reason = errno;
+        if (count >= 0)
+            bytes = bytes.subspan(static_cast<size_t>(count));
+        else if (errno != EINTR)
+            reason = errno;
     }
     if (::close(file) != 0 && reason == 0) reason = errno;
     if (reason == 0 && take_name(unfinished.c_str(), path.c_str()) != 0) reason = errno;
@@ -42,15 +46,21 @@ int write_beside(const std::filesystem::path& path, std::span<const std::byte> b
 }
 
 inline void check_written(const std::filesystem::path& path, int reason) {
-    if (reason != 0) throw Failure(ErrorCode::kFile, path.string(), "cannot be written: " + std::generic_category().message(reason));
+    if (reason != 0)
+        throw Failure(ErrorCode::kFile, path.string(), "cannot be written: " + std::generic_category().message(reason));
 }
 
-// Who reads `path` sees the old file or the new one, never half of it. Throws kFile with the system's reason, and leaves nothing behind.
-inline void replace_file(const std::filesystem::path& path, std::span<const std::byte> bytes) { check_written(path, write_beside(path, bytes, ::rename)); }
+// Who reads `path` sees the old file or the new one, never half of it. Throws kFile with the system's reason, and
+// leaves nothing behind.
+inline void replace_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+    check_written(path, write_beside(path, bytes, ::rename));
+}
 
 // The same, but a file that is there already stays: of several that call it at once, one creates it.
 inline void create_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-    const int reason = write_beside(path, bytes, [](const char* unfinished, const char* name) { return ::link(unfinished, name) == 0 ? ::unlink(unfinished) : -1; });
+    const int reason = write_beside(path, bytes, [](const char* unfinished, const char* name) {
+        return ::link(unfinished, name) == 0 ? ::unlink(unfinished) : -1;
+    });
     if (reason != EEXIST) check_written(path, reason);
 }
 

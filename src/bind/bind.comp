@@ -1,6 +1,7 @@
 #version 460
 // bind: skin matrix = model_from_joint * joint_from_bind, for every palette entry of every instance.
-// One workgroup per instance, entries in strides. Reads 48 bytes of model matrix an entry, writes 24 to 48; the rest stays in caches.
+// One workgroup per instance, entries in strides. Reads 48 bytes of model matrix an entry, writes 24 to 48; the rest
+// stays in caches.
 #include "bind/bind.glsl"
 #include "gpu/stored.glsl"
 #include "gpu/table.glsl"
@@ -21,6 +22,7 @@ void main() {
     const uint instance = gl_WorkGroupID.x;
     for (uint entry = gl_LocalInvocationID.x; entry < push.palette_count; entry += kBindWorkgroupSize) {
         const Affine model_from_joint = unpack(model[instance * push.joint_count + WORD_AT(palette_joints, entry)]);
-        store_skin(instance * push.palette_count + entry, skin_matrix(model_from_joint, AFFINE_AT(joint_from_bind, entry)));
+        store_skin(instance * push.palette_count + entry,
+                   skin_matrix(model_from_joint, AFFINE_AT(joint_from_bind, entry)));
     }
 }

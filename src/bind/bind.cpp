@@ -13,7 +13,9 @@ constexpr uint32_t kWide[] = {
 }  // namespace
 
 Kernel bind_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format) {
-    return Kernel(gpu, {.name = "bind", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWide) : kPlain, .constants = {static_cast<uint32_t>(format)}});
+    return Kernel(gpu, {.name = "bind",
+                        .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWide) : kPlain,
+                        .constants = {static_cast<uint32_t>(format)}});
 }
 
 }  // namespace throng

@@ -8,6 +8,7 @@
 namespace throng {
 
 // model_from_bind = model_from_joint * joint_from_bind, for every palette entry.
-std::vector<AffineT<double>> bind_reference(std::span<const PaletteEntry> palette, std::span<const AffineT<double>> model_from_joint);
+std::vector<AffineT<double>> bind_reference(std::span<const PaletteEntry> palette,
+                                            std::span<const AffineT<double>> model_from_joint);
 
 }  // namespace throng

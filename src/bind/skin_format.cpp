@@ -9,7 +9,8 @@
 namespace throng {
 namespace {
 
-static_assert(io::kSkinAffine == static_cast<uint32_t>(SkinFormat::kAffine) && io::kSkinHalfAffine == static_cast<uint32_t>(SkinFormat::kHalfAffine) &&
+static_assert(io::kSkinAffine == static_cast<uint32_t>(SkinFormat::kAffine) &&
+              io::kSkinHalfAffine == static_cast<uint32_t>(SkinFormat::kHalfAffine) &&
               io::kSkinSimilarity == static_cast<uint32_t>(SkinFormat::kSimilarity));
 
 // IEEE 754 binary16.
@@ -32,7 +33,8 @@ Affine affine_of_halves(const std::byte* bytes) {
 Affine affine_of_similarity(const std::byte* bytes) {
     std::array<float, 8> f;
     std::memcpy(f.data(), bytes, sizeof f);
-    return to_affine(Trs<float>{.rotation = {f[0], f[1], f[2], f[3]}, .translation = {f[4], f[5], f[6]}, .scale = {f[7], f[7], f[7]}});
+    return to_affine(Trs<float>{
+        .rotation = {f[0], f[1], f[2], f[3]}, .translation = {f[4], f[5], f[6]}, .scale = {f[7], f[7], f[7]}});
 }
 
 bool is_similarity(const Affine& m) {
@@ -41,15 +43,19 @@ bool is_similarity(const Affine& m) {
     const auto row = [&](size_t r) { return Vec3<double>{d.row[r][0], d.row[r][1], d.row[r][2]}; };
     const double square = dot(row(0), row(0));
     const auto near = [&](double value, double wanted) { return std::abs(value - wanted) <= kTolerance * square; };
-    return square > 0 && near(dot(row(1), row(1)), square) && near(dot(row(2), row(2)), square) && near(dot(row(0), row(1)), 0) && near(dot(row(0), row(2)), 0) && near(dot(row(1), row(2)), 0);
+    return square > 0 && near(dot(row(1), row(1)), square) && near(dot(row(2), row(2)), square) &&
+           near(dot(row(0), row(1)), 0) && near(dot(row(0), row(2)), 0) && near(dot(row(1), row(2)), 0);
 }
 
 // Why skin matrices are not all a rotation, a translation and a uniform scale, "which is all that" something can do.
 std::string similarity_obstacle(const Character& character, const std::string& which_is_all_that) {
-    if (!character.rig.uniform_scale) return "a joint is scaled differently along x, y and z; rotation, translation and one scale is all that " + which_is_all_that;
+    if (!character.rig.uniform_scale)
+        return "a joint is scaled differently along x, y and z; rotation, translation and one scale is all that " +
+               which_is_all_that;
     for (size_t entry = 0; entry < character.palette.size(); ++entry)
         if (!is_similarity(character.palette[entry].joint_from_bind))
-            return "the inverse bind matrix of palette entry " + std::to_string(entry) + " is no rotation, translation and uniform scale, which is all that " + which_is_all_that;
+            return "the inverse bind matrix of palette entry " + std::to_string(entry) +
+                   " is no rotation, translation and uniform scale, which is all that " + which_is_all_that;
     return {};
 }
 
@@ -60,11 +66,15 @@ uint32_t skin_format_bytes(SkinFormat format) {
 }
 
 std::string skin_format_obstacle(SkinFormat format, const Character& character) {
-    return format == SkinFormat::kSimilarity ? similarity_obstacle(character, "32-byte skin matrices can hold; use another format") : "";
+    return format == SkinFormat::kSimilarity
+               ? similarity_obstacle(character, "32-byte skin matrices can hold; use another format")
+               : "";
 }
 
 std::string skin_blend_obstacle(SkinBlend blend, const Character& character) {
-    return blend == SkinBlend::kDualQuaternion ? similarity_obstacle(character, "dual quaternions can blend; use the linear blend") : "";
+    return blend == SkinBlend::kDualQuaternion
+               ? similarity_obstacle(character, "dual quaternions can blend; use the linear blend")
+               : "";
 }
 
 std::vector<Affine> unpack_skin(SkinFormat format, std::span<const std::byte> bytes) {
@@ -72,8 +82,10 @@ std::vector<Affine> unpack_skin(SkinFormat format, std::span<const std::byte> by
     std::vector<Affine> out(bytes.size() / stride);
     for (size_t i = 0; i < out.size(); ++i) {
         const std::byte* at = bytes.data() + i * stride;
-        if (format == SkinFormat::kAffine) std::memcpy(&out[i], at, sizeof(Affine));
-        else out[i] = format == SkinFormat::kHalfAffine ? affine_of_halves(at) : affine_of_similarity(at);
+        if (format == SkinFormat::kAffine)
+            std::memcpy(&out[i], at, sizeof(Affine));
+        else
+            out[i] = format == SkinFormat::kHalfAffine ? affine_of_halves(at) : affine_of_similarity(at);
     }
     return out;
 }

@@ -1,5 +1,5 @@
-// Skin matrices as they lie in memory, in the crowd's format (throng::SkinFormat). The includer defines SKIN_SET and SKIN_BINDING, and
-// SKIN_STORES where it writes them; it declares the constant kSkinFormat. [instance][palette entry]
+// Skin matrices as they lie in memory, in the crowd's format (throng::SkinFormat). The includer defines SKIN_SET and
+// SKIN_BINDING, and SKIN_STORES where it writes them; it declares the constant kSkinFormat. [instance][palette entry]
 #include "bind/bind_io.h"
 #include "gpu/stored.glsl"
 
@@ -10,8 +10,11 @@
 #endif
 
 layout(set = SKIN_SET, binding = SKIN_BINDING, std430) SKIN_ACCESS buffer SkinAffines { StoredAffine skin_affines[]; };
-layout(set = SKIN_SET, binding = SKIN_BINDING, std430) SKIN_ACCESS buffer SkinHalves { StoredPair skin_halves[]; };  // a row of four each
-layout(set = SKIN_SET, binding = SKIN_BINDING, std430) SKIN_ACCESS buffer SkinSimilarities { StoredSimilarity skin_similarities[]; };
+// A row of four each
+layout(set = SKIN_SET, binding = SKIN_BINDING, std430) SKIN_ACCESS buffer SkinHalves { StoredPair skin_halves[]; };
+layout(set = SKIN_SET, binding = SKIN_BINDING, std430) SKIN_ACCESS buffer SkinSimilarities {
+    StoredSimilarity skin_similarities[];
+};
 
 #ifdef SKIN_STORES
 
@@ -37,7 +40,9 @@ vec4 floats(StoredPair row) {
 }
 
 Affine load_skin(uint index) {
-    if (kSkinFormat == kSkinHalfAffine) return Affine(floats(skin_halves[3 * index]), floats(skin_halves[3 * index + 1]), floats(skin_halves[3 * index + 2]));
+    if (kSkinFormat == kSkinHalfAffine)
+        return Affine(floats(skin_halves[3 * index]), floats(skin_halves[3 * index + 1]),
+                      floats(skin_halves[3 * index + 2]));
     if (kSkinFormat == kSkinSimilarity) return affine_from_similarity(unpack(skin_similarities[index]));
     return unpack(skin_affines[index]);
 }

@@ -1,6 +1,7 @@
 #version 460
 // sockets: transforms of the joints that things are attached to, of every instance, for other passes and the CPU.
-// One invocation per instance and socket. Fused updates have written model_from_joint already; of staged ones it is gathered here.
+// One invocation per instance and socket. Fused updates have written model_from_joint already; of staged ones it is
+// gathered here.
 #include "bind/sockets_io.h"
 #include "gpu/affine.glsl"
 #include "gpu/table.glsl"
@@ -17,8 +18,10 @@ void main() {
     if (i >= push.instance_count * push.socket_count) return;
     const uint instance = i / push.socket_count;
     Affine transform;
-    if ((push.flags & kSocketsGather) != 0) transform = model[instance * push.joint_count + WORD_AT(joints, i % push.socket_count)];
-    else transform = sockets[i];
+    if ((push.flags & kSocketsGather) != 0)
+        transform = model[instance * push.joint_count + WORD_AT(joints, i % push.socket_count)];
+    else
+        transform = sockets[i];
     if ((push.flags & kSocketsToWorld) != 0) transform = affine_multiply(placements[instance], transform);
     sockets[i] = transform;
 }

@@ -12,6 +12,9 @@ constexpr uint32_t kWide[] = {
 
 }  // namespace
 
-Kernel socket_kernel(const std::shared_ptr<Gpu>& gpu) { return Kernel(gpu, {.name = "sockets", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWide) : kPlain}); }
+Kernel socket_kernel(const std::shared_ptr<Gpu>& gpu) {
+    return Kernel(gpu,
+                  {.name = "sockets", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWide) : kPlain});
+}
 
 }  // namespace throng

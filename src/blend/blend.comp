@@ -1,6 +1,7 @@
 #version 460
-// blend: two poses per joint, weighted per instance, to parent_from_joint; and over them the pose that was set. Reads only the poses that have weight.
-// One workgroup per instance, joints in strides. Reads 48 or 96 bytes a joint, writes 48, or 32 as similarities.
+// blend: two poses per joint, weighted per instance, to parent_from_joint; and over them the pose that was set. Reads
+// only the poses that have weight. One workgroup per instance, joints in strides. Reads 48 or 96 bytes a joint, writes
+// 48, or 32 as similarities.
 #include "blend/blend_io.h"
 #include "gpu/table.glsl"
 
@@ -25,9 +26,12 @@ void main() {
     for (uint joint = gl_LocalInvocationID.x; joint < push.joint_count; joint += kBlendWorkgroupSize) {
         const uint i = instance * push.joint_count + joint;
         JointPose pose;
-        if (weight >= 1) pose = first_poses[i];
-        else if (weight <= 0) pose = second_poses[i];
-        else pose = blend_joint(first_poses[i], second_poses[i], weight);
+        if (weight >= 1)
+            pose = first_poses[i];
+        else if (weight <= 0)
+            pose = second_poses[i];
+        else
+            pose = blend_joint(first_poses[i], second_poses[i], weight);
         if (kPosed) pose = posed_pose(instance, joint, pose);
         store_local(i, pose);
     }

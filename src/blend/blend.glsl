@@ -12,7 +12,8 @@ vec4 blend_rotation(vec4 a, vec4 b, float weight) {
 }
 
 JointPose blend_joint(JointPose a, JointPose b, float weight) {
-    return JointPose(blend_rotation(a.rotation, b.rotation, weight), mix(b.translation, a.translation, weight), mix(b.scale, a.scale, weight));
+    return JointPose(blend_rotation(a.rotation, b.rotation, weight), mix(b.translation, a.translation, weight),
+                     mix(b.scale, a.scale, weight));
 }
 
 Affine parent_from_joint(JointPose pose) {

@@ -1,19 +1,27 @@
-// Transitions that compute only where they go: the offset from it to what was shown before decays, and its speed with it.
-// Source: D. Bollo, Inertialization: High-Performance Animation Transitions in Gears of War, GDC 2018. Difference from it: the speed of an
-// offset counts the motion of the target too, so that a still character does not jerk into a run; and scales decay as translations do.
-// Defined by inertia_reference.h.
+// Transitions that compute only where they go: the offset from it to what was shown before decays, and its speed with
+// it. Source: D. Bollo, Inertialization: High-Performance Animation Transitions in Gears of War, GDC 2018. Difference
+// from it: the speed of an offset counts the motion of the target too, so that a still character does not jerk into a
+// run; and scales decay as translations do. Defined by inertia_reference.h.
 #include "blend/inertia_io.h"
 #include "gpu/angles.glsl"
 #include "gpu/similarity.glsl"
 #include "sample/sample_io.h"
 
-// A quintic from offset x (>= 0) and speed v (<= 0) that reaches 0, with speed and acceleration 0, after `duration_s`; or sooner, where it
-// would otherwise swing to the other side.
+// A quintic from offset x (>= 0) and speed v (<= 0) that reaches 0, with speed and acceleration 0, after `duration_s`;
+// or sooner, where it would otherwise swing to the other side.
 float decayed(float x, float v, float elapsed_s, float duration_s) {
     const float end_s = v < 0 ? min(duration_s, -5 * x / v) : duration_s;
     if (elapsed_s >= end_s) return 0;
-    const float s = elapsed_s / end_s, u = v * end_s, a = max(-8 * u - 20 * x, 0);  // u, a: speed and acceleration in units of end_s
-    return ((((-0.5 * (a + 6 * u + 12 * x) * s + 0.5 * (3 * a + 16 * u + 30 * x)) * s - 0.5 * (3 * a + 12 * u + 20 * x)) * s + 0.5 * a) * s + u) * s + x;
+    // U, a: speed and acceleration in units of end_s
+    const float s = elapsed_s / end_s, u = v * end_s, a = max(-8 * u - 20 * x, 0);
+    return ((((-0.5 * (a + 6 * u + 12 * x) * s + 0.5 * (3 * a + 16 * u + 30 * x)) * s -
+              0.5 * (3 * a + 12 * u + 20 * x)) *
+                 s +
+             0.5 * a) *
+                s +
+            u) *
+               s +
+           x;
 }
 
 vec4 inertia_of_vector(vec3 offset, vec3 offset_before, float time_step_s) {
@@ -41,11 +49,15 @@ vec4 inertia_of_rotation(vec4 offset, vec4 offset_before, float time_step_s) {
 vec4 rotation_offset(vec4 to, vec4 from) { return quaternion_multiply(to, vec4(-from.xyz, from.w)); }
 
 // From the last two poses shown and the target's at the same times, `time_step_s` apart.
-InertiaJoint inertia_begin(JointPose shown, JointPose shown_before, JointPose target, JointPose target_before, float time_step_s) {
+InertiaJoint inertia_begin(JointPose shown, JointPose shown_before, JointPose target, JointPose target_before,
+                           float time_step_s) {
     return InertiaJoint(
-        inertia_of_rotation(rotation_offset(shown.rotation, target.rotation), rotation_offset(shown_before.rotation, target_before.rotation), time_step_s),
-        inertia_of_vector(shown.translation.xyz - target.translation.xyz, shown_before.translation.xyz - target_before.translation.xyz, time_step_s),
-        inertia_of_vector(shown.scale.xyz - target.scale.xyz, shown_before.scale.xyz - target_before.scale.xyz, time_step_s));
+        inertia_of_rotation(rotation_offset(shown.rotation, target.rotation),
+                            rotation_offset(shown_before.rotation, target_before.rotation), time_step_s),
+        inertia_of_vector(shown.translation.xyz - target.translation.xyz,
+                          shown_before.translation.xyz - target_before.translation.xyz, time_step_s),
+        inertia_of_vector(shown.scale.xyz - target.scale.xyz, shown_before.scale.xyz - target_before.scale.xyz,
+                          time_step_s));
 }
 
 // What is left of an offset, as a factor.
@@ -60,7 +72,8 @@ JointPose inertia_apply(InertiaJoint inertia, float elapsed_s, float duration_s,
     const float angle_rad = min(sqrt(dot(half_turn, half_turn)), kHalfPi);
     const vec3 axis = angle_rad > 0 ? half_turn / angle_rad : vec3(0);
     JointPose pose = target;
-    pose.rotation = quaternion_multiply(vec4(axis * sin_quarter(angle_rad), sin_quarter(kHalfPi - angle_rad)), target.rotation);
+    pose.rotation = quaternion_multiply(vec4(axis * sin_quarter(angle_rad), sin_quarter(kHalfPi - angle_rad)),
+                                        target.rotation);
     pose.translation.xyz += inertia_left(inertia.translation, elapsed_s, duration_s) * inertia.translation.xyz;
     pose.scale.xyz += inertia_left(inertia.scale, elapsed_s, duration_s) * inertia.scale.xyz;
     return pose;

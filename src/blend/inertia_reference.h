@@ -5,8 +5,8 @@
 
 namespace throng {
 
-// A quintic from offset x >= 0 and speed v <= 0 that reaches 0, with speed and acceleration 0, after `duration_s`; or sooner, where it would
-// otherwise swing to the other side.
+// A quintic from offset x >= 0 and speed v <= 0 that reaches 0, with speed and acceleration 0, after `duration_s`; or
+// sooner, where it would otherwise swing to the other side.
 double decayed_reference(double x, double v, double elapsed_s, double duration_s);
 
 // An offset: how far along a direction, and the speed at which that shrinks (0 where it would grow).
@@ -26,6 +26,7 @@ struct InertiaPoses {
 ReferenceInertia inertia_begin_reference(const InertiaPoses& poses, double time_step_s);
 
 // `elapsed_s` after the last pose was shown; `target` as it is by now.
-Trs<double> inertia_apply_reference(const ReferenceInertia& inertia, double elapsed_s, double duration_s, const Trs<double>& target);
+Trs<double> inertia_apply_reference(const ReferenceInertia& inertia, double elapsed_s, double duration_s,
+                                    const Trs<double>& target);
 
 }  // namespace throng

@@ -1,5 +1,5 @@
-// Poses with the offset that an inertial transition left: steps 2 and 10 of docs/controller.md. The includer declares the buffers `inertias`
-// (InstanceInertia) and `inertia_states` (InertiaState[instance][joint]).
+// Poses with the offset that an inertial transition left: steps 2 and 10 of docs/controller.md. The includer declares
+// the buffers `inertias` (InstanceInertia) and `inertia_states` (InertiaState[instance][joint]).
 #include "blend/inertia.glsl"
 #include "control/controller_io.h"
 
@@ -8,11 +8,14 @@ JointPose inertial_pose(uint instance, uint index, JointPose target) {
     const InstanceInertia inertia = inertias[instance];
     InertiaState state = inertia_states[index];
     if (inertia.begins != 0) {
-        const float step_s = inertia.shown_count > 2 && inertia.shown_step_s > 0 ? inertia.shown_step_s : 1e30;  // else nothing is known of its speed
-        state.offset = inertia_begin(state.shown, inertia.shown_count > 2 ? state.shown_before : state.shown, target, target, step_s);
+        // Else nothing is known of its speed
+        const float step_s = inertia.shown_count > 2 && inertia.shown_step_s > 0 ? inertia.shown_step_s : 1e30;
+        state.offset = inertia_begin(state.shown, inertia.shown_count > 2 ? state.shown_before : state.shown, target,
+                                     target, step_s);
     }
     JointPose pose = target;
-    if (inertia.elapsed_s < inertia.duration_s) pose = inertia_apply(state.offset, inertia.elapsed_s, inertia.duration_s, target);
+    if (inertia.elapsed_s < inertia.duration_s)
+        pose = inertia_apply(state.offset, inertia.elapsed_s, inertia.duration_s, target);
     state.shown_before = state.shown;
     state.shown = pose;
     inertia_states[index] = state;

@@ -1,7 +1,8 @@
 #version 460
-// layered: the voices of each instance to parent_from_joint: sample and blend in one, for characters that play in layers.
-// One workgroup per instance, joints in strides. Reads 32 bytes a voice, and for each joint and voice 16 bytes of table and up to 6 keys
-// of 16 bytes, packed ones fewer, additive voices twice that; writes 48 bytes a joint, or 32 as similarities.
+// layered: the voices of each instance to parent_from_joint: sample and blend in one, for characters that play in
+// layers. One workgroup per instance, joints in strides. Reads 32 bytes a voice, and for each joint and voice 16 bytes
+// of table and up to 6 keys of 16 bytes, packed ones fewer, additive voices twice that; writes 48 bytes a joint, or 32
+// as similarities.
 #include "blend/inertia_io.h"
 #include "blend/layered_io.h"
 #include "control/controller_io.h"

@@ -1,7 +1,8 @@
 #version 460
-// layered, in order: as layered.comp, where layers blend rotations in model space: these need what lies above a joint, so an invocation walks its instance's
-// joints, parents before children. Reads and writes beside what layered.comp does 96 bytes a joint and layer in model space.
-// A dispatch takes the joints that a software device's loops can go through (record_layered_in_order()); the rotations pass from one to the next in memory.
+// layered, in order: as layered.comp, where layers blend rotations in model space: these need what lies above a joint,
+// so an invocation walks its instance's joints, parents before children. Reads and writes beside what layered.comp does
+// 96 bytes a joint and layer in model space. A dispatch takes the joints that a software device's loops can go through
+// (record_layered_in_order()); the rotations pass from one to the next in memory.
 #include "blend/inertia_io.h"
 #include "blend/layered_io.h"
 #include "control/controller_io.h"

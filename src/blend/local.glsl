@@ -1,4 +1,5 @@
-// Poses -> the buffer of local transforms. The includer declares `local`, rows of four floats, and the constant kSimilarity.
+// Poses -> the buffer of local transforms. The includer declares `local`, rows of four floats, and the constant
+// kSimilarity.
 #include "blend/blend.glsl"
 
 // Three rows of an Affine, or two of a Similarity.

@@ -1,7 +1,8 @@
-// A layer whose rotations are blended in model space: docs/controller.md, step 9. Source: Unreal Engine's layered blend per bone, "Mesh Space Rotation Blend".
-// Difference from it: none known; at joints without weight the local rotation of what lies below stays there too.
-// The includer declares the table `parents` (TABLE_OF_WORDS, [joint], kAbsent: none), the buffer `rotations` (ModelRotations[layer in model space][joint][instance]) and
-// `push`; it takes the joints of an instance in order, parents first. Defined by voices_reference.h.
+// A layer whose rotations are blended in model space: docs/controller.md, step 9. Source: Unreal Engine's layered blend
+// per bone, "Mesh Space Rotation Blend". Difference from it: none known; at joints without weight the local rotation of
+// what lies below stays there too. The includer declares the table `parents` (TABLE_OF_WORDS, [joint], kAbsent: none),
+// the buffer `rotations` (ModelRotations[layer in model space][joint][instance]) and `push`; it takes the joints of an
+// instance in order, parents first. Defined by voices_reference.h.
 #include "blend/blend.glsl"
 #include "blend/layered_io.h"
 #include "control/controller_io.h"
@@ -9,7 +10,8 @@
 vec4 unit(vec4 quaternion) { return quaternion * inversesqrt(dot(quaternion, quaternion)); }
 
 // `model_layer` counts an instance's voiced layers in model space from the lowest up; 0 <= weight <= 1.
-JointPose apply_in_model_space(uint instance, uint joint, uint model_layer, JointPose layer, JointPose below, float weight) {
+JointPose apply_in_model_space(uint instance, uint joint, uint model_layer, JointPose layer, JointPose below,
+                               float weight) {
     const uint first = model_layer * push.joint_count, parent = WORD_AT(parents, joint);
     const vec4 identity = vec4(0, 0, 0, 1);
     ModelRotations above = ModelRotations(identity, identity, identity);

@@ -11,11 +11,14 @@ namespace {
 
 constexpr double kUniform = 1e-5;  // scales that differ by no more of the larger one count as the same
 
-[[noreturn]] void refuse(const std::string& place, std::string why) { throw Failure(ErrorCode::kInvalidArgument, place, std::move(why)); }
+[[noreturn]] void refuse(const std::string& place, std::string why) {
+    throw Failure(ErrorCode::kInvalidArgument, place, std::move(why));
+}
 
 bool is_finite(const Trs<double>& t) {
-    const auto &[q, p, s] = t;
-    return std::ranges::all_of(std::array{q.x, q.y, q.z, q.w, p.x, p.y, p.z, s.x, s.y, s.z}, [](double x) { return std::isfinite(x); });
+    const auto& [q, p, s] = t;
+    return std::ranges::all_of(std::array{q.x, q.y, q.z, q.w, p.x, p.y, p.z, s.x, s.y, s.z},
+                               [](double x) { return std::isfinite(x); });
 }
 
 bool is_uniform(const Vec3<double>& s) {
@@ -28,14 +31,18 @@ bool is_uniform(const Vec3<double>& s) {
 void PoseFade::set(float fade_s) {
     if (is_set_) return;
     is_set_ = true;
-    if (fade_s > 0) rate_ = 1 / fade_s;
-    else fade_ = 1;
+    if (fade_s > 0)
+        rate_ = 1 / fade_s;
+    else
+        fade_ = 1;
 }
 
 void PoseFade::clear(float fade_s) {
     is_set_ = false;
-    if (fade_s > 0) rate_ = 1 / fade_s;
-    else fade_ = 0;
+    if (fade_s > 0)
+        rate_ = 1 / fade_s;
+    else
+        fade_ = 0;
 }
 
 float PoseFade::weight() const { return fade_ * fade_ * (3 - 2 * fade_); }
@@ -50,8 +57,11 @@ void check_fade(float fade_s, const std::string& place) {
     if (!(fade_s >= 0 && std::isfinite(fade_s))) refuse(place, "the fade must be finite, and not negative");
 }
 
-std::vector<Trs<double>> checked_pose(std::span<const Trs<float>> parent_from_joint, uint32_t joint_count, bool uniform_scale, const std::string& place) {
-    if (parent_from_joint.size() != joint_count) refuse(place, std::to_string(parent_from_joint.size()) + " transforms for a character that has " + std::to_string(joint_count) + " joints");
+std::vector<Trs<double>> checked_pose(std::span<const Trs<float>> parent_from_joint, uint32_t joint_count,
+                                      bool uniform_scale, const std::string& place) {
+    if (parent_from_joint.size() != joint_count)
+        refuse(place, std::to_string(parent_from_joint.size()) + " transforms for a character that has " +
+                          std::to_string(joint_count) + " joints");
     std::vector<Trs<double>> pose;
     pose.reserve(parent_from_joint.size());
     for (const Trs<float>& given : parent_from_joint) {
@@ -61,7 +71,11 @@ std::vector<Trs<double>> checked_pose(std::span<const Trs<float>> parent_from_jo
         if (dot(joint.rotation, joint.rotation) == 0) refuse(place, name() + "its rotation has length 0");
         joint.rotation = normalized(joint.rotation);
         if (uniform_scale) {
-            if (!is_uniform(joint.scale)) refuse(place, name() + "its scale differs along the axes; all of this character's are uniform (Rig::uniform_scale)");
+            if (!is_uniform(joint.scale))
+                refuse(
+                    place,
+                    name() +
+                        "its scale differs along the axes; all of this character's are uniform (Rig::uniform_scale)");
             joint.scale = {joint.scale.x, joint.scale.x, joint.scale.x};
         }
         pose.push_back(joint);

@@ -1,4 +1,5 @@
-// Poses that the application sets: what it may say, and how they fade. The same for crowds and the reference; no Vulkan.
+// Poses that the application sets: what it may say, and how they fade. The same for crowds and the reference; no
+// Vulkan.
 #pragma once
 
 #include <throng/transform.h>
@@ -10,7 +11,8 @@
 
 namespace throng {
 
-// How far a pose has replaced the animated one. In float, like the fades of docs/controller.md, so that crowd and reference agree to the bit.
+// How far a pose has replaced the animated one. In float, like the fades of docs/controller.md, so that crowd and
+// reference agree to the bit.
 class PoseFade {
 public:
     bool is_set() const { return is_set_; }  // set, and not cleared since
@@ -23,7 +25,7 @@ public:
 
     bool is_moving() const { return fade_ != (is_set_ ? 1.0f : 0.0f); }
     bool is_gone() const { return !is_set_ && fade_ == 0; }  // cleared, and faded out
-    float weight() const;  // 0..1, eased
+    float weight() const;                                    // 0..1, eased
 
 private:
     bool is_set_ = false;
@@ -32,7 +34,9 @@ private:
 
 // Throw kInvalidArgument with `place`.
 void check_fade(float fade_s, const std::string& place);
-// The pose, [joint_count], with rotations of length 1. Where the rig's scales are uniform, those of the pose must be so within 1e-5, and become so.
-std::vector<Trs<double>> checked_pose(std::span<const Trs<float>> parent_from_joint, uint32_t joint_count, bool uniform_scale, const std::string& place);
+// The pose, [joint_count], with rotations of length 1. Where the rig's scales are uniform, those of the pose must be so
+// within 1e-5, and become so.
+std::vector<Trs<double>> checked_pose(std::span<const Trs<float>> parent_from_joint, uint32_t joint_count,
+                                      bool uniform_scale, const std::string& place);
 
 }  // namespace throng

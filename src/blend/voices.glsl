@@ -1,22 +1,25 @@
-// The voices of an instance -> the pose of one joint. Included by the staged kernel and by the fused one; defined by voices_reference.h.
-// The includer declares the tables `tracks`, `keys` and `words` as for sample/sample.glsl, `voices` (TABLE_OF_ROWS, two rows a Voice:
-// [instance][push.voice_limit]) and `masks` (TABLE_OF_WORDS, floats: [mask][rig_joint_count()]), `push` and the constant kPacked.
+// The voices of an instance -> the pose of one joint. Included by the staged kernel and by the fused one; defined by
+// voices_reference.h. The includer declares the tables `tracks`, `keys` and `words` as for sample/sample.glsl, `voices`
+// (TABLE_OF_ROWS, two rows a Voice: [instance][push.voice_limit]) and `masks` (TABLE_OF_WORDS, floats:
+// [mask][rig_joint_count()]), `push` and the constant kPacked.
 //
-// Layers lie on each other from the lowest up. A layer's pose is the weighted sum of its voices: rotations each in the hemisphere of the
-// sum so far, normalised at the end. Source of the sum and its limits: Gramkow, On Averaging Rotations, IJCV 42, 2001. An additive layer
-// sums differences from the first rows of its clips; a difference from the identity is the pose itself, so both go one way. With VOICES_IN_ORDER
-// the includer has blend/model_rotations.glsl, and layers may blend their rotations in model space; elsewhere there are none that do.
+// Layers lie on each other from the lowest up. A layer's pose is the weighted sum of its voices: rotations each in the
+// hemisphere of the sum so far, normalised at the end. Source of the sum and its limits: Gramkow, On Averaging
+// Rotations, IJCV 42, 2001. An additive layer sums differences from the first rows of its clips; a difference from the
+// identity is the pose itself, so both go one way. With VOICES_IN_ORDER the includer has blend/model_rotations.glsl,
+// and layers may blend their rotations in model space; elsewhere there are none that do.
 //
-// The loop samples once a round, which keeps the code small and the registers few: an additive voice takes two rounds, its reference
-// first. It ends at its bottom, since a software device runs all that lies behind a break once more.
+// The loop samples once a round, which keeps the code small and the registers few: an additive voice takes two rounds,
+// its reference first. It ends at its bottom, since a software device runs all that lies behind a break once more.
 #include "blend/blend.glsl"
 #include "control/controller_io.h"
 #include "sample/sample.glsl"
 
 const JointPose kIdentityPose = JointPose(vec4(0, 0, 0, 1), vec4(0), vec4(1));
 const JointPose kEmptySum = JointPose(vec4(0), vec4(0), vec4(0));
-const float kCancelled = 1e-12;   // squared length of a sum of rotations below which rounding alone would give its direction
-const float kNoScale = 1e-8;      // a scale below it has no ratio
+// Squared length of a sum of rotations below which rounding alone would give its direction
+const float kCancelled = 1e-12;
+const float kNoScale = 1e-8;  // a scale below it has no ratio
 
 Voice voice_at(uint index) {
     const uvec4 a = ROW_AT(voices, 2 * index), b = ROW_AT(voices, 2 * index + 1);
@@ -26,30 +29,35 @@ Voice voice_at(uint index) {
 // Of the voice's layer at this joint.
 float layer_weight(Voice voice, uint joint) {
     const bool is_masked = (voice.flags & kVoiceMasked) != 0;
-    const float mask = uintBitsToFloat(WORD_AT(masks, is_masked ? (voice.flags >> kVoiceMaskShift) * rig_joint_count() + joint : 0));
+    const float mask = uintBitsToFloat(
+        WORD_AT(masks, is_masked ? (voice.flags >> kVoiceMaskShift) * rig_joint_count() + joint : 0));
     return is_masked ? voice.layer_weight * mask : voice.layer_weight;
 }
 
 // Where only the rotation is asked for, the rest is the identity's.
 JointPose sample_voice(Voice voice, uint joint, bool at_reference, bool only_rotation) {
     const SlotCursor cursor = SlotCursor(voice.first_track, at_reference ? voice.reference_row : voice.earlier,
-                                         at_reference ? voice.reference_row : voice.later, at_reference ? 0 : voice.fraction);
+                                         at_reference ? voice.reference_row : voice.later,
+                                         at_reference ? 0 : voice.fraction);
     const uvec4 joint_tracks = ROW_AT(tracks, voice.first_track + joint);
-    if (only_rotation) return JointPose(sample_rotation(joint_tracks.x, cursor), kIdentityPose.translation, kIdentityPose.scale);
+    if (only_rotation)
+        return JointPose(sample_rotation(joint_tracks.x, cursor), kIdentityPose.translation, kIdentityPose.scale);
     return sample_joint(joint_tracks, cursor);
 }
 
 // What leads from one pose to another, in the space of the parent: a rotation, a translation and a ratio of scales.
 JointPose pose_difference(JointPose to, JointPose from) {
     const bvec4 has_no_ratio = lessThan(abs(from.scale), vec4(kNoScale));
-    return JointPose(quaternion_multiply(to.rotation, vec4(-from.rotation.xyz, from.rotation.w)), to.translation - from.translation,
+    return JointPose(quaternion_multiply(to.rotation, vec4(-from.rotation.xyz, from.rotation.w)),
+                     to.translation - from.translation,
                      mix(to.scale / mix(from.scale, vec4(1), has_no_ratio), vec4(1), has_no_ratio));
 }
 
 // A difference turns the shorter way, so that its sum does not depend on the order.
 JointPose add_voice(JointPose sum, JointPose part, float weight, bool is_additive) {
     const vec4 side = is_additive ? kIdentityPose.rotation : sum.rotation;
-    return JointPose(sum.rotation + part.rotation * (dot(part.rotation, side) < 0 ? -weight : weight), sum.translation + part.translation * weight, sum.scale + part.scale * weight);
+    return JointPose(sum.rotation + part.rotation * (dot(part.rotation, side) < 0 ? -weight : weight),
+                     sum.translation + part.translation * weight, sum.scale + part.scale * weight);
 }
 
 // `layer` on `below`, 0 < weight <= 1; an override of weight 1 is the layer to the bit.
@@ -59,7 +67,8 @@ JointPose apply_layer(JointPose layer, JointPose below, float weight, bool is_ad
     JointPose part = layer;
     if (weight < 1) part = blend_joint(layer, base, weight);
     if (!is_additive) return part;
-    return JointPose(quaternion_multiply(part.rotation, below.rotation), below.translation + part.translation, below.scale * part.scale);
+    return JointPose(quaternion_multiply(part.rotation, below.rotation), below.translation + part.translation,
+                     below.scale * part.scale);
 }
 
 JointPose mix_voices(uint instance, uint joint, bool only_rotation) {
@@ -76,7 +85,8 @@ JointPose mix_voices(uint instance, uint joint, bool only_rotation) {
         const float weight = is_lowest ? 1 : layer_weight(voice, joint);  // the lowest layer covers
         is_reference = is_additive && !is_reference;
 #ifdef VOICES_IN_ORDER
-        const bool in_model_space = !is_lowest && (voice.flags & kVoiceModelRotations) != 0;  // the lowest layer's rotations are the same in either space
+        // The lowest layer's rotations are the same in either space
+        const bool in_model_space = !is_lowest && (voice.flags & kVoiceModelRotations) != 0;
 #else
         const bool in_model_space = false;
 #endif
@@ -92,7 +102,8 @@ JointPose mix_voices(uint instance, uint joint, bool only_rotation) {
                     const float square = dot(sum.rotation, sum.rotation);
                     sum.rotation = square < kCancelled ? part.rotation : sum.rotation * inversesqrt(square);
 #ifdef VOICES_IN_ORDER
-                    if (in_model_space) result = apply_in_model_space(instance, joint, model_layer++, sum, result, weight);
+                    if (in_model_space)
+                        result = apply_in_model_space(instance, joint, model_layer++, sum, result, weight);
                     else
 #endif
                         result = apply_layer(sum, result, weight, is_additive);

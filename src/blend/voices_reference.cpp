@@ -8,7 +8,9 @@ namespace {
 constexpr double kCancelled = 1e-6;  // length of a sum of rotations that has no direction
 constexpr double kNoScale = 1e-8;
 
-Quaternion<double> operator+(const Quaternion<double>& a, const Quaternion<double>& b) { return {a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w}; }
+Quaternion<double> operator+(const Quaternion<double>& a, const Quaternion<double>& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w};
+}
 Quaternion<double> operator*(const Quaternion<double>& q, double s) { return {q.x * s, q.y * s, q.z * s, q.w * s}; }
 
 double ratio(double to, double from) { return std::abs(from) < kNoScale ? 1 : to / from; }
@@ -28,7 +30,8 @@ Trs<double> sum_of(const ReferenceLayer& layer) {
 }
 
 Trs<double> add(const Trs<double>& difference, const Trs<double>& pose) {
-    return {difference.rotation * pose.rotation, pose.translation + difference.translation,
+    return {difference.rotation * pose.rotation,
+            pose.translation + difference.translation,
             {pose.scale.x * difference.scale.x, pose.scale.y * difference.scale.y, pose.scale.z * difference.scale.z}};
 }
 
@@ -37,7 +40,8 @@ Trs<double> add(const Trs<double>& difference, const Trs<double>& pose) {
 Trs<double> pose_difference_reference(const Trs<double>& to, const Trs<double>& from) {
     const Quaternion<double>& r = from.rotation;
     const Quaternion<double> turn = to.rotation * Quaternion<double>{-r.x, -r.y, -r.z, r.w};
-    return {turn.w < 0 ? -turn : turn, to.translation - from.translation,
+    return {turn.w < 0 ? -turn : turn,
+            to.translation - from.translation,
             {ratio(to.scale.x, from.scale.x), ratio(to.scale.y, from.scale.y), ratio(to.scale.z, from.scale.z)}};
 }
 
@@ -55,8 +59,11 @@ ReferenceJoint joint_reference(std::span<const ReferenceLayer> layers, const Ref
         if (!layer.in_model_space || i == 0) continue;  // the lowest layer's rotations are the same in either space
         const ReferenceRotations above = parent ? parent->rotations[i] : ReferenceRotations{};
         ReferenceRotations& here = joint.rotations[i];
-        here = {.below = above.below * below.rotation, .layer = above.layer * sum.rotation, .blended = above.blended * below.rotation};
-        if (weight > 0) here.blended = blend_reference({.rotation = here.layer}, {.rotation = here.below}, weight).rotation;
+        here = {.below = above.below * below.rotation,
+                .layer = above.layer * sum.rotation,
+                .blended = above.blended * below.rotation};
+        if (weight > 0)
+            here.blended = blend_reference({.rotation = here.layer}, {.rotation = here.below}, weight).rotation;
         const Quaternion<double>& q = above.blended;
         result.rotation = weight > 0 ? Quaternion<double>{-q.x, -q.y, -q.z, q.w} * here.blended : below.rotation;
     }

@@ -1,4 +1,5 @@
-// The bytes of a compiled character's file. docs/file_format.md describes them; kVersion grows with every change of either.
+// The bytes of a compiled character's file. docs/file_format.md describes them; kVersion grows with every change of
+// either.
 #pragma once
 
 #include <throng/character.h>
@@ -10,9 +11,11 @@
 
 namespace throng::file {
 
-static_assert(std::endian::native == std::endian::little, "compiled files are little-endian, and their arrays are used as they are");
+static_assert(std::endian::native == std::endian::little,
+              "compiled files are little-endian, and their arrays are used as they are");
 
-// As PNG's: no text begins with such a byte, and a transfer that rewrites line ends spoils it ("PNG Specification", second edition, 5.2).
+// As PNG's: no text begins with such a byte, and a transfer that rewrites line ends spoils it ("PNG Specification",
+// second edition, 5.2).
 inline constexpr std::array<char, 8> kMagic{'\x89', 't', 'h', 'r', 'o', 'n', 'g', '\n'};
 inline constexpr uint32_t kVersion = 2;
 inline constexpr uint64_t kAlignment_bytes = 16;  // of sections
@@ -37,11 +40,37 @@ struct SectionEntry {
 static_assert(sizeof(SectionEntry) == 32);
 
 enum class SectionId : uint32_t {
-    kScalars, kClips, kSkins, kMaterials, kTextEnds, kText, kImageEnds, kImages,  // records of their own
-    kParents, kNodes, kRest, kTimes, kKeys, kWords, kRootRows, kTracks, kPalette, kVertices, kInfluences, kIndices, kMeshSections,  // as the Character has them
-    kMorphs,                                                   // records of their own
-    kMorphDeltas, kMorphTracks, kMorphTimes, kMorphValues,     // as the Character has them
-    kDetails, kDetailRanges, kDetailIndices, kJointDetails,
+    kScalars,
+    kClips,
+    kSkins,
+    kMaterials,
+    kTextEnds,
+    kText,
+    kImageEnds,
+    kImages,  // records of their own
+    // As the Character has them
+    kParents,
+    kNodes,
+    kRest,
+    kTimes,
+    kKeys,
+    kWords,
+    kRootRows,
+    kTracks,
+    kPalette,
+    kVertices,
+    kInfluences,
+    kIndices,
+    kMeshSections,
+    kMorphs,  // records of their own
+    kMorphDeltas,
+    kMorphTracks,
+    kMorphTimes,
+    kMorphValues,  // as the Character has them
+    kDetails,
+    kDetailRanges,
+    kDetailIndices,
+    kJointDetails,
 };
 
 struct ScalarsRecord {
@@ -93,7 +122,8 @@ struct MorphRecord {
 static_assert(sizeof(MorphRecord) == 12);
 
 // Of what is stored as the Character has it.
-static_assert(sizeof(Trs<float>) == 40 && sizeof(JointTracks) == 16 && sizeof(PaletteEntry) == 52 && sizeof(MeshSection) == 52 && sizeof(DetailLevel) == 4 && sizeof(IndexRange) == 8);
+static_assert(sizeof(Trs<float>) == 40 && sizeof(JointTracks) == 16 && sizeof(PaletteEntry) == 52 &&
+              sizeof(MeshSection) == 52 && sizeof(DetailLevel) == 4 && sizeof(IndexRange) == 8);
 
 struct SectionKind {
     std::string_view name;
@@ -131,9 +161,12 @@ inline constexpr std::array<SectionKind, 30> kSections{{{"scalars", sizeof(Scala
                                                         {"joint details", 4}}};
 static_assert(kSections.size() == static_cast<size_t>(SectionId::kJointDetails) + 1);
 
-constexpr uint64_t aligned(uint64_t offset_bytes) { return (offset_bytes + kAlignment_bytes - 1) / kAlignment_bytes * kAlignment_bytes; }
+constexpr uint64_t aligned(uint64_t offset_bytes) {
+    return (offset_bytes + kAlignment_bytes - 1) / kAlignment_bytes * kAlignment_bytes;
+}
 
-// Calls visit(id, array) for each array that is stored as it is, in the order of the ids: those before the morphs, and those behind.
+// Calls visit(id, array) for each array that is stored as it is, in the order of the ids: those before the morphs, and
+// those behind.
 template <class C, class Visit>
 void visit_arrays(C& character, const Visit& visit) {
     visit(SectionId::kParents, character.rig.parents);

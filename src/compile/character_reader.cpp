@@ -24,12 +24,18 @@ public:
     Character run() {
         Character character;
         const size_t warning_count = read_scalars(character);
-        read_records<ClipRecord>(SectionId::kClips, character.clips, [&](const ClipRecord& record) { return clip_of(record); });
-        read_records<SkinRecord>(SectionId::kSkins, character.skins, [](const SkinRecord& record) { return Skin{{}, record.first_entry, record.joint_count}; });
-        read_records<MaterialRecord>(SectionId::kMaterials, character.materials, [&](const MaterialRecord& record) { return material_of(record); });
+        read_records<ClipRecord>(SectionId::kClips, character.clips,
+                                 [&](const ClipRecord& record) { return clip_of(record); });
+        read_records<SkinRecord>(SectionId::kSkins, character.skins, [](const SkinRecord& record) {
+            return Skin{{}, record.first_entry, record.joint_count};
+        });
+        read_records<MaterialRecord>(SectionId::kMaterials, character.materials,
+                                     [&](const MaterialRecord& record) { return material_of(record); });
         const auto read_array = [&]<class T>(SectionId id, std::vector<T>& out) { out = array<T>(id); };
         visit_arrays(character, read_array);
-        read_records<MorphRecord>(SectionId::kMorphs, character.morphs, [](const MorphRecord& record) { return Morph{{}, record.node, record.target, record.default_weight}; });
+        read_records<MorphRecord>(SectionId::kMorphs, character.morphs, [](const MorphRecord& record) {
+            return Morph{{}, record.node, record.target, record.default_weight};
+        });
         visit_later_arrays(character, read_array);
         read_images(character);
         read_text(character, warning_count);
@@ -40,7 +46,9 @@ private:
     [[noreturn]] void fail(const std::string& where, const std::string& what) const {
         throw Failure(ErrorCode::kInvalidFile, place_ + ": " + where, what + kNotWrittenSo);
     }
-    [[noreturn]] void fail(SectionId id, const std::string& what) const { fail("section '" + std::string(kSections[static_cast<size_t>(id)].name) + "'", what); }
+    [[noreturn]] void fail(SectionId id, const std::string& what) const {
+        fail("section '" + std::string(kSections[static_cast<size_t>(id)].name) + "'", what);
+    }
 
     // ---- The file as a whole
 
@@ -49,22 +57,27 @@ private:
         if (bytes_.size() < kMagic.size() || std::memcmp(bytes_.data(), kMagic.data(), kMagic.size()) != 0)
             refuse(ErrorCode::kInvalidFile, "is not a compiled character");
         Header header;
-        if (bytes_.size() < sizeof(header)) refuse(ErrorCode::kInvalidFile, "ends within its header; copy it again, or compile it anew");
+        if (bytes_.size() < sizeof(header))
+            refuse(ErrorCode::kInvalidFile, "ends within its header; copy it again, or compile it anew");
         std::memcpy(&header, bytes_.data(), sizeof(header));
         if (header.version != kVersion)
-            refuse(ErrorCode::kUnsupported, "version " + std::to_string(header.version) + ", this throng reads version " + std::to_string(kVersion) +
-                                                "; compile it anew from its source" + (header.version > kVersion ? ", or update throng" : ""));
+            refuse(ErrorCode::kUnsupported, "version " + std::to_string(header.version) +
+                                                ", this throng reads version " + std::to_string(kVersion) +
+                                                "; compile it anew from its source" +
+                                                (header.version > kVersion ? ", or update throng" : ""));
         if (header.size_bytes != bytes_.size())
-            refuse(ErrorCode::kInvalidFile, "has " + std::to_string(bytes_.size()) + " bytes, but " + std::to_string(header.size_bytes) +
+            refuse(ErrorCode::kInvalidFile, "has " + std::to_string(bytes_.size()) + " bytes, but " +
+                                                std::to_string(header.size_bytes) +
                                                 " by its header; copy it again, or compile it anew");
         if (header.checksum != checksum_of(bytes_))
             refuse(ErrorCode::kInvalidFile, "is damaged: its checksum is another; copy it again, or compile it anew");
         if (header.section_count != kSections.size())
-            fail("header", "has " + std::to_string(header.section_count) + " sections, not " + std::to_string(kSections.size()));
+            fail("header",
+                 "has " + std::to_string(header.section_count) + " sections, not " + std::to_string(kSections.size()));
     }
 
-    // Sections follow one another without overlap, in the order of their ids, with nothing but padding zeros between: so no byte is read
-    // twice, and what is allocated is bounded by the size of the file.
+    // Sections follow one another without overlap, in the order of their ids, with nothing but padding zeros between:
+    // so no byte is read twice, and what is allocated is bounded by the size of the file.
     void check_table() {
         const uint64_t table_end = sizeof(Header) + sizeof(entries_);
         if (bytes_.size() < table_end) fail("section table", "ends behind the file");
@@ -75,19 +88,25 @@ private:
             const auto id = static_cast<SectionId>(i);
             if (entry.id != i) fail(id, "has id " + std::to_string(entry.id) + ", not " + std::to_string(i));
             if (entry.element_bytes != kSections[i].element_bytes)
-                fail(id, "has elements of " + std::to_string(entry.element_bytes) + " bytes, not " + std::to_string(kSections[i].element_bytes));
+                fail(id, "has elements of " + std::to_string(entry.element_bytes) + " bytes, not " +
+                             std::to_string(kSections[i].element_bytes));
             const uint64_t begin = aligned(end);
             if (begin > bytes_.size() || entry.offset_bytes != begin)
                 fail(id, "begins at byte " + std::to_string(entry.offset_bytes) + ", not " + std::to_string(begin));
             if (entry.size_bytes > bytes_.size() - begin)
-                fail(id, "has " + std::to_string(entry.size_bytes) + " bytes, and " + std::to_string(bytes_.size() - begin) + " are left");
-            if (entry.size_bytes % entry.element_bytes != 0 || entry.element_count != entry.size_bytes / entry.element_bytes)
-                fail(id, std::to_string(entry.element_count) + " elements do not make " + std::to_string(entry.size_bytes) + " bytes");
+                fail(id, "has " + std::to_string(entry.size_bytes) + " bytes, and " +
+                             std::to_string(bytes_.size() - begin) + " are left");
+            if (entry.size_bytes % entry.element_bytes != 0 ||
+                entry.element_count != entry.size_bytes / entry.element_bytes)
+                fail(id, std::to_string(entry.element_count) + " elements do not make " +
+                             std::to_string(entry.size_bytes) + " bytes");
             const auto padding = bytes_.subspan(end, begin - end);
-            if (std::any_of(padding.begin(), padding.end(), [](std::byte b) { return b != std::byte{}; })) fail(id, "is not padded with zeros");
+            if (std::any_of(padding.begin(), padding.end(), [](std::byte b) { return b != std::byte{}; }))
+                fail(id, "is not padded with zeros");
             end = begin + entry.size_bytes;
         }
-        if (end != bytes_.size()) fail("section table", "ends at byte " + std::to_string(end) + " of " + std::to_string(bytes_.size()));
+        if (end != bytes_.size())
+            fail("section table", "ends at byte " + std::to_string(end) + " of " + std::to_string(bytes_.size()));
     }
 
     // ---- Sections
@@ -98,7 +117,8 @@ private:
         const SectionEntry& entry = entries_[static_cast<size_t>(id)];
         assert(entry.element_bytes == sizeof(T));
         std::vector<T> out(entry.element_count);
-        if (!out.empty()) std::memcpy(static_cast<void*>(out.data()), bytes_.data() + entry.offset_bytes, entry.size_bytes);
+        if (!out.empty())
+            std::memcpy(static_cast<void*>(out.data()), bytes_.data() + entry.offset_bytes, entry.size_bytes);
         return out;
     }
 
@@ -117,7 +137,8 @@ private:
     // Returns the number of warnings.
     size_t read_scalars(Character& character) const {
         const std::vector<ScalarsRecord> records = array<ScalarsRecord>(SectionId::kScalars);
-        if (records.size() != 1) fail(SectionId::kScalars, "is there " + std::to_string(records.size()) + " times, not once");
+        if (records.size() != 1)
+            fail(SectionId::kScalars, "is there " + std::to_string(records.size()) + " times, not once");
         const ScalarsRecord& record = records.front();
         if (record.reserved != std::array<uint32_t, 2>{}) fail(SectionId::kScalars, "what is reserved is not 0");
         character.rig.mean_depth = record.mean_depth;
@@ -156,7 +177,8 @@ private:
     }
 
     AssetMaterial material_of(const MaterialRecord& record) const {
-        if (record.alpha_mode > static_cast<uint32_t>(AlphaMode::kBlend)) fail(SectionId::kMaterials, "alpha_mode " + std::to_string(record.alpha_mode) + " is unknown");
+        if (record.alpha_mode > static_cast<uint32_t>(AlphaMode::kBlend))
+            fail(SectionId::kMaterials, "alpha_mode " + std::to_string(record.alpha_mode) + " is unknown");
         return {.name = {},
                 .base_color = record.base_color,
                 .image = record.image,
@@ -183,7 +205,8 @@ private:
             before = end;
         }
         const uint64_t size_bytes = entries_[static_cast<size_t>(of)].size_bytes;
-        if (before != size_bytes) fail(id, "the last is byte " + std::to_string(before) + " of " + std::to_string(size_bytes));
+        if (before != size_bytes)
+            fail(id, "the last is byte " + std::to_string(before) + " of " + std::to_string(size_bytes));
         return ends;
     }
 
@@ -206,9 +229,12 @@ private:
     // The strings' number is known from the arrays that have been read; it bounds what is allocated for them.
     void read_text(Character& character, uint64_t warning_count) const {
         const std::vector<uint64_t> string_ends = ends(SectionId::kTextEnds, SectionId::kText);
-        const uint64_t count = 1 + character.rig.parents.size() + character.clips.size() + character.skins.size() + character.materials.size() +
-                               character.images.size() + character.morphs.size() + warning_count;
-        if (string_ends.size() != count) fail(SectionId::kTextEnds, "has " + std::to_string(string_ends.size()) + " strings, not " + std::to_string(count));
+        const uint64_t count = 1 + character.rig.parents.size() + character.clips.size() + character.skins.size() +
+                               character.materials.size() + character.images.size() + character.morphs.size() +
+                               warning_count;
+        if (string_ends.size() != count)
+            fail(SectionId::kTextEnds,
+                 "has " + std::to_string(string_ends.size()) + " strings, not " + std::to_string(count));
         character.rig.names.resize(character.rig.parents.size());
         character.warnings.resize(warning_count);
         const auto* text = reinterpret_cast<const char*>(content(SectionId::kText).data());

@@ -56,7 +56,9 @@ MaterialRecord record_of(const AssetMaterial& material) {
             .emissive = material.emissive};
 }
 
-MorphRecord record_of(const Morph& morph) { return {.node = morph.node, .target = morph.target, .default_weight = morph.default_weight}; }
+MorphRecord record_of(const Morph& morph) {
+    return {.node = morph.node, .target = morph.target, .default_weight = morph.default_weight};
+}
 
 ScalarsRecord scalars_of(const Character& character) {
     return {.mean_depth = character.rig.mean_depth,
@@ -102,7 +104,9 @@ private:
         assert(entries_.size() == static_cast<size_t>(id) && sizeof(T) == kSections[entries_.size()].element_bytes);
         const uint64_t offset_bytes = aligned(bytes_.size()), end_bytes = offset_bytes + array.size() * sizeof(T);
         if (end_bytes > limit_bytes_)
-            throw Failure(ErrorCode::kLimit, place_, "a compiled file of " + std::to_string(end_bytes) + " bytes and more; the limit is " + std::to_string(limit_bytes_));
+            throw Failure(ErrorCode::kLimit, place_,
+                          "a compiled file of " + std::to_string(end_bytes) + " bytes and more; the limit is " +
+                              std::to_string(limit_bytes_));
         bytes_.resize(offset_bytes);
         entries_.push_back({.id = static_cast<uint32_t>(id),
                             .element_bytes = sizeof(T),

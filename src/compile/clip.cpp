@@ -12,7 +12,8 @@ namespace {
 
 constexpr uint64_t kKey_bytes = 16;
 constexpr uint64_t kRawPose_bytes = 10 * sizeof(float);  // rotation, translation, scale
-constexpr double kRelativeBound = 1e-6;  // of the character's size; a rotation by as many radians moves no point further
+// Of the character's size; a rotation by as many radians moves no point further
+constexpr double kRelativeBound = 1e-6;
 
 constexpr size_t kRefinedKeyLimit = 4'000'000;  // of cubic tracks: seconds of work, tens of MiB
 
@@ -89,13 +90,15 @@ private:
         check_size(times_s_.size());
     }
 
-    // Between rotations half a turn apart, a float's rounding would decide which way round the arc goes: a row in the middle does.
+    // Between rotations half a turn apart, a float's rounding would decide which way round the arc goes: a row in the
+    // middle does.
     void split_half_turns() {
         for (const Column& column : columns_) {
             if (column.target() != TrackTarget::kRotation || column.interpolation() != Interpolation::kLinear) continue;
             const auto& times = column.source.track().times_s;
             for (size_t key = 0; key + 1 < times.size(); ++key) {
-                if (!is_half_turn(column, column.source.evaluate(times[key]), column.source.evaluate(times[key + 1]))) continue;
+                if (!is_half_turn(column, column.source.evaluate(times[key]), column.source.evaluate(times[key + 1])))
+                    continue;
                 const float middle_s = times[key] + (times[key + 1] - times[key]) / 2;
                 half_turns_.push_back({&column, middle_s});
                 times_s_.push_back(middle_s);
@@ -117,15 +120,18 @@ private:
     void check_size(size_t row_count) const {
         const uint64_t bytes = (character_.keys.size() + uint64_t{row_count} * columns_.size()) * kKey_bytes;
         if (bytes > kKeyLimit_bytes)
-            throw Failure(ErrorCode::kLimit, place_, std::to_string(row_count) + " key times x " + std::to_string(columns_.size()) +
-                                                         " tracks make " + std::to_string(bytes >> 20) + " MiB of keys with the clips before; the limit is 256 MiB a character");
+            throw Failure(ErrorCode::kLimit, place_,
+                          std::to_string(row_count) + " key times x " + std::to_string(columns_.size()) +
+                              " tracks make " + std::to_string(bytes >> 20) +
+                              " MiB of keys with the clips before; the limit is 256 MiB a character");
     }
 
     double bound(TrackTarget target) const {
         return target == TrackTarget::kTranslation ? relative_bound_ * character_.size : relative_bound_;
     }
 
-    // Rows between the keys of cubic tracks. A track that swings too wildly for the bound is followed less closely, with a warning.
+    // Rows between the keys of cubic tracks. A track that swings too wildly for the bound is followed less closely,
+    // with a warning.
     void follow_cubic() {
         std::vector<const Column*> cubic;
         for (const Column& column : columns_)
@@ -135,23 +141,29 @@ private:
         for (double done = refine(cubic); done < 1; done = refine(cubic)) {
             relative_bound_ *= std::pow(1.2 / done, 2);  // rows go with the inverse square root of the bound
             if (!(relative_bound_ <= kLoosest))
-                throw Failure(ErrorCode::kLimit, place_, "its cubic tracks would need more than the limit of " + std::to_string(kRefinedKeyLimit) + " keys to be followed within 1 % of the character's size");
+                throw Failure(ErrorCode::kLimit, place_,
+                              "its cubic tracks would need more than the limit of " + std::to_string(kRefinedKeyLimit) +
+                                  " keys to be followed within 1 % of the character's size");
         }
         if (relative_bound_ > kRelativeBound)
-            character_.warnings.push_back(place_ + ": its cubic tracks are followed within " + std::to_string(relative_bound_) + " of the character's size, not 0.000001; that would take more than " +
+            character_.warnings.push_back(place_ + ": its cubic tracks are followed within " +
+                                          std::to_string(relative_bound_) +
+                                          " of the character's size, not 0.000001; that would take more than " +
                                           std::to_string(kRefinedKeyLimit) + " keys");
         relative_bound_ = kRelativeBound;
     }
 
-    // Halves intervals until straight lines (and arcs) between rows follow the cubic tracks. Returns the part of the clip for which
-    // the limit of keys was enough; below 1, nothing is changed.
+    // Halves intervals until straight lines (and arcs) between rows follow the cubic tracks. Returns the part of the
+    // clip for which the limit of keys was enough; below 1, nothing is changed.
     double refine(const std::vector<const Column*>& cubic) {
         const auto fits = [&](double from_s, double to_s) {
             return std::all_of(cubic.begin(), cubic.end(), [&](const Column* column) {
                 const TrackValue from = column->source.evaluate(from_s), to = column->source.evaluate(to_s);
                 for (const double w : {0.25, 0.5, 0.75}) {
                     const TrackValue row = interpolate_rows(column->target(), Interpolation::kLinear, from, to, w);
-                    if (!(distance(column->target(), row, column->source.evaluate(from_s + w * (to_s - from_s))) <= bound(column->target()))) return false;
+                    if (!(distance(column->target(), row, column->source.evaluate(from_s + w * (to_s - from_s))) <=
+                          bound(column->target())))
+                        return false;
                 }
                 return true;
             });
@@ -165,7 +177,8 @@ private:
                 const float to_s = ends.back(), middle_s = from_s + (to_s - from_s) / 2;
                 if (middle_s > from_s && middle_s < to_s && !fits(from_s, to_s)) {
                     ends.push_back(middle_s);
-                    if ((refined.size() + ends.size()) * cubic.size() > std::max<size_t>(kRefinedKeyLimit, times_s_.size() * cubic.size()))
+                    if ((refined.size() + ends.size()) * cubic.size() >
+                        std::max<size_t>(kRefinedKeyLimit, times_s_.size() * cubic.size()))
                         return (double{from_s} - times_s_.front()) / (double{times_s_.back()} - times_s_.front());
                 } else {
                     ends.pop_back();
@@ -181,8 +194,8 @@ private:
         return 1;
     }
 
-    // Where tracks have few keys at many different times, the union repeats most of them: leave out rows that their neighbours
-    // reproduce. Looks ahead a bounded number of rows, so that the work stays linear.
+    // Where tracks have few keys at many different times, the union repeats most of them: leave out rows that their
+    // neighbours reproduce. Looks ahead a bounded number of rows, so that the work stays linear.
     void drop_rows() {
         constexpr uint64_t kFarLarger = 4, kWorthIt = 1 << 16, kLookAhead = 32;
         const uint64_t union_keys = uint64_t{times_s_.size()} * columns_.size();
@@ -200,12 +213,13 @@ private:
         times_s_ = std::move(kept);
     }
 
-    // For each row the columns that may bend or jump there: those with a key of their own, or half a turn around it, and cubic
-    // ones everywhere. The others go straight through it.
+    // For each row the columns that may bend or jump there: those with a key of their own, or half a turn around it,
+    // and cubic ones everywhere. The others go straight through it.
     std::vector<std::vector<const Column*>> bends_by_row() const {
         std::vector<std::vector<const Column*>> bends(times_s_.size());
         const auto at = [&](float time_s) -> std::vector<const Column*>& {
-            return bends[static_cast<size_t>(std::lower_bound(times_s_.begin(), times_s_.end(), time_s) - times_s_.begin())];
+            return bends[static_cast<size_t>(std::lower_bound(times_s_.begin(), times_s_.end(), time_s) -
+                                             times_s_.begin())];
         };
         for (const HalfTurn& half_turn : half_turns_) at(half_turn.middle_s).push_back(half_turn.column);
         for (const Column& column : columns_) {
@@ -226,7 +240,9 @@ private:
                 const TrackValue a = column->source.evaluate(times_s_[from]), b = column->source.evaluate(times_s_[to]);
                 if (is_half_turn(*column, a, b)) return false;
                 const TrackValue between = interpolate_rows(column->target(), column->interpolation(), a, b, w);
-                if (!(distance(column->target(), between, column->source.evaluate(times_s_[row])) <= bound(column->target()))) return false;
+                if (!(distance(column->target(), between, column->source.evaluate(times_s_[row])) <=
+                      bound(column->target())))
+                    return false;
             }
         }
         return true;
@@ -236,7 +252,8 @@ private:
         check_size(times_s_.size());
         const size_t first = character_.keys.size();
         for (size_t i = 0; i < columns_.size(); ++i)
-            *columns_[i].word = static_cast<uint32_t>(first + i) | kTrackAnimated | (columns_[i].interpolation() == Interpolation::kStep ? kTrackStep : 0);
+            *columns_[i].word = static_cast<uint32_t>(first + i) | kTrackAnimated |
+                                (columns_[i].interpolation() == Interpolation::kStep ? kTrackStep : 0);
         for (float time_s : times_s_)
             for (const Column& column : columns_) append_key(column.source.evaluate(time_s));
         for (size_t i = 0; i < columns_.size(); ++i)
@@ -258,7 +275,8 @@ private:
     }
 
     void append_key(const TrackValue& v) {
-        character_.keys.push_back({static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), static_cast<float>(v[3])});
+        character_.keys.push_back(
+            {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), static_cast<float>(v[3])});
     }
 
     const Asset& asset_;
@@ -279,7 +297,10 @@ void compile_clips(const Asset& asset, const RigMap& map, Character& character) 
     const uint32_t joint_count = map.rig.joint_count();
     const uint64_t table_bytes = (asset.clips.size() + 1) * uint64_t{joint_count} * sizeof(JointTracks);
     if (table_bytes > kKeyLimit_bytes)
-        throw Failure(ErrorCode::kLimit, asset.name, std::to_string(asset.clips.size()) + " clips x " + std::to_string(joint_count) + " joints make a track table of " + std::to_string(table_bytes >> 20) + " MiB; the limit is 256 MiB");
+        throw Failure(ErrorCode::kLimit, asset.name,
+                      std::to_string(asset.clips.size()) + " clips x " + std::to_string(joint_count) +
+                          " joints make a track table of " + std::to_string(table_bytes >> 20) +
+                          " MiB; the limit is 256 MiB");
 
     std::vector<JointTracks> rest_tracks;
     rest_tracks.reserve(joint_count);
@@ -293,7 +314,8 @@ void compile_clips(const Asset& asset, const RigMap& map, Character& character) 
     character.tracks.reserve(static_cast<size_t>(table_bytes / sizeof(JointTracks)));
     for (size_t clip = 0; clip <= asset.clips.size(); ++clip)
         character.tracks.insert(character.tracks.end(), rest_tracks.begin(), rest_tracks.end());
-    for (size_t clip = 0; clip < asset.clips.size(); ++clip) ClipCompiler(asset, map, asset.clips[clip], character).run(clip);
+    for (size_t clip = 0; clip < asset.clips.size(); ++clip)
+        ClipCompiler(asset, map, asset.clips[clip], character).run(clip);
 }
 
 }  // namespace throng

@@ -5,8 +5,8 @@
 
 namespace throng {
 
-// Appends all clips of the asset, and the rest pose, to the character: clips, times_s, keys and tracks. character.rig and
-// character.size are set. Throws kLimit where the keys of all clips would exceed 256 MiB.
+// Appends all clips of the asset, and the rest pose, to the character: clips, times_s, keys and tracks. character.rig
+// and character.size are set. Throws kLimit where the keys of all clips would exceed 256 MiB.
 void compile_clips(const Asset& asset, const RigMap& map, Character& character);
 
 }  // namespace throng

@@ -11,7 +11,8 @@ namespace {
 
 // Of the box in a pose.
 void add_posed(Box& bounds, const AffineT<double>& model_from_joint, const Box& box) {
-    const Vec3<double> middle = transform_point(model_from_joint, (box.low + box.high) * 0.5), half = (box.high - box.low) * 0.5;
+    const Vec3<double> middle = transform_point(model_from_joint, (box.low + box.high) * 0.5),
+                       half = (box.high - box.low) * 0.5;
     const auto reach = [&](size_t row) {
         const auto& r = model_from_joint.row[row];
         return std::abs(r[0]) * half.x + std::abs(r[1]) * half.y + std::abs(r[2]) * half.z;

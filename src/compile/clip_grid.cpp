@@ -9,7 +9,9 @@ namespace {
 constexpr uint32_t kMostHalvings = 8;
 
 uint32_t track_word(const JointTracks& tracks, TrackTarget target) {
-    return target == TrackTarget::kRotation ? tracks.rotation : target == TrackTarget::kTranslation ? tracks.translation : tracks.scale;
+    return target == TrackTarget::kRotation      ? tracks.rotation
+           : target == TrackTarget::kTranslation ? tracks.translation
+                                                 : tracks.scale;
 }
 
 TrackSample sample_of(const TrackKey& key, TrackTarget target) {
@@ -20,7 +22,8 @@ TrackSample sample_of(const TrackKey& key, TrackTarget target) {
 
 Quaternion<double> quaternion(const TrackSample& v) { return {v[0], v[1], v[2], v[3]}; }
 
-// How far, in radians of rotation, the straight line between two quaternions lags behind their arc. It does most at 0.2113 of the way.
+// How far, in radians of rotation, the straight line between two quaternions lags behind their arc. It does most at
+// 0.2113 of the way.
 double chord_lag_rad(const TrackSample& a, const TrackSample& b) {
     constexpr double kWorst = 0.2113;
     double cosine = 0;
@@ -51,7 +54,8 @@ public:
     ClipGrid run(std::span<const double> reaches, const GridSettings& settings) {
         const uint64_t most_rows = std::max<uint64_t>(settings.joint_rows / grid_.still.size(), times_s_.size());
         std::vector<uint32_t> halvings = halvings_by_interval(reaches, settings.bound);
-        for (double looser = 8; row_count_of(halvings) > most_rows; looser *= 8) halvings = halvings_by_interval(reaches, settings.bound * looser);
+        for (double looser = 8; row_count_of(halvings) > most_rows; looser *= 8)
+            halvings = halvings_by_interval(reaches, settings.bound * looser);
         add_rows(halvings);
         // Between rows only arcs can be further off than in the rows; at 1/4 they nearly are as far as they get.
         constexpr double kNegligible = 0.1;
@@ -62,7 +66,8 @@ public:
 
 private:
     TrackSample key(size_t track, size_t row) const {
-        return sample_of(character_.keys[(words_[track] & kTrackPosition) + row * clip_.row_stride], grid_.tracks[track].target);
+        return sample_of(character_.keys[(words_[track] & kTrackPosition) + row * clip_.row_stride],
+                         grid_.tracks[track].target);
     }
 
     // A third power: each halving leaves an eighth.
@@ -94,7 +99,8 @@ private:
             const double from_s = times_s_[row], length_s = double{times_s_[row + 1]} - from_s;
             for (uint32_t part = 0; part < 1u << halvings[row]; ++part) {
                 const auto time_s = static_cast<float>(from_s + length_s * part / (1u << halvings[row]));
-                if (part > 0 && (time_s <= grid_.times_s.back() || time_s >= times_s_[row + 1])) continue;  // finer than floats
+                // Finer than floats
+                if (part > 0 && (time_s <= grid_.times_s.back() || time_s >= times_s_[row + 1])) continue;
                 grid_.times_s.push_back(time_s);
                 grid_.fixed.push_back(part == 0 && row > 0 && steps_at(row));
             }
@@ -122,10 +128,12 @@ private:
                 if (!of.step && rows.fraction > 0) {
                     const TrackSample later = key(track, rows.later);
                     if (of.target == TrackTarget::kRotation) {
-                        const Quaternion<double> q = slerp_reference(quaternion(value), quaternion(later), rows.fraction);
+                        const Quaternion<double> q = slerp_reference(quaternion(value), quaternion(later),
+                                                                     rows.fraction);
                         value = {q.x, q.y, q.z, q.w};
                     } else {
-                        for (size_t c = 0; c < 3; ++c) value[c] = value[c] * (1 - rows.fraction) + later[c] * rows.fraction;
+                        for (size_t c = 0; c < 3; ++c)
+                            value[c] = value[c] * (1 - rows.fraction) + later[c] * rows.fraction;
                     }
                 }
                 for (size_t c = 0; c < 4; ++c) grid_.values[track * row_count + row][c] = static_cast<float>(value[c]);
@@ -157,8 +165,10 @@ TrackSample ClipGrid::value(size_t track, size_t row) const {
 }
 
 void set_component(Trs<double>& trs, TrackTarget target, const TrackSample& value) {
-    if (target == TrackTarget::kRotation) trs.rotation = {value[0], value[1], value[2], value[3]};
-    else (target == TrackTarget::kTranslation ? trs.translation : trs.scale) = {value[0], value[1], value[2]};
+    if (target == TrackTarget::kRotation)
+        trs.rotation = {value[0], value[1], value[2], value[3]};
+    else
+        (target == TrackTarget::kTranslation ? trs.translation : trs.scale) = {value[0], value[1], value[2]};
 }
 
 TrackSample component(const Trs<double>& trs, TrackTarget target) {
@@ -167,7 +177,8 @@ TrackSample component(const Trs<double>& trs, TrackTarget target) {
     return {v.x, v.y, v.z, 0};
 }
 
-ClipGrid make_clip_grid(const Character& character, uint32_t clip, std::span<const double> reaches, const GridSettings& settings) {
+ClipGrid make_clip_grid(const Character& character, uint32_t clip, std::span<const double> reaches,
+                        const GridSettings& settings) {
     return GridBuilder(character, clip).run(reaches, settings);
 }
 

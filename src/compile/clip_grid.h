@@ -1,5 +1,5 @@
-// The exact tracks of a clip on a grid of times: its rows, and rows added where straight lines would not follow the arcs of rotations.
-// Points between rows are where the error of a packed clip is measured too.
+// The exact tracks of a clip on a grid of times: its rows, and rows added where straight lines would not follow the
+// arcs of rotations. Points between rows are where the error of a packed clip is measured too.
 #pragma once
 
 #include "compile/packed_track.h"
@@ -35,12 +35,15 @@ struct ClipGrid {
 };
 
 struct GridSettings {
-    double bound = 0;                   // displacement in model space that straight lines instead of arcs may cause
-    uint64_t joint_rows = 4'000'000;    // rows * joints at most, as far as the clip's own rows leave room: no more than 192 MiB of values
+    double bound = 0;  // displacement in model space that straight lines instead of arcs may cause
+    // Rows * joints at most, as far as the clip's own rows leave room: no more than 192 MiB of values
+    uint64_t joint_rows = 4'000'000;
 };
 
-// Of a character with exact keys. `reaches[joint_count]`: how far in model space a rotation of the joint by 1 rad moves a point at most.
-ClipGrid make_clip_grid(const Character& character, uint32_t clip, std::span<const double> reaches, const GridSettings& settings);
+// Of a character with exact keys. `reaches[joint_count]`: how far in model space a rotation of the joint by 1 rad moves
+// a point at most.
+ClipGrid make_clip_grid(const Character& character, uint32_t clip, std::span<const double> reaches,
+                        const GridSettings& settings);
 
 // The component of a joint's transform which a track animates.
 void set_component(Trs<double>& trs, TrackTarget target, const TrackSample& value);

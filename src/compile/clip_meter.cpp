@@ -19,7 +19,13 @@ void mix(Trs<double>& trs, const GridTrack& track, const TrackKey& earlier, cons
 }  // namespace
 
 ClipMeter::ClipMeter(const Character& character, const ClipGrid& grid, std::span<const Box> boxes)
-    : character_(character), grid_(grid), boxes_(boxes), models_(boxes.size()), exact_models_(boxes.size()), exact_pose_(grid.still), peaks_(boxes.size()) {
+    : character_(character),
+      grid_(grid),
+      boxes_(boxes),
+      models_(boxes.size()),
+      exact_models_(boxes.size()),
+      exact_pose_(grid.still),
+      peaks_(boxes.size()) {
     if (grid.point_count() * boxes.size() > kCachedModels) return;
     std::vector<AffineT<double>> all;
     all.reserve(grid.point_count() * boxes.size());
@@ -31,20 +37,24 @@ ClipMeter::ClipMeter(const Character& character, const ClipGrid& grid, std::span
 }
 
 std::span<const AffineT<double>> ClipMeter::compute_exact(size_t point) {
-    if (point % grid_.points_per_row != 0) exact_pose_ = sample_reference(character_, grid_.clip, grid_.time_s(point));
+    if (point % grid_.points_per_row != 0)
+        exact_pose_ = sample_reference(character_, grid_.clip, grid_.time_s(point));
     else
         for (size_t track = 0; track < grid_.tracks.size(); ++track)
-            set_component(exact_pose_[grid_.tracks[track].joint], grid_.tracks[track].target, grid_.value(track, point / grid_.points_per_row));
+            set_component(exact_pose_[grid_.tracks[track].joint], grid_.tracks[track].target,
+                          grid_.value(track, point / grid_.points_per_row));
     const std::vector<uint32_t>& parents = character_.rig.parents;
     for (size_t joint = 0; joint < parents.size(); ++joint) {
         const AffineT<double> parent_from_joint = to_affine(exact_pose_[joint]);
-        exact_models_[joint] = parents[joint] == kNone ? parent_from_joint : exact_models_[parents[joint]] * parent_from_joint;
+        exact_models_[joint] = parents[joint] == kNone ? parent_from_joint
+                                                       : exact_models_[parents[joint]] * parent_from_joint;
     }
     return exact_models_;
 }
 
 std::span<const AffineT<double>> ClipMeter::exact(size_t point) {
-    return cache_.empty() ? compute_exact(point) : std::span<const AffineT<double>>(cache_).subspan(point * boxes_.size(), boxes_.size());
+    return cache_.empty() ? compute_exact(point)
+                          : std::span<const AffineT<double>>(cache_).subspan(point * boxes_.size(), boxes_.size());
 }
 
 double ClipMeter::place(size_t joint, const Trs<double>& trs, std::span<const AffineT<double>> wanted) {
@@ -115,7 +125,8 @@ double ClipMeter::largest_between(const Rows& rows, size_t interval, double enou
                 mix(pose_[grid_.tracks[track].joint], grid_.tracks[track], pair[0], pair[1], w);
             }
             const std::span<const AffineT<double>> wanted = exact(point);
-            for (size_t joint = 0; joint < boxes_.size(); ++joint) largest = std::max(largest, place(joint, pose_[joint], wanted));
+            for (size_t joint = 0; joint < boxes_.size(); ++joint)
+                largest = std::max(largest, place(joint, pose_[joint], wanted));
         }
     return largest;
 }

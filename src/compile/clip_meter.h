@@ -28,7 +28,8 @@ public:
         std::span<const TrackKey> values;       // [track][row_count]
         const std::vector<Trs<double>>& still;  // [joint_count], what the others have
     };
-    // Largest displacement at the points between rows, looking at every `interval`-th pair of them. May stop above `enough`.
+    // Largest displacement at the points between rows, looking at every `interval`-th pair of them. May stop above
+    // `enough`.
     double largest_between(const Rows& rows, size_t interval, double enough);
 
     // [joint_count]: the largest that place() returned since it was reset.

@@ -12,16 +12,18 @@ namespace throng {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr size_t kSampledRows = 16;          // for sensitivities
-constexpr size_t kSearchPoints = 1024;       // at which the search measures between rows; its result is measured at all
-constexpr double kArcShare = 0.1;            // of the bound, for arcs as straight lines where all rows are kept
-constexpr std::array kRowShares{0.4, 0.75};  // of the bound, for leaving out rows; what is left is for quantising. The smaller result counts
-constexpr double kMargin = 0.99;             // the points of the grid may miss the largest displacement by a little
-constexpr double kFirstScale = 0.3;          // of tolerances, where a search begins
-constexpr double kAboveFinest = 1.2;         // where a bound cannot be kept: this much more than the finest saves most of its bits
+constexpr size_t kSampledRows = 16;     // for sensitivities
+constexpr size_t kSearchPoints = 1024;  // at which the search measures between rows; its result is measured at all
+constexpr double kArcShare = 0.1;       // of the bound, for arcs as straight lines where all rows are kept
+// Of the bound, for leaving out rows; what is left is for quantising. The smaller result counts
+constexpr std::array kRowShares{0.4, 0.75};
+constexpr double kMargin = 0.99;     // the points of the grid may miss the largest displacement by a little
+constexpr double kFirstScale = 0.3;  // of tolerances, where a search begins
+// Where a bound cannot be kept: this much more than the finest saves most of its bits
+constexpr double kAboveFinest = 1.2;
 
-// Each joint with the largest components of scale and translation in all rows: nothing reaches further, and what is hidden by a scale of 0
-// in the sampled rows is there.
+// Each joint with the largest components of scale and translation in all rows: nothing reaches further, and what is
+// hidden by a scale of 0 in the sampled rows is there.
 std::vector<Trs<double>> extended_pose(const Character& character, uint32_t index) {
     const Clip& clip = character.clips[index];
     std::vector<Trs<double>> pose = sample_reference(character, index, 0);
@@ -56,9 +58,14 @@ std::vector<std::vector<Trs<double>>> sample_poses(const Character& character, u
 class ClipPacker {
 public:
     ClipPacker(const Character& character, uint32_t clip, std::span<const Box> boxes, const PackSettings& settings)
-        : character_(character), boxes_(boxes), bound_(settings.bound), poses_(sample_poses(character, clip)),
-          grid_(make_clip_grid(character, clip, joint_reaches(character, boxes, poses_.back()), {kArcShare * bound_, settings.joint_rows})),
-          meter_(character, grid_, boxes), encoder_(character, grid_, meter_) {}
+        : character_(character),
+          boxes_(boxes),
+          bound_(settings.bound),
+          poses_(sample_poses(character, clip)),
+          grid_(make_clip_grid(character, clip, joint_reaches(character, boxes, poses_.back()),
+                               {kArcShare * bound_, settings.joint_rows})),
+          meter_(character, grid_, boxes),
+          encoder_(character, grid_, meter_) {}
 
     PackedClip run() {
         for (const double share : kRowShares) {
@@ -73,7 +80,8 @@ public:
             if (finest > bound_) finest = take_finest(kArcShare * bound_);  // all rows do not help either
             if (!(finest < kInfinity)) {
                 const std::string name = gltf::printable(character_.clips[grid_.clip].name);
-                throw Failure(ErrorCode::kInvalidFile, gltf::printable(character_.name, 120), "clip '" + name + "': its poses are not finite");
+                throw Failure(ErrorCode::kInvalidFile, gltf::printable(character_.name, 120),
+                              "clip '" + name + "': its poses are not finite");
             }
             keep(finest);
             scale_ = kFirstScale;  // the searches that failed left it where all bits are used
@@ -109,7 +117,9 @@ private:
     double evaluate(double scale, size_t row_interval, double enough) {
         const double in_rows = encode(scale);
         if (in_rows > enough) return in_rows;
-        return std::max(in_rows, meter_.largest_between({rows_, encoder_.moving(), encoder_.decoded(), encoder_.still()}, row_interval, enough));
+        return std::max(in_rows,
+                        meter_.largest_between({rows_, encoder_.moving(), encoder_.decoded(), encoder_.still()},
+                                               row_interval, enough));
     }
 
     // The largest scale that keeps the goal. Error goes about linearly with it, in small steps.
@@ -127,8 +137,10 @@ private:
             if (error <= goal && row_interval == 1) keep(error);
             (error <= goal ? good : bad) = scale_;
             const double ratio = goal / std::max(error, 1e-6 * goal);
-            if (good > 0 && bad > 0) scale_ = std::sqrt(good * bad);
-            else scale_ *= error <= goal ? std::clamp(ratio, 1.05, 8.0) : std::clamp(0.97 * ratio, 0.05, 0.95);
+            if (good > 0 && bad > 0)
+                scale_ = std::sqrt(good * bad);
+            else
+                scale_ *= error <= goal ? std::clamp(ratio, 1.05, 8.0) : std::clamp(0.97 * ratio, 0.05, 0.95);
         }
         if (good > 0) scale_ = good;
         for (int round = 0; round < 4 && row_interval > 1; ++round) {
@@ -155,7 +167,8 @@ private:
         size_t bytes = row_count * (encoder_.row_stride() + 1) * sizeof(uint32_t);
         for (size_t slot = 0; slot < shapes_.size(); ++slot) {
             const PackedTrack& track = encoder_.tracks()[slot];
-            const bool rest = track.minimum == constant_track(shapes_[slot].target, shapes_[slot].rest).minimum;  // stored already
+            // Stored already
+            const bool rest = track.minimum == constant_track(shapes_[slot].target, shapes_[slot].rest).minimum;
             bytes += packed_row_bits(track) > 0 ? sizeof(PackedTrack) : rest ? 0 : sizeof(PackedTrack) / 2;
         }
         return bytes;
@@ -166,7 +179,10 @@ private:
         const size_t bytes = size_bytes(row_count);
         if (best_ && bytes >= best_bytes_) return;
         best_bytes_ = bytes;
-        best_ = PackedClip{.tracks = encoder_.tracks(), .words = encoder_.words(), .row_stride = encoder_.row_stride(), .error = error};
+        best_ = PackedClip{.tracks = encoder_.tracks(),
+                           .words = encoder_.words(),
+                           .row_stride = encoder_.row_stride(),
+                           .error = error};
         for (size_t row = 0; row < row_count; ++row) best_->times_s.push_back(grid_.times_s[rows_[row]]);
     }
 
@@ -177,9 +193,9 @@ private:
     const ClipGrid grid_;
     ClipMeter meter_;
     RowEncoder encoder_;
-    std::vector<size_t> rows_;         // of the grid's, that are kept
-    std::vector<TrackShape> shapes_;   // [joint_count][3]
-    std::vector<double> weights_;      // [joint_count]
+    std::vector<size_t> rows_;        // of the grid's, that are kept
+    std::vector<TrackShape> shapes_;  // [joint_count][3]
+    std::vector<double> weights_;     // [joint_count]
     double scale_ = kFirstScale;
     std::optional<PackedClip> best_;
     size_t best_bytes_ = 0;
@@ -187,7 +203,8 @@ private:
 
 }  // namespace
 
-PackedClip pack_clip(const Character& character, uint32_t clip, std::span<const Box> boxes, const PackSettings& settings) {
+PackedClip pack_clip(const Character& character, uint32_t clip, std::span<const Box> boxes,
+                     const PackSettings& settings) {
     return ClipPacker(character, clip, boxes, settings).run();
 }
 

@@ -32,7 +32,8 @@ void measure(Character& character) {
     const std::vector<AffineT<double>> model = scan_reference(character.rig.parents, local);
     std::vector<double> weights;
     for (const Morph& morph : character.morphs) weights.push_back(morph.default_weight);
-    std::vector<Vec3<double>> points = skin_reference(character, bind_reference(character.palette, model), active_morphs_reference(weights));
+    std::vector<Vec3<double>> points = skin_reference(character, bind_reference(character.palette, model),
+                                                      active_morphs_reference(weights));
     if (points.empty())
         for (const AffineT<double>& m : model) points.push_back({m.row[0][3], m.row[1][3], m.row[2][3]});
 
@@ -46,46 +47,51 @@ void measure(Character& character) {
     character.bounds_max = high.as<float>();
     character.size = static_cast<float>(length(high - low));
     if (character.size == 0) character.size = 1;  // joints without a mesh, all in one place
-    if (!std::isfinite(character.size)) throw Failure(ErrorCode::kInvalidFile, character.name, "the rest pose is not finite");
+    if (!std::isfinite(character.size))
+        throw Failure(ErrorCode::kInvalidFile, character.name, "the rest pose is not finite");
 }
 
 }  // namespace
 
 uint32_t Character::find_clip(std::string_view clip_name) const {
-    const auto found = std::find_if(clips.begin(), clips.end(), [&](const Clip& clip) { return clip.name == clip_name; });
+    const auto found = std::find_if(clips.begin(), clips.end(),
+                                    [&](const Clip& clip) { return clip.name == clip_name; });
     return found == clips.end() ? kNone : static_cast<uint32_t>(found - clips.begin());
 }
 
 Result<Character> compile_character(const Asset& asset, const CompileSettings& settings) {
-    return as_result([&] {
-        check_error_bound(settings.error, asset.name);
-        Character character;
-        character.name = asset.name;
-        character.warnings = asset.warnings;
-        const RigMap map = build_rig(asset);
-        character.rig = map.rig;
-        compile_mesh(asset, map, character);
-        compile_morphs(asset, character);
-        measure(character);
-        compile_clips(asset, map, character);
-        if (!settings.root_motion_joint.empty()) extract_root_motion(character, settings.root_motion_joint);
-        if (settings.error > 0) pack_clips(character, settings.error);
-        character.rig.uniform_scale = has_uniform_scale(character);
-        compile_morph_tracks(asset, character);
-        if (settings.levels_of_detail) {
-            make_details(character);
-            make_joint_details(character);
-        }
-        measure_clips(character);
-        file::visit_strings(character, [](std::string& text) { text = gltf::printable(text, std::string::npos); });
-        return character;
-    }, asset.name);
+    return as_result(
+        [&] {
+            check_error_bound(settings.error, asset.name);
+            Character character;
+            character.name = asset.name;
+            character.warnings = asset.warnings;
+            const RigMap map = build_rig(asset);
+            character.rig = map.rig;
+            compile_mesh(asset, map, character);
+            compile_morphs(asset, character);
+            measure(character);
+            compile_clips(asset, map, character);
+            if (!settings.root_motion_joint.empty()) extract_root_motion(character, settings.root_motion_joint);
+            if (settings.error > 0) pack_clips(character, settings.error);
+            character.rig.uniform_scale = has_uniform_scale(character);
+            compile_morph_tracks(asset, character);
+            if (settings.levels_of_detail) {
+                make_details(character);
+                make_joint_details(character);
+            }
+            measure_clips(character);
+            file::visit_strings(character, [](std::string& text) { text = gltf::printable(text, std::string::npos); });
+            return character;
+        },
+        asset.name);
 }
 
 Result<Character> load_character(const std::filesystem::path& path, const CompileSettings& settings) {
     if (is_compiled_file(path)) {
         const std::string place = gltf::printable(path.filename().string(), 120);
-        return as_result([&] { return read_character(gltf::read_file(path, kCompiledFileLimit_bytes, place), place); }, place);
+        return as_result([&] { return read_character(gltf::read_file(path, kCompiledFileLimit_bytes, place), place); },
+                         place);
     }
     Result<Asset> asset = load_asset(path);
     if (!asset) return asset.error();

@@ -12,7 +12,8 @@ static_assert(std::endian::native == std::endian::little, "eight bytes are taken
 constexpr uint64_t kPolynomial = 0xC96C5795D7870F42u;  // of ECMA-182, bit-reversed
 
 // Eight bytes a step, each by a table of its own.
-// Source: M. Kounavis and F. Berry, "A Systematic Approach to Building High Performance Software-Based CRC Generators", ISCC 2005.
+// Source: M. Kounavis and F. Berry, "A Systematic Approach to Building High Performance Software-Based CRC Generators",
+// ISCC 2005.
 constexpr std::array<std::array<uint64_t, 256>, 8> kTables = [] {
     std::array<std::array<uint64_t, 256>, 8> tables{};
     for (uint64_t byte = 0; byte < 256; ++byte) {
@@ -37,7 +38,8 @@ uint64_t crc64(std::span<const std::byte> bytes, uint64_t before) {
         std::memcpy(&word, bytes.data(), sizeof(word));
         word ^= crc;
         crc = 0;
-        for (size_t byte = 0; byte < kTables.size(); ++byte) crc ^= kTables[kTables.size() - 1 - byte][word >> (8 * byte) & 0xFF];
+        for (size_t byte = 0; byte < kTables.size(); ++byte)
+            crc ^= kTables[kTables.size() - 1 - byte][word >> (8 * byte) & 0xFF];
     }
     for (const std::byte byte : bytes) crc = crc >> 8 ^ kTables[0][(crc ^ static_cast<uint64_t>(byte)) & 0xFF];
     return ~crc;

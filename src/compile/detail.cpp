@@ -15,20 +15,22 @@
 namespace throng {
 namespace {
 
-constexpr size_t kFewest = 64 * 3;       // indices, below which nothing is gained
-constexpr double kShare = 0.35;          // of the triangles of the level before that a level aims at
-constexpr double kAlmost = 1.25;         // of them, which is still coarse enough
-constexpr double kWorthwhile = 0.8;      // of them, above which it is not kept
-constexpr float kLargestError = 0.2f;    // of a section's extent, by quadrics
-constexpr uint32_t kPoses = 8;           // of all clips together, that errors are measured in
-constexpr float kLeastError = 1e-6f;     // of the character's size, which rounding does not tell from none
+constexpr size_t kFewest = 64 * 3;     // indices, below which nothing is gained
+constexpr double kShare = 0.35;        // of the triangles of the level before that a level aims at
+constexpr double kAlmost = 1.25;       // of them, which is still coarse enough
+constexpr double kWorthwhile = 0.8;    // of them, above which it is not kept
+constexpr float kLargestError = 0.2f;  // of a section's extent, by quadrics
+constexpr uint32_t kPoses = 8;         // of all clips together, that errors are measured in
+constexpr float kLeastError = 1e-6f;   // of the character's size, which rounding does not tell from none
 
 // In model space.
 std::vector<Vec3<float>> positions_in(const Character& character, const SampledPose& pose) {
     const std::vector<MorphLayer> layers{{.voices = {{.clip = pose.clip, .time_s = pose.time_s}}}};
     const std::vector<WeightedMorph> morphs = active_morphs_reference(morphs_reference(character, layers));
     std::vector<Vec3<float>> positions;
-    for (const Vec3<double>& p : skin_reference(character, bind_reference(character.palette, model_from_joint_of(character, pose)), morphs)) positions.push_back(p.as<float>());
+    for (const Vec3<double>& p :
+         skin_reference(character, bind_reference(character.palette, model_from_joint_of(character, pose)), morphs))
+        positions.push_back(p.as<float>());
     return positions;
 }
 
@@ -78,14 +80,19 @@ float furthest_from(const TriangleIndex& mesh, NearTriangles& near, const Place&
     return std::sqrt(furthest);
 }
 
-std::span<const uint32_t> indices_of(const Character& character, const MeshSection& section) { return std::span(character.indices).subspan(section.first_index, section.index_count); }
+std::span<const uint32_t> indices_of(const Character& character, const MeshSection& section) {
+    return std::span(character.indices).subspan(section.first_index, section.index_count);
+}
 
 // Triangles of a section, and how far they are off in the poses looked at so far.
 struct Coarse {
     Coarse() = default;
     Coarse(std::vector<uint32_t> mesh, const TriangleIndex& fine, std::span<const Vec3<float>> positions)
-        : indices(std::move(mesh)), index(indices, positions), lost(lost_vertices(fine, indices, positions.size())),
-          near_lost(lost.size(), kNone), near_middles(indices.size() / 3 * kMiddles, kNone) {}
+        : indices(std::move(mesh)),
+          index(indices, positions),
+          lost(lost_vertices(fine, indices, positions.size())),
+          near_lost(lost.size(), kNone),
+          near_middles(indices.size() / 3 * kMiddles, kNone) {}
 
     // Raises the error to what it is in a pose.
     void measure(const TriangleIndex& fine, std::span<const Vec3<float>> positions, uint64_t& steps) {
@@ -104,8 +111,9 @@ struct Coarse {
     NearTriangles near_middles;  // of its middles, among those of the fine mesh
 };
 
-// By both ways of meshoptimizer, in the rest pose: edge collapses towards vertices that are there (M. Garland and P. S. Heckbert, Surface Simplification Using Quadric Error Metrics, SIGGRAPH 1997), which stop where the
-// mesh comes apart, and clusters of vertices, which do not, and lose no thin part that is larger than a cluster.
+// By both ways of meshoptimizer, in the rest pose: edge collapses towards vertices that are there (M. Garland and P. S.
+// Heckbert, Surface Simplification Using Quadric Error Metrics, SIGGRAPH 1997), which stop where the mesh comes apart,
+// and clusters of vertices, which do not, and lose no thin part that is larger than a cluster.
 class CoarseSection {
 public:
     // `index` is that of the fine mesh.
@@ -118,10 +126,10 @@ public:
         const size_t wanted = static_cast<size_t>(share * static_cast<double>(fine.size())) / 3 * 3;
         std::vector<uint32_t> collapsed(fine.size()), clustered(fine.size());
         const size_t stride = sizeof positions[0];
-        collapsed.resize(meshopt_simplify(collapsed.data(), fine.data(), fine.size(), &positions[0].x, positions.size(), stride,
-                                          wanted, kLargestError, 0, nullptr));
-        clustered.resize(meshopt_simplifySloppy(clustered.data(), fine.data(), fine.size(), &positions[0].x, positions.size(),
-                                                stride, wanted, kLargestError, nullptr));
+        collapsed.resize(meshopt_simplify(collapsed.data(), fine.data(), fine.size(), &positions[0].x, positions.size(),
+                                          stride, wanted, kLargestError, 0, nullptr));
+        clustered.resize(meshopt_simplifySloppy(clustered.data(), fine.data(), fine.size(), &positions[0].x,
+                                                positions.size(), stride, wanted, kLargestError, nullptr));
         if (collapsed.empty()) collapsed.assign(fine.begin(), fine.end());  // nothing vanishes
         const auto is_coarse = [wanted](const std::vector<uint32_t>& mesh) {
             return static_cast<double>(mesh.size()) <= kAlmost * static_cast<double>(wanted);
@@ -162,8 +170,8 @@ public:
         }
     }
 
-    // Raises the errors of all to what they are in the pose: either way, since clusters may join what lies side by side,
-    // as legs, and moves apart.
+    // Raises the errors of all to what they are in the pose: either way, since clusters may join what lies side by
+    // side, as legs, and moves apart.
     void measure_in(const SampledPose& pose) {
         const std::vector<Vec3<float>> positions = positions_in(character_, pose);
         for (size_t i = 0; i < fine_.size(); ++i) {
@@ -196,13 +204,16 @@ void DetailMaker::keep_levels() {
     for (const CoarseLevel& level : levels_) {
         size_t count = 0;
         for (const CoarseSection& section : level) count += section.best().indices.size();
-        if (count_before <= kFewest || static_cast<double>(count) > kWorthwhile * static_cast<double>(count_before)) return;
+        if (count_before <= kFewest || static_cast<double>(count) > kWorthwhile * static_cast<double>(count_before))
+            return;
         count_before = count;
         for (const CoarseSection& section : level) {
             const Coarse& coarse = section.best();
             error = std::max(error, coarse.error);
-            character_.detail_ranges.push_back({static_cast<uint32_t>(character_.detail_indices.size()), static_cast<uint32_t>(coarse.indices.size())});
-            character_.detail_indices.insert(character_.detail_indices.end(), coarse.indices.begin(), coarse.indices.end());
+            character_.detail_ranges.push_back({static_cast<uint32_t>(character_.detail_indices.size()),
+                                                static_cast<uint32_t>(coarse.indices.size())});
+            character_.detail_indices.insert(character_.detail_indices.end(), coarse.indices.begin(),
+                                             coarse.indices.end());
         }
         character_.details.push_back({error});
     }

@@ -19,7 +19,9 @@ void Box::add(const Box& box) {
     add(box.high);
 }
 
-Vec3<double> Box::corner(size_t index) const { return {index & 1 ? high.x : low.x, index & 2 ? high.y : low.y, index & 4 ? high.z : low.z}; }
+Vec3<double> Box::corner(size_t index) const {
+    return {index & 1 ? high.x : low.x, index & 2 ? high.y : low.y, index & 4 ? high.z : low.z};
+}
 
 double Box::largest_distance() const {
     const auto larger = [](double a, double b) { return std::max(std::abs(a), std::abs(b)); };
@@ -28,8 +30,8 @@ double Box::largest_distance() const {
 
 namespace {
 
-// Joints that move no vertex may carry a sword: what hangs on them is measured at this distance, as ACL does at 3 cm of a person
-// (N. Frechette, Animation Compression Library, "Simulating the skinned mesh").
+// Joints that move no vertex may carry a sword: what hangs on them is measured at this distance, as ACL does at 3 cm of
+// a person (N. Frechette, Animation Compression Library, "Simulating the skinned mesh").
 void add_unskinned(const Character& character, std::vector<Box>& boxes) {
     constexpr double kReach = 0.02, kReachWithoutMesh = 0.1;  // of the character's size
     constexpr double kHidden = 1e-9;                          // a scale of the rest pose; clips may show the joint
@@ -40,8 +42,10 @@ void add_unskinned(const Character& character, std::vector<Box>& boxes) {
     for (size_t joint = 0; joint < boxes.size(); ++joint) {
         if (!boxes[joint].empty) continue;
         const auto& row = model_from_joint[joint].row;
-        const double scale = length(Vec3<double>{row[0][0], row[1][0], row[2][0]});  // of lengths, from joint to model space
-        const double half = character.size * (has_mesh ? kReach : kReachWithoutMesh) / (std::sqrt(3.0) * (scale > kHidden ? scale : 1));
+        // Of lengths, from joint to model space
+        const double scale = length(Vec3<double>{row[0][0], row[1][0], row[2][0]});
+        const double half = character.size * (has_mesh ? kReach : kReachWithoutMesh) /
+                            (std::sqrt(3.0) * (scale > kHidden ? scale : 1));
         boxes[joint] = {{-half, -half, -half}, {half, half, half}, false};
     }
 }
@@ -59,9 +63,11 @@ template <class Visit>
 void visit_influences(const Character& character, const Visit& visit) {
     for (const MeshSection& section : character.sections) {
         for (uint32_t vertex = 0; vertex < section.vertex_count; ++vertex) {
-            const std::vector<Vec3<double>> places = places_of(character, section, character.vertices[section.first_vertex + vertex]);
+            const std::vector<Vec3<double>> places = places_of(character, section,
+                                                               character.vertices[section.first_vertex + vertex]);
             for (uint32_t set = 0; set < section.influence_sets; ++set) {
-                const Influences& influences = character.influences[section.first_influences + vertex * section.influence_sets + set];
+                const Influences& influences =
+                    character.influences[section.first_influences + vertex * section.influence_sets + set];
                 for (size_t i = 0; i < 4; ++i) {
                     if (!(influences.weights[i] > 0)) continue;
                     for (const Vec3<double>& place : places) visit(influences.entries[i], place);
@@ -90,12 +96,13 @@ std::vector<Box> bind_boxes(const Character& character) {
 }
 
 double displacement(const AffineT<double>& difference, const Box& box) {
-    const Vec3<double> middle = transform_point(difference, (box.low + box.high) * 0.5), half = (box.high - box.low) * 0.5;
+    const Vec3<double> middle = transform_point(difference, (box.low + box.high) * 0.5),
+                       half = (box.high - box.low) * 0.5;
     const auto axis = [&](size_t column, double extent) {
         return Vec3<double>{difference.row[0][column], difference.row[1][column], difference.row[2][column]} * extent;
     };
     const Vec3<double> x = axis(0, half.x), y = axis(1, half.y), z = axis(2, half.z), a = x + y, b = x - y;
-    double largest = -1;  // no comparison with what is no number is true
+    double largest = -1;                                           // no comparison with what is no number is true
     for (const Vec3<double>& edge : {a + z, a - z, b + z, b - z})  // a corner and its opposite
         largest = std::max(largest, dot(middle, middle) + dot(edge, edge) + 2 * std::abs(dot(middle, edge)));
     return largest >= 0 ? std::sqrt(largest) : std::numeric_limits<double>::infinity();

@@ -17,15 +17,16 @@ struct Box {
     double largest_distance() const;          // of a corner from the origin
 };
 
-// [joint_count], in joint space: the vertices that the joint's palette entries move with a weight above 0; for joints that move none, a
-// cube whose half diagonal is 2 % of the character's size, or 10 % where no joint moves any.
+// [joint_count], in joint space: the vertices that the joint's palette entries move with a weight above 0; for joints
+// that move none, a cube whose half diagonal is 2 % of the character's size, or 10 % where no joint moves any.
 std::vector<Box> influence_boxes(const Character& character);
 
 // [palette_count], in bind space: the vertices that the entry moves with a weight above 0; empty where it moves none.
 std::vector<Box> bind_boxes(const Character& character);
 
-// The largest displacement of a point of the box between two transforms of it, whose difference is given; infinity where that is no number.
-// It is a convex function of the point, so a corner has it; and a vertex moves no further than the furthest of its joints takes it.
+// The largest displacement of a point of the box between two transforms of it, whose difference is given; infinity
+// where that is no number. It is a convex function of the point, so a corner has it; and a vertex moves no further than
+// the furthest of its joints takes it.
 double displacement(const AffineT<double>& difference, const Box& box);
 
 }  // namespace throng

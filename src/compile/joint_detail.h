@@ -5,11 +5,14 @@
 
 namespace throng {
 
-// [palette_count]: the palette entry that stands for each one in a level of detail, by Character::joint_details: its own, or that of the same skin of the nearest joint above that moves in the level; kNone where there is none.
+// [palette_count]: the palette entry that stands for each one in a level of detail, by Character::joint_details: its
+// own, or that of the same skin of the nearest joint above that moves in the level; kNone where there is none.
 std::vector<uint32_t> entries_of_detail(const Character& character, uint32_t detail);
 
-// Fills joint_details, after the levels of detail: in each one so few joints move that the others displace no vertex by more than half of the level's error, and adds how far they do to that error.
-// Measured in the rest pose and in poses of all clips; of a character without clips nothing is known, and joint_details stay empty. Where a joint does not move, nothing below it does.
+// Fills joint_details, after the levels of detail: in each one so few joints move that the others displace no vertex by
+// more than half of the level's error, and adds how far they do to that error. Measured in the rest pose and in poses
+// of all clips; of a character without clips nothing is known, and joint_details stay empty. Where a joint does not
+// move, nothing below it does.
 void make_joint_details(Character& character);
 
 }  // namespace throng

@@ -21,13 +21,18 @@ uint32_t pack_normal(const Vec3<float>& n) {
         v = (1 - std::abs(u)) * (v < 0 ? -1.0f : 1.0f);
         u = folded_u;
     }
-    const auto fraction = [](float f) { return static_cast<uint32_t>(static_cast<uint16_t>(static_cast<int16_t>(std::lround(std::clamp(f, -1.0f, 1.0f) * 32767)))); };
+    const auto fraction = [](float f) {
+        return static_cast<uint32_t>(
+            static_cast<uint16_t>(static_cast<int16_t>(std::lround(std::clamp(f, -1.0f, 1.0f) * 32767))));
+    };
     return fraction(u) | fraction(v) << 16;
 }
 
 uint32_t pack_color(const std::array<float, 4>& color) {
     uint32_t packed = 0;
-    for (int i = 0; i < 4; ++i) packed |= static_cast<uint32_t>(std::lround(std::clamp(color[static_cast<size_t>(i)], 0.0f, 1.0f) * 255)) << (8 * i);
+    for (int i = 0; i < 4; ++i)
+        packed |= static_cast<uint32_t>(std::lround(std::clamp(color[static_cast<size_t>(i)], 0.0f, 1.0f) * 255))
+                  << (8 * i);
     return packed;
 }
 
@@ -45,7 +50,8 @@ std::vector<Vec3<float>> computed_normals(const AssetPrimitive& primitive) {
 
 class MeshCompiler {
 public:
-    MeshCompiler(const Asset& asset, const RigMap& map, Character& character) : asset_(asset), map_(map), character_(character) {
+    MeshCompiler(const Asset& asset, const RigMap& map, Character& character)
+        : asset_(asset), map_(map), character_(character) {
         std::vector<AffineT<double>> rest;
         for (const Trs<float>& joint : map.rig.rest) rest.push_back(to_affine(joint.as<double>()));
         rest_model_from_joint_ = scan_reference(map.rig.parents, rest);
@@ -54,7 +60,8 @@ public:
     void run() {
         for (const AssetSkin& skin : asset_.skins) add_skin(skin);
         for (const AssetMeshInstance& instance : asset_.mesh_instances)
-            for (uint32_t primitive = 0; primitive < asset_.meshes[instance.mesh].primitives.size(); ++primitive) add_section(instance, primitive);
+            for (uint32_t primitive = 0; primitive < asset_.meshes[instance.mesh].primitives.size(); ++primitive)
+                add_section(instance, primitive);
         character_.materials = asset_.materials;
         character_.images = asset_.images;
         warn_of_weightless();
@@ -64,7 +71,8 @@ private:
     uint32_t add_entries(const std::vector<PaletteEntry>& entries) {
         const size_t first = character_.palette.size();
         if (first + entries.size() > kPaletteLimit)
-            throw Failure(ErrorCode::kLimit, asset_.name, "the skins have more than " + std::to_string(kPaletteLimit) + " joints in sum");
+            throw Failure(ErrorCode::kLimit, asset_.name,
+                          "the skins have more than " + std::to_string(kPaletteLimit) + " joints in sum");
         character_.palette.insert(character_.palette.end(), entries.begin(), entries.end());
         return static_cast<uint32_t>(first);
     }
@@ -72,9 +80,12 @@ private:
     // Skins with the same joints and inverse binds share their entries.
     void add_skin(const AssetSkin& skin) {
         std::vector<PaletteEntry> entries;
-        for (size_t k = 0; k < skin.joints.size(); ++k) entries.push_back({map_.joint_of_node[skin.joints[k]], skin.inverse_binds[k]});
+        for (size_t k = 0; k < skin.joints.size(); ++k)
+            entries.push_back({map_.joint_of_node[skin.joints[k]], skin.inverse_binds[k]});
         for (const Skin& other : character_.skins) {
-            const auto same = [](const PaletteEntry& a, const PaletteEntry& b) { return a.joint == b.joint && a.joint_from_bind == b.joint_from_bind; };
+            const auto same = [](const PaletteEntry& a, const PaletteEntry& b) {
+                return a.joint == b.joint && a.joint_from_bind == b.joint_from_bind;
+            };
             const auto begin = character_.palette.begin() + other.first_entry;
             if (other.joint_count == entries.size() && std::equal(entries.begin(), entries.end(), begin, same)) {
                 character_.skins.push_back({skin.name, other.first_entry, other.joint_count});
@@ -113,14 +124,16 @@ private:
             character_.indices.insert(character_.indices.end(), primitive.indices.begin(), primitive.indices.end());
         } else {
             const uint32_t entry = rigid_entry(instance.node);
-            character_.influences.insert(character_.influences.end(), section.vertex_count, {{1, 0, 0, 0}, {static_cast<uint16_t>(entry), 0, 0, 0}});
+            character_.influences.insert(character_.influences.end(), section.vertex_count,
+                                         {{1, 0, 0, 0}, {static_cast<uint16_t>(entry), 0, 0, 0}});
             add_rigid_indices(primitive, entry);
         }
         character_.sections.push_back(section);
     }
 
     void add_vertices(const AssetPrimitive& primitive) {
-        const std::vector<Vec3<float>> normals = primitive.normals.empty() ? computed_normals(primitive) : primitive.normals;
+        const std::vector<Vec3<float>> normals = primitive.normals.empty() ? computed_normals(primitive)
+                                                                           : primitive.normals;
         for (size_t v = 0; v < primitive.positions.size(); ++v) {
             Vertex vertex{.position = primitive.positions[v], .normal_octahedral = pack_normal(normalized(normals[v]))};
             if (!primitive.texcoords.empty()) vertex.texcoord = primitive.texcoords[v];
@@ -141,8 +154,8 @@ private:
             for (uint32_t i = 0; i < count; ++i) sum += primitive.influence_weights[v * count + i];
             const bool weightless = !(sum > 0);
             if (weightless && weightless_count_++ == 0)
-                first_weightless_ =
-                    "meshes[" + std::to_string(instance.mesh) + "].primitives[" + std::to_string(primitive_index) + "]";
+                first_weightless_ = "meshes[" + std::to_string(instance.mesh) + "].primitives[" +
+                                    std::to_string(primitive_index) + "]";
             for (uint32_t set = 0; set < count / 4; ++set) {
                 Influences influences;
                 for (uint32_t i = 0; i < 4; ++i) {
@@ -172,7 +185,8 @@ private:
     // glTF 2.0, section 3.7.4: a node that mirrors reverses the winding.
     void add_rigid_indices(const AssetPrimitive& primitive, uint32_t entry) {
         const PaletteEntry& anchor = character_.palette[entry];
-        const bool mirrored = determinant(rest_model_from_joint_[anchor.joint] * anchor.joint_from_bind.as<double>()) < 0;
+        const bool mirrored = determinant(rest_model_from_joint_[anchor.joint] * anchor.joint_from_bind.as<double>()) <
+                              0;
         for (size_t i = 0; i + 2 < primitive.indices.size(); i += 3)
             for (const size_t corner : {size_t{0}, mirrored ? size_t{2} : size_t{1}, mirrored ? size_t{1} : size_t{2}})
                 character_.indices.push_back(primitive.indices[i + corner]);
@@ -182,13 +196,15 @@ private:
     const RigMap& map_;
     Character& character_;
     std::vector<AffineT<double>> rest_model_from_joint_;
-    std::map<uint32_t, uint32_t> rigid_entries_;  // node -> palette entry
+    std::map<uint32_t, uint32_t> rigid_entries_;         // node -> palette entry
     uint64_t skinned_count_ = 0, weightless_count_ = 0;  // vertices
     std::string first_weightless_;                       // the primitive
 };
 
 }  // namespace
 
-void compile_mesh(const Asset& asset, const RigMap& map, Character& character) { MeshCompiler(asset, map, character).run(); }
+void compile_mesh(const Asset& asset, const RigMap& map, Character& character) {
+    MeshCompiler(asset, map, character).run();
+}
 
 }  // namespace throng

@@ -5,12 +5,13 @@
 
 namespace throng {
 
-// Fills morphs and morph_deltas, and what sections and vertices say of them. character.sections and vertices are set. Throws kLimit beyond 4,096 morphs, or
-// 256 MiB of differences.
+// Fills morphs and morph_deltas, and what sections and vertices say of them. character.sections and vertices are set.
+// Throws kLimit beyond 4,096 morphs, or 256 MiB of differences.
 void compile_morphs(const Asset& asset, Character& character);
 
-// Fills morph_tracks, morph_times_s and morph_values, and what clips say of them. character.clips are set, those of the asset in its order. Throws kLimit where
-// values or the track table exceed 256 MiB, or the cubic tracks of a clip take more than 4,000,000 weights.
+// Fills morph_tracks, morph_times_s and morph_values, and what clips say of them. character.clips are set, those of the
+// asset in its order. Throws kLimit where values or the track table exceed 256 MiB, or the cubic tracks of a clip take
+// more than 4,000,000 weights.
 void compile_morph_tracks(const Asset& asset, Character& character);
 
 }  // namespace throng

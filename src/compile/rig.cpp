@@ -25,10 +25,12 @@ struct NodeFacts {
 bool is_rigid(const Asset& asset, const AssetMeshInstance& instance) {
     if (instance.skin == kNone) return true;
     const auto& primitives = asset.meshes[instance.mesh].primitives;
-    return std::any_of(primitives.begin(), primitives.end(), [](const AssetPrimitive& p) { return p.influence_count == 0; });
+    return std::any_of(primitives.begin(), primitives.end(),
+                       [](const AssetPrimitive& p) { return p.influence_count == 0; });
 }
 
-// Nodes that must be joints: those of skins, and for each rigid mesh the nearest node at or above it that moves (else its root).
+// Nodes that must be joints: those of skins, and for each rigid mesh the nearest node at or above it that moves (else
+// its root).
 std::vector<bool> needed_joints(const Asset& asset, const NodeFacts& facts) {
     std::vector<bool> needed = facts.skin_joint;
     for (const AssetMeshInstance& instance : asset.mesh_instances) {
@@ -76,7 +78,8 @@ RigMap build_rig(const Asset& asset) {
     std::vector<bool> kept = needed;  // closed under parents below
     for (uint32_t node = 0; node < node_count; ++node) {
         if (!needed[node]) continue;
-        for (uint32_t up = asset.nodes[node].parent; up != kNone && !kept[up]; up = asset.nodes[up].parent) kept[up] = true;
+        for (uint32_t up = asset.nodes[node].parent; up != kNone && !kept[up]; up = asset.nodes[up].parent)
+            kept[up] = true;
     }
     std::vector<std::vector<uint32_t>> children(node_count);
     std::vector<uint32_t> roots;
@@ -85,7 +88,8 @@ RigMap build_rig(const Asset& asset) {
         const uint32_t parent = asset.nodes[node].parent;
         (parent == kNone ? roots : children[parent]).push_back(node);
     }
-    if (roots.empty()) throw Failure(ErrorCode::kUnsupported, asset.name, "no skin and no mesh: there is nothing to animate");
+    if (roots.empty())
+        throw Failure(ErrorCode::kUnsupported, asset.name, "no skin and no mesh: there is nothing to animate");
 
     RigMap map;
     map.joint_of_node.assign(node_count, kNone);
@@ -104,7 +108,8 @@ RigMap build_rig(const Asset& asset) {
         Similarity prefix;
         if (!needed[visit.node] && !facts.animated[visit.node] && similarity) {
             const Similarity& a = visit.prefix;
-            prefix = {normalized(a.rotation * similarity->rotation), a.point(similarity->translation), a.scale * similarity->scale};
+            prefix = {normalized(a.rotation * similarity->rotation), a.point(similarity->translation),
+                      a.scale * similarity->scale};
             ++map.folded_node_count;
         } else {
             if (map.rig.parents.size() == kJointLimit)

@@ -7,8 +7,9 @@
 
 namespace throng {
 
-// Rotation, uniform scale and translation: what a folded static node leaves to its children. Unlike a general matrix it maps every
-// interpolation of a child's TRS (lerp, slerp, cubic) onto the same interpolation of the mapped keys, so folding is exact.
+// Rotation, uniform scale and translation: what a folded static node leaves to its children. Unlike a general matrix it
+// maps every interpolation of a child's TRS (lerp, slerp, cubic) onto the same interpolation of the mapped keys, so
+// folding is exact.
 struct Similarity {
     Quaternion<double> rotation;
     Vec3<double> translation;
@@ -16,13 +17,15 @@ struct Similarity {
 
     Vec3<double> vector(const Vec3<double>& v) const;
     Vec3<double> point(const Vec3<double>& p) const { return vector(p) + translation; }
-    Trs<double> operator*(const Trs<double>& t) const { return {rotation * t.rotation, point(t.translation), t.scale * scale}; }
+    Trs<double> operator*(const Trs<double>& t) const {
+        return {rotation * t.rotation, point(t.translation), t.scale * scale};
+    }
 };
 
 struct RigMap {
     Rig rig;
-    std::vector<uint32_t> joint_of_node;           // [node_count], kNone where the node is no joint
-    std::vector<Similarity> parent_from_prefix;    // [joint_count], the folded nodes between a joint and its parent
+    std::vector<uint32_t> joint_of_node;         // [node_count], kNone where the node is no joint
+    std::vector<Similarity> parent_from_prefix;  // [joint_count], the folded nodes between a joint and its parent
     uint32_t folded_node_count = 0;
 };
 

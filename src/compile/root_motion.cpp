@@ -18,11 +18,12 @@ namespace throng {
 namespace {
 
 constexpr double kRowsPerSecond = 60;
-constexpr double kStill = 1e-6;          // of the character's size, and radians: less is no motion
-constexpr double kFollowed = 1e-4;       // likewise: how closely keys follow what is left of the joint's motion
-constexpr double kUniformScale = 1e-5;   // relative: what converters leave of a uniform scale
-constexpr double kHalfTurnCosine = 1e-4; // as in clip.cpp
-constexpr double kUpsideDown = 1e-8;     // squared cosine of half the swing: within 0.02 degrees of upside down there is no heading
+constexpr double kStill = 1e-6;           // of the character's size, and radians: less is no motion
+constexpr double kFollowed = 1e-4;        // likewise: how closely keys follow what is left of the joint's motion
+constexpr double kUniformScale = 1e-5;    // relative: what converters leave of a uniform scale
+constexpr double kHalfTurnCosine = 1e-4;  // as in clip.cpp
+// Squared cosine of half the swing: within 0.02 degrees of upside down there is no heading
+constexpr double kUpsideDown = 1e-8;
 constexpr uint64_t kRow_bytes = 16;
 
 using Key = std::array<float, 4>;
@@ -32,10 +33,14 @@ Quaternion<double> rotation_of(const TrackValue& v) { return {v[0], v[1], v[2], 
 TrackValue value_of(const Quaternion<double>& q) { return {q.x, q.y, q.z, q.w}; }
 Vec3<double> point_of(const TrackValue& v) { return {v[0], v[1], v[2]}; }
 TrackValue value_of(const Vec3<double>& v) { return {v.x, v.y, v.z, 0}; }
-Key key_of(const TrackValue& v) { return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), static_cast<float>(v[3])}; }
+Key key_of(const TrackValue& v) {
+    return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), static_cast<float>(v[3])};
+}
 TrackValue value_of(const Key& key) { return {key[0], key[1], key[2], key[3]}; }
 
-Similarity operator*(const Similarity& a, const Similarity& b) { return {normalized(a.rotation * b.rotation), a.point(b.translation), a.scale * b.scale}; }
+Similarity operator*(const Similarity& a, const Similarity& b) {
+    return {normalized(a.rotation * b.rotation), a.point(b.translation), a.scale * b.scale};
+}
 Similarity inverse(const Similarity& a) {
     Similarity out{conjugate(a.rotation), {}, 1 / a.scale};
     out.translation = out.vector(a.translation) * -1.0;
@@ -43,25 +48,33 @@ Similarity inverse(const Similarity& a) {
 }
 
 // A turn about +y, then a shift over the ground.
-Similarity similarity_of(const GroundMove& move) { return {axis_angle(Vec3<double>{0, 1, 0}, std::atan2(move.sin, move.cos)), {move.x, 0, move.z}, 1}; }
+Similarity similarity_of(const GroundMove& move) {
+    return {axis_angle(Vec3<double>{0, 1, 0}, std::atan2(move.sin, move.cos)), {move.x, 0, move.z}, 1};
+}
 
 // A clip's exact keys, at any time.
 class ExactClip {
 public:
     ExactClip(const Character& character, size_t index)
-        : character_(character), clip_(character.clips[index]), times_s_(std::span(character.times_s).subspan(clip_.first_time, clip_.row_count)),
-          tracks_(std::span(character.tracks).subspan(index * character.rig.joint_count(), character.rig.joint_count())) {}
+        : character_(character),
+          clip_(character.clips[index]),
+          times_s_(std::span(character.times_s).subspan(clip_.first_time, clip_.row_count)),
+          tracks_(
+              std::span(character.tracks).subspan(index * character.rig.joint_count(), character.rig.joint_count())) {}
 
     const Clip& clip() const { return clip_; }
     std::span<const float> times_s() const { return times_s_; }
     const JointTracks& tracks(size_t joint) const { return tracks_[joint]; }
-    Key key(uint32_t word, uint32_t row) const { return character_.keys[(word & kTrackPosition) + (word & kTrackAnimated ? size_t{row} * clip_.row_stride : 0)]; }
+    Key key(uint32_t word, uint32_t row) const {
+        return character_.keys[(word & kTrackPosition) + (word & kTrackAnimated ? size_t{row} * clip_.row_stride : 0)];
+    }
 
     TrackValue at(TrackTarget target, uint32_t word, double time_s) const {
         const RowCursor rows = find_rows_reference(times_s_, time_s);
         const TrackValue earlier = value_of(key(word, rows.earlier)), later = value_of(key(word, rows.later));
         if (rows.fraction == 0) return earlier;
-        return interpolate_rows(target, word & kTrackStep ? Interpolation::kStep : Interpolation::kLinear, earlier, later, rows.fraction);
+        return interpolate_rows(target, word & kTrackStep ? Interpolation::kStep : Interpolation::kLinear, earlier,
+                                later, rows.fraction);
     }
 
 private:
@@ -86,7 +99,13 @@ struct Extracted {
 class JointMotion {
 public:
     JointMotion(const ExactClip& clip, uint32_t joint, const Similarity& model_from_parent, double size)
-        : clip_(clip), tracks_(clip.tracks(joint)), model_from_parent_(model_from_parent), parent_from_model_(inverse(model_from_parent)), size_(size), duration_s_(clip.clip().duration_s), begin_(at(0)) {}
+        : clip_(clip),
+          tracks_(clip.tracks(joint)),
+          model_from_parent_(model_from_parent),
+          parent_from_model_(inverse(model_from_parent)),
+          size_(size),
+          duration_s_(clip.clip().duration_s),
+          begin_(at(0)) {}
 
     // Nothing where the joint does not move over the ground.
     std::optional<Extracted> extract(const std::string& place) {
@@ -94,7 +113,9 @@ public:
         constexpr double kRounding = 1e-6;  // of a float's duration makes no row
         const double row_count = std::max(2.0, std::ceil(duration_s_ * kRowsPerSecond * (1 - kRounding)) + 1);
         if (row_count * kRow_bytes > kKeyLimit_bytes)
-            throw Failure(ErrorCode::kLimit, place, std::to_string(duration_s_) + " s of root motion; the limit is " + std::to_string(kKeyLimit_bytes >> 20) + " MiB of rows");
+            throw Failure(ErrorCode::kLimit, place,
+                          std::to_string(duration_s_) + " s of root motion; the limit is " +
+                              std::to_string(kKeyLimit_bytes >> 20) + " MiB of rows");
         row_interval_s_ = duration_s_ / (row_count - 1);
         GroundMove move;
         for (size_t row = 0; row < static_cast<size_t>(row_count); ++row) {
@@ -112,7 +133,8 @@ private:
     };
 
     Pose at(double time_s) const {
-        return {normalized(model_from_parent_.rotation * rotation_of(clip_.at(TrackTarget::kRotation, tracks_.rotation, time_s))),
+        return {normalized(model_from_parent_.rotation *
+                           rotation_of(clip_.at(TrackTarget::kRotation, tracks_.rotation, time_s))),
                 model_from_parent_.point(point_of(clip_.at(TrackTarget::kTranslation, tracks_.translation, time_s)))};
     }
 
@@ -133,18 +155,20 @@ private:
     bool moves() const {
         GroundMove move;
         return duration_s_ > 0 && std::any_of(clip_.times_s().begin(), clip_.times_s().end(), [&](float time_s) {
-            const Pose pose = at(time_s);
-            move = move_to(pose, move);
-            return std::hypot(pose.position.x - begin_.position.x, pose.position.z - begin_.position.z) >= kStill * size_ || std::abs(std::atan2(move.sin, move.cos)) >= kStill;
-        });
+                   const Pose pose = at(time_s);
+                   move = move_to(pose, move);
+                   return std::hypot(pose.position.x - begin_.position.x, pose.position.z - begin_.position.z) >=
+                              kStill * size_ ||
+                          std::abs(std::atan2(move.sin, move.cos)) >= kStill;
+               });
     }
 
     double row_time_s(size_t row) const { return static_cast<double>(row) * row_interval_s_; }
 
     bool steps() const { return ((tracks_.rotation | tracks_.translation) & kTrackStep) != 0; }
 
-    // As it will be read from the rows, so that the two together are exact at each key. What jumps is taken out as it is: the rows need a sixtieth of a second for
-    // that, and a key in the middle would stay.
+    // As it will be read from the rows, so that the two together are exact at each key. What jumps is taken out as it
+    // is: the rows need a sixtieth of a second for that, and a key in the middle would stay.
     GroundMove move_at(double time_s, const Pose& pose) const {
         const GroundMove as_read = place_at(rows_, phase_at(time_s, duration_s_, false));
         return steps() ? move_to(pose, as_read) : as_read;
@@ -162,7 +186,8 @@ private:
 
     Remainder remainder() const {
         Remainder out;
-        if (!steps() && clip_.times_s().front() > 0) out.times_s.push_back(0);  // how it stands before the first key is no row's rounding
+        // How it stands before the first key is no row's rounding
+        if (!steps() && clip_.times_s().front() > 0) out.times_s.push_back(0);
         for (const float time_s : clip_.times_s()) {
             if (!out.times_s.empty() && !steps()) add_between(out.times_s.back(), time_s, out.times_s);
             out.times_s.push_back(time_s);
@@ -172,25 +197,31 @@ private:
             out.rotations.push_back(left.rotation);
             out.translations.push_back(left.translation);
         }
-        for (size_t row = 1; row < out.rotations.size(); ++row)  // q and -q are one rotation; the sample stage expects neighbours in one hemisphere
-            if (dot(rotation_of(out.rotations[row - 1]), rotation_of(out.rotations[row])) < 0) out.rotations[row] = value_of(-rotation_of(out.rotations[row]));
+        // Q and -q are one rotation; the sample stage expects neighbours in one hemisphere
+        for (size_t row = 1; row < out.rotations.size(); ++row)
+            if (dot(rotation_of(out.rotations[row - 1]), rotation_of(out.rotations[row])) < 0)
+                out.rotations[row] = value_of(-rotation_of(out.rotations[row]));
         drop_constant(TrackTarget::kRotation, kStill, out.rotations);
         drop_constant(TrackTarget::kTranslation, kStill * size_ / std::abs(model_from_parent_.scale), out.translations);
         return out;
     }
 
     static void drop_constant(TrackTarget target, double bound, std::vector<TrackValue>& values) {
-        if (std::all_of(values.begin(), values.end(), [&](const TrackValue& value) { return distance(target, values[0], value) <= bound; })) values.resize(1);
+        if (std::all_of(values.begin(), values.end(),
+                        [&](const TrackValue& value) { return distance(target, values[0], value) <= bound; }))
+            values.resize(1);
     }
 
-    // Halves an interval between keys, at times of rows (between them the motion hardly bends), until the keys follow what is left of it. Keys half a turn apart get
-    // one in the middle, as in clip.cpp.
+    // Halves an interval between keys, at times of rows (between them the motion hardly bends), until the keys follow
+    // what is left of it. Keys half a turn apart get one in the middle, as in clip.cpp.
     void add_between(float from_s, float to_s, std::vector<float>& times_s) const {
         const std::vector<float> rows_s = rows_between(from_s, to_s);
         const Left from = left_at(from_s), to = left_at(to_s);
         float middle_s = from_s;
-        if (std::abs(dot(rotation_of(from.rotation), rotation_of(to.rotation))) < kHalfTurnCosine) middle_s = from_s + (to_s - from_s) / 2;
-        else if (!follows(from_s, from, to_s, to, rows_s)) middle_s = rows_s[rows_s.size() / 2];
+        if (std::abs(dot(rotation_of(from.rotation), rotation_of(to.rotation))) < kHalfTurnCosine)
+            middle_s = from_s + (to_s - from_s) / 2;
+        else if (!follows(from_s, from, to_s, to, rows_s))
+            middle_s = rows_s[rows_s.size() / 2];
         if (!(middle_s > from_s && middle_s < to_s)) return;
         add_between(from_s, middle_s, times_s);
         times_s.push_back(middle_s);
@@ -201,7 +232,8 @@ private:
     std::vector<float> rows_between(float from_s, float to_s) const {
         const double apart_s = 0.01 * row_interval_s_;
         std::vector<float> times_s;
-        for (auto row = static_cast<size_t>(from_s / row_interval_s_); row < rows_.size() && row_time_s(row) < to_s - apart_s; ++row)
+        for (auto row = static_cast<size_t>(from_s / row_interval_s_);
+             row < rows_.size() && row_time_s(row) < to_s - apart_s; ++row)
             if (row_time_s(row) > from_s + apart_s) times_s.push_back(static_cast<float>(row_time_s(row)));
         return times_s;
     }
@@ -210,9 +242,13 @@ private:
         return std::all_of(rows_s.begin(), rows_s.end(), [&](float time_s) {
             const double w = (double{time_s} - from_s) / (double{to_s} - from_s);
             const Left wanted = left_at(time_s);
-            const auto error = [&](TrackTarget target, TrackValue Left::*track) { return distance(target, interpolate_rows(target, Interpolation::kLinear, from.*track, to.*track, w), wanted.*track); };
+            const auto error = [&](TrackTarget target, TrackValue Left::*track) {
+                return distance(target, interpolate_rows(target, Interpolation::kLinear, from.*track, to.*track, w),
+                                wanted.*track);
+            };
             return error(TrackTarget::kRotation, &Left::rotation) <= kFollowed &&
-                   error(TrackTarget::kTranslation, &Left::translation) * std::abs(model_from_parent_.scale) <= kFollowed * size_;
+                   error(TrackTarget::kTranslation, &Left::translation) * std::abs(model_from_parent_.scale) <=
+                       kFollowed * size_;
         });
     }
 
@@ -227,7 +263,8 @@ private:
 // Writes the clips anew, with the joint's keys replaced: a track that was constant may have rows now.
 class Rewriting {
 public:
-    Rewriting(Character& character, uint32_t joint) : character_(character), joint_(joint), rest_key_count_(3 * character.rig.joint_count()) {
+    Rewriting(Character& character, uint32_t joint)
+        : character_(character), joint_(joint), rest_key_count_(3 * character.rig.joint_count()) {
         keys_.assign(character.keys.begin(), character.keys.begin() + rest_key_count_);
         tracks_.reserve(character.tracks.size());
     }
@@ -235,27 +272,37 @@ public:
     void add(const ExactClip& from, const Extracted* extracted) {
         Clip clip = from.clip();
         const size_t keys_before = keys_.size();
-        const std::span<const float> times_s = extracted ? std::span<const float>(extracted->rest.times_s) : from.times_s();
+        const std::span<const float> times_s = extracted ? std::span<const float>(extracted->rest.times_s)
+                                                         : from.times_s();
         std::vector<Column> columns;
         for (uint32_t joint = 0; joint < character_.rig.joint_count(); ++joint) {
             JointTracks tracks = from.tracks(joint);
             const Remainder* rest = extracted && joint == joint_ ? &extracted->rest : nullptr;
             const auto at = static_cast<uint32_t>(tracks_.size());
             tracks_.push_back(tracks);
-            sort(from, {at, &JointTracks::rotation, TrackTarget::kRotation, tracks.rotation, rest ? &rest->rotations : nullptr}, columns);
-            sort(from, {at, &JointTracks::translation, TrackTarget::kTranslation, tracks.translation, rest ? &rest->translations : nullptr}, columns);
+            sort(from,
+                 {at, &JointTracks::rotation, TrackTarget::kRotation, tracks.rotation,
+                  rest ? &rest->rotations : nullptr},
+                 columns);
+            sort(from,
+                 {at, &JointTracks::translation, TrackTarget::kTranslation, tracks.translation,
+                  rest ? &rest->translations : nullptr},
+                 columns);
             sort(from, {at, &JointTracks::scale, TrackTarget::kScale, tracks.scale, nullptr}, columns);
         }
         if ((keys_.size() + uint64_t{times_s.size()} * columns.size()) * kRow_bytes > kKeyLimit_bytes)
-            throw Failure(ErrorCode::kLimit, gltf::printable(character_.name, 120), "clip '" + gltf::printable(clip.name, 120) + "' has too many keys with root motion; the limit is " +
-                                                                                    std::to_string(kKeyLimit_bytes >> 20) + " MiB a character");
+            throw Failure(ErrorCode::kLimit, gltf::printable(character_.name, 120),
+                          "clip '" + gltf::printable(clip.name, 120) +
+                              "' has too many keys with root motion; the limit is " +
+                              std::to_string(kKeyLimit_bytes >> 20) + " MiB a character");
         write_rows(from, times_s, columns);
         clip.refined_row_count += static_cast<uint32_t>(times_s.size()) - clip.row_count;
         clip.raw_size_bytes = clip.raw_size_bytes / clip.row_count * times_s.size();
         clip.first_time = static_cast<uint32_t>(times_s_.size());
         clip.row_count = static_cast<uint32_t>(times_s.size());
         clip.row_stride = clip.animated_track_count = static_cast<uint32_t>(columns.size());
-        clip.size_bytes = (keys_.size() - keys_before) * kRow_bytes + times_s.size() * sizeof(float) + character_.rig.joint_count() * sizeof(JointTracks);
+        clip.size_bytes = (keys_.size() - keys_before) * kRow_bytes + times_s.size() * sizeof(float) +
+                          character_.rig.joint_count() * sizeof(JointTracks);
         times_s_.insert(times_s_.end(), times_s.begin(), times_s.end());
         if (extracted) add_root_rows(clip, extracted->root_rows);
         clips_.push_back(std::move(clip));
@@ -292,9 +339,12 @@ private:
 
     void write_rows(const ExactClip& from, std::span<const float> times_s, const std::vector<Column>& columns) {
         for (size_t i = 0; i < columns.size(); ++i)
-            tracks_[columns[i].tracks_index].*columns[i].word = static_cast<uint32_t>(keys_.size() + i) | kTrackAnimated | (columns[i].old_word & kTrackStep);
+            tracks_[columns[i].tracks_index].*columns[i].word = static_cast<uint32_t>(keys_.size() + i) |
+                                                                kTrackAnimated | (columns[i].old_word & kTrackStep);
         for (size_t row = 0; row < times_s.size(); ++row)
-            for (const Column& column : columns) keys_.push_back(key_of(column.values ? (*column.values)[row] : from.at(column.target, column.old_word, times_s[row])));
+            for (const Column& column : columns)
+                keys_.push_back(key_of(column.values ? (*column.values)[row]
+                                                     : from.at(column.target, column.old_word, times_s[row])));
     }
 
     void add_root_rows(Clip& clip, const std::vector<Key>& rows) {
@@ -303,7 +353,8 @@ private:
         clip.size_bytes += rows.size() * kRow_bytes;
         root_rows_.insert(root_rows_.end(), rows.begin(), rows.end());
         if (root_rows_.size() * kRow_bytes > kKeyLimit_bytes)
-            throw Failure(ErrorCode::kLimit, gltf::printable(character_.name, 120), "more than " + std::to_string(kKeyLimit_bytes >> 20) + " MiB of rows of root motion");
+            throw Failure(ErrorCode::kLimit, gltf::printable(character_.name, 120),
+                          "more than " + std::to_string(kKeyLimit_bytes >> 20) + " MiB of rows of root motion");
     }
 
     Character& character_;
@@ -317,11 +368,13 @@ private:
 
 class Extraction {
 public:
-    Extraction(Character& character, std::string_view joint_name) : character_(character), place_(gltf::printable(character.name, 120) + ": root motion") {
+    Extraction(Character& character, std::string_view joint_name)
+        : character_(character), place_(gltf::printable(character.name, 120) + ": root motion") {
         KnownNames names("joint");
         for (const std::string& name : character.rig.names) names.add(name);
         joint_ = names.require(joint_name, place_);
-        for (uint32_t up = character.rig.parents[joint_]; up != kNone; up = character.rig.parents[up]) ancestors_.insert(ancestors_.begin(), up);
+        for (uint32_t up = character.rig.parents[joint_]; up != kNone; up = character.rig.parents[up])
+            ancestors_.insert(ancestors_.begin(), up);
         check_ancestors();
     }
 
@@ -330,12 +383,15 @@ public:
         bool moves = false;
         for (size_t index = 0; index < character_.clips.size(); ++index) {
             const ExactClip clip(character_, index);
-            const std::optional<Extracted> extracted = JointMotion(clip, joint_, model_from_parent(clip), character_.size).extract(place_);
+            const std::optional<Extracted> extracted =
+                JointMotion(clip, joint_, model_from_parent(clip), character_.size).extract(place_);
             moves = moves || extracted;
             rewriting.add(clip, extracted ? &*extracted : nullptr);
         }
-        if (moves) rewriting.finish();
-        else character_.warnings.push_back("root motion: joint " + quoted(joint_) + " moves over the ground in no clip");
+        if (moves)
+            rewriting.finish();
+        else
+            character_.warnings.push_back("root motion: joint " + quoted(joint_) + " moves over the ground in no clip");
     }
 
 private:
@@ -346,8 +402,10 @@ private:
             for (size_t index = 0; index < character_.clips.size(); ++index) {
                 const JointTracks& tracks = ExactClip(character_, index).tracks(joint);
                 if ((tracks.rotation | tracks.translation | tracks.scale) & kTrackAnimated)
-                    throw Failure(ErrorCode::kUnsupported, place_, quoted(joint) + ", above " + quoted(joint_) + ", is animated in clip '" + gltf::printable(character_.clips[index].name, 120) +
-                                                                       "'; the joint of root motion has nothing animated above it");
+                    throw Failure(ErrorCode::kUnsupported, place_,
+                                  quoted(joint) + ", above " + quoted(joint_) + ", is animated in clip '" +
+                                      gltf::printable(character_.clips[index].name, 120) +
+                                      "'; the joint of root motion has nothing animated above it");
             }
     }
 
@@ -359,9 +417,12 @@ private:
             const Vec3<double> s = point_of(value_of(clip.key(tracks.scale, 0)));
             const double tolerance = kUniformScale * std::abs(s.x);
             if (s.x == 0 || !(std::abs(s.y - s.x) <= tolerance) || !(std::abs(s.z - s.x) <= tolerance))
-                throw Failure(ErrorCode::kUnsupported, place_, quoted(joint) + ", above " + quoted(joint_) + ", is scaled by " + std::to_string(s.x) + ", " + std::to_string(s.y) + ", " + std::to_string(s.z) +
-                                                                   "; above the joint of root motion, scales are the same along x, y and z, and not 0");
-            out = out * Similarity{normalized(rotation_of(value_of(clip.key(tracks.rotation, 0)))), point_of(value_of(clip.key(tracks.translation, 0))), s.x};
+                throw Failure(ErrorCode::kUnsupported, place_,
+                              quoted(joint) + ", above " + quoted(joint_) + ", is scaled by " + std::to_string(s.x) +
+                                  ", " + std::to_string(s.y) + ", " + std::to_string(s.z) +
+                                  "; above the joint of root motion, scales are the same along x, y and z, and not 0");
+            out = out * Similarity{normalized(rotation_of(value_of(clip.key(tracks.rotation, 0)))),
+                                   point_of(value_of(clip.key(tracks.translation, 0))), s.x};
         }
         return out;
     }

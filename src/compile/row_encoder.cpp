@@ -24,7 +24,12 @@ bool invert(const AffineT<double>& m, AffineT<double>& inverse) {
 }  // namespace
 
 RowEncoder::RowEncoder(const Character& character, const ClipGrid& grid, ClipMeter& meter)
-    : character_(character), grid_(grid), meter_(meter), track_of_(grid.still.size() * 3), tracks_(track_of_.size()), bit_counts_(track_of_.size()) {
+    : character_(character),
+      grid_(grid),
+      meter_(meter),
+      track_of_(grid.still.size() * 3),
+      tracks_(track_of_.size()),
+      bit_counts_(track_of_.size()) {
     for (size_t track = 0; track < grid.tracks.size(); ++track)
         track_of_[grid.tracks[track].joint * 3 + static_cast<size_t>(grid.tracks[track].target)] = track;
 }
@@ -60,8 +65,8 @@ double RowEncoder::encode(std::span<const TrackShape> shapes, std::span<const si
     return largest;
 }
 
-Trs<double> RowEncoder::encode_joint(std::span<const TrackShape> shapes, std::span<const size_t> rows, size_t row, size_t joint,
-                                     std::span<const AffineT<double>> wanted) {
+Trs<double> RowEncoder::encode_joint(std::span<const TrackShape> shapes, std::span<const size_t> rows, size_t row,
+                                     size_t joint, std::span<const AffineT<double>> wanted) {
     Trs<double> packed = still_[joint];
     const size_t first = joint * 3;
     if (!moves(first) && !moves(first + 1) && !moves(first + 2)) return packed;
@@ -72,7 +77,8 @@ Trs<double> RowEncoder::encode_joint(std::span<const TrackShape> shapes, std::sp
     for (size_t slot = first; slot < first + 3; ++slot) {
         if (!moves(slot)) continue;
         const TrackTarget target = shapes[slot].target;
-        TrackSample value = component(shapes[slot].step ? local : aimed, target);  // what holds must not follow what moves
+        // What holds must not follow what moves
+        TrackSample value = component(shapes[slot].step ? local : aimed, target);
         if (target == TrackTarget::kRotation && !shapes[slot].full && value[shapes[slot].left_out] < 0)
             for (double& v : value) v = -v;
         const PackedBits bits = quantised(tracks_[slot], target, value);
@@ -85,8 +91,8 @@ Trs<double> RowEncoder::encode_joint(std::span<const TrackShape> shapes, std::sp
     return packed;
 }
 
-// What a joint's transform must be for its place in the model to be exact although its parent's is not, so that the errors of a chain
-// do not add up. Rotations make up for rotations, translations for places.
+// What a joint's transform must be for its place in the model to be exact although its parent's is not, so that the
+// errors of a chain do not add up. Rotations make up for rotations, translations for places.
 Trs<double> RowEncoder::aim(size_t joint, const Trs<double>& local, std::span<const AffineT<double>> wanted) const {
     const uint32_t parent = character_.rig.parents[joint];
     AffineT<double> parent_from_model;
@@ -98,11 +104,15 @@ Trs<double> RowEncoder::aim(size_t joint, const Trs<double>& local, std::span<co
     };
     const auto& place = wanted[joint].row;
     Trs<double> aimed = local;
-    aimed.translation = transform_vector(parent_from_model, Vec3<double>{place[0][3] - packed[0][3], place[1][3] - packed[1][3], place[2][3] - packed[2][3]});
+    aimed.translation = transform_vector(
+        parent_from_model,
+        Vec3<double>{place[0][3] - packed[0][3], place[1][3] - packed[1][3], place[2][3] - packed[2][3]});
     const Vec3<double> x = seen(0), y = seen(1), z = seen(2);
     const double trace = x.x + y.y + z.z;
     constexpr double kNearIdentity = 2;  // of a trace of 3
-    if (trace > kNearIdentity) aimed.rotation = normalized(normalized(Quaternion<double>{y.z - z.y, z.x - x.z, x.y - y.x, 4 * trace / 3}) * local.rotation);
+    if (trace > kNearIdentity)
+        aimed.rotation = normalized(normalized(Quaternion<double>{y.z - z.y, z.x - x.z, x.y - y.x, 4 * trace / 3}) *
+                                    local.rotation);
     return aimed;
 }
 

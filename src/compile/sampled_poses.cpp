@@ -19,7 +19,8 @@ std::vector<SampledPose> sampled_poses(const Character& character, uint32_t coun
 std::vector<AffineT<double>> model_from_joint_of(const Character& character, const SampledPose& pose) {
     std::vector<AffineT<double>> local;
     if (pose.clip < character.clips.size()) {
-        for (const Trs<double>& joint : sample_reference(character, pose.clip, pose.time_s)) local.push_back(to_affine(joint));
+        for (const Trs<double>& joint : sample_reference(character, pose.clip, pose.time_s))
+            local.push_back(to_affine(joint));
     } else {
         for (const Trs<float>& joint : character.rig.rest) local.push_back(to_affine(joint.as<double>()));
     }

@@ -28,8 +28,9 @@ TrackValue SourceTrack::value(size_t index) const {
 
 TrackValue SourceTrack::mapped(const TrackValue& v) const {
     if (track_.target == TrackTarget::kRotation) return value_of(prefix_.rotation * quaternion(v));
-    const Vec3<double> out = track_.target == TrackTarget::kTranslation ? prefix_.point({v[0], v[1], v[2]})
-                                                                        : Vec3<double>{v[0], v[1], v[2]} * prefix_.scale;
+    const Vec3<double> out = track_.target == TrackTarget::kTranslation
+                                 ? prefix_.point({v[0], v[1], v[2]})
+                                 : Vec3<double>{v[0], v[1], v[2]} * prefix_.scale;
     return {out.x, out.y, out.z, 0};
 }
 
@@ -40,11 +41,14 @@ bool SourceTrack::is_constant() const {
     const auto& v = track_.values;
     for (size_t key = 0; key < track_.times_s.size(); ++key) {
         const auto at = v.begin() + static_cast<ptrdiff_t>(key * key_size);
-        if (!std::equal(at + static_cast<ptrdiff_t>(first), at + static_cast<ptrdiff_t>(first + components), v.begin() + static_cast<ptrdiff_t>(first))) return false;
+        if (!std::equal(at + static_cast<ptrdiff_t>(first), at + static_cast<ptrdiff_t>(first + components),
+                        v.begin() + static_cast<ptrdiff_t>(first)))
+            return false;
         const auto is_zero = [](float tangent) { return tangent == 0; };
         if (cubic && track_.times_s.size() > 1 &&
             !(std::all_of(at, at + static_cast<ptrdiff_t>(components), is_zero) &&
-              std::all_of(at + static_cast<ptrdiff_t>(2 * components), at + static_cast<ptrdiff_t>(3 * components), is_zero)))
+              std::all_of(at + static_cast<ptrdiff_t>(2 * components), at + static_cast<ptrdiff_t>(3 * components),
+                          is_zero)))
             return false;
     }
     return true;
@@ -56,7 +60,8 @@ TrackValue SourceTrack::evaluate(double time_s) const {
     if (track_.interpolation != Interpolation::kCubicSpline) {
         const TrackValue a = value(keys.earlier), b = value(keys.later);
         if (track_.target == TrackTarget::kRotation)
-            return mapped(interpolate_rows(track_.target, track_.interpolation, value_of(quaternion(a)), value_of(quaternion(b)), w));
+            return mapped(interpolate_rows(track_.target, track_.interpolation, value_of(quaternion(a)),
+                                           value_of(quaternion(b)), w));
         return mapped(interpolate_rows(track_.target, track_.interpolation, a, b, w));
     }
     // In-tangent, value, out-tangent a key; tangents are per second.
@@ -67,12 +72,13 @@ TrackValue SourceTrack::evaluate(double time_s) const {
     const double w2 = w * w, w3 = w2 * w;
     TrackValue sum;
     for (size_t i = 0; i < 4; ++i)
-        sum[i] = (2 * w3 - 3 * w2 + 1) * a[i] + interval_s * (w3 - 2 * w2 + w) * out_tangent[i] + (3 * w2 - 2 * w3) * b[i] +
-                 interval_s * (w3 - w2) * in_tangent[i];
+        sum[i] = (2 * w3 - 3 * w2 + 1) * a[i] + interval_s * (w3 - 2 * w2 + w) * out_tangent[i] +
+                 (3 * w2 - 2 * w3) * b[i] + interval_s * (w3 - w2) * in_tangent[i];
     return mapped(sum);
 }
 
-TrackValue interpolate_rows(TrackTarget target, Interpolation interpolation, const TrackValue& earlier, const TrackValue& later, double w) {
+TrackValue interpolate_rows(TrackTarget target, Interpolation interpolation, const TrackValue& earlier,
+                            const TrackValue& later, double w) {
     if (interpolation == Interpolation::kStep) return earlier;
     if (target != TrackTarget::kRotation) return mix(earlier, later, w);
     return value_of(slerp_reference(quaternion(earlier), quaternion(later), w));

@@ -8,7 +8,8 @@ namespace throng {
 // Four components of which translations and scales use three.
 using TrackValue = std::array<double, 4>;
 
-// Evaluates one AssetTrack at any time as glTF 2.0, appendix C, says, mapped into its joint's space by `prefix`. Keeps references.
+// Evaluates one AssetTrack at any time as glTF 2.0, appendix C, says, mapped into its joint's space by `prefix`. Keeps
+// references.
 class SourceTrack {
 public:
     SourceTrack(const AssetTrack& track, const Similarity& prefix) : track_(track), prefix_(prefix) {}
@@ -26,7 +27,8 @@ private:
 };
 
 // What the sample stage makes of two rows: slerp, lerp, or the earlier one.
-TrackValue interpolate_rows(TrackTarget target, Interpolation interpolation, const TrackValue& earlier, const TrackValue& later, double w);
+TrackValue interpolate_rows(TrackTarget target, Interpolation interpolation, const TrackValue& earlier,
+                            const TrackValue& later, double w);
 
 // How far apart two values of a track are, in the unit of its target: radians, metres or a factor.
 double distance(TrackTarget target, const TrackValue& a, const TrackValue& b);

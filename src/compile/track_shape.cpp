@@ -6,7 +6,8 @@
 namespace throng {
 namespace {
 
-constexpr double kSmallestLeftOut = 0.02;  // below, its root would enlarge the others' errors more than storing it costs
+// Below, its root would enlarge the others' errors more than storing it costs
+constexpr double kSmallestLeftOut = 0.02;
 
 double largest(const Vec3<double>& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
@@ -21,12 +22,15 @@ std::vector<double> parent_scales(const Character& character, std::span<const Tr
 }
 
 // Distance from each joint, in its own space, within which all lies that it moves.
-std::vector<double> joint_radii(const Character& character, std::span<const Box> boxes, std::span<const Trs<double>> pose) {
+std::vector<double> joint_radii(const Character& character, std::span<const Box> boxes,
+                                std::span<const Trs<double>> pose) {
     std::vector<double> radii(pose.size());
     for (size_t joint = pose.size(); joint-- > 0;) {
         radii[joint] = std::max(radii[joint], boxes[joint].largest_distance());
         const uint32_t parent = character.rig.parents[joint];
-        if (parent != kNone) radii[parent] = std::max(radii[parent], length(pose[joint].translation) + largest(pose[joint].scale) * radii[joint]);
+        if (parent != kNone)
+            radii[parent] = std::max(radii[parent],
+                                     length(pose[joint].translation) + largest(pose[joint].scale) * radii[joint]);
     }
     return radii;
 }
@@ -52,7 +56,8 @@ std::pair<uint32_t, double> choose_left_out(const ClipGrid& grid, size_t track, 
 std::array<double, 3> stored_components(const TrackShape& shape, const TrackSample& value) {
     if (shape.target != TrackTarget::kRotation) return {value[0], value[1], value[2]};
     const double sign = value[shape.left_out] < 0 ? -1 : 1;
-    return {sign * value[(shape.left_out + 1) % 4], sign * value[(shape.left_out + 2) % 4], sign * value[(shape.left_out + 3) % 4]};
+    return {sign * value[(shape.left_out + 1) % 4], sign * value[(shape.left_out + 2) % 4],
+            sign * value[(shape.left_out + 3) % 4]};
 }
 
 void begin_shape(TrackShape& shape, const TrackSample& value) {
@@ -86,7 +91,8 @@ PackedTrack full_rotation() {
     PackedTrack track;
     track.minimum.fill(-1);
     track.step.fill(kPackedFullStep);
-    track.layout = kPackedFull | 3u << kPackedLeftOutShift | kPackedFullBits | kPackedFullBits << 5 | kPackedFullBits << 10;
+    track.layout = kPackedFull | 3u << kPackedLeftOutShift | kPackedFullBits | kPackedFullBits << 5 |
+                   kPackedFullBits << 10;
     return track;
 }
 
@@ -141,18 +147,23 @@ std::vector<TrackShape> track_shapes(const Character& character, const ClipGrid&
     return shapes;
 }
 
-std::vector<double> joint_reaches(const Character& character, std::span<const Box> boxes, std::span<const Trs<double>> pose) {
+std::vector<double> joint_reaches(const Character& character, std::span<const Box> boxes,
+                                  std::span<const Trs<double>> pose) {
     std::vector<double> reaches = joint_radii(character, boxes, pose);
     const std::vector<double> scales = parent_scales(character, pose);
     for (size_t joint = 0; joint < pose.size(); ++joint) reaches[joint] *= scales[joint] * largest(pose[joint].scale);
     return reaches;
 }
 
-void add_sensitivity(std::vector<TrackShape>& shapes, const Character& character, std::span<const Box> boxes, std::span<const Trs<double>> pose, double bound) {
+void add_sensitivity(std::vector<TrackShape>& shapes, const Character& character, std::span<const Box> boxes,
+                     std::span<const Trs<double>> pose, double bound) {
     const std::vector<double> scales = parent_scales(character, pose), radii = joint_radii(character, boxes, pose);
-    std::vector<Box> levers(boxes.begin(), boxes.end());  // in joint space: what a rotation of the joint moves, and no joint below makes up for
+    // In joint space: what a rotation of the joint moves, and no joint below makes up for
+    std::vector<Box> levers(boxes.begin(), boxes.end());
     for (size_t joint = pose.size(); joint-- > 0;) {
-        const auto shape = [&](TrackTarget target) -> TrackShape& { return shapes[joint * 3 + static_cast<size_t>(target)]; };
+        const auto shape = [&](TrackTarget target) -> TrackShape& {
+            return shapes[joint * 3 + static_cast<size_t>(target)];
+        };
         const auto raise = [&](TrackTarget target, size_t c, double value) {
             shape(target).sensitivity[c] = std::max(shape(target).sensitivity[c], value);
         };
@@ -165,10 +176,13 @@ void add_sensitivity(std::vector<TrackShape>& shapes, const Character& character
             TrackSample change{};
             const uint32_t stored = (left_out + 1 + c) % 4;
             change[stored] = 1;
-            change[left_out] = -q[stored] / std::copysign(std::max(std::abs(q[left_out]), kSmallestLeftOut), q[left_out]);
-            const Quaternion<double> turn = Quaternion<double>{change[0], change[1], change[2], change[3]} * Quaternion<double>{-q[0], -q[1], -q[2], q[3]};
+            change[left_out] = -q[stored] /
+                               std::copysign(std::max(std::abs(q[left_out]), kSmallestLeftOut), q[left_out]);
+            const Quaternion<double> turn = Quaternion<double>{change[0], change[1], change[2], change[3]} *
+                                            Quaternion<double>{-q[0], -q[1], -q[2], q[3]};
             const Vec3<double> radians = Vec3<double>{turn.x, turn.y, turn.z} * 2.0;
-            for (const Vec3<double>& arm : arms) raise(TrackTarget::kRotation, c, scales[joint] * length(cross(radians, arm)));
+            for (const Vec3<double>& arm : arms)
+                raise(TrackTarget::kRotation, c, scales[joint] * length(cross(radians, arm)));
             raise(TrackTarget::kTranslation, c, scales[joint]);
             raise(TrackTarget::kScale, c, scales[joint] * radii[joint]);
         }
@@ -180,7 +194,9 @@ void add_sensitivity(std::vector<TrackShape>& shapes, const Character& character
             const double radius = radii[joint] * largest(pose[joint].scale);  // boxes of boxes grow; this does not
             const Vec3<double>& o = pose[joint].translation;
             for (const Vec3<double>& arm : arms)
-                levers[parent].add(o + Vec3<double>{std::clamp(arm.x, -radius, radius), std::clamp(arm.y, -radius, radius), std::clamp(arm.z, -radius, radius)});
+                levers[parent].add(o + Vec3<double>{std::clamp(arm.x, -radius, radius),
+                                                    std::clamp(arm.y, -radius, radius),
+                                                    std::clamp(arm.z, -radius, radius)});
         }
     }
 }
@@ -189,7 +205,8 @@ PackedTrack plan_track(const TrackShape& shape, double tolerance) {
     constexpr double kConstant = 1.5;  // what a constant saves is worth a larger error than a bit
     const uint32_t flags = shape.step ? kPackedStep : 0;
     const bool moves_no_skin = shape.sensitivity == std::array<double, 3>{};
-    if (moves_no_skin || (displacement_of(shape, shape.rest_deviation) <= kConstant * tolerance && !shape.full)) return constant_track(shape.target, shape.rest);
+    if (moves_no_skin || (displacement_of(shape, shape.rest_deviation) <= kConstant * tolerance && !shape.full))
+        return constant_track(shape.target, shape.rest);
     if (!shape.varies() && !shape.full) {
         TrackKey value;
         for (size_t c = 0; c < 4; ++c) value[c] = static_cast<float>(shape.first[c]);
@@ -203,12 +220,14 @@ PackedTrack plan_track(const TrackShape& shape, double tolerance) {
     PackedTrack track = middle_of(shape);
     if (displacement_of(shape, half_range(shape)) <= kConstant * tolerance) return track;
 
-    // Errors of all tracks add up like those of dice, so equal ones cost the fewest bits, and the nearest number of bits serves better than
-    // the next larger one.
+    // Errors of all tracks add up like those of dice, so equal ones cost the fewest bits, and the nearest number of
+    // bits serves better than the next larger one.
     for (uint32_t c = 0; c < 3; ++c) {
-        const double range = shape.high[c] - shape.low[c], cells = range * shape.sensitivity[c] / std::max(tolerance, std::numeric_limits<double>::min());
+        const double range = shape.high[c] - shape.low[c],
+                     cells = range * shape.sensitivity[c] / std::max(tolerance, std::numeric_limits<double>::min());
         if (!(cells > 1)) continue;
-        const auto bits = static_cast<uint32_t>(std::min(std::nearbyint(std::log2(cells)), double{kPackedComponentBits}));
+        const auto bits = static_cast<uint32_t>(
+            std::min(std::nearbyint(std::log2(cells)), double{kPackedComponentBits}));
         const auto step = static_cast<float>(range / (1u << bits));
         if (bits == 0 || !(step > 0)) continue;
         track.step[c] = step;

@@ -67,7 +67,8 @@ TriangleIndex::TriangleIndex(std::span<const uint32_t> indices, std::span<const 
     std::vector<Centroid> centroids;
     centroids.reserve(corners_.size());
     for (uint32_t t = 0; t < corners_.size(); ++t)
-        centroids.push_back({positions[indices[3 * t]] + positions[indices[3 * t + 1]] + positions[indices[3 * t + 2]], t});
+        centroids.push_back(
+            {positions[indices[3 * t]] + positions[indices[3 * t + 1]] + positions[indices[3 * t + 2]], t});
     nodes_.reserve(corners_.size());
     split(centroids, 0, 0);
     for (size_t t = 0; t < corners_.size(); ++t)
@@ -90,9 +91,10 @@ void TriangleIndex::split(std::span<Centroid> centroids, uint32_t first, uint32_
     for (float Vec3<float>::*other : {&Vec3<float>::y, &Vec3<float>::z})
         if (extent.*other > extent.*axis) axis = other;
     const size_t half = centroids.size() / 2;
-    std::ranges::nth_element(centroids, centroids.begin() + static_cast<std::ptrdiff_t>(half), [axis](const Centroid& a, const Centroid& b) {
-        return a.place.*axis != b.place.*axis ? a.place.*axis < b.place.*axis : a.triangle < b.triangle;
-    });
+    std::ranges::nth_element(
+        centroids, centroids.begin() + static_cast<std::ptrdiff_t>(half), [axis](const Centroid& a, const Centroid& b) {
+            return a.place.*axis != b.place.*axis ? a.place.*axis < b.place.*axis : a.triangle < b.triangle;
+        });
     split(centroids.first(half), first, at);
     nodes_[at].count = 0;
     nodes_[at].first = static_cast<uint32_t>(nodes_.size());
@@ -111,7 +113,8 @@ void TriangleIndex::move(std::span<const Vec3<float>> positions) {
         }
         node.low = node.high = triangles_[node.first][0];
         for (uint32_t t = node.first; t < node.first + node.count; ++t)
-            for (const Vec3<float>& corner : triangles_[t]) node.low = lower(node.low, corner), node.high = higher(node.high, corner);
+            for (const Vec3<float>& corner : triangles_[t])
+                node.low = lower(node.low, corner), node.high = higher(node.high, corner);
     }
 }
 
@@ -156,7 +159,8 @@ TriangleIndex::Nearest TriangleIndex::nearest(const Vec3<float>& p, float enough
     if (best.squared_distance <= enough) return best;
     // The smallest box around the guess in which a triangle may be near enough; then what is beside it.
     uint32_t at = leaves_[guess];
-    for (; at != 0 && squared_distance_from_box(p, nodes_[at].low, nodes_[at].high) > enough; ++best.steps) at = nodes_[at].parent;
+    for (; at != 0 && squared_distance_from_box(p, nodes_[at].low, nodes_[at].high) > enough; ++best.steps)
+        at = nodes_[at].parent;
     search_below(at, p, enough, best);
     for (; at != 0 && best.squared_distance > enough; at = nodes_[at].parent) {
         const uint32_t parent = nodes_[at].parent;

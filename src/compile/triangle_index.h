@@ -22,8 +22,8 @@ class TriangleIndex {
 public:
     struct Nearest {
         float squared_distance = std::numeric_limits<float>::infinity();  // of the index without triangles
-        uint32_t triangle = 0;  // of triangles()
-        uint32_t steps = 0;     // boxes and triangles looked at
+        uint32_t triangle = 0;                                            // of triangles()
+        uint32_t steps = 0;                                               // boxes and triangles looked at
     };
 
     TriangleIndex() = default;

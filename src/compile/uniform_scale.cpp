@@ -11,9 +11,12 @@ bool is_same(const auto& xyz) { return xyz[0] == xyz[1] && xyz[0] == xyz[2]; }
 
 class ScaleReader {
 public:
-    explicit ScaleReader(const Character& character) : c_(character), rows_left_(c_.keys.size() + c_.words.size() * 32) {}
+    explicit ScaleReader(const Character& character)
+        : c_(character), rows_left_(c_.keys.size() + c_.words.size() * 32) {}
 
-    bool is_uniform(uint32_t word, const Clip& clip) { return c_.packed ? is_packed_uniform(word, clip) : is_exact_uniform(word, clip); }
+    bool is_uniform(uint32_t word, const Clip& clip) {
+        return c_.packed ? is_packed_uniform(word, clip) : is_exact_uniform(word, clip);
+    }
 
 private:
     // No two compiled tracks have a key, or a bit, in common.
@@ -42,7 +45,9 @@ private:
         if (!is_same(track.step) || !take(clip.row_count)) return false;
         for (size_t row = 0; row < clip.row_count; ++row) {
             const size_t first_bit = (clip.first_row + row * clip.row_stride) * 32 + track.first_bit;
-            const auto bits = [&](size_t component) { return read_bits(c_.words, first_bit + component * count, count); };
+            const auto bits = [&](size_t component) {
+                return read_bits(c_.words, first_bit + component * count, count);
+            };
             if (!is_same(std::array{bits(0), bits(1), bits(2)})) return false;
         }
         return true;
@@ -60,7 +65,9 @@ bool has_uniform_scale(const Character& character) {
     ScaleReader reader(character);
     for (size_t index = 0; index < character.tracks.size(); ++index) {
         const size_t clip = index / joint_count;
-        if (!reader.is_uniform(character.tracks[index].scale, clip < character.clips.size() ? character.clips[clip] : rest)) return false;
+        if (!reader.is_uniform(character.tracks[index].scale,
+                               clip < character.clips.size() ? character.clips[clip] : rest))
+            return false;
     }
     return true;
 }

@@ -16,7 +16,7 @@ struct Place {
 using Triangle = std::array<uint32_t, 3>;  // counterclockwise
 using Edge = std::array<uint32_t, 2>;
 
-constexpr double kFlat = 1e-4;     // height by length
+constexpr double kFlat = 1e-4;         // height by length
 constexpr double kCocircular = 1e-12;  // of places within 0..2: rounding, many times over
 
 double cross(Place a, Place b, Place c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
@@ -32,7 +32,9 @@ bool in_circle(Place a, Place b, Place c, Place d) {
 std::vector<Place> scaled(std::span<const BlendPoint> points) {
     const auto [left, right] = std::ranges::minmax(points, {}, &BlendPoint::x);
     const auto [bottom, top] = std::ranges::minmax(points, {}, &BlendPoint::y);
-    const auto scale = [](double range, double value) { return range > 0 ? std::ldexp(value, -std::ilogb(range)) : 0.0; };
+    const auto scale = [](double range, double value) {
+        return range > 0 ? std::ldexp(value, -std::ilogb(range)) : 0.0;
+    };
     const double x = left.x, y = bottom.y, width = right.x - x, height = top.y - y;
     std::vector<Place> places;
     for (const BlendPoint& point : points) places.push_back({scale(width, point.x - x), scale(height, point.y - y)});
@@ -44,10 +46,13 @@ std::optional<std::vector<Edge>> edges_of_line(std::span<const Place> places) {
     const Place first = places[0];
     const Place end = *std::ranges::max_element(places, {}, [&](Place p) { return squared_distance(first, p); });
     const double flat = kFlat * squared_distance(first, end);
-    if (std::ranges::any_of(places, [&](Place p) { return std::abs(cross(first, end, p)) > flat; })) return std::nullopt;
+    if (std::ranges::any_of(places, [&](Place p) { return std::abs(cross(first, end, p)) > flat; }))
+        return std::nullopt;
     std::vector<uint32_t> order(places.size());
     std::iota(order.begin(), order.end(), 0u);
-    std::ranges::sort(order, {}, [&](uint32_t i) { return (places[i].x - first.x) * (end.x - first.x) + (places[i].y - first.y) * (end.y - first.y); });
+    std::ranges::sort(order, {}, [&](uint32_t i) {
+        return (places[i].x - first.x) * (end.x - first.x) + (places[i].y - first.y) * (end.y - first.y);
+    });
     std::vector<Edge> edges;
     for (size_t i = 0; i + 1 < order.size(); ++i) edges.push_back({order[i], order[i + 1]});
     if (edges.empty()) edges.push_back({0, 0});
@@ -73,9 +78,12 @@ private:
     void sweep() {
         std::vector<uint32_t> order(places_.size());
         std::iota(order.begin(), order.end(), 0u);
-        std::ranges::sort(order, [&](uint32_t i, uint32_t k) { return std::pair(places_[i].x, places_[i].y) < std::pair(places_[k].x, places_[k].y); });
+        std::ranges::sort(order, [&](uint32_t i, uint32_t k) {
+            return std::pair(places_[i].x, places_[i].y) < std::pair(places_[k].x, places_[k].y);
+        });
         const auto apex = std::ranges::find_if(order, [&](uint32_t i) { return area(order[0], order[1], i) != 0; });
-        std::vector<uint32_t> hull(order.begin(), apex);  // points of a line so far; seen from its right it is a hull without an inside
+        // Points of a line so far; seen from its right it is a hull without an inside
+        std::vector<uint32_t> hull(order.begin(), apex);
         if (area(order[0], order[1], *apex) > 0) std::ranges::reverse(hull);
         for (size_t i = 0; i + 1 < hull.size(); ++i) triangles.push_back({hull[i + 1], hull[i], *apex});
         std::ranges::reverse(hull);
@@ -95,14 +103,17 @@ private:
         hull.insert(hull.begin() + 1, point);
     }
 
-    // Where a neighbour's point lies in a triangle's circle, their common side is turned (Lawson 1977); ends where no circle holds a point.
+    // Where a neighbour's point lies in a triangle's circle, their common side is turned (Lawson 1977); ends where no
+    // circle holds a point.
     bool flip_one() {
         for (Triangle& one : triangles)
             for (size_t side = 0; side < 3; ++side) {
                 const uint32_t a = one[side], b = one[(side + 1) % 3], c = one[(side + 2) % 3];
                 for (Triangle& other : triangles) {
                     const std::optional<uint32_t> d = apex_over(other, b, a);
-                    if (!d || !in_circle(places_[a], places_[b], places_[c], places_[*d]) || area(c, a, *d) <= 0 || area(*d, b, c) <= 0) continue;
+                    if (!d || !in_circle(places_[a], places_[b], places_[c], places_[*d]) || area(c, a, *d) <= 0 ||
+                        area(*d, b, c) <= 0)
+                        continue;
                     one = {c, a, *d};
                     other = {*d, b, c};
                     return true;
@@ -121,7 +132,10 @@ private:
         for (const Triangle& triangle : triangles)
             for (size_t side = 0; side < 3; ++side) {
                 const Edge edge{triangle[side], triangle[(side + 1) % 3]};
-                if (std::ranges::none_of(triangles, [&](const Triangle& other) { return apex_over(other, edge[1], edge[0]).has_value(); })) border.push_back(edge);
+                if (std::ranges::none_of(triangles, [&](const Triangle& other) {
+                        return apex_over(other, edge[1], edge[0]).has_value();
+                    }))
+                    border.push_back(edge);
             }
     }
 
@@ -149,7 +163,7 @@ io::ControlTriangle weights_within(std::span<const BlendPoint> points, const Tri
     const Place a = place(triangle[0]), b = place(triangle[1]), c = place(triangle[2]);
     const double area = cross(a, b, c);
     const auto part = [&](double value) { return static_cast<float>(value / area); };
-    return {triangle[0], triangle[1], triangle[2],
+    return {triangle[0],     triangle[1],     triangle[2],
             part(b.y - c.y), part(c.x - b.x), part(b.x * c.y - c.x * b.y),
             part(c.y - a.y), part(a.x - c.x), part(c.x * a.y - a.x * c.y)};
 }
@@ -174,7 +188,8 @@ BlendSpace make_blend_space(std::span<const BlendPoint> points) {
         return space;
     }
     const Triangulation triangulation(places);
-    for (const Triangle& triangle : triangulation.triangles) space.triangles.push_back(weights_within(points, triangle));
+    for (const Triangle& triangle : triangulation.triangles)
+        space.triangles.push_back(weights_within(points, triangle));
     add_edges(triangulation.border);
     return space;
 }

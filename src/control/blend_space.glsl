@@ -84,5 +84,6 @@ ClipMix mix_of_state(ControlState state) {
 
 ClipMix mix_of_play(ControlLayer layer, LayerPlay play) {
     if (layer.state_count > 0) return mix_of_state(load_state(layer.first_state + play.motion));
-    return ClipMix(uvec3(play.motion, 0, 0), vec3(1, 0, 0), product(play.speed, load_clip(play.motion).rate), play.loop, kAbsent);
+    return ClipMix(uvec3(play.motion, 0, 0), vec3(1, 0, 0), product(play.speed, load_clip(play.motion).rate), play.loop,
+                   kAbsent);
 }

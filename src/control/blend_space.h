@@ -11,13 +11,15 @@
 namespace throng {
 
 struct BlendSpace {
-    std::vector<io::ControlTriangle> triangles;  // fill the hull of the points and do not overlap; none where the points lie on a line
-    std::vector<io::ControlEdge> edges;          // the border of the triangles; or along the line; or of a single point to itself
+    // Fill the hull of the points and do not overlap; none where the points lie on a line
+    std::vector<io::ControlTriangle> triangles;
+    // The border of the triangles; or along the line; or of a single point to itself
+    std::vector<io::ControlEdge> edges;
 };
 
-// Delaunay's triangulation of the points (different places, at least one); x and y, which have units of their own, are scaled to the same range for it.
-// Triangles flatter than 1e-4 of their length at the border are left out: in float nothing could be said within them.
-// O(points^2) and quick for the 64 points that a state may have.
+// Delaunay's triangulation of the points (different places, at least one); x and y, which have units of their own, are
+// scaled to the same range for it. Triangles flatter than 1e-4 of their length at the border are left out: in float
+// nothing could be said within them. O(points^2) and quick for the 64 points that a state may have.
 BlendSpace make_blend_space(std::span<const BlendPoint> points);
 
 }  // namespace throng

@@ -8,7 +8,8 @@
 namespace throng {
 namespace {
 
-constexpr float kCrack = 0x1p-16f;  // triangles overlap by this part of their weights, so that rounding opens no crack between them
+// Triangles overlap by this part of their weights, so that rounding opens no crack between them
+constexpr float kCrack = 0x1p-16f;
 
 struct PointWeight {
     uint32_t point;  // within the state
@@ -31,10 +32,12 @@ std::optional<PointWeights> weights_in_triangle(const io::ControlTriangle& trian
     const float v = (triangle.bx * x + triangle.by * y) + triangle.b0;
     const float w = (1 - u) - v;
     if (!(u >= -kCrack && v >= -kCrack && w >= -kCrack)) return std::nullopt;
-    return PointWeights{{triangle.a, std::max(u, 0.0f)}, {triangle.b, std::max(v, 0.0f)}, {triangle.c, std::max(w, 0.0f)}};
+    return PointWeights{
+        {triangle.a, std::max(u, 0.0f)}, {triangle.b, std::max(v, 0.0f)}, {triangle.c, std::max(w, 0.0f)}};
 }
 
-PointWeights weights_on_plane(std::span<const io::ControlPoint> points, std::span<const io::ControlTriangle> triangles, std::span<const io::ControlEdge> edges, float x, float y) {
+PointWeights weights_on_plane(std::span<const io::ControlPoint> points, std::span<const io::ControlTriangle> triangles,
+                              std::span<const io::ControlEdge> edges, float x, float y) {
     for (const io::ControlTriangle& triangle : triangles)
         if (const auto weights = weights_in_triangle(triangle, x, y)) return *weights;
     PointWeights nearest{{0, 1}};
@@ -53,22 +56,29 @@ PointWeights weights_on_plane(std::span<const io::ControlPoint> points, std::spa
 }
 
 template <class T>
-std::span<const T> part(const std::vector<T>& all, uint32_t first, uint32_t count) { return std::span(all).subspan(first, count); }
+std::span<const T> part(const std::vector<T>& all, uint32_t first, uint32_t count) {
+    return std::span(all).subspan(first, count);
+}
 
 }  // namespace
 
 const MixedClip& MixedClips::heaviest() const { return *std::ranges::max_element(clips, {}, &MixedClip::weight); }
 
-float parameter_at(std::span<const float> parameters, uint32_t index) { return std::isfinite(parameters[index]) ? parameters[index] : 0; }
+float parameter_at(std::span<const float> parameters, uint32_t index) {
+    return std::isfinite(parameters[index]) ? parameters[index] : 0;
+}
 
-MixedClips mix_of_state(const ControllerArrays& arrays, const io::ControlState& state, std::span<const float> parameters) {
+MixedClips mix_of_state(const ControllerArrays& arrays, const io::ControlState& state,
+                        std::span<const float> parameters) {
     const auto points = part(arrays.points, state.first_point, state.point_count);
     const auto parameter = [&](uint32_t index) { return parameter_at(parameters, index); };
     PointWeights weights{{0, 1}};
     if (state.y_parameter != io::kAbsent)
-        weights = weights_on_plane(points, part(arrays.triangles, state.first_triangle, state.triangle_count), part(arrays.edges, state.first_edge, state.edge_count),
-                                   parameter(state.x_parameter), parameter(state.y_parameter));
-    else if (state.x_parameter != io::kAbsent) weights = weights_on_line(points, parameter(state.x_parameter));
+        weights = weights_on_plane(points, part(arrays.triangles, state.first_triangle, state.triangle_count),
+                                   part(arrays.edges, state.first_edge, state.edge_count), parameter(state.x_parameter),
+                                   parameter(state.y_parameter));
+    else if (state.x_parameter != io::kAbsent)
+        weights = weights_on_line(points, parameter(state.x_parameter));
     MixedClips mixed{.loop = state.loop != 0, .sync = state.sync};
     for (const PointWeight& one : weights) {
         const uint32_t clip = points[one.point].clip;

@@ -22,7 +22,8 @@ struct MixedClips {
     const MixedClip& heaviest() const;  // the first of equals
 };
 
-MixedClips mix_of_state(const ControllerArrays& arrays, const io::ControlState& state, std::span<const float> parameters);
+MixedClips mix_of_state(const ControllerArrays& arrays, const io::ControlState& state,
+                        std::span<const float> parameters);
 MixedClips mix_of_direct_play(const ControllerArrays& arrays, const io::LayerPlay& play);
 
 // What is not finite counts as 0.

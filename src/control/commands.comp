@@ -1,6 +1,6 @@
 #version 460
-// commands: what the CPU asks of instances since the last update. Commands lie sorted by instance; the invocation of an instance's first one applies
-// them all, in their order.
+// commands: what the CPU asks of instances since the last update. Commands lie sorted by instance; the invocation of an
+// instance's first one applies them all, in their order.
 #include "control/controller_io.h"
 
 layout(local_size_x = kControllerWorkgroupSize) in;
@@ -15,7 +15,8 @@ layout(push_constant) uniform Push { CommandPush push; };
 void play(uint at, ControlCommand command) {
     LayerState state = layers[at];
     const bool at_once = command.fade_rate == 0 || command.kind == kCommandPlayInertial;
-    push_play(state, LayerPlay(command.motion, command.phase, 0, at_once ? 1 : 0, command.fade_rate, command.value, command.loop));
+    push_play(state, LayerPlay(command.motion, command.phase, 0, at_once ? 1 : 0, command.fade_rate, command.value,
+                               command.loop));
     if (command.kind == kCommandPlayInertial) state.inertial_rate = command.fade_rate;
     layers[at] = state;
 }
@@ -36,8 +37,11 @@ void main() {
     for (uint i = first; i < push.command_count && commands[i].instance == instance; ++i) {
         const ControlCommand command = commands[i];
         const uint at = instance * push.layer_count + command.target;
-        if (command.kind == kCommandPlay || command.kind == kCommandPlayInertial) play(at, command);
-        else if (command.kind == kCommandLayer) set_layer(at, command);
-        else parameters[instance * push.parameter_count + command.target] = command.value;
+        if (command.kind == kCommandPlay || command.kind == kCommandPlayInertial)
+            play(at, command);
+        else if (command.kind == kCommandLayer)
+            set_layer(at, command);
+        else
+            parameters[instance * push.parameter_count + command.target] = command.value;
     }
 }

@@ -1,6 +1,6 @@
 #version 460
-// control: advances each instance's clips by the time step and finds the rows of keys that the sample stage interpolates.
-// One invocation per instance; cost: a binary search per clip.
+// control: advances each instance's clips by the time step and finds the rows of keys that the sample stage
+// interpolates. One invocation per instance; cost: a binary search per clip.
 #include "control/control_io.h"
 #include "gpu/table.glsl"
 

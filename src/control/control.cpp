@@ -12,6 +12,9 @@ constexpr uint32_t kWide[] = {
 
 }  // namespace
 
-Kernel control_kernel(const std::shared_ptr<Gpu>& gpu) { return Kernel(gpu, {.name = "control", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWide) : kPlain}); }
+Kernel control_kernel(const std::shared_ptr<Gpu>& gpu) {
+    return Kernel(gpu,
+                  {.name = "control", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWide) : kPlain});
+}
 
 }  // namespace throng

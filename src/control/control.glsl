@@ -3,7 +3,8 @@
 
 ClipAxis load_axis(uint clip) {
     const uint w = kAxisWords * clip;
-    return ClipAxis(WORD_AT(axes, w), WORD_AT(axes, w + 1), WORD_AT(axes, w + 2), WORD_AT(axes, w + 3), uintBitsToFloat(WORD_AT(axes, w + 4)));
+    return ClipAxis(WORD_AT(axes, w), WORD_AT(axes, w + 1), WORD_AT(axes, w + 2), WORD_AT(axes, w + 3),
+                    uintBitsToFloat(WORD_AT(axes, w + 4)));
 }
 
 float time_at(uint index) { return uintBitsToFloat(WORD_AT(times, index)); }
@@ -18,13 +19,16 @@ float local_time(float time_s, float duration_s, bool loop) {
     return wrapped >= 0 && wrapped < duration_s ? wrapped : 0;
 }
 
-// The rows around time_s: the last one at or before it and the next; before the first and after the last, that row alone.
+// The rows around time_s: the last one at or before it and the next; before the first and after the last, that row
+// alone.
 SlotCursor find_rows(ClipAxis axis, float time_s) {
     uint low = 0, high = axis.row_count;  // times[low] <= time_s < times[high], but for the ends
     do {  // not while: a software device would go round once more; a single row may be looked at
         const uint middle = (low + high) / 2;
-        if (time_at(axis.first_time + middle) <= time_s) low = middle;
-        else high = middle;
+        if (time_at(axis.first_time + middle) <= time_s)
+            low = middle;
+        else
+            high = middle;
     } while (high - low > 1);
     const uint earlier = axis.first_row + low * axis.row_stride;
     if (low + 1 >= axis.row_count) return SlotCursor(0, earlier, earlier, 0);

@@ -8,9 +8,9 @@ THRONG_IO_CONSTANT kControlWorkgroupSize = 64;
 
 // One clip as an instance plays it; the only state that lives from frame to frame.
 struct SlotPlayback {
-    uint clip;      // clip index; clip_count is the rest pose
-    uint loop;      // 0: clamp
-    float time_s;   // within [0, duration] after the first update
+    uint clip;     // clip index; clip_count is the rest pose
+    uint loop;     // 0: clamp
+    float time_s;  // within [0, duration] after the first update
     float speed;
 };
 
@@ -22,18 +22,19 @@ struct InstancePlayback {
 // The time axis of a clip: as many words of a table as it has members.
 THRONG_IO_CONSTANT kAxisWords = 5;
 struct ClipAxis {
-    uint first_time;    // index into times
-    uint row_count;     // >= 1
-    uint row_stride;    // from one row of keys to the next
-    uint first_row;     // where the rows begin: not 0 only for packed keys
+    uint first_time;  // index into times
+    uint row_count;   // >= 1
+    uint row_stride;  // from one row of keys to the next
+    uint first_row;   // where the rows begin: not 0 only for packed keys
     float duration_s;
 };
 
-// Where the sample stage finds the keys of one clip for this frame: value = mix(row at `earlier`, row at `later`, fraction).
+// Where the sample stage finds the keys of one clip for this frame: value = mix(row at `earlier`, row at `later`,
+// fraction).
 struct SlotCursor {
-    uint first_track;  // index into tracks: clip * joint_count
+    uint first_track;     // index into tracks: clip * joint_count
     uint earlier, later;  // first_row + row * row_stride
-    float fraction;    // 0..1
+    float fraction;       // 0..1
 };
 
 struct InstanceCursor {

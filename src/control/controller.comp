@@ -1,7 +1,8 @@
 #version 460
-// controller: one update of each instance's layers: transitions, fades, times, events, root motion; writes the clips that its pose is made of.
-// One invocation per instance. Defined in docs/controller.md; nothing that decides a state is divided or fused, so that all devices agree.
-// Loops test when a round is over: a software device goes round one that tests before it once more than any invocation needs.
+// controller: one update of each instance's layers: transitions, fades, times, events, root motion; writes the clips
+// that its pose is made of. One invocation per instance. Defined in docs/controller.md; nothing that decides a state is
+// divided or fused, so that all devices agree. Loops test when a round is over: a software device goes round one that
+// tests before it once more than any invocation needs.
 #include "gpu/stored.glsl"
 #include "gpu/table.glsl"
 #include "control/controller_io.h"
@@ -11,13 +12,19 @@ TABLE_OF_WORDS(0, Tables, tables);
 TABLE_OF_WORDS(1, Axes, axes);
 TABLE_OF_WORDS(2, Times, times);
 TABLE_OF_ROWS(3, RootRows, root_rows);
-layout(set = 0, binding = 4, std430) buffer Layers { LayerState layers[]; };         // [instance][layer]
-layout(set = 0, binding = 5, std430) buffer Parameters { float parameters[]; };      // [instance][parameter]
-layout(set = 0, binding = 6, std430) writeonly buffer Voices { StoredPair voices[]; };  // [instance][voice_limit], four pairs of words each
-layout(set = 0, binding = 7, std430) buffer Events { EventHead event_head; EventRecord events[]; };
+layout(set = 0, binding = 4, std430) buffer Layers { LayerState layers[]; };     // [instance][layer]
+layout(set = 0, binding = 5, std430) buffer Parameters { float parameters[]; };  // [instance][parameter]
+// [instance][voice_limit], four pairs of words each
+layout(set = 0, binding = 6, std430) writeonly buffer Voices { StoredPair voices[]; };
+layout(set = 0, binding = 7, std430) buffer Events {
+    EventHead event_head;
+    EventRecord events[];
+};
 layout(set = 0, binding = 8, std430) buffer Roots { RootState roots[]; };
-layout(set = 0, binding = 9, std430) writeonly buffer Placements { vec4 placements[]; };  // world_from_model, three rows each
-TABLE_OF_WORDS(11, LayersBefore, layers_before);          // the same as layers and parameters: to read them, which a software device does
+// world_from_model, three rows each
+layout(set = 0, binding = 9, std430) writeonly buffer Placements { vec4 placements[]; };
+// The same as layers and parameters: to read them, which a software device does
+TABLE_OF_WORDS(11, LayersBefore, layers_before);
 TABLE_OF_WORDS(12, ParametersBefore, parameters_before);  // faster as tables
 layout(set = 0, binding = 10, std430) buffer Inertias { InstanceInertia inertias[]; };
 layout(set = 0, binding = 13, std430) writeonly buffer VoiceTimes { float voice_times[]; };  // [instance][voice_limit]
@@ -33,8 +40,9 @@ float parameter_at(uint index) {
 }
 
 LayerPlay load_play(uint w) {
-    return LayerPlay(WORD_AT(layers_before, w), WORD_AT(layers_before, w + 1), WORD_AT(layers_before, w + 2), uintBitsToFloat(WORD_AT(layers_before, w + 3)),
-                     uintBitsToFloat(WORD_AT(layers_before, w + 4)), uintBitsToFloat(WORD_AT(layers_before, w + 5)), WORD_AT(layers_before, w + 6));
+    return LayerPlay(WORD_AT(layers_before, w), WORD_AT(layers_before, w + 1), WORD_AT(layers_before, w + 2),
+                     uintBitsToFloat(WORD_AT(layers_before, w + 3)), uintBitsToFloat(WORD_AT(layers_before, w + 4)),
+                     uintBitsToFloat(WORD_AT(layers_before, w + 5)), WORD_AT(layers_before, w + 6));
 }
 
 LayerState load_layer_state(uint index) {
@@ -62,14 +70,19 @@ LayerState load_layer_state(uint index) {
 // A layer's weight; a direct one's goes towards its goal.
 float advance_weight(inout LayerState state, ControlLayer layer) {
     const float way = product(max(push.time_step_s, 0), state.weight_rate);
-    state.weight = state.weight < state.weight_goal ? min(sum(state.weight, way), state.weight_goal) : max(difference(state.weight, way), state.weight_goal);
-    return clamp(layer.weight_parameter == kAbsent ? state.weight : product(state.weight, parameter_at(layer.weight_parameter)), 0, 1);
+    state.weight = state.weight < state.weight_goal ? min(sum(state.weight, way), state.weight_goal)
+                                                    : max(difference(state.weight, way), state.weight_goal);
+    return clamp(
+        layer.weight_parameter == kAbsent ? state.weight : product(state.weight, parameter_at(layer.weight_parameter)),
+        0, 1);
 }
 
 bool is_in_step(ClipMix leading, ClipMix other) { return leading.sync != kAbsent && other.sync == leading.sync; }
 
-// The clips of a layer, one after the other: an invocation goes on to its next one at once, where a software device would step through all plays and points.
-void add_clips(LayerState state, ControlLayer layer, ClipMix mixes[kStackSize], PhaseStep steps[kStackSize], vec3 weights, float layer_weight, bool moves) {
+// The clips of a layer, one after the other: an invocation goes on to its next one at once, where a software device
+// would step through all plays and points.
+void add_clips(LayerState state, ControlLayer layer, ClipMix mixes[kStackSize], PhaseStep steps[kStackSize],
+               vec3 weights, float layer_weight, bool moves) {
     uint heard = 0;  // a bit for each clip of each play
     for (uint k = 0; k < kStackSize; ++k)
         for (uint point = 0; point < 3; ++point)
@@ -120,7 +133,8 @@ void update_layer(uint index) {
     uint count = 0;
     do {  // of a layer that plays nothing, nothing of this is kept
         mixes[count] = mix_of_play(layer, state.plays[count]);
-        common_rate = sum(common_rate, product(weights[count], mixes[is_in_step(mixes[0], mixes[count]) ? count : 0].rate));
+        common_rate = sum(common_rate,
+                          product(weights[count], mixes[is_in_step(mixes[0], mixes[count]) ? count : 0].rate));
     } while (++count < state.play_count);
     PhaseStep steps[kStackSize];  // from play_count on of no meaning, as mixes are: neither heard nor stored
     for (uint k = 0; k < kStackSize; ++k) {
@@ -130,7 +144,8 @@ void update_layer(uint index) {
             state.plays[k].loops = state.plays[0].loops;
             steps[k] = steps[0];
         } else {
-            steps[k] = step_phase(state.plays[k], in_step ? common_rate : mixes[k].rate, mixes[k].loop != 0, push.time_step_s);
+            steps[k] = step_phase(state.plays[k], in_step ? common_rate : mixes[k].rate, mixes[k].loop != 0,
+                                  push.time_step_s);
         }
     }
     add_clips(state, layer, mixes, steps, weights, layer_weight, index == 0);

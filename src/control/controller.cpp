@@ -31,14 +31,16 @@ void check_clips(const Controller& controller, const Character& character) {
         const Clip& clip = character.clips[clips.require(event.clip, place_of(place, "clip"))];
         if (static_cast<float>(event.time_s) > clip.duration_s)
             throw Failure(ErrorCode::kInvalidArgument, place_of(place, "at_s"),
-                          seconds(event.time_s) + " is beyond the end of clip '" + gltf::printable(clip.name) + "', which lasts " +
-                              seconds(double{clip.duration_s}));
+                          seconds(event.time_s) + " is beyond the end of clip '" + gltf::printable(clip.name) +
+                              "', which lasts " + seconds(double{clip.duration_s}));
     }
     for (size_t i = 0; i < controller.layers.size(); ++i)
         for (const ControllerState& state : controller.layers[i].states) {
             const std::string place = place_of(place_of(place_of("layers", i), "states"), state.name);
             for (size_t k = 0; k < state.points.size(); ++k)
-                clips.require(state.points[k].clip, place_of(state.x_parameter.empty() ? place : place_of(place_of(place, "clips"), k), "clip"));
+                clips.require(
+                    state.points[k].clip,
+                    place_of(state.x_parameter.empty() ? place : place_of(place_of(place, "clips"), k), "clip"));
         }
 }
 
@@ -61,7 +63,8 @@ Controller direct_layers(uint32_t count, std::vector<JointMask> masks, bool iner
     Controller controller;
     controller.name = "direct";
     controller.masks = std::move(masks);
-    for (uint32_t i = 0; i < count; ++i) controller.layers.push_back({.name = "layer " + std::to_string(i), .inertial_plays = inertial_plays});
+    for (uint32_t i = 0; i < count; ++i)
+        controller.layers.push_back({.name = "layer " + std::to_string(i), .inertial_plays = inertial_plays});
     return controller;
 }
 
@@ -70,7 +73,8 @@ Result<void> check_controller(const Controller& controller, const Character& cha
     const auto fits = rules ? as_result([&] {
         check_clips(controller, character);
         check_joints(controller, character);
-    }) : rules;
+    })
+                            : rules;
     if (fits) return {};
     const std::string both = gltf::printable(controller.name, 120) + " with " + gltf::printable(character.name, 120);
     return Error{fits.error().code, both + ": " + fits.error().place, fits.error().message};

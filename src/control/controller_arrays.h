@@ -1,4 +1,5 @@
-// A Controller for a Character as arrays of the structs of controller_io.h: names become indices, times become phases, divisions are done once.
+// A Controller for a Character as arrays of the structs of controller_io.h: names become indices, times become phases,
+// divisions are done once.
 #pragma once
 
 #include "control/controller_io.h"
@@ -24,7 +25,8 @@ struct ControllerArrays {
 // For a controller that check_controller() accepts.
 ControllerArrays make_controller_arrays(const Controller& controller, const Character& character);
 
-// A time in a clip as a phase: looping, wherever it is; else the nearest within the clip. 0 where the clip has no duration.
+// A time in a clip as a phase: looping, wherever it is; else the nearest within the clip. 0 where the clip has no
+// duration.
 uint32_t phase_at(double time_s, double duration_s, bool loop);
 
 }  // namespace throng

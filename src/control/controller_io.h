@@ -1,7 +1,7 @@
 // What the controller kernel reads and writes. Shared by C++ and GLSL. docs/controller.md defines what it computes.
 //
-// Tables of a group, one after another in one buffer of words (gpu/table.glsl), each struct as many words as it has members; where each begins is in
-// ControllerLayout.
+// Tables of a group, one after another in one buffer of words (gpu/table.glsl), each struct as many words as it has
+// members; where each begins is in ControllerLayout.
 #ifndef THRONG_CONTROLLER_IO_H
 #define THRONG_CONTROLLER_IO_H
 #include "control/control_io.h"
@@ -14,18 +14,18 @@ THRONG_IO_CONSTANT kLastPhase = 0xFFFFFFFFu;  // the end of what does not loop
 
 // One clip, beside its ClipAxis.
 struct ControlClip {
-    float rate;                  // 1 / duration, per second; 0 where it has none
+    float rate;  // 1 / duration, per second; 0 where it has none
     uint first_event, event_count;
-    uint first_root, root_count; // rows of root motion, evenly spaced in phase from 0 to 1; count 0: none
+    uint first_root, root_count;  // rows of root motion, evenly spaced in phase from 0 to 1; count 0: none
 };
 
 struct ControlLayer {
-    uint first_state, state_count;        // count 0: direct
-    uint mode;                            // kModeOverride, kModeAdditive; a direct layer begins with it
-    uint mask;                            // index or kAbsent; a direct layer begins with it
-    float weight;                         // a direct layer begins with it
-    uint weight_parameter;                // or kAbsent
-    uint model_rotations;                 // 1: overrides in model space
+    uint first_state, state_count;  // count 0: direct
+    uint mode;                      // kModeOverride, kModeAdditive; a direct layer begins with it
+    uint mask;                      // index or kAbsent; a direct layer begins with it
+    float weight;                   // a direct layer begins with it
+    uint weight_parameter;          // or kAbsent
+    uint model_rotations;           // 1: overrides in model space
 };
 THRONG_IO_CONSTANT kModeOverride = 0;
 THRONG_IO_CONSTANT kModeAdditive = 1;
@@ -38,7 +38,7 @@ struct ControlState {
     uint speed_parameter;                 // or kAbsent
     float speed;
     uint loop;
-    uint sync;                            // or kAbsent
+    uint sync;                                // or kAbsent
     uint first_transition, transition_count;  // those that leave it, in order; "any state" ones are among each state's
 };
 
@@ -48,14 +48,16 @@ struct ControlPoint {
     float inverse_span;  // one parameter: 1 / (x of the next - x); 0 for the last
 };
 
-// Weights of points a and b at (x, y): u = ax * x + ay * y + a0 and v likewise; that of c is 1 - u - v. Points are indices within the state.
+// Weights of points a and b at (x, y): u = ax * x + ay * y + a0 and v likewise; that of c is 1 - u - v. Points are
+// indices within the state.
 struct ControlTriangle {
     uint a, b, c;
     float ax, ay, a0;
     float bx, by, b0;
 };
 
-// Of the hull of the points, or the line they all lie on: the nearest place is a + t (b - a), t = clamp(((x, y) - a) . (dx, dy), 0, 1).
+// Of the hull of the points, or the line they all lie on: the nearest place is a + t (b - a), t = clamp(((x, y) - a) .
+// (dx, dy), 0, 1).
 struct ControlEdge {
     uint a, b;
     float dx, dy;  // (b - a) / |b - a|^2
@@ -63,10 +65,10 @@ struct ControlEdge {
 
 // Out of the state whose list it is in.
 struct ControlTransition {
-    uint to;            // state within the layer
+    uint to;  // state within the layer
     uint first_condition, condition_count;
     uint exit_loops, exit_phase;
-    float fade_rate;    // 1 / seconds; 0: at once
+    float fade_rate;  // 1 / seconds; 0: at once
     uint flags;
 };
 THRONG_IO_CONSTANT kTransitionInterrupts = 1;
@@ -77,10 +79,10 @@ struct ControlCondition {
     uint test;
     float value;
 };
-THRONG_IO_CONSTANT kTestAbove = 0;   // parameter > value
-THRONG_IO_CONSTANT kTestBelow = 1;   // parameter < value
-THRONG_IO_CONSTANT kTestTrue = 2;    // parameter != 0
-THRONG_IO_CONSTANT kTestFalse = 3;   // parameter == 0
+THRONG_IO_CONSTANT kTestAbove = 0;      // parameter > value
+THRONG_IO_CONSTANT kTestBelow = 1;      // parameter < value
+THRONG_IO_CONSTANT kTestTrue = 2;       // parameter != 0
+THRONG_IO_CONSTANT kTestFalse = 3;      // parameter == 0
 THRONG_IO_CONSTANT kTestTriggered = 4;  // parameter != 0, and the trigger is reset when the update ends
 
 struct ControlEvent {
@@ -97,7 +99,7 @@ struct ControllerLayout {
 // One clip, blend space or state that a layer plays. A clip's or state's time is its phase, in 2^-32 of a cycle.
 THRONG_IO_CONSTANT kLayerPlayWords = 7;
 struct LayerPlay {
-    uint motion;      // state of the layer; of a direct layer a clip, clip_count: the rest pose
+    uint motion;  // state of the layer; of a direct layer a clip, clip_count: the rest pose
     uint phase;
     uint loops;       // whole cycles since it was entered
     float fade;       // how far it has replaced what lies below it, 0..1, linear in time
@@ -109,18 +111,19 @@ struct LayerPlay {
 // What a layer of an instance keeps from update to update.
 THRONG_IO_CONSTANT kLayerStateWords = 29;
 struct LayerState {
-    LayerPlay plays[kStackSize];  // newest first: 0 leads; those from play_count on are left as they were
-    uint play_count;              // 0: nothing yet
+    LayerPlay plays[kStackSize];             // newest first: 0 leads; those from play_count on are left as they were
+    uint play_count;                         // 0: nothing yet
     float weight, weight_goal, weight_rate;  // direct layers: weight moves towards the goal by weight_rate a second
-    uint mode, mask;              // direct layers
-    uint taken;                   // transition taken by the last update, or kAbsent
-    float inertial_rate;          // direct layers: of an inertial play since the last update, 1 / seconds; 0: none
+    uint mode, mask;                         // direct layers
+    uint taken;                              // transition taken by the last update, or kAbsent
+    float inertial_rate;  // direct layers: of an inertial play since the last update, 1 / seconds; 0: none
 };
 
-// One clip as part of an instance's pose: 32 bytes, two rows of a table. Voices of a layer follow each other; their weights sum to 1.
+// One clip as part of an instance's pose: 32 bytes, two rows of a table. Voices of a layer follow each other; their
+// weights sum to 1.
 struct Voice {
-    uint first_track;    // index into tracks
-    uint earlier, later; // as in SlotCursor
+    uint first_track;     // index into tracks
+    uint earlier, later;  // as in SlotCursor
     float fraction;
     float weight;        // within its layer, > 0
     float layer_weight;  // 0..1, the same in all voices of a layer
@@ -129,7 +132,7 @@ struct Voice {
 };
 THRONG_IO_CONSTANT kVoiceBeginsLayer = 1;
 THRONG_IO_CONSTANT kVoiceEndsLayer = 2;
-THRONG_IO_CONSTANT kVoiceEnds = 4;      // the instance's last
+THRONG_IO_CONSTANT kVoiceEnds = 4;  // the instance's last
 THRONG_IO_CONSTANT kVoiceAdditive = 8;
 THRONG_IO_CONSTANT kVoiceMasked = 16;
 THRONG_IO_CONSTANT kVoiceModelRotations = 32;  // of an override: rotations are blended in model space
@@ -137,12 +140,12 @@ THRONG_IO_CONSTANT kVoiceMaskShift = 8;
 
 // An instance's inertial transition, for the blend stage.
 struct InstanceInertia {
-    float elapsed_s;    // since the last pose that was shown before it; less than duration_s while it lasts
+    float elapsed_s;  // since the last pose that was shown before it; less than duration_s while it lasts
     float duration_s;
-    float shown_step_s; // between the last two poses shown; 0: there are no two
-    uint shown_count;   // poses shown, this update's included, at most 3
-    uint begins;        // in this update
-    float time_step_s;  // of this update
+    float shown_step_s;  // between the last two poses shown; 0: there are no two
+    uint shown_count;    // poses shown, this update's included, at most 3
+    uint begins;         // in this update
+    float time_step_s;   // of this update
 };
 
 // What root motion does to an instance. Places on the ground are (x, z, cos, sin): a turn about +y, then a shift.
@@ -163,19 +166,19 @@ struct EventRecord {
     uint instance;  // of the crowd
     uint event;     // index into Controller::events
     uint layer;
-    float time_s;   // after the beginning of the update's time step, 0..time step
+    float time_s;  // after the beginning of the update's time step, 0..time step
 };
 
 // What the CPU asks of an instance; those of an instance lie together, in the order in which they were given.
 struct ControlCommand {
-    uint instance;   // of the batch
+    uint instance;  // of the batch
     uint kind;
-    uint target;     // layer, or parameter
-    uint motion;     // kCommandPlay: clip; kCommandLayer: mask or kAbsent
-    uint phase;      // kCommandPlay; kCommandLayer: mode
-    uint loop;       // kCommandPlay
-    float value;     // kCommandPlay: speed; kCommandLayer: weight goal; kCommandParameter: value
-    float fade_rate; // 1 / seconds; 0: at once
+    uint target;      // layer, or parameter
+    uint motion;      // kCommandPlay: clip; kCommandLayer: mask or kAbsent
+    uint phase;       // kCommandPlay; kCommandLayer: mode
+    uint loop;        // kCommandPlay
+    float value;      // kCommandPlay: speed; kCommandLayer: weight goal; kCommandParameter: value
+    float fade_rate;  // 1 / seconds; 0: at once
 };
 THRONG_IO_CONSTANT kCommandPlay = 0;
 THRONG_IO_CONSTANT kCommandLayer = 1;
@@ -184,17 +187,17 @@ THRONG_IO_CONSTANT kCommandPlayInertial = 3;  // kCommandPlay, seen whole at onc
 
 struct ControllerPush {
     uint instance_count;
-    uint first_instance;   // of the crowd
+    uint first_instance;  // of the crowd
     uint joint_count;
-    uint voice_limit;      // voices kept for each instance
-    uint event_capacity;   // records that fit
+    uint voice_limit;     // voices kept for each instance
+    uint event_capacity;  // records that fit
     float time_step_s;
     uint flags;
 };
 THRONG_IO_CONSTANT kPushHasRootMotion = 1;
-THRONG_IO_CONSTANT kPushIsInertial = 4;          // the group has inertial transitions
+THRONG_IO_CONSTANT kPushIsInertial = 4;       // the group has inertial transitions
 THRONG_IO_CONSTANT kPushMovesPlacements = 2;  // it is applied, not only reported
-THRONG_IO_CONSTANT kPushTellsTimes = 8;          // of voices, for the morph stage
+THRONG_IO_CONSTANT kPushTellsTimes = 8;       // of voices, for the morph stage
 
 struct CommandPush {
     uint command_count;

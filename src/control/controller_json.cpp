@@ -30,7 +30,8 @@ size_t word_of(const JsonPlace& object, std::string_view key, std::initializer_l
 std::string name_or_none(const JsonPlace& object, std::string_view key) {
     const auto member = object.find(key);
     if (!member) return {};
-    if (member->as_string().empty()) member->fail("a name must not be empty; leave '" + std::string(key) + "' out for none");
+    if (member->as_string().empty())
+        member->fail("a name must not be empty; leave '" + std::string(key) + "' out for none");
     return member->as_string();
 }
 
@@ -67,7 +68,8 @@ ControllerEvent read_event(const JsonPlace& event) {
 MaskItem read_mask_item(const JsonPlace& item) {
     item.allow({"joint", "weight", "ramp"});
     const float ramp = item.float_or("ramp", 0);
-    if (!(ramp >= 0 && ramp <= 65'535 && ramp == std::floor(ramp))) item.required("ramp").fail("must be a whole number of generations, 0 to 65535");
+    if (!(ramp >= 0 && ramp <= 65'535 && ramp == std::floor(ramp)))
+        item.required("ramp").fail("must be a whole number of generations, 0 to 65535");
     return {item.required("joint").as_string(), item.float_or("weight", 1), static_cast<uint32_t>(ramp)};
 }
 
@@ -75,7 +77,8 @@ BlendPoint read_point(const JsonPlace& point, bool of_two) {
     point.allow({"clip", "at"});
     const JsonPlace clip = point.required("clip"), at = point.required("at");
     if (!of_two) return {clip.as_string(), at.as_float(), 0};
-    if (at.kind() != Kind::kArray || at.items().size() != 2) at.fail("must be two numbers, such as [0, 1]: the place in the two parameters of 'blend'");
+    if (at.kind() != Kind::kArray || at.items().size() != 2)
+        at.fail("must be two numbers, such as [0, 1]: the place in the two parameters of 'blend'");
     return {clip.as_string(), at.items()[0].as_float(), at.items()[1].as_float()};
 }
 
@@ -99,10 +102,13 @@ ControllerState read_state(const JsonPlace& state) {
     ControllerState out{.name = state.key(), .loop = state.bool_or("loop", true), .sync = name_or_none(state, "sync")};
     read_factor(state, "speed", out.speed, out.speed_parameter);
     const auto clip = state.find("clip");
-    if (clip && (state.find("blend") || state.find("clips"))) state.fail("has one 'clip', or a 'blend' of 'clips', not both");
+    if (clip && (state.find("blend") || state.find("clips")))
+        state.fail("has one 'clip', or a 'blend' of 'clips', not both");
     if (!clip && !state.find("blend") && !state.find("clips")) state.fail("'clip' is missing, or 'blend' and 'clips'");
-    if (clip) out.points.push_back({clip->as_string()});
-    else read_blend(state, out);
+    if (clip)
+        out.points.push_back({clip->as_string()});
+    else
+        read_blend(state, out);
     return out;
 }
 
@@ -143,14 +149,17 @@ ControllerLayer read_layer(const JsonPlace& layer) {
     read_factor(layer, "weight", out.weight, out.weight_parameter);
     const auto states = layer.find("states");
     for (const JsonPlace& state : layer.members("states")) out.states.push_back(read_state(state));
-    if (states && out.states.empty()) states->fail("must not be empty; leave it out for a layer that plays what it is told");
-    for (const JsonPlace& transition : layer.items("transitions")) out.transitions.push_back(read_transition(transition));
+    if (states && out.states.empty())
+        states->fail("must not be empty; leave it out for a layer that plays what it is told");
+    for (const JsonPlace& transition : layer.items("transitions"))
+        out.transitions.push_back(read_transition(transition));
     if (const auto start = layer.find("start")) {
         KnownNames names("state");
         for (const ControllerState& state : out.states) names.add(state.name);
         const uint32_t first = names.find(start->as_string());
         if (first == kNone) start->fail(names.unknown(start->as_string()));
-        std::rotate(out.states.begin(), out.states.begin() + first, out.states.begin() + first + 1);  // the others keep their order
+        // The others keep their order
+        std::rotate(out.states.begin(), out.states.begin() + first, out.states.begin() + first + 1);
     }
     return out;
 }
@@ -174,25 +183,31 @@ Controller read_controller(const JsonNode& root, const std::string& file) {
 
 Result<Controller> parse_controller(std::string_view json, std::string_view name) {
     const std::string file = gltf::printable(name, 120);
-    return as_result([&] {
-        const JsonNode root = parse_json_lines(json, file);
-        Controller controller = read_controller(root, file);
-        controller.name = name;
-        const auto rules = as_result([&] { check_rules(controller); });
-        if (rules) return controller;
-        const auto& [code, place, message] = rules.error();
-        throw Failure(code == ErrorCode::kInvalidArgument ? ErrorCode::kInvalidFile : code, located(file, line_of(root, place), place), message);
-    }, file);
+    return as_result(
+        [&] {
+            const JsonNode root = parse_json_lines(json, file);
+            Controller controller = read_controller(root, file);
+            controller.name = name;
+            const auto rules = as_result([&] { check_rules(controller); });
+            if (rules) return controller;
+            const auto& [code, place, message] = rules.error();
+            throw Failure(code == ErrorCode::kInvalidArgument ? ErrorCode::kInvalidFile : code,
+                          located(file, line_of(root, place), place), message);
+        },
+        file);
 }
 
 Result<Controller> load_controller(const std::filesystem::path& path) {
     const std::string name = path.filename().string(), file = gltf::printable(name, 120);
-    const auto bytes = as_result([&] {
-        std::error_code unknown;
-        if (std::filesystem::is_regular_file(path, unknown) && std::filesystem::file_size(path, unknown) > kJsonTextLimit_bytes)
-            throw Failure(ErrorCode::kLimit, file, kJsonTextLimitMessage);
-        return gltf::read_file(path, kJsonTextLimit_bytes, file);
-    }, file);
+    const auto bytes = as_result(
+        [&] {
+            std::error_code unknown;
+            if (std::filesystem::is_regular_file(path, unknown) &&
+                std::filesystem::file_size(path, unknown) > kJsonTextLimit_bytes)
+                throw Failure(ErrorCode::kLimit, file, kJsonTextLimitMessage);
+            return gltf::read_file(path, kJsonTextLimit_bytes, file);
+        },
+        file);
     if (!bytes) return bytes.error();
     return parse_controller({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, name);
 }

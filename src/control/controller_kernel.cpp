@@ -16,7 +16,8 @@ constexpr uint32_t kCommands[] = {
 }  // namespace
 
 Kernel controller_kernel(const std::shared_ptr<Gpu>& gpu) {
-    return Kernel(gpu, {.name = "controller", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kControllerWide) : kController});
+    return Kernel(gpu, {.name = "controller",
+                        .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kControllerWide) : kController});
 }
 
 Kernel command_kernel(const std::shared_ptr<Gpu>& gpu) { return Kernel(gpu, {.name = "commands", .spirv = kCommands}); }

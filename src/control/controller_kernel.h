@@ -1,4 +1,5 @@
-// The controller stage: parameters and layers of each instance -> the voices of its pose, events and root motion (docs/controller.md).
+// The controller stage: parameters and layers of each instance -> the voices of its pose, events and root motion
+// (docs/controller.md).
 #pragma once
 
 #include "control/controller_io.h"
@@ -16,11 +17,14 @@ struct ControllerBuffers {
     BufferRange parameters;  // float[instance_count][parameter_count], read; triggers are reset
     BufferRange voices;      // io::Voice[instance_count][voice_limit], written
     BufferRange events;      // io::EventHead, then io::EventRecord[event_capacity]; appended
-    BufferRange roots;       // io::RootState[instance_count], read and written where there is root motion; else any buffer
+    // io::RootState[instance_count], read and written where there is root motion; else any buffer
+    BufferRange roots;
     BufferRange placements;  // world_from_model, Affine[instance_count], written where root motion is applied
-    BufferRange inertias;    // io::InstanceInertia[instance_count], read and written where there are inertial transitions; else any buffer
+    // io::InstanceInertia[instance_count], read and written where there are inertial transitions; else any buffer
+    BufferRange inertias;
     BufferRange layers_before, parameters_before;  // layers and parameters once more, as tables of words
-    BufferRange voice_times;  // float[instance_count][voice_limit], seconds, written where the character has morphs; else any buffer
+    // float[instance_count][voice_limit], seconds, written where the character has morphs; else any buffer
+    BufferRange voice_times;
 };
 Kernel controller_kernel(const std::shared_ptr<Gpu>& gpu);
 

@@ -23,7 +23,8 @@ bool holds(const io::ControlCondition& condition, std::span<const float> paramet
 
 }  // namespace
 
-ControllerReference::ControllerReference(const Controller& controller, const Character& character) : character_(character) {
+ControllerReference::ControllerReference(const Controller& controller, const Character& character)
+    : character_(character) {
     const ControllerTables tables = make_controller_tables(controller, character);
     arrays_ = make_controller_arrays(controller, character);
     parameters = tables.initial_parameters;
@@ -46,7 +47,13 @@ void ControllerReference::apply(const io::ControlCommand& command) {
     }
     const bool is_inertial = command.kind == io::kCommandPlayInertial, at_once = command.fade_rate == 0 || is_inertial;
     if (is_inertial) state.inertial_rate = command.fade_rate;
-    push_play(state, {.motion = command.motion, .phase = command.phase, .loops = 0, .fade = at_once ? 1.0f : 0.0f, .fade_rate = command.fade_rate, .speed = command.value, .loop = command.loop});
+    push_play(state, {.motion = command.motion,
+                      .phase = command.phase,
+                      .loops = 0,
+                      .fade = at_once ? 1.0f : 0.0f,
+                      .fade_rate = command.fade_rate,
+                      .speed = command.value,
+                      .loop = command.loop});
 }
 
 ControllerUpdate ControllerReference::update(float time_step_s) {
@@ -82,28 +89,36 @@ bool ControllerReference::can_be_taken(const io::ControlTransition& transition, 
     const bool fading = state.play_count > 1 && leading.fade < 1;
     if (fading && (transition.flags & io::kTransitionInterrupts) == 0) return false;
     if (played(leading.loops, leading.phase) < played(transition.exit_loops, transition.exit_phase)) return false;
-    const auto conditions = std::span(arrays_.conditions).subspan(transition.first_condition, transition.condition_count);
-    return std::ranges::all_of(conditions, [&](const io::ControlCondition& condition) { return holds(condition, parameters); });
+    const auto conditions =
+        std::span(arrays_.conditions).subspan(transition.first_condition, transition.condition_count);
+    return std::ranges::all_of(conditions,
+                               [&](const io::ControlCondition& condition) { return holds(condition, parameters); });
 }
 
 // Step 3: a state keeps step with those of its sync group.
-void ControllerReference::push_state(const io::ControlLayer& layer, io::LayerState& state, uint32_t motion, io::LayerPlay play) const {
+void ControllerReference::push_state(const io::ControlLayer& layer, io::LayerState& state, uint32_t motion,
+                                     io::LayerPlay play) const {
     const auto sync_of = [&](uint32_t other) { return arrays_.states[layer.first_state + other].sync; };
     play.motion = motion;
     for (uint32_t k = state.play_count; k-- > 0;)
-        if (sync_of(motion) != io::kAbsent && sync_of(state.plays[k].motion) == sync_of(motion)) play.phase = state.plays[k].phase;
+        if (sync_of(motion) != io::kAbsent && sync_of(state.plays[k].motion) == sync_of(motion))
+            play.phase = state.plays[k].phase;
     push_play(state, play);
 }
 
 MixedClips ControllerReference::mix_of(const io::ControlLayer& layer, const io::LayerPlay& play) const {
-    return layer.state_count > 0 ? mix_of_state(arrays_, arrays_.states[layer.first_state + play.motion], parameters) : mix_of_direct_play(arrays_, play);
+    return layer.state_count > 0 ? mix_of_state(arrays_, arrays_.states[layer.first_state + play.motion], parameters)
+                                 : mix_of_direct_play(arrays_, play);
 }
 
 // Step 5, of the layer itself.
-float ControllerReference::advance_weight(const io::ControlLayer& layer, io::LayerState& state, float time_step_s) const {
+float ControllerReference::advance_weight(const io::ControlLayer& layer, io::LayerState& state,
+                                          float time_step_s) const {
     const float distance = std::max(time_step_s, 0.0f) * state.weight_rate;
-    if (state.weight < state.weight_goal) state.weight = std::min(state.weight + distance, state.weight_goal);
-    else state.weight = std::max(state.weight - distance, state.weight_goal);
+    if (state.weight < state.weight_goal)
+        state.weight = std::min(state.weight + distance, state.weight_goal);
+    else
+        state.weight = std::max(state.weight - distance, state.weight_goal);
     const float factor = layer.weight_parameter == io::kAbsent ? 1 : parameter_at(parameters, layer.weight_parameter);
     return std::clamp(state.weight * factor, 0.0f, 1.0f);
 }
@@ -114,7 +129,8 @@ void ControllerReference::update_layer(uint32_t index, float time_step_s, Contro
     if (layer.state_count > 0) follow_transitions(layer, state);
     if (layer.state_count > 0 && state.taken != io::kAbsent) {
         const io::ControlTransition& taken = arrays_.transitions[state.taken];
-        if ((taken.flags & io::kTransitionInertial) != 0 && taken.fade_rate > 0) update.inertial_s = 1 / taken.fade_rate;
+        if ((taken.flags & io::kTransitionInertial) != 0 && taken.fade_rate > 0)
+            update.inertial_s = 1 / taken.fade_rate;
     }
     if (const float rate = std::exchange(state.inertial_rate, 0.0f); rate > 0) update.inertial_s = 1 / rate;
     advance_fades(state, time_step_s);
@@ -125,7 +141,8 @@ void ControllerReference::update_layer(uint32_t index, float time_step_s, Contro
     for (uint32_t k = 0; k < state.play_count; ++k) mixes.push_back(mix_of(layer, state.plays[k]));
     const auto in_step = [&](uint32_t k) { return mixes[0].sync != io::kAbsent && mixes[k].sync == mixes[0].sync; };
     float common_rate = 0;  // of the leading play's sync group
-    for (uint32_t k = 0; k < state.play_count; ++k) common_rate = common_rate + weights[k] * mixes[in_step(k) ? k : 0].rate;
+    for (uint32_t k = 0; k < state.play_count; ++k)
+        common_rate = common_rate + weights[k] * mixes[in_step(k) ? k : 0].rate;
 
     PhaseStep leading;
     for (uint32_t k = 0; k < state.play_count; ++k) {
@@ -140,16 +157,20 @@ void ControllerReference::update_layer(uint32_t index, float time_step_s, Contro
         if (layer_weight <= 0) continue;
         add_voices(index, layer_weight, state.plays[k], mixes[k], weights[k], update);
         if (index == 0)
-            for (const MixedClip& mixed : mixes[k].clips) add_weighted(update.move, move_between(root_rows(mixed.clip), step.before, step.after, step.crossed), double{weights[k]} * mixed.weight);
+            for (const MixedClip& mixed : mixes[k].clips)
+                add_weighted(update.move, move_between(root_rows(mixed.clip), step.before, step.after, step.crossed),
+                             double{weights[k]} * mixed.weight);
     }
     if (state.play_count == 0 || layer_weight <= 0) return;
     const io::ControlClip& heard = arrays_.clips[mixes[0].heaviest().clip];
-    for (const PassedEvent& passed : passed_events(std::span(arrays_.events).subspan(heard.first_event, heard.event_count), leading, time_step_s))
+    for (const PassedEvent& passed :
+         passed_events(std::span(arrays_.events).subspan(heard.first_event, heard.event_count), leading, time_step_s))
         update.events.push_back({passed.event, index, passed.time_s});
 }
 
 // Step 9.
-void ControllerReference::add_voices(uint32_t index, float layer_weight, const io::LayerPlay& play, const MixedClips& mix, float play_weight, ControllerUpdate& update) const {
+void ControllerReference::add_voices(uint32_t index, float layer_weight, const io::LayerPlay& play,
+                                     const MixedClips& mix, float play_weight, ControllerUpdate& update) const {
     const io::LayerState& state = layers[index];
     const bool covers_all = layer_weight >= 1 && state.mode == io::kModeOverride && state.mask == io::kAbsent;
     for (const MixedClip& mixed : mix.clips) {
@@ -157,18 +178,30 @@ void ControllerReference::add_voices(uint32_t index, float layer_weight, const i
         if (weight <= 0) continue;
         if (update.voices.empty() && !covers_all) add_rest_pose(update.voices);
         const double duration_s = mixed.clip < character_.clips.size() ? character_.clips[mixed.clip].duration_s : 0;
-        update.voices.push_back({.clip = mixed.clip, .phase = play.phase, .time_s = play.phase * 0x1p-32 * duration_s, .weight = weight, .layer = index, .layer_weight = layer_weight, .mode = state.mode, .mask = state.mask, .model_rotations = state.mode == io::kModeOverride && arrays_.layers[index].model_rotations != 0});
+        update.voices.push_back(
+            {.clip = mixed.clip,
+             .phase = play.phase,
+             .time_s = play.phase * 0x1p-32 * duration_s,
+             .weight = weight,
+             .layer = index,
+             .layer_weight = layer_weight,
+             .mode = state.mode,
+             .mask = state.mask,
+             .model_rotations = state.mode == io::kModeOverride && arrays_.layers[index].model_rotations != 0});
     }
 }
 
-void ControllerReference::add_rest_pose(std::vector<ControllerVoice>& voices) const { voices.push_back({.clip = static_cast<uint32_t>(character_.clips.size())}); }
+void ControllerReference::add_rest_pose(std::vector<ControllerVoice>& voices) const {
+    voices.push_back({.clip = static_cast<uint32_t>(character_.clips.size())});
+}
 
 // Of the transitions taken in this update.
 void ControllerReference::reset_triggers() {
     for (const io::LayerState& state : layers) {
         if (state.taken == io::kAbsent) continue;
         const io::ControlTransition& taken = arrays_.transitions[state.taken];
-        for (const io::ControlCondition& condition : std::span(arrays_.conditions).subspan(taken.first_condition, taken.condition_count))
+        for (const io::ControlCondition& condition :
+             std::span(arrays_.conditions).subspan(taken.first_condition, taken.condition_count))
             if (condition.test == io::kTestTriggered) parameters[condition.parameter] = 0;
     }
 }
@@ -185,7 +218,10 @@ std::vector<io::Voice> to_io(std::span<const ControllerVoice> voices, const Char
         const Clip& clip = voice.clip < character.clips.size() ? character.clips[voice.clip] : rest_pose;
         // The time as the kernel has it, in float, so that both find the same rows.
         const float time_s = (static_cast<float>(voice.phase) * 0x1p-32f) * clip.duration_s;
-        const RowCursor rows = find_rows_reference(std::span(character.times_s).subspan(clip.first_time, std::min<size_t>(clip.row_count, character.times_s.size() - clip.first_time)), time_s);
+        const RowCursor rows = find_rows_reference(
+            std::span(character.times_s)
+                .subspan(clip.first_time, std::min<size_t>(clip.row_count, character.times_s.size() - clip.first_time)),
+            time_s);
         const auto row = [&](uint32_t index) { return clip.first_row + index * clip.row_stride; };
         uint32_t flags = voice.mode == io::kModeAdditive ? io::kVoiceAdditive : 0;
         if (voice.model_rotations) flags |= io::kVoiceModelRotations;
@@ -193,8 +229,14 @@ std::vector<io::Voice> to_io(std::span<const ControllerVoice> voices, const Char
         if (i == 0 || voices[i - 1].layer != voice.layer) flags |= io::kVoiceBeginsLayer;
         if (i + 1 == voices.size() || voices[i + 1].layer != voice.layer) flags |= io::kVoiceEndsLayer;
         if (i + 1 == voices.size()) flags |= io::kVoiceEnds;
-        out.push_back({.first_track = voice.clip * character.rig.joint_count(), .earlier = row(rows.earlier), .later = row(rows.later), .fraction = static_cast<float>(rows.fraction),
-                       .weight = voice.weight, .layer_weight = voice.layer_weight, .reference_row = clip.first_row, .flags = flags});
+        out.push_back({.first_track = voice.clip * character.rig.joint_count(),
+                       .earlier = row(rows.earlier),
+                       .later = row(rows.later),
+                       .fraction = static_cast<float>(rows.fraction),
+                       .weight = voice.weight,
+                       .layer_weight = voice.layer_weight,
+                       .reference_row = clip.first_row,
+                       .flags = flags});
     }
     return out;
 }

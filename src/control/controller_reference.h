@@ -1,5 +1,6 @@
-// The definition of the controller stage (docs/controller.md): one instance, on the CPU, with nothing fused and nothing fast. What decides a state is
-// computed in float as the definition says, so that a device must agree bit for bit; what nothing follows from, in double.
+// The definition of the controller stage (docs/controller.md): one instance, on the CPU, with nothing fused and nothing
+// fast. What decides a state is computed in float as the definition says, so that a device must agree bit for bit; what
+// nothing follows from, in double.
 #pragma once
 
 #include "control/clip_mix_reference.h"
@@ -14,7 +15,7 @@ namespace throng {
 
 // One clip as part of the instance's pose.
 struct ControllerVoice {
-    uint32_t clip = 0;             // clip_count: the rest pose
+    uint32_t clip = 0;  // clip_count: the rest pose
     uint32_t phase = 0;
     double time_s = 0;
     float weight = 1;              // within its layer
@@ -28,7 +29,7 @@ struct ControllerVoice {
 struct ControllerEventAt {
     uint32_t event;  // index into Controller::events
     uint32_t layer;
-    double time_s;   // 0..|time step|
+    double time_s;  // 0..|time step|
 };
 
 struct ControllerUpdate {
@@ -58,7 +59,8 @@ private:
     void follow_transitions(const io::ControlLayer& layer, io::LayerState& state) const;
     float advance_weight(const io::ControlLayer& layer, io::LayerState& state, float time_step_s) const;
     void update_layer(uint32_t index, float time_step_s, ControllerUpdate& update);
-    void add_voices(uint32_t index, float layer_weight, const io::LayerPlay& play, const MixedClips& mix, float play_weight, ControllerUpdate& update) const;
+    void add_voices(uint32_t index, float layer_weight, const io::LayerPlay& play, const MixedClips& mix,
+                    float play_weight, ControllerUpdate& update) const;
     void add_rest_pose(std::vector<ControllerVoice>& voices) const;
     void reset_triggers();
     RootRows root_rows(uint32_t clip) const;

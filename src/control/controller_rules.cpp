@@ -13,17 +13,21 @@ namespace {
 
 using gltf::printable;
 
-[[noreturn]] void refuse(const std::string& place, const std::string& message) { throw Failure(ErrorCode::kInvalidArgument, place, message); }
+[[noreturn]] void refuse(const std::string& place, const std::string& message) {
+    throw Failure(ErrorCode::kInvalidArgument, place, message);
+}
 
 std::string text(float value) {
     char digits[64];
-    const auto format = std::abs(value) < 1e9f ? std::chars_format::fixed : std::chars_format::scientific;  // 1000000, not 1e+06
+    // 1000000, not 1e+06
+    const auto format = std::abs(value) < 1e9f ? std::chars_format::fixed : std::chars_format::scientific;
     return {digits, std::to_chars(digits, digits + sizeof(digits), value, format).ptr};
 }
 
 void require_at_most(size_t limit, size_t count, const std::string& place, const char* what) {
     if (count <= limit) return;
-    throw Failure(ErrorCode::kLimit, place, std::to_string(count) + " " + what + ", more than the limit of " + std::to_string(limit));
+    throw Failure(ErrorCode::kLimit, place,
+                  std::to_string(count) + " " + what + ", more than the limit of " + std::to_string(limit));
 }
 
 void require_finite(float value, const std::string& place) {
@@ -31,19 +35,22 @@ void require_finite(float value, const std::string& place) {
 }
 
 void require_between(float low, float high, float value, const std::string& place) {
-    if (!(value >= low && value <= high)) refuse(place, text(value) + " is not between " + text(low) + " and " + text(high));
+    if (!(value >= low && value <= high))
+        refuse(place, text(value) + " is not between " + text(low) + " and " + text(high));
 }
 
 void require_name(std::string_view name, const std::string& place) {
     if (name.empty()) refuse(place, "a name must not be empty");
     if (name.size() <= kNameLimit) return;
-    throw Failure(ErrorCode::kLimit, place, "the name is longer than the limit of " + std::to_string(kNameLimit) + " bytes");
+    throw Failure(ErrorCode::kLimit, place,
+                  "the name is longer than the limit of " + std::to_string(kNameLimit) + " bytes");
 }
 
 // Of what the controller itself names, and others print.
 void require_printable_name(std::string_view name, const std::string& place) {
     require_name(name, place);
-    if (printable(name, kNameLimit) != name) refuse(place, "a name must not have line breaks or other control characters");
+    if (printable(name, kNameLimit) != name)
+        refuse(place, "a name must not have line breaks or other control characters");
 }
 
 void add_unique(KnownNames& names, std::string_view name, const std::string& place) {
@@ -70,7 +77,8 @@ private:
             const std::string place = place_of("parameters", parameter.name);
             add_unique(parameters_, parameter.name, place);
             require_finite(parameter.initial, place);
-            if (parameter.type != ParameterType::kFloat && parameter.initial != 0 && parameter.initial != 1) refuse(place, "must begin with 0 or 1");
+            if (parameter.type != ParameterType::kFloat && parameter.initial != 0 && parameter.initial != 1)
+                refuse(place, "must begin with 0 or 1");
         }
     }
 
@@ -94,7 +102,8 @@ private:
             const std::string place = place_of("events", i);
             require_printable_name(event.name, place_of(place, "name"));
             require_name(event.clip, place_of(place, "clip"));
-            if (!(event.time_s >= 0 && std::isfinite(event.time_s))) refuse(place_of(place, "at_s"), "must be a time in the clip, 0 or more seconds");
+            if (!(event.time_s >= 0 && std::isfinite(event.time_s)))
+                refuse(place_of(place, "at_s"), "must be a time in the clip, 0 or more seconds");
         }
     }
 
@@ -107,9 +116,11 @@ private:
             const std::string place = place_of("layers", i);
             add_unique(names, layer.name, place_of(place, "name"));
             if (layer.model_space_rotations && layer.mode == LayerMode::kAdditive)
-                refuse(place_of(place, "rotations"), "an additive layer turns joints in their parents; only an override is blended in model space");
+                refuse(place_of(place, "rotations"),
+                       "an additive layer turns joints in their parents; only an override is blended in model space");
             if (layer.inertial_plays && !layer.states.empty())
-                refuse(place_of(place, "inertial"), "a layer with states plays nothing that it is told; its transitions have a 'fade' of their own");
+                refuse(place_of(place, "inertial"),
+                       "a layer with states plays nothing that it is told; its transitions have a 'fade' of their own");
             if (!layer.mask.empty()) masks_.require(layer.mask, place_of(place, "mask"));
             if (layer.weight_parameter.empty()) require_between(0, 1, layer.weight, place_of(place, "weight"));
             check_factor(layer.weight, layer.weight_parameter, place_of(place, "weight"));
@@ -156,7 +167,8 @@ private:
         if (of_two) check_number(state.y_parameter, place_of(blend, 1));
         for (size_t i = 0; i < state.points.size(); ++i) {
             const BlendPoint& point = state.points[i];
-            require_name(point.clip, state.x_parameter.empty() ? place_of(place, "clip") : place_of(place_of(clips, i), "clip"));
+            require_name(point.clip,
+                         state.x_parameter.empty() ? place_of(place, "clip") : place_of(place_of(clips, i), "clip"));
             if (!state.x_parameter.empty()) check_distances(state, i, place_of(place_of(clips, i), "at"));
         }
     }
@@ -176,34 +188,44 @@ private:
                 refuse(place, "clips[" + std::to_string(k) + "] is at this place already; keep them 0.000001 apart");
     }
 
-    void check_transition(const ControllerLayer& layer, const ControllerTransition& transition, const KnownNames& states,
-                          const std::string& place) const {
+    void check_transition(const ControllerLayer& layer, const ControllerTransition& transition,
+                          const KnownNames& states, const std::string& place) const {
         const std::string exit = place_of(place, "exit"), fade = place_of(place, "fade_s");
-        const uint32_t from = transition.from.empty() ? kNone : states.require(transition.from, place_of(place, "from"));
+        const uint32_t from = transition.from.empty() ? kNone
+                                                      : states.require(transition.from, place_of(place, "from"));
         const uint32_t to = states.require(transition.to, place_of(place, "to"));
         require_between(0, kExitLimit, transition.exit, exit);
         if (transition.fade_s != 0) require_between(kLeastFade_s, kMostFade_s, transition.fade_s, fade);
         if (from != kNone && !layer.states[from].loop && transition.exit > 1)
-            refuse(exit, "is never reached: state '" + printable(transition.from) + "' does not loop, so it ends after 1 cycle; give 1 or less");
+            refuse(exit, "is never reached: state '" + printable(transition.from) +
+                             "' does not loop, so it ends after 1 cycle; give 1 or less");
         if (transition.conditions.empty() && transition.exit == 0) {
-            if (from == kNone) refuse(place, "leaves any state at once, so that the layer never rests; give it 'when', 'exit' or 'from'");
+            if (from == kNone)
+                refuse(place,
+                       "leaves any state at once, so that the layer never rests; give it 'when', 'exit' or 'from'");
             if (from == to) refuse(place, "begins its state again in every update; give it 'when' or 'exit'");
         }
-        for (size_t i = 0; i < transition.conditions.size(); ++i) check_condition(transition.conditions, i, place_of(place, "when"));
+        for (size_t i = 0; i < transition.conditions.size(); ++i)
+            check_condition(transition.conditions, i, place_of(place, "when"));
     }
 
     void check_condition(const std::vector<ControllerCondition>& conditions, size_t i, const std::string& when) const {
         using Test = ControllerCondition::Test;
         const ControllerCondition& condition = conditions[i];
-        const std::string place = place_of(when, condition.parameter), name = "'" + printable(condition.parameter) + "'";
+        const std::string place = place_of(when, condition.parameter),
+                          name = "'" + printable(condition.parameter) + "'";
         const ParameterType type = controller_.parameters[parameters_.require(condition.parameter, place)].type;
         const bool compares = condition.test == Test::kAbove || condition.test == Test::kBelow;
         require_finite(condition.value, place);
-        if (type == ParameterType::kFloat && !compares) refuse(place, name + R"( is a float; compare it: {"above": 0.1}, {"below": 2})");
-        if (type == ParameterType::kBool && (compares || condition.test == Test::kTriggered)) refuse(place, name + " is a bool; ask for true or false");
-        if (type == ParameterType::kTrigger && condition.test != Test::kTriggered) refuse(place, name + R"( is a trigger; ask for "triggered")");
+        if (type == ParameterType::kFloat && !compares)
+            refuse(place, name + R"( is a float; compare it: {"above": 0.1}, {"below": 2})");
+        if (type == ParameterType::kBool && (compares || condition.test == Test::kTriggered))
+            refuse(place, name + " is a bool; ask for true or false");
+        if (type == ParameterType::kTrigger && condition.test != Test::kTriggered)
+            refuse(place, name + R"( is a trigger; ask for "triggered")");
         if (i == 0 || conditions[i - 1].parameter != condition.parameter) return;
-        if (conditions[i - 1].test == Test::kAbove && condition.test == Test::kBelow && !(conditions[i - 1].value < condition.value))
+        if (conditions[i - 1].test == Test::kAbove && condition.test == Test::kBelow &&
+            !(conditions[i - 1].value < condition.value))
             refuse(place, "nothing is above " + text(conditions[i - 1].value) + " and below " + text(condition.value));
     }
 

@@ -12,7 +12,9 @@ namespace throng {
 namespace {
 
 template <class T>
-auto words_of(const T& item) { return std::bit_cast<std::array<uint32_t, sizeof(T) / sizeof(uint32_t)>>(item); }
+auto words_of(const T& item) {
+    return std::bit_cast<std::array<uint32_t, sizeof(T) / sizeof(uint32_t)>>(item);
+}
 
 // Appends the structs as words and returns where they begin.
 template <class T>
@@ -35,7 +37,8 @@ uint32_t most_voices(const ControllerArrays& arrays) {
     uint32_t count = 1;  // the rest pose
     for (const io::ControlLayer& layer : arrays.layers) {
         uint32_t of_play = 1;
-        for (uint32_t state = 0; state < layer.state_count; ++state) of_play = std::max(of_play, active_points(arrays.states[layer.first_state + state]));
+        for (uint32_t state = 0; state < layer.state_count; ++state)
+            of_play = std::max(of_play, active_points(arrays.states[layer.first_state + state]));
         count += io::kStackSize * of_play;
     }
     return count;
@@ -77,7 +80,8 @@ ControllerTables make_controller_tables(const Controller& controller, const Char
         const std::vector<float> weights = mask_weights(mask, character.rig);
         tables.masks.insert(tables.masks.end(), weights.begin(), weights.end());
     }
-    for (const ControllerParameter& parameter : controller.parameters) tables.initial_parameters.push_back(parameter.initial);
+    for (const ControllerParameter& parameter : controller.parameters)
+        tables.initial_parameters.push_back(parameter.initial);
     for (const io::ControlLayer& layer : arrays.layers) tables.initial_layers.push_back(initial_state(layer));
     tables.voice_limit = most_voices(arrays);
     return tables;

@@ -11,12 +11,12 @@
 namespace throng {
 
 struct ControllerTables {
-    std::vector<uint32_t> words;            // io::ControllerLayout, then the arrays whose beginnings it names
-    io::ControllerLayout layout{};          // the first words
-    std::vector<float> masks;               // [mask_count][joint_count], 0..1
-    std::vector<float> initial_parameters;  // [parameter_count]
+    std::vector<uint32_t> words;                 // io::ControllerLayout, then the arrays whose beginnings it names
+    io::ControllerLayout layout{};               // the first words
+    std::vector<float> masks;                    // [mask_count][joint_count], 0..1
+    std::vector<float> initial_parameters;       // [parameter_count]
     std::vector<io::LayerState> initial_layers;  // [layer_count]
-    uint32_t voice_limit = 1;               // the most voices that an instance can have
+    uint32_t voice_limit = 1;                    // the most voices that an instance can have
 };
 
 // Throws what check_controller() finds.

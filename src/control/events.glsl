@@ -1,4 +1,5 @@
-// Events that a clip passed in an update: step 7 of docs/controller.md. The includer declares `events`, `event_head` and `instance`.
+// Events that a clip passed in an update: step 7 of docs/controller.md. The includer declares `events`, `event_head`
+// and `instance`.
 
 // The first of equals.
 uint heaviest(ClipMix clip_mix) {
@@ -8,9 +9,11 @@ uint heaviest(ClipMix clip_mix) {
     return clip_mix.clips[k];
 }
 
-// How often an event is passed: positions are phase + 2^32 * loops; forwards it is passed by [before, after), backwards by [after, before).
+// How often an event is passed: positions are phase + 2^32 * loops; forwards it is passed by [before, after), backwards
+// by [after, before).
 uint times_passed(uint phase, PhaseStep phase_step) {
-    const int passed_before = phase < phase_step.before ? 1 : 0, passed_after = phase < phase_step.after || phase_step.reached_end ? 1 : 0;
+    const int passed_before = phase < phase_step.before ? 1 : 0,
+              passed_after = phase < phase_step.after || phase_step.reached_end ? 1 : 0;
     return uint(abs(phase_step.crossed + passed_after - passed_before));
 }
 
@@ -19,7 +22,8 @@ void emit_event(ControlEvent event, PhaseStep phase_step, uint layer) {
     const uint count = times_passed(event.phase, phase_step);
     if (count == 0) return;
     const bool forwards = phase_step.cycles > 0;
-    const uint distance = forwards ? event.phase - phase_step.before : phase_step.before - event.phase - 1;  // backwards the place where it stands lies a cycle ahead
+    // Backwards the place where it stands lies a cycle ahead
+    const uint distance = forwards ? event.phase - phase_step.before : phase_step.before - event.phase - 1;
     const uint first = atomicAdd(event_head.count, count);
     const uint end = min(count, push.event_capacity - min(first, push.event_capacity));
     uint k = 0;

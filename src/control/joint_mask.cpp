@@ -11,8 +11,10 @@ std::vector<float> mask_weights(const JointMask& mask, const Rig& rig) {
         std::vector<uint32_t> generations(rig.joint_count(), kNone);  // below the item's joint, which is generation 0
         for (uint32_t joint = top; joint < rig.joint_count(); ++joint) {  // parents come first
             const uint32_t parent = rig.parents[joint];
-            if (joint == top) generations[joint] = 0;
-            else if (parent != kNone && generations[parent] != kNone) generations[joint] = generations[parent] + 1;
+            if (joint == top)
+                generations[joint] = 0;
+            else if (parent != kNone && generations[parent] != kNone)
+                generations[joint] = generations[parent] + 1;
             if (generations[joint] == kNone) continue;
             const double steps = std::min(generations[joint], item.ramp) + 1.0;
             weights[joint] = static_cast<float>(item.weight * (steps / (item.ramp + 1.0)));

@@ -25,7 +25,8 @@ public:
     LineCounter(const char* at, uint32_t* line) : at_(at), line_(line) {}
     const char& operator*() const { return *at_; }
     LineCounter& operator++() {
-        *line_ += std::exchange(ends_line_, *at_ == '\n');  // a number is read up to the character behind it, which may end the line
+        // A number is read up to the character behind it, which may end the line
+        *line_ += std::exchange(ends_line_, *at_ == '\n');
         ++at_;
         return *this;
     }
@@ -53,7 +54,9 @@ public:
     bool number_integer(number_integer_t value) override { return add_number(static_cast<double>(value)); }
     bool number_unsigned(number_unsigned_t value) override { return add_number(static_cast<double>(value)); }
     bool number_float(number_float_t value, const string_t&) override { return add_number(value); }
-    bool string(string_t& value) override { return add({.kind = JsonNode::Kind::kString, .text = std::move(value)}), true; }
+    bool string(string_t& value) override {
+        return add({.kind = JsonNode::Kind::kString, .text = std::move(value)}), true;
+    }
     bool binary(binary_t&) override { return false; }  // not in text
     bool start_object(std::size_t) override { return open(JsonNode::Kind::kObject); }
     bool start_array(std::size_t) override { return open(JsonNode::Kind::kArray); }
@@ -72,11 +75,14 @@ public:
         return true;
     }
     bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception& error) override {
-        std::string what = error.what();  // "[json.exception.parse_error.101] parse error at line 3, column 5: …": the line is said already
+        // "[json.exception.parse_error.101] parse error at line 3, column 5: …": the line is said already
+        std::string what = error.what();
         for (const std::string_view before : {"] ", "column "})
             if (const size_t at = what.find(before); at != what.npos) what.erase(0, at + before.size());
         if (error.id == 101) what = "column " + what;
-        std::replace_if(what.begin(), what.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x80; }, '?');  // may not be UTF-8
+        // May not be UTF-8
+        std::replace_if(
+            what.begin(), what.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x80; }, '?');
         throw Failure(ErrorCode::kInvalidFile, located(file_, line_, ""), "not JSON: " + gltf::printable(what, 200));
     }
 
@@ -86,7 +92,8 @@ private:
     }
 
     JsonNode* add(JsonNode node) {
-        if (++value_count_ > kJsonValueLimit) refuse_size("has more than the limit of " + std::to_string(kJsonValueLimit) + " values");
+        if (++value_count_ > kJsonValueLimit)
+            refuse_size("has more than the limit of " + std::to_string(kJsonValueLimit) + " values");
         node.line = line_;
         if (open_.empty()) return &(root_ = std::move(node));
         JsonNode& parent = *open_.back();
@@ -98,7 +105,8 @@ private:
     }
     bool add_number(double value) { return add({.kind = JsonNode::Kind::kNumber, .number = value}), true; }
     bool open(JsonNode::Kind kind) {
-        if (open_.size() == kJsonNestingLimit) refuse_size("is nested deeper than the limit of " + std::to_string(kJsonNestingLimit));
+        if (open_.size() == kJsonNestingLimit)
+            refuse_size("is nested deeper than the limit of " + std::to_string(kJsonNestingLimit));
         open_.push_back(add({.kind = kind}));  // stays where it is: its parent gets no other child before it is closed
         return true;
     }
@@ -106,11 +114,12 @@ private:
         std::vector<const JsonNode*> sorted;
         for (const JsonNode& member : object.children) sorted.push_back(&member);
         std::stable_sort(sorted.begin(), sorted.end(), [](auto* a, auto* b) { return a->key < b->key; });
-        const auto twice = std::adjacent_find(sorted.begin(), sorted.end(), [](auto* a, auto* b) { return a->key == b->key; });
+        const auto twice = std::adjacent_find(sorted.begin(), sorted.end(),
+                                              [](auto* a, auto* b) { return a->key == b->key; });
         if (twice == sorted.end()) return;
         throw Failure(ErrorCode::kInvalidFile, located(file_, twice[1]->line, ""),
-                      "'" + gltf::printable(twice[1]->key) + "' stands twice in one object, first in line " + std::to_string(twice[0]->line) +
-                          "; rename or remove one");
+                      "'" + gltf::printable(twice[1]->key) + "' stands twice in one object, first in line " +
+                          std::to_string(twice[0]->line) + "; rename or remove one");
     }
 
     const std::string& file_;
@@ -123,7 +132,9 @@ private:
 };
 
 bool is_word(std::string_view key) {
-    return !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '$' || c == '-'; });
+    return !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
+        return std::isalnum(c) || c == '_' || c == '$' || c == '-';
+    });
 }
 
 }  // namespace
@@ -132,7 +143,8 @@ JsonNode parse_json_lines(std::string_view text, const std::string& file) {
     if (text.size() > kJsonTextLimit_bytes) throw Failure(ErrorCode::kLimit, file, kJsonTextLimitMessage);
     uint32_t line = 1, unused = 0;
     TreeBuilder builder(file, line);
-    nlohmann::json::sax_parse(LineCounter(text.data(), &line), LineCounter(text.data() + text.size(), &unused), &builder);
+    nlohmann::json::sax_parse(LineCounter(text.data(), &line), LineCounter(text.data() + text.size(), &unused),
+                              &builder);
     return builder.take();
 }
 
@@ -151,7 +163,9 @@ uint32_t line_of(const JsonNode& root, std::string_view place) {
         for (size_t i = 0; i < node->children.size() && !deeper; ++i) {
             const JsonNode& child = node->children[i];
             std::string there = node->kind == JsonNode::Kind::kArray ? place_of(here, i) : place_of(here, child.key);
-            if (!place.starts_with(there) || (place.size() > there.size() && place[there.size()] != '.' && place[there.size()] != '[')) continue;
+            if (!place.starts_with(there) ||
+                (place.size() > there.size() && place[there.size()] != '.' && place[there.size()] != '['))
+                continue;
             node = &child;
             here = std::move(there);
             deeper = true;

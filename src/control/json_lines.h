@@ -19,8 +19,8 @@ struct JsonNode {
     bool truth = false;
     uint32_t line = 0;  // from 1: where the value begins; of a member, its key
     double number = 0;
-    std::string key;    // of a member of an object
-    std::string text;   // of a string
+    std::string key;   // of a member of an object
+    std::string text;  // of a string
     std::vector<JsonNode> children;
 };
 

@@ -25,7 +25,9 @@ const char* name_of(JsonNode::Kind kind) {
 
 }  // namespace
 
-void JsonPlace::fail(const std::string& message) const { throw Failure(ErrorCode::kInvalidFile, located(*file_, node_->line, place_), message); }
+void JsonPlace::fail(const std::string& message) const {
+    throw Failure(ErrorCode::kInvalidFile, located(*file_, node_->line, place_), message);
+}
 
 void JsonPlace::expect(JsonNode::Kind kind) const {
     if (node_->kind != kind) fail(std::string("must be ") + name_of(kind) + ", but is " + name_of(node_->kind));
@@ -38,7 +40,8 @@ const std::string& JsonPlace::as_string() const {
 
 double JsonPlace::as_number() const {
     expect(JsonNode::Kind::kNumber);
-    if (std::abs(node_->number) > static_cast<double>(std::numeric_limits<float>::max())) fail("is too large for a 32-bit float");
+    if (std::abs(node_->number) > static_cast<double>(std::numeric_limits<float>::max()))
+        fail("is too large for a 32-bit float");
     return node_->number;
 }
 
@@ -52,7 +55,8 @@ bool JsonPlace::as_bool() const {
 std::vector<JsonPlace> JsonPlace::items() const {
     expect(JsonNode::Kind::kArray);
     std::vector<JsonPlace> places;
-    for (size_t i = 0; i < node_->children.size(); ++i) places.emplace_back(node_->children[i], *file_, place_of(place_, i));
+    for (size_t i = 0; i < node_->children.size(); ++i)
+        places.emplace_back(node_->children[i], *file_, place_of(place_, i));
     return places;
 }
 

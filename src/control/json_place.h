@@ -8,10 +8,12 @@
 
 namespace throng {
 
-// A value and its place. What is not as asked for throws kInvalidFile at file, line and place. The node and the file's name must outlive it.
+// A value and its place. What is not as asked for throws kInvalidFile at file, line and place. The node and the file's
+// name must outlive it.
 class JsonPlace {
 public:
-    JsonPlace(const JsonNode& node, const std::string& file, std::string place = {}) : node_(&node), file_(&file), place_(std::move(place)) {}
+    JsonPlace(const JsonNode& node, const std::string& file, std::string place = {})
+        : node_(&node), file_(&file), place_(std::move(place)) {}
 
     [[noreturn]] void fail(const std::string& message) const;
 
@@ -33,7 +35,7 @@ public:
     std::string string_or(std::string_view key, const char* otherwise) const;
     float float_or(std::string_view key, float otherwise) const;
     bool bool_or(std::string_view key, bool otherwise) const;
-    std::vector<JsonPlace> items(std::string_view key) const;    // none where absent
+    std::vector<JsonPlace> items(std::string_view key) const;  // none where absent
     std::vector<JsonPlace> members(std::string_view key) const;
 
 private:

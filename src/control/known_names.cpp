@@ -12,10 +12,14 @@
 namespace throng {
 namespace {
 
-// Letters to insert, to remove, to replace, and neighbours to swap (F. Damerau, 1964; each place changed once); case does not count.
+// Letters to insert, to remove, to replace, and neighbours to swap (F. Damerau, 1964; each place changed once); case
+// does not count.
 size_t edit_distance(std::string_view a, std::string_view b) {
-    const auto same = [](char x, char y) { return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y)); };
-    std::vector<size_t> row(b.size() + 1), above(b.size() + 1), above_that(b.size() + 1);  // row[j]: from the first i letters of a to the first j of b
+    const auto same = [](char x, char y) {
+        return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y));
+    };
+    // row[j]: from the first i letters of a to the first j of b
+    std::vector<size_t> row(b.size() + 1), above(b.size() + 1), above_that(b.size() + 1);
     std::iota(row.begin(), row.end(), size_t{0});
     for (size_t i = 1; i <= a.size(); ++i) {
         above_that.swap(above);
@@ -23,7 +27,8 @@ size_t edit_distance(std::string_view a, std::string_view b) {
         row[0] = i;
         for (size_t j = 1; j <= b.size(); ++j) {
             row[j] = std::min({above[j - 1] + !same(a[i - 1], b[j - 1]), above[j] + 1, row[j - 1] + 1});
-            if (i > 1 && j > 1 && same(a[i - 1], b[j - 2]) && same(a[i - 2], b[j - 1])) row[j] = std::min(row[j], above_that[j - 2] + 1);
+            if (i > 1 && j > 1 && same(a[i - 1], b[j - 2]) && same(a[i - 2], b[j - 1]))
+                row[j] = std::min(row[j], above_that[j - 2] + 1);
         }
     }
     return row.back();
@@ -66,8 +71,10 @@ std::string KnownNames::unknown(std::string_view name) const {
     constexpr size_t kShown = 12;
     std::string text = "there is no " + kind_ + " '" + gltf::printable(name) + "'";
     if (names_.empty()) return text + ", nor any other";
-    if (const std::string_view near = nearest(name); !near.empty()) text += "; did you mean '" + gltf::printable(near) + "'?";
-    else text += ".";
+    if (const std::string_view near = nearest(name); !near.empty())
+        text += "; did you mean '" + gltf::printable(near) + "'?";
+    else
+        text += ".";
     text += " There " + std::string(names_.size() == 1 ? "is: " : "are: ");
     for (size_t i = 0; i < std::min(names_.size(), kShown); ++i) text += (i ? ", " : "") + gltf::printable(names_[i]);
     if (names_.size() > kShown) text += ", … (" + std::to_string(names_.size()) + ")";

@@ -1,4 +1,5 @@
-// Names of one kind (states, parameters, clips, …), to look up what refers to them, and to say what there is where nothing does.
+// Names of one kind (states, parameters, clips, …), to look up what refers to them, and to say what there is where
+// nothing does.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +16,8 @@ class KnownNames {
 public:
     explicit KnownNames(std::string kind) : kind_(std::move(kind)) {}
 
-    // The name's index is how many were added before. Where it was added already, it keeps that index, and false is returned. The string
-    // must outlive this.
+    // The name's index is how many were added before. Where it was added already, it keeps that index, and false is
+    // returned. The string must outlive this.
     bool add(std::string_view name);
 
     // Index, or kNone.

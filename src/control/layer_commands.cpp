@@ -9,11 +9,15 @@
 namespace throng {
 namespace {
 
-[[noreturn]] void refuse(const std::string& place, std::string why) { throw Failure(ErrorCode::kInvalidArgument, place, std::move(why)); }
+[[noreturn]] void refuse(const std::string& place, std::string why) {
+    throw Failure(ErrorCode::kInvalidArgument, place, std::move(why));
+}
 
 void check_layer(std::span<const LayerKind> kinds, uint32_t layer, const std::string& place) {
-    if (layer >= kinds.size()) refuse(place, "layer " + std::to_string(layer) + " of a controller that has " + std::to_string(kinds.size()));
-    if (kinds[layer].has_states) refuse(place, "layer " + std::to_string(layer) + " has states: set the controller's parameters");
+    if (layer >= kinds.size())
+        refuse(place, "layer " + std::to_string(layer) + " of a controller that has " + std::to_string(kinds.size()));
+    if (kinds[layer].has_states)
+        refuse(place, "layer " + std::to_string(layer) + " has states: set the controller's parameters");
 }
 
 float rate_of(float fade_s, const std::string& place) {
@@ -25,24 +29,32 @@ float rate_of(float fade_s, const std::string& place) {
 
 std::vector<LayerKind> layer_kinds(const Controller& controller) {
     std::vector<LayerKind> kinds;
-    for (const ControllerLayer& layer : controller.layers) kinds.push_back({!layer.states.empty(), layer.inertial_plays});
+    for (const ControllerLayer& layer : controller.layers)
+        kinds.push_back({!layer.states.empty(), layer.inertial_plays});
     return kinds;
 }
 
 bool has_inertia(const Controller& controller) {
     return std::ranges::any_of(controller.layers, [](const ControllerLayer& layer) {
-        return layer.inertial_plays || std::ranges::any_of(layer.transitions, [](const ControllerTransition& transition) { return transition.fade == FadeKind::kInertial; });
+        return layer.inertial_plays ||
+               std::ranges::any_of(layer.transitions, [](const ControllerTransition& transition) {
+                   return transition.fade == FadeKind::kInertial;
+               });
     });
 }
 
-io::ControlCommand play_command(std::span<const LayerKind> kinds, std::span<const float> clip_durations_s, uint32_t layer, const LayerPlayback& playback, const std::string& place) {
+io::ControlCommand play_command(std::span<const LayerKind> kinds, std::span<const float> clip_durations_s,
+                                uint32_t layer, const LayerPlayback& playback, const std::string& place) {
     const auto clip_count = static_cast<uint32_t>(clip_durations_s.size());
     const ClipPlayback& clip = playback.clip;
     check_layer(kinds, layer, place);
-    if (clip.clip != kNone && clip.clip >= clip_count) refuse(place, "clip " + std::to_string(clip.clip) + " of a character that has " + std::to_string(clip_count));
+    if (clip.clip != kNone && clip.clip >= clip_count)
+        refuse(place, "clip " + std::to_string(clip.clip) + " of a character that has " + std::to_string(clip_count));
     if (!std::isfinite(clip.time_s) || !std::isfinite(clip.speed)) refuse(place, "time and speed must be finite");
     const bool is_inertial = playback.fade == FadeKind::kInertial;
-    if (is_inertial && !kinds[layer].inertial_plays) refuse(place, "layer " + std::to_string(layer) + " was not made for inertial plays: set ControllerLayer::inertial_plays");
+    if (is_inertial && !kinds[layer].inertial_plays)
+        refuse(place, "layer " + std::to_string(layer) +
+                          " was not made for inertial plays: set ControllerLayer::inertial_plays");
     const bool rests = clip.clip == kNone;
     return {.instance = 0,
             .kind = is_inertial ? io::kCommandPlayInertial : io::kCommandPlay,
@@ -54,10 +66,12 @@ io::ControlCommand play_command(std::span<const LayerKind> kinds, std::span<cons
             .fade_rate = rate_of(playback.fade_s, place)};
 }
 
-io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask_count, uint32_t layer, const LayerBlend& blend, const std::string& place) {
+io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask_count, uint32_t layer,
+                                 const LayerBlend& blend, const std::string& place) {
     check_layer(kinds, layer, place);
     if (!(blend.weight >= 0 && blend.weight <= 1)) refuse(place, "weight must lie within 0..1");
-    if (blend.mask != kNone && blend.mask >= mask_count) refuse(place, "mask " + std::to_string(blend.mask) + " of a controller that has " + std::to_string(mask_count));
+    if (blend.mask != kNone && blend.mask >= mask_count)
+        refuse(place, "mask " + std::to_string(blend.mask) + " of a controller that has " + std::to_string(mask_count));
     return {.instance = 0,
             .kind = io::kCommandLayer,
             .target = layer,
@@ -68,20 +82,27 @@ io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask
             .fade_rate = rate_of(blend.fade_s, place)};
 }
 
-void check_parameters(uint32_t parameter_count, uint32_t first, std::span<const float> values, const std::string& place) {
+void check_parameters(uint32_t parameter_count, uint32_t first, std::span<const float> values,
+                      const std::string& place) {
     if (first > parameter_count || values.size() > parameter_count - first)
-        refuse(place, "parameters " + std::to_string(first) + " to " + std::to_string(first + values.size()) + " of a controller that has " + std::to_string(parameter_count));
-    if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); })) refuse(place, "a number is not finite");
+        refuse(place, "parameters " + std::to_string(first) + " to " + std::to_string(first + values.size()) +
+                          " of a controller that has " + std::to_string(parameter_count));
+    if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); }))
+        refuse(place, "a number is not finite");
 }
 
-std::vector<std::vector<PlayedMotion>> played_layers(std::span<const io::LayerState> states, std::span<const LayerKind> kinds, uint32_t clip_count) {
+std::vector<std::vector<PlayedMotion>> played_layers(std::span<const io::LayerState> states,
+                                                     std::span<const LayerKind> kinds, uint32_t clip_count) {
     std::vector<std::vector<PlayedMotion>> layers(states.size());
     for (size_t layer = 0; layer < states.size(); ++layer) {
         const io::LayerState& state = states[layer];
         for (uint32_t k = 0; k < state.play_count; ++k) {
             const io::LayerPlay& play = state.plays[k];
             const bool rests = !kinds[layer].has_states && play.motion == clip_count;
-            layers[layer].push_back({.motion = rests ? kNone : play.motion, .phase = static_cast<float>(play.phase * 0x1p-32), .loops = play.loops, .fade = k + 1 == state.play_count ? 1 : play.fade});
+            layers[layer].push_back({.motion = rests ? kNone : play.motion,
+                                     .phase = static_cast<float>(play.phase * 0x1p-32),
+                                     .loops = play.loops,
+                                     .fade = k + 1 == state.play_count ? 1 : play.fade});
         }
     }
     return layers;

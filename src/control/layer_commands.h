@@ -1,4 +1,5 @@
-// What Crowd asks of layers, checked, as commands of the GPU (the instance is left to the caller), and what it tells of them.
+// What Crowd asks of layers, checked, as commands of the GPU (the instance is left to the caller), and what it tells of
+// them.
 #pragma once
 
 #include "control/controller_io.h"
@@ -18,11 +19,15 @@ std::vector<LayerKind> layer_kinds(const Controller& controller);
 bool has_inertia(const Controller& controller);
 
 // All throw kInvalidArgument with `place`. kinds[layer_count].
-io::ControlCommand play_command(std::span<const LayerKind> kinds, std::span<const float> clip_durations_s, uint32_t layer, const LayerPlayback& playback, const std::string& place);
-io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask_count, uint32_t layer, const LayerBlend& blend, const std::string& place);
-void check_parameters(uint32_t parameter_count, uint32_t first, std::span<const float> values, const std::string& place);
+io::ControlCommand play_command(std::span<const LayerKind> kinds, std::span<const float> clip_durations_s,
+                                uint32_t layer, const LayerPlayback& playback, const std::string& place);
+io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask_count, uint32_t layer,
+                                 const LayerBlend& blend, const std::string& place);
+void check_parameters(uint32_t parameter_count, uint32_t first, std::span<const float> values,
+                      const std::string& place);
 
 // What layers play, as WatchedInstance has it; states[layer_count], kinds likewise.
-std::vector<std::vector<PlayedMotion>> played_layers(std::span<const io::LayerState> states, std::span<const LayerKind> kinds, uint32_t clip_count);
+std::vector<std::vector<PlayedMotion>> played_layers(std::span<const io::LayerState> states,
+                                                     std::span<const LayerKind> kinds, uint32_t clip_count);
 
 }  // namespace throng

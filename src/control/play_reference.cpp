@@ -50,7 +50,8 @@ PhaseStep step_phase(io::LayerPlay& play, bool loop, float rate, float time_step
     PhaseStep step{.before = play.phase, .after = play.phase + static_cast<uint32_t>(part * 0x1p32f), .cycles = x};
     step.crossed = static_cast<int32_t>(whole) + (step.after < step.before ? 1 : 0);
     if (loop) {
-        play.loops = static_cast<uint32_t>(std::clamp(static_cast<int32_t>(play.loops) + step.crossed, 0, static_cast<int32_t>(kMostCycles)));
+        play.loops = static_cast<uint32_t>(
+            std::clamp(static_cast<int32_t>(play.loops) + step.crossed, 0, static_cast<int32_t>(kMostCycles)));
     } else {
         if (step.crossed != 0) step.after = step.crossed > 0 ? io::kLastPhase : 0;
         step.crossed = 0;
@@ -60,7 +61,8 @@ PhaseStep step_phase(io::LayerPlay& play, bool loop, float rate, float time_step
     return step;
 }
 
-std::vector<PassedEvent> passed_events(std::span<const io::ControlEvent> events, const PhaseStep& step, float time_step_s) {
+std::vector<PassedEvent> passed_events(std::span<const io::ControlEvent> events, const PhaseStep& step,
+                                       float time_step_s) {
     if (events.empty()) return {};
     constexpr int64_t kCycle = int64_t{1} << 32;
     const int64_t before = step.before, after = step.crossed * kCycle + step.after;
@@ -71,7 +73,8 @@ std::vector<PassedEvent> passed_events(std::span<const io::ControlEvent> events,
             const int64_t place = cycle * kCycle + event.phase;
             if (place < low || place >= high) continue;
             const double distance = static_cast<double>(std::abs(place - before)) * 0x1p-32;
-            passed.push_back({event.event, std::abs(double{time_step_s}) * std::min(distance / std::abs(double{step.cycles}), 1.0)});
+            passed.push_back(
+                {event.event, std::abs(double{time_step_s}) * std::min(distance / std::abs(double{step.cycles}), 1.0)});
         }
     std::ranges::stable_sort(passed, {}, &PassedEvent::time_s);
     return passed;

@@ -20,9 +20,9 @@ std::array<float, io::kStackSize> weights_of_plays(const io::LayerState& layer);
 // Step 6: what an update did to a play's time.
 struct PhaseStep {
     uint32_t before = 0, after = 0;
-    int32_t crossed = 0;      // ends of the clip, forwards counted positive; 0 of what does not loop
-    bool reached_end = false; // of what does not loop
-    float cycles = 0;         // x
+    int32_t crossed = 0;       // ends of the clip, forwards counted positive; 0 of what does not loop
+    bool reached_end = false;  // of what does not loop
+    float cycles = 0;          // x
 };
 PhaseStep step_phase(io::LayerPlay& play, bool loop, float rate, float time_step_s);
 
@@ -31,6 +31,7 @@ struct PassedEvent {
     uint32_t event;  // index into Controller::events
     double time_s;   // 0..|time step|
 };
-std::vector<PassedEvent> passed_events(std::span<const io::ControlEvent> events, const PhaseStep& step, float time_step_s);
+std::vector<PassedEvent> passed_events(std::span<const io::ControlEvent> events, const PhaseStep& step,
+                                       float time_step_s);
 
 }  // namespace throng

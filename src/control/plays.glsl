@@ -11,7 +11,8 @@ bool holds(ControlCondition condition) {
 
 bool can_be_taken(ControlTransition transition, LayerPlay leading, bool fading) {
     bool can = (!fading || (transition.flags & kTransitionInterrupts) != 0) &&
-               (leading.loops > transition.exit_loops || (leading.loops == transition.exit_loops && leading.phase >= transition.exit_phase));
+               (leading.loops > transition.exit_loops ||
+                (leading.loops == transition.exit_loops && leading.phase >= transition.exit_phase));
     uint k = 0;
     do can = can && (k >= transition.condition_count || holds(load_condition(transition.first_condition + k)));
     while (++k < transition.condition_count && can);
@@ -42,11 +43,13 @@ void follow_transitions(inout LayerState state, ControlLayer layer) {
     state.taken = choose_transition(state, layer);
     if (state.taken == kAbsent) return;
     const ControlTransition transition = load_transition(state.taken);
-    LayerPlay play = play_of_state(transition.to, transition.fade_rate, transition.fade_rate == 0 || (transition.flags & kTransitionInertial) != 0);
+    LayerPlay play = play_of_state(transition.to, transition.fade_rate,
+                                   transition.fade_rate == 0 || (transition.flags & kTransitionInertial) != 0);
     const uint sync = load_state(layer.first_state + transition.to).sync;
     uint k = state.play_count;
     do
-        if (sync != kAbsent && load_state(layer.first_state + state.plays[k - 1].motion).sync == sync) play.phase = state.plays[k - 1].phase;
+        if (sync != kAbsent && load_state(layer.first_state + state.plays[k - 1].motion).sync == sync)
+            play.phase = state.plays[k - 1].phase;
     while (sync != kAbsent && --k > 0);
     push_play(state, play);
 }
@@ -106,8 +109,10 @@ PhaseStep step_phase(inout LayerPlay play, float rate, bool loop, float time_ste
         play.loops = uint(clamp(int(play.loops) + crossed, 0, int(kMostCycles)));
         phase_step.crossed = crossed;
     } else {
-        if (crossed != 0) play.phase = crossed > 0 ? kLastPhase : 0;
-        else play.phase = after;
+        if (crossed != 0)
+            play.phase = crossed > 0 ? kLastPhase : 0;
+        else
+            play.phase = after;
         phase_step.crossed = 0;
         phase_step.reached_end = play.phase == kLastPhase && phase_step.before != kLastPhase;
     }

@@ -7,7 +7,8 @@ vec4 place_at(ControlClip clip, uint phase) {
     uint row, fraction;
     umulExtended(phase, clip.root_count - 1, row, fraction);
     const uint at = clip.first_root + row;
-    const vec4 a = uintBitsToFloat(ROW_AT(root_rows, at)), b = uintBitsToFloat(ROW_AT(root_rows, min(at + 1, clip.first_root + clip.root_count - 1)));
+    const vec4 a = uintBitsToFloat(ROW_AT(root_rows, at)),
+               b = uintBitsToFloat(ROW_AT(root_rows, min(at + 1, clip.first_root + clip.root_count - 1)));
     return turned_to_length_one(mix(a, b, float(fraction) * (1.0 / 4294967296.0)));
 }
 
@@ -25,7 +26,8 @@ vec4 cycles_of(ControlClip clip, int count) {
 // From one phase to another, over whole cycles between.
 vec4 move_of(ControlClip clip, PhaseStep phase_step) {
     if (clip.root_count == 0) return vec4(0, 0, 1, 0);
-    return compose_places(inverse_place(place_at(clip, phase_step.before)), compose_places(cycles_of(clip, phase_step.crossed), place_at(clip, phase_step.after)));
+    return compose_places(inverse_place(place_at(clip, phase_step.before)),
+                          compose_places(cycles_of(clip, phase_step.crossed), place_at(clip, phase_step.after)));
 }
 
 vec4 move_sum;  // of this update, by weight

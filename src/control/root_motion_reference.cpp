@@ -6,7 +6,10 @@
 namespace throng {
 
 GroundMove operator*(const GroundMove& a, const GroundMove& b) {
-    return {.x = a.cos * b.x + a.sin * b.z + a.x, .z = -a.sin * b.x + a.cos * b.z + a.z, .cos = a.cos * b.cos - a.sin * b.sin, .sin = a.sin * b.cos + a.cos * b.sin};
+    return {.x = a.cos * b.x + a.sin * b.z + a.x,
+            .z = -a.sin * b.x + a.cos * b.z + a.z,
+            .cos = a.cos * b.cos - a.sin * b.sin,
+            .sin = a.sin * b.cos + a.cos * b.sin};
 }
 
 GroundMove inverse(const GroundMove& a) {
@@ -46,7 +49,8 @@ void add_weighted(GroundMove& sum, const GroundMove& move, double weight) {
 
 GroundMove turned_to_length_one(const GroundMove& sum) {
     const double length = std::hypot(sum.cos, sum.sin);
-    return length > 1e-6 ? GroundMove{sum.x, sum.z, sum.cos / length, sum.sin / length} : GroundMove{sum.x, sum.z, 1, 0};
+    return length > 1e-6 ? GroundMove{sum.x, sum.z, sum.cos / length, sum.sin / length}
+                         : GroundMove{sum.x, sum.z, 1, 0};
 }
 
 }  // namespace throng

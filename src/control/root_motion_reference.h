@@ -17,11 +17,13 @@ GroundMove operator*(const GroundMove& a, const GroundMove& b);
 GroundMove inverse(const GroundMove& a);
 GroundMove power(GroundMove a, int64_t exponent);  // by squaring; negative: of the inverse
 
-// Rows x, z, cos, sin of model space, relative to the clip's begin, evenly spaced in phase from 0 to 1 (in units of 2^-32). Without rows: no move.
+// Rows x, z, cos, sin of model space, relative to the clip's begin, evenly spaced in phase from 0 to 1 (in units of
+// 2^-32). Without rows: no move.
 using RootRows = std::span<const std::array<float, 4>>;
 GroundMove place_at(RootRows rows, uint32_t phase);
 
-// From one phase to another, over `crossed` ends of the clip between them (negative: backwards), in the model space at phase_before.
+// From one phase to another, over `crossed` ends of the clip between them (negative: backwards), in the model space at
+// phase_before.
 GroundMove move_between(RootRows rows, uint32_t phase_before, uint32_t phase_after, int64_t crossed);
 
 // A weighted sum of moves, and what it is once its turn has length one (no move where they cancel each other).

@@ -1,4 +1,5 @@
-// The voices of an instance, written as they come: step 9 of docs/controller.md. The includer declares `voices`, `voice_times`, `instance` and find_rows().
+// The voices of an instance, written as they come: step 9 of docs/controller.md. The includer declares `voices`,
+// `voice_times`, `instance` and find_rows().
 
 uint voice_count;    // the rest pose included
 bool has_rest_pose;  // below the others
@@ -16,12 +17,15 @@ Voice voice_of(uint clip, uint phase, float weight) {
     const ClipAxis axis = load_axis(clip);
     voice_time_s = float(phase) * (1.0 / 4294967296.0) * axis.duration_s;
     const SlotCursor cursor = find_rows(axis, voice_time_s);
-    return Voice(clip * push.joint_count, cursor.earlier, cursor.later, cursor.fraction, weight, 1, axis.first_row, kVoiceBeginsLayer | kVoiceEndsLayer);
+    return Voice(clip * push.joint_count, cursor.earlier, cursor.later, cursor.fraction, weight, 1, axis.first_row,
+                 kVoiceBeginsLayer | kVoiceEndsLayer);
 }
 
 uint place_of_voice(uint index) { return (instance * push.voice_limit + index) * 4; }
 
-void store_end(uint index, Voice voice) { voices[place_of_voice(index) + 3] = pack(uvec2(voice.reference_row, voice.flags)); }
+void store_end(uint index, Voice voice) {
+    voices[place_of_voice(index) + 3] = pack(uvec2(voice.reference_row, voice.flags));
+}
 
 void store_voice(uint index, Voice voice) {
     const uint at = place_of_voice(index);
@@ -34,7 +38,8 @@ void store_voice(uint index, Voice voice) {
 
 // Of a layer that has voices.
 void begin_layer(LayerState state, ControlLayer layer, float weight) {
-    layer_flags = (state.mode == kModeAdditive ? kVoiceAdditive : 0) | (state.mask == kAbsent ? 0 : kVoiceMasked | state.mask << kVoiceMaskShift) | kVoiceBeginsLayer;
+    layer_flags = (state.mode == kModeAdditive ? kVoiceAdditive : 0) |
+                  (state.mask == kAbsent ? 0 : kVoiceMasked | state.mask << kVoiceMaskShift) | kVoiceBeginsLayer;
     const bool covers = layer_flags == kVoiceBeginsLayer && weight >= 1;
     if (layer.model_rotations != 0 && state.mode == kModeOverride) layer_flags |= kVoiceModelRotations;
     voices_layer_weight = weight;

@@ -12,8 +12,13 @@ constexpr size_t kRound = 16384;  // commands of a batch that are applied by one
 
 }  // namespace
 
-ControllerStage::ControllerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const FeedbackRing* feedback)
-    : gpu_(std::move(gpu)), groups_(groups), batches_(batches), member_of_batch_(batches.size(), kNone), feedback_(feedback) {
+ControllerStage::ControllerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
+                                 const std::vector<Batch>& batches, const FeedbackRing* feedback)
+    : gpu_(std::move(gpu)),
+      groups_(groups),
+      batches_(batches),
+      member_of_batch_(batches.size(), kNone),
+      feedback_(feedback) {
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
         const Group& group = groups_[batch.group];
@@ -23,27 +28,38 @@ ControllerStage::ControllerStage(std::shared_ptr<Gpu> gpu, const std::vector<Gro
             controller_kernel_ = controller_kernel(gpu_);
         }
         member_of_batch_[i] = static_cast<uint32_t>(members_.size());
-        Member& member = members_.emplace_back(Member{.batch = i, .pending = {}, .recorded = {}, .uploaded = {}, .commands = {}, .controller = {}});
-        member.controller = controller_kernel_.bind(ControllerBuffers{group.controller->tables, group.axes, group.times, group.root_rows, batch.layers, batch.parameters, batch.voices, feedback_->events(),
-                                                                      batch.roots.or_else(batch.layers), batch.placements, batch.inertias.or_else(batch.layers), batch.layers, batch.parameters, batch.voice_times.or_else(batch.layers)});
+        Member& member = members_.emplace_back(
+            Member{.batch = i, .pending = {}, .recorded = {}, .uploaded = {}, .commands = {}, .controller = {}});
+        member.controller = controller_kernel_.bind(
+            ControllerBuffers{group.controller->tables, group.axes, group.times, group.root_rows, batch.layers,
+                              batch.parameters, batch.voices, feedback_->events(), batch.roots.or_else(batch.layers),
+                              batch.placements, batch.inertias.or_else(batch.layers), batch.layers, batch.parameters,
+                              batch.voice_times.or_else(batch.layers)});
     }
 }
 
-void ControllerStage::add(uint32_t batch, const io::ControlCommand& command) { members_[member_of_batch_[batch]].pending.push_back(command); }
+void ControllerStage::add(uint32_t batch, const io::ControlCommand& command) {
+    members_[member_of_batch_[batch]].pending.push_back(command);
+}
 
 void ControllerStage::make_uploads(Member& member) {
     const Batch& batch = batches_[member.batch];
-    member.uploaded = Buffer(gpu_, groups_[batch.group].name + ": commands", kRound * sizeof(io::ControlCommand), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    member.uploaded = Buffer(gpu_, groups_[batch.group].name + ": commands", kRound * sizeof(io::ControlCommand),
+                             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     member.commands = command_kernel_.bind(CommandBuffers{member.uploaded, batch.layers, batch.parameters});
 }
 
 // One dispatch a batch of those commands that follow the first `first`. False where there were none.
 bool ControllerStage::record_round(VkCommandBuffer commands, size_t first) {
-    const auto count_of = [&](const Member& member) { return std::min(kRound, member.recorded.size() - std::min(first, member.recorded.size())); };
+    const auto count_of = [&](const Member& member) {
+        return std::min(kRound, member.recorded.size() - std::min(first, member.recorded.size()));
+    };
     bool any = false;
     for (Member& member : members_) {
         const size_t count = count_of(member);
-        if (count > 0) record_update(*gpu_, commands, member.uploaded, 0, std::span<const io::ControlCommand>(member.recorded).subspan(first, count));
+        if (count > 0)
+            record_update(*gpu_, commands, member.uploaded, 0,
+                          std::span<const io::ControlCommand>(member.recorded).subspan(first, count));
         any = any || count > 0;
     }
     if (!any) return false;
@@ -51,7 +67,10 @@ bool ControllerStage::record_round(VkCommandBuffer commands, size_t first) {
     for (const Member& member : members_) {
         const auto count = static_cast<uint32_t>(count_of(member));
         const GroupController& controller = *groups_[batches_[member.batch].group].controller;
-        if (count > 0) command_kernel_.dispatch_invocations(commands, member.commands, io::CommandPush{count, controller.layer_count, controller.parameter_count}, count);
+        if (count > 0)
+            command_kernel_.dispatch_invocations(
+                commands, member.commands, io::CommandPush{count, controller.layer_count, controller.parameter_count},
+                count);
     }
     memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite | kTransferWrite);
     return true;
@@ -75,7 +94,10 @@ void ControllerStage::record(VkCommandBuffer commands, float time_step_s) const 
         const Group& group = groups_[batch.group];
         const uint32_t inertia_flags = group.controller->is_inertial ? io::kPushIsInertial : 0;
         const uint32_t morph_flags = batch.voice_times.handle() ? io::kPushTellsTimes : 0;
-        const uint32_t root_flags = batch.roots.handle() ? io::kPushHasRootMotion | (group.controller->moves_placements ? io::kPushMovesPlacements : 0) : 0;
+        const uint32_t root_flags = batch.roots.handle()
+                                        ? io::kPushHasRootMotion |
+                                              (group.controller->moves_placements ? io::kPushMovesPlacements : 0)
+                                        : 0;
         controller_kernel_.dispatch_invocations(commands, member.controller,
                                                 io::ControllerPush{.instance_count = batch.instance_count,
                                                                    .first_instance = batch.first_instance,

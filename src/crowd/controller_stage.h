@@ -1,4 +1,5 @@
-// The control stage of groups with a controller: commands of the CPU, then parameters and layers -> voices, events and root motion.
+// The control stage of groups with a controller: commands of the CPU, then parameters and layers -> voices, events and
+// root motion.
 #pragma once
 
 #include "crowd/batch.h"
@@ -11,8 +12,10 @@ namespace throng {
 
 class ControllerStage {
 public:
-    // Of those batches whose group has a controller; keeps references to all. Events go to the feedback, which is there where a group has a controller.
-    ControllerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const FeedbackRing* feedback);
+    // Of those batches whose group has a controller; keeps references to all. Events go to the feedback, which is there
+    // where a group has a controller.
+    ControllerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
+                    const FeedbackRing* feedback);
 
     // Queues what the next record_commands() hands to the GPU; `command.instance` is of the batch.
     void add(uint32_t batch, const io::ControlCommand& command);
@@ -27,7 +30,7 @@ private:
     struct Member {
         uint32_t batch = 0;
         std::vector<io::ControlCommand> pending, recorded;  // for the next update; of the last one
-        Buffer uploaded;  // kRound commands at a time; made when there are any
+        Buffer uploaded;                                    // kRound commands at a time; made when there are any
         Bindings commands, controller;
     };
     void make_uploads(Member& member);

@@ -9,7 +9,8 @@ namespace throng {
 std::vector<ScanMethodInfo> scan_methods() {
     std::vector<ScanMethodInfo> methods;
     for (const ScanMethod& method : scan_table())
-        methods.push_back({std::string(method.name), std::string(method.summary), std::string(method.source), method.layout == ScanLayout::kCharacterMajor});
+        methods.push_back({std::string(method.name), std::string(method.summary), std::string(method.source),
+                           method.layout == ScanLayout::kCharacterMajor});
     return methods;
 }
 
@@ -17,7 +18,8 @@ Result<ScanAdvice> advise_scan(const Device& device, const Rig& rig, uint32_t in
     return as_result([&] {
         const Gpu& gpu = *device.gpu();
         if (rig.joint_count() == 0) throw Failure(ErrorCode::kInvalidArgument, "scan", "the rig has no joints");
-        const ExplainedChoice chosen = choose_scan("auto", ScanRig(rig.parents, rig.uniform_scale), instance_count, scan_limits(gpu), scan_costs(gpu));
+        const ExplainedChoice chosen = choose_scan("auto", ScanRig(rig.parents, rig.uniform_scale), instance_count,
+                                                   scan_limits(gpu), scan_costs(gpu));
         return ScanAdvice{name_of(chosen.choice), chosen.reason};
     });
 }
@@ -42,7 +44,8 @@ Result<GroupPath> Crowd::path(uint32_t group) const {
     return as_result([&] {
         const std::vector<Group>& groups = state().groups;
         if (group >= groups.size())
-            throw Failure(ErrorCode::kInvalidArgument, "crowd", "group " + std::to_string(group) + " of a crowd of " + std::to_string(groups.size()));
+            throw Failure(ErrorCode::kInvalidArgument, "crowd",
+                          "group " + std::to_string(group) + " of a crowd of " + std::to_string(groups.size()));
         const Group& of = groups[group];
         return GroupPath{!of.fused.empty(), of.path_reason, {name_of(of.scan_choice), of.scan_reason}};
     });
@@ -113,18 +116,26 @@ Result<void> Crowd::discard_last_record() {
 }
 
 Result<void> Crowd::update(float time_step_s, const CrowdView* view) {
-    return as_result([&] { state().gpu->submit_and_wait([&](VkCommandBuffer commands) { state().record(commands, time_step_s, view); }); }, "crowd");
+    return as_result(
+        [&] {
+            state().gpu->submit_and_wait(
+                [&](VkCommandBuffer commands) { state().record(commands, time_step_s, view); });
+        },
+        "crowd");
 }
 
 Result<std::vector<DrawnInstance>> Crowd::read_drawn() {
     return as_result([&] { return state().read_drawn(); });
 }
 
-std::span<const OutputBlock> Crowd::outputs() const { return state_ ? std::span<const OutputBlock>(state_->outputs) : std::span<const OutputBlock>(); }
+std::span<const OutputBlock> Crowd::outputs() const {
+    return state_ ? std::span<const OutputBlock>(state_->outputs) : std::span<const OutputBlock>();
+}
 
 Result<StageTimes> Crowd::stage_times() const {
     return as_result([&] {
-        if (!state().timer) throw Failure(ErrorCode::kInvalidArgument, "stage times", "timestamps are off, or the queue has none");
+        if (!state().timer)
+            throw Failure(ErrorCode::kInvalidArgument, "stage times", "timestamps are off, or the queue has none");
         return state().timer->read();
     });
 }

@@ -14,18 +14,26 @@ constexpr uint64_t kMatrix_bytes = sizeof(Affine);
 }  // namespace
 
 void CrowdState::watch(std::span<const uint32_t> instances) {
-    if (!feedback) throw Failure(ErrorCode::kInvalidArgument, "watch", "no group has a controller, sockets or steering: there is no feedback");
+    if (!feedback)
+        throw Failure(ErrorCode::kInvalidArgument, "watch",
+                      "no group has a controller, sockets or steering: there is no feedback");
     if (instances.size() > watch_capacity_)
-        throw Failure(ErrorCode::kLimit, "watch", std::to_string(instances.size()) + " instances; CrowdSettings::watch_capacity is " + std::to_string(watch_capacity_));
+        throw Failure(ErrorCode::kLimit, "watch",
+                      std::to_string(instances.size()) + " instances; CrowdSettings::watch_capacity is " +
+                          std::to_string(watch_capacity_));
     std::vector<Watched> watched;
     for (const uint32_t instance : instances) {
         check_range(instance, 1, "watch");
         const Batch& batch = batch_of(instance);
         const Group& group = groups[batch.group];
         const auto part = [&](const Buffer& buffer, uint64_t stride_bytes, uint64_t size_bytes) {
-            return buffer.handle() ? BufferRange(buffer.handle(), (instance - batch.first_instance) * stride_bytes, size_bytes) : BufferRange();
+            return buffer.handle()
+                       ? BufferRange(buffer.handle(), (instance - batch.first_instance) * stride_bytes, size_bytes)
+                       : BufferRange();
         };
-        const auto all = [&](const Buffer& buffer, uint64_t size_bytes) { return part(buffer, size_bytes, size_bytes); };
+        const auto all = [&](const Buffer& buffer, uint64_t size_bytes) {
+            return part(buffer, size_bytes, size_bytes);
+        };
         Watched one{.instance = instance,
                     .placement = all(batch.placements, kMatrix_bytes),
                     .move = part(batch.roots, sizeof(io::RootState), sizeof(io::RootState::move)),
@@ -51,9 +59,12 @@ std::vector<Affine> CrowdState::read_matrices(uint32_t instance, bool model) con
     const Batch& batch = batch_of(instance);
     const Group& group = groups[batch.group];
     if (model && !batch.kept_model.handle())
-        throw Failure(ErrorCode::kInvalidArgument, "read-back", "model matrices are kept only with CrowdSettings::keep_model_matrices");
-    const uint64_t size_bytes = model ? group.joint_count * kMatrix_bytes : uint64_t{group.palette_count} * skin_format_bytes(skin_format);
-    const BufferRange range(model ? batch.kept_model.handle() : batch.skin().handle(), (instance - batch.first_instance) * size_bytes, size_bytes);
+        throw Failure(ErrorCode::kInvalidArgument, "read-back",
+                      "model matrices are kept only with CrowdSettings::keep_model_matrices");
+    const uint64_t size_bytes = model ? group.joint_count * kMatrix_bytes
+                                      : uint64_t{group.palette_count} * skin_format_bytes(skin_format);
+    const BufferRange range(model ? batch.kept_model.handle() : batch.skin().handle(),
+                            (instance - batch.first_instance) * size_bytes, size_bytes);
     return unpack_skin(model ? SkinFormat::kAffine : skin_format, download<std::byte>(gpu, range));
 }
 
@@ -63,7 +74,8 @@ std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
     const Group& group = groups[batch.group];
     if (group.vertex_count == 0) return {};
     if (!skin_kernel_) skin_kernel_ = skin_kernel(gpu, skin_format, skin_blend, false);
-    const Buffer skinned(gpu, group.name + ": skinned vertices", group.vertex_count * sizeof(SkinnedVertex), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    const Buffer skinned(gpu, group.name + ": skinned vertices", group.vertex_count * sizeof(SkinnedVertex),
+                         VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     const Bindings bindings = skin_kernel_->bind(skin_buffers(group, batch, batch.skin(), skinned, group.vertices));
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
         memory_barrier(*gpu, commands, kShaderWrite, kShaderRead);
@@ -79,7 +91,11 @@ std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
 
 // Of joints that an instance's skin matrices are of; those of the finest, where it has not been drawn.
 uint32_t CrowdState::joint_set_of(const Batch& batch, uint32_t instance) const {
-    return batch.states.handle() ? download<uint32_t>(gpu, BufferRange(batch.states.handle(), instance * sizeof(uint32_t), sizeof(uint32_t)))[0] >> io::kStateSetShift : 0;
+    return batch.states.handle()
+               ? download<uint32_t>(
+                     gpu, BufferRange(batch.states.handle(), instance * sizeof(uint32_t), sizeof(uint32_t)))[0] >>
+                     io::kStateSetShift
+               : 0;
 }
 
 std::vector<DrawnInstance> CrowdState::read_drawn() const {
@@ -93,10 +109,18 @@ std::vector<DrawnInstance> CrowdState::read_drawn() const {
 }
 
 uint64_t CrowdState::size_bytes() const {
-    uint64_t sum = staged->size_bytes() + controllers->size_bytes() + steer->size_bytes() + (feedback ? feedback->size_bytes() : 0) + (cull ? cull->size_bytes() : 0);
+    uint64_t sum = staged->size_bytes() + controllers->size_bytes() + steer->size_bytes() +
+                   (feedback ? feedback->size_bytes() : 0) + (cull ? cull->size_bytes() : 0);
     for (const Group& group : groups) sum += group.size_bytes();
     for (const Batch& batch : batches)
-        for (const Buffer* buffer : {&batch.playbacks, &batch.cursors, &batch.layers, &batch.parameters, &batch.voices, &batch.roots, &batch.voice_times, &batch.morphs, &batch.inertias, &batch.inertia_states, &batch.rotations, &batch.targets, &batch.springs, &batch.destinations, &batch.agents, &batch.sockets, &batch.posed, &batch.list, &batch.work, &batch.states, &batch.dispatches, &batch.draws, &batch.ahead, &batch.skinned, &batch.placements, &batch.skins[0], &batch.skins[1], &batch.kept_model}) sum += buffer->size_bytes();
+        for (const Buffer* buffer :
+             {&batch.playbacks,  &batch.cursors,     &batch.layers,    &batch.parameters,   &batch.voices,
+              &batch.roots,      &batch.voice_times, &batch.morphs,    &batch.inertias,     &batch.inertia_states,
+              &batch.rotations,  &batch.targets,     &batch.springs,   &batch.destinations, &batch.agents,
+              &batch.sockets,    &batch.posed,       &batch.list,      &batch.work,         &batch.states,
+              &batch.dispatches, &batch.draws,       &batch.ahead,     &batch.skinned,      &batch.placements,
+              &batch.skins[0],   &batch.skins[1],    &batch.kept_model})
+            sum += buffer->size_bytes();
     return sum;
 }
 

@@ -13,7 +13,10 @@
 namespace throng {
 
 CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& settings)
-    : gpu(std::move(gpu_in)), skin_format(settings.skin_format), skin_blend(settings.skin_blend), control_(control_kernel(gpu)) {
+    : gpu(std::move(gpu_in)),
+      skin_format(settings.skin_format),
+      skin_blend(settings.skin_blend),
+      control_(control_kernel(gpu)) {
     uint64_t total = 0;
     for (const CrowdGroup& group : settings.groups) {
         if (!group.character) throw Failure(ErrorCode::kInvalidArgument, "crowd", "a group has no character");
@@ -21,7 +24,8 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
         total += group.instance_count;
     }
     if (total == 0) throw Failure(ErrorCode::kInvalidArgument, "crowd", "it has no instances");
-    if (total > UINT32_MAX) throw Failure(ErrorCode::kLimit, "crowd", std::to_string(total) + " instances; at most 4,294,967,295");
+    if (total > UINT32_MAX)
+        throw Failure(ErrorCode::kLimit, "crowd", std::to_string(total) + " instances; at most 4,294,967,295");
 
     check_memory(settings);
 
@@ -40,7 +44,8 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     }
     for (Batch& batch : batches) {
         const Group& group = groups[batch.group];
-        if (!group.controller) batch.control = control_.bind(ControlBuffers{batch.playbacks, group.axes, group.times, batch.cursors});
+        if (!group.controller)
+            batch.control = control_.bind(ControlBuffers{batch.playbacks, group.axes, group.times, batch.cursors});
     }
     if (settings.culls) cull.emplace(gpu, groups, batches, settings);
     procedural.emplace(gpu, groups, batches);
@@ -56,7 +61,10 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     placements.resize(instance_count);
     dirty_playbacks_.add(0, instance_count);
     dirty_placements_.add(0, instance_count);
-    if (settings.timestamps && gpu->has_timestamps()) timer = std::make_unique<StageTimer>(gpu, 12 + 5 * staged->wave_count());  // control, steer, cull, morph, fused, pace, skin, the four of them that record_disoccluded() has and what comes before it, and five stages a wave
+    // Control, steer, cull, morph, fused, pace, skin, the four of them that record_disoccluded() has and what comes
+    // before it, and five stages a wave
+    if (settings.timestamps && gpu->has_timestamps())
+        timer = std::make_unique<StageTimer>(gpu, 12 + 5 * staged->wave_count());
 }
 
 void CrowdState::record(VkCommandBuffer commands, float time_step_s, const CrowdView* view) {
@@ -65,7 +73,8 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     const io::CullView seen = cull_view_of(view, paced_full_rate_pixels(view));
     constexpr Access kConsumers = kShaderRead | kVertexRead | kTransferRead | kIndirectRead;
     // Whoever reads the last update's results must be done.
-    memory_barrier(*gpu, commands, kConsumers | kShaderWrite | kTransferWrite, kShaderRead | kShaderWrite | kTransferWrite);
+    memory_barrier(*gpu, commands, kConsumers | kShaderWrite | kTransferWrite,
+                   kShaderRead | kShaderWrite | kTransferWrite);
     if (feedback) feedback->begin(commands);  // before anything is taken up, since it may refuse
     can_discard_ = true;
     upload_changes(commands);
@@ -105,9 +114,12 @@ void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& 
     memory_barrier(*gpu, commands, kShaderWrite, kConsumers);
 }
 
-// What the update has taken up is pending again, and what it let go on goes back; the timer notices by itself that it never runs.
+// What the update has taken up is pending again, and what it let go on goes back; the timer notices by itself that it
+// never runs.
 void CrowdState::discard_last_record() {
-    if (!can_discard_) throw Failure(ErrorCode::kInvalidArgument, "discard", "there is no record() to discard, or it has been discarded");
+    if (!can_discard_)
+        throw Failure(ErrorCode::kInvalidArgument, "discard",
+                      "there is no record() to discard, or it has been discarded");
     can_discard_ = false;
     has_updated_ = had_updated_;
     dirty_playbacks_.put_back();
@@ -121,14 +133,18 @@ void CrowdState::discard_last_record() {
     take_turns();
 }
 
-// Raised by what the last update took more than the budget, at most by half, and lowered more slowly, so that it settles.
+// Raised by what the last update took more than the budget, at most by half, and lowered more slowly, so that it
+// settles.
 float CrowdState::paced_full_rate_pixels(const CrowdView* view) {
     if (!view) return 0;
     if (!(view->budget_ms > 0) || !timer) return view->full_rate_pixels;
     constexpr float kSlack = 0.9f, kMost = 1e6f;
     if (const std::optional<StageTimes> times = timer->take_newest()) {
         const auto load = static_cast<float>(times->total()) / view->budget_ms;
-        pace_ = std::clamp(load > 1 ? pace_ * std::min(load, 1.5f) : load < kSlack ? pace_ * 0.95f : pace_, 1.0f, kMost);
+        pace_ = std::clamp(load > 1        ? pace_ * std::min(load, 1.5f)
+                           : load < kSlack ? pace_ * 0.95f
+                                           : pace_,
+                           1.0f, kMost);
     }
     return pace_ > 1 ? std::max(view->full_rate_pixels, 1.0f) * pace_ : view->full_rate_pixels;
 }
@@ -156,7 +172,11 @@ void CrowdState::copy_to_previous(VkCommandBuffer commands) const {
 void CrowdState::record_control(VkCommandBuffer commands, float time_step_s) {
     controllers->record(commands, time_step_s);
     for (const Batch& batch : batches)
-        if (batch.playbacks.handle()) control_.dispatch_invocations(commands, batch.control, io::ControlPush{batch.instance_count, groups[batch.group].joint_count, time_step_s}, batch.instance_count);
+        if (batch.playbacks.handle())
+            control_.dispatch_invocations(
+                commands, batch.control,
+                io::ControlPush{batch.instance_count, groups[batch.group].joint_count, time_step_s},
+                batch.instance_count);
     memory_barrier(*gpu, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
     if (timer) timer->end_stage(commands, &StageTimes::control);
 }

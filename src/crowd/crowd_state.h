@@ -1,7 +1,7 @@
 // The inside of a Crowd: groups, batches, and the updates that they go through.
 //
-// A group is one character; a batch is a run of its instances whose buffers fit the device's limits. control advances all batches;
-// then the fused ones go from cursors to skin matrices in one pass, the others stage by stage.
+// A group is one character; a batch is a run of its instances whose buffers fit the device's limits. control advances
+// all batches; then the fused ones go from cursors to skin matrices in one pass, the others stage by stage.
 #pragma once
 
 #include "crowd/controller_stage.h"
@@ -96,12 +96,12 @@ private:
     uint32_t index_of(const Batch& batch) const { return static_cast<uint32_t>(&batch - batches.data()); }
 
     Kernel control_;
-    std::optional<Kernel> skin_kernel_;  // made when positions are first read back
-    std::vector<io::InstancePlayback> playbacks_;    // [instance_count], as last set
+    std::optional<Kernel> skin_kernel_;            // made when positions are first read back
+    std::vector<io::InstancePlayback> playbacks_;  // [instance_count], as last set
     bool has_updated_ = false;
     bool had_updated_ = false;  // before the last record()
     bool can_discard_ = false;  // the last record() has not been discarded
-    float pace_ = 1;  // what the budget makes of CrowdView::full_rate_pixels, as a factor
+    float pace_ = 1;            // what the budget makes of CrowdView::full_rate_pixels, as a factor
     std::vector<Watched> watched_;
     uint32_t watch_capacity_ = 0;
     DirtyRanges dirty_playbacks_, dirty_placements_;

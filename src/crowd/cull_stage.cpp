@@ -10,7 +10,9 @@
 namespace throng {
 namespace {
 
-uint32_t workgroups_of(uint32_t instance_count) { return (instance_count + io::kCullWorkgroupSize - 1) / io::kCullWorkgroupSize; }
+uint32_t workgroups_of(uint32_t instance_count) {
+    return (instance_count + io::kCullWorkgroupSize - 1) / io::kCullWorkgroupSize;
+}
 
 }  // namespace
 
@@ -20,57 +22,91 @@ io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
     if (!view) return seen;
     const auto& rows = view->clip_from_world;
     for (const auto& row : rows)
-        if (!std::ranges::all_of(row, [](float f) { return std::isfinite(f); })) throw Failure(ErrorCode::kInvalidArgument, "view", "clip_from_world must be finite");
+        if (!std::ranges::all_of(row, [](float f) { return std::isfinite(f); }))
+            throw Failure(ErrorCode::kInvalidArgument, "view", "clip_from_world must be finite");
     const Vec3<float>&eye = view->eye, &shadow = view->shadow;
-    if (!std::isfinite(length(eye)) || !std::isfinite(length(shadow)) || !std::isfinite(view->ground)) throw Failure(ErrorCode::kInvalidArgument, "view", "eye, shadow and ground must be finite");
-    if (!(view->pixels > 0) || !(view->detail_pixels > 0)) throw Failure(ErrorCode::kInvalidArgument, "view", "pixels and detail_pixels must be above 0");
-    if (!(full_rate_pixels >= 0 && full_rate_pixels <= kMost) || !(view->budget_ms >= 0)) throw Failure(ErrorCode::kInvalidArgument, "view", "full_rate_pixels and budget_ms must not be negative, and the first is at most 1e30");
-    // A point is inside where its clip coordinates are: -w <= x, y <= w and 0 <= z <= w (G. Gribb and K. Hartmann, Fast Extraction of Viewing Frustum Planes, 2001).
+    if (!std::isfinite(length(eye)) || !std::isfinite(length(shadow)) || !std::isfinite(view->ground))
+        throw Failure(ErrorCode::kInvalidArgument, "view", "eye, shadow and ground must be finite");
+    if (!(view->pixels > 0) || !(view->detail_pixels > 0))
+        throw Failure(ErrorCode::kInvalidArgument, "view", "pixels and detail_pixels must be above 0");
+    if (!(full_rate_pixels >= 0 && full_rate_pixels <= kMost) || !(view->budget_ms >= 0))
+        throw Failure(ErrorCode::kInvalidArgument, "view",
+                      "full_rate_pixels and budget_ms must not be negative, and the first is at most 1e30");
+    // A point is inside where its clip coordinates are: -w <= x, y <= w and 0 <= z <= w (G. Gribb and K. Hartmann, Fast
+    // Extraction of Viewing Frustum Planes, 2001).
     const auto plane = [&](float of_w, size_t row, float of_row) {
         const auto at = [&](size_t k) { return of_w * rows[3][k] + of_row * rows[row][k]; };
         return io::vec4{at(0), at(1), at(2), at(3)};
     };
-    const std::array planes{plane(1, 0, 1), plane(1, 0, -1), plane(1, 1, 1), plane(1, 1, -1), plane(0, 2, 1), plane(1, 2, -1)};
+    const std::array planes{plane(1, 0, 1),  plane(1, 0, -1), plane(1, 1, 1),
+                            plane(1, 1, -1), plane(0, 2, 1),  plane(1, 2, -1)};
     std::ranges::copy(planes, seen.planes);
     for (size_t r = 0; r < 4; ++r) seen.clip_from_world[r] = {rows[r][0], rows[r][1], rows[r][2], rows[r][3]};
     seen.eye = {eye.x, eye.y, eye.z, std::min(view->pixels / view->detail_pixels, kMost)};
-    seen.shadow = {shadow.x, shadow.y, shadow.z, full_rate_pixels > 0 ? std::clamp(view->pixels / full_rate_pixels, std::numeric_limits<float>::min(), kMost) : 0};
+    seen.shadow = {shadow.x, shadow.y, shadow.z,
+                   full_rate_pixels > 0
+                       ? std::clamp(view->pixels / full_rate_pixels, std::numeric_limits<float>::min(), kMost)
+                       : 0};
     seen.occlusion = view->occlusion;
     seen.ground = view->ground;
     return seen;
 }
 
 void make_list(const std::shared_ptr<Gpu>& gpu, const Group& group, Batch& batch) {
-    batch.list = upload_writable_table(gpu, group.name + ": what is drawn", std::vector<uint32_t>(io::kFirstListed + size_t{batch.instance_count}));
-    batch.work = upload_writable_table(gpu, group.name + ": what is animated", std::vector<uint32_t>(io::kFirstWork + io::kMostWorkOfInstance * size_t{batch.instance_count}));
+    batch.list = upload_writable_table(gpu, group.name + ": what is drawn",
+                                       std::vector<uint32_t>(io::kFirstListed + size_t{batch.instance_count}));
+    batch.work = upload_writable_table(
+        gpu, group.name + ": what is animated",
+        std::vector<uint32_t>(io::kFirstWork + io::kMostWorkOfInstance * size_t{batch.instance_count}));
     batch.states = upload(gpu, group.name + ": what was drawn", std::vector<uint32_t>(batch.instance_count));
     std::vector<io::DrawCommand> draws;
     for (size_t section = 0; section < group.sections.size(); ++section)
         for (size_t detail = 0; detail < io::kDetailLevels; ++detail) {
-            const IndexRange range = detail <= group.details.size() ? group.detail_ranges[detail * group.sections.size() + section] : IndexRange();
-            draws.push_back({.index_count = range.index_count, .instance_count = 0, .first_index = range.first_index, .vertex_offset = 0, .first_instance = 0});
+            const IndexRange range = detail <= group.details.size()
+                                         ? group.detail_ranges[detail * group.sections.size() + section]
+                                         : IndexRange();
+            draws.push_back({.index_count = range.index_count,
+                             .instance_count = 0,
+                             .first_index = range.first_index,
+                             .vertex_offset = 0,
+                             .first_instance = 0});
         }
     constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
     batch.draws = upload(gpu, group.name + ": draw commands", draws, kUsage);
-    batch.dispatches = upload(gpu, group.name + ": dispatch commands", std::vector<VkDispatchIndirectCommand>(io::kWorkSections + 1, {0, 1, 1}), kUsage);
+    batch.dispatches = upload(gpu, group.name + ": dispatch commands",
+                              std::vector<VkDispatchIndirectCommand>(io::kWorkSections + 1, {0, 1, 1}), kUsage);
 }
 
-CullStage::CullStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const CrowdSettings& settings)
-    : gpu_(std::move(gpu)), groups_(groups), batches_(batches), keeps_previous_(settings.keep_previous_matrices), may_skip_(settings.skips_updates), kernels_(gpu_), view_(upload_table(gpu_, "view", std::vector{cull_view_of(nullptr, 0)})) {
+CullStage::CullStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
+                     const CrowdSettings& settings)
+    : gpu_(std::move(gpu)),
+      groups_(groups),
+      batches_(batches),
+      keeps_previous_(settings.keep_previous_matrices),
+      may_skip_(settings.skips_updates),
+      kernels_(gpu_),
+      view_(upload_table(gpu_, "view", std::vector{cull_view_of(nullptr, 0)})) {
     for (size_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
         const std::string name = groups_[batch.group].name;
-        const auto storage = [&](const char* what, uint64_t size_bytes) { return Buffer(gpu_, name + what, size_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT); };
+        const auto storage = [&](const char* what, uint64_t size_bytes) {
+            return Buffer(gpu_, name + what, size_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+        };
         Member& member = members_.emplace_back();
         member.verdicts = storage(": verdicts", batch.instance_count * sizeof(uint32_t));
-        member.counts = storage(": counts of verdicts", workgroups_of(batch.instance_count) * uint64_t{io::kCounters} * sizeof(uint32_t));
+        member.counts = storage(": counts of verdicts",
+                                workgroups_of(batch.instance_count) * uint64_t{io::kCounters} * sizeof(uint32_t));
         member.cull = kernels_.cull.bind(buffers_of(i));
-        member.offsets = kernels_.offsets.bind(OffsetsBuffers{member.counts, batch.list, batch.work, batch.dispatches, batch.draws});
+        member.offsets = kernels_.offsets.bind(
+            OffsetsBuffers{member.counts, batch.list, batch.work, batch.dispatches, batch.draws});
         member.list = kernels_.list.bind(ListBuffers{member.verdicts, member.counts, batch.list, batch.work});
     }
 }
 
-CullBuffers CullStage::buffers_of(size_t batch) const { return {view_, batches_[batch].placements, batches_[batch].states, members_[batch].verdicts, members_[batch].counts}; }
+CullBuffers CullStage::buffers_of(size_t batch) const {
+    return {view_, batches_[batch].placements, batches_[batch].states, members_[batch].verdicts,
+            members_[batch].counts};
+}
 
 void CullStage::record_view(VkCommandBuffer commands, io::CullView seen) {
     seen.update_number = update_number_++;
@@ -86,7 +122,8 @@ void CullStage::discard() {
 
 io::CullPush CullStage::push_of(const Batch& batch) const {
     const Group& group = groups_[batch.group];
-    const Vec3<float> centre = (group.posed_min + group.posed_max) * 0.5f, half = (group.posed_max - group.posed_min) * 0.5f;
+    const Vec3<float> centre = (group.posed_min + group.posed_max) * 0.5f,
+                      half = (group.posed_max - group.posed_min) * 0.5f;
     std::array<float, io::kDetailLevels> errors{};
     std::ranges::transform(group.details, errors.begin() + 1, &DetailLevel::error);
     const bool is_listed = group.animates_drawn_only();
@@ -107,7 +144,10 @@ void CullStage::for_each_batch(VkCommandBuffer commands, const Dispatch& dispatc
 }
 
 void CullStage::record(VkCommandBuffer commands, StageTimer* timer) const {
-    for_each_batch(commands, [&](size_t i) { kernels_.cull.dispatch_invocations(commands, members_[i].cull, push_of(batches_[i]), batches_[i].instance_count); });
+    for_each_batch(commands, [&](size_t i) {
+        kernels_.cull.dispatch_invocations(commands, members_[i].cull, push_of(batches_[i]),
+                                           batches_[i].instance_count);
+    });
     record_lists(commands, timer);
 }
 
@@ -115,24 +155,36 @@ void CullStage::record_lists(VkCommandBuffer commands, StageTimer* timer) const 
     for_each_batch(commands, [&](size_t i) {
         const Batch& batch = batches_[i];
         const Group& group = groups_[batch.group];
-        io::OffsetsPush push{.workgroup_count = workgroups_of(batch.instance_count), .section_count = static_cast<uint32_t>(group.sections.size()), .instances_of_workgroup = {1, 1, 1, 1}};
+        io::OffsetsPush push{.workgroup_count = workgroups_of(batch.instance_count),
+                             .section_count = static_cast<uint32_t>(group.sections.size()),
+                             .instances_of_workgroup = {1, 1, 1, 1}};
         const std::array of_sets{&io::uvec4::x, &io::uvec4::y, &io::uvec4::z, &io::uvec4::w};
-        for (size_t set = 0; set < group.fused.size(); ++set) push.instances_of_workgroup.*of_sets[set] = group.fused[set].plan.scan.instances_per_workgroup;
+        for (size_t set = 0; set < group.fused.size(); ++set)
+            push.instances_of_workgroup.*of_sets[set] = group.fused[set].plan.scan.instances_per_workgroup;
         kernels_.offsets.dispatch_workgroups(commands, members_[i].offsets, push, 1);
     });
-    for_each_batch(commands, [&](size_t i) { kernels_.list.dispatch_invocations(commands, members_[i].list, push_of(batches_[i]), batches_[i].instance_count); });
+    for_each_batch(commands, [&](size_t i) {
+        kernels_.list.dispatch_invocations(commands, members_[i].list, push_of(batches_[i]),
+                                           batches_[i].instance_count);
+    });
     if (timer) timer->end_stage(commands, &StageTimes::cull);
 }
 
 void CullStage::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths, StageTimer* timer) {
-    if (!is_half_done_) throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "the last record() was not for a view with occlusion, or this has been recorded for it");
-    if (!depths.image || depths.width == 0 || depths.height == 0) throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "there is no depth image");
+    if (!is_half_done_)
+        throw Failure(ErrorCode::kInvalidArgument, "disoccluded",
+                      "the last record() was not for a view with occlusion, or this has been recorded for it");
+    if (!depths.image || depths.width == 0 || depths.height == 0)
+        throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "there is no depth image");
     const Reveal& reveal = reveal_for(depths);
     is_half_done_ = false;
     if (timer) timer->leave_out(commands);
     reveal.pyramid.record(commands, kernels_.pyramid, depths);
     for_each_batch(commands, [&](size_t i) {
-        const io::RevealPush push{.cull = push_of(batches_[i]), .width = depths.width, .height = depths.height, .sign = depths.reversed ? 1.0f : -1.0f};
+        const io::RevealPush push{.cull = push_of(batches_[i]),
+                                  .width = depths.width,
+                                  .height = depths.height,
+                                  .sign = depths.reversed ? 1.0f : -1.0f};
         kernels_.reveal.dispatch_invocations(commands, reveal.members[i], push, batches_[i].instance_count);
     });
     record_lists(commands, timer);
@@ -140,9 +192,13 @@ void CullStage::record_disoccluded(VkCommandBuffer commands, const DepthImage& d
 
 const CullStage::Reveal& CullStage::reveal_for(const DepthImage& depths) {
     if (!reveals_.empty() && reveals_.back().pyramid.has_room_for(depths)) return reveals_.back();
-    const bool may_double = 2 * sizeof(float) * depths.width * depths.height <= gpu_->properties.limits.maxStorageBufferRange;
-    Reveal made{DepthPyramid(gpu_, kernels_.pyramid, depths.width, (!reveals_.empty() && may_double ? 2 : 1) * depths.height), {}};
-    for (size_t i = 0; i < members_.size(); ++i) made.members.push_back(kernels_.reveal.bind(RevealBuffers{buffers_of(i), made.pyramid.levels()}));
+    const bool may_double = 2 * sizeof(float) * depths.width * depths.height <=
+                            gpu_->properties.limits.maxStorageBufferRange;
+    Reveal made{
+        DepthPyramid(gpu_, kernels_.pyramid, depths.width, (!reveals_.empty() && may_double ? 2 : 1) * depths.height),
+        {}};
+    for (size_t i = 0; i < members_.size(); ++i)
+        made.members.push_back(kernels_.reveal.bind(RevealBuffers{buffers_of(i), made.pyramid.levels()}));
     reveals_.push_back(std::move(made));
     return reveals_.back();
 }
@@ -153,7 +209,8 @@ std::vector<DrawnInstance> CullStage::read(uint32_t batch_index) const {
     std::vector<DrawnInstance> drawn;
     for (uint32_t detail = 0; detail < io::kDetailLevels; ++detail) {
         const uint32_t end = detail + 1 < io::kDetailLevels ? list[io::kListBegins + detail + 1] : list[io::kListCount];
-        for (uint32_t i = list[io::kListBegins + detail]; i < end; ++i) drawn.push_back({batch.first_instance + list[io::kFirstListed + i], detail});
+        for (uint32_t i = list[io::kListBegins + detail]; i < end; ++i)
+            drawn.push_back({batch.first_instance + list[io::kFirstListed + i], detail});
     }
     return drawn;
 }

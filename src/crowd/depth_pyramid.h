@@ -10,7 +10,8 @@ namespace throng {
 // Of pictures of up to some number of texels.
 class DepthPyramid {
 public:
-    // Has room for pictures of this size, and others of no more texels. Throws kLimit where the device cannot hold it in one storage buffer.
+    // Has room for pictures of this size, and others of no more texels. Throws kLimit where the device cannot hold it
+    // in one storage buffer.
     DepthPyramid(std::shared_ptr<Gpu> gpu, const Kernel& kernel, uint32_t width, uint32_t height);
 
     bool has_room_for(const DepthImage& depths) const;

@@ -23,11 +23,13 @@ Affine over_the_ground(const std::array<float, 4>& move) {
 
 }  // namespace
 
-FeedbackRing::FeedbackRing(std::shared_ptr<Gpu> gpu, uint32_t event_capacity, uint64_t watch_bytes) : gpu_(std::move(gpu)), event_capacity_(event_capacity) {
+FeedbackRing::FeedbackRing(std::shared_ptr<Gpu> gpu, uint32_t event_capacity, uint64_t watch_bytes)
+    : gpu_(std::move(gpu)), event_capacity_(event_capacity) {
     const uint64_t size_bytes = sizeof(io::EventHead) + event_capacity * uint64_t{sizeof(io::EventRecord)};
     events_ = Buffer(gpu_, "events", size_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     for (Slot& slot : slots_) {
-        slot.copy = Buffer(gpu_, "feedback", size_bytes + watch_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::kReadback);
+        slot.copy = Buffer(gpu_, "feedback", size_bytes + watch_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                           MemoryKind::kReadback);
         const VkEventCreateInfo info{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO};
         check(gpu_->vk.vkCreateEvent(gpu_->device, &info, nullptr, &slot.done), "creating an event");
     }
@@ -37,11 +39,15 @@ FeedbackRing::~FeedbackRing() {
     for (const Slot& slot : slots_) gpu_->vk.vkDestroyEvent(gpu_->device, slot.done, nullptr);
 }
 
-bool FeedbackRing::is_done(const Slot& slot) const { return gpu_->vk.vkGetEventStatus(gpu_->device, slot.done) == VK_EVENT_SET; }
+bool FeedbackRing::is_done(const Slot& slot) const {
+    return gpu_->vk.vkGetEventStatus(gpu_->device, slot.done) == VK_EVENT_SET;
+}
 
-// Never submitted, and nobody said so: a later update has run, and updates run in the order in which they were recorded.
+// Never submitted, and nobody said so: a later update has run, and updates run in the order in which they were
+// recorded.
 bool FeedbackRing::was_dropped(const Slot& slot) const {
-    return std::ranges::any_of(slots_, [&](const Slot& other) { return other.update.number > slot.update.number && is_done(other); });
+    return std::ranges::any_of(
+        slots_, [&](const Slot& other) { return other.update.number > slot.update.number && is_done(other); });
 }
 
 void FeedbackRing::begin(VkCommandBuffer commands) {
@@ -62,7 +68,8 @@ void FeedbackRing::begin(VkCommandBuffer commands) {
 void FeedbackRing::discard() {
     Slot& slot = last_slot();
     slot.update = std::move(slot.before);
-    check(gpu_->vk.vkSetEvent(gpu_->device, slot.done), "setting an event");  // as it was: the update before it is done, or was dropped
+    // As it was: the update before it is done, or was dropped
+    check(gpu_->vk.vkSetEvent(gpu_->device, slot.done), "setting an event");
     --update_count_;
 }
 
@@ -100,11 +107,13 @@ Feedback FeedbackRing::read(const Slot& slot) const {
     io::EventHead head;
     std::memcpy(&head, slot.copy.mapped(), sizeof head);
     std::vector<io::EventRecord> records(std::min(head.count, event_capacity_));
-    if (!records.empty()) std::memcpy(records.data(), slot.copy.mapped() + sizeof head, records.size() * sizeof(io::EventRecord));
+    if (!records.empty())
+        std::memcpy(records.data(), slot.copy.mapped() + sizeof head, records.size() * sizeof(io::EventRecord));
     std::sort(records.begin(), records.end(), [](const io::EventRecord& a, const io::EventRecord& b) {
         return std::tie(a.instance, a.layer, a.time_s, a.event) < std::tie(b.instance, b.layer, b.time_s, b.event);
     });
-    Feedback feedback{.update = slot.update.number, .events = {}, .lost_event_count = head.count - records.size(), .watched = {}};
+    Feedback feedback{
+        .update = slot.update.number, .events = {}, .lost_event_count = head.count - records.size(), .watched = {}};
     const std::byte* at = slot.copy.mapped() + events_.size_bytes();
     for (const Watched& one : slot.update.watched) {
         WatchedInstance& watched = feedback.watched.emplace_back();
@@ -113,7 +122,8 @@ Feedback FeedbackRing::read(const Slot& slot) const {
         watched.parameters.resize(one.parameters.size_bytes / sizeof(float));
         std::array<float, 4> move{0, 0, 1, 0};
         std::vector<io::LayerState> layers(one.layer_kinds.size());
-        const std::array<void*, 5> parts{&watched.world_from_model, move.data(), watched.sockets.data(), watched.parameters.data(), layers.data()};
+        const std::array<void*, 5> parts{&watched.world_from_model, move.data(), watched.sockets.data(),
+                                         watched.parameters.data(), layers.data()};
         for (size_t k = 0; k < parts.size(); ++k) {
             const uint64_t size_bytes = one.parts()[k].size_bytes;
             if (size_bytes > 0) std::memcpy(parts[k], at, size_bytes);
@@ -122,7 +132,8 @@ Feedback FeedbackRing::read(const Slot& slot) const {
         watched.move = over_the_ground(move);
         watched.layers = played_layers(layers, one.layer_kinds, one.clip_count);
     }
-    for (const io::EventRecord& record : records) feedback.events.push_back({record.instance, record.event, record.layer, record.time_s});
+    for (const io::EventRecord& record : records)
+        feedback.events.push_back({record.instance, record.event, record.layer, record.time_s});
     return feedback;
 }
 

@@ -1,4 +1,5 @@
-// What updates report to the CPU: copied into one of a few host-visible slots in turn, and read when the device says that it is there. Nothing waits.
+// What updates report to the CPU: copied into one of a few host-visible slots in turn, and read when the device says
+// that it is there. Nothing waits.
 #pragma once
 
 #include "control/layer_commands.h"
@@ -13,12 +14,12 @@ namespace throng {
 
 // What is read of an instance, where it lies on the device.
 struct Watched {
-    uint32_t instance = 0;  // of the crowd
-    BufferRange placement;  // Affine
-    BufferRange move;       // float4: x, z, cosine, sine; without a buffer where there is no root motion
-    BufferRange sockets;    // Affine[]; likewise
-    BufferRange parameters; // float[]; without a buffer where there is no controller
-    BufferRange layers;     // io::LayerState[layer_kinds]; likewise
+    uint32_t instance = 0;   // of the crowd
+    BufferRange placement;   // Affine
+    BufferRange move;        // float4: x, z, cosine, sine; without a buffer where there is no root motion
+    BufferRange sockets;     // Affine[]; likewise
+    BufferRange parameters;  // float[]; without a buffer where there is no controller
+    BufferRange layers;      // io::LayerState[layer_kinds]; likewise
     std::span<const LayerKind> layer_kinds;  // of the group
     uint32_t clip_count = 0;                 // of the character
 
@@ -36,8 +37,8 @@ public:
     const Buffer& events() const { return events_; }  // io::EventHead, then io::EventRecord[event_capacity]
     uint32_t event_capacity() const { return event_capacity_; }
 
-    // Before the first kernel of an update that writes events, and behind the last. Throws kInvalidArgument where the update whose slot
-    // comes next is still under way.
+    // Before the first kernel of an update that writes events, and behind the last. Throws kInvalidArgument where the
+    // update whose slot comes next is still under way.
     void begin(VkCommandBuffer commands);
     // Takes the last update back: its commands will never be submitted.
     void discard();

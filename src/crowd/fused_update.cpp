@@ -8,7 +8,8 @@
 
 namespace throng {
 
-FusedUpdate::FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const CrowdSettings& settings)
+FusedUpdate::FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
+                         const CrowdSettings& settings)
     : gpu_(std::move(gpu)), groups_(groups), batches_(batches), culls_(settings.culls) {
     for (const Group& group : groups_) {
         std::vector<Kernels>& sets = kernels_.emplace_back();
@@ -22,12 +23,25 @@ FusedUpdate::FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& gro
         bind(member, settings);
         if (!group.sockets || group.socket_space != SocketSpace::kWorld) continue;
         if (!sockets_) sockets_ = socket_kernel(gpu_);
-        member.sockets = sockets_->bind(SocketBuffers{batch.sockets, group.sockets->table, batch.placements, batch.sockets});
+        member.sockets = sockets_->bind(
+            SocketBuffers{batch.sockets, group.sockets->table, batch.placements, batch.sockets});
     }
 }
 
 FusedUpdate::Kernels FusedUpdate::make_kernels(const Group& group, size_t set, const CrowdSettings& settings) const {
-    const auto make = [&](bool blends) { return fused_kernel(gpu_, group.fused[set].plan, {.packed = group.packed, .blends = blends, .keeps_model = settings.keep_model_matrices, .skin_format = settings.skin_format, .layered = group.controller.has_value(), .socket_count = group.socket_count(), .inertial = group.controller && group.controller->is_inertial, .posed = group.pose_capacity > 0, .listed = is_listed(group), .some_joints = set > 0}); };
+    const auto make = [&](bool blends) {
+        return fused_kernel(gpu_, group.fused[set].plan,
+                            {.packed = group.packed,
+                             .blends = blends,
+                             .keeps_model = settings.keep_model_matrices,
+                             .skin_format = settings.skin_format,
+                             .layered = group.controller.has_value(),
+                             .socket_count = group.socket_count(),
+                             .inertial = group.controller && group.controller->is_inertial,
+                             .posed = group.pose_capacity > 0,
+                             .listed = is_listed(group),
+                             .some_joints = set > 0});
+    };
     Kernels kernels{.blending = make(true), .single = {}};
     if (!group.controller) kernels.single = make(false);
     return kernels;
@@ -41,9 +55,29 @@ void FusedUpdate::bind(Member& member, const CrowdSettings& settings) const {
         const FusedTables& tables = group.fused[set].tables;
         const auto bound = [&](const Buffer& skin) {
             const Buffer& cursors = group.controller ? skin : batch.cursors;
-            const Buffer &voices = group.controller ? batch.voices : group.tracks, &masks = group.controller ? group.controller->masks : group.words;
-            return kernels_[batch.group][set].blending.bind(FusedBuffers{cursors, group.tracks, group.keys, group.words, tables.links, tables.bind_ranges, tables.bind_entries, tables.binds,
-                                                                         skin, settings.keep_model_matrices ? batch.kept_model : skin, voices, masks, group.sockets ? group.sockets->slots : group.words, batch.sockets.or_else(skin), batch.inertias.or_else(skin), batch.inertia_states.or_else(skin), batch.posed.or_else(group.words), group.poses.or_else(group.keys), batch.work.or_else(group.words), tables.rig_joints});
+            const Buffer &voices = group.controller ? batch.voices : group.tracks,
+                         &masks = group.controller ? group.controller->masks : group.words;
+            return kernels_[batch.group][set].blending.bind(
+                FusedBuffers{cursors,
+                             group.tracks,
+                             group.keys,
+                             group.words,
+                             tables.links,
+                             tables.bind_ranges,
+                             tables.bind_entries,
+                             tables.binds,
+                             skin,
+                             settings.keep_model_matrices ? batch.kept_model : skin,
+                             voices,
+                             masks,
+                             group.sockets ? group.sockets->slots : group.words,
+                             batch.sockets.or_else(skin),
+                             batch.inertias.or_else(skin),
+                             batch.inertia_states.or_else(skin),
+                             batch.posed.or_else(group.words),
+                             group.poses.or_else(group.keys),
+                             batch.work.or_else(group.words),
+                             tables.rig_joints});
         };
         for (size_t k = 0; k < batch.skins.size(); ++k)
             if (batch.skins[k].handle()) bindings.skins[k] = bound(batch.skins[k]);
@@ -64,7 +98,8 @@ void FusedUpdate::record_listed(VkCommandBuffer commands, StageTimer* timer) con
     if (timer) timer->end_stage(commands, &StageTimes::fused);
 }
 
-// A barrier between two sets of joints, since synchronization validation takes the buffers that both write for one range each.
+// A barrier between two sets of joints, since synchronization validation takes the buffers that both write for one
+// range each.
 template <class Applies>
 void FusedUpdate::record_sets(VkCommandBuffer commands, const Applies& applies) const {
     size_t most = 0;
@@ -85,7 +120,12 @@ void FusedUpdate::record_set(VkCommandBuffer commands, const Member& member, uin
     const FusedJoints& joints = group.fused[set];
     const SetBindings& bindings = member.sets[set];
     const Kernel& kernel = group.controller || batch.blends ? kernels.blending : kernels.single;
-    io::FusedPush push{.joint_count = joints.joint_count, .rig_joint_count = group.joint_count, .instance_count = batch.instance_count, .palette_count = group.palette_count, .rest_track = static_cast<uint32_t>(group.clip_durations_s.size()) * group.joint_count, .voice_limit = group.controller ? group.controller->voice_limit : 0};
+    io::FusedPush push{.joint_count = joints.joint_count,
+                       .rig_joint_count = group.joint_count,
+                       .instance_count = batch.instance_count,
+                       .palette_count = group.palette_count,
+                       .rest_track = static_cast<uint32_t>(group.clip_durations_s.size()) * group.joint_count,
+                       .voice_limit = group.controller ? group.controller->voice_limit : 0};
     if (!is_listed(group)) return record_fused(commands, kernel, bindings.skins[batch.current_skin], joints.plan, push);
     push.section = io::kAnimated + set;
     kernel.dispatch_indirect(commands, bindings.skins[batch.current_skin], push, batch.dispatches, push.section);
@@ -100,7 +140,10 @@ void FusedUpdate::record_sockets(VkCommandBuffer commands) const {
         const Batch& batch = batches_[member.batch];
         const Group& group = groups_[batch.group];
         if (!group.sockets || group.socket_space != SocketSpace::kWorld) continue;
-        sockets_->dispatch_invocations(commands, member.sockets, io::SocketPush{batch.instance_count, group.joint_count, group.socket_count(), group.socket_flags()}, batch.instance_count * group.socket_count());
+        sockets_->dispatch_invocations(
+            commands, member.sockets,
+            io::SocketPush{batch.instance_count, group.joint_count, group.socket_count(), group.socket_flags()},
+            batch.instance_count * group.socket_count());
     }
     memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
 }

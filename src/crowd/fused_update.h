@@ -10,14 +10,16 @@ namespace throng {
 class FusedUpdate {
 public:
     // Of those batches whose group is fused; keeps references to both.
-    FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const CrowdSettings& settings);
+    FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
+                const CrowdSettings& settings);
 
     void record(VkCommandBuffer commands, StageTimer* timer) const;
     // Of those groups alone that are animated only where drawn.
     void record_listed(VkCommandBuffer commands, StageTimer* timer) const;
 
 private:
-    // One clip an instance costs about half of two, so a batch in which none blends has a kernel that does not look for a second.
+    // One clip an instance costs about half of two, so a batch in which none blends has a kernel that does not look for
+    // a second.
     struct Kernels {
         Kernel blending, single;
     };

@@ -12,9 +12,11 @@
 namespace throng {
 namespace {
 
-static_assert(io::kTrackAnimatedBit == kTrackAnimated && io::kTrackStepBit == kTrackStep && io::kTrackPositionMask == kTrackPosition);
-static_assert(io::kPackedBitsMask == kPackedBitsMask && io::kPackedLeftOutShift == kPackedLeftOutShift && io::kPackedFull == kPackedFull &&
-              io::kPackedStep == kPackedStep && io::kPackedFullBits == kPackedFullBits);
+static_assert(io::kTrackAnimatedBit == kTrackAnimated && io::kTrackStepBit == kTrackStep &&
+              io::kTrackPositionMask == kTrackPosition);
+static_assert(io::kPackedBitsMask == kPackedBitsMask && io::kPackedLeftOutShift == kPackedLeftOutShift &&
+              io::kPackedFull == kPackedFull && io::kPackedStep == kPackedStep &&
+              io::kPackedFullBits == kPackedFullBits);
 static_assert(io::kScanNoJoint == kNone && io::kAbsent == kNone);
 static_assert(sizeof(io::VertexRows) == sizeof(Vertex));
 
@@ -24,7 +26,8 @@ constexpr size_t kSocketLimit = 64;  // as include/throng/crowd.h says
 std::vector<uint32_t> clip_axes(const Character& character) {
     static_assert(sizeof(io::ClipAxis) == io::kAxisWords * sizeof(uint32_t));
     std::vector<io::ClipAxis> axes;
-    for (const Clip& clip : character.clips) axes.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});
+    for (const Clip& clip : character.clips)
+        axes.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});
     axes.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0});
     return as_words(axes);
 }
@@ -46,7 +49,8 @@ std::vector<io::vec4> readable_root_rows(const Character& character) {
 
 }  // namespace
 
-GroupController::GroupController(const std::shared_ptr<Gpu>& gpu, const Controller& controller, const Character& character, bool moves)
+GroupController::GroupController(const std::shared_ptr<Gpu>& gpu, const Controller& controller,
+                                 const Character& character, bool moves)
     : layer_count(static_cast<uint32_t>(controller.layers.size())),
       parameter_count(static_cast<uint32_t>(controller.parameters.size())),
       mask_count(static_cast<uint32_t>(controller.masks.size())),
@@ -63,7 +67,8 @@ GroupController::GroupController(const std::shared_ptr<Gpu>& gpu, const Controll
     if (model_layer_count > 0) parents = upload_table(gpu, character.name + ": parents", character.rig.parents);
 }
 
-Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice, const CrowdSettings& settings)
+Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice,
+             const CrowdSettings& settings)
     : Group(gpu, *group.character, choice) {
     if (group.controller) controller.emplace(gpu, *group.controller, *group.character, group.moves_placements);
     socket_space = group.socket_space;
@@ -73,10 +78,13 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const Pat
     uniform_scale = group.character->rig.uniform_scale;
     pose_capacity = std::min(group.pose_capacity, group.instance_count);
     bound_poses(*group.character, settings.skin_blend);
-    if (settings.culls && settings.reduces_joints && pose_capacity == 0 && animates_drawn_only()) reduce_joints(gpu, *group.character);
+    if (settings.culls && settings.reduces_joints && pose_capacity == 0 && animates_drawn_only())
+        reduce_joints(gpu, *group.character);
     if (is_paced(settings)) make_palette_by_set(gpu, *group.character);
     make_skin_tables(gpu, *group.character);
-    if (pose_capacity > 0) poses = make_table<io::JointPose>(gpu, name + ": poses of CrowdGroup::pose_capacity", uint64_t{pose_capacity} * joint_count);
+    if (pose_capacity > 0)
+        poses = make_table<io::JointPose>(gpu, name + ": poses of CrowdGroup::pose_capacity",
+                                          uint64_t{pose_capacity} * joint_count);
 }
 
 Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const PathChoice& choice)
@@ -95,8 +103,10 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
       scan_choice(choice.scan),
       scan_reason(choice.scan_reason),
       path_reason(choice.path_reason) {
-    if (choice.fused) fused.push_back({joint_count, *choice.fused, FusedTables(gpu, character, FusedRig(character), *choice.fused)});
-    else scan.emplace(gpu, scan_choice, ScanRig(character.rig.parents, character.rig.uniform_scale), scan_limits(*gpu));
+    if (choice.fused)
+        fused.push_back({joint_count, *choice.fused, FusedTables(gpu, character, FusedRig(character), *choice.fused)});
+    else
+        scan.emplace(gpu, scan_choice, ScanRig(character.rig.parents, character.rig.uniform_scale), scan_limits(*gpu));
     std::vector<uint32_t> joints;
     std::vector<Affine> binds;
     for (const PaletteEntry& entry : character.palette) {
@@ -123,14 +133,16 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
 void Group::make_details(const std::shared_ptr<Gpu>& gpu, const Character& character) {
     for (const MeshSection& section : sections) detail_ranges.push_back({section.first_index, section.index_count});
     const auto first = static_cast<uint32_t>(character.indices.size());
-    for (const IndexRange& range : character.detail_ranges) detail_ranges.push_back({first + range.first_index, range.index_count});
+    for (const IndexRange& range : character.detail_ranges)
+        detail_ranges.push_back({first + range.first_index, range.index_count});
     details = character.details;
     std::vector<uint32_t> all = character.indices;
     all.insert(all.end(), character.detail_indices.begin(), character.detail_indices.end());
     indices = upload(gpu, name + ": indices", all, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
 }
 
-// The sets of joints of coarser levels, as far as the method of the finest goes about them, and the influences that refer to no others.
+// The sets of joints of coarser levels, as far as the method of the finest goes about them, and the influences that
+// refer to no others.
 void Group::reduce_joints(const std::shared_ptr<Gpu>& gpu, const Character& character) {
     if (character.joint_details.empty()) return;
     std::vector<Influences> all = character.influences;
@@ -147,17 +159,22 @@ void Group::reduce_joints(const std::shared_ptr<Gpu>& gpu, const Character& char
 }
 
 void Group::make_palette_by_set(const std::shared_ptr<Gpu>& gpu, const Character& character) {
-    const auto coarsest_set = [&](uint32_t entry) { return fused.size() > 1 ? character.joint_details[character.palette[entry].joint] : 0; };
+    const auto coarsest_set = [&](uint32_t entry) {
+        return fused.size() > 1 ? character.joint_details[character.palette[entry].joint] : 0;
+    };
     std::vector<uint32_t> entries(palette_count);
     std::iota(entries.begin(), entries.end(), 0u);
     std::ranges::stable_sort(entries, std::greater(), coarsest_set);
-    for (uint32_t set = 0; set < fused.size(); ++set) set_entry_counts[set] = static_cast<uint32_t>(std::ranges::count_if(entries, [set](uint32_t coarsest) { return coarsest >= set; }, coarsest_set));
+    for (uint32_t set = 0; set < fused.size(); ++set)
+        set_entry_counts[set] = static_cast<uint32_t>(std::ranges::count_if(
+            entries, [set](uint32_t coarsest) { return coarsest >= set; }, coarsest_set));
     palette_by_set = upload_table(gpu, name + ": palette by set", entries);
 }
 
 void Group::make_skin_tables(const std::shared_ptr<Gpu>& gpu, const Character& character) {
     std::vector<uint32_t> influence_offsets;
-    for (uint32_t detail = 0; detail <= details.size(); ++detail) influence_offsets.push_back(influence_set_of(detail) * influence_count);
+    for (uint32_t detail = 0; detail <= details.size(); ++detail)
+        influence_offsets.push_back(influence_set_of(detail) * influence_count);
     skin_tables = SkinTables(gpu, character, influence_offsets);
 }
 
@@ -167,11 +184,15 @@ void Group::bound_poses(const Character& character, SkinBlend blend) {
     posed_min = bounds_min;
     posed_max = bounds_max;
     for (const Clip& clip : character.clips) {
-        posed_min = {std::min(posed_min.x, clip.bounds_min.x), std::min(posed_min.y, clip.bounds_min.y), std::min(posed_min.z, clip.bounds_min.z)};
-        posed_max = {std::max(posed_max.x, clip.bounds_max.x), std::max(posed_max.y, clip.bounds_max.y), std::max(posed_max.z, clip.bounds_max.z)};
+        posed_min = {std::min(posed_min.x, clip.bounds_min.x), std::min(posed_min.y, clip.bounds_min.y),
+                     std::min(posed_min.z, clip.bounds_min.z)};
+        posed_max = {std::max(posed_max.x, clip.bounds_max.x), std::max(posed_max.y, clip.bounds_max.y),
+                     std::max(posed_max.z, clip.bounds_max.z)};
     }
     // Those boxes are of linear blends, which dual quaternions leave.
-    const float margin = character.size * (controller || procedural || pose_capacity > 0 || blend != SkinBlend::kLinear ? kAnything : kBlends);
+    const float margin = character.size * (controller || procedural || pose_capacity > 0 || blend != SkinBlend::kLinear
+                                               ? kAnything
+                                               : kBlends);
     posed_min = posed_min - Vec3<float>{margin, margin, margin};
     posed_max = posed_max + Vec3<float>{margin, margin, margin};
 }
@@ -179,20 +200,30 @@ void Group::bound_poses(const Character& character, SkinBlend blend) {
 void Group::make_procedural(const std::shared_ptr<Gpu>& gpu, const ProceduralRules& rules, const Character& character) {
     const ProceduralTables made = make_procedural_tables(rules, character);
     if (const uint64_t most = scan_limits(*gpu).loop_iterations; made.most_steps > most)
-        throw Failure(ErrorCode::kUnsupported, name + ": procedural rules", "one of their chains takes " + std::to_string(made.most_steps) + " steps, and the device ends loops after " + std::to_string(most));
-    procedural.emplace(GroupProcedural{made.dispatches, made.spring_count, made.target_count, upload_table(gpu, name + ": procedural rules", made.words)});
+        throw Failure(ErrorCode::kUnsupported, name + ": procedural rules",
+                      "one of their chains takes " + std::to_string(made.most_steps) +
+                          " steps, and the device ends loops after " + std::to_string(most));
+    procedural.emplace(GroupProcedural{made.dispatches, made.spring_count, made.target_count,
+                                       upload_table(gpu, name + ": procedural rules", made.words)});
 }
 
 void Group::make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint32_t>& joints) {
     const std::string place = name + ": sockets";
-    if (joints.size() > kSocketLimit) throw Failure(ErrorCode::kLimit, place, std::to_string(joints.size()) + " of them; at most " + std::to_string(kSocketLimit));
+    if (joints.size() > kSocketLimit)
+        throw Failure(ErrorCode::kLimit, place,
+                      std::to_string(joints.size()) + " of them; at most " + std::to_string(kSocketLimit));
     std::vector<uint32_t> slots(joint_count);
     for (uint32_t i = 0; i < joints.size(); ++i) {
-        if (joints[i] >= joint_count) throw Failure(ErrorCode::kInvalidArgument, place, "joint " + std::to_string(joints[i]) + " of a character that has " + std::to_string(joint_count));
-        if (slots[joints[i]] != 0) throw Failure(ErrorCode::kInvalidArgument, place, "joint " + std::to_string(joints[i]) + " is there twice");
+        if (joints[i] >= joint_count)
+            throw Failure(
+                ErrorCode::kInvalidArgument, place,
+                "joint " + std::to_string(joints[i]) + " of a character that has " + std::to_string(joint_count));
+        if (slots[joints[i]] != 0)
+            throw Failure(ErrorCode::kInvalidArgument, place, "joint " + std::to_string(joints[i]) + " is there twice");
         slots[joints[i]] = i + 1;
     }
-    sockets.emplace(GroupSockets{joints, upload_table(gpu, place, joints), upload_table(gpu, place + " by joint", slots)});
+    sockets.emplace(
+        GroupSockets{joints, upload_table(gpu, place, joints), upload_table(gpu, place + " by joint", slots)});
 }
 
 uint64_t Group::size_bytes() const {
@@ -201,8 +232,10 @@ uint64_t Group::size_bytes() const {
     if (sockets) sum += sockets->table.size_bytes() + sockets->slots.size_bytes();
     if (procedural) sum += procedural->tables.size_bytes();
     if (morphs) sum += morphs->size_bytes();
-    if (controller) sum += controller->tables.size_bytes() + controller->masks.size_bytes() + controller->parents.size_bytes();
-    for (const Buffer* buffer : {&axes, &times, &root_rows, &tracks, &keys, &words, &palette_joints, &joint_from_bind, &palette_by_set, &poses, &vertices, &influences, &indices})
+    if (controller)
+        sum += controller->tables.size_bytes() + controller->masks.size_bytes() + controller->parents.size_bytes();
+    for (const Buffer* buffer : {&axes, &times, &root_rows, &tracks, &keys, &words, &palette_joints, &joint_from_bind,
+                                 &palette_by_set, &poses, &vertices, &influences, &indices})
         sum += buffer->size_bytes();
     return sum;
 }

@@ -27,12 +27,13 @@ struct FusedJoints {
 
 // What a group that is driven by a controller has.
 struct GroupController {
-    GroupController(const std::shared_ptr<Gpu>& gpu, const Controller& controller, const Character& character, bool moves_placements);
+    GroupController(const std::shared_ptr<Gpu>& gpu, const Controller& controller, const Character& character,
+                    bool moves_placements);
 
     uint32_t layer_count = 0, parameter_count = 0, mask_count = 0, voice_limit = 0;
     bool moves_placements = false;
-    bool is_inertial = false;  // has inertial transitions or plays
-    uint32_t model_layer_count = 0;  // layers that blend rotations in model space
+    bool is_inertial = false;            // has inertial transitions or plays
+    uint32_t model_layer_count = 0;      // layers that blend rotations in model space
     std::vector<LayerKind> layer_kinds;  // [layer_count]
     std::vector<io::LayerState> initial_layers;
     std::vector<float> initial_parameters;
@@ -55,40 +56,42 @@ struct GroupProcedural {
 };
 
 struct Group {
-    Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice, const CrowdSettings& settings);
+    Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice,
+          const CrowdSettings& settings);
 
     std::string name;
     uint32_t joint_count = 0;
     uint32_t palette_count = 0;
     uint32_t vertex_count = 0;
-    std::vector<uint32_t> parents;         // draw: of joints, or kNone
+    std::vector<uint32_t> parents;  // draw: of joints, or kNone
     uint32_t level_count = 0;
     std::vector<float> clip_durations_s;
     std::vector<MeshSection> sections;
     std::vector<AssetMaterial> materials;
     std::vector<AssetImage> images;
     Vec3<float> bounds_min, bounds_max;
-    Vec3<float> posed_min, posed_max;      // cull: of all poses
+    Vec3<float> posed_min, posed_max;  // cull: of all poses
     std::vector<DetailLevel> details;
     std::vector<IndexRange> detail_ranges;  // [1 + details][sections], of indices
 
-    Buffer axes, times;                    // control
+    Buffer axes, times;  // control
     std::optional<GroupController> controller;
     std::optional<GroupSockets> sockets;
     SocketSpace socket_space = SocketSpace::kWorld;
     std::optional<Steering> steering;
     std::optional<GroupProcedural> procedural;
-    Buffer root_rows;                      // (x, z, cos, sin) of clips with root motion
+    Buffer root_rows;  // (x, z, cos, sin) of clips with root motion
     bool packed = false;
-    Buffer tracks, keys, words;            // sample
+    Buffer tracks, keys, words;  // sample
     ScanChoice scan_choice;
     std::string scan_reason, path_reason;
-    std::optional<ScanStage> scan;         // where staged
-    std::vector<FusedJoints> fused;        // where fused: all joints; then, with CrowdSettings::reduces_joints, those of each coarser level of detail
+    std::optional<ScanStage> scan;  // where staged
+    // Where fused: all joints; then, with CrowdSettings::reduces_joints, those of each coarser level of detail
+    std::vector<FusedJoints> fused;
     Buffer palette_joints, joint_from_bind;  // bind
-    Buffer palette_by_set;                 // pace: palette entries, those of coarser sets of joints first
+    Buffer palette_by_set;                   // pace: palette entries, those of coarser sets of joints first
     std::array<uint32_t, io::kDetailLevels> set_entry_counts{};  // [fused], of these
-    bool uniform_scale = false;            // Rig::uniform_scale
+    bool uniform_scale = false;                                  // Rig::uniform_scale
     uint32_t pose_capacity = 0;
     Buffer poses;                          // io::JointPose[pose_capacity][joint_count], as set by the application
     Buffer vertices, influences, indices;  // skin, draw; influences of each set of joints one after another
@@ -96,12 +99,17 @@ struct Group {
     SkinTables skin_tables;                // skin
     std::optional<MorphTables> morphs;     // morph, skin, draw; where the character has any
 
-    // Instances that are not drawn may be left as they are: nothing but a picture shows their pose, and none builds upon the one before.
+    // Instances that are not drawn may be left as they are: nothing but a picture shows their pose, and none builds
+    // upon the one before.
     bool animates_drawn_only() const { return !fused.empty() && !sockets && !(controller && controller->is_inertial); }
     // Matrices that outlive an update.
-    bool is_paced(const CrowdSettings& settings) const { return settings.culls && animates_drawn_only() && (settings.keep_previous_matrices || settings.skips_updates); }
+    bool is_paced(const CrowdSettings& settings) const {
+        return settings.culls && animates_drawn_only() && (settings.keep_previous_matrices || settings.skips_updates);
+    }
     // Of a level of detail: the set of joints that it has, and of influences that refer to no others.
-    uint32_t influence_set_of(uint32_t detail) const { return fused.size() > 1 ? std::min(detail, static_cast<uint32_t>(fused.size()) - 1) : 0; }
+    uint32_t influence_set_of(uint32_t detail) const {
+        return fused.size() > 1 ? std::min(detail, static_cast<uint32_t>(fused.size()) - 1) : 0;
+    }
     bool has_root_motion() const { return controller && root_rows.size_bytes() > sizeof(io::vec4); }
     uint32_t socket_flags() const { return socket_space == SocketSpace::kWorld ? io::kSocketsToWorld : 0; }
     uint32_t socket_count() const { return sockets ? static_cast<uint32_t>(sockets->joints.size()) : 0; }

@@ -6,7 +6,8 @@
 
 namespace throng {
 
-PaceStage::PaceStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const CrowdSettings& settings)
+PaceStage::PaceStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
+                     const CrowdSettings& settings)
     : gpu_(std::move(gpu)), groups_(groups), batches_(batches), keeps_previous_(settings.keep_previous_matrices) {
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
@@ -14,10 +15,14 @@ PaceStage::PaceStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
         if (!kernel_) kernel_ = pace_kernel(gpu_, settings.skin_format);
         Member& member = members_.emplace_back(Member{.batch = i, .to_current = {}, .to_previous = {}});
         for (size_t k = 0; k < (keeps_previous_ ? 2 : 1); ++k) {
-            const Buffer &current = batch.skins[k], &previous = keeps_previous_ ? batch.skins[1 - k] : current, &ahead = batch.ahead.or_else(current);
+            const Buffer &current = batch.skins[k], &previous = keeps_previous_ ? batch.skins[1 - k] : current,
+                         &ahead = batch.ahead.or_else(current);
             const Buffer& entries = groups_[batch.group].palette_by_set;
-            member.to_current[k] = kernel_->bind(PaceBuffers{batch.work, batch.states, previous, ahead, current, entries});
-            if (keeps_previous_) member.to_previous[k] = kernel_->bind(PaceBuffers{batch.work, batch.states, current, ahead, previous, entries});
+            member.to_current[k] = kernel_->bind(
+                PaceBuffers{batch.work, batch.states, previous, ahead, current, entries});
+            if (keeps_previous_)
+                member.to_previous[k] = kernel_->bind(
+                    PaceBuffers{batch.work, batch.states, current, ahead, previous, entries});
         }
     }
 }
@@ -29,8 +34,13 @@ void PaceStage::record(VkCommandBuffer commands, StageTimer* timer) const {
             const Batch& batch = batches_[member.batch];
             const Group& group = groups_[batch.group];
             const auto [set0, set1, set2, set3] = group.set_entry_counts;
-            const io::PacePush push{.section = section, .palette_count = group.palette_count, .unused0 = 0, .unused1 = 0, .entry_counts = {set0, set1, set2, set3}};
-            kernel_->dispatch_indirect(commands, (member.*bindings)[batch.current_skin], push, batch.dispatches, section);
+            const io::PacePush push{.section = section,
+                                    .palette_count = group.palette_count,
+                                    .unused0 = 0,
+                                    .unused1 = 0,
+                                    .entry_counts = {set0, set1, set2, set3}};
+            kernel_->dispatch_indirect(commands, (member.*bindings)[batch.current_skin], push, batch.dispatches,
+                                       section);
         }
         memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
     };

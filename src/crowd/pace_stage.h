@@ -1,4 +1,5 @@
-// The pace stage of crowds whose skin matrices outlive an update: of instances that are not animated in all of them, and of those that are drawn anew where previous matrices are kept.
+// The pace stage of crowds whose skin matrices outlive an update: of instances that are not animated in all of them,
+// and of those that are drawn anew where previous matrices are kept.
 #pragma once
 
 #include "crowd/batch.h"
@@ -10,7 +11,8 @@ namespace throng {
 class PaceStage {
 public:
     // Of those batches whose group is animated only where drawn; keeps references to both.
-    PaceStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const CrowdSettings& settings);
+    PaceStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
+              const CrowdSettings& settings);
 
     // Behind the fused update.
     void record(VkCommandBuffer commands, StageTimer* timer) const;
@@ -18,7 +20,7 @@ public:
 private:
     struct Member {
         uint32_t batch = 0;
-        std::array<Bindings, 2> to_current;  // for each of the batch's skin buffers that is current
+        std::array<Bindings, 2> to_current;   // for each of the batch's skin buffers that is current
         std::array<Bindings, 2> to_previous;  // where there are two
     };
 

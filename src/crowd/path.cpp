@@ -35,19 +35,26 @@ PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
     const bool any_scan = settings.scan == "auto";
     std::string obstacle = "asked for";
     if (const std::string reason = staged_only(group); settings.path != UpdatePath::kStaged && !reason.empty()) {
-        if (settings.path == UpdatePath::kFused) throw Failure(ErrorCode::kUnsupported, character.name + ": fused update", reason);
+        if (settings.path == UpdatePath::kFused)
+            throw Failure(ErrorCode::kUnsupported, character.name + ": fused update", reason);
         obstacle = reason;
     } else if (settings.path != UpdatePath::kStaged) {
         const FusedRig rig(character);
         FusedPlan plan = any_scan ? choose_fused(rig, limits) : plan_named(settings.scan, rig, limits);
         if (plan.obstacle.empty()) {
             const ScanChoice scan = plan.choice;
-            return {.fused = std::move(plan), .scan = scan, .scan_reason = any_scan ? "the one that suits a fused update on this kind of device" : "asked for", .path_reason = "fused: all stages in one pass"};
+            return {.fused = std::move(plan),
+                    .scan = scan,
+                    .scan_reason = any_scan ? "the one that suits a fused update on this kind of device" : "asked for",
+                    .path_reason = "fused: all stages in one pass"};
         }
-        if (settings.path == UpdatePath::kFused) throw Failure(ErrorCode::kUnsupported, character.name + ": fused update", plan.obstacle);
+        if (settings.path == UpdatePath::kFused)
+            throw Failure(ErrorCode::kUnsupported, character.name + ": fused update", plan.obstacle);
         obstacle = plan.obstacle;
     }
-    const ExplainedChoice staged = choose_scan(settings.scan, ScanRig(character.rig.parents, character.rig.uniform_scale), group.instance_count, limits, scan_costs(gpu));
+    const ExplainedChoice staged = choose_scan(settings.scan,
+                                               ScanRig(character.rig.parents, character.rig.uniform_scale),
+                                               group.instance_count, limits, scan_costs(gpu));
     return {.fused = {}, .scan = staged.choice, .scan_reason = staged.reason, .path_reason = "staged: " + obstacle};
 }
 

@@ -35,7 +35,8 @@ uint32_t PoseStage::take_slot(uint32_t batch, const std::string& place) {
     const auto used = static_cast<uint32_t>(poses.poses.size() / group.joint_count);
     if (poses.free_slots.empty() && used == group.pose_capacity && !take_back_slot(group_index))
         throw Failure(ErrorCode::kLimit, place,
-                      "all " + std::to_string(group.pose_capacity) + " poses of CrowdGroup::pose_capacity of " + group.name + " are in use");
+                      "all " + std::to_string(group.pose_capacity) + " poses of CrowdGroup::pose_capacity of " +
+                          group.name + " are in use");
     if (poses.free_slots.empty()) {
         poses.poses.resize(poses.poses.size() + group.joint_count);
         return used;
@@ -64,14 +65,17 @@ PoseStage::PosedAt PoseStage::erase(uint32_t batch, PosedAt at) {
     return of_batches_[batch].posed.erase(at);
 }
 
-void PoseStage::set(uint32_t batch, uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s, const std::string& place) {
+void PoseStage::set(uint32_t batch, uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s,
+                    const std::string& place) {
     const Group& group = groups_[batches_[batch].group];
     check_fade(fade_s, place);
-    const std::vector<Trs<double>> pose = checked_pose(parent_from_joint, group.joint_count, group.uniform_scale, place);
+    const std::vector<Trs<double>> pose = checked_pose(parent_from_joint, group.joint_count, group.uniform_scale,
+                                                       place);
     Posed& posed = posed_at(batch, instance, place);
     for (PoseFade* fade : {&posed.fade, &posed.before}) fade->set(fade_s);
     GroupPoses& poses = of_groups_[batches_[batch].group];
-    std::ranges::transform(pose, poses.poses.begin() + static_cast<ptrdiff_t>(uint64_t{posed.slot} * group.joint_count), to_io);
+    std::ranges::transform(pose, poses.poses.begin() + static_cast<ptrdiff_t>(uint64_t{posed.slot} * group.joint_count),
+                           to_io);
     poses.changed.add(posed.slot, 1);
 }
 
@@ -112,7 +116,8 @@ void PoseStage::record(VkCommandBuffer commands, float time_step_s) {
         }
         upload_changes(commands, batches_[i].posed, batch.changed, batch.instances, 1);
     }
-    for (size_t i = 0; i < of_groups_.size(); ++i) upload_changes(commands, groups_[i].poses, of_groups_[i].changed, of_groups_[i].poses, groups_[i].joint_count);
+    for (size_t i = 0; i < of_groups_.size(); ++i)
+        upload_changes(commands, groups_[i].poses, of_groups_[i].changed, of_groups_[i].poses, groups_[i].joint_count);
 }
 
 void PoseStage::discard() {
@@ -129,8 +134,11 @@ void PoseStage::discard() {
 
 // An item has `item_size` elements.
 template <class T>
-void PoseStage::upload_changes(VkCommandBuffer commands, const Buffer& buffer, DirtyRanges& changed, const std::vector<T>& items, uint64_t item_size) const {
-    for (const auto& [first, count] : changed.take()) record_update(*gpu_, commands, buffer, first * item_size, std::span(items).subspan(first * item_size, count * item_size));
+void PoseStage::upload_changes(VkCommandBuffer commands, const Buffer& buffer, DirtyRanges& changed,
+                               const std::vector<T>& items, uint64_t item_size) const {
+    for (const auto& [first, count] : changed.take())
+        record_update(*gpu_, commands, buffer, first * item_size,
+                      std::span(items).subspan(first * item_size, count * item_size));
 }
 
 }  // namespace throng

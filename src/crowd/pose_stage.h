@@ -1,4 +1,5 @@
-// Poses that the application sets for chosen instances: kept here with their fades, and handed to the GPU inside the command buffer, as far as they changed.
+// Poses that the application sets for chosen instances: kept here with their fades, and handed to the GPU inside the
+// command buffer, as far as they changed.
 #pragma once
 
 #include "blend/posed.h"
@@ -18,7 +19,8 @@ public:
     PoseStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches);
 
     // As Crowd::set_pose() and clear_pose(); `instance` is of the batch. Failures have this place.
-    void set(uint32_t batch, uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s, const std::string& place);
+    void set(uint32_t batch, uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s,
+             const std::string& place);
     void clear(uint32_t batch, uint32_t instance, float fade_s, const std::string& place);
 
     // Takes the fades a step further, and uploads what changed.
@@ -33,9 +35,11 @@ private:
         PoseFade before;  // what it would be without the last record()
     };
     struct BatchPoses {
-        std::vector<io::InstancePose> instances;  // [instance_count], as the device has them, or will have by the next record(); empty where there is no room for poses
-        std::map<uint32_t, Posed> posed;          // those that have a slot
-        DirtyRanges changed;                      // of instances
+        // [instance_count], as the device has them, or will have by the next record(); empty where there is no room for
+        // poses
+        std::vector<io::InstancePose> instances;
+        std::map<uint32_t, Posed> posed;  // those that have a slot
+        DirtyRanges changed;              // of instances
     };
     struct GroupPoses {
         std::vector<uint32_t> free_slots;
@@ -50,7 +54,8 @@ private:
     PosedAt erase(uint32_t batch, PosedAt at);
     void follow(uint32_t batch, PosedAt at);
     template <class T>
-    void upload_changes(VkCommandBuffer commands, const Buffer& buffer, DirtyRanges& changed, const std::vector<T>& items, uint64_t item_size) const;
+    void upload_changes(VkCommandBuffer commands, const Buffer& buffer, DirtyRanges& changed,
+                        const std::vector<T>& items, uint64_t item_size) const;
 
     std::shared_ptr<Gpu> gpu_;
     const std::vector<Group>& groups_;

@@ -6,7 +6,8 @@
 
 namespace throng {
 
-ProceduralStage::ProceduralStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches)
+ProceduralStage::ProceduralStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
+                                 const std::vector<Batch>& batches)
     : gpu_(std::move(gpu)), groups_(groups), batches_(batches), targets_(batches.size()) {
     for (size_t i = 0; i < batches_.size(); ++i) {
         const Group& group = groups_[batches_[i].group];
@@ -27,7 +28,8 @@ void ProceduralStage::set_target(uint32_t batch, uint32_t index, const io::vec4&
 void ProceduralStage::begin_update(VkCommandBuffer commands, float time_step_s) {
     for (size_t i = 0; i < batches_.size(); ++i)
         for (const auto& [first, count] : targets_[i].dirty.take())
-            record_update(*gpu_, commands, batches_[i].targets, first, std::span<const io::vec4>(targets_[i].last).subspan(first, count));
+            record_update(*gpu_, commands, batches_[i].targets, first,
+                          std::span<const io::vec4>(targets_[i].last).subspan(first, count));
     time_step_s_ = time_step_s;
     wind_.advance(time_step_s);
 }
@@ -44,7 +46,8 @@ ProceduralStage::KindBindings ProceduralStage::bind(uint32_t batch_index, const 
     for (const ProceduralTables::Dispatch& dispatch : group.procedural->dispatches)
         if (!bindings[dispatch.kind].set())
             bindings[dispatch.kind] = kernels_[group.takes_similarities()][dispatch.kind]->bind(
-                ProceduralBuffers{group.procedural->tables, batch.placements, batch.targets.or_else(batch.placements), batch.springs.or_else(batch.placements), local});
+                ProceduralBuffers{group.procedural->tables, batch.placements, batch.targets.or_else(batch.placements),
+                                  batch.springs.or_else(batch.placements), local});
     return bindings;
 }
 
@@ -53,7 +56,8 @@ uint32_t ProceduralStage::rank_count(uint32_t batch) const {
     return procedural && !procedural->dispatches.empty() ? procedural->dispatches.back().rank + 1 : 0;
 }
 
-void ProceduralStage::record_rank(VkCommandBuffer commands, const KindBindings& bindings, uint32_t batch, uint32_t rank) const {
+void ProceduralStage::record_rank(VkCommandBuffer commands, const KindBindings& bindings, uint32_t batch,
+                                  uint32_t rank) const {
     bool is_first = true;
     for (const ProceduralTables::Dispatch& dispatch : groups_[batches_[batch].group].procedural->dispatches) {
         if (dispatch.rank != rank) continue;
@@ -64,10 +68,12 @@ void ProceduralStage::record_rank(VkCommandBuffer commands, const KindBindings& 
     }
 }
 
-void ProceduralStage::record_dispatch(VkCommandBuffer commands, const KindBindings& bindings, const Batch& batch, const ProceduralTables::Dispatch& dispatch) const {
+void ProceduralStage::record_dispatch(VkCommandBuffer commands, const KindBindings& bindings, const Batch& batch,
+                                      const ProceduralTables::Dispatch& dispatch) const {
     const Group& group = groups_[batch.group];
     const WindClock::Moment& wind = wind_.moment();
-    const uint32_t workgroups = (batch.instance_count + io::kProceduralWorkgroupSize - 1) / io::kProceduralWorkgroupSize;
+    const uint32_t workgroups = (batch.instance_count + io::kProceduralWorkgroupSize - 1) /
+                                io::kProceduralWorkgroupSize;
     io::ProceduralPush push{.instance_count = batch.instance_count,
                             .first_instance = batch.first_instance,
                             .joint_count = group.joint_count,
@@ -90,7 +96,8 @@ void ProceduralStage::record_dispatch(VkCommandBuffer commands, const KindBindin
     const uint32_t chains = std::max(gpu_->properties.limits.maxComputeWorkGroupCount[0] / workgroups, 1u);
     for (uint32_t left = dispatch.chain_count; left > 0;) {
         const uint32_t count = std::min(left, chains);
-        kernels_[group.takes_similarities()][dispatch.kind]->dispatch_workgroups(commands, bindings[dispatch.kind], push, count * workgroups);
+        kernels_[group.takes_similarities()][dispatch.kind]->dispatch_workgroups(commands, bindings[dispatch.kind],
+                                                                                 push, count * workgroups);
         push.first_chain += count * io::kChainWords;
         left -= count;
     }

@@ -37,13 +37,14 @@ private:
         DirtyRanges dirty;
     };
     using Kernels = std::array<std::optional<Kernel>, io::kChainKindCount>;
-    void record_dispatch(VkCommandBuffer commands, const KindBindings& bindings, const Batch& batch, const ProceduralTables::Dispatch& dispatch) const;
+    void record_dispatch(VkCommandBuffer commands, const KindBindings& bindings, const Batch& batch,
+                         const ProceduralTables::Dispatch& dispatch) const;
 
     std::shared_ptr<Gpu> gpu_;
     const std::vector<Group>& groups_;
     const std::vector<Batch>& batches_;
-    Kernels kernels_[2];  // [similarities][kind], those that the groups need
-    std::vector<Targets> targets_;      // [batch]
+    Kernels kernels_[2];            // [similarities][kind], those that the groups need
+    std::vector<Targets> targets_;  // [batch]
     WindClock wind_;
     float time_step_s_ = 0;
 };

@@ -16,7 +16,8 @@ namespace {
 std::vector<Trs<double>> sample(const Character& character, const ClipPlayback& slot) {
     const auto clip_count = static_cast<uint32_t>(character.clips.size());
     if (slot.clip == kNone) return sample_reference(character, clip_count, 0);
-    return sample_reference(character, slot.clip, local_time_reference(slot.time_s, character.clips[slot.clip].duration_s, slot.loop));
+    return sample_reference(character, slot.clip,
+                            local_time_reference(slot.time_s, character.clips[slot.clip].duration_s, slot.loop));
 }
 
 MorphVoice morph_voice(const Character& character, const ClipPlayback& slot, double weight) {
@@ -28,7 +29,8 @@ MorphVoice morph_voice(const Character& character, const ClipPlayback& slot, dou
 
 void check_has_joints(const Character& character) {
     if (character.rig.joint_count() == 0)
-        throw Failure(ErrorCode::kInvalidArgument, "character '" + character.name + "'", "it has no joints; load or compile one");
+        throw Failure(ErrorCode::kInvalidArgument, "character '" + character.name + "'",
+                      "it has no joints; load or compile one");
 }
 
 ReferencePose pose_from_local(const Character& character, std::span<const Trs<double>> parent_from_joint) {
@@ -46,10 +48,13 @@ Result<ReferencePose> reference_pose(const Character& character, const Playback&
         std::vector<Trs<double>> pose = sample(character, playback.weight > 0 ? playback.first : playback.second);
         if (playback.weight > 0 && playback.weight < 1) {
             const std::vector<Trs<double>> second = sample(character, playback.second);
-            for (size_t joint = 0; joint < pose.size(); ++joint) pose[joint] = blend_reference(pose[joint], second[joint], playback.weight);
+            for (size_t joint = 0; joint < pose.size(); ++joint)
+                pose[joint] = blend_reference(pose[joint], second[joint], playback.weight);
         }
         ReferencePose out = pose_from_local(character, pose);
-        out.morph_weights = morphs_reference(character, {{{.voices = {morph_voice(character, playback.first, double{playback.weight}), morph_voice(character, playback.second, 1 - double{playback.weight})}}}});
+        out.morph_weights = morphs_reference(
+            character, {{{.voices = {morph_voice(character, playback.first, double{playback.weight}),
+                                     morph_voice(character, playback.second, 1 - double{playback.weight})}}}});
         return out;
     });
 }

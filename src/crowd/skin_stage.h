@@ -10,8 +10,10 @@ namespace throng {
 
 class SkinStage {
 public:
-    // Of all batches; keeps references to both. `cull`, where the crowd culls: what is drawn is skinned, else everything.
-    SkinStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, const CullStage* cull, const CrowdSettings& settings);
+    // Of all batches; keeps references to both. `cull`, where the crowd culls: what is drawn is skinned, else
+    // everything.
+    SkinStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
+              const CullStage* cull, const CrowdSettings& settings);
 
     // Behind all that writes skin matrices.
     void record(VkCommandBuffer commands, StageTimer* timer) const { record(commands, timer, false); }
@@ -29,7 +31,8 @@ private:
 };
 
 // Of one batch. `skin_matrices`: those that are current; `skinned`: where its vertices go.
-SkinBuffers skin_buffers(const Group& group, const Batch& batch, const Buffer& skin_matrices, const Buffer& skinned, BufferRange verdicts);
+SkinBuffers skin_buffers(const Group& group, const Batch& batch, const Buffer& skin_matrices, const Buffer& skinned,
+                         BufferRange verdicts);
 io::SkinPush skin_push(const Group& group);
 
 }  // namespace throng

@@ -11,8 +11,8 @@ class StageTimer {
 public:
     StageTimer(std::shared_ptr<Gpu> gpu, uint32_t most_stages);
 
-    // begin() once an update, then end_stage() after each stage, at most most_stages times; a stage may come several times. publish()
-    // after the last one, and again where an update goes on.
+    // begin() once an update, then end_stage() after each stage, at most most_stages times; a stage may come several
+    // times. publish() after the last one, and again where an update goes on.
     void begin(VkCommandBuffer commands);
     void end_stage(VkCommandBuffer commands, double StageTimes::*stage);
     // What has come since the last stage is none of the update's.

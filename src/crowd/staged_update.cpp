@@ -22,10 +22,12 @@ uint64_t align_up(uint64_t value, uint64_t alignment) { return (value + alignmen
 }  // namespace
 
 uint64_t arena_limit_bytes(const Gpu& gpu) {
-    return std::min({kArenaBuffer_bytes, uint64_t{gpu.properties.limits.maxStorageBufferRange}, gpu.max_allocation_bytes});
+    return std::min(
+        {kArenaBuffer_bytes, uint64_t{gpu.properties.limits.maxStorageBufferRange}, gpu.max_allocation_bytes});
 }
 
-StagedUpdate::StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, SkinFormat skin_format, const ProceduralStage& procedural)
+StagedUpdate::StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
+                           const std::vector<Batch>& batches, SkinFormat skin_format, const ProceduralStage& procedural)
     : gpu_(std::move(gpu)), groups_(groups), batches_(batches), procedural_(procedural) {
     for (uint32_t i = 0; i < batches_.size(); ++i)
         if (groups_[batches_[i].group].fused.empty()) members_.push_back({.batch = i});
@@ -49,7 +51,8 @@ StagedUpdate::StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& g
 }
 
 void StagedUpdate::make_waves() {
-    const uint64_t limit_bytes = arena_limit_bytes(*gpu_), alignment = gpu_->properties.limits.minStorageBufferOffsetAlignment;
+    const uint64_t limit_bytes = arena_limit_bytes(*gpu_),
+                   alignment = gpu_->properties.limits.minStorageBufferOffsetAlignment;
     uint64_t used_bytes = 0, largest_bytes = 0;
     for (uint32_t i = 0; i < members_.size(); ++i) {
         const Batch& batch = batches_[members_[i].batch];
@@ -63,7 +66,9 @@ void StagedUpdate::make_waves() {
         largest_bytes = std::max(largest_bytes, used_bytes + needs_bytes);
         used_bytes = align_up(used_bytes + needs_bytes, alignment);
     }
-    const auto storage = [&](const char* what) { return Buffer(gpu_, what, largest_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT); };
+    const auto storage = [&](const char* what) {
+        return Buffer(gpu_, what, largest_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    };
     first_poses_ = storage("first poses");
     second_poses_ = storage("second poses");
     local_ = storage("local matrices");
@@ -74,20 +79,27 @@ void StagedUpdate::bind_member(Member& member) {
     const Batch& batch = batches_[member.batch];
     const Group& group = groups_[batch.group];
     const uint64_t size_bytes = batch.instance_count * uint64_t{group.joint_count} * sizeof(Affine);
-    const auto slice = [&](const Buffer& buffer) { return BufferRange(buffer.handle(), member.arena_offset_bytes, size_bytes); };
+    const auto slice = [&](const Buffer& buffer) {
+        return BufferRange(buffer.handle(), member.arena_offset_bytes, size_bytes);
+    };
     const BufferRange first = slice(first_poses_), second = slice(second_poses_), local = slice(local_);
     const BufferRange model = batch.kept_model.handle() ? BufferRange(batch.kept_model) : slice(model_);
     if (group.procedural) member.procedural = procedural_.bind(member.batch, local);
     member.scan = group.scan->bind({.local = local, .links = group.scan->links(), .model = model, .scratch = second});
     for (size_t i = 0; i < batch.skins.size(); ++i)
-        if (batch.skins[i].handle()) member.bind[i] = bind_->bind(BindBuffers{model, group.palette_joints, group.joint_from_bind, batch.skins[i]});
+        if (batch.skins[i].handle())
+            member.bind[i] = bind_->bind(
+                BindBuffers{model, group.palette_joints, group.joint_from_bind, batch.skins[i]});
     if (group.sockets) {
         if (!sockets_) sockets_ = socket_kernel(gpu_);
         member.sockets = sockets_->bind(SocketBuffers{model, group.sockets->table, batch.placements, batch.sockets});
     }
     const BufferRange posed = batch.posed.or_else(group.words), poses = group.poses.or_else(group.keys);
     if (group.controller) {
-        member.layered = layered_of(group).bind(LayeredBuffers{batch.voices, group.controller->masks, group.tracks, group.keys, group.words, local, batch.inertias.or_else(batch.layers), batch.inertia_states.or_else(batch.layers), posed, poses, group.controller->parents, batch.rotations});
+        member.layered = layered_of(group).bind(
+            LayeredBuffers{batch.voices, group.controller->masks, group.tracks, group.keys, group.words, local,
+                           batch.inertias.or_else(batch.layers), batch.inertia_states.or_else(batch.layers), posed,
+                           poses, group.controller->parents, batch.rotations});
         return;
     }
     const Kernel& sample = sample_of(group);
@@ -97,14 +109,24 @@ void StagedUpdate::bind_member(Member& member) {
 }
 
 LayeredSettings StagedUpdate::layered_settings(const Group& group) {
-    return {.packed = group.packed, .output = group.takes_similarities() ? BlendOutput::kSimilarity : BlendOutput::kAffine, .inertial = group.controller->is_inertial, .posed = group.pose_capacity > 0, .in_order = group.controller->model_layer_count > 0};
+    return {.packed = group.packed,
+            .output = group.takes_similarities() ? BlendOutput::kSimilarity : BlendOutput::kAffine,
+            .inertial = group.controller->is_inertial,
+            .posed = group.pose_capacity > 0,
+            .in_order = group.controller->model_layer_count > 0};
 }
 
-void StagedUpdate::record_layered(VkCommandBuffer commands, const Member& member, uint32_t instance_count, const Group& group) const {
+void StagedUpdate::record_layered(VkCommandBuffer commands, const Member& member, uint32_t instance_count,
+                                  const Group& group) const {
     const uint32_t voice_limit = group.controller->voice_limit;
     if (group.controller->model_layer_count > 0)
-        record_layered_in_order(*gpu_, commands, layered_of(group), member.layered, {.instance_count = instance_count, .joint_count = group.joint_count, .voice_limit = voice_limit}, scan_limits(*gpu_).loop_iterations);
-    else layered_of(group).dispatch_workgroups(commands, member.layered, io::LayeredPush{group.joint_count, voice_limit}, instance_count);
+        record_layered_in_order(
+            *gpu_, commands, layered_of(group), member.layered,
+            {.instance_count = instance_count, .joint_count = group.joint_count, .voice_limit = voice_limit},
+            scan_limits(*gpu_).loop_iterations);
+    else
+        layered_of(group).dispatch_workgroups(commands, member.layered, io::LayeredPush{group.joint_count, voice_limit},
+                                              instance_count);
 }
 
 void StagedUpdate::record(VkCommandBuffer commands, StageTimer* timer) const {
@@ -114,7 +136,8 @@ void StagedUpdate::record(VkCommandBuffer commands, StageTimer* timer) const {
 void StagedUpdate::record_wave(VkCommandBuffer commands, const Wave& wave, StageTimer* timer) const {
     const std::span<const Member> members = std::span(members_).subspan(wave.first_member, wave.member_count);
     const auto stage = [&](double StageTimes::*time, const auto& record_member) {
-        for (const Member& member : members) record_member(member, batches_[member.batch].instance_count, groups_[batches_[member.batch].group]);
+        for (const Member& member : members)
+            record_member(member, batches_[member.batch].instance_count, groups_[batches_[member.batch].group]);
         memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
         if (timer) timer->end_stage(commands, time);
     };
@@ -123,35 +146,48 @@ void StagedUpdate::record_wave(VkCommandBuffer commands, const Wave& wave, Stage
             record_layered(commands, member, instance_count, group);
             return;
         }
-        sample_of(group).dispatch_workgroups(commands, member.sample_first, io::SamplePush{group.joint_count, 0}, instance_count);
-        sample_of(group).dispatch_workgroups(commands, member.sample_second, io::SamplePush{group.joint_count, 1}, instance_count);
+        sample_of(group).dispatch_workgroups(commands, member.sample_first, io::SamplePush{group.joint_count, 0},
+                                             instance_count);
+        sample_of(group).dispatch_workgroups(commands, member.sample_second, io::SamplePush{group.joint_count, 1},
+                                             instance_count);
     });
     stage(&StageTimes::blend, [&](const Member& member, uint32_t instance_count, const Group& group) {
-        if (!group.controller) blend_of(group).dispatch_workgroups(commands, member.blend, io::BlendPush{group.joint_count}, instance_count);
+        if (!group.controller)
+            blend_of(group).dispatch_workgroups(commands, member.blend, io::BlendPush{group.joint_count},
+                                                instance_count);
     });
     record_procedural(commands, members, timer);
-    stage(&StageTimes::scan, [&](const Member& member, uint32_t instance_count, const Group& group) { group.scan->record(commands, member.scan, instance_count); });
+    stage(&StageTimes::scan, [&](const Member& member, uint32_t instance_count, const Group& group) {
+        group.scan->record(commands, member.scan, instance_count);
+    });
     stage(&StageTimes::bind, [&](const Member& member, uint32_t instance_count, const Group& group) {
         if (group.sockets)
-            sockets_->dispatch_invocations(commands, member.sockets, io::SocketPush{instance_count, group.joint_count, group.socket_count(), io::kSocketsGather | group.socket_flags()},
+            sockets_->dispatch_invocations(commands, member.sockets,
+                                           io::SocketPush{instance_count, group.joint_count, group.socket_count(),
+                                                          io::kSocketsGather | group.socket_flags()},
                                            instance_count * group.socket_count());
-        bind_->dispatch_workgroups(commands, member.bind[batches_[member.batch].current_skin], io::BindPush{group.joint_count, group.palette_count}, instance_count);
+        bind_->dispatch_workgroups(commands, member.bind[batches_[member.batch].current_skin],
+                                   io::BindPush{group.joint_count, group.palette_count}, instance_count);
     });
 }
 
 // Rank by rank; batches have theirs side by side.
-void StagedUpdate::record_procedural(VkCommandBuffer commands, std::span<const Member> members, StageTimer* timer) const {
+void StagedUpdate::record_procedural(VkCommandBuffer commands, std::span<const Member> members,
+                                     StageTimer* timer) const {
     uint32_t rank_count = 0;
     for (const Member& member : members) rank_count = std::max(rank_count, procedural_.rank_count(member.batch));
     if (rank_count == 0) return;
     for (uint32_t rank = 0; rank < rank_count; ++rank) {
         for (const Member& member : members)
-            if (rank < procedural_.rank_count(member.batch)) procedural_.record_rank(commands, member.procedural, member.batch, rank);
+            if (rank < procedural_.rank_count(member.batch))
+                procedural_.record_rank(commands, member.procedural, member.batch, rank);
         memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
     }
     if (timer) timer->end_stage(commands, &StageTimes::procedural);
 }
 
-uint64_t StagedUpdate::size_bytes() const { return first_poses_.size_bytes() + second_poses_.size_bytes() + local_.size_bytes() + model_.size_bytes(); }
+uint64_t StagedUpdate::size_bytes() const {
+    return first_poses_.size_bytes() + second_poses_.size_bytes() + local_.size_bytes() + model_.size_bytes();
+}
 
 }  // namespace throng

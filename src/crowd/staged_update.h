@@ -1,8 +1,8 @@
-// Cursors -> skin matrices, stage by stage: sample, blend, procedural rules, scan, bind, each through memory. Layers are sampled and blended in one: their
-// time counts as sample.
+// Cursors -> skin matrices, stage by stage: sample, blend, procedural rules, scan, bind, each through memory. Layers
+// are sampled and blended in one: their time counts as sample.
 //
-// A wave is a run of batches whose intermediates (poses, local and model matrices) fit the arena together. A wave goes through the
-// stages as a whole, so that small groups share a dispatch's latency; then the next wave reuses the arena.
+// A wave is a run of batches whose intermediates (poses, local and model matrices) fit the arena together. A wave goes
+// through the stages as a whole, so that small groups share a dispatch's latency; then the next wave reuses the arena.
 #pragma once
 
 #include "blend/layered.h"
@@ -22,7 +22,8 @@ uint64_t arena_limit_bytes(const Gpu& gpu);
 class StagedUpdate {
 public:
     // Of those batches whose group is not fused; keeps references to all.
-    StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches, SkinFormat skin_format, const ProceduralStage& procedural);
+    StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
+                 SkinFormat skin_format, const ProceduralStage& procedural);
 
     uint32_t wave_count() const { return static_cast<uint32_t>(waves_.size()); }
     void record(VkCommandBuffer commands, StageTimer* timer) const;
@@ -49,8 +50,11 @@ private:
     const Kernel& sample_of(const Group& group) const { return *(group.packed ? sample_packed_ : sample_exact_); }
     static LayeredSettings layered_settings(const Group& group);
     const Kernel& layered_of(const Group& group) const { return layered_.at(layered_settings(group)); }
-    void record_layered(VkCommandBuffer commands, const Member& member, uint32_t instance_count, const Group& group) const;
-    const Kernel& blend_of(const Group& group) const { return *blend_[group.takes_similarities()][group.pose_capacity > 0]; }
+    void record_layered(VkCommandBuffer commands, const Member& member, uint32_t instance_count,
+                        const Group& group) const;
+    const Kernel& blend_of(const Group& group) const {
+        return *blend_[group.takes_similarities()][group.pose_capacity > 0];
+    }
 
     std::shared_ptr<Gpu> gpu_;
     const std::vector<Group>& groups_;
@@ -59,10 +63,11 @@ private:
     std::vector<Member> members_;
     std::vector<Wave> waves_;
     std::optional<Kernel> sample_exact_, sample_packed_;  // those that the groups need
-    std::optional<Kernel> blend_[2][2];          // [similarities][posed]
+    std::optional<Kernel> blend_[2][2];                   // [similarities][posed]
     std::map<LayeredSettings, Kernel> layered_;
     std::optional<Kernel> bind_, sockets_;
-    Buffer first_poses_, second_poses_, local_, model_;  // the arena, 48 bytes a joint each; second_poses serves the scan as scratch once blended
+    // The arena, 48 bytes a joint each; second_poses serves the scan as scratch once blended
+    Buffer first_poses_, second_poses_, local_, model_;
 };
 
 }  // namespace throng

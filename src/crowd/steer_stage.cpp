@@ -15,14 +15,19 @@ void check_steering(const CrowdGroup& group) {
     const Steering& steering = *group.steering;
     const auto check = [&](const char* what, float value, float least) {
         constexpr float kMost = 1e6f;
-        if (!(value >= least && value <= kMost)) throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": steering", std::string(what) + " " + std::to_string(value) + "; give one from " + (least > 0 ? "0.000001" : "0") + " to 1000000");
+        if (!(value >= least && value <= kMost))
+            throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": steering",
+                          std::string(what) + " " + std::to_string(value) + "; give one from " +
+                              (least > 0 ? "0.000001" : "0") + " to 1000000");
     };
     check("radius", steering.radius, 1e-6f);
     check("speed", steering.speed, 0);
     check("turn", steering.turn, 0);
     const size_t parameter_count = group.controller ? group.controller->parameters.size() : 0;
     if (steering.speed_parameter != kNone && steering.speed_parameter >= parameter_count)
-        throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": steering", "parameter " + std::to_string(steering.speed_parameter) + " of a group that has " + std::to_string(parameter_count));
+        throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": steering",
+                      "parameter " + std::to_string(steering.speed_parameter) + " of a group that has " +
+                          std::to_string(parameter_count));
 }
 
 SteerStage::SteerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches)
@@ -52,7 +57,9 @@ SteerStage::SteerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& group
                             .destinations = std::vector<io::vec4>(batch.instance_count),
                             .dirty = {},
                             .places = kernels_->places.bind(PlacesBuffers{batch.placements, places_, heads_}),
-                            .steer = kernels_->steer.bind(SteerBuffers{places_, heads_, batch.destinations, batch.agents, batch.placements, batch.roots.or_else(batch.agents), batch.parameters.or_else(batch.agents)})});
+                            .steer = kernels_->steer.bind(SteerBuffers{
+                                places_, heads_, batch.destinations, batch.agents, batch.placements,
+                                batch.roots.or_else(batch.agents), batch.parameters.or_else(batch.agents)})});
         first_agent += batch.instance_count;
     }
 }
@@ -67,7 +74,8 @@ void SteerStage::begin_update(VkCommandBuffer commands) {
     if (members_.empty()) return;
     for (Member& member : members_)
         for (const auto& [first, count] : member.dirty.take())
-            record_update(*gpu_, commands, batches_[member.batch].destinations, first, std::span<const io::vec4>(member.destinations).subspan(first, count));
+            record_update(*gpu_, commands, batches_[member.batch].destinations, first,
+                          std::span<const io::vec4>(member.destinations).subspan(first, count));
     gpu_->vk.vkCmdFillBuffer(commands, heads_.handle(), 0, VK_WHOLE_SIZE, io::kNobody);
 }
 
@@ -86,7 +94,8 @@ void SteerStage::record(VkCommandBuffer commands, float time_step_s, StageTimer*
 
 void SteerStage::record_places(VkCommandBuffer commands, const Member& member) const {
     const Batch& batch = batches_[member.batch];
-    const io::PlacesPush push{batch.instance_count, member.first_agent, groups_[batch.group].steering->radius, inverse_cell_, bucket_mask_};
+    const io::PlacesPush push{batch.instance_count, member.first_agent, groups_[batch.group].steering->radius,
+                              inverse_cell_, bucket_mask_};
     kernels_->places.dispatch_invocations(commands, member.places, push, batch.instance_count);
 }
 

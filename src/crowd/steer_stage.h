@@ -1,4 +1,5 @@
-// The steer stage of groups with CrowdGroup::steering: destinations of the application; agents -> a step further. All agents of the crowd keep out of each other's way.
+// The steer stage of groups with CrowdGroup::steering: destinations of the application; agents -> a step further. All
+// agents of the crowd keep out of each other's way.
 #pragma once
 
 #include "crowd/batch.h"

@@ -1,4 +1,5 @@
-// How many instances of a workgroup have which verdict. A kernel calls count_begin(), then count() for each instance, then count_end(), each by all invocations.
+// How many instances of a workgroup have which verdict. A kernel calls count_begin(), then count() for each instance,
+// then count_end(), each by all invocations.
 layout(set = 0, binding = 4, std430) writeonly buffer Counts { uint counts[]; };  // [workgroup][kCounters]
 
 shared uint found[kCounters];
@@ -10,12 +11,14 @@ void count_begin() {
 
 void count(uint verdict) {
     if ((verdict & kVerdictDrawn) != 0) atomicAdd(found[verdict & kVerdictDetailMask], 1);
-    if ((verdict & kVerdictAnimated) != 0) atomicAdd(found[kDetailLevels + (verdict >> kVerdictSectionShift & kVerdictSectionMask)], 1);
+    if ((verdict & kVerdictAnimated) != 0)
+        atomicAdd(found[kDetailLevels + (verdict >> kVerdictSectionShift & kVerdictSectionMask)], 1);
     if ((verdict & kVerdictGoesOn) != 0) atomicAdd(found[kDetailLevels + kGoingOn], 1);
     if ((verdict & kVerdictAppears) != 0) atomicAdd(found[kDetailLevels + kAppearing], 1);
 }
 
 void count_end() {
     barrier();
-    if (gl_LocalInvocationID.x < kCounters) counts[gl_WorkGroupID.x * kCounters + gl_LocalInvocationID.x] = found[gl_LocalInvocationID.x];
+    if (gl_LocalInvocationID.x < kCounters)
+        counts[gl_WorkGroupID.x * kCounters + gl_LocalInvocationID.x] = found[gl_LocalInvocationID.x];
 }

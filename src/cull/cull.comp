@@ -1,6 +1,6 @@
 #version 460
-// cull: which instances a view sees, each in which level of detail, and which of them are animated; and how many of each a workgroup has found.
-// One invocation per instance. Cost: 52 bytes read, 8 written, some 100 operations.
+// cull: which instances a view sees, each in which level of detail, and which of them are animated; and how many of
+// each a workgroup has found. One invocation per instance. Cost: 52 bytes read, 8 written, some 100 operations.
 #include "cull/cull.glsl"
 
 layout(local_size_x = kCullWorkgroupSize) in;

@@ -31,7 +31,8 @@ CullKernels::CullKernels(const std::shared_ptr<Gpu>& gpu)
     : cull(gpu, {.name = "cull", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWideCull) : kCull}),
       offsets(gpu, {.name = "offsets", .spirv = kOffsets}),
       list(gpu, {.name = "list", .spirv = kList}),
-      reveal(gpu, {.name = "reveal", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWideReveal) : kReveal}),
+      reveal(gpu,
+             {.name = "reveal", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWideReveal) : kReveal}),
       pyramid(gpu, {.name = "pyramid", .spirv = kPyramid}) {}
 
 }  // namespace throng

@@ -21,9 +21,11 @@ CullView load_view() {
     return view;
 }
 
-// No length grows by more: by the products of m's columns, of which each row's sum bounds it; where they are at right angles it is the longest column.
+// No length grows by more: by the products of m's columns, of which each row's sum bounds it; where they are at right
+// angles it is the longest column.
 float largest_scale(Affine m) {
-    const vec3 x = vec3(m.row0.x, m.row1.x, m.row2.x), y = vec3(m.row0.y, m.row1.y, m.row2.y), z = vec3(m.row0.z, m.row1.z, m.row2.z);
+    const vec3 x = vec3(m.row0.x, m.row1.x, m.row2.x), y = vec3(m.row0.y, m.row1.y, m.row2.y),
+               z = vec3(m.row0.z, m.row1.z, m.row2.z);
     const float xy = abs(dot(x, y)), xz = abs(dot(x, z)), yz = abs(dot(y, z));
     return sqrt(max(max(dot(x, x) + xy + xz, dot(y, y) + xy + yz), dot(z, z) + xz + yz));
 }
@@ -36,13 +38,15 @@ vec3 shadow_of(CullView view, Affine world_from_model, vec3 centre, vec3 half_ex
 
 // The box, and the way that its shadow takes, are outside where they lie behind one plane.
 bool is_seen(CullView view, Affine world_from_model, vec3 centre, vec3 half_extent) {
-    const vec3 middle = affine_point(world_from_model, centre), shadow = shadow_of(view, world_from_model, centre, half_extent);
+    const vec3 middle = affine_point(world_from_model, centre),
+               shadow = shadow_of(view, world_from_model, centre, half_extent);
     bool seen = true;
     for (uint i = 0; i < 6; ++i) {
         const vec3 normal = view.planes[i].xyz;
-        const vec3 along = vec3(dot(normal, vec3(world_from_model.row0.x, world_from_model.row1.x, world_from_model.row2.x)),
-                                dot(normal, vec3(world_from_model.row0.y, world_from_model.row1.y, world_from_model.row2.y)),
-                                dot(normal, vec3(world_from_model.row0.z, world_from_model.row1.z, world_from_model.row2.z)));
+        const vec3 along = vec3(
+            dot(normal, vec3(world_from_model.row0.x, world_from_model.row1.x, world_from_model.row2.x)),
+            dot(normal, vec3(world_from_model.row0.y, world_from_model.row1.y, world_from_model.row2.y)),
+            dot(normal, vec3(world_from_model.row0.z, world_from_model.row1.z, world_from_model.row2.z)));
         const float reach = dot(abs(along), half_extent) + max(dot(normal, shadow), 0);
         seen = seen && dot(normal, middle) + view.planes[i].w + reach >= 0;
     }
@@ -51,7 +55,8 @@ bool is_seen(CullView view, Affine world_from_model, vec3 centre, vec3 half_exte
 
 // Of the eye from the ball around the box, in world space; not positive within it.
 float distance_to_box(CullView view, Affine world_from_model, vec3 centre, vec3 half_extent) {
-    return distance(affine_point(world_from_model, centre), view.eye.xyz) - largest_scale(world_from_model) * length(half_extent);
+    return distance(affine_point(world_from_model, centre), view.eye.xyz) -
+           largest_scale(world_from_model) * length(half_extent);
 }
 
 // The coarsest level whose error the view does not see; errors do not fall from level to level.
@@ -62,7 +67,8 @@ uint detail_of(CullView view, float distance_to_it, float scale, vec4 detail_err
     return detail;
 }
 
-// Of how many updates one animates it: 1, 2, 4 or 8, so that it moves by about the same number of pixels between two of them.
+// Of how many updates one animates it: 1, 2, 4 or 8, so that it moves by about the same number of pixels between two of
+// them.
 uint period_of(CullView view, float distance_to_it, float scale, vec3 half_extent) {
     const float size = 2 * scale * length(half_extent) * view.shadow.w;
     uint period_log2 = 0;
@@ -73,7 +79,8 @@ uint period_of(CullView view, float distance_to_it, float scale, vec3 half_exten
 
 // What is done with an instance that is drawn; `state` is that of the last update, and becomes that of this one.
 uint verdict_of(CullView view, CullPush push, Affine world_from_model, uint instance, inout uint state) {
-    const float distance_to_it = distance_to_box(view, world_from_model, push.centre.xyz, push.half_extent.xyz), scale = largest_scale(world_from_model);
+    const float distance_to_it = distance_to_box(view, world_from_model, push.centre.xyz, push.half_extent.xyz),
+                scale = largest_scale(world_from_model);
     const uint detail = detail_of(view, distance_to_it, scale, push.detail_errors, push.detail_count);
     const uint period = push.may_skip != 0 ? period_of(view, distance_to_it, scale, push.half_extent.xyz) : 1;
     const bool was_drawn = (state & kStateDrawn) != 0;
@@ -84,9 +91,11 @@ uint verdict_of(CullView view, CullPush push, Affine world_from_model, uint inst
     uint left = was_drawn ? state >> kStateLeftShift & kStateLeftMask : 0;
     if (is_due) left = is_at_once ? 0 : period;
     uint verdict = kVerdictInView | kVerdictDrawn | detail;
-    if (is_due) verdict |= kVerdictAnimated | (joint_set + (is_at_once ? kAnimated : kAnimatedAhead)) << kVerdictSectionShift;
+    if (is_due)
+        verdict |= kVerdictAnimated | (joint_set + (is_at_once ? kAnimated : kAnimatedAhead)) << kVerdictSectionShift;
     if (!is_at_once && (left > 0 || push.keeps_previous != 0)) verdict |= kVerdictGoesOn;
     if (!has_joints && push.keeps_previous != 0) verdict |= kVerdictAppears;
-    state = kStateDrawn | kStateVisible | (left > 0 ? left - 1 : 0) << kStateLeftShift | left << kStateStepShift | (is_due ? joint_set : last_set) << kStateSetShift;
+    state = kStateDrawn | kStateVisible | (left > 0 ? left - 1 : 0) << kStateLeftShift | left << kStateStepShift |
+            (is_due ? joint_set : last_set) << kStateSetShift;
     return verdict;
 }

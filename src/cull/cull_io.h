@@ -5,20 +5,23 @@
 THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kCullWorkgroupSize = 64;
-THRONG_IO_CONSTANT kDetailLevels = 4;  // levels of detail of a character; 0 is the finest
+THRONG_IO_CONSTANT kDetailLevels = 4;    // levels of detail of a character; 0 is the finest
 THRONG_IO_CONSTANT kMostPeriodLog2 = 3;  // what is smallest is animated in every eighth update
 
-// The list of a batch: how many instances are drawn; where those of each level begin behind kFirstListed; then the instances, finest level
-// first, each level's in ascending order.
+// The list of a batch: how many instances are drawn; where those of each level begin behind kFirstListed; then the
+// instances, finest level first, each level's in ascending order.
 THRONG_IO_CONSTANT kListCount = 0;
 THRONG_IO_CONSTANT kListBegins = 1;
 THRONG_IO_CONSTANT kFirstListed = 5;
 
-// A verdict is given on each instance, sections of instances with the same are counted: those drawn of each level of detail, then those of the work.
+// A verdict is given on each instance, sections of instances with the same are counted: those drawn of each level of
+// detail, then those of the work.
 THRONG_IO_CONSTANT kCounters = 16;  // of a workgroup
 
-// The work of a batch: for each section where it begins, in words from the first, and how many instances it has; then the instances, section by section, each one's in ascending order.
-// A section of instances that are animated, for each set of joints; of those animated towards a later update, likewise; of those whose matrices go on towards that; and of those that are drawn anew.
+// The work of a batch: for each section where it begins, in words from the first, and how many instances it has; then
+// the instances, section by section, each one's in ascending order. A section of instances that are animated, for each
+// set of joints; of those animated towards a later update, likewise; of those whose matrices go on towards that; and of
+// those that are drawn anew.
 THRONG_IO_CONSTANT kAnimated = 0;
 THRONG_IO_CONSTANT kAnimatedAhead = 4;
 THRONG_IO_CONSTANT kGoingOn = 8;
@@ -31,16 +34,16 @@ THRONG_IO_CONSTANT kMostWorkOfInstance = 2;  // sections that an instance is in 
 THRONG_IO_CONSTANT kVerdictDetailMask = 3u;
 THRONG_IO_CONSTANT kVerdictInView = 4u;
 THRONG_IO_CONSTANT kVerdictDrawn = 8u;
-THRONG_IO_CONSTANT kVerdictAnimated = 16u;   // in the section of the next three bits
+THRONG_IO_CONSTANT kVerdictAnimated = 16u;  // in the section of the next three bits
 THRONG_IO_CONSTANT kVerdictSectionShift = 5;
 THRONG_IO_CONSTANT kVerdictSectionMask = 7u;
 THRONG_IO_CONSTANT kVerdictGoesOn = 256u;
 THRONG_IO_CONSTANT kVerdictAppears = 512u;
 
 // What is kept of an instance from one update to the next.
-THRONG_IO_CONSTANT kStateDrawn = 1u;    // in the last one; its skin matrices are those of then
-THRONG_IO_CONSTANT kStateVisible = 2u;  // not hidden in the last one
-THRONG_IO_CONSTANT kStateLeftShift = 2; // of the updates that its matrices still take to the next pose
+THRONG_IO_CONSTANT kStateDrawn = 1u;     // in the last one; its skin matrices are those of then
+THRONG_IO_CONSTANT kStateVisible = 2u;   // not hidden in the last one
+THRONG_IO_CONSTANT kStateLeftShift = 2;  // of the updates that its matrices still take to the next pose
 THRONG_IO_CONSTANT kStateLeftMask = 15u;
 THRONG_IO_CONSTANT kStateStepShift = 6;  // of the part of the way that they take in this one: 1 / it; 0: none
 THRONG_IO_CONSTANT kStateStepMask = 15u;
@@ -50,17 +53,20 @@ THRONG_IO_CONSTANT kStateSetShift = 10;  // of the set of joints that they have,
 struct CullView {
     vec4 planes[6];           // a point p is inside where dot(xyz, p) + w >= 0
     vec4 clip_from_world[4];  // rows
-    vec4 eye;                 // w: the pixels that a length of 1 takes at a distance of 1, over those by which a level of detail may be off
-    vec4 shadow;              // how far a point's shadow falls at most: what is drawn throws one. w: pixels of a length of 1 at a distance of 1, over those from which on characters are animated in every update; 0: all are
-    uint update_number;       // modulo 2^32
-    uint occlusion;           // whether what was hidden in the last update waits
-    float ground;             // y: no shadow falls below it
+    // w: the pixels that a length of 1 takes at a distance of 1, over those by which a level of detail may be off
+    vec4 eye;
+    // How far a point's shadow falls at most: what is drawn throws one. w: pixels of a length of 1 at a distance of 1,
+    // over those from which on characters are animated in every update; 0: all are
+    vec4 shadow;
+    uint update_number;  // modulo 2^32
+    uint occlusion;      // whether what was hidden in the last update waits
+    float ground;        // y: no shadow falls below it
     uint unused;
 };
 
 // Of the characters of a batch.
 struct CullPush {
-    vec4 centre;         // of the box that holds all of a character's poses, model space
+    vec4 centre;  // of the box that holds all of a character's poses, model space
     vec4 half_extent;
     vec4 detail_errors;  // model space: how far a level is off
     uint instance_count;
@@ -71,8 +77,9 @@ struct CullPush {
     uint unused0, unused1, unused2;
 };
 
-// The depth pyramid: depths of a picture, greater where nearer, half as fine level by level, down to one texel. A level has half the texels of the one before it along x and y, rounded up; each is the farthest of
-// those that it covers. Level 0 is made of the picture itself. All lie one after the other, in rows.
+// The depth pyramid: depths of a picture, greater where nearer, half as fine level by level, down to one texel. A level
+// has half the texels of the one before it along x and y, rounded up; each is the farthest of those that it covers.
+// Level 0 is made of the picture itself. All lie one after the other, in rows.
 struct PyramidPush {
     uint width, height;              // of what is read
     uint first_read, first_written;  // floats
@@ -87,10 +94,10 @@ struct RevealPush {
 };
 
 struct OffsetsPush {
-    uint workgroup_count;            // of the cull kernel
-    uint section_count;              // of the mesh
+    uint workgroup_count;  // of the cull kernel
+    uint section_count;    // of the mesh
     uint unused0, unused1;
-    uvec4 instances_of_workgroup;    // of the kernels that animate, by joint set
+    uvec4 instances_of_workgroup;  // of the kernels that animate, by joint set
 };
 
 // VkDrawIndexedIndirectCommand.

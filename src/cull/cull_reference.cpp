@@ -18,7 +18,10 @@ Vec3<double> shadow_of(const io::CullView& view, const AffineT<double>& world_fr
     double top = -std::numeric_limits<double>::infinity();
     for (uint32_t corner = 0; corner < 8; ++corner) {
         const auto side = [&](uint32_t bit) { return (corner & bit) != 0 ? 1.0 : -1.0; };
-        top = std::max(top, transform_point(world_from_model, box.centre + Vec3<double>{side(1) * box.half_extent.x, side(2) * box.half_extent.y, side(4) * box.half_extent.z}).y);
+        top = std::max(top, transform_point(world_from_model, box.centre + Vec3<double>{side(1) * box.half_extent.x,
+                                                                                        side(2) * box.half_extent.y,
+                                                                                        side(4) * box.half_extent.z})
+                                .y);
     }
     const double fall = top - double{view.ground};
     if (fall <= 0) return {};
@@ -30,22 +33,26 @@ double seen_by(const io::CullView& view, const AffineT<double>& world_from_model
     double least = std::numeric_limits<double>::infinity();
     for (const io::vec4& plane : view.planes) {
         const Vec3<double> normal = xyz(plane);
-        double reach = dot(normal, transform_point(world_from_model, box.centre)) + plane.w + std::max(dot(normal, shadow), 0.0);
-        reach += std::abs(dot(normal, column(world_from_model, 0))) * box.half_extent.x + std::abs(dot(normal, column(world_from_model, 1))) * box.half_extent.y +
+        double reach = dot(normal, transform_point(world_from_model, box.centre)) + plane.w +
+                       std::max(dot(normal, shadow), 0.0);
+        reach += std::abs(dot(normal, column(world_from_model, 0))) * box.half_extent.x +
+                 std::abs(dot(normal, column(world_from_model, 1))) * box.half_extent.y +
                  std::abs(dot(normal, column(world_from_model, 2))) * box.half_extent.z;
         least = std::min(least, reach);
     }
     return least;
 }
 
-double spare_of_detail(const io::CullView& view, const AffineT<double>& world_from_model, const CullBox& box, double detail_error) {
+double spare_of_detail(const io::CullView& view, const AffineT<double>& world_from_model, const CullBox& box,
+                       double detail_error) {
     double scale = 0;
     for (size_t a = 0; a < 3; ++a) {
         double sum = 0;
         for (size_t b = 0; b < 3; ++b) sum += std::abs(dot(column(world_from_model, a), column(world_from_model, b)));
         scale = std::max(scale, std::sqrt(sum));
     }
-    const double distance = length(transform_point(world_from_model, box.centre) - xyz(view.eye)) - scale * length(box.half_extent);
+    const double distance = length(transform_point(world_from_model, box.centre) - xyz(view.eye)) -
+                            scale * length(box.half_extent);
     return distance - detail_error * scale * view.eye.w;
 }
 

@@ -1,6 +1,6 @@
 #version 460
-// list: instances that are drawn, those of a level together, and those of each section of the work, in ascending order, so that the same view has the same lists.
-// One invocation per instance.
+// list: instances that are drawn, those of a level together, and those of each section of the work, in ascending order,
+// so that the same view has the same lists. One invocation per instance.
 #include "cull/cull_io.h"
 
 layout(local_size_x = kCullWorkgroupSize) in;
@@ -10,15 +10,18 @@ layout(set = 0, binding = 2, std430) writeonly buffer List { uint list[]; };
 layout(set = 0, binding = 3, std430) writeonly buffer Work { uint work[]; };
 layout(push_constant) uniform Push { CullPush push; };
 
-shared uvec4 ranks[2][kCullWorkgroupSize];  // a byte for each counter: how many invocations up to this one it counts; at most 64
+// A byte for each counter: how many invocations up to this one it counts; at most 64
+shared uvec4 ranks[2][kCullWorkgroupSize];
 
 void main() {
     const uint invocation = gl_LocalInvocationID.x, instance = gl_GlobalInvocationID.x;
     const uint verdict = instance < push.instance_count ? verdicts[instance] : 0;
     const uint detail = verdict & kVerdictDetailMask, section = verdict >> kVerdictSectionShift & kVerdictSectionMask;
-    const bool is_drawn = (verdict & kVerdictDrawn) != 0, is_animated = (verdict & kVerdictAnimated) != 0, goes_on = (verdict & kVerdictGoesOn) != 0, appears = (verdict & kVerdictAppears) != 0;
+    const bool is_drawn = (verdict & kVerdictDrawn) != 0, is_animated = (verdict & kVerdictAnimated) != 0,
+               goes_on = (verdict & kVerdictGoesOn) != 0, appears = (verdict & kVerdictAppears) != 0;
     const uint of_section = is_animated ? 1u << 8 * (section % 4) : 0;
-    uvec4 rank = uvec4(is_drawn ? 1u << 8 * detail : 0, section < 4 ? of_section : 0, section < 4 ? 0 : of_section, (goes_on ? 1u : 0u) | (appears ? 256u : 0u));
+    uvec4 rank = uvec4(is_drawn ? 1u << 8 * detail : 0, section < 4 ? of_section : 0, section < 4 ? 0 : of_section,
+                       (goes_on ? 1u : 0u) | (appears ? 256u : 0u));
     uint from = 0;
     ranks[from][invocation] = rank;
     barrier();
@@ -30,7 +33,9 @@ void main() {
     }
     const uint first = gl_WorkGroupID.x * kCounters;
     if (is_drawn) list[offsets[first + detail] + bitfieldExtract(rank.x, int(8 * detail), 8) - 1] = instance;
-    if (is_animated) work[offsets[first + kDetailLevels + section] + bitfieldExtract(section < 4 ? rank.y : rank.z, int(8 * (section % 4)), 8) - 1] = instance;
+    if (is_animated)
+        work[offsets[first + kDetailLevels + section] +
+             bitfieldExtract(section < 4 ? rank.y : rank.z, int(8 * (section % 4)), 8) - 1] = instance;
     if (goes_on) work[offsets[first + kDetailLevels + kGoingOn] + (rank.w & 255u) - 1] = instance;
     if (appears) work[offsets[first + kDetailLevels + kAppearing] + (rank.w >> 8) - 1] = instance;
 }

@@ -1,13 +1,16 @@
 #version 460
-// offsets: counts of workgroups -> where each writes into the list and the work; and what is dispatched and drawn for them. One workgroup for a batch.
+// offsets: counts of workgroups -> where each writes into the list and the work; and what is dispatched and drawn for
+// them. One workgroup for a batch.
 #include "cull/cull_io.h"
 
 layout(local_size_x = kCullWorkgroupSize) in;
-layout(set = 0, binding = 0, std430) buffer Counts { uvec4 counts[]; };  // [workgroup][kCounters / 4]: before, how many; after, where they begin
+// [workgroup][kCounters / 4]: before, how many; after, where they begin
+layout(set = 0, binding = 0, std430) buffer Counts { uvec4 counts[]; };
 layout(set = 0, binding = 1, std430) writeonly buffer List { uint list[]; };
 layout(set = 0, binding = 2, std430) writeonly buffer Work { uint work[]; };
-layout(set = 0, binding = 3, std430) writeonly buffer Dispatches { uint dispatches[]; };  // [kWorkSections + 1] of three words
-layout(set = 0, binding = 4, std430) buffer Draws { DrawCommand draws[]; };     // [section][kDetailLevels]
+// [kWorkSections + 1] of three words
+layout(set = 0, binding = 3, std430) writeonly buffer Dispatches { uint dispatches[]; };
+layout(set = 0, binding = 4, std430) buffer Draws { DrawCommand draws[]; };  // [section][kDetailLevels]
 layout(push_constant) uniform Push { OffsetsPush push; };
 
 const uint kFours = kCounters / 4;
@@ -53,14 +56,16 @@ void main() {
             at += count;
         }
     }
-    for (uint i = invocation; i < push.section_count * kDetailLevels; i += kCullWorkgroupSize) draws[i].instance_count = totals[i % kDetailLevels];
+    for (uint i = invocation; i < push.section_count * kDetailLevels; i += kCullWorkgroupSize)
+        draws[i].instance_count = totals[i % kDetailLevels];
     if (invocation < kDetailLevels) list[kListBegins + invocation] = begins[invocation] - kFirstListed;
     const uint drawn_count = totals[0] + totals[1] + totals[2] + totals[3];
     if (invocation == 0) list[kListCount] = drawn_count;
     if (invocation == kWorkSections) set_dispatch(kWorkSections, drawn_count);
     if (invocation >= kWorkSections) return;
     const uint count = totals[kDetailLevels + invocation];
-    const uint instances_of_workgroup = invocation < kGoingOn ? push.instances_of_workgroup[invocation % kDetailLevels] : 1;
+    const uint instances_of_workgroup = invocation < kGoingOn ? push.instances_of_workgroup[invocation % kDetailLevels]
+                                                              : 1;
     work[2 * invocation] = begins[kDetailLevels + invocation];
     work[2 * invocation + 1] = count;
     set_dispatch(invocation, (count + instances_of_workgroup - 1) / instances_of_workgroup);

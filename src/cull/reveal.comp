@@ -1,7 +1,8 @@
 #version 460
-// reveal: which of the instances in view are hidden behind what has been drawn, by a depth pyramid; those that waited and are not hidden are drawn too.
-// Source: N. Greene, M. Kass and G. Miller, Hierarchical Z-Buffer Visibility, SIGGRAPH 1993; two passes as S. Haar and U. Aaltonen, GPU-Driven Rendering Pipelines, SIGGRAPH 2015.
-// One invocation per instance. Cost: 56 bytes read, 8 written, 16 points projected, at most 16 depths read.
+// reveal: which of the instances in view are hidden behind what has been drawn, by a depth pyramid; those that waited
+// and are not hidden are drawn too. Source: N. Greene, M. Kass and G. Miller, Hierarchical Z-Buffer Visibility,
+// SIGGRAPH 1993; two passes as S. Haar and U. Aaltonen, GPU-Driven Rendering Pipelines, SIGGRAPH 2015. One invocation
+// per instance. Cost: 56 bytes read, 8 written, 16 points projected, at most 16 depths read.
 #include "cull/cull.glsl"
 
 layout(local_size_x = kCullWorkgroupSize) in;
@@ -19,8 +20,10 @@ void main() {
     if (instance < push.cull.instance_count) {
         const CullView view = load_view();
         const Affine placement = AFFINE_AT(placement_rows, instance);
-        uint verdict = verdicts[instance] & (kVerdictDetailMask | kVerdictInView | kVerdictDrawn), state = states[instance];
-        const bool hidden = (verdict & kVerdictInView) == 0 || is_hidden(view, placement, push.cull.centre.xyz, push.cull.half_extent.xyz);
+        uint verdict = verdicts[instance] & (kVerdictDetailMask | kVerdictInView | kVerdictDrawn),
+             state = states[instance];
+        const bool hidden = (verdict & kVerdictInView) == 0 ||
+                            is_hidden(view, placement, push.cull.centre.xyz, push.cull.half_extent.xyz);
         if ((verdict & kVerdictDrawn) != 0) {
             if (hidden) state &= ~kStateVisible;
         } else if (!hidden) {

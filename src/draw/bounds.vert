@@ -26,7 +26,9 @@ void main() {
     vec3 high = low;
     high[axis] = 1;
     const Affine place = world_from_model[instance];
-    const vec4 from = to_clip(affine_point(place, push.box_centre.xyz + low * push.box_half_extent.xyz)), to = to_clip(affine_point(place, push.box_centre.xyz + high * push.box_half_extent.xyz));
-    gl_Position = drawn ? line_vertex(from, to, gl_VertexIndex % kLineVertices, 0.006 * scene.ground.w) : vec4(2, 2, 0, 1);
+    const vec4 from = to_clip(affine_point(place, push.box_centre.xyz + low * push.box_half_extent.xyz)),
+               to = to_clip(affine_point(place, push.box_centre.xyz + high * push.box_half_extent.xyz));
+    gl_Position = drawn ? line_vertex(from, to, gl_VertexIndex % kLineVertices, 0.006 * scene.ground.w)
+                        : vec4(2, 2, 0, 1);
     out_color = vec3(1.0, 0.75, 0.1);
 }

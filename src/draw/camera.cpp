@@ -27,7 +27,8 @@ Bounds bounds_of(const CrowdState& state, Vec3<float> Group::*box_min, Vec3<floa
     Bounds bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
     for (const Batch& batch : state.batches) {
         const Group& group = state.groups[batch.group];
-        const Vec3<float> centre = (group.*box_min + group.*box_max) * 0.5f, half = (group.*box_max - group.*box_min) * 0.5f;
+        const Vec3<float> centre = (group.*box_min + group.*box_max) * 0.5f,
+                          half = (group.*box_max - group.*box_min) * 0.5f;
         for (uint32_t i = 0; i < batch.instance_count; ++i) {
             const Affine& placement = state.placements[batch.first_instance + i];
             // The box around the placed box, without its eight corners.
@@ -35,10 +36,12 @@ Bounds bounds_of(const CrowdState& state, Vec3<float> Group::*box_min, Vec3<floa
                 const auto& row = placement.row[static_cast<size_t>(r)];
                 return std::abs(row[0]) * half.x + std::abs(row[1]) * half.y + std::abs(row[2]) * half.z;
             };
-            const Vec3<float> middle = transform_point(placement, centre), reach{reach_along(0), reach_along(1), reach_along(2)};
+            const Vec3<float> middle = transform_point(placement, centre),
+                              reach{reach_along(0), reach_along(1), reach_along(2)};
             const Vec3<float> low = middle - reach, high = middle + reach;
             bounds.min = {std::min(bounds.min.x, low.x), std::min(bounds.min.y, low.y), std::min(bounds.min.z, low.z)};
-            bounds.max = {std::max(bounds.max.x, high.x), std::max(bounds.max.y, high.y), std::max(bounds.max.z, high.z)};
+            bounds.max = {std::max(bounds.max.x, high.x), std::max(bounds.max.y, high.y),
+                          std::max(bounds.max.z, high.z)};
         }
     }
     return bounds;
@@ -58,30 +61,44 @@ View make_view(const Camera& camera, float aspect_ratio) {
     view.half_height = std::tan(camera.vertical_field_of_view_rad / 2);
     view.half_width = view.half_height * aspect_ratio;
     const float near = distance * 0.002f;
-    const auto row = [&](const Vec3<float>& axis) { return std::array<float, 4>{axis.x, axis.y, axis.z, -dot(axis, camera.eye)}; };
-    view.clip_from_world = {row(axes.right * (1 / view.half_width)), row(axes.up * (-1 / view.half_height)), {0, 0, 0, near}, row(axes.forward)};
+    const auto row = [&](const Vec3<float>& axis) {
+        return std::array<float, 4>{axis.x, axis.y, axis.z, -dot(axis, camera.eye)};
+    };
+    view.clip_from_world = {row(axes.right * (1 / view.half_width)),
+                            row(axes.up * (-1 / view.half_height)),
+                            {0, 0, 0, near},
+                            row(axes.forward)};
     return view;
 }
 
 Bounds rest_bounds(const CrowdState& crowd) { return bounds_of(crowd, &Group::bounds_min, &Group::bounds_max); }
 Bounds posed_bounds(const CrowdState& crowd) { return bounds_of(crowd, &Group::posed_min, &Group::posed_max); }
 const DrawOptions& checked(const DrawOptions& options) {
-    if (!(options.exposure > 0 && std::isfinite(options.exposure))) throw Failure(ErrorCode::kInvalidArgument, "draw options", "exposure must be finite and above 0");
-    if (!(options.detail_pixels > 0 && std::isfinite(options.detail_pixels))) throw Failure(ErrorCode::kInvalidArgument, "draw options", "detail_pixels must be finite and above 0");
-    if (!(options.full_rate_pixels >= 0 && options.full_rate_pixels <= 1e30f) || !(options.budget_ms >= 0)) throw Failure(ErrorCode::kInvalidArgument, "draw options", "full_rate_pixels and budget_ms must not be negative, and the first is at most 1e30");
+    if (!(options.exposure > 0 && std::isfinite(options.exposure)))
+        throw Failure(ErrorCode::kInvalidArgument, "draw options", "exposure must be finite and above 0");
+    if (!(options.detail_pixels > 0 && std::isfinite(options.detail_pixels)))
+        throw Failure(ErrorCode::kInvalidArgument, "draw options", "detail_pixels must be finite and above 0");
+    if (!(options.full_rate_pixels >= 0 && options.full_rate_pixels <= 1e30f) || !(options.budget_ms >= 0))
+        throw Failure(ErrorCode::kInvalidArgument, "draw options",
+                      "full_rate_pixels and budget_ms must not be negative, and the first is at most 1e30");
     const float height = normalized(options.to_sun).y;
-    if (!(height >= kLowestSun)) throw Failure(ErrorCode::kInvalidArgument, "draw options", "the sun must stand above the horizon: to_sun is finite, and its y at least a twentieth of its length");
+    if (!(height >= kLowestSun))
+        throw Failure(
+            ErrorCode::kInvalidArgument, "draw options",
+            "the sun must stand above the horizon: to_sun is finite, and its y at least a twentieth of its length");
     return options;
 }
 
 Bounds world_bounds(const Crowd& crowd) { return crowd.instance_count() > 0 ? rest_bounds(crowd.state()) : Bounds(); }
 
-CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, const DrawOptions& options) {
+CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds,
+                        const DrawOptions& options) {
     if (width == 0 || height == 0)
-        throw Failure(ErrorCode::kInvalidArgument, "view", "a picture of " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
+        throw Failure(ErrorCode::kInvalidArgument, "view",
+                      "a picture of " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
     const View view = make_view(camera, static_cast<float>(width) / static_cast<float>(height));
     const Vec3<float> to_sun = direction_to_sun(options);
-    constexpr float kHighest = 2;  // above the ground, in heights of the crowd at rest
+    constexpr float kHighest = 2;      // above the ground, in heights of the crowd at rest
     constexpr float kDeepest = 0.25f;  // below it, likewise: rest poses may float above the floor that clips walk on
     const float extent = bounds.max.y - bounds.min.y, reach = options.shadows ? kHighest * extent / to_sun.y : 0;
     return {.clip_from_world = view.clip_from_world,
@@ -94,12 +111,13 @@ CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, c
             .budget_ms = options.budget_ms};
 }
 
-Result<CrowdView> view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, const DrawOptions& options) {
+Result<CrowdView> view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds,
+                          const DrawOptions& options) {
     return as_result([&] { return crowd_view_of(camera, width, height, bounds, checked(options)); });
 }
 
-// Both fits below look at corners in the camera's axes, relative to the centre of the bounds: `side` along one axis of the picture, and
-// `forward`. An eye `back` behind the centre and moved by `shift` along that axis sees the corner at
+// Both fits below look at corners in the camera's axes, relative to the centre of the bounds: `side` along one axis of
+// the picture, and `forward`. An eye `back` behind the centre and moved by `shift` along that axis sees the corner at
 // (side - shift) / (forward + back), and within the picture where that is at most half_extent, either way.
 namespace {
 
@@ -142,21 +160,26 @@ float centre_shift(const Corners& corners, float back) {
 Camera fit_camera(const Bounds& bounds, float aspect_ratio) {
     const Vec3<float> extent = bounds.max - bounds.min, centre = (bounds.min + bounds.max) * 0.5f;
     const float width = std::max(extent.x, extent.z), flatness = width / std::max({extent.y, width * 1e-3f, 1e-30f});
-    const float crowd = std::clamp((flatness - 2) / 6, 0.0f, 1.0f);    // 0 for one character, 1 for a crowd much wider than high
-    const float vast = std::clamp((flatness - 25) / 50, 0.0f, 1.0f);   // 1 where a whole crowd would be a carpet far away
+    // 0 for one character, 1 for a crowd much wider than high
+    const float crowd = std::clamp((flatness - 2) / 6, 0.0f, 1.0f);
+    // 1 where a whole crowd would be a carpet far away
+    const float vast = std::clamp((flatness - 25) / 50, 0.0f, 1.0f);
     const float elevation_rad = 0.17f + crowd * 0.25f - vast * 0.12f, yaw_rad = 0.5f - crowd * 0.25f;
     // A vast crowd runs out of the picture at its corners.
     const float kept = 1 - 0.6f * vast;
     constexpr float kMargin = 1.06f;
 
     Camera camera;
-    const Vec3<float> to_eye{std::cos(elevation_rad) * std::sin(yaw_rad), std::sin(elevation_rad), std::cos(elevation_rad) * std::cos(yaw_rad)};
+    const Vec3<float> to_eye{std::cos(elevation_rad) * std::sin(yaw_rad), std::sin(elevation_rad),
+                             std::cos(elevation_rad) * std::cos(yaw_rad)};
     const Axes axes = look_along(to_eye * -1.0f);
-    const float half_height = std::tan(camera.vertical_field_of_view_rad / 2) / kMargin, half_width = half_height * aspect_ratio;
+    const float half_height = std::tan(camera.vertical_field_of_view_rad / 2) / kMargin,
+                half_width = half_height * aspect_ratio;
     Corners across{}, upward{};
     float nearest = 0;
     for (size_t i = 0; i < across.size(); ++i) {
-        const Vec3<float> p{(i & 1 ? 0.5f : -0.5f) * extent.x * kept, (i & 2 ? 0.5f : -0.5f) * extent.y, (i & 4 ? 0.5f : -0.5f) * extent.z * kept};
+        const Vec3<float> p{(i & 1 ? 0.5f : -0.5f) * extent.x * kept, (i & 2 ? 0.5f : -0.5f) * extent.y,
+                            (i & 4 ? 0.5f : -0.5f) * extent.z * kept};
         const float forward = dot(p, axes.forward);
         across[i] = {dot(p, axes.right), forward};
         upward[i] = {dot(p, axes.up), forward};
@@ -164,7 +187,8 @@ Camera fit_camera(const Bounds& bounds, float aspect_ratio) {
     }
     const float least = std::max(length(extent), 1.0f) * 1e-3f;  // where the bounds have no extent to fit
     const float back = std::max({fit_back(across, half_width), fit_back(upward, half_height), least - nearest});
-    camera.eye = centre + axes.right * centre_shift(across, back) + axes.up * centre_shift(upward, back) - axes.forward * back;
+    camera.eye = centre + axes.right * centre_shift(across, back) + axes.up * centre_shift(upward, back) -
+                 axes.forward * back;
     camera.target = camera.eye + axes.forward * back;
     return camera;
 }

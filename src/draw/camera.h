@@ -7,10 +7,10 @@
 
 namespace throng {
 
-// What a camera sees through a picture of some aspect ratio. Depth is reversed and without end: 1 at the near plane, 0 infinitely far,
-// so that one setting serves a hand and a landscape.
+// What a camera sees through a picture of some aspect ratio. Depth is reversed and without end: 1 at the near plane, 0
+// infinitely far, so that one setting serves a hand and a landscape.
 struct View {
-    Vec3<float> right, up, forward;  // unit, world space
+    Vec3<float> right, up, forward;         // unit, world space
     float half_width = 1, half_height = 1;  // of the picture, at distance 1
     std::array<std::array<float, 4>, 4> clip_from_world{};
 };
@@ -23,7 +23,8 @@ Bounds rest_bounds(const CrowdState& crowd);
 Bounds posed_bounds(const CrowdState& crowd);
 
 // As view_of() of throng/draw.h. Throws kInvalidArgument where the camera is not one.
-CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds, const DrawOptions& options);
+CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds,
+                        const DrawOptions& options);
 
 // Throws kInvalidArgument where they are none.
 const DrawOptions& checked(const DrawOptions& options);

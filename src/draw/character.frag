@@ -23,18 +23,20 @@ layout(location = 0) out vec4 out_color;
 
 #include "draw/light.glsl"
 
-// The normal map's normal. Its tangents are the derivatives of the place by the texture's coordinates (C. Schüler, Normal Mapping Without Precomputed Tangents, in
-// ShaderX5, 2006); y of the map goes against v, as glTF has it.
+// The normal map's normal. Its tangents are the derivatives of the place by the texture's coordinates (C. Schüler,
+// Normal Mapping Without Precomputed Tangents, in ShaderX5, 2006); y of the map goes against v, as glTF has it.
 vec3 mapped_normal(vec3 normal) {
     const vec3 along_x = dFdx(in_world), along_y = dFdy(in_world);
     const vec2 texture_x = dFdx(in_texcoord), texture_y = dFdy(in_texcoord);
     const float area = texture_x.x * texture_y.y - texture_y.x * texture_x.y;
     const float side = area < 0 ? -1 : 1;
-    vec3 u = (texture_y.y * along_x - texture_x.y * along_y) * side, v = (texture_x.x * along_y - texture_y.x * along_x) * side;
+    vec3 u = (texture_y.y * along_x - texture_x.y * along_y) * side,
+         v = (texture_x.x * along_y - texture_y.x * along_x) * side;
     u -= normal * dot(normal, u);
     v -= normal * dot(normal, v);
     const vec3 map = texture(normal_texture, in_texcoord).xyz * 2 - 1;
-    const vec3 tilted = normal * map.z + (map.x * push.normal_scale) * u * inversesqrt(max(dot(u, u), 1e-30)) - (map.y * push.normal_scale) * v * inversesqrt(max(dot(v, v), 1e-30));
+    const vec3 tilted = normal * map.z + (map.x * push.normal_scale) * u * inversesqrt(max(dot(u, u), 1e-30)) -
+                        (map.y * push.normal_scale) * v * inversesqrt(max(dot(v, v), 1e-30));
     return push.normal_scale != 0 && area != 0 ? normalize(tilted) : normal;
 }
 

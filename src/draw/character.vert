@@ -1,6 +1,6 @@
 #version 460
-// character: morphs, skins and places one vertex of one instance. gl_VertexIndex counts within the section, gl_InstanceIndex within the batch, or within
-// the listed instances of a level of detail.
+// character: morphs, skins and places one vertex of one instance. gl_VertexIndex counts within the section,
+// gl_InstanceIndex within the batch, or within the listed instances of a level of detail.
 #include "cull/cull_io.h"
 #include "draw/draw_io.h"
 #include "gpu/affine.glsl"
@@ -11,12 +11,14 @@ layout(constant_id = 0) const bool kShadow = false;  // as the sun sees it, for 
 layout(constant_id = 1) const uint kSkinFormat = 0;  // throng::SkinFormat
 layout(constant_id = 2) const bool kListed = false;  // what is drawn lies in list
 layout(constant_id = 3) const uint kSkinBlend = kSkinLinear;
-layout(constant_id = 4) const bool kSkinned = false;  // in place of skin matrices there are vertices that the skin stage has skinned
+// In place of skin matrices there are vertices that the skin stage has skinned
+layout(constant_id = 4) const bool kSkinned = false;
 
 layout(set = 0, binding = 0, std140) uniform Scene { DrawScene scene; };
 layout(set = 1, binding = 0, std430) readonly buffer Vertices { VertexRows vertices[]; };
 layout(set = 1, binding = 1, std430) readonly buffer InfluenceWords { uvec2 influences[]; };
-layout(set = 1, binding = 2, std430) readonly buffer Skinned { uvec4 skinned[]; };  // [instance][vertex], throng::SkinnedVertex
+// [instance][vertex], throng::SkinnedVertex
+layout(set = 1, binding = 2, std430) readonly buffer Skinned { uvec4 skinned[]; };
 layout(set = 1, binding = 3, std430) readonly buffer Placements { Affine world_from_model[]; };
 layout(set = 1, binding = 4, std430) readonly buffer MorphDeltas { uvec4 morph_deltas[]; };
 layout(set = 1, binding = 5, std430) readonly buffer ActiveMorphs { ActiveMorph active_morphs[]; };
@@ -45,14 +47,18 @@ ModelVertex model_vertex(uint instance, VertexRows vertex) {
         const uvec4 words = skinned[instance * push.vertex_count + push.first_vertex + gl_VertexIndex];
         return ModelVertex(uintBitsToFloat(words.xyz), unpack_normal(words.w));
     }
-    const MorphSum morphs = sum_of_morphs(vertex.texcoord_color_delta.w, push.first_morph, push.morph_count, instance * kActiveMorphs);
-    const Affine model_from_bind = blended_skin_matrix(push.first_influences, push.influence_sets, gl_VertexIndex, instance * push.palette_count);
+    const MorphSum morphs = sum_of_morphs(vertex.texcoord_color_delta.w, push.first_morph, push.morph_count,
+                                          instance * kActiveMorphs);
+    const Affine model_from_bind = blended_skin_matrix(push.first_influences, push.influence_sets, gl_VertexIndex,
+                                                       instance * push.palette_count);
     const vec3 bind_normal = morphed_normal(floatBitsToUint(vertex.position_normal.w), push.morph_count, morphs.normal);
-    return ModelVertex(affine_point(model_from_bind, vertex.position_normal.xyz + morphs.position), transform_normal(model_from_bind, bind_normal));
+    return ModelVertex(affine_point(model_from_bind, vertex.position_normal.xyz + morphs.position),
+                       transform_normal(model_from_bind, bind_normal));
 }
 
 void main() {
-    const uint instance = kListed ? list[kFirstListed + list[kListBegins + push.detail] + gl_InstanceIndex] : gl_InstanceIndex;
+    const uint instance = kListed ? list[kFirstListed + list[kListBegins + push.detail] + gl_InstanceIndex]
+                                  : gl_InstanceIndex;
     const VertexRows vertex = vertices[push.first_vertex + gl_VertexIndex];
     const ModelVertex model = model_vertex(instance, vertex);
     const Affine placement = world_from_model[instance];
@@ -60,12 +66,14 @@ void main() {
     out_texcoord = uintBitsToFloat(vertex.texcoord_color_delta.xy);
     out_color = unpackUnorm4x8(vertex.texcoord_color_delta.z);
     if (kShadow) {
-        gl_Position = vec4(2 * dot(scene.map_from_world[0], world) - 1, 2 * dot(scene.map_from_world[1], world) - 1, dot(scene.map_from_world[2], world), 1);
+        gl_Position = vec4(2 * dot(scene.map_from_world[0], world) - 1, 2 * dot(scene.map_from_world[1], world) - 1,
+                           dot(scene.map_from_world[2], world), 1);
     } else {
         const vec3 normal = transform_normal(placement, model.normal);
         out_normal = normal * inversesqrt(max(dot(normal, normal), 1e-30));
         out_mirrored = dot(placement.row0.xyz, cross(placement.row1.xyz, placement.row2.xyz)) < 0 ? 1 : 0;
         out_world = world.xyz;
-        gl_Position = vec4(dot(scene.clip_from_world[0], world), dot(scene.clip_from_world[1], world), dot(scene.clip_from_world[2], world), dot(scene.clip_from_world[3], world));
+        gl_Position = vec4(dot(scene.clip_from_world[0], world), dot(scene.clip_from_world[1], world),
+                           dot(scene.clip_from_world[2], world), dot(scene.clip_from_world[3], world));
     }
 }

@@ -13,12 +13,15 @@ namespace throng {
 
 struct CrowdBindings {
     // Decodes and uploads textures: submits and waits.
-    CrowdBindings(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, const MaterialSampling& sampling, const CrowdState& crowd);
+    CrowdBindings(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, const MaterialSampling& sampling,
+                  const CrowdState& crowd);
 
     bool is_of(const CrowdState& crowd) const { return life_.lock() == crowd.life; }
     bool is_of_none() const { return life_.expired(); }
     VkDescriptorSet skeleton_set_of(uint32_t batch) const { return skeletons_[batch].set(); }
-    VkDescriptorSet set_of(const CrowdState& crowd, uint32_t batch) const { return batches_[batch][crowd.batches[batch].current_skin].set(); }
+    VkDescriptorSet set_of(const CrowdState& crowd, uint32_t batch) const {
+        return batches_[batch][crowd.batches[batch].current_skin].set();
+    }
 
     std::vector<GroupMaterials> materials;  // [group_count]
     std::vector<std::string> warnings;
@@ -30,11 +33,13 @@ private:
     std::vector<Bindings> skeletons_;               // [batch_count], likewise; the layout is that of a batch
 };
 
-// Of all crowds that a renderer has drawn and that still live. What belonged to others may go: their commands have finished before them.
+// Of all crowds that a renderer has drawn and that still live. What belonged to others may go: their commands have
+// finished before them.
 class CrowdBindingsCache {
 public:
     // Submits and waits where the crowd is new.
-    const CrowdBindings& of(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, const MaterialSampling& sampling, const CrowdState& crowd);
+    const CrowdBindings& of(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts,
+                            const MaterialSampling& sampling, const CrowdState& crowd);
 
 private:
     std::vector<std::unique_ptr<CrowdBindings>> entries_;

@@ -2,7 +2,8 @@
 
 namespace throng {
 
-OwnedPool make_descriptor_pool(const std::shared_ptr<Gpu>& gpu, uint32_t set_count, std::initializer_list<VkDescriptorPoolSize> sizes) {
+OwnedPool make_descriptor_pool(const std::shared_ptr<Gpu>& gpu, uint32_t set_count,
+                               std::initializer_list<VkDescriptorPoolSize> sizes) {
     VkDescriptorPoolCreateInfo create{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
     create.maxSets = set_count;
     create.poolSizeCount = static_cast<uint32_t>(sizes.size());

@@ -8,7 +8,8 @@
 namespace throng {
 
 // With room for this many sets, which have these descriptors between them.
-OwnedPool make_descriptor_pool(const std::shared_ptr<Gpu>& gpu, uint32_t set_count, std::initializer_list<VkDescriptorPoolSize> sizes);
+OwnedPool make_descriptor_pool(const std::shared_ptr<Gpu>& gpu, uint32_t set_count,
+                               std::initializer_list<VkDescriptorPoolSize> sizes);
 // Lives as long as the pool.
 VkDescriptorSet allocate_set(const Gpu& gpu, const OwnedPool& pool, VkDescriptorSetLayout layout);
 // An image and its sampler.

@@ -4,7 +4,8 @@
 #include "gpu/shader_types.h"
 THRONG_IO_BEGIN
 
-// One for the whole picture. World space; std140 and std430 agree on it. Light is linear; of the sun and the sky as a white diffuse surface reflects it.
+// One for the whole picture. World space; std140 and std430 agree on it. Light is linear; of the sun and the sky as a
+// white diffuse surface reflects it.
 struct DrawScene {
     vec4 clip_from_world[4];  // rows
     vec4 map_from_world[3];   // rows, of the shadow map: place in it and height towards the sun, all 0..1
@@ -12,15 +13,16 @@ struct DrawScene {
     vec4 forward;             // the ray through a point (x, y) of the picture, each -1..1, y downward, is
     vec4 right;               // forward + x * right + y * down
     vec4 down;
-    vec4 to_sun;              // unit
-    vec4 ground;              // centre x, height, centre z; w: size of a character
-    vec4 fog;                 // x: at a distance of 1 / x it leaves 1 / e
-    vec4 picture;             // x, y: pixels
-    vec4 shadow;              // x: texels of the map, each way; y: world size of the larger side of one; z: 1 with shadows, 0 without
+    vec4 to_sun;   // unit
+    vec4 ground;   // centre x, height, centre z; w: size of a character
+    vec4 fog;      // x: at a distance of 1 / x it leaves 1 / e
+    vec4 picture;  // x, y: pixels
+    // x: texels of the map, each way; y: world size of the larger side of one; z: 1 with shadows, 0 without
+    vec4 shadow;
     vec4 sun_light;
-    vec4 sky_light;           // on a surface that looks up
-    vec4 bounce_light;        // on one that looks down
-    vec4 horizon, zenith;     // of the sky
+    vec4 sky_light;        // on a surface that looks up
+    vec4 bounce_light;     // on one that looks down
+    vec4 horizon, zenith;  // of the sky
     vec4 ground_albedo;
 };
 
@@ -31,14 +33,14 @@ struct DrawPush {
     uint influence_sets;
     uint palette_count;
     vec4 base_color;
-    vec4 emissive;          // w: strength of the occlusion texture
-    float alpha_cutoff;     // fragments below it are left out, in the pipeline that discards
+    vec4 emissive;       // w: strength of the occlusion texture
+    float alpha_cutoff;  // fragments below it are left out, in the pipeline that discards
     uint double_sided;
     uint first_morph, morph_count;  // of the section; count 0: none
     uint detail;                    // the level of detail that is drawn, where instances are listed
     float metallic, roughness;
-    float normal_scale;             // 0: there is no normal map
-    uint vertex_count;              // of the character
+    float normal_scale;  // 0: there is no normal map
+    uint vertex_count;   // of the character
 };
 
 // Of the lines over a crowd.

@@ -18,7 +18,8 @@ float grid_line(vec2 position) {
     return max(line.x, line.y) * (1 - smoothstep(0.02, 0.25, max(pixel.x, pixel.y)));
 }
 
-// A number for each cell, 0..1 (the hash pcg3d's first round: M. Jarzynski and M. Olano, Hash Functions for GPU Rendering, 2020).
+// A number for each cell, 0..1 (the hash pcg3d's first round: M. Jarzynski and M. Olano, Hash Functions for GPU
+// Rendering, 2020).
 float cell_value(ivec2 cell) {
     uint h = uint(cell.x) * 1664525u + uint(cell.y) * 1013904223u + 374761393u;
     h ^= h >> 16;
@@ -29,17 +30,21 @@ float cell_value(ivec2 cell) {
 
 // Soft patches, -1..1, gone where a pixel holds a whole one.
 float patches(vec2 position) {
-    const vec2 at = clamp(position, vec2(-1e6), vec2(1e6)), part = smoothstep(0.0, 1.0, fract(at)), pixel = fwidth(position);
+    const vec2 at = clamp(position, vec2(-1e6), vec2(1e6)), part = smoothstep(0.0, 1.0, fract(at)),
+               pixel = fwidth(position);
     const ivec2 cell = ivec2(floor(at));
-    const float value = mix(mix(cell_value(cell), cell_value(cell + ivec2(1, 0)), part.x), mix(cell_value(cell + ivec2(0, 1)), cell_value(cell + ivec2(1, 1)), part.x), part.y);
+    const float value = mix(mix(cell_value(cell), cell_value(cell + ivec2(1, 0)), part.x),
+                            mix(cell_value(cell + ivec2(0, 1)), cell_value(cell + ivec2(1, 1)), part.x), part.y);
     return (2 * value - 1) * (1 - smoothstep(0.3, 1.0, max(pixel.x, pixel.y)));
 }
 
 vec3 ground_color(vec3 world) {
     const vec2 position = (world.xz - scene.ground.xz) / scene.ground.w;
-    const float shade = 1 + 0.08 * patches(position * 0.6) + 0.05 * patches(position * 4 + 17.3) + 0.05 * patches(position * 17 + 5.1) + 0.11 * grid_line(position);
+    const float shade = 1 + 0.08 * patches(position * 0.6) + 0.05 * patches(position * 4 + 17.3) +
+                        0.05 * patches(position * 17 + 5.1) + 0.11 * grid_line(position);
     const vec3 up = vec3(0, 1, 0);
-    return scene.ground_albedo.rgb * shade * (scene.sky_light.rgb + scene.sun_light.rgb * (scene.to_sun.y * sun_at(world, up)));
+    return scene.ground_albedo.rgb * shade *
+           (scene.sky_light.rgb + scene.sun_light.rgb * (scene.to_sun.y * sun_at(world, up)));
 }
 
 void main() {

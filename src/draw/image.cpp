@@ -5,16 +5,20 @@
 namespace throng {
 namespace {
 
-VkImageAspectFlags aspect_of(VkFormat format) { return format == VK_FORMAT_D32_SFLOAT ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT; }
+VkImageAspectFlags aspect_of(VkFormat format) {
+    return format == VK_FORMAT_D32_SFLOAT ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+}
 
 }  // namespace
 
 Image::Image(const std::shared_ptr<Gpu>& gpu, const ImageSettings& settings) {
     const std::string size_text = std::to_string(settings.width) + " x " + std::to_string(settings.height);
     const uint32_t limit = gpu->properties.limits.maxImageDimension2D;
-    if (settings.width == 0 || settings.height == 0) throw Failure(ErrorCode::kInvalidArgument, std::string(settings.what), size_text + " is empty");
+    if (settings.width == 0 || settings.height == 0)
+        throw Failure(ErrorCode::kInvalidArgument, std::string(settings.what), size_text + " is empty");
     if (settings.width > limit || settings.height > limit)
-        throw Failure(ErrorCode::kLimit, std::string(settings.what), size_text + " exceeds the device's maxImageDimension2D of " + std::to_string(limit));
+        throw Failure(ErrorCode::kLimit, std::string(settings.what),
+                      size_text + " exceeds the device's maxImageDimension2D of " + std::to_string(limit));
 
     VkImageCreateInfo create{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
     create.imageType = VK_IMAGE_TYPE_2D;
@@ -32,7 +36,9 @@ Image::Image(const std::shared_ptr<Gpu>& gpu, const ImageSettings& settings) {
         VkMemoryRequirements needs{};
         gpu->vk.vkGetImageMemoryRequirements(gpu->device, image_.get(), &needs);
         if (needs.size > gpu->max_allocation_bytes)
-            throw Failure(ErrorCode::kLimit, {}, std::to_string(needs.size) + " bytes exceed the device's largest allocation of " + std::to_string(gpu->max_allocation_bytes));
+            throw Failure(ErrorCode::kLimit, {},
+                          std::to_string(needs.size) + " bytes exceed the device's largest allocation of " +
+                              std::to_string(gpu->max_allocation_bytes));
         VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
         allocate.allocationSize = needs.size;
         allocate.memoryTypeIndex = gpu->memory_type(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);

@@ -12,7 +12,7 @@ struct LitSurface {
     Vec3<double> place, normal;  // world space, unit
     Vec3<double> albedo;         // linear
     double metallic = 0, roughness = 1;
-    double occlusion = 1;        // the part of the ambient light that arrives
+    double occlusion = 1;  // the part of the ambient light that arrives
     Vec3<double> emissive;
 };
 

@@ -1,7 +1,8 @@
 // Lines of some pixels' width, as two triangles each. The includer declares `DrawScene scene`.
 const uint kLineVertices = 6;
 
-// The clip position of one of the six vertices of the line between two points in clip coordinates, as wide as `width` at a distance of 1 but 1.5 to 3 pixels.
+// The clip position of one of the six vertices of the line between two points in clip coordinates, as wide as `width`
+// at a distance of 1 but 1.5 to 3 pixels.
 vec4 line_vertex(vec4 from, vec4 to, uint vertex, float width) {
     // In front of the eye: depth is reversed and without end, so that z is the distance of the near plane.
     const float near = scene.clip_from_world[2].w;
@@ -20,5 +21,6 @@ vec4 line_vertex(vec4 from, vec4 to, uint vertex, float width) {
 
 vec4 to_clip(vec3 world) {
     const vec4 point = vec4(world, 1);
-    return vec4(dot(scene.clip_from_world[0], point), dot(scene.clip_from_world[1], point), dot(scene.clip_from_world[2], point), dot(scene.clip_from_world[3], point));
+    return vec4(dot(scene.clip_from_world[0], point), dot(scene.clip_from_world[1], point),
+                dot(scene.clip_from_world[2], point), dot(scene.clip_from_world[3], point));
 }

@@ -13,8 +13,8 @@ MaterialSampling::MaterialSampling(const std::shared_ptr<Gpu>& gpu) : white(make
     sampler = OwnedSampler(gpu, gpu->vk.vkCreateSampler, create, "vkCreateSampler");
 }
 
-GroupMaterials::GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout, const MaterialSampling& sampling,
-                               TextureAccount& account) {
+GroupMaterials::GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout,
+                               const MaterialSampling& sampling, TextureAccount& account) {
     std::vector<bool> used(group.materials.size());
     for (const MeshSection& section : group.sections)
         if (section.material < used.size() && section.index_count > 0) used[section.material] = true;
@@ -24,9 +24,13 @@ GroupMaterials::GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& gro
 
     for (size_t i = 0; i < group.materials.size(); ++i) {
         AssetMaterial material = group.materials[i];
-        const auto view = [&](uint32_t image, VkFormat format) { return texture(gpu, group, used[i] ? image : kNone, format, sampling, account).view(); };
-        const std::array views{view(material.image, kColorTexture), view(material.metallic_roughness_image, kNumberTexture), view(material.normal_image, kNumberTexture),
-                               view(material.occlusion_image, kNumberTexture), view(material.emissive_image, kColorTexture)};
+        const auto view = [&](uint32_t image, VkFormat format) {
+            return texture(gpu, group, used[i] ? image : kNone, format, sampling, account).view();
+        };
+        const std::array views{
+            view(material.image, kColorTexture), view(material.metallic_roughness_image, kNumberTexture),
+            view(material.normal_image, kNumberTexture), view(material.occlusion_image, kNumberTexture),
+            view(material.emissive_image, kColorTexture)};
         if (views[2] == sampling.white.view()) material.normal_image = kNone;  // white would tilt normals
         add(gpu, layout, sampling.sampler.get(), material, views);
     }
@@ -35,22 +39,30 @@ GroupMaterials::GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& gro
     add(gpu, layout, sampling.sampler.get(), {}, whites);
 }
 
-const Image& GroupMaterials::texture(const std::shared_ptr<Gpu>& gpu, const Group& group, uint32_t image, VkFormat format, const MaterialSampling& sampling, TextureAccount& account) {
+const Image& GroupMaterials::texture(const std::shared_ptr<Gpu>& gpu, const Group& group, uint32_t image,
+                                     VkFormat format, const MaterialSampling& sampling, TextureAccount& account) {
     if (image >= group.images.size()) return sampling.white;
     const std::pair key(image, format);
     auto found = textures_.find(key);
-    if (found == textures_.end()) found = textures_.emplace(key, make_texture(gpu, group.images[image], format, account)).first;
+    if (found == textures_.end())
+        found = textures_.emplace(key, make_texture(gpu, group.images[image], format, account)).first;
     return found->second ? *found->second : sampling.white;
 }
 
-void GroupMaterials::add(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout, VkSampler sampler, const AssetMaterial& material, const std::array<VkImageView, kMaterialTextures>& views) {
+void GroupMaterials::add(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout, VkSampler sampler,
+                         const AssetMaterial& material, const std::array<VkImageView, kMaterialTextures>& views) {
     constexpr float kBlendCutoff = 0.5f;
     DrawMaterial& added = materials_.emplace_back(DrawMaterial{.factors = material});
     added.masked = material.alpha_mode != AlphaMode::kOpaque;
-    added.alpha_cutoff = material.alpha_mode == AlphaMode::kMask ? material.alpha_cutoff : material.alpha_mode == AlphaMode::kBlend ? kBlendCutoff : 0;
-    visit_images([&](auto member) { added.has_maps = added.has_maps || (member != &AssetMaterial::image && material.*member != kNone); });
+    added.alpha_cutoff = material.alpha_mode == AlphaMode::kMask    ? material.alpha_cutoff
+                         : material.alpha_mode == AlphaMode::kBlend ? kBlendCutoff
+                                                                    : 0;
+    visit_images([&](auto member) {
+        added.has_maps = added.has_maps || (member != &AssetMaterial::image && material.*member != kNone);
+    });
     added.set = allocate_set(*gpu, pool_, layout);
-    for (uint32_t i = 0; i < kMaterialTextures; ++i) write_image(*gpu, added.set, i, {sampler, views[i], VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
+    for (uint32_t i = 0; i < kMaterialTextures; ++i)
+        write_image(*gpu, added.set, i, {sampler, views[i], VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
 }
 
 }  // namespace throng

@@ -14,7 +14,8 @@ inline constexpr uint32_t kMaterialTextures = 5;  // base colour, metallic and r
 
 struct DrawMaterial {
     AssetMaterial factors;
-    // Below it a fragment is left out. A blended material is drawn as one with a mask at 0.5: characters are not sorted.
+    // Below it a fragment is left out. A blended material is drawn as one with a mask at 0.5: characters are not
+    // sorted.
     float alpha_cutoff = 0;
     bool masked = false;
     bool has_maps = false;  // more textures than that of the base colour
@@ -31,14 +32,20 @@ struct MaterialSampling {
 
 class GroupMaterials {
 public:
-    // Only images that a section's material uses are decoded; one that cannot be, or is too much, is white, with a warning, and leaves normals as they are. Submits and waits.
-    GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout, const MaterialSampling& sampling, TextureAccount& account);
+    // Only images that a section's material uses are decoded; one that cannot be, or is too much, is white, with a
+    // warning, and leaves normals as they are. Submits and waits.
+    GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout,
+                   const MaterialSampling& sampling, TextureAccount& account);
 
-    const DrawMaterial& of(const MeshSection& section) const { return section.material < materials_.size() - 1 ? materials_[section.material] : materials_.back(); }
+    const DrawMaterial& of(const MeshSection& section) const {
+        return section.material < materials_.size() - 1 ? materials_[section.material] : materials_.back();
+    }
 
 private:
-    const Image& texture(const std::shared_ptr<Gpu>& gpu, const Group& group, uint32_t image, VkFormat format, const MaterialSampling& sampling, TextureAccount& account);
-    void add(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout, VkSampler sampler, const AssetMaterial& material, const std::array<VkImageView, kMaterialTextures>& views);
+    const Image& texture(const std::shared_ptr<Gpu>& gpu, const Group& group, uint32_t image, VkFormat format,
+                         const MaterialSampling& sampling, TextureAccount& account);
+    void add(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout, VkSampler sampler,
+             const AssetMaterial& material, const std::array<VkImageView, kMaterialTextures>& views);
 
     std::map<std::pair<uint32_t, VkFormat>, std::optional<Image>> textures_;  // by image; none: drawn white
     OwnedPool pool_;

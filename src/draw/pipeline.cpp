@@ -52,9 +52,11 @@ struct Program {
     VkFormat color_format = kColorFormat;
 };
 
-OwnedSetLayout make_set_layout(const std::shared_ptr<Gpu>& gpu, const std::vector<VkDescriptorType>& types, VkShaderStageFlags stages) {
+OwnedSetLayout make_set_layout(const std::shared_ptr<Gpu>& gpu, const std::vector<VkDescriptorType>& types,
+                               VkShaderStageFlags stages) {
     std::vector<VkDescriptorSetLayoutBinding> bindings;
-    for (const VkDescriptorType type : types) bindings.push_back({static_cast<uint32_t>(bindings.size()), type, 1, stages, nullptr});
+    for (const VkDescriptorType type : types)
+        bindings.push_back({static_cast<uint32_t>(bindings.size()), type, 1, stages, nullptr});
     VkDescriptorSetLayoutCreateInfo create{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     create.bindingCount = static_cast<uint32_t>(bindings.size());
     create.pBindings = bindings.data();
@@ -68,19 +70,25 @@ OwnedShader make_shader(const std::shared_ptr<Gpu>& gpu, std::span<const uint32_
     return {gpu, gpu->vk.vkCreateShaderModule, create, "vkCreateShaderModule"};
 }
 
-OwnedPipeline make_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout layout, VkSampleCountFlagBits samples, const Program& program) {
+OwnedPipeline make_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout layout, VkSampleCountFlagBits samples,
+                            const Program& program) {
     constexpr VkSpecializationMapEntry kEntries[] = {{0, 0, 4}, {1, 4, 4}, {2, 8, 4}, {3, 12, 4}, {4, 16, 4}};
-    const VkSpecializationInfo vertex_constants{5, kEntries, sizeof program.vertex_constants, program.vertex_constants.data()};
-    const VkSpecializationInfo fragment_constants{2, kEntries, sizeof program.fragment_constants, program.fragment_constants.data()};
+    const VkSpecializationInfo vertex_constants{5, kEntries, sizeof program.vertex_constants,
+                                                program.vertex_constants.data()};
+    const VkSpecializationInfo fragment_constants{2, kEntries, sizeof program.fragment_constants,
+                                                  program.fragment_constants.data()};
     const OwnedShader vertex = make_shader(gpu, program.vertex);
     OwnedShader fragment;
     std::vector<VkPipelineShaderStageCreateInfo> stages;
-    stages.push_back({VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_VERTEX_BIT, vertex.get(), "main", &vertex_constants});
+    stages.push_back({VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_VERTEX_BIT,
+                      vertex.get(), "main", &vertex_constants});
     if (!program.fragment.empty()) {
         fragment = make_shader(gpu, program.fragment);
-        stages.push_back({VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_FRAGMENT_BIT, fragment.get(), "main", &fragment_constants});
+        stages.push_back({VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_FRAGMENT_BIT,
+                          fragment.get(), "main", &fragment_constants});
     }
-    const bool is_shadow_map = program.depth == Depth::kShadowMap, depth_alone = is_shadow_map || program.depth == Depth::kAlone;
+    const bool is_shadow_map = program.depth == Depth::kShadowMap,
+               depth_alone = is_shadow_map || program.depth == Depth::kAlone;
 
     // Vertices are fetched by the shader.
     const VkPipelineVertexInputStateCreateInfo vertex_input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
@@ -103,11 +111,13 @@ OwnedPipeline make_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout la
     depth.depthWriteEnable = program.depth != Depth::kNone;
     depth.depthCompareOp = VK_COMPARE_OP_GREATER;  // reversed depth
     VkPipelineColorBlendAttachmentState attachment{};
-    attachment.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+    attachment.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT |
+                                VK_COLOR_COMPONENT_A_BIT;
     VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
     blend.attachmentCount = depth_alone ? 0 : 1;
     blend.pAttachments = &attachment;
-    constexpr std::array dynamic_states{VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR, VK_DYNAMIC_STATE_CULL_MODE};
+    constexpr std::array dynamic_states{VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR,
+                                        VK_DYNAMIC_STATE_CULL_MODE};
     VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
     dynamic.dynamicStateCount = dynamic_states.size();
     dynamic.pDynamicStates = dynamic_states.data();
@@ -129,7 +139,8 @@ OwnedPipeline make_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout la
     create.pDynamicState = &dynamic;
     create.layout = layout;
     VkPipeline pipeline = VK_NULL_HANDLE;
-    check(gpu->vk.vkCreateGraphicsPipelines(gpu->device, VK_NULL_HANDLE, 1, &create, nullptr, &pipeline), "vkCreateGraphicsPipelines");
+    check(gpu->vk.vkCreateGraphicsPipelines(gpu->device, VK_NULL_HANDLE, 1, &create, nullptr, &pipeline),
+          "vkCreateGraphicsPipelines");
     return {gpu, pipeline};
 }
 
@@ -137,11 +148,16 @@ OwnedPipeline make_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout la
 
 DrawLayouts::DrawLayouts(const std::shared_ptr<Gpu>& gpu) {
     if (const uint32_t most = gpu->properties.limits.maxPerStageDescriptorStorageBuffers; kBatchBindings.size() > most)
-        throw Failure(ErrorCode::kUnsupported, gpu->properties.deviceName, "a shader stage has " + std::to_string(most) + " storage buffers, and drawing needs " + std::to_string(kBatchBindings.size()));
+        throw Failure(ErrorCode::kUnsupported, gpu->properties.deviceName,
+                      "a shader stage has " + std::to_string(most) + " storage buffers, and drawing needs " +
+                          std::to_string(kBatchBindings.size()));
     constexpr VkShaderStageFlags kBothStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
-    scene_set = make_set_layout(gpu, {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER}, kBothStages);
-    batch_set = make_set_layout(gpu, std::vector(kBatchBindings.size(), VK_DESCRIPTOR_TYPE_STORAGE_BUFFER), VK_SHADER_STAGE_VERTEX_BIT);
-    material_set = make_set_layout(gpu, std::vector(kMaterialTextures, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER), VK_SHADER_STAGE_FRAGMENT_BIT);
+    scene_set = make_set_layout(gpu, {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
+                                kBothStages);
+    batch_set = make_set_layout(gpu, std::vector(kBatchBindings.size(), VK_DESCRIPTOR_TYPE_STORAGE_BUFFER),
+                                VK_SHADER_STAGE_VERTEX_BIT);
+    material_set = make_set_layout(gpu, std::vector(kMaterialTextures, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER),
+                                   VK_SHADER_STAGE_FRAGMENT_BIT);
     const std::array sets{scene_set.get(), batch_set.get(), material_set.get()};
     const VkPushConstantRange push{kBothStages, 0, std::max(sizeof(io::DrawPush), sizeof(io::LinePush))};
     VkPipelineLayoutCreateInfo create{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
@@ -152,30 +168,54 @@ DrawLayouts::DrawLayouts(const std::shared_ptr<Gpu>& gpu) {
     layout = {gpu, gpu->vk.vkCreatePipelineLayout, create, "vkCreatePipelineLayout"};
 }
 
-OwnedPipeline make_ground_pipeline(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples) {
+OwnedPipeline make_ground_pipeline(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts,
+                                   VkSampleCountFlagBits samples) {
     return make_pipeline(gpu, layouts.layout.get(), samples, {.vertex = kGroundVertex, .fragment = kGroundFragment});
 }
 
 OwnedPipeline make_farthest_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout layout) {
-    return make_pipeline(gpu, layout, VK_SAMPLE_COUNT_1_BIT, {.vertex = kFarthestVertex, .fragment = kFarthestFragment, .color_format = kFarthestFormat});
+    return make_pipeline(gpu, layout, VK_SAMPLE_COUNT_1_BIT,
+                         {.vertex = kFarthestVertex, .fragment = kFarthestFragment, .color_format = kFarthestFormat});
 }
 
-CharacterPipelines::CharacterPipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, const VertexKind& kind) {
-    const auto make = [&](const Program& program) { return make_pipeline(gpu, layouts.layout.get(), samples, program); };
-    const auto vertex_constants = [&](bool is_shadow) { return std::array<uint32_t, 5>{is_shadow, static_cast<uint32_t>(kind.format), kind.listed, static_cast<uint32_t>(kind.blend), kind.skinned}; };
-    shadow[0] = make({.vertex = kCharacterVertex, .vertex_constants = vertex_constants(true), .depth = Depth::kShadowMap});
-    shadow[1] = make({.vertex = kCharacterVertex, .fragment = kShadowFragment, .vertex_constants = vertex_constants(true), .depth = Depth::kShadowMap});
-    occluder[0] = make({.vertex = kCharacterVertex, .vertex_constants = vertex_constants(false), .depth = Depth::kAlone});
-    occluder[1] = make({.vertex = kCharacterVertex, .fragment = kShadowFragment, .vertex_constants = vertex_constants(false), .depth = Depth::kAlone});
+CharacterPipelines::CharacterPipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts,
+                                       VkSampleCountFlagBits samples, const VertexKind& kind) {
+    const auto make = [&](const Program& program) {
+        return make_pipeline(gpu, layouts.layout.get(), samples, program);
+    };
+    const auto vertex_constants = [&](bool is_shadow) {
+        return std::array<uint32_t, 5>{is_shadow, static_cast<uint32_t>(kind.format), kind.listed,
+                                       static_cast<uint32_t>(kind.blend), kind.skinned};
+    };
+    shadow[0] = make(
+        {.vertex = kCharacterVertex, .vertex_constants = vertex_constants(true), .depth = Depth::kShadowMap});
+    shadow[1] = make({.vertex = kCharacterVertex,
+                      .fragment = kShadowFragment,
+                      .vertex_constants = vertex_constants(true),
+                      .depth = Depth::kShadowMap});
+    occluder[0] = make(
+        {.vertex = kCharacterVertex, .vertex_constants = vertex_constants(false), .depth = Depth::kAlone});
+    occluder[1] = make({.vertex = kCharacterVertex,
+                        .fragment = kShadowFragment,
+                        .vertex_constants = vertex_constants(false),
+                        .depth = Depth::kAlone});
     for (uint32_t discards = 0; discards < 2; ++discards)
         for (uint32_t has_maps = 0; has_maps < 2; ++has_maps)
-            into_picture[discards][has_maps] = make({.vertex = kCharacterVertex, .fragment = kCharacterFragment, .vertex_constants = vertex_constants(false), .fragment_constants = {discards, has_maps}, .depth = Depth::kTested});
+            into_picture[discards][has_maps] = make({.vertex = kCharacterVertex,
+                                                     .fragment = kCharacterFragment,
+                                                     .vertex_constants = vertex_constants(false),
+                                                     .fragment_constants = {discards, has_maps},
+                                                     .depth = Depth::kTested});
 }
 
-LinePipelines::LinePipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, bool listed) {
+LinePipelines::LinePipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples,
+                             bool listed) {
     const std::array<uint32_t, 5> constants{listed};
-    skeletons = make_pipeline(gpu, layouts.layout.get(), samples, {.vertex = kSkeletonVertex, .fragment = kLineFragment, .vertex_constants = constants});
-    bounds = make_pipeline(gpu, layouts.layout.get(), samples, {.vertex = kBoundsVertex, .fragment = kLineFragment, .vertex_constants = constants, .depth = Depth::kTested});
+    skeletons = make_pipeline(gpu, layouts.layout.get(), samples,
+                              {.vertex = kSkeletonVertex, .fragment = kLineFragment, .vertex_constants = constants});
+    bounds = make_pipeline(
+        gpu, layouts.layout.get(), samples,
+        {.vertex = kBoundsVertex, .fragment = kLineFragment, .vertex_constants = constants, .depth = Depth::kTested});
 }
 
 }  // namespace throng

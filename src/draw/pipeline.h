@@ -14,7 +14,8 @@ inline constexpr VkFormat kColorFormat = VK_FORMAT_R8G8B8A8_SRGB;
 inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 inline constexpr VkFormat kFarthestFormat = VK_FORMAT_R32_SFLOAT;  // draw/occluders.h
 
-// What all pipelines share. Descriptor sets: 0 the scene (one uniform buffer, the shadow map), 1 a batch (seven storage buffers), 2 a material (its textures).
+// What all pipelines share. Descriptor sets: 0 the scene (one uniform buffer, the shadow map), 1 a batch (seven storage
+// buffers), 2 a material (its textures).
 struct DrawLayouts {
     explicit DrawLayouts(const std::shared_ptr<Gpu>& gpu);
 
@@ -23,7 +24,8 @@ struct DrawLayouts {
 };
 
 // The ground over the whole picture, without depth.
-OwnedPipeline make_ground_pipeline(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples);
+OwnedPipeline make_ground_pipeline(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts,
+                                   VkSampleCountFlagBits samples);
 
 // Depths of several samples -> the farthest (draw/occluders.h).
 OwnedPipeline make_farthest_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout layout);
@@ -39,9 +41,11 @@ struct VertexKind {
 
 // Cull mode, viewport and scissor are dynamic.
 struct CharacterPipelines {
-    CharacterPipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, const VertexKind& kind);
+    CharacterPipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples,
+                       const VertexKind& kind);
 
-    // Those that discard: of materials with a mask; and in the picture of batches with mirrored instances, whose front faces wind the other way.
+    // Those that discard: of materials with a mask; and in the picture of batches with mirrored instances, whose front
+    // faces wind the other way.
     std::array<OwnedPipeline, 2> shadow;                       // [discards]: into the shadow map
     std::array<OwnedPipeline, 2> occluder;                     // [discards]: depths alone, of the camera
     std::array<std::array<OwnedPipeline, 2>, 2> into_picture;  // [discards][has_maps]
@@ -49,12 +53,14 @@ struct CharacterPipelines {
 
 // Lines over a crowd whose instances are listed or not.
 struct LinePipelines {
-    LinePipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples, bool listed);
+    LinePipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples,
+                  bool listed);
 
     OwnedPipeline skeletons;  // without depth: over everything
     OwnedPipeline bounds;
 };
 
-inline constexpr std::array<BindingInfo, 7> kBatchBindings{{{0}, {1}, {2}, {3}, {4}, {5}, {6}}};  // vertices, influences, skin matrices or skinned vertices, placements, morph differences, active morphs, list
+// Vertices, influences, skin matrices or skinned vertices, placements, morph differences, active morphs, list
+inline constexpr std::array<BindingInfo, 7> kBatchBindings{{{0}, {1}, {2}, {3}, {4}, {5}, {6}}};
 
 }  // namespace throng

@@ -14,7 +14,8 @@ namespace throng {
 namespace {
 
 std::vector<char> encode_png(const std::string& place, const Picture& picture) {
-    if (picture.width == 0 || picture.height == 0 || picture.rgba.size() != uint64_t{picture.width} * picture.height * 4)
+    if (picture.width == 0 || picture.height == 0 ||
+        picture.rgba.size() != uint64_t{picture.width} * picture.height * 4)
         throw Failure(ErrorCode::kInvalidArgument, place, "the picture's size and its bytes do not fit");
     constexpr uint64_t kStbLimit_bytes = std::numeric_limits<int>::max();  // it computes sizes as int
     if (picture.height * (picture.width * uint64_t{4} + 1) > kStbLimit_bytes)
@@ -26,7 +27,8 @@ std::vector<char> encode_png(const std::string& place, const Picture& picture) {
         static_cast<std::vector<char>*>(to)->assign(bytes, bytes + size_bytes);  // the whole file at once
     };
     const int width = static_cast<int>(picture.width), height = static_cast<int>(picture.height);
-    if (!stbi_write_png_to_func(append, &encoded, width, height, 4, picture.rgba.data(), width * 4)) throw std::bad_alloc();
+    if (!stbi_write_png_to_func(append, &encoded, width, height, 4, picture.rgba.data(), width * 4))
+        throw std::bad_alloc();
     return encoded;
 }
 

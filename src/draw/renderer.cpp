@@ -15,16 +15,21 @@
 namespace throng {
 namespace {
 
-constexpr Access kDrawRead{VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
-                           VK_ACCESS_2_INDEX_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT};
+constexpr Access kDrawRead{
+    VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
+    VK_ACCESS_2_INDEX_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT};
 
 std::shared_ptr<Gpu> with_graphics(std::shared_ptr<Gpu> gpu) {
-    if (!gpu->has_graphics()) throw Failure(ErrorCode::kNoDevice, "renderer", "queue family " + std::to_string(gpu->queue_family) + " of " + gpu->info.name + " has no graphics");
+    if (!gpu->has_graphics())
+        throw Failure(
+            ErrorCode::kNoDevice, "renderer",
+            "queue family " + std::to_string(gpu->queue_family) + " of " + gpu->info.name + " has no graphics");
     return gpu;
 }
 
 VkSampleCountFlagBits lower_samples(const Gpu& gpu, uint32_t wanted) {
-    const VkSampleCountFlags available = gpu.properties.limits.framebufferColorSampleCounts & gpu.properties.limits.framebufferDepthSampleCounts;
+    const VkSampleCountFlags available = gpu.properties.limits.framebufferColorSampleCounts &
+                                         gpu.properties.limits.framebufferDepthSampleCounts;
     for (uint32_t samples = VK_SAMPLE_COUNT_64_BIT; samples > 1; samples /= 2)
         if (samples <= wanted && (available & samples)) return static_cast<VkSampleCountFlagBits>(samples);
     return VK_SAMPLE_COUNT_1_BIT;
@@ -59,7 +64,8 @@ private:
     Frame prepare(const Crowd& crowd, const Camera& camera);
     const CharacterPipelines& pipelines_of(const CrowdState& crowd);
     const LinePipelines& lines_of(const CrowdState& crowd);
-    void record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera, const Frame& frame);
+    void record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera,
+                       const Frame& frame);
     void bind_scene(VkCommandBuffer commands, const Frame& frame) const;
     void record_frame(VkCommandBuffer commands, const Frame& frame);
     void draw_shadows(VkCommandBuffer commands, const Frame& frame) const;
@@ -71,14 +77,21 @@ private:
     SceneBinding scene_;
     OwnedPipeline ground_;
     std::map<VertexKind, CharacterPipelines> characters_;
-    std::map<bool, LinePipelines> lines_;                                   // by the latter
+    std::map<bool, LinePipelines> lines_;  // by the latter
     CrowdBindingsCache crowds_;
     std::optional<Occluders> occluders_;  // made when first needed
 };
 
 RendererState::RendererState(std::shared_ptr<Gpu> gpu_in, const RendererSettings& settings)
-    : gpu(with_graphics(std::move(gpu_in))), samples(lower_samples(*gpu, settings.samples)), options(checked(settings.options)),
-      targets(gpu, settings.width, settings.height, samples), shadow_map(gpu, settings.width, settings.height), timer(gpu), layouts_(gpu), sampling_(gpu), scene_(gpu, layouts_.scene_set.get(), shadow_map),
+    : gpu(with_graphics(std::move(gpu_in))),
+      samples(lower_samples(*gpu, settings.samples)),
+      options(checked(settings.options)),
+      targets(gpu, settings.width, settings.height, samples),
+      shadow_map(gpu, settings.width, settings.height),
+      timer(gpu),
+      layouts_(gpu),
+      sampling_(gpu),
+      scene_(gpu, layouts_.scene_set.get(), shadow_map),
       ground_(make_ground_pipeline(gpu, layouts_, samples)) {}
 
 void RendererState::resize(uint32_t width, uint32_t height) {
@@ -119,24 +132,30 @@ RendererState::Frame RendererState::prepare(const Crowd& crowd, const Camera& ca
     const CrowdState& state = crowd.state();
     if (state.gpu != gpu) throw Failure(ErrorCode::kInvalidArgument, "render", "the crowd lives on another device");
     if (options.skeletons && !state.batches.front().kept_model.handle())
-        throw Failure(ErrorCode::kInvalidArgument, "skeletons", "the crowd keeps no model matrices; set CrowdSettings::keep_model_matrices");
+        throw Failure(ErrorCode::kInvalidArgument, "skeletons",
+                      "the crowd keeps no model matrices; set CrowdSettings::keep_model_matrices");
     const io::DrawScene scene = make_scene(state, camera, targets.extent(), shadow_map.size(), options);
-    return {state, crowds_.of(gpu, layouts_, sampling_, state), pipelines_of(state), options.skeletons || options.bounds ? &lines_of(state) : nullptr, scene};
+    return {state, crowds_.of(gpu, layouts_, sampling_, state), pipelines_of(state),
+            options.skeletons || options.bounds ? &lines_of(state) : nullptr, scene};
 }
 
 const CharacterPipelines& RendererState::pipelines_of(const CrowdState& crowd) {
     const VertexKind kind{crowd.skin_format, crowd.skin_blend, crowd.cull.has_value(), crowd.skin.has_value()};
     const auto found = characters_.find(kind);
-    return found != characters_.end() ? found->second : characters_.emplace(kind, CharacterPipelines(gpu, layouts_, samples, kind)).first->second;
+    return found != characters_.end()
+               ? found->second
+               : characters_.emplace(kind, CharacterPipelines(gpu, layouts_, samples, kind)).first->second;
 }
 
 const LinePipelines& RendererState::lines_of(const CrowdState& crowd) {
     const bool listed = crowd.cull.has_value();
     const auto found = lines_.find(listed);
-    return found != lines_.end() ? found->second : lines_.emplace(listed, LinePipelines(gpu, layouts_, samples, listed)).first->second;
+    return found != lines_.end() ? found->second
+                                 : lines_.emplace(listed, LinePipelines(gpu, layouts_, samples, listed)).first->second;
 }
 
-void RendererState::record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera, const Frame& frame) {
+void RendererState::record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera,
+                                  const Frame& frame) {
     CrowdState& state = crowd.state();
     if (!state.cull) return state.record(commands, time_step_s, nullptr);
     CrowdView view = crowd_view_of(camera, targets.width(), targets.height(), world_bounds(crowd), options);
@@ -158,7 +177,8 @@ void RendererState::bind_scene(VkCommandBuffer commands, const Frame& frame) con
     memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, kDrawRead);
     scene_.record(commands, frame.scene);
     const VkDescriptorSet scene_set = scene_.set();
-    gpu->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layouts_.layout.get(), 0, 1, &scene_set, 0, nullptr);
+    gpu->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layouts_.layout.get(), 0, 1, &scene_set,
+                                    0, nullptr);
 }
 
 void RendererState::record_frame(VkCommandBuffer commands, const Frame& frame) {
@@ -172,7 +192,8 @@ void RendererState::record_frame(VkCommandBuffer commands, const Frame& frame) {
 // Without shadows the map is empty: the scene says not to look at it.
 void RendererState::draw_shadows(VkCommandBuffer commands, const Frame& frame) const {
     shadow_map.begin(commands);
-    if (options.shadows) draw_crowd(commands, frame.crowd, frame.bindings, layouts_.layout.get(), frame.characters, DrawPass::kShadow);
+    if (options.shadows)
+        draw_crowd(commands, frame.crowd, frame.bindings, layouts_.layout.get(), frame.characters, DrawPass::kShadow);
     shadow_map.end(commands);
 }
 

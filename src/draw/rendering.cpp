@@ -3,7 +3,8 @@
 namespace throng {
 namespace {
 
-VkRenderingAttachmentInfo attachment(const Image& image, VkImageLayout layout, VkAttachmentLoadOp load, VkAttachmentStoreOp store) {
+VkRenderingAttachmentInfo attachment(const Image& image, VkImageLayout layout, VkAttachmentLoadOp load,
+                                     VkAttachmentStoreOp store) {
     VkRenderingAttachmentInfo info{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     info.imageView = image.view();
     info.imageLayout = layout;
@@ -19,12 +20,14 @@ VkRenderingAttachmentInfo color_attachment(const Image& image, VkAttachmentStore
 }
 
 VkRenderingAttachmentInfo depth_attachment(const Image& image, VkAttachmentStoreOp store) {
-    VkRenderingAttachmentInfo depth = attachment(image, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, VK_ATTACHMENT_LOAD_OP_CLEAR, store);
+    VkRenderingAttachmentInfo depth = attachment(image, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
+                                                 VK_ATTACHMENT_LOAD_OP_CLEAR, store);
     depth.clearValue.depthStencil = {0, 0};
     return depth;
 }
 
-void begin_rendering(const Gpu& gpu, VkCommandBuffer commands, const VkExtent2D& extent, const VkRenderingAttachmentInfo* color, const VkRenderingAttachmentInfo* depth) {
+void begin_rendering(const Gpu& gpu, VkCommandBuffer commands, const VkExtent2D& extent,
+                     const VkRenderingAttachmentInfo* color, const VkRenderingAttachmentInfo* depth) {
     VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
     rendering.renderArea = {{0, 0}, extent};
     rendering.layerCount = 1;

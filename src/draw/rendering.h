@@ -11,6 +11,7 @@ VkRenderingAttachmentInfo color_attachment(const Image& image, VkAttachmentStore
 VkRenderingAttachmentInfo depth_attachment(const Image& image, VkAttachmentStoreOp store);
 
 // Over all of the attachments, viewport and scissor set. One of the two may be null.
-void begin_rendering(const Gpu& gpu, VkCommandBuffer commands, const VkExtent2D& extent, const VkRenderingAttachmentInfo* color, const VkRenderingAttachmentInfo* depth);
+void begin_rendering(const Gpu& gpu, VkCommandBuffer commands, const VkExtent2D& extent,
+                     const VkRenderingAttachmentInfo* color, const VkRenderingAttachmentInfo* depth);
 
 }  // namespace throng

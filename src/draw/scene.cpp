@@ -9,19 +9,21 @@
 namespace throng {
 namespace {
 
-constexpr Access kSceneRead{VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, VK_ACCESS_2_UNIFORM_READ_BIT};
+constexpr Access kSceneRead{VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
+                            VK_ACCESS_2_UNIFORM_READ_BIT};
 
 io::vec4 to_vec4(const Vec3<float>& v, float w = 0) { return {v.x, v.y, v.z, w}; }
 
-// Where characters stand: at the lowest point of their rest poses, or at the origin of their model space where that is a little lower,
-// since a rest pose may float above the floor that the clips walk on.
+// Where characters stand: at the lowest point of their rest poses, or at the origin of their model space where that is
+// a little lower, since a rest pose may float above the floor that the clips walk on.
 float ground_height(const CrowdState& state, const Bounds& bounds) {
     float height = bounds.min.y;
     for (const Batch& batch : state.batches) {
         const Group& group = state.groups[batch.group];
         const float floating = group.bounds_min.y;
         if (floating <= 0 || floating > 0.25f * (group.bounds_max.y - group.bounds_min.y)) continue;
-        for (uint32_t i = 0; i < batch.instance_count; ++i) height = std::min(height, state.placements[batch.first_instance + i].row[1][3]);
+        for (uint32_t i = 0; i < batch.instance_count; ++i)
+            height = std::min(height, state.placements[batch.first_instance + i].row[1][3]);
     }
     return height;
 }
@@ -39,7 +41,8 @@ float character_size(const CrowdState& state) {
 
 }  // namespace
 
-io::DrawScene make_scene(const CrowdState& state, const Camera& camera, const VkExtent2D& picture, uint32_t map_size, const DrawOptions& options) {
+io::DrawScene make_scene(const CrowdState& state, const Camera& camera, const VkExtent2D& picture, uint32_t map_size,
+                         const DrawOptions& options) {
     const auto width = static_cast<float>(picture.width), height = static_cast<float>(picture.height);
     const View view = make_view(camera, width / height);
     const Bounds bounds = rest_bounds(state), posed = posed_bounds(state);
@@ -48,7 +51,9 @@ io::DrawScene make_scene(const CrowdState& state, const Camera& camera, const Vk
     const ShadowFit shadow = fit_shadow(camera, view, posed, to_sun, map_size);
 
     io::DrawScene scene{};
-    const auto set_rows = [](auto& rows, const auto& from) { std::ranges::transform(from, rows, [](const auto& row) { return io::vec4{row[0], row[1], row[2], row[3]}; }); };
+    const auto set_rows = [](auto& rows, const auto& from) {
+        std::ranges::transform(from, rows, [](const auto& row) { return io::vec4{row[0], row[1], row[2], row[3]}; });
+    };
     set_rows(scene.clip_from_world, view.clip_from_world);
     set_rows(scene.map_from_world, shadow.map_from_world);
     scene.eye = to_vec4(camera.eye, options.exposure);
@@ -61,10 +66,12 @@ io::DrawScene make_scene(const CrowdState& state, const Camera& camera, const Vk
     scene.fog = {options.fog ? std::sqrt(-std::log(1 - kFog)) / farthest : 0, 0, 0, 0};
     scene.picture = {width, height, 0, 0};
     scene.shadow = {static_cast<float>(map_size), shadow.texel, options.shadows ? 1.0f : 0.0f, 0};
-    // A clear day, from a low red sun to a high one. The ground reflects what it gets of sun and sky, less what the characters on it keep away.
+    // A clear day, from a low red sun to a high one. The ground reflects what it gets of sun and sky, less what the
+    // characters on it keep away.
     const float day = std::clamp((to_sun.y - kLowestSun) / 0.55f, 0.0f, 1.0f);
     const auto by_day = [&](const Vec3<float>& low, const Vec3<float>& high) { return low + (high - low) * day; };
-    const Vec3<float> sun_light = by_day({1.3f, 0.7f, 0.36f}, {1.25f, 1.12f, 0.93f}), sky_light = by_day({0.28f, 0.3f, 0.4f}, {0.34f, 0.42f, 0.55f}), albedo{0.31f, 0.29f, 0.235f};
+    const Vec3<float> sun_light = by_day({1.3f, 0.7f, 0.36f}, {1.25f, 1.12f, 0.93f}),
+                      sky_light = by_day({0.28f, 0.3f, 0.4f}, {0.34f, 0.42f, 0.55f}), albedo{0.31f, 0.29f, 0.235f};
     const Vec3<float> arrives = sun_light * to_sun.y + sky_light;
     constexpr float kOpen = 0.6f;
     scene.sun_light = to_vec4(sun_light);
@@ -78,7 +85,8 @@ io::DrawScene make_scene(const CrowdState& state, const Camera& camera, const Vk
 
 SceneBinding::SceneBinding(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout, const ShadowMap& shadow_map)
     : gpu_(gpu), buffer_(gpu, "scene", sizeof(io::DrawScene), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT) {
-    pool_ = make_descriptor_pool(gpu, 1, {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1}, {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1}});
+    pool_ = make_descriptor_pool(
+        gpu, 1, {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1}, {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1}});
     set_ = allocate_set(*gpu, pool_, layout);
     VkSamplerCreateInfo nearest{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};  // shaders fetch single texels
     sampler_ = OwnedSampler(gpu, gpu->vk.vkCreateSampler, nearest, "vkCreateSampler");

@@ -10,8 +10,10 @@
 
 namespace throng {
 
-// Everything is measured in the crowd's own size: a file's unit may be a metre or a centimetre. Throws kInvalidArgument where the camera is not one.
-io::DrawScene make_scene(const CrowdState& crowd, const Camera& camera, const VkExtent2D& picture, uint32_t map_size, const DrawOptions& options);
+// Everything is measured in the crowd's own size: a file's unit may be a metre or a centimetre. Throws kInvalidArgument
+// where the camera is not one.
+io::DrawScene make_scene(const CrowdState& crowd, const Camera& camera, const VkExtent2D& picture, uint32_t map_size,
+                         const DrawOptions& options);
 
 // The scene and the shadow map in a descriptor set.
 class SceneBinding {

@@ -23,10 +23,12 @@ struct Interval {
 
 }  // namespace
 
-ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed, const Vec3<float>& to_sun, uint32_t map_size) {
+ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed, const Vec3<float>& to_sun,
+                     uint32_t map_size) {
     // The map's axes hang on the sun alone: what does not move has its place on a fixed grid of texels.
     const Vec3<double> sun = to_sun.as<double>(), eye = camera.eye.as<double>();
-    const Vec3<double> across = normalized(std::abs(sun.y) > 0.9999 ? Vec3<double>{1, 0, 0} : cross(Vec3<double>{0, 1, 0}, sun));
+    const Vec3<double> across = normalized(std::abs(sun.y) > 0.9999 ? Vec3<double>{1, 0, 0}
+                                                                    : cross(Vec3<double>{0, 1, 0}, sun));
     const std::array axes{across, cross(sun, across), sun};
     std::array<Interval, 3> of_crowd;
     double reach = 0;  // of the camera: no shadow falls farther away
@@ -40,7 +42,9 @@ ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed
     for (size_t k = 0; k < 2; ++k) {
         seen[k].add(dot(axes[k], eye));
         for (int i = 0; i < 4; ++i) {
-            const Vec3<double> ray = view.forward.as<double>() + view.right.as<double>() * ((i & 1 ? 1 : -1) * double{view.half_width}) + view.up.as<double>() * ((i & 2 ? 1 : -1) * double{view.half_height});
+            const Vec3<double> ray = view.forward.as<double>() +
+                                     view.right.as<double>() * ((i & 1 ? 1 : -1) * double{view.half_width}) +
+                                     view.up.as<double>() * ((i & 2 ? 1 : -1) * double{view.half_height});
             seen[k].add(dot(axes[k], eye + ray * reach));
         }
     }
@@ -48,12 +52,15 @@ ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed
     ShadowFit fit;
     const auto set_row = [&](size_t row, const Vec3<double>& axis, double from, double size) {
         const Vec3<double> scaled = axis * (1 / size);
-        fit.map_from_world[row] = {static_cast<float>(scaled.x), static_cast<float>(scaled.y), static_cast<float>(scaled.z), static_cast<float>(-from / size)};
+        fit.map_from_world[row] = {static_cast<float>(scaled.x), static_cast<float>(scaled.y),
+                                   static_cast<float>(scaled.z), static_cast<float>(-from / size)};
     };
     for (size_t k = 0; k < 2; ++k) {
-        const double from = std::max(of_crowd[k].low, seen[k].low), to = std::max(std::min(of_crowd[k].high, seen[k].high), from);
+        const double from = std::max(of_crowd[k].low, seen[k].low),
+                     to = std::max(std::min(of_crowd[k].high, seen[k].high), from);
         const double least = std::max((to - from) / (map_size - 2 * kMargin - 1), 1e-9 * std::max(reach, 1e-20));
-        const double texel = std::exp2(std::ceil(4 * std::log2(least)) / 4);  // grows in steps, so that a camera that moves on keeps the grid
+        // Grows in steps, so that a camera that moves on keeps the grid
+        const double texel = std::exp2(std::ceil(4 * std::log2(least)) / 4);
         set_row(k, axes[k], (std::floor(from / texel) - kMargin) * texel, texel * map_size);
         fit.texel = std::max(fit.texel, static_cast<float>(texel));
     }
@@ -63,20 +70,37 @@ ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed
 }
 
 ShadowMap::ShadowMap(std::shared_ptr<Gpu> gpu, uint32_t picture_width, uint32_t picture_height)
-    : gpu_(std::move(gpu)), size_(std::min(std::clamp(std::bit_ceil(2 * std::min(std::max(picture_width, picture_height), kMostSize)), kLeastSize, kMostSize), gpu_->properties.limits.maxImageDimension2D)) {
-    image_ = Image(gpu_, {.what = "shadow map", .width = size_, .height = size_, .format = kDepthFormat, .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
+    : gpu_(std::move(gpu)),
+      size_(std::min(std::clamp(std::bit_ceil(2 * std::min(std::max(picture_width, picture_height), kMostSize)),
+                                kLeastSize, kMostSize),
+                     gpu_->properties.limits.maxImageDimension2D)) {
+    image_ = Image(gpu_, {.what = "shadow map",
+                          .width = size_,
+                          .height = size_,
+                          .format = kDepthFormat,
+                          .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
 }
 
 void ShadowMap::begin(VkCommandBuffer commands) const {
-    transition(*gpu_, commands, {.image = image_.handle(), .aspect = VK_IMAGE_ASPECT_DEPTH_BIT, .to = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, .before = kFragmentRead | kDepthAccess, .after = kDepthAccess});
+    transition(*gpu_, commands,
+               {.image = image_.handle(),
+                .aspect = VK_IMAGE_ASPECT_DEPTH_BIT,
+                .to = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
+                .before = kFragmentRead | kDepthAccess,
+                .after = kDepthAccess});
     const VkRenderingAttachmentInfo depth = depth_attachment(image_, VK_ATTACHMENT_STORE_OP_STORE);
     begin_rendering(*gpu_, commands, {size_, size_}, nullptr, &depth);
 }
 
 void ShadowMap::end(VkCommandBuffer commands) const {
     gpu_->vk.vkCmdEndRendering(commands);
-    transition(*gpu_, commands, {.image = image_.handle(), .aspect = VK_IMAGE_ASPECT_DEPTH_BIT, .from = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, .to = VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL,
-                                 .before = kDepthAccess, .after = kFragmentRead});
+    transition(*gpu_, commands,
+               {.image = image_.handle(),
+                .aspect = VK_IMAGE_ASPECT_DEPTH_BIT,
+                .from = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
+                .to = VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL,
+                .before = kDepthAccess,
+                .after = kFragmentRead});
 }
 
 }  // namespace throng

@@ -7,13 +7,16 @@
 namespace throng {
 
 struct ShadowFit {
-    std::array<std::array<float, 4>, 3> map_from_world{};  // rows: place in the map and height towards the sun, all 0..1
-    float texel = 0;                                       // world size of the larger side of one
+    // rows: place in the map and height towards the sun, all 0..1
+    std::array<std::array<float, 4>, 3> map_from_world{};
+    float texel = 0;  // world size of the larger side of one
 };
 
-// Holds everything that the camera may see in shadow, and all that throws it: the bounds of the crowd, in all its poses, as far as the picture reaches along the sun's rays. It
-// depends on nothing else, and moves in whole texels, so that shadows do not crawl while the camera does.
-ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed, const Vec3<float>& to_sun, uint32_t map_size);
+// Holds everything that the camera may see in shadow, and all that throws it: the bounds of the crowd, in all its
+// poses, as far as the picture reaches along the sun's rays. It depends on nothing else, and moves in whole texels, so
+// that shadows do not crawl while the camera does.
+ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed, const Vec3<float>& to_sun,
+                     uint32_t map_size);
 
 class ShadowMap {
 public:

@@ -29,9 +29,12 @@ void main() {
     const uint joint = gl_VertexIndex / kLineVertices, first = instance * push.joint_count;
     const bool has_parent = joints[joint].x < joint;
     const uint parent = has_parent ? joints[joint].x : joint;
-    const Affine from = model_from_joint[first + joint], to = model_from_joint[first + parent], place = world_from_model[instance];
-    const vec3 from_model = vec3(from.row0.w, from.row1.w, from.row2.w), to_model = vec3(to.row0.w, to.row1.w, to.row2.w);
-    const vec4 point = line_vertex(to_clip(affine_point(place, from_model)), to_clip(affine_point(place, to_model)), gl_VertexIndex % kLineVertices, 0.012 * scene.ground.w);
+    const Affine from = model_from_joint[first + joint], to = model_from_joint[first + parent],
+                 place = world_from_model[instance];
+    const vec3 from_model = vec3(from.row0.w, from.row1.w, from.row2.w),
+               to_model = vec3(to.row0.w, to.row1.w, to.row2.w);
+    const vec4 point = line_vertex(to_clip(affine_point(place, from_model)), to_clip(affine_point(place, to_model)),
+                                   gl_VertexIndex % kLineVertices, 0.012 * scene.ground.w);
     gl_Position = drawn && has_parent ? point : vec4(2, 2, 0, 1);
     out_color = level_color(joints[joint].y);
 }

@@ -1,4 +1,5 @@
-// What a picture is drawn into: colour and depth, of several samples where the device has them, and the picture that they end as.
+// What a picture is drawn into: colour and depth, of several samples where the device has them, and the picture that
+// they end as.
 #pragma once
 
 #include "draw/image.h"
@@ -14,7 +15,8 @@ public:
     // Throws kLimit where the device cannot draw so large a picture.
     Targets(std::shared_ptr<Gpu> gpu, uint32_t width, uint32_t height, VkSampleCountFlagBits samples);
 
-    // Begins the render pass: color is undefined, depth infinitely far. Waits for whoever draws to the targets, or copies from them, before.
+    // Begins the render pass: color is undefined, depth infinitely far. Waits for whoever draws to the targets, or
+    // copies from them, before.
     void begin(VkCommandBuffer commands) const;
     // Ends it. The picture is then in TRANSFER_SRC_OPTIMAL, visible to transfers.
     void end(VkCommandBuffer commands) const;

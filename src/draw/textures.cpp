@@ -23,19 +23,28 @@ static_assert(STBI_MAX_DIMENSIONS == kTextureDimensionLimit);
 Picture decode_image(const AssetImage& image, uint64_t& room_bytes) {
     const std::string place = "image '" + image.name + "'";
     if (image.encoded.empty()) throw Failure(ErrorCode::kInvalidFile, place, "has no content");
-    if (image.encoded.size() > static_cast<size_t>(std::numeric_limits<int>::max())) throw Failure(ErrorCode::kLimit, place, "is larger than 2 GiB");
+    if (image.encoded.size() > static_cast<size_t>(std::numeric_limits<int>::max()))
+        throw Failure(ErrorCode::kLimit, place, "is larger than 2 GiB");
     const auto* bytes = reinterpret_cast<const stbi_uc*>(image.encoded.data());
     const int size_bytes = static_cast<int>(image.encoded.size());
     int width = 0, height = 0, channels = 0;
-    const auto refuse = [&] { return Failure(ErrorCode::kInvalidFile, place, std::string("cannot be decoded: ") + stbi_failure_reason()); };
+    const auto refuse = [&] {
+        return Failure(ErrorCode::kInvalidFile, place, std::string("cannot be decoded: ") + stbi_failure_reason());
+    };
     if (!stbi_info_from_memory(bytes, size_bytes, &width, &height, &channels)) throw refuse();
-    const uint64_t pixel_count = static_cast<uint64_t>(width) * static_cast<uint64_t>(height), with_mips_bytes = pixel_count * 4 * 4 / 3;
+    const uint64_t pixel_count = static_cast<uint64_t>(width) * static_cast<uint64_t>(height),
+                   with_mips_bytes = pixel_count * 4 * 4 / 3;
     const std::string size = std::to_string(width) + " x " + std::to_string(height);
-    if (pixel_count > kTexturePixelLimit) throw Failure(ErrorCode::kLimit, place, size + " exceeds the limit of " + std::to_string(kTexturePixelLimit) + " pixels");
+    if (pixel_count > kTexturePixelLimit)
+        throw Failure(ErrorCode::kLimit, place,
+                      size + " exceeds the limit of " + std::to_string(kTexturePixelLimit) + " pixels");
     if (with_mips_bytes > room_bytes)
-        throw Failure(ErrorCode::kLimit, place, size + " is more than the other textures leave of the limit of " + std::to_string(kTexturesLimit_bytes) + " bytes for those of a crowd");
+        throw Failure(ErrorCode::kLimit, place,
+                      size + " is more than the other textures leave of the limit of " +
+                          std::to_string(kTexturesLimit_bytes) + " bytes for those of a crowd");
     room_bytes -= with_mips_bytes;
-    const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(stbi_load_from_memory(bytes, size_bytes, &width, &height, &channels, STBI_rgb_alpha), &stbi_image_free);
+    const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(
+        stbi_load_from_memory(bytes, size_bytes, &width, &height, &channels, STBI_rgb_alpha), &stbi_image_free);
     if (!pixels) throw refuse();
     Picture picture{.width = static_cast<uint32_t>(width), .height = static_cast<uint32_t>(height)};
     picture.rgba.assign(pixels.get(), pixels.get() + uint64_t{picture.width} * picture.height * 4);
@@ -44,28 +53,38 @@ Picture decode_image(const AssetImage& image, uint64_t& room_bytes) {
 
 Image upload_texture(const std::shared_ptr<Gpu>& gpu, std::string_view what, const Picture& picture, VkFormat format) {
     const auto mip_count = static_cast<uint32_t>(std::bit_width(std::max(picture.width, picture.height)));
-    Image texture(gpu, {.what = what,
-                        .width = picture.width,
-                        .height = picture.height,
-                        .mip_count = mip_count,
-                        .format = format,
-                        .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+    Image texture(
+        gpu, {.what = what,
+              .width = picture.width,
+              .height = picture.height,
+              .mip_count = mip_count,
+              .format = format,
+              .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
     const Buffer staging(gpu, what, picture.rgba.size(), 0, MemoryKind::kUpload);
     std::memcpy(staging.mapped(), picture.rgba.data(), picture.rgba.size());
 
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
-        transition(*gpu, commands, {.image = texture.handle(), .to = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, .after = kTransferWrite});
+        transition(*gpu, commands,
+                   {.image = texture.handle(), .to = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, .after = kTransferWrite});
         VkBufferImageCopy copy{};
         copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
         copy.imageExtent = {picture.width, picture.height, 1};
-        gpu->vk.vkCmdCopyBufferToImage(commands, staging.handle(), texture.handle(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+        gpu->vk.vkCmdCopyBufferToImage(commands, staging.handle(), texture.handle(),
+                                       VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
 
         const auto corner = [&](uint32_t mip) {
-            return VkOffset3D{static_cast<int32_t>(std::max(picture.width >> mip, 1u)), static_cast<int32_t>(std::max(picture.height >> mip, 1u)), 1};
+            return VkOffset3D{static_cast<int32_t>(std::max(picture.width >> mip, 1u)),
+                              static_cast<int32_t>(std::max(picture.height >> mip, 1u)), 1};
         };
         const auto written = [&](uint32_t mip, VkImageLayout to, Access after) {
-            transition(*gpu, commands, {.image = texture.handle(), .first_mip = mip, .mip_count = 1, .from = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, .to = to,
-                                        .before = kTransferWrite, .after = after});
+            transition(*gpu, commands,
+                       {.image = texture.handle(),
+                        .first_mip = mip,
+                        .mip_count = 1,
+                        .from = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                        .to = to,
+                        .before = kTransferWrite,
+                        .after = after});
         };
         for (uint32_t mip = 1; mip < mip_count; ++mip) {
             written(mip - 1, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, kTransferRead);
@@ -74,18 +93,24 @@ Image upload_texture(const std::shared_ptr<Gpu>& gpu, std::string_view what, con
             blit.srcOffsets[1] = corner(mip - 1);
             blit.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, mip, 0, 1};
             blit.dstOffsets[1] = corner(mip);
-            gpu->vk.vkCmdBlitImage(commands, texture.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, texture.handle(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit,
-                                   VK_FILTER_LINEAR);
+            gpu->vk.vkCmdBlitImage(commands, texture.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, texture.handle(),
+                                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_LINEAR);
         }
         if (mip_count > 1)
-            transition(*gpu, commands, {.image = texture.handle(), .mip_count = mip_count - 1, .from = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                                        .to = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, .before = kTransferRead, .after = kFragmentRead});
+            transition(*gpu, commands,
+                       {.image = texture.handle(),
+                        .mip_count = mip_count - 1,
+                        .from = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                        .to = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+                        .before = kTransferRead,
+                        .after = kFragmentRead});
         written(mip_count - 1, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, kFragmentRead);
     });
     return texture;
 }
 
-std::optional<Image> make_texture(const std::shared_ptr<Gpu>& gpu, const AssetImage& image, VkFormat format, TextureAccount& account) {
+std::optional<Image> make_texture(const std::shared_ptr<Gpu>& gpu, const AssetImage& image, VkFormat format,
+                                  TextureAccount& account) {
     try {
         return upload_texture(gpu, "image '" + image.name + "'", decode_image(image, account.room_bytes), format);
     } catch (const Failure& failure) {

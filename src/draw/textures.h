@@ -12,9 +12,11 @@ namespace throng {
 
 inline constexpr uint32_t kTextureDimensionLimit = 16'384;
 inline constexpr uint64_t kTexturePixelLimit = uint64_t{1} << 26;  // 256 MiB decoded
-inline constexpr uint64_t kTexturesLimit_bytes = uint64_t{1} << 31;  // of all textures of a crowd, with mipmaps: a small file may ask for a lot
+// Of all textures of a crowd, with mipmaps: a small file may ask for a lot
+inline constexpr uint64_t kTexturesLimit_bytes = uint64_t{1} << 31;
 
-// PNG or JPEG. Takes what it needs with mipmaps from `room_bytes`, before it decodes. Throws kInvalidFile, and kLimit above the limits.
+// PNG or JPEG. Takes what it needs with mipmaps from `room_bytes`, before it decodes. Throws kInvalidFile, and kLimit
+// above the limits.
 Picture decode_image(const AssetImage& image, uint64_t& room_bytes);
 
 inline constexpr VkFormat kColorTexture = VK_FORMAT_R8G8B8A8_SRGB, kNumberTexture = VK_FORMAT_R8G8B8A8_UNORM;
@@ -28,8 +30,10 @@ struct TextureAccount {
     uint64_t room_bytes = kTexturesLimit_bytes;
 };
 
-// The texture of an image; none, with a warning that it is drawn white, where it cannot be decoded or there is no room for it. Submits and waits.
-std::optional<Image> make_texture(const std::shared_ptr<Gpu>& gpu, const AssetImage& image, VkFormat format, TextureAccount& account);
+// The texture of an image; none, with a warning that it is drawn white, where it cannot be decoded or there is no room
+// for it. Submits and waits.
+std::optional<Image> make_texture(const std::shared_ptr<Gpu>& gpu, const AssetImage& image, VkFormat format,
+                                  TextureAccount& account);
 Image make_white_texture(const std::shared_ptr<Gpu>& gpu);
 
 }  // namespace throng

@@ -24,7 +24,9 @@ std::vector<bool> fixed_joints(const Character& character) {
         const JointTracks& rest = character.tracks[clip_count * joint_count + joint];
         for (size_t clip = 0; clip < clip_count && fixed[joint]; ++clip) {
             const JointTracks& tracks = character.tracks[clip * joint_count + joint];
-            const auto stands = [&](uint32_t track, uint32_t rest_track) { return !is_animated(character, track) && is_same(character, track, rest_track); };
+            const auto stands = [&](uint32_t track, uint32_t rest_track) {
+                return !is_animated(character, track) && is_same(character, track, rest_track);
+            };
             fixed[joint] = stands(tracks.translation, rest.translation) && stands(tracks.scale, rest.scale);
         }
     }

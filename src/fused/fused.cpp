@@ -18,11 +18,14 @@ ScanPlan plan_tiled(const ScanChoice& choice, const ScanRig& rig, const ScanLimi
     if (!alone.obstacle.empty()) return alone;
     const uint64_t tile_bytes = uint64_t{alone.instances_per_workgroup} * rig.joint_count() * transform_bytes(method);
     const std::string tile = std::to_string(tile_bytes) + " bytes of shared memory for local transforms";
-    if (tile_bytes > limits.shared_memory_bytes) return {.obstacle = tile + " exceed the device's " + std::to_string(limits.shared_memory_bytes)};
+    if (tile_bytes > limits.shared_memory_bytes)
+        return {.obstacle = tile + " exceed the device's " + std::to_string(limits.shared_memory_bytes)};
     ScanLimits rest = limits;
     rest.shared_memory_bytes -= static_cast<uint32_t>(tile_bytes);
     ScanPlan plan = plan_scan(method, rig, rest, choice.lanes);
-    if (!plan.obstacle.empty() || !plan.on_chip) return {.obstacle = tile + " and those that " + std::string(method.name) + " needs exceed the device's " + std::to_string(limits.shared_memory_bytes)};
+    if (!plan.obstacle.empty() || !plan.on_chip)
+        return {.obstacle = tile + " and those that " + std::string(method.name) + " needs exceed the device's " +
+                            std::to_string(limits.shared_memory_bytes)};
     return plan;
 }
 
@@ -51,21 +54,28 @@ FusedRig::FusedRig(const Character& character, uint32_t detail) {
 
 FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLimits& limits) {
     const ScanMethod& method = *choice.method;
-    if (std::string obstacle = lanes_obstacle(method, limits, choice.lanes); !obstacle.empty()) return {.obstacle = std::move(obstacle)};
+    if (std::string obstacle = lanes_obstacle(method, limits, choice.lanes); !obstacle.empty())
+        return {.obstacle = std::move(obstacle)};
     const std::span<const uint32_t> shader = scan_shaders(method.name).fused;
     if (shader.empty()) return {.obstacle = std::string(method.name) + " has no fused form"};
     // On a software device tables are texels, and fewer storage buffers are bound: none has too few of them.
     const std::vector<BindingInfo> bindings = read_spirv(shader).bindings;
     if (bindings.size() > limits.storage_buffers)
-        return {.obstacle = std::to_string(bindings.size()) + " storage buffers in one kernel exceed the device's " + std::to_string(limits.storage_buffers)};
+        return {.obstacle = std::to_string(bindings.size()) + " storage buffers in one kernel exceed the device's " +
+                            std::to_string(limits.storage_buffers)};
     const bool serial = method.name == "serial";
-    FusedPlan plan{.obstacle = {}, .choice = choice, .scan = serial ? plan_fused_serial(rig.rig, rig.fixed, limits) : plan_tiled(choice, rig.rig, limits)};
+    FusedPlan plan{
+        .obstacle = {},
+        .choice = choice,
+        .scan = serial ? plan_fused_serial(rig.rig, rig.fixed, limits) : plan_tiled(choice, rig.rig, limits)};
     plan.obstacle = plan.scan.obstacle;
     plan.tile_transforms = serial ? 0 : plan.scan.instances_per_workgroup * rig.rig.joint_count();
     plan.one_bind = rig.most_binds <= 1;
-    const uint64_t iterations = plan.scan.counts.loop_iterations + 2 * uint64_t{rig.rig.joint_count()} + rig.palette_count;
+    const uint64_t iterations = plan.scan.counts.loop_iterations + 2 * uint64_t{rig.rig.joint_count()} +
+                                rig.palette_count;
     if (plan.obstacle.empty() && iterations > limits.loop_iterations)
-        plan.obstacle = "up to " + std::to_string(iterations) + " loop iterations exceed the device's " + std::to_string(limits.loop_iterations);
+        plan.obstacle = "up to " + std::to_string(iterations) + " loop iterations exceed the device's " +
+                        std::to_string(limits.loop_iterations);
     return plan;
 }
 
@@ -75,7 +85,8 @@ FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits) {
     if (limits.is_cpu) {
         add("serial", 0);
     } else {
-        // A subgroup a character, no barrier but the one after the tile; similarities need less shared memory. See docs/performance.md.
+        // A subgroup a character, no barrier but the one after the tile; similarities need less shared memory. See
+        // docs/performance.md.
         const uint32_t lanes = std::min(32u, limits.subgroup_size);
         add("subgroup_quaternion", lanes);
         add("subgroup", lanes);
@@ -89,9 +100,11 @@ FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits) {
     return plan;
 }
 
-FusedTables::FusedTables(const std::shared_ptr<Gpu>& gpu, const Character& character, const FusedRig& rig, const FusedPlan& plan) {
+FusedTables::FusedTables(const std::shared_ptr<Gpu>& gpu, const Character& character, const FusedRig& rig,
+                         const FusedPlan& plan) {
     std::vector<std::vector<uint32_t>> entries_of(character.rig.joint_count());
-    for (uint32_t entry = 0; entry < character.palette.size(); ++entry) entries_of[character.palette[entry].joint].push_back(entry);
+    for (uint32_t entry = 0; entry < character.palette.size(); ++entry)
+        entries_of[character.palette[entry].joint].push_back(entry);
     std::vector<uint32_t> ranges{0}, entries;
     for (const uint32_t joint : rig.rig_joints) {
         entries.insert(entries.end(), entries_of[joint].begin(), entries_of[joint].end());
@@ -111,7 +124,10 @@ Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, cons
     const uint32_t tile_instances = plan.tile_transforms > 0 ? plan.scan.instances_per_workgroup : 1;
     std::vector<uint32_t> constants = plan.scan.constants;
     constants.resize(io::kMethodConstants);
-    constants.insert(constants.end(), {settings.packed, settings.blends, settings.keeps_model, static_cast<uint32_t>(settings.skin_format), plan.one_bind, tile_instances, std::max(plan.tile_transforms, 1u), settings.layered, settings.socket_count, settings.inertial, settings.posed, settings.listed, settings.some_joints});
+    constants.insert(constants.end(), {settings.packed, settings.blends, settings.keeps_model,
+                                       static_cast<uint32_t>(settings.skin_format), plan.one_bind, tile_instances,
+                                       std::max(plan.tile_transforms, 1u), settings.layered, settings.socket_count,
+                                       settings.inertial, settings.posed, settings.listed, settings.some_joints});
     return Kernel(gpu, {.name = "fused",
                         .spirv = gpu->prefers_wide_words() ? shaders.fused_wide : shaders.fused,
                         .workgroup_size = plan.scan.workgroup_size,
@@ -119,8 +135,11 @@ Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, cons
                         .full_subgroups = plan.scan.full_subgroups});
 }
 
-void record_fused(VkCommandBuffer commands, const Kernel& kernel, const Bindings& bindings, const FusedPlan& plan, const io::FusedPush& push) {
-    kernel.dispatch_workgroups(commands, bindings, push, (push.instance_count + plan.scan.instances_per_workgroup - 1) / plan.scan.instances_per_workgroup);
+void record_fused(VkCommandBuffer commands, const Kernel& kernel, const Bindings& bindings, const FusedPlan& plan,
+                  const io::FusedPush& push) {
+    kernel.dispatch_workgroups(
+        commands, bindings, push,
+        (push.instance_count + plan.scan.instances_per_workgroup - 1) / plan.scan.instances_per_workgroup);
 }
 
 }  // namespace throng

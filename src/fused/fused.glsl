@@ -1,9 +1,11 @@
-// Sample, blend, scan and bind in one pass: the host of a scan method whose local transforms are computed where it loads them, and
-// whose model transforms become skin matrices where it stores them. Nothing else passes through memory. Two forms:
-//   FUSED_TILED    a workgroup first computes the local transforms of its characters into shared memory, joints side by side; for
-//                  methods that load a joint more than once
-//   else           load_local() computes: for methods that load each joint once
-// Bytes a joint: keys (once for all characters in the caches), 24 to 48 written; tiled also 48 through shared memory and back.
+// Sample, blend, scan and bind in one pass: the host of a scan method whose local transforms are computed where it
+// loads them, and whose model transforms become skin matrices where it stores them. Nothing else passes through memory.
+// Two forms:
+// - FUSED_TILED: a workgroup first computes the local transforms of its characters into shared memory, joints side by
+//   side; for methods that load a joint more than once;
+// - else load_local() computes: for methods that load each joint once.
+// Bytes a joint: keys (once for all characters in the caches), 24 to 48 written; tiled also 48 through shared memory
+// and back.
 #include "bind/bind.glsl"
 #include "blend/blend.glsl"
 #include "blend/inertia_io.h"
@@ -18,7 +20,8 @@ TABLE_OF_ROWS(1, Tracks, tracks);
 TABLE_OF_ROWS(2, Keys, keys);
 TABLE_OF_WORDS(3, Words, words);
 TABLE_OF_WORDS(4, Links, link_words);
-TABLE_OF_WORDS(5, BindRanges, bind_ranges);    // [joint_count + 1]: where a joint's palette entries begin in the next two
+// [joint_count + 1]: where a joint's palette entries begin in the next two
+TABLE_OF_WORDS(5, BindRanges, bind_ranges);
 TABLE_OF_WORDS(6, BindEntries, bind_entries);  // palette entries, sorted by joint
 TABLE_OF_ROWS(7, Binds, binds);                // their inverse binds, three rows each
 layout(set = 0, binding = 9, std430) buffer Model { StoredAffine model[]; };
@@ -30,22 +33,23 @@ layout(set = 0, binding = 14, std430) readonly buffer Inertias { InstanceInertia
 layout(set = 0, binding = 15, std430) buffer InertiaStates { InertiaState inertia_states[]; };
 TABLE_OF_WORDS(16, Posed, posed);
 TABLE_OF_ROWS(17, Poses, poses);
-TABLE_OF_WORDS(18, Work, work);  // of listed instances (cull/cull_io.h)
+TABLE_OF_WORDS(18, Work, work);             // of listed instances (cull/cull_io.h)
 TABLE_OF_WORDS(19, RigJoints, rig_joints);  // of a part of the joints: their numbers in the rig
-#define scratch model  // named by methods that exchange through memory where shared memory is too small: no such plan is fused
+// Named by methods that exchange through memory where shared memory is too small: no such plan is fused
+#define scratch model
 layout(constant_id = 8) const bool kPacked = false;
-layout(constant_id = 9) const bool kBlends = true;      // false: every instance plays one clip
+layout(constant_id = 9) const bool kBlends = true;  // false: every instance plays one clip
 layout(constant_id = 10) const bool kKeepsModel = false;
 layout(constant_id = 11) const uint kSkinFormat = kSkinAffine;
-layout(constant_id = 12) const bool kOneBind = false;    // no joint has two palette entries
-layout(constant_id = 13) const uint kTileInstances = 1;  // of a workgroup
+layout(constant_id = 12) const bool kOneBind = false;     // no joint has two palette entries
+layout(constant_id = 13) const uint kTileInstances = 1;   // of a workgroup
 layout(constant_id = 14) const uint kTileTransforms = 1;  // of all of them
-layout(constant_id = 15) const bool kLayered = false;    // instances play voices in layers, not two clips
+layout(constant_id = 15) const bool kLayered = false;     // instances play voices in layers, not two clips
 layout(constant_id = 16) const uint kSocketCount = 0;
-layout(constant_id = 17) const bool kInertial = false;   // of layers
-layout(constant_id = 18) const bool kPosed = false;      // poses may be set
-layout(constant_id = 19) const bool kListed = false;     // only listed instances are animated
-layout(constant_id = 20) const bool kSomeJoints = false; // not all joints are
+layout(constant_id = 17) const bool kInertial = false;    // of layers
+layout(constant_id = 18) const bool kPosed = false;       // poses may be set
+layout(constant_id = 19) const bool kListed = false;      // only listed instances are animated
+layout(constant_id = 20) const bool kSomeJoints = false;  // not all joints are
 layout(push_constant) uniform Push { FusedPush push; };
 
 #define SKIN_SET 0
@@ -115,9 +119,12 @@ JointPose animated_pose_of_fixed(uint instance, InstanceCursor cursor, uint join
     vec4 first, second;
     if (cursor.weight > 0) first = sample_rotation(tracks_of(cursor.first, joint).x, cursor.first);
     if (cursor.weight < 1) second = sample_rotation(tracks_of(cursor.second, joint).x, cursor.second);
-    if (cursor.weight >= 1) pose.rotation = first;
-    else if (cursor.weight <= 0) pose.rotation = second;
-    else pose.rotation = blend_rotation(first, second, cursor.weight);
+    if (cursor.weight >= 1)
+        pose.rotation = first;
+    else if (cursor.weight <= 0)
+        pose.rotation = second;
+    else
+        pose.rotation = blend_rotation(first, second, cursor.weight);
     return pose;
 }
 
@@ -144,7 +151,8 @@ Transform to_local(JointPose pose) {
 }
 
 void bind_entry(uint instance, uint i, Affine model_from_joint) {
-    store_skin(instance * push.palette_count + WORD_AT(bind_entries, i), skin_matrix(model_from_joint, AFFINE_AT(binds, i)));
+    store_skin(instance * push.palette_count + WORD_AT(bind_entries, i),
+               skin_matrix(model_from_joint, AFFINE_AT(binds, i)));
 }
 
 void store_instance(uint instance, uint joint, Transform transform) {
@@ -188,7 +196,9 @@ void main() {
 InstanceCursor scan_cursor;  // of the instance that the invocation walks, which its scan() sets
 
 Transform load_local(uint instance, uint joint) { return to_local(local_pose(instance, scan_cursor, joint)); }
-Transform load_local_of_fixed(uint instance, uint joint) { return to_local(local_pose_of_fixed(instance, scan_cursor, joint)); }
+Transform load_local_of_fixed(uint instance, uint joint) {
+    return to_local(local_pose_of_fixed(instance, scan_cursor, joint));
+}
 void store_model(uint instance, uint joint, Transform transform) { store_instance(instance, joint, transform); }
 
 void main() { scan(); }

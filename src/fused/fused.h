@@ -18,26 +18,31 @@ struct FusedBuffers {
     BufferRange words;    // uint[], of packed keys
     BufferRange links;    // FusedTables
     BufferRange bind_ranges, bind_entries, binds;
-    BufferRange skin;     // [instance_count][palette_count] in FusedSettings::skin_format, model_from_bind, written
-    BufferRange model;    // Affine[instance_count][joint_count], model_from_joint, written where FusedSettings::keeps_model; else any buffer
-    BufferRange voices;   // of layers: io::Voice[instance_count][voice_limit]; else any table of rows
-    BufferRange masks;    // of layers: float[mask_count][joint_count]; else any table of words
-    BufferRange socket_slots;  // of sockets: uint[joint_count], 1 + the joint's place in the next, or 0; else any table of words
-    BufferRange sockets;       // of sockets: Affine[instance_count][socket_count], model_from_joint, written; else any buffer
-    BufferRange inertias;        // of inertial transitions: io::InstanceInertia[instance_count]; else any buffer
-    BufferRange inertia_states;  // of inertial transitions: io::InertiaState[instance_count][joint_count], read and written; else any buffer
+    BufferRange skin;  // [instance_count][palette_count] in FusedSettings::skin_format, model_from_bind, written
+    // Affine[instance_count][joint_count], model_from_joint, written where FusedSettings::keeps_model; else any buffer
+    BufferRange model;
+    BufferRange voices;  // of layers: io::Voice[instance_count][voice_limit]; else any table of rows
+    BufferRange masks;   // of layers: float[mask_count][joint_count]; else any table of words
+    // Of sockets: uint[joint_count], 1 + the joint's place in the next, or 0; else any table of words
+    BufferRange socket_slots;
+    // Of sockets: Affine[instance_count][socket_count], model_from_joint, written; else any buffer
+    BufferRange sockets;
+    BufferRange inertias;  // of inertial transitions: io::InstanceInertia[instance_count]; else any buffer
+    // Of inertial transitions: io::InertiaState[instance_count][joint_count], read and written; else any buffer
+    BufferRange inertia_states;
     BufferRange posed;  // of poses that may be set: io::InstancePose[instance_count], a table of words; else any
-    BufferRange poses;  // of poses that may be set: io::JointPose[pose_capacity][joint_count], a table of rows; else any
-    BufferRange work;   // of listed instances (cull/cull_io.h), a table of words; else any
+    // Of poses that may be set: io::JointPose[pose_capacity][joint_count], a table of rows; else any
+    BufferRange poses;
+    BufferRange work;        // of listed instances (cull/cull_io.h), a table of words; else any
     BufferRange rig_joints;  // of a part of the joints: FusedTables'; else any table of words
 };
 
 struct FusedSettings {
-    bool packed = false;       // Character::packed
-    bool blends = true;        // false: no instance has two clips with weight
+    bool packed = false;  // Character::packed
+    bool blends = true;   // false: no instance has two clips with weight
     bool keeps_model = false;
     SkinFormat skin_format = SkinFormat::kAffine;
-    bool layered = false;      // instances play voices, not the two clips of cursors
+    bool layered = false;  // instances play voices, not the two clips of cursors
     uint32_t socket_count = 0;
     bool inertial = false;     // layered, with inertial transitions
     bool posed = false;        // poses may be set
@@ -51,9 +56,9 @@ struct FusedRig {
 
     ScanRig rig;
     std::vector<uint32_t> rig_joints;  // [joint_count], the character's
-    std::vector<bool> fixed;     // [joint_count], fused/fixed_joints.h
+    std::vector<bool> fixed;           // [joint_count], fused/fixed_joints.h
     uint32_t palette_count = 0;
-    uint32_t most_binds = 0;     // palette entries of one joint
+    uint32_t most_binds = 0;  // palette entries of one joint
 };
 
 // How a scan method goes about a character in one pass.
@@ -72,7 +77,8 @@ FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits);
 
 // What the kernel reads of a character beside its clips.
 struct FusedTables {
-    FusedTables(const std::shared_ptr<Gpu>& gpu, const Character& character, const FusedRig& rig, const FusedPlan& plan);
+    FusedTables(const std::shared_ptr<Gpu>& gpu, const Character& character, const FusedRig& rig,
+                const FusedPlan& plan);
 
     Buffer links;         // of the plan
     Buffer bind_ranges;   // uint[joint_count + 1]: where a joint's palette entries begin in the next two
@@ -80,12 +86,16 @@ struct FusedTables {
     Buffer binds;         // Affine[palette_count], joint_from_bind of these
     Buffer rig_joints;    // FusedRig's
 
-    uint64_t size_bytes() const { return links.size_bytes() + bind_ranges.size_bytes() + bind_entries.size_bytes() + binds.size_bytes() + rig_joints.size_bytes(); }
+    uint64_t size_bytes() const {
+        return links.size_bytes() + bind_ranges.size_bytes() + bind_entries.size_bytes() + binds.size_bytes() +
+               rig_joints.size_bytes();
+    }
 };
 
 Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, const FusedSettings& settings);
 
 // Of all instances.
-void record_fused(VkCommandBuffer commands, const Kernel& kernel, const Bindings& bindings, const FusedPlan& plan, const io::FusedPush& push);
+void record_fused(VkCommandBuffer commands, const Kernel& kernel, const Bindings& bindings, const FusedPlan& plan,
+                  const io::FusedPush& push);
 
 }  // namespace throng

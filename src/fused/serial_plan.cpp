@@ -18,7 +18,8 @@ std::vector<Segment> segments_of(std::span<const uint32_t> walk, const std::vect
         if (is_fixed && segments.back().free > 0) segments.emplace_back();
         ++(is_fixed ? segments.back().fixed : segments.back().free);
     }
-    // A software device runs each loop once more than it has steps, so where kinds alternate often it is faster to take all for free.
+    // A software device runs each loop once more than it has steps, so where kinds alternate often it is faster to take
+    // all for free.
     constexpr double kFixedCost = 0.6;  // of a free step
     double cost = 0;
     for (const Segment& segment : segments) cost += kFixedCost * (segment.fixed + 1) + segment.free + 1;
@@ -44,7 +45,9 @@ ScanPlan plan_fused_serial(const ScanRig& rig, const std::vector<bool>& fixed, c
     const uint32_t shared_bytes = limits.is_cpu ? 0 : plan.constants[1] * 48;
     plan.counts.shared_bytes = shared_bytes;
     if (shared_bytes > limits.shared_memory_bytes)
-        plan.obstacle = std::to_string(shared_bytes) + " bytes of shared memory for waiting parents exceed the device's " + std::to_string(limits.shared_memory_bytes);
+        plan.obstacle = std::to_string(shared_bytes) +
+                        " bytes of shared memory for waiting parents exceed the device's " +
+                        std::to_string(limits.shared_memory_bytes);
     return plan;
 }
 

@@ -8,9 +8,7 @@ struct Affine {
 
 const Affine kIdentity = Affine(vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, 0));
 
-vec4 affine_row(vec4 a, Affine b) {
-    return a.x * b.row0 + a.y * b.row1 + a.z * b.row2 + vec4(0, 0, 0, a.w);
-}
+vec4 affine_row(vec4 a, Affine b) { return a.x * b.row0 + a.y * b.row1 + a.z * b.row2 + vec4(0, 0, 0, a.w); }
 
 // a * b: first b, then a.
 Affine affine_multiply(Affine a, Affine b) {
@@ -31,8 +29,6 @@ vec3 affine_point(Affine m, vec3 p) {
     return vec3(dot(m.row0, vec4(p, 1)), dot(m.row1, vec4(p, 1)), dot(m.row2, vec4(p, 1)));
 }
 
-vec3 affine_vector(Affine m, vec3 v) {
-    return vec3(dot(m.row0.xyz, v), dot(m.row1.xyz, v), dot(m.row2.xyz, v));
-}
+vec3 affine_vector(Affine m, vec3 v) { return vec3(dot(m.row0.xyz, v), dot(m.row1.xyz, v), dot(m.row2.xyz, v)); }
 
 #endif

@@ -13,19 +13,25 @@ VkBufferUsageFlags table_usage(const Gpu& gpu, std::string_view what, uint64_t s
     if (!gpu.prefers_wide_words()) return VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
     const uint64_t count = size_bytes / texel_bytes, limit = gpu.properties.limits.maxTexelBufferElements;
     if (count > limit)
-        throw Failure(ErrorCode::kLimit, std::string(what), "a table of " + std::to_string(count) + " elements exceeds the device's " + std::to_string(limit) + " (maxTexelBufferElements)");
+        throw Failure(ErrorCode::kLimit, std::string(what),
+                      "a table of " + std::to_string(count) + " elements exceeds the device's " +
+                          std::to_string(limit) + " (maxTexelBufferElements)");
     return VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
 }
 
 }  // namespace
 
-Buffer::Buffer(std::shared_ptr<Gpu> gpu, std::string_view what, VkDeviceSize size_bytes, VkBufferUsageFlags usage, MemoryKind kind)
+Buffer::Buffer(std::shared_ptr<Gpu> gpu, std::string_view what, VkDeviceSize size_bytes, VkBufferUsageFlags usage,
+               MemoryKind kind)
     : gpu_(std::move(gpu)), size_bytes_(size_bytes) {
     const auto refuse_over = [&](uint64_t limit, const char* name) {
         if (size_bytes <= limit) return;
-        throw Failure(ErrorCode::kLimit, std::string(what), std::to_string(size_bytes) + " bytes exceed the device's " + name + " of " + std::to_string(limit));
+        throw Failure(
+            ErrorCode::kLimit, std::string(what),
+            std::to_string(size_bytes) + " bytes exceed the device's " + name + " of " + std::to_string(limit));
     };
-    if (usage & VK_BUFFER_USAGE_STORAGE_BUFFER_BIT) refuse_over(gpu_->properties.limits.maxStorageBufferRange, "storage-buffer range");
+    if (usage & VK_BUFFER_USAGE_STORAGE_BUFFER_BIT)
+        refuse_over(gpu_->properties.limits.maxStorageBufferRange, "storage-buffer range");
     refuse_over(gpu_->max_allocation_bytes, "largest allocation");
 
     VkBufferCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
@@ -36,13 +42,16 @@ Buffer::Buffer(std::shared_ptr<Gpu> gpu, std::string_view what, VkDeviceSize siz
         check(gpu_->vk.vkCreateBuffer(gpu_->device, &create, nullptr, &buffer_), "vkCreateBuffer");
         VkMemoryRequirements needs{};
         gpu_->vk.vkGetBufferMemoryRequirements(gpu_->device, buffer_, &needs);
-        constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+        constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
+                                                VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
         VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
         allocate.allocationSize = needs.size;
-        allocate.memoryTypeIndex =
-            kind == MemoryKind::kDevice     ? gpu_->memory_type(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)
-            : kind == MemoryKind::kReadback ? gpu_->memory_type(needs.memoryTypeBits, kHost, VK_MEMORY_PROPERTY_HOST_CACHED_BIT)
-                                            : gpu_->memory_type(needs.memoryTypeBits, kHost, 0);
+        allocate.memoryTypeIndex = kind == MemoryKind::kDevice
+                                       ? gpu_->memory_type(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)
+                                   : kind == MemoryKind::kReadback
+                                       ? gpu_->memory_type(needs.memoryTypeBits, kHost,
+                                                           VK_MEMORY_PROPERTY_HOST_CACHED_BIT)
+                                       : gpu_->memory_type(needs.memoryTypeBits, kHost, 0);
         check(gpu_->vk.vkAllocateMemory(gpu_->device, &allocate, nullptr, &memory_), "vkAllocateMemory");
         check(gpu_->vk.vkBindBufferMemory(gpu_->device, buffer_, memory_, 0), "vkBindBufferMemory");
         if (kind != MemoryKind::kDevice) {
@@ -52,7 +61,8 @@ Buffer::Buffer(std::shared_ptr<Gpu> gpu, std::string_view what, VkDeviceSize siz
         }
     } catch (Failure& failure) {
         destroy();
-        throw Failure(failure.error.code, std::string(what) + " (" + std::to_string(size_bytes) + " bytes)", failure.error.message);
+        throw Failure(failure.error.code, std::string(what) + " (" + std::to_string(size_bytes) + " bytes)",
+                      failure.error.message);
     }
 }
 
@@ -74,7 +84,8 @@ void Buffer::swap(Buffer& other) noexcept {
     std::swap(texel_bytes_, other.texel_bytes_);
 }
 
-Buffer upload_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data, VkBufferUsageFlags usage) {
+Buffer upload_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data,
+                    VkBufferUsageFlags usage) {
     constexpr VkDeviceSize kSmallest_bytes = 16;
     Buffer buffer(gpu, what, std::max<VkDeviceSize>(data.size(), kSmallest_bytes), usage);
     Buffer staging(gpu, what, buffer.size_bytes(), 0, MemoryKind::kUpload);
@@ -87,25 +98,29 @@ Buffer upload_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std:
     return buffer;
 }
 
-Buffer upload_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data, uint32_t texel_bytes, VkBufferUsageFlags more_usage) {
+Buffer upload_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data,
+                          uint32_t texel_bytes, VkBufferUsageFlags more_usage) {
     const VkBufferUsageFlags usage = table_usage(*gpu, what, data.size(), texel_bytes) | more_usage;
     Buffer table = upload_bytes(gpu, what, data, usage);
     if (usage & VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT) table.allow_texels(texel_bytes);
     return table;
 }
 
-Buffer make_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, uint64_t size_bytes, uint32_t texel_bytes) {
+Buffer make_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, uint64_t size_bytes,
+                        uint32_t texel_bytes) {
     const VkBufferUsageFlags usage = table_usage(*gpu, what, size_bytes, texel_bytes);
     Buffer table(gpu, what, size_bytes, usage | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     if (usage & VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT) table.allow_texels(texel_bytes);
     return table;
 }
 
-void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, VkDeviceSize offset_bytes, std::span<const std::byte> data) {
+void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, VkDeviceSize offset_bytes,
+                   std::span<const std::byte> data) {
     constexpr size_t kLimit_bytes = 65536;  // of vkCmdUpdateBuffer
     for (size_t at = 0; at < data.size(); at += kLimit_bytes) {
         const auto part = data.subspan(at, std::min(kLimit_bytes, data.size() - at));
-        gpu.vk.vkCmdUpdateBuffer(commands, target.buffer, target.offset_bytes + offset_bytes + at, part.size(), part.data());
+        gpu.vk.vkCmdUpdateBuffer(commands, target.buffer, target.offset_bytes + offset_bytes + at, part.size(),
+                                 part.data());
     }
 }
 

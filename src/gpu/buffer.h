@@ -21,7 +21,8 @@ enum class MemoryKind {
 class Buffer {
 public:
     Buffer() = default;
-    // `what` names the content in messages. Throws kLimit where a storage buffer exceeds the device's range or allocation size.
+    // `what` names the content in messages. Throws kLimit where a storage buffer exceeds the device's range or
+    // allocation size.
     Buffer(std::shared_ptr<Gpu> gpu, std::string_view what, VkDeviceSize size_bytes, VkBufferUsageFlags usage,
            MemoryKind kind = MemoryKind::kDevice);
     ~Buffer();
@@ -38,7 +39,8 @@ public:
     std::byte* mapped() const { return mapped_; }
     // 4 or 16: a kernel may read the buffer as texels of one or four components; 0: only as a storage buffer.
     uint32_t texel_bytes() const { return texel_bytes_; }
-    void allow_texels(uint32_t texel_bytes) { texel_bytes_ = texel_bytes; }  // its usage has VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT
+    // Its usage has VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT
+    void allow_texels(uint32_t texel_bytes) { texel_bytes_ = texel_bytes; }
 
 private:
     void swap(Buffer& other) noexcept;
@@ -60,12 +62,16 @@ struct BufferRange {
     uint32_t texel_bytes = 0;  // as Buffer has it
 
     BufferRange() = default;
-    BufferRange(const Buffer& whole) : buffer(whole.handle()), size_bytes(whole.size_bytes()), texel_bytes(whole.texel_bytes()) {}
-    BufferRange(VkBuffer handle, VkDeviceSize offset, VkDeviceSize size) : buffer(handle), offset_bytes(offset), size_bytes(size) {}
+    BufferRange(const Buffer& whole)
+        : buffer(whole.handle()), size_bytes(whole.size_bytes()), texel_bytes(whole.texel_bytes()) {}
+    BufferRange(VkBuffer handle, VkDeviceSize offset, VkDeviceSize size)
+        : buffer(handle), offset_bytes(offset), size_bytes(size) {}
 };
 
-// A device buffer that holds `data`; empty data gives a buffer of 16 zero bytes, since Vulkan has no empty ones. Submits and waits.
-Buffer upload_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data, VkBufferUsageFlags usage);
+// A device buffer that holds `data`; empty data gives a buffer of 16 zero bytes, since Vulkan has no empty ones.
+// Submits and waits.
+Buffer upload_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data,
+                    VkBufferUsageFlags usage);
 
 template <class T>
 Buffer upload(const std::shared_ptr<Gpu>& gpu, std::string_view what, const std::vector<T>& data,
@@ -82,10 +88,12 @@ std::vector<uint32_t> as_words(const std::vector<T>& items) {
     return words;
 }
 
-// Tables that shaders declare by gpu/table.glsl, of words (4 bytes) or rows of four (16). They throw kLimit where the device cannot read
-// so many.
-Buffer upload_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data, uint32_t texel_bytes, VkBufferUsageFlags more_usage = 0);
-Buffer make_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, uint64_t size_bytes, uint32_t texel_bytes);
+// Tables that shaders declare by gpu/table.glsl, of words (4 bytes) or rows of four (16). They throw kLimit where the
+// device cannot read so many.
+Buffer upload_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data,
+                          uint32_t texel_bytes, VkBufferUsageFlags more_usage = 0);
+Buffer make_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, uint64_t size_bytes,
+                        uint32_t texel_bytes);
 
 template <class T>
 constexpr uint32_t texel_bytes_of() {
@@ -99,23 +107,29 @@ Buffer upload_table(const std::shared_ptr<Gpu>& gpu, std::string_view what, cons
     return upload_table_bytes(gpu, what, std::as_bytes(std::span(data)), texel_bytes_of<T>());
 }
 
-// A table of `count` elements that a kernel writes, as a storage buffer, and later ones read. Its contents are undefined.
+// A table of `count` elements that a kernel writes, as a storage buffer, and later ones read. Its contents are
+// undefined.
 template <class T>
 Buffer make_table(const std::shared_ptr<Gpu>& gpu, std::string_view what, uint64_t count) {
     return make_table_bytes(gpu, what, count * sizeof(T), texel_bytes_of<T>());
 }
 
 // A table with contents, of words, that kernels also write.
-inline Buffer upload_writable_table(const std::shared_ptr<Gpu>& gpu, std::string_view what, const std::vector<uint32_t>& words) {
-    return upload_table_bytes(gpu, what, std::as_bytes(std::span(words)), sizeof(uint32_t), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+inline Buffer upload_writable_table(const std::shared_ptr<Gpu>& gpu, std::string_view what,
+                                    const std::vector<uint32_t>& words) {
+    return upload_table_bytes(gpu, what, std::as_bytes(std::span(words)), sizeof(uint32_t),
+                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
 }
 
-// The data travels inside the command buffer, so that no staging memory has to outlive the call; offset and size are multiples of four bytes.
-void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, VkDeviceSize offset_bytes, std::span<const std::byte> data);
+// The data travels inside the command buffer, so that no staging memory has to outlive the call; offset and size are
+// multiples of four bytes.
+void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, VkDeviceSize offset_bytes,
+                   std::span<const std::byte> data);
 
 // Of a buffer of Ts, those from `first` on.
 template <class T>
-void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, uint64_t first, std::span<const T> items) {
+void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, uint64_t first,
+                   std::span<const T> items) {
     record_update(gpu, commands, target, first * sizeof(T), std::as_bytes(items));
 }
 

@@ -23,11 +23,13 @@ std::mutex& instance_level_mutex() {
 void load_vulkan() {
     static const VkResult result = volkInitialize();
     if (result != VK_SUCCESS)
-        throw Failure(ErrorCode::kNoDevice, {}, "no Vulkan loader (libvulkan.so.1): install libvulkan1 and a driver such as mesa-vulkan-drivers");
+        throw Failure(ErrorCode::kNoDevice, {},
+                      "no Vulkan loader (libvulkan.so.1): install libvulkan1 and a driver such as mesa-vulkan-drivers");
 }
 
 std::string lower(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return text;
 }
 
@@ -59,7 +61,8 @@ std::vector<Family> queue_families(VkPhysicalDevice physical) {
     std::vector<VkQueueFamilyProperties> properties(count);
     vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, properties.data());
     std::vector<Family> families;
-    for (uint32_t i = 0; i < count; ++i) families.push_back({i, properties[i].queueFlags, properties[i].timestampValidBits});
+    for (uint32_t i = 0; i < count; ++i)
+        families.push_back({i, properties[i].queueFlags, properties[i].timestampValidBits});
     return families;
 }
 
@@ -104,9 +107,11 @@ std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
 
 DeviceInfo select_device(const std::vector<DeviceInfo>& infos, const std::string& select) {
     std::string names;
-    for (const auto& info : infos) names += (names.empty() ? "" : ", ") + std::to_string(info.index) + " (" + info.name + ")";
+    for (const auto& info : infos)
+        names += (names.empty() ? "" : ", ") + std::to_string(info.index) + " (" + info.name + ")";
     const auto refuse = [&](const std::string& why) -> Failure {
-        return Failure(ErrorCode::kNoDevice, "device '" + select + "'", why + "; the devices are: " + (names.empty() ? "none" : names));
+        return Failure(ErrorCode::kNoDevice, "device '" + select + "'",
+                       why + "; the devices are: " + (names.empty() ? "none" : names));
     };
 
     std::vector<DeviceInfo> candidates;
@@ -114,10 +119,10 @@ DeviceInfo select_device(const std::vector<DeviceInfo>& infos, const std::string
     const auto [end, parse] = std::from_chars(select.data(), select.data() + select.size(), index);
     const bool is_index = parse == std::errc{} && end == select.data() + select.size();
     for (const auto& info : infos) {
-        const bool fits = select.empty()      ? true
-                          : is_index          ? info.index == index
-                          : select == "cpu"   ? info.type == "cpu"
-                                              : lower(info.name).find(lower(select)) != std::string::npos;
+        const bool fits = select.empty()    ? true
+                          : is_index        ? info.index == index
+                          : select == "cpu" ? info.type == "cpu"
+                                            : lower(info.name).find(lower(select)) != std::string::npos;
         if (fits) candidates.push_back(info);
     }
     if (candidates.empty()) throw refuse(infos.empty() ? "no Vulkan driver is installed" : "no such device");
@@ -127,7 +132,8 @@ DeviceInfo select_device(const std::vector<DeviceInfo>& infos, const std::string
                              [](const auto& a, const auto& b) { return preference(a) < preference(b); });
 }
 
-VKAPI_ATTR VkBool32 VKAPI_CALL on_validation_message(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+VKAPI_ATTR VkBool32 VKAPI_CALL on_validation_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                                     VkDebugUtilsMessageTypeFlagsEXT,
                                                      const VkDebugUtilsMessengerCallbackDataEXT* data, void* counter) {
     static_cast<std::atomic<uint32_t>*>(counter)->fetch_add(1);
     std::fprintf(stderr, "validation: %s\n", data->pMessage);
@@ -171,21 +177,24 @@ std::shared_ptr<Gpu> Gpu::create(const DeviceSettings& settings) {
 
 std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
     if (!adopted.instance || !adopted.physical_device || !adopted.device || !adopted.queue)
-        throw Failure(ErrorCode::kInvalidArgument, "adopted device", "instance, physical device, device and queue are all needed");
+        throw Failure(ErrorCode::kInvalidArgument, "adopted device",
+                      "instance, physical device, device and queue are all needed");
     std::shared_ptr<Gpu> gpu(new Gpu);  // before the lock, as in create()
     const std::lock_guard lock(instance_level_mutex());
     load_vulkan();
     volkLoadInstanceOnly(adopted.instance);
     gpu->info = describe(adopted.physical_device, 0);
     if (!gpu->info.usable)
-        throw Failure(ErrorCode::kNoDevice, "adopted device " + gpu->info.name, "Vulkan 1.3 and a compute queue are needed");
+        throw Failure(ErrorCode::kNoDevice, "adopted device " + gpu->info.name,
+                      "Vulkan 1.3 and a compute queue are needed");
     gpu->device = adopted.device;
     gpu->queue = adopted.queue;
     gpu->queue_family = adopted.queue_family;
     gpu->has_int64 = adopted.shader_int64;
     gpu->read_properties(adopted.physical_device);
     if (!(gpu->queue_flags & VK_QUEUE_COMPUTE_BIT))
-        throw Failure(ErrorCode::kInvalidArgument, "adopted device", "queue family " + std::to_string(adopted.queue_family) + " has no compute");
+        throw Failure(ErrorCode::kInvalidArgument, "adopted device",
+                      "queue family " + std::to_string(adopted.queue_family) + " has no compute");
     volkLoadDeviceTable(&gpu->vk, gpu->device);
     return gpu;
 }
@@ -199,7 +208,8 @@ void Gpu::create_instance(Validation validation) {
     create.pApplicationInfo = &application;
 
     VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
-    messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+    messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+                                VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
     messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
     messenger.pfnUserCallback = on_validation_message;
     messenger.pUserData = &validation_messages_;
@@ -222,11 +232,13 @@ void Gpu::create_instance(Validation validation) {
     if (result == VK_ERROR_LAYER_NOT_PRESENT)
         throw Failure(ErrorCode::kNoDevice, {}, "the validation layer is not installed (vulkan-validationlayers)");
     if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
-        throw Failure(ErrorCode::kNoDevice, {}, "no Vulkan driver is installed (mesa-vulkan-drivers has a software one)");
+        throw Failure(ErrorCode::kNoDevice, {},
+                      "no Vulkan driver is installed (mesa-vulkan-drivers has a software one)");
     check(result, "vkCreateInstance");
     volkLoadInstanceOnly(instance_);
     if (validation == Validation::kOff) return;
-    check(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_), "vkCreateDebugUtilsMessengerEXT");
+    check(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_),
+          "vkCreateDebugUtilsMessengerEXT");
     destroy_messenger_ = vkDestroyDebugUtilsMessengerEXT;
 }
 
@@ -274,18 +286,21 @@ void Gpu::read_properties(VkPhysicalDevice physical) {
     physical_device = physical;
     VkPhysicalDeviceVulkan13Properties properties13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES};
     VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES, &properties13};
-    VkPhysicalDeviceMaintenance3Properties maintenance3{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES, &subgroup};
+    VkPhysicalDeviceMaintenance3Properties maintenance3{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
+                                                        &subgroup};
     VkPhysicalDeviceProperties2 properties2{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &maintenance3};
     vkGetPhysicalDeviceProperties2(physical, &properties2);
     properties = properties2.properties;
     max_allocation_bytes = maintenance3.maxMemoryAllocationSize;
     smallest_subgroup = std::max(1u, std::min(properties13.minSubgroupSize, subgroup.subgroupSize));
     largest_subgroup = std::max(properties13.maxSubgroupSize, subgroup.subgroupSize);
-    has_shuffle = (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) && (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT);
+    has_shuffle = (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
+                  (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT);
     vkGetPhysicalDeviceMemoryProperties(physical, &memory_properties);
     const std::vector<Family> families = queue_families(physical);
     if (queue_family >= families.size())
-        throw Failure(ErrorCode::kInvalidArgument, "queue family " + std::to_string(queue_family), "the device has " + std::to_string(families.size()));
+        throw Failure(ErrorCode::kInvalidArgument, "queue family " + std::to_string(queue_family),
+                      "the device has " + std::to_string(families.size()));
     queue_flags = families[queue_family].flags;
     timestamp_valid_bits = families[queue_family].timestamp_valid_bits;
 }
@@ -343,13 +358,15 @@ void Gpu::submit_and_wait(const std::function<void(VkCommandBuffer)>& body) cons
 uint32_t Gpu::memory_type(uint32_t type_bits, VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) const {
     for (const VkMemoryPropertyFlags wanted : {required | preferred, required})
         for (uint32_t i = 0; i < memory_properties.memoryTypeCount; ++i)
-            if ((type_bits & (1u << i)) && (memory_properties.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
+            if ((type_bits & (1u << i)) && (memory_properties.memoryTypes[i].propertyFlags & wanted) == wanted)
+                return i;
     throw Failure(ErrorCode::kVulkan, {}, "the device has no memory type that fits a buffer of throng");
 }
 
 uint64_t Gpu::largest_heap_bytes() const {
     uint64_t largest_bytes = 0;
-    for (uint32_t heap = 0; heap < memory_properties.memoryHeapCount; ++heap) largest_bytes = std::max<uint64_t>(largest_bytes, memory_properties.memoryHeaps[heap].size);
+    for (uint32_t heap = 0; heap < memory_properties.memoryHeapCount; ++heap)
+        largest_bytes = std::max<uint64_t>(largest_bytes, memory_properties.memoryHeaps[heap].size);
     return largest_bytes;
 }
 

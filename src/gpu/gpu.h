@@ -24,7 +24,8 @@ public:
     // Records `body` into a fresh command buffer, submits it to the queue and waits for it.
     void submit_and_wait(const std::function<void(VkCommandBuffer)>& body) const;
 
-    // Index of a memory type among `type_bits` with all `required` properties and, where there is one, the `preferred` too.
+    // Index of a memory type among `type_bits` with all `required` properties and, where there is one, the `preferred`
+    // too.
     uint32_t memory_type(uint32_t type_bits, VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) const;
 
     bool is_cpu() const { return properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
@@ -47,8 +48,8 @@ public:
     uint64_t max_allocation_bytes = 0;
     uint32_t smallest_subgroup = 1;  // of those that the driver may choose
     uint32_t largest_subgroup = 1;
-    bool has_shuffle = false;        // subgroup shuffles in compute shaders
-    bool has_int64 = false;          // 64-bit integers, enabled
+    bool has_shuffle = false;         // subgroup shuffles in compute shaders
+    bool has_int64 = false;           // 64-bit integers, enabled
     bool has_full_subgroups = false;  // a pipeline can ask for subgroups without idle invocations; enabled
     uint32_t validation_message_count() const { return validation_messages_; }
 
@@ -58,9 +59,10 @@ private:
     void create_device(const DeviceSettings& settings);
     void read_properties(VkPhysicalDevice physical);
 
-    VkInstance instance_ = VK_NULL_HANDLE;              // null where adopted
+    VkInstance instance_ = VK_NULL_HANDLE;  // null where adopted
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
-    PFN_vkDestroyDebugUtilsMessengerEXT destroy_messenger_ = nullptr;  // null in instances without the extension: volk's may be another's
+    // Null in instances without the extension: volk's may be another's
+    PFN_vkDestroyDebugUtilsMessengerEXT destroy_messenger_ = nullptr;
     bool owns_device_ = false;
     std::atomic<uint32_t> validation_messages_{0};
 };

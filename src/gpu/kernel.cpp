@@ -9,11 +9,14 @@ namespace throng {
 
 namespace {
 
-VkDescriptorType descriptor_type(BindingKind kind) { return kind == BindingKind::kStorage ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER; }
+VkDescriptorType descriptor_type(BindingKind kind) {
+    return kind == BindingKind::kStorage ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+}
 
 }  // namespace
 
-Bindings::Bindings(std::shared_ptr<Gpu> gpu, VkDescriptorSetLayout layout, std::string_view what, std::span<const BindingInfo> bindings, std::span<const BufferRange> ranges)
+Bindings::Bindings(std::shared_ptr<Gpu> gpu, VkDescriptorSetLayout layout, std::string_view what,
+                   std::span<const BindingInfo> bindings, std::span<const BufferRange> ranges)
     : gpu_(std::move(gpu)) {
     try {
         write(layout, what, bindings, ranges);
@@ -23,9 +26,11 @@ Bindings::Bindings(std::shared_ptr<Gpu> gpu, VkDescriptorSetLayout layout, std::
     }
 }
 
-void Bindings::write(VkDescriptorSetLayout layout, std::string_view what, std::span<const BindingInfo> bindings, std::span<const BufferRange> ranges) {
+void Bindings::write(VkDescriptorSetLayout layout, std::string_view what, std::span<const BindingInfo> bindings,
+                     std::span<const BufferRange> ranges) {
     const auto count = static_cast<uint32_t>(bindings.size());
-    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, count}, {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, count}};
+    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, count},
+                                          {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, count}};
     VkDescriptorPoolCreateInfo create{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
     create.maxSets = 1;
     create.poolSizeCount = static_cast<uint32_t>(std::size(sizes));
@@ -61,7 +66,9 @@ void Bindings::write(VkDescriptorSetLayout layout, std::string_view what, std::s
 }
 
 VkBufferView Bindings::texel_view(std::string_view what, const BindingInfo& binding, const BufferRange& range) {
-    if (range.texel_bytes == 0) throw Failure(ErrorCode::kInvalidArgument, std::string(what), "binding " + std::to_string(binding.binding) + " is read as texels, and its buffer is no table");
+    if (range.texel_bytes == 0)
+        throw Failure(ErrorCode::kInvalidArgument, std::string(what),
+                      "binding " + std::to_string(binding.binding) + " is read as texels, and its buffer is no table");
     VkBufferViewCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
     create.buffer = range.buffer;
     create.offset = range.offset_bytes;
@@ -90,10 +97,15 @@ Kernel::Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings)
     : gpu_(std::move(gpu)), name_(settings.name), info_(read_spirv(settings.spirv)) {
     workgroup_size_ = settings.workgroup_size != 0 ? settings.workgroup_size : info_.local_size_x;
     if (info_.local_size_is_specialized != (settings.workgroup_size != 0))
-        throw Failure(ErrorCode::kInvalidArgument, name_, "the workgroup size must be given exactly where the shader leaves it open");
-    const auto storage_buffers = std::count_if(info_.bindings.begin(), info_.bindings.end(), [](const BindingInfo& binding) { return binding.kind == BindingKind::kStorage; });
+        throw Failure(ErrorCode::kInvalidArgument, name_,
+                      "the workgroup size must be given exactly where the shader leaves it open");
+    const auto storage_buffers = std::count_if(
+        info_.bindings.begin(), info_.bindings.end(),
+        [](const BindingInfo& binding) { return binding.kind == BindingKind::kStorage; });
     if (const uint32_t limit = gpu_->properties.limits.maxPerStageDescriptorStorageBuffers; storage_buffers > limit)
-        throw Failure(ErrorCode::kLimit, name_, std::to_string(storage_buffers) + " storage buffers exceed the device's " + std::to_string(limit) + " (maxPerStageDescriptorStorageBuffers)");
+        throw Failure(ErrorCode::kLimit, name_,
+                      std::to_string(storage_buffers) + " storage buffers exceed the device's " +
+                          std::to_string(limit) + " (maxPerStageDescriptorStorageBuffers)");
     try {
         create(settings);
     } catch (...) {
@@ -109,7 +121,8 @@ void Kernel::create(const KernelSettings& settings) {
     VkDescriptorSetLayoutCreateInfo set_create{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     set_create.bindingCount = static_cast<uint32_t>(bindings.size());
     set_create.pBindings = bindings.data();
-    check(gpu_->vk.vkCreateDescriptorSetLayout(gpu_->device, &set_create, nullptr, &set_layout_), "vkCreateDescriptorSetLayout");
+    check(gpu_->vk.vkCreateDescriptorSetLayout(gpu_->device, &set_create, nullptr, &set_layout_),
+          "vkCreateDescriptorSetLayout");
 
     const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, info_.push_constant_bytes};
     VkPipelineLayoutCreateInfo layout_create{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
@@ -140,9 +153,11 @@ void Kernel::create(const KernelSettings& settings) {
     create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
     create.stage.module = module;
     create.stage.pName = "main";
-    if (settings.full_subgroups && gpu_->has_full_subgroups && workgroup_size_ % gpu_->largest_subgroup == 0) create.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
+    if (settings.full_subgroups && gpu_->has_full_subgroups && workgroup_size_ % gpu_->largest_subgroup == 0)
+        create.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
     create.stage.pSpecializationInfo = &specialization;
-    const VkResult result = gpu_->vk.vkCreateComputePipelines(gpu_->device, VK_NULL_HANDLE, 1, &create, nullptr, &pipeline_);
+    const VkResult result = gpu_->vk.vkCreateComputePipelines(gpu_->device, VK_NULL_HANDLE, 1, &create, nullptr,
+                                                              &pipeline_);
     gpu_->vk.vkDestroyShaderModule(gpu_->device, module, nullptr);
     check(result, "vkCreateComputePipelines");
 }
@@ -169,24 +184,31 @@ void Kernel::swap(Kernel& other) noexcept {
 
 Bindings Kernel::bind_ranges(std::span<const BufferRange> ranges) const {
     if (info_.bindings.empty() || info_.bindings.back().binding >= ranges.size())
-        throw Failure(ErrorCode::kInvalidArgument, name_, "the shader's bindings and the " + std::to_string(ranges.size()) + " buffers given do not fit");
+        throw Failure(ErrorCode::kInvalidArgument, name_,
+                      "the shader's bindings and the " + std::to_string(ranges.size()) + " buffers given do not fit");
     return Bindings(gpu_, set_layout_, name_, info_.bindings, ranges);
 }
 
-void Kernel::dispatch(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes, uint32_t workgroup_count) const {
+void Kernel::dispatch(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes,
+                      uint32_t workgroup_count) const {
     if (workgroup_count > gpu_->properties.limits.maxComputeWorkGroupCount[0])
-        throw Failure(ErrorCode::kLimit, name_, std::to_string(workgroup_count) + " workgroups exceed the device's " + std::to_string(gpu_->properties.limits.maxComputeWorkGroupCount[0]));
+        throw Failure(ErrorCode::kLimit, name_,
+                      std::to_string(workgroup_count) + " workgroups exceed the device's " +
+                          std::to_string(gpu_->properties.limits.maxComputeWorkGroupCount[0]));
     prepare(commands, bindings, push, push_bytes);
     gpu_->vk.vkCmdDispatch(commands, workgroup_count, 1, 1);
 }
 
 void Kernel::prepare(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes) const {
     if (push_bytes != info_.push_constant_bytes)
-        throw Failure(ErrorCode::kInvalidArgument, name_, "the push constants have " + std::to_string(info_.push_constant_bytes) + " bytes, not " + std::to_string(push_bytes));
+        throw Failure(ErrorCode::kInvalidArgument, name_,
+                      "the push constants have " + std::to_string(info_.push_constant_bytes) + " bytes, not " +
+                          std::to_string(push_bytes));
     const VkDescriptorSet set = bindings.set();
     gpu_->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_);
     gpu_->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_, 0, 1, &set, 0, nullptr);
-    gpu_->vk.vkCmdPushConstants(commands, layout_, VK_SHADER_STAGE_COMPUTE_BIT, 0, static_cast<uint32_t>(push_bytes), push);
+    gpu_->vk.vkCmdPushConstants(commands, layout_, VK_SHADER_STAGE_COMPUTE_BIT, 0, static_cast<uint32_t>(push_bytes),
+                                push);
 }
 
 }  // namespace throng

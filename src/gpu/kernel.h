@@ -11,12 +11,14 @@
 
 namespace throng {
 
-// Buffers bound to a kernel: those of `ranges`, by binding number, that the shader uses. Movable; outlives its recorded commands.
+// Buffers bound to a kernel: those of `ranges`, by binding number, that the shader uses. Movable; outlives its recorded
+// commands.
 class Bindings {
 public:
     Bindings() = default;
     // `what` names the kernel in messages.
-    Bindings(std::shared_ptr<Gpu> gpu, VkDescriptorSetLayout layout, std::string_view what, std::span<const BindingInfo> bindings, std::span<const BufferRange> ranges);
+    Bindings(std::shared_ptr<Gpu> gpu, VkDescriptorSetLayout layout, std::string_view what,
+             std::span<const BindingInfo> bindings, std::span<const BufferRange> ranges);
     ~Bindings() { destroy(); }
     Bindings(Bindings&& other) noexcept { swap(other); }
     Bindings& operator=(Bindings&& other) noexcept {
@@ -26,7 +28,8 @@ public:
     VkDescriptorSet set() const { return set_; }
 
 private:
-    void write(VkDescriptorSetLayout layout, std::string_view what, std::span<const BindingInfo> bindings, std::span<const BufferRange> ranges);
+    void write(VkDescriptorSetLayout layout, std::string_view what, std::span<const BindingInfo> bindings,
+               std::span<const BufferRange> ranges);
     VkBufferView texel_view(std::string_view what, const BindingInfo& binding, const BufferRange& range);
     void destroy() noexcept;
     void swap(Bindings& other) noexcept;
@@ -38,7 +41,7 @@ private:
 };
 
 struct KernelSettings {
-    std::string_view name;                 // for messages
+    std::string_view name;  // for messages
     std::span<const uint32_t> spirv;
     uint32_t workgroup_size = 0;           // constant_id 0; 0 where the shader fixes its own
     std::vector<uint32_t> constants = {};  // constant_id 1, 2, …
@@ -64,19 +67,23 @@ public:
         return bind_ranges(std::bit_cast<std::array<BufferRange, sizeof(Buffers) / sizeof(BufferRange)>>(buffers));
     }
 
-    // One workgroup for each of `count` items, or one invocation for each. `push` is the shader's whole push-constant block.
-    // Throws kLimit where the device cannot dispatch that many, and kInvalidArgument where the block's size is another.
+    // One workgroup for each of `count` items, or one invocation for each. `push` is the shader's whole push-constant
+    // block. Throws kLimit where the device cannot dispatch that many, and kInvalidArgument where the block's size is
+    // another.
     template <class Push>
-    void dispatch_workgroups(VkCommandBuffer commands, const Bindings& bindings, const Push& push, uint32_t count) const {
+    void dispatch_workgroups(VkCommandBuffer commands, const Bindings& bindings, const Push& push,
+                             uint32_t count) const {
         dispatch(commands, bindings, &push, sizeof push, count);
     }
     template <class Push>
-    void dispatch_invocations(VkCommandBuffer commands, const Bindings& bindings, const Push& push, uint32_t count) const {
+    void dispatch_invocations(VkCommandBuffer commands, const Bindings& bindings, const Push& push,
+                              uint32_t count) const {
         dispatch(commands, bindings, &push, sizeof push, (count + workgroup_size_ - 1) / workgroup_size_);
     }
     // As many workgroups as the `command`-th VkDispatchIndirectCommand of the buffer says.
     template <class Push>
-    void dispatch_indirect(VkCommandBuffer commands, const Bindings& bindings, const Push& push, const Buffer& workgroups, uint32_t command) const {
+    void dispatch_indirect(VkCommandBuffer commands, const Bindings& bindings, const Push& push,
+                           const Buffer& workgroups, uint32_t command) const {
         prepare(commands, bindings, &push, sizeof push);
         gpu_->vk.vkCmdDispatchIndirect(commands, workgroups.handle(), command * sizeof(VkDispatchIndirectCommand));
     }
@@ -85,7 +92,8 @@ private:
     Bindings bind_ranges(std::span<const BufferRange> ranges) const;
     void create(const KernelSettings& settings);
     void destroy() noexcept;
-    void dispatch(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes, uint32_t workgroup_count) const;
+    void dispatch(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes,
+                  uint32_t workgroup_count) const;
     void prepare(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes) const;
     void swap(Kernel& other) noexcept;
 

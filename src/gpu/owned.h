@@ -7,7 +7,8 @@
 
 namespace throng {
 
-// Movable, not copyable. `Destroy` is the member of the device's function table that takes device, handle and allocator.
+// Movable, not copyable. `Destroy` is the member of the device's function table that takes device, handle and
+// allocator.
 template <class Handle, auto Destroy>
 class Owned {
 public:
@@ -15,7 +16,8 @@ public:
     Owned(std::shared_ptr<Gpu> gpu, Handle handle) : gpu_(std::move(gpu)), handle_(handle) {}
     // `create` is the call, named `call` in messages, that takes device, info, allocator and handle.
     template <class Info>
-    Owned(std::shared_ptr<Gpu> gpu, VkResult (*create)(VkDevice, const Info*, const VkAllocationCallbacks*, Handle*), const Info& info, const char* call)
+    Owned(std::shared_ptr<Gpu> gpu, VkResult (*create)(VkDevice, const Info*, const VkAllocationCallbacks*, Handle*),
+          const Info& info, const char* call)
         : gpu_(std::move(gpu)) {
         check(create(gpu_->device, &info, nullptr, &handle_), call);
     }

@@ -10,7 +10,17 @@ namespace {
 
 // Numbers from the SPIR-V specification, version 1.6, section 3.
 enum Op : uint32_t {
-    kOpExecutionMode = 16, kOpTypeInt = 21, kOpTypeFloat = 22, kOpTypeVector = 23, kOpTypeStruct = 30, kOpTypePointer = 32, kOpConstant = 43, kOpVariable = 59, kOpDecorate = 71, kOpMemberDecorate = 72, kOpExecutionModeId = 331
+    kOpExecutionMode = 16,
+    kOpTypeInt = 21,
+    kOpTypeFloat = 22,
+    kOpTypeVector = 23,
+    kOpTypeStruct = 30,
+    kOpTypePointer = 32,
+    kOpConstant = 43,
+    kOpVariable = 59,
+    kOpDecorate = 71,
+    kOpMemberDecorate = 72,
+    kOpExecutionModeId = 331
 };
 constexpr uint32_t kMagic = 0x07230203, kHeaderWords = 5;
 constexpr uint32_t kModeLocalSize = 17, kModeLocalSizeId = 38;
@@ -49,18 +59,18 @@ SpirvInfo read_spirv(std::span<const uint32_t> words) {
                 if (arg[2] == kDecorationOffset) ids[arg[0]].last_offset = arg[3];  // members come in order
                 break;
             case kOpTypeInt:
-            case kOpTypeFloat:
-                ids[arg[0]].size_bytes = arg[1] / 8;
-                break;
+            case kOpTypeFloat: ids[arg[0]].size_bytes = arg[1] / 8; break;
             case kOpTypeVector: ids[arg[0]].size_bytes = ids[arg[1]].size_bytes * arg[2]; break;
             case kOpTypeStruct:
-                if (arg.size() > 1 && ids[arg[0]].last_offset != UINT32_MAX) ids[arg[0]].size_bytes = ids[arg[0]].last_offset + ids[arg.back()].size_bytes;
+                if (arg.size() > 1 && ids[arg[0]].last_offset != UINT32_MAX)
+                    ids[arg[0]].size_bytes = ids[arg[0]].last_offset + ids[arg.back()].size_bytes;
                 break;
             case kOpTypePointer: ids[arg[0]].pointee = arg[2]; break;
             case kOpConstant: ids[arg[1]].constant = arg[2]; break;
             case kOpVariable:
                 if (arg[2] == kStorageBuffer) info.bindings.push_back({ids[arg[1]].binding, BindingKind::kStorage});
-                if (arg[2] == kStorageUniformConstant) info.bindings.push_back({ids[arg[1]].binding, BindingKind::kTexels});
+                if (arg[2] == kStorageUniformConstant)
+                    info.bindings.push_back({ids[arg[1]].binding, BindingKind::kTexels});
                 if (arg[2] == kStoragePushConstant) info.push_constant_bytes = ids[ids[arg[0]].pointee].size_bytes;
                 break;
             default: break;
@@ -71,9 +81,12 @@ SpirvInfo read_spirv(std::span<const uint32_t> words) {
         info.local_size_is_specialized = size.spec_id == 0;
         if (size.spec_id == UINT32_MAX) info.local_size_x = size.constant;
     }
-    std::sort(info.bindings.begin(), info.bindings.end(), [](const BindingInfo& a, const BindingInfo& b) { return a.binding < b.binding; });
+    std::sort(info.bindings.begin(), info.bindings.end(),
+              [](const BindingInfo& a, const BindingInfo& b) { return a.binding < b.binding; });
     // One buffer may be declared with several types.
-    info.bindings.erase(std::unique(info.bindings.begin(), info.bindings.end(), [](const BindingInfo& a, const BindingInfo& b) { return a.binding == b.binding; }), info.bindings.end());
+    info.bindings.erase(std::unique(info.bindings.begin(), info.bindings.end(),
+                                    [](const BindingInfo& a, const BindingInfo& b) { return a.binding == b.binding; }),
+                        info.bindings.end());
     return info;
 }
 

@@ -15,7 +15,7 @@ struct BindingInfo {
 };
 
 struct SpirvInfo {
-    std::vector<BindingInfo> bindings;       // of set 0, ascending
+    std::vector<BindingInfo> bindings;  // of set 0, ascending
     uint32_t push_constant_bytes = 0;
     uint32_t local_size_x = 1;               // where it is not a specialization constant
     bool local_size_is_specialized = false;  // by constant_id 0

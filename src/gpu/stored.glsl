@@ -1,5 +1,5 @@
-// Transforms as they lie in memory. A software device pays for each load and store, not for each byte (lavapipe loops over the
-// invocations for every scalar): GPU_WIDE moves them as 64-bit words, half as many. Needs shaderInt64.
+// Transforms as they lie in memory. A software device pays for each load and store, not for each byte (lavapipe loops
+// over the invocations for every scalar): GPU_WIDE moves them as 64-bit words, half as many. Needs shaderInt64.
 #ifndef THRONG_GPU_STORED_GLSL
 #define THRONG_GPU_STORED_GLSL
 #include "gpu/similarity.glsl"

@@ -1,6 +1,6 @@
-// Read-only tables. GPUs read them as storage buffers. A software device (GPU_WIDE) reads them as uniform texel buffers: lavapipe
-// checks and branches for every lane and word of a storage buffer and gathers texels without, which is 10 to 30 times as fast
-// (docs/performance.md). On the host they are made by upload_table().
+// Read-only tables. GPUs read them as storage buffers. A software device (GPU_WIDE) reads them as uniform texel
+// buffers: lavapipe checks and branches for every lane and word of a storage buffer and gathers texels without, which
+// is 10 to 30 times as fast (docs/performance.md). On the host they are made by upload_table().
 #ifndef THRONG_GPU_TABLE_GLSL
 #define THRONG_GPU_TABLE_GLSL
 
@@ -10,13 +10,17 @@
 #define WORD_AT(name, index) texelFetch(name, int(index)).x
 #define ROW_AT(name, index) texelFetch(name, int(index))
 #else
-#define TABLE_OF_WORDS(number, block, name) layout(set = 0, binding = number, std430) readonly buffer block { uint name[]; }
-#define TABLE_OF_ROWS(number, block, name) layout(set = 0, binding = number, std430) readonly buffer block { uvec4 name[]; }
+#define TABLE_OF_WORDS(number, block, name) \
+    layout(set = 0, binding = number, std430) readonly buffer block { uint name[]; }
+#define TABLE_OF_ROWS(number, block, name) \
+    layout(set = 0, binding = number, std430) readonly buffer block { uvec4 name[]; }
 #define WORD_AT(name, index) name[index]
 #define ROW_AT(name, index) name[index]
 #endif
 
 // Of a table of matrices, three rows each.
-#define AFFINE_AT(name, index) Affine(uintBitsToFloat(ROW_AT(name, 3 * (index))), uintBitsToFloat(ROW_AT(name, 3 * (index) + 1)), uintBitsToFloat(ROW_AT(name, 3 * (index) + 2)))
+#define AFFINE_AT(name, index)                                                                         \
+    Affine(uintBitsToFloat(ROW_AT(name, 3 * (index))), uintBitsToFloat(ROW_AT(name, 3 * (index) + 1)), \
+           uintBitsToFloat(ROW_AT(name, 3 * (index) + 2)))
 
 #endif

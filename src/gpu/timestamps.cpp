@@ -32,7 +32,8 @@ void Timestamps::begin(VkCommandBuffer commands) {
 void Timestamps::write(VkCommandBuffer commands) {
     Slot& slot = slots_[frame_count_ % kFrames];
     assert(slot.stamp_count < stamps_per_frame_);
-    gpu_->vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, slot.queries.get(), slot.stamp_count++);
+    gpu_->vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, slot.queries.get(),
+                                  slot.stamp_count++);
 }
 
 // The number of the publication comes last: with it the stamps are complete, and none of an earlier frame in the slot.
@@ -40,9 +41,10 @@ void Timestamps::publish(VkCommandBuffer commands) {
     Slot& slot = slots_[frame_count_ % kFrames];
     slot.publication = ++publication_count_;
     memory_barrier(*gpu_, commands, kTransferWrite, kTransferWrite);
-    gpu_->vk.vkCmdCopyQueryPoolResults(commands, slot.queries.get(), slot.published_count, slot.stamp_count - slot.published_count,
-                                       slot.copy.handle(), (1 + VkDeviceSize{slot.published_count}) * sizeof(uint64_t),
-                                       sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
+    gpu_->vk.vkCmdCopyQueryPoolResults(commands, slot.queries.get(), slot.published_count,
+                                       slot.stamp_count - slot.published_count, slot.copy.handle(),
+                                       (1 + VkDeviceSize{slot.published_count}) * sizeof(uint64_t), sizeof(uint64_t),
+                                       VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
     slot.published_count = slot.stamp_count;
     memory_barrier(*gpu_, commands, kTransferWrite, kTransferWrite);
     gpu_->vk.vkCmdUpdateBuffer(commands, slot.copy.handle(), 0, sizeof slot.publication, &slot.publication);
@@ -60,10 +62,12 @@ bool Timestamps::is_finished(const Slot& slot) const {
 Timestamps::Frame Timestamps::read(const Slot& slot) const {
     std::vector<uint64_t> ticks(slot.stamp_count);
     std::memcpy(ticks.data(), slot.copy.mapped() + sizeof(uint64_t), ticks.size() * sizeof(uint64_t));
-    const uint64_t mask = gpu_->timestamp_valid_bits >= 64 ? ~uint64_t{0} : (uint64_t{1} << gpu_->timestamp_valid_bits) - 1;
+    const uint64_t mask = gpu_->timestamp_valid_bits >= 64 ? ~uint64_t{0}
+                                                           : (uint64_t{1} << gpu_->timestamp_valid_bits) - 1;
     Frame frame{slot.frame_number, {}};
     for (const uint64_t tick : ticks)
-        frame.ms.push_back(static_cast<double>((tick - ticks[0]) & mask) * double{gpu_->properties.limits.timestampPeriod} * 1e-6);
+        frame.ms.push_back(static_cast<double>((tick - ticks[0]) & mask) *
+                           double{gpu_->properties.limits.timestampPeriod} * 1e-6);
     return frame;
 }
 

@@ -1,5 +1,5 @@
-// Timestamps of a few frames in turn. The GPU copies them to memory that the CPU sees, and says by an event that they are there, so
-// reading never waits; vkGetQueryPoolResults() does on lavapipe, until the queue is idle.
+// Timestamps of a few frames in turn. The GPU copies them to memory that the CPU sees, and says by an event that they
+// are there, so reading never waits; vkGetQueryPoolResults() does on lavapipe, until the queue is idle.
 #pragma once
 
 #include "gpu/buffer.h"
@@ -13,12 +13,14 @@ namespace throng {
 
 class Timestamps {
 public:
-    static constexpr uint32_t kFrames = 4;  // whose times are kept; a frame's are lost when the fourth one after it begins
+    // Whose times are kept; a frame's are lost when the fourth one after it begins
+    static constexpr uint32_t kFrames = 4;
 
     Timestamps(std::shared_ptr<Gpu> gpu, uint32_t stamps_per_frame);
 
-    // begin() once a frame, write() at each point of interest, publish() after the last one; all outside of render passes. A frame may
-    // go on after publish() and publish again. One whose commands are never submitted is never read, and hinders no other.
+    // begin() once a frame, write() at each point of interest, publish() after the last one; all outside of render
+    // passes. A frame may go on after publish() and publish again. One whose commands are never submitted is never
+    // read, and hinders no other.
     void begin(VkCommandBuffer commands);
     void write(VkCommandBuffer commands);
     void publish(VkCommandBuffer commands);
@@ -35,7 +37,7 @@ private:
     struct Slot {
         OwnedQueries queries;
         OwnedEvent published;
-        Buffer copy;  // uint64_t[1 + stamps_per_frame]: which publication this is, then the stamps
+        Buffer copy;                // uint64_t[1 + stamps_per_frame]: which publication this is, then the stamps
         uint64_t frame_number = 0;  // 0: none
         uint64_t publication = 0;   // that the frame has recorded last
         uint32_t stamp_count = 0, published_count = 0;

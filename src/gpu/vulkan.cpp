@@ -27,7 +27,8 @@ std::string result_name(VkResult result) {
 void check(VkResult result, const char* call) {
     if (result == VK_SUCCESS) return;
     const bool memory = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY;
-    throw Failure(memory ? ErrorCode::kOutOfMemory : ErrorCode::kVulkan, {}, std::string(call) + ": " + result_name(result));
+    throw Failure(memory ? ErrorCode::kOutOfMemory : ErrorCode::kVulkan, {},
+                  std::string(call) + ": " + result_name(result));
 }
 
 }  // namespace throng

@@ -1,4 +1,5 @@
-// Vulkan through volk: no link-time loader, and one function table per device, so that several devices live side by side.
+// Vulkan through volk: no link-time loader, and one function table per device, so that several devices live side by
+// side.
 #pragma once
 
 #include <volk.h>

@@ -113,8 +113,8 @@ AccessorFormat Accessors::format(const JsonView& user, const char* key) const {
     out.index = user.required_index(key, accessors_.size(), "accessors");
     const JsonView json = accessors_[out.index];
     out.type = json.required_string("type");
-    const auto* type =
-        std::find_if(std::begin(kTypes), std::end(kTypes), [&](const TypeName& t) { return t.name == out.type; });
+    const auto* type = std::find_if(std::begin(kTypes), std::end(kTypes),
+                                    [&](const TypeName& t) { return t.name == out.type; });
     if (type == std::end(kTypes)) json.fail("type '" + printable(out.type) + "' is unknown");
     out.component_count = type->component_count;
     out.component_type = component_type_of(json);
@@ -170,8 +170,8 @@ std::shared_ptr<std::vector<std::byte>> Accessors::with_sparse(const JsonView& j
                                    sparse_count, indices_format.element_bytes());
     indices.format = indices_format;
     const auto [values_json, values_view] = part("values");
-    const AccessorView values =
-        strided(values_json, values_view, values_json.optional_uint("byteOffset", 0), sparse_count, element_bytes);
+    const AccessorView values = strided(values_json, values_view, values_json.optional_uint("byteOffset", 0),
+                                        sparse_count, element_bytes);
 
     budget_.charge(count, element_bytes, json.place());
     auto out = std::make_shared<std::vector<std::byte>>(count * element_bytes);

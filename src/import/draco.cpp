@@ -118,8 +118,8 @@ std::optional<AccessorView> DracoMesh::attribute(const char* name, const Accesso
     const JsonView ids = json_.required_object("attributes");
     const auto id = ids.find(name);
     if (!id) return {};
-    const draco::PointAttribute* attribute =
-        mesh_->GetAttributeByUniqueId(uint32_t(std::min<uint64_t>(id->as_uint(), kNone)));
+    const draco::PointAttribute* attribute = mesh_->GetAttributeByUniqueId(
+        uint32_t(std::min<uint64_t>(id->as_uint(), kNone)));
     if (!attribute) id->fail("the compressed data have no attribute of this id");
     if (attribute->num_components() != format.component_count)
         id->fail("has " + std::to_string(attribute->num_components()) + " components, but its accessor is " +

@@ -124,8 +124,8 @@ Result<Asset> load_asset(const std::filesystem::path& path) {
     const std::string name = gltf::message_name(path);
     return as_result(
         [&] {
-            const std::vector<std::byte> bytes =
-                gltf::in_file(name, [&] { return gltf::read_file(path, gltf::kFileLimitBytes, ""); });
+            const std::vector<std::byte> bytes = gltf::in_file(
+                name, [&] { return gltf::read_file(path, gltf::kFileLimitBytes, ""); });
             return gltf::read_asset(bytes, path);
         },
         name);

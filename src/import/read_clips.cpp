@@ -124,12 +124,14 @@ std::vector<float> read_morph_values(Reading& reading, const JsonView& sampler, 
     const std::string place = sampler.place_of("output");
     const auto fail = [&](const std::string& what) { throw Failure(ErrorCode::kInvalidFile, place, what); };
     if (output.format.type != "SCALAR") fail("must be SCALAR, but is " + output.format.type);
-    if (!output.format.is_float() && (!output.format.normalized || output.format.component_type == ComponentType::kUint32))
+    if (!output.format.is_float() &&
+        (!output.format.normalized || output.format.component_type == ComponentType::kUint32))
         fail(std::string("must be floats or normalised integers, but is ") + name_of(output.format.component_type));
     const uint64_t values_per_key = uint64_t(target_count) * (interpolation == Interpolation::kCubicSpline ? 3 : 1);
     if (output.count() != keys.file_count * values_per_key)
-        fail("has " + std::to_string(output.count()) + " values, but must have " + std::to_string(keys.file_count * values_per_key) +
-             ", for " + std::to_string(keys.file_count) + " key times and " + std::to_string(target_count) + " morph targets");
+        fail("has " + std::to_string(output.count()) + " values, but must have " +
+             std::to_string(keys.file_count * values_per_key) + ", for " + std::to_string(keys.file_count) +
+             " key times and " + std::to_string(target_count) + " morph targets");
     reading.budget.charge(output.count(), sizeof(float), place);
     std::vector<float> out;
     out.reserve(keys.kept.size() * values_per_key);
@@ -194,7 +196,8 @@ private:
 
     void read_morph_track(const JsonView& channel, const JsonView& sampler, uint32_t node) {
         const JsonView meshes = reading_.root.optional_array("meshes");
-        const uint32_t mesh = reading_.root.optional_array("nodes")[node].optional_index("mesh", meshes.size(), "meshes");
+        const uint32_t mesh = reading_.root.optional_array("nodes")[node].optional_index("mesh", meshes.size(),
+                                                                                         "meshes");
         const uint32_t target_count = mesh == kNone ? 0 : morph_target_count(meshes[mesh]);
         AssetMorphTrack track{.node = node, .interpolation = read_interpolation(sampler), .times_s = {}, .values = {}};
         Keys keys = read_keys(sampler, track.interpolation);
@@ -221,13 +224,14 @@ private:
     // One line a clip, at the first of the samplers: exporters that break times do so in all of them.
     void warn_of_times(uint64_t count, const char* what) {
         if (count == 0) return;
-        reading_.warnings.add(first_mended_, std::to_string(count) + " of the clip's " + std::to_string(key_count_) +
-                                                 " keys " + what);
+        reading_.warnings.add(first_mended_,
+                              std::to_string(count) + " of the clip's " + std::to_string(key_count_) + " keys " + what);
     }
 
     // `key` is what the track animates.
     template <class Track, class Key>
-    void keep(const JsonView& channel, Track track, const Key& key, std::map<Key, size_t>& index_of, std::vector<Track>& tracks) {
+    void keep(const JsonView& channel, Track track, const Key& key, std::map<Key, size_t>& index_of,
+              std::vector<Track>& tracks) {
         reading_.budget.charge(sizeof(Track), channel.place());
         const auto [known, is_new] = index_of.emplace(key, tracks.size());
         if (is_new) {

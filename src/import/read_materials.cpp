@@ -37,9 +37,10 @@ private:
         AssetImage image;
         image.name = read_name(reading_, json);
         if (json.has("bufferView")) {
-            const auto bytes =
-                reading_.buffers.view(json.required_index("bufferView", reading_.buffers.view_count(), "bufferViews"))
-                    .bytes;
+            const auto bytes = reading_.buffers
+                                   .view(
+                                       json.required_index("bufferView", reading_.buffers.view_count(), "bufferViews"))
+                                   .bytes;
             reading_.budget.charge(bytes.size(), json.place());
             image.encoded.assign(bytes.begin(), bytes.end());
             return image;
@@ -98,7 +99,8 @@ public:
         }
         const auto bounded_set = uint32_t(std::min<uint64_t>(set, kNone));
         if (has_set_ && bounded_set != set_) {
-            reading_.warnings.add(info->place(), "uses other texture coordinates than the material's first texture: it is left out");
+            reading_.warnings.add(info->place(),
+                                  "uses other texture coordinates than the material's first texture: it is left out");
             return kNone;
         }
         const uint32_t image = images_.of_texture(*info);
@@ -128,9 +130,11 @@ void read_metallic_roughness(const JsonView& pbr, Textures& textures, AssetMater
 
 void read_surface(const JsonView& json, Textures& textures, AssetMaterial& material) {
     material.normal_image = textures.read(json, "normalTexture");
-    if (material.normal_image != kNone) material.normal_scale = float(json.required_object("normalTexture").optional_number("scale", 1));
+    if (material.normal_image != kNone)
+        material.normal_scale = float(json.required_object("normalTexture").optional_number("scale", 1));
     material.occlusion_image = textures.read(json, "occlusionTexture");
-    if (material.occlusion_image != kNone) material.occlusion_strength = float(json.required_object("occlusionTexture").optional_number("strength", 1));
+    if (material.occlusion_image != kNone)
+        material.occlusion_strength = float(json.required_object("occlusionTexture").optional_number("strength", 1));
     std::array<double, 3> emissive{};
     json.optional_numbers("emissiveFactor", emissive);
     const auto extension = json.extension("KHR_materials_emissive_strength");
@@ -155,7 +159,8 @@ std::vector<uint32_t> read_materials(Reading& reading, Asset& asset) {
         material.alpha_cutoff = float(json.optional_number("alphaCutoff", 0.5));
         material.double_sided = json.optional_bool("doubleSided", false);
         Textures textures(reading, images);
-        if (const auto pbr = json.optional_object("pbrMetallicRoughness")) read_metallic_roughness(*pbr, textures, material);
+        if (const auto pbr = json.optional_object("pbrMetallicRoughness"))
+            read_metallic_roughness(*pbr, textures, material);
         read_surface(json, textures, material);
         texcoord_sets[i] = textures.set();
     }

@@ -61,8 +61,8 @@ void read_mesh_instances(Reading& reading, Asset& asset) {
     for (uint32_t i = 0; i < nodes.size(); ++i) {
         const JsonView json = nodes[i];
         AssetMeshInstance instance{.node = i,
-                                         .mesh = json.optional_index("mesh", asset.meshes.size(), "meshes"),
-                                         .skin = json.optional_index("skin", asset.skins.size(), "skins")};
+                                   .mesh = json.optional_index("mesh", asset.meshes.size(), "meshes"),
+                                   .skin = json.optional_index("skin", asset.skins.size(), "skins")};
         if (instance.mesh == kNone || in_scene[i] != kInside) continue;
         if (instance.skin != kNone && checked.emplace(instance.mesh, instance.skin).second)
             check_influences(meshes, asset, instance);

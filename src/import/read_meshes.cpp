@@ -168,13 +168,15 @@ private:
         const AccessorFormat format = reading_.accessors.format(target, name);
         const std::string place = target.place_of(name);
         const auto refuse = [&](const std::string& what) { throw Failure(ErrorCode::kInvalidFile, place, what); };
-        const bool quantized = reading_.quantized && is_short(format) && !format.is_unsigned() && (format.normalized || !is_normal);
+        const bool quantized = reading_.quantized && is_short(format) && !format.is_unsigned() &&
+                               (format.normalized || !is_normal);
         if (format.type != "VEC3") refuse("must be VEC3, but is " + format.type);
         if (!format.is_float() && !quantized)
-            refuse(std::string("must not be ") + (format.normalized ? "normalised " : "") + name_of(format.component_type) +
-                   (reading_.quantized ? "" : " without KHR_mesh_quantization"));
+            refuse(std::string("must not be ") + (format.normalized ? "normalised " : "") +
+                   name_of(format.component_type) + (reading_.quantized ? "" : " without KHR_mesh_quantization"));
         if (format.count != out_.positions.size())
-            refuse("has " + std::to_string(format.count) + " elements, but POSITION has " + std::to_string(out_.positions.size()));
+            refuse("has " + std::to_string(format.count) + " elements, but POSITION has " +
+                   std::to_string(out_.positions.size()));
         reading_.budget.charge(format.count, sizeof(Vec3<float>), place);
         const AccessorView view = reading_.accessors.open(format);
         std::vector<Vec3<float>> out(view.count());
@@ -351,7 +353,8 @@ std::vector<float> read_morph_weights(Reading& reading, const JsonView& json, ui
     const JsonView weights = json.optional_array("weights");
     if (!json.has("weights")) return {};
     if (weights.size() != target_count)
-        weights.fail("has " + std::to_string(weights.size()) + " numbers, but the mesh has " + std::to_string(target_count) + " morph targets");
+        weights.fail("has " + std::to_string(weights.size()) + " numbers, but the mesh has " +
+                     std::to_string(target_count) + " morph targets");
     reading.budget.charge(target_count, sizeof(float), weights.place());
     std::vector<float> out;
     for (size_t t = 0; t < target_count; ++t) out.push_back(float(weights[t].as_number()));
@@ -373,7 +376,8 @@ void read_meshes(Reading& reading, const std::vector<uint32_t>& texcoord_sets, A
             const JsonView targets = primitives[p].as_object().optional_array("targets");
             if (targets.size() != target_count)
                 throw Failure(ErrorCode::kInvalidFile, primitives[p].place_of("targets"),
-                              "has " + std::to_string(targets.size()) + " morph targets, but the first primitive has " + std::to_string(target_count));
+                              "has " + std::to_string(targets.size()) + " morph targets, but the first primitive has " +
+                                  std::to_string(target_count));
             mesh.primitives.push_back(PrimitiveReader(reading, primitives[p], asset, texcoord_sets).take());
         }
         mesh.weights = read_morph_weights(reading, meshes[m], target_count);

@@ -32,8 +32,8 @@ void complete_axes(std::array<Vec3<double>, 3>& axes, const std::array<double, 3
     const auto missing = std::count(lengths.begin(), lengths.end(), 0.0);
     if (missing == 3) axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     if (missing == 2) {
-        const size_t kept =
-            size_t(std::find_if(lengths.begin(), lengths.end(), [](double l) { return l != 0; }) - lengths.begin());
+        const size_t kept = size_t(std::find_if(lengths.begin(), lengths.end(), [](double l) { return l != 0; }) -
+                                   lengths.begin());
         const Vec3<double>& axis = axes[kept];
         const Vec3<double> other = std::abs(axis.x) < 0.5 ? Vec3<double>{1, 0, 0} : Vec3<double>{0, 1, 0};
         axes[(kept + 1) % 3] = normalized(cross(axis, other));

@@ -26,7 +26,8 @@ std::vector<uint32_t> read_materials(Reading& reading, Asset& asset);
 void read_meshes(Reading& reading, const std::vector<uint32_t>& texcoord_sets, Asset& asset);
 void read_mesh_instances(Reading& reading, Asset& asset);
 
-// The morph targets of `mesh`, an object of the file: those of its first primitive, to which read_meshes() holds the others.
+// The morph targets of `mesh`, an object of the file: those of its first primitive, to which read_meshes() holds the
+// others.
 uint32_t morph_target_count(const JsonView& mesh);
 // The member `weights` of a mesh or a node; empty where absent. Fails where there are not `target_count` of them.
 std::vector<float> read_morph_weights(Reading& reading, const JsonView& json, uint32_t target_count);

@@ -135,7 +135,9 @@ std::vector<std::byte> read_file(const fs::path& path, uint64_t limit_bytes, con
     if (error) throw Failure(ErrorCode::kFile, place, "the file cannot be read");
     if (size_bytes > limit_bytes)
         throw Failure(ErrorCode::kLimit, place,
-                      limit_bytes < kFileLimitBytes ? "with the side files before it, it is larger than the limit of 2 GiB" : "the file is larger than the limit of 2 GiB");
+                      limit_bytes < kFileLimitBytes
+                          ? "with the side files before it, it is larger than the limit of 2 GiB"
+                          : "the file is larger than the limit of 2 GiB");
     std::ifstream stream(path, std::ios::binary);
     if (!stream) throw Failure(ErrorCode::kFile, place, "the file cannot be opened");
     std::vector<std::byte> bytes(size_bytes);

@@ -1,15 +1,17 @@
-// Active morphs -> a vertex, before it is skinned. The includer declares `ActiveMorph active_morphs[]` ([instance][kActiveMorphs]) and `uvec4 morph_deltas[]`
-// (throng::MorphDelta).
+// Active morphs -> a vertex, before it is skinned. The includer declares `ActiveMorph active_morphs[]`
+// ([instance][kActiveMorphs]) and `uvec4 morph_deltas[]` (throng::MorphDelta).
 #include "morph/morph_io.h"
 
 struct MorphSum {
     vec3 position, normal;
 };
 
-// first_delta: of the vertex; first_morph, morph_count: of its section; first_active: the instance's. Without morphs there is nothing to read.
+// first_delta: of the vertex; first_morph, morph_count: of its section; first_active: the instance's. Without morphs
+// there is nothing to read.
 MorphSum sum_of_morphs(uint first_delta, uint first_morph, uint morph_count, uint first_active) {
     MorphSum sum = MorphSum(vec3(0), vec3(0));
-    const uint count = first_delta > 0 && morph_count > 0 ? kActiveMorphs : 0;  // a loop that a software device does not enter, as it would a branch
+    // A loop that a software device does not enter, as it would a branch
+    const uint count = first_delta > 0 && morph_count > 0 ? kActiveMorphs : 0;
     for (uint i = 0; i < count; ++i) {
         const ActiveMorph shown = active_morphs[first_active + i];
         const uint target = shown.morph - first_morph;  // of another section: far above morph_count
@@ -17,7 +19,9 @@ MorphSum sum_of_morphs(uint first_delta, uint first_morph, uint morph_count, uin
             const uvec4 delta = morph_deltas[first_delta - 1 + target];
             sum.position += shown.weight * uintBitsToFloat(delta.xyz);
             const int normal = int(delta.w);
-            sum.normal += shown.weight * uintBitsToFloat(kMorphNormalStepBits) * vec3(bitfieldExtract(normal, 0, 10), bitfieldExtract(normal, 10, 10), bitfieldExtract(normal, 20, 10));
+            sum.normal += shown.weight * uintBitsToFloat(kMorphNormalStepBits) *
+                          vec3(bitfieldExtract(normal, 0, 10), bitfieldExtract(normal, 10, 10),
+                               bitfieldExtract(normal, 20, 10));
         }
     }
     return sum;

@@ -1,6 +1,7 @@
 #version 460
-// morph: the weights of each instance's morphs, from the clips that it plays, and of them the kActiveMorphs largest by magnitude.
-// One invocation per instance. Cost: for each clip (of layers: and each four morphs) a binary search among the rows of weights, and for each four morphs 4 to 8 words.
+// morph: the weights of each instance's morphs, from the clips that it plays, and of them the kActiveMorphs largest by
+// magnitude. One invocation per instance. Cost: for each clip (of layers: and each four morphs) a binary search among
+// the rows of weights, and for each four morphs 4 to 8 words.
 #include "gpu/table.glsl"
 #include "control/control_io.h"
 #include "morph/morph_io.h"
@@ -27,8 +28,10 @@ void main() {
     if (!kLayered) rows = rows_of_two(playbacks[instance]);
     for (uint quad = 0; quad < quad_count(); ++quad) {
         vec4 weights;
-        if (kLayered) weights = weights_of_voices(instance, quad);
-        else weights = weights_of_two(playbacks[instance], rows, quad);
+        if (kLayered)
+            weights = weights_of_voices(instance, quad);
+        else
+            weights = weights_of_two(playbacks[instance], rows, quad);
         for (uint i = 0; i < min(push.morph_count - 4 * quad, 4); ++i) consider(4 * quad + i, weights[i]);
     }
     for (uint i = 0; i < kActiveMorphs; ++i) active_morphs[instance * kActiveMorphs + i] = active_of_instance[i];

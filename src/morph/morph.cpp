@@ -12,18 +12,26 @@ constexpr uint32_t kWide[] = {
 #include "morph/morph.wide.inc"
 };
 
-static_assert(io::kMorphNormalStepBits == std::bit_cast<uint32_t>(kMorphNormalStep) && io::kLeastMorphWeightBits == std::bit_cast<uint32_t>(kLeastMorphWeight));
+static_assert(io::kMorphNormalStepBits == std::bit_cast<uint32_t>(kMorphNormalStep) &&
+              io::kLeastMorphWeightBits == std::bit_cast<uint32_t>(kLeastMorphWeight));
 static_assert(io::kActiveMorphs == kActiveMorphLimit && io::kMorphUntouched == kNone);
-static_assert(io::kMorphAnimatedBit == kTrackAnimated && io::kMorphStepBit == kTrackStep && io::kMorphPositionMask == kTrackPosition);
+static_assert(io::kMorphAnimatedBit == kTrackAnimated && io::kMorphStepBit == kTrackStep &&
+              io::kMorphPositionMask == kTrackPosition);
 static_assert(sizeof(io::ActiveMorph) == 8);
 
 uint32_t up_to_four(size_t count) { return static_cast<uint32_t>((count + 3) / 4 * 4); }
 
 std::vector<uint32_t> axes_of(const Character& character) {
-    constexpr io::ClipAxis kNoRows{.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0};  // of no meaning: all weights that the clip animates are constant
+    // Of no meaning: all weights that the clip animates are constant
+    constexpr io::ClipAxis kNoRows{.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0};
     std::vector<io::ClipAxis> axes;
     for (const Clip& clip : character.clips)
-        axes.push_back(clip.morph_row_count == 0 ? kNoRows : io::ClipAxis{.first_time = clip.first_morph_time, .row_count = clip.morph_row_count, .row_stride = clip.morph_row_stride, .first_row = 0, .duration_s = clip.duration_s});
+        axes.push_back(clip.morph_row_count == 0 ? kNoRows
+                                                 : io::ClipAxis{.first_time = clip.first_morph_time,
+                                                                .row_count = clip.morph_row_count,
+                                                                .row_stride = clip.morph_row_stride,
+                                                                .first_row = 0,
+                                                                .duration_s = clip.duration_s});
     axes.push_back(kNoRows);  // the rest pose
     return as_words(axes);
 }
@@ -59,7 +67,9 @@ MorphTables::MorphTables(const std::shared_ptr<Gpu>& gpu, const Character& chara
       deltas(upload(gpu, character.name + ": morph differences", character.morph_deltas)) {}
 
 Kernel morph_kernel(const std::shared_ptr<Gpu>& gpu, bool layered) {
-    return Kernel(gpu, {.name = "morph", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWide) : kPlain, .constants = {layered}});
+    return Kernel(gpu, {.name = "morph",
+                        .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWide) : kPlain,
+                        .constants = {layered}});
 }
 
 }  // namespace throng

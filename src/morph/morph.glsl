@@ -1,6 +1,7 @@
-// Clips and their times -> weights of morphs -> the largest of them; defined by morph_reference.h. The includer declares the tables `axes`, `times`, `tracks`
-// (rows: four morphs each, [clip][quad]) and `values` (the default weights first), and for layers `voices` and `voice_times` ([instance][push.voice_limit]).
-// Morphs go by fours, a quad; layers look a clip's rows up once for each.
+// Clips and their times -> weights of morphs -> the largest of them; defined by morph_reference.h. The includer
+// declares the tables `axes`, `times`, `tracks` (rows: four morphs each, [clip][quad]) and `values` (the default
+// weights first), and for layers `voices` and `voice_times` ([instance][push.voice_limit]). Morphs go by fours, a quad;
+// layers look a clip's rows up once for each.
 #include "control/control.glsl"
 #include "control/controller_io.h"
 #include "morph/morph_io.h"
@@ -9,7 +10,9 @@ uint quad_count() { return (push.morph_count + 3) / 4; }
 
 float value_at(uint index) { return uintBitsToFloat(WORD_AT(values, index)); }
 
-vec4 default_weights(uint quad) { return vec4(value_at(4 * quad), value_at(4 * quad + 1), value_at(4 * quad + 2), value_at(4 * quad + 3)); }
+vec4 default_weights(uint quad) {
+    return vec4(value_at(4 * quad), value_at(4 * quad + 1), value_at(4 * quad + 2), value_at(4 * quad + 3));
+}
 
 const SlotCursor kFirstRow = SlotCursor(0, 0, 0, 0);
 
@@ -24,8 +27,8 @@ float sample_weight(uint track, SlotCursor rows, float untouched) {
 }
 
 vec4 sample_weights(uvec4 quad_tracks, SlotCursor rows, vec4 untouched) {
-    return vec4(sample_weight(quad_tracks.x, rows, untouched.x), sample_weight(quad_tracks.y, rows, untouched.y), sample_weight(quad_tracks.z, rows, untouched.z),
-                sample_weight(quad_tracks.w, rows, untouched.w));
+    return vec4(sample_weight(quad_tracks.x, rows, untouched.x), sample_weight(quad_tracks.y, rows, untouched.y),
+                sample_weight(quad_tracks.z, rows, untouched.z), sample_weight(quad_tracks.w, rows, untouched.w));
 }
 
 uvec4 quad_tracks_of(uint clip, uint quad) { return ROW_AT(tracks, clip * quad_count() + quad); }
@@ -37,12 +40,17 @@ struct RowsOfTwo {
     SlotCursor first, second;
 };
 
-RowsOfTwo rows_of_two(InstancePlayback playback) { return RowsOfTwo(morph_rows(playback.first.clip, playback.first.time_s), morph_rows(playback.second.clip, playback.second.time_s)); }
+RowsOfTwo rows_of_two(InstancePlayback playback) {
+    return RowsOfTwo(morph_rows(playback.first.clip, playback.first.time_s),
+                     morph_rows(playback.second.clip, playback.second.time_s));
+}
 
 vec4 weights_of_two(InstancePlayback playback, RowsOfTwo rows, uint quad) {
     const vec4 defaults = default_weights(quad);
     vec4 weights = sample_weights(quad_tracks_of(playback.first.clip, quad), rows.first, defaults);
-    if (playback.weight < 1) weights = mix(sample_weights(quad_tracks_of(playback.second.clip, quad), rows.second, defaults), weights, playback.weight);
+    if (playback.weight < 1)
+        weights = mix(sample_weights(quad_tracks_of(playback.second.clip, quad), rows.second, defaults), weights,
+                      playback.weight);
     return weights;
 }
 
@@ -66,7 +74,8 @@ vec4 weights_of_voices(uint instance, uint quad) {
         sum += weight * (value - from);
         is_touched = bvec4(uvec4(is_touched) | uvec4(notEqual(quad_tracks, uvec4(kMorphUntouched))));
         if ((flags & kVoiceEndsLayer) != 0) {
-            result = is_additive ? result + layer_weight * sum : mix(result, mix(result, defaults + sum, layer_weight), is_touched);
+            result = is_additive ? result + layer_weight * sum
+                                 : mix(result, mix(result, defaults + sum, layer_weight), is_touched);
             sum = vec4(0);
             is_touched = bvec4(false);
         }

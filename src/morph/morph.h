@@ -21,7 +21,9 @@ struct MorphTables {
     Buffer values;  // float[]: default weights, rounded up to fours, then those of clips
     Buffer deltas;  // MorphDelta[]
 
-    uint64_t size_bytes() const { return axes.size_bytes() + times.size_bytes() + tracks.size_bytes() + values.size_bytes() + deltas.size_bytes(); }
+    uint64_t size_bytes() const {
+        return axes.size_bytes() + times.size_bytes() + tracks.size_bytes() + values.size_bytes() + deltas.size_bytes();
+    }
 };
 
 // In the order of the bindings; dispatched with io::MorphPush, an invocation per instance.
@@ -30,7 +32,7 @@ struct MorphBuffers {
     BufferRange voices;       // of layers: io::Voice[instance_count][voice_limit]; else any table of rows
     BufferRange voice_times;  // of layers: float[instance_count][voice_limit], seconds; else any buffer
     BufferRange axes, times, tracks, values;  // of MorphTables
-    BufferRange active;       // io::ActiveMorph[instance_count][kActiveMorphs], written
+    BufferRange active;                       // io::ActiveMorph[instance_count][kActiveMorphs], written
 };
 
 Kernel morph_kernel(const std::shared_ptr<Gpu>& gpu, bool layered);

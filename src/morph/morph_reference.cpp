@@ -16,7 +16,8 @@ double layer_on(const Character& character, const MorphLayer& layer, uint32_t mo
         const std::optional<double> weight = morph_weight_reference(character, voice.clip, morph, voice.time_s);
         if (!weight) continue;
         is_touched = true;
-        sum += voice.weight * (*weight - (layer.is_additive ? *morph_weight_reference(character, voice.clip, morph, 0) : otherwise));
+        sum += voice.weight *
+               (*weight - (layer.is_additive ? *morph_weight_reference(character, voice.clip, morph, 0) : otherwise));
     }
     if (layer.is_additive) return below + layer.weight * sum;
     return is_touched ? below + layer.weight * (otherwise + sum - below) : below;
@@ -24,15 +25,18 @@ double layer_on(const Character& character, const MorphLayer& layer, uint32_t mo
 
 }  // namespace
 
-std::optional<double> morph_weight_reference(const Character& character, uint32_t clip_index, uint32_t morph, double time_s) {
+std::optional<double> morph_weight_reference(const Character& character, uint32_t clip_index, uint32_t morph,
+                                             double time_s) {
     if (clip_index >= character.clips.size()) return std::nullopt;
     const Clip& clip = character.clips[clip_index];
     const uint32_t word = character.morph_tracks[clip_index * character.morphs.size() + morph];
     if (word == kNone) return std::nullopt;
     const float* values = &character.morph_values[word & kTrackPosition];
     if ((word & kTrackAnimated) == 0) return double{*values};
-    const RowCursor rows = find_rows_reference(std::span(character.morph_times_s).subspan(clip.first_morph_time, clip.morph_row_count), time_s);
-    const double earlier = values[size_t{rows.earlier} * clip.morph_row_stride], later = values[size_t{rows.later} * clip.morph_row_stride];
+    const RowCursor rows = find_rows_reference(
+        std::span(character.morph_times_s).subspan(clip.first_morph_time, clip.morph_row_count), time_s);
+    const double earlier = values[size_t{rows.earlier} * clip.morph_row_stride],
+                 later = values[size_t{rows.later} * clip.morph_row_stride];
     return (word & kTrackStep) != 0 ? earlier : earlier * (1 - rows.fraction) + later * rows.fraction;
 }
 
@@ -49,18 +53,22 @@ std::vector<WeightedMorph> active_morphs_reference(std::span<const double> weigh
     std::vector<WeightedMorph> active;
     for (uint32_t morph = 0; morph < weights.size(); ++morph)
         if (std::abs(weights[morph]) > double{kLeastMorphWeight}) active.push_back({morph, weights[morph]});
-    std::ranges::stable_sort(active, [](const WeightedMorph& a, const WeightedMorph& b) { return std::abs(a.weight) > std::abs(b.weight); });
+    std::ranges::stable_sort(
+        active, [](const WeightedMorph& a, const WeightedMorph& b) { return std::abs(a.weight) > std::abs(b.weight); });
     active.resize(std::min<size_t>(active.size(), kActiveMorphLimit));
     return active;
 }
 
-Vec3<double> morphed_position_reference(const Character& character, const MeshSection& section, uint32_t vertex_index, std::span<const WeightedMorph> morphs) {
+Vec3<double> morphed_position_reference(const Character& character, const MeshSection& section, uint32_t vertex_index,
+                                        std::span<const WeightedMorph> morphs) {
     const Vertex& vertex = character.vertices[section.first_vertex + vertex_index];
     Vec3<double> position = vertex.position.as<double>();
     if (vertex.first_delta == 0) return position;
     for (const WeightedMorph& active : morphs)
         if (active.morph >= section.first_morph && active.morph - section.first_morph < section.morph_count)
-            position = position + character.morph_deltas[vertex.first_delta - 1 + active.morph - section.first_morph].position.as<double>() * active.weight;
+            position = position + character.morph_deltas[vertex.first_delta - 1 + active.morph - section.first_morph]
+                                          .position.as<double>() *
+                                      active.weight;
     return position;
 }
 

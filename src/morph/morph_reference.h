@@ -22,12 +22,14 @@ struct MorphLayer {
     std::vector<MorphVoice> voices;
 };
 
-// The weight that a clip gives a morph; none where it does not animate it. Before the first row and after the last, that row's.
+// The weight that a clip gives a morph; none where it does not animate it. Before the first row and after the last,
+// that row's.
 std::optional<double> morph_weight_reference(const Character& character, uint32_t clip, uint32_t morph, double time_s);
 
-// The weight of every morph, [morph]. Layers lie on the default weights, the lowest first. A clip that does not animate a morph counts with its default weight. An override
-// layer goes from what lies below to the weighted sum of its voices, by its weight; of morphs that none of its voices animates it leaves what lies below. An additive
-// layer adds, by its weight, the weighted sum of the differences from the clips' first rows.
+// The weight of every morph, [morph]. Layers lie on the default weights, the lowest first. A clip that does not animate
+// a morph counts with its default weight. An override layer goes from what lies below to the weighted sum of its
+// voices, by its weight; of morphs that none of its voices animates it leaves what lies below. An additive layer adds,
+// by its weight, the weighted sum of the differences from the clips' first rows.
 std::vector<double> morphs_reference(const Character& character, std::span<const MorphLayer> layers);
 
 // A morph with its weight.
@@ -36,10 +38,12 @@ struct WeightedMorph {
     double weight = 0;
 };
 
-// Of all weights, [morph], the kActiveMorphLimit largest by magnitude, largest first, equals by index; none that is not above kLeastMorphWeight.
+// Of all weights, [morph], the kActiveMorphLimit largest by magnitude, largest first, equals by index; none that is not
+// above kLeastMorphWeight.
 std::vector<WeightedMorph> active_morphs_reference(std::span<const double> weights);
 
 // position + sum of weight * difference, in bind space. `morphs`: the active ones.
-Vec3<double> morphed_position_reference(const Character& character, const MeshSection& section, uint32_t vertex, std::span<const WeightedMorph> morphs);
+Vec3<double> morphed_position_reference(const Character& character, const MeshSection& section, uint32_t vertex,
+                                        std::span<const WeightedMorph> morphs);
 
 }  // namespace throng

@@ -1,6 +1,7 @@
 #version 460
-// pace: takes the skin matrices of instances that are not animated in this update towards those of the pose that they were animated ahead to; defined by pace_reference.h. One workgroup per instance.
-// Cost: 100 bytes read and 48 written for each affine matrix of the joints that the instance's level of detail has.
+// pace: takes the skin matrices of instances that are not animated in this update towards those of the pose that they
+// were animated ahead to; defined by pace_reference.h. One workgroup per instance. Cost: 100 bytes read and 48 written
+// for each affine matrix of the joints that the instance's level of detail has.
 #include "cull/cull_io.h"
 #include "bind/bind_io.h"
 #include "gpu/stored.glsl"
@@ -10,7 +11,8 @@
 layout(local_size_x = kPaceWorkgroupSize) in;
 TABLE_OF_WORDS(0, Work, work);
 layout(set = 0, binding = 1, std430) readonly buffer States { uint states[]; };
-// [instance][row]: rows of four floats, or of four halves, two in one of these. Where previous matrices are not kept, current is previous.
+// [instance][row]: rows of four floats, or of four halves, two in one of these. Where previous matrices are not kept,
+// current is previous.
 TABLE_OF_ROWS(2, Previous, previous_rows);
 TABLE_OF_ROWS(3, Ahead, ahead_rows);
 layout(set = 0, binding = 4, std430) writeonly buffer CurrentRows { StoredRow current_rows[]; };
@@ -41,10 +43,13 @@ void main() {
     for (uint i = gl_LocalInvocationID.x; i < row_count; i += kPaceWorkgroupSize) {
         const uint row = i % rows, at = (instance * push.palette_count + WORD_AT(entries, i / rows)) * rows + row;
         if (kSkinFormat == kSkinHalfAffine) {
-            const vec4 halves = went_on(floats(ROW_AT(previous_rows, at / 2), at), floats(ROW_AT(ahead_rows, at / 2), at), step, false);
+            const vec4 halves = went_on(floats(ROW_AT(previous_rows, at / 2), at),
+                                        floats(ROW_AT(ahead_rows, at / 2), at), step, false);
             current_halves[at] = pack(uvec2(packHalf2x16(halves.xy), packHalf2x16(halves.zw)));
         } else {
-            current_rows[at] = pack(went_on(uintBitsToFloat(ROW_AT(previous_rows, at)), uintBitsToFloat(ROW_AT(ahead_rows, at)), step, kSkinFormat == kSkinSimilarity && row == 0));
+            current_rows[at] = pack(went_on(uintBitsToFloat(ROW_AT(previous_rows, at)),
+                                            uintBitsToFloat(ROW_AT(ahead_rows, at)), step,
+                                            kSkinFormat == kSkinSimilarity && row == 0));
         }
     }
 }

@@ -13,7 +13,9 @@ constexpr uint32_t kPaceWide[] = {
 }  // namespace
 
 Kernel pace_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format) {
-    return Kernel(gpu, {.name = "pace", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kPaceWide) : kPace, .constants = {static_cast<uint32_t>(format)}});
+    return Kernel(gpu, {.name = "pace",
+                        .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kPaceWide) : kPace,
+                        .constants = {static_cast<uint32_t>(format)}});
 }
 
 }  // namespace throng

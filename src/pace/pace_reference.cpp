@@ -5,7 +5,9 @@ namespace throng {
 AffineT<double> pace_reference(const AffineT<double>& previous, const AffineT<double>& ahead, uint32_t step) {
     AffineT<double> out;
     for (size_t row = 0; row < 3; ++row)
-        for (size_t column = 0; column < 4; ++column) out.row[row][column] = previous.row[row][column] + (ahead.row[row][column] - previous.row[row][column]) / step;
+        for (size_t column = 0; column < 4; ++column)
+            out.row[row][column] = previous.row[row][column] +
+                                   (ahead.row[row][column] - previous.row[row][column]) / step;
     return out;
 }
 

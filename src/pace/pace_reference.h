@@ -1,4 +1,5 @@
-// The way of skin matrices to a pose that is animated ahead of time: the definition of the pace stage, in double precision.
+// The way of skin matrices to a pose that is animated ahead of time: the definition of the pace stage, in double
+// precision.
 #pragma once
 
 #include <throng/transform.h>
@@ -7,8 +8,9 @@
 
 namespace throng {
 
-// A matrix `step` updates before it is to arrive: the same part of what is left in each update, 1 / step; of 1, it arrives. Linearly; in crowds of similarities rotations are normalised on the shortest path, which
-// differs from it by what nobody sees in so small a character.
+// A matrix `step` updates before it is to arrive: the same part of what is left in each update, 1 / step; of 1, it
+// arrives. Linearly; in crowds of similarities rotations are normalised on the shortest path, which differs from it by
+// what nobody sees in so small a character.
 AffineT<double> pace_reference(const AffineT<double>& previous, const AffineT<double>& ahead, uint32_t step);
 
 // Of how many updates an instance of such a size on the screen, in pixels, is animated in one.

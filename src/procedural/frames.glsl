@@ -1,6 +1,7 @@
-// Where joints are in the world, and how they are turned there. "World" here has the world's axes, but its origin is the instance's: floats keep their
-// digits far from the middle of the world, where springs would otherwise shiver. The includer declares the buffers `local` (rows of four floats, [instance][joint])
-// and `placements`, in the words of gpu/stored.glsl, the table `tables`, the constant kSimilarity, and `instance`.
+// Where joints are in the world, and how they are turned there. "World" here has the world's axes, but its origin is
+// the instance's: floats keep their digits far from the middle of the world, where springs would otherwise shiver. The
+// includer declares the buffers `local` (rows of four floats, [instance][joint]) and `placements`, in the words of
+// gpu/stored.glsl, the table `tables`, the constant kSimilarity, and `instance`.
 #include "gpu/affine.glsl"
 #include "gpu/angles.glsl"
 #include "gpu/similarity.glsl"
@@ -33,10 +34,13 @@ Affine world_from_parent_of(uint joint) {
 
 Affine world_from_joint_of(uint joint) { return affine_multiply(world_from_parent_of(joint), load_local(joint)); }
 
-// A turn of the world as one of a space that lies turned in it: its axis seen from there. Skewed axes are made orthogonal, x first; a flat space has no turns.
+// A turn of the world as one of a space that lies turned in it: its axis seen from there. Skewed axes are made
+// orthogonal, x first; a flat space has no turns.
 vec4 turn_within(Affine world_from_space, vec4 turn) {
-    const mat3 columns = transpose(mat3(world_from_space.row0.xyz, world_from_space.row1.xyz, world_from_space.row2.xyz));
-    const vec3 x = columns[0] * inversesqrt(max(dot(columns[0], columns[0]), 1e-30)), across = columns[1] - x * dot(x, columns[1]);
+    const mat3 columns = transpose(
+        mat3(world_from_space.row0.xyz, world_from_space.row1.xyz, world_from_space.row2.xyz));
+    const vec3 x = columns[0] * inversesqrt(max(dot(columns[0], columns[0]), 1e-30)),
+               across = columns[1] - x * dot(x, columns[1]);
     const vec3 y = across * inversesqrt(max(dot(across, across), 1e-30)), z = cross(x, y);
     if (dot(z, z) < 0.5 || abs(dot(z, columns[2])) <= kParallel * length(columns[2])) return vec4(0, 0, 0, 1);
     const float side = dot(z, columns[2]) < 0 ? -1 : 1;
@@ -79,5 +83,6 @@ float angle_of(float sine, float cosine) {
 // About an axis of length 1, by -pi..pi.
 vec4 turn_about(vec3 axis, float angle_rad) {
     const float half_rad = min(0.5 * abs(angle_rad), kHalfPi);
-    return vec4(axis * (angle_rad < 0 ? -sin_quarter(half_rad) : sin_quarter(half_rad)), sin_quarter(kHalfPi - half_rad));
+    return vec4(axis * (angle_rad < 0 ? -sin_quarter(half_rad) : sin_quarter(half_rad)),
+                sin_quarter(kHalfPi - half_rad));
 }

@@ -1,17 +1,21 @@
 #version 460
 // procedural: rules that move joints after the blend and before the scan; defined in docs/procedural.md.
-// One invocation per instance and chain; the chains of a dispatch touch nothing of each other. Reads 48 bytes a joint of the chain and of all above it,
-// writes 48 a joint (32 each as similarities), and reads and writes 48 a spring.
+// One invocation per instance and chain; the chains of a dispatch touch nothing of each other. Reads 48 bytes a joint
+// of the chain and of all above it, writes 48 a joint (32 each as similarities), and reads and writes 48 a spring.
 #include "gpu/table.glsl"
 #include "gpu/stored.glsl"
 #include "procedural/procedural_io.h"
 
 layout(local_size_x = kProceduralWorkgroupSize) in;
 TABLE_OF_WORDS(0, Tables, tables);
-layout(set = 0, binding = 1, std430) readonly buffer Placements { StoredAffine placements[]; };  // [instance], world_from_model
-layout(set = 0, binding = 2, std430) readonly buffer Targets { vec4 targets[]; };          // [instance][target], world; w: weight
-layout(set = 0, binding = 3, std430) buffer Springs { StoredRow springs[]; };              // [instance][push.spring_count], three rows a SpringState
-layout(set = 0, binding = 4, std430) buffer Local { StoredRow local[]; };                  // [instance][joint], parent_from_joint
+// [instance], world_from_model
+layout(set = 0, binding = 1, std430) readonly buffer Placements { StoredAffine placements[]; };
+// [instance][target], world; w: weight
+layout(set = 0, binding = 2, std430) readonly buffer Targets { vec4 targets[]; };
+// [instance][push.spring_count], three rows a SpringState
+layout(set = 0, binding = 3, std430) buffer Springs { StoredRow springs[]; };
+// [instance][joint], parent_from_joint
+layout(set = 0, binding = 4, std430) buffer Local { StoredRow local[]; };
 layout(constant_id = 1) const bool kSimilarity = false;
 layout(constant_id = 2) const uint kKind = 0;  // of the chains: a software device would run the code of all
 layout(push_constant) uniform Push { ProceduralPush push; };
@@ -19,7 +23,8 @@ layout(push_constant) uniform Push { ProceduralPush push; };
 uint instance;
 
 ProceduralChain load_chain(uint word) {
-    return ProceduralChain(WORD_AT(tables, word), WORD_AT(tables, word + 1), WORD_AT(tables, word + 2), WORD_AT(tables, word + 3), WORD_AT(tables, word + 4));
+    return ProceduralChain(WORD_AT(tables, word), WORD_AT(tables, word + 1), WORD_AT(tables, word + 2),
+                           WORD_AT(tables, word + 3), WORD_AT(tables, word + 4));
 }
 
 uint first_joint_of(ProceduralChain chain) { return WORD_AT(tables, chain.first_joint); }
@@ -39,8 +44,12 @@ void main() {
     instance = gl_WorkGroupID.x % push.workgroups * kProceduralWorkgroupSize + gl_LocalInvocationID.x;
     if (instance >= push.instance_count) return;
     const ProceduralChain chain = load_chain(push.first_chain + gl_WorkGroupID.x / push.workgroups * kChainWords);
-    if (kKind == kChainWind) bend_in_wind(chain);
-    else if (kKind == kChainSpring) swing(chain);
-    else if (kKind == kChainLookAt) look_at(chain);
-    else reach(chain);
+    if (kKind == kChainWind)
+        bend_in_wind(chain);
+    else if (kKind == kChainSpring)
+        swing(chain);
+    else if (kKind == kChainLookAt)
+        look_at(chain);
+    else
+        reach(chain);
 }

@@ -13,7 +13,9 @@ constexpr uint32_t kWide[] = {
 }  // namespace
 
 Kernel procedural_kernel(const std::shared_ptr<Gpu>& gpu, uint32_t kind, bool similarities) {
-    return Kernel(gpu, {.name = "procedural", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWide) : kPlain, .constants = {similarities, kind}});
+    return Kernel(gpu, {.name = "procedural",
+                        .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWide) : kPlain,
+                        .constants = {similarities, kind}});
 }
 
 }  // namespace throng

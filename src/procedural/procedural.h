@@ -11,8 +11,10 @@ struct ProceduralBuffers {
     BufferRange tables;      // words (procedural_tables.h), a table
     BufferRange placements;  // Affine[instance_count], world_from_model
     BufferRange targets;     // float4[instance_count][target_count], world; w: weight, 0..1
-    BufferRange springs;     // io::SpringState[instance_count][spring_count], read and written; zero before the first update
-    BufferRange local;       // [instance_count][joint_count], parent_from_joint, read and written: Affine, or Similarity (gpu/similarity.glsl)
+    // io::SpringState[instance_count][spring_count], read and written; zero before the first update
+    BufferRange springs;
+    // [instance_count][joint_count], parent_from_joint, read and written: Affine, or Similarity (gpu/similarity.glsl)
+    BufferRange local;
 };
 
 // For chains of one kind.

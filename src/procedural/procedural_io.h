@@ -1,21 +1,21 @@
 // What the procedural stage reads and writes. Shared by C++ and GLSL.
 //
-// Tables of a group, in one buffer of words (gpu/table.glsl): the joints' parents, chains in the order of their ranks, and what these refer to by
-// the word at which it begins.
+// Tables of a group, in one buffer of words (gpu/table.glsl): the joints' parents, chains in the order of their ranks,
+// and what these refer to by the word at which it begins.
 #ifndef THRONG_PROCEDURAL_IO_H
 #define THRONG_PROCEDURAL_IO_H
 #include "gpu/shader_types.h"
 THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kProceduralWorkgroupSize = 64;
-THRONG_IO_CONSTANT kColliderLimit = 16;       // of a spring rule
+THRONG_IO_CONSTANT kColliderLimit = 16;  // of a spring rule
 THRONG_IO_CONSTANT kNoParent = 0xFFFFFFFFu;
 
 // Joints each of which is the parent of the next, moved by one rule.
 THRONG_IO_CONSTANT kChainWords = 5;
 struct ProceduralChain {
-    uint rule;              // word
-    uint first_joint;       // word, of a ProceduralJoint
+    uint rule;         // word
+    uint first_joint;  // word, of a ProceduralJoint
     uint joint_count;
     uint first_generation;  // below the rule's joint
     uint first_spring;      // of an instance's SpringStates
@@ -75,18 +75,18 @@ struct SpringState {
 
 struct ProceduralPush {
     uint instance_count;
-    uint first_instance;    // of the crowd
+    uint first_instance;  // of the crowd
     uint joint_count;
-    uint spring_count;      // SpringStates of an instance
+    uint spring_count;  // SpringStates of an instance
     uint target_count;
-    uint first_chain;       // word of the first of this dispatch
-    uint workgroups;        // for each chain
+    uint first_chain;  // word of the first of this dispatch
+    uint workgroups;   // for each chain
     float time_step_s;
-    float sway_time_s;      // 0..64, for frequencies that are multiples of 1/64
+    float sway_time_s;  // 0..64, for frequencies that are multiples of 1/64
     float wind_speed;
     float wind_x, wind_y, wind_z;  // unit length
     float gust;
-    float gust_rate;        // 1 / wavelength
+    float gust_rate;                              // 1 / wavelength
     float gust_phase0, gust_phase1, gust_phase2;  // cycles, 0..1
 };
 

@@ -13,7 +13,13 @@ namespace {
 // Looks at one rule after the other and cuts what it moves into chains.
 class Planner {
 public:
-    Planner(const ProceduralRules& rules, const Character& character) : rules_(rules), character_(character), rig_(character.rig), read_(rig_.joint_count()), written_(rig_.joint_count()), chain_below_(rig_.joint_count(), kNone) {
+    Planner(const ProceduralRules& rules, const Character& character)
+        : rules_(rules),
+          character_(character),
+          rig_(character.rig),
+          read_(rig_.joint_count()),
+          written_(rig_.joint_count()),
+          chain_below_(rig_.joint_count(), kNone) {
         // The longest way down, so that few chains have to climb far to find where they hang.
         std::vector<uint32_t> heights(rig_.joint_count());
         for (uint32_t joint = rig_.joint_count(); joint-- > 0;) {
@@ -26,9 +32,12 @@ public:
 
     ProceduralPlan plan() {
         for (size_t i = 0; i < rules_.targets.size(); ++i)
-            if (std::find(rules_.targets.begin(), rules_.targets.begin() + static_cast<std::ptrdiff_t>(i), rules_.targets[i]) != rules_.targets.begin() + static_cast<std::ptrdiff_t>(i))
-                throw Failure(ErrorCode::kInvalidArgument, character_.name + ": procedural rules", "there are two targets '" + rules_.targets[i] + "'");
-        for (rule_ = 0; rule_ < rules_.rules.size(); ++rule_) std::visit([&](const auto& rule) { add(rule); }, rules_.rules[rule_]);
+            if (std::find(rules_.targets.begin(), rules_.targets.begin() + static_cast<std::ptrdiff_t>(i),
+                          rules_.targets[i]) != rules_.targets.begin() + static_cast<std::ptrdiff_t>(i))
+                throw Failure(ErrorCode::kInvalidArgument, character_.name + ": procedural rules",
+                              "there are two targets '" + rules_.targets[i] + "'");
+        for (rule_ = 0; rule_ < rules_.rules.size(); ++rule_)
+            std::visit([&](const auto& rule) { add(rule); }, rules_.rules[rule_]);
         return std::move(plan_);
     }
 
@@ -40,12 +49,15 @@ private:
         if (!holds) fail(what);
     }
 
-    static bool is_finite(const Vec3<float>& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+    static bool is_finite(const Vec3<float>& v) {
+        return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+    }
 
     uint32_t joint_named(const std::string& name) const {
         const auto found = std::ranges::find(rig_.names, name);
         if (found == rig_.names.end()) fail("there is no joint '" + name + "'");
-        if (std::find(found + 1, rig_.names.end(), name) != rig_.names.end()) fail("there are several joints '" + name + "'");
+        if (std::find(found + 1, rig_.names.end(), name) != rig_.names.end())
+            fail("there are several joints '" + name + "'");
         return static_cast<uint32_t>(found - rig_.names.begin());
     }
 
@@ -65,10 +77,14 @@ private:
         require(is_finite(rule.gravity) && std::isfinite(rule.drag), "gravity and drag must be finite");
         require(std::isfinite(rule.radius) && rule.radius >= 0, "radius must be 0 or more");
         if (rule.colliders.size() > io::kColliderLimit)
-            throw Failure(ErrorCode::kLimit, place(), std::to_string(rule.colliders.size()) + " colliders; at most " + std::to_string(io::kColliderLimit));
+            throw Failure(
+                ErrorCode::kLimit, place(),
+                std::to_string(rule.colliders.size()) + " colliders; at most " + std::to_string(io::kColliderLimit));
         std::vector<uint32_t> read;
         for (const Collider& collider : rule.colliders) {
-            require(is_finite(collider.a) && is_finite(collider.b) && std::isfinite(collider.radius) && collider.radius >= 0, "a collider's places must be finite and its radius 0 or more");
+            require(is_finite(collider.a) && is_finite(collider.b) && std::isfinite(collider.radius) &&
+                        collider.radius >= 0,
+                    "a collider's places must be finite and its radius 0 or more");
             read.push_back(joint_named(collider.joint));
         }
         const size_t first = plan_.chains.size();
@@ -92,11 +108,13 @@ private:
         require(rule.weight >= 0 && rule.weight <= 1, "weight must be within 0..1");
         check_target(rule.target);
         const uint32_t joint = joint_named(rule.joint), parent = rig_.parents[joint];
-        if (parent == kNone || rig_.parents[parent] == kNone) fail("joint '" + rule.joint + "' has no parent and grandparent to bend");
+        if (parent == kNone || rig_.parents[parent] == kNone)
+            fail("joint '" + rule.joint + "' has no parent and grandparent to bend");
         add_chain({rig_.parents[parent], parent, joint}, 0, {});
     }
 
-    // A joint and all below it: from each joint the longest way down is one chain, and the other ways begin chains of their own.
+    // A joint and all below it: from each joint the longest way down is one chain, and the other ways begin chains of
+    // their own.
     void add_below(uint32_t top, const std::vector<uint32_t>& read) {
         std::vector<uint32_t> generations(rig_.joint_count(), kNone);
         for (uint32_t joint = top; joint < rig_.joint_count(); ++joint) {  // parents come first
@@ -112,7 +130,8 @@ private:
     }
 
     void add_chain(std::vector<uint32_t> joints, uint32_t generation, const std::vector<uint32_t>& also_read) {
-        PlannedChain chain{.rule = rule_, .rank = 0, .joints = std::move(joints), .bones = {}, .first_generation = generation};
+        PlannedChain chain{
+            .rule = rule_, .rank = 0, .joints = std::move(joints), .bones = {}, .first_generation = generation};
         for (size_t k = 0; k < chain.joints.size(); ++k) chain.bones.push_back(bone_of(chain, k));
         for (uint32_t joint = chain.joints.front(); joint != kNone; joint = rig_.parents[joint]) ++chain.steps;
         for (const uint32_t collider : also_read)
@@ -152,13 +171,18 @@ private:
 
 }  // namespace
 
-void check_target(uint32_t target, uint32_t target_count, const Vec3<float>& world_place, float weight, const std::string& place) {
+void check_target(uint32_t target, uint32_t target_count, const Vec3<float>& world_place, float weight,
+                  const std::string& place) {
     const auto refuse = [&](const std::string& why) { throw Failure(ErrorCode::kInvalidArgument, place, why); };
-    if (target >= target_count) refuse("number " + std::to_string(target) + " of rules that have " + std::to_string(target_count));
-    if (!std::isfinite(world_place.x) || !std::isfinite(world_place.y) || !std::isfinite(world_place.z)) refuse("it must be finite");
+    if (target >= target_count)
+        refuse("number " + std::to_string(target) + " of rules that have " + std::to_string(target_count));
+    if (!std::isfinite(world_place.x) || !std::isfinite(world_place.y) || !std::isfinite(world_place.z))
+        refuse("it must be finite");
     if (!(weight >= 0 && weight <= 1)) refuse("its weight must be within 0..1");
 }
 
-ProceduralPlan plan_procedural(const ProceduralRules& rules, const Character& character) { return Planner(rules, character).plan(); }
+ProceduralPlan plan_procedural(const ProceduralRules& rules, const Character& character) {
+    return Planner(rules, character).plan();
+}
 
 }  // namespace throng

@@ -26,10 +26,12 @@ struct ProceduralPlan {
     uint32_t spring_count = 0;
 };
 
-// Throws kInvalidArgument for joints and targets that are not there and numbers out of range, kLimit for more than 16 colliders of a rule.
+// Throws kInvalidArgument for joints and targets that are not there and numbers out of range, kLimit for more than 16
+// colliders of a rule.
 ProceduralPlan plan_procedural(const ProceduralRules& rules, const Character& character);
 
 // What Crowd::set_target() is given. Throws kInvalidArgument at `place`.
-void check_target(uint32_t target, uint32_t target_count, const Vec3<float>& world_place, float weight, const std::string& place);
+void check_target(uint32_t target, uint32_t target_count, const Vec3<float>& world_place, float weight,
+                  const std::string& place);
 
 }  // namespace throng

@@ -12,7 +12,8 @@ namespace throng {
 namespace {
 
 static_assert(io::kNoParent == kNone);
-static_assert(sizeof(io::ProceduralChain) == io::kChainWords * sizeof(uint32_t) && sizeof(io::ProceduralJoint) == io::kProceduralJointWords * sizeof(uint32_t) &&
+static_assert(sizeof(io::ProceduralChain) == io::kChainWords * sizeof(uint32_t) &&
+              sizeof(io::ProceduralJoint) == io::kProceduralJointWords * sizeof(uint32_t) &&
               sizeof(io::ColliderShape) == io::kColliderWords * sizeof(uint32_t));
 
 class Words {
@@ -34,32 +35,42 @@ private:
     std::vector<uint32_t> words_;
 };
 
-uint32_t index_of(const std::vector<std::string>& names, const std::string& name) { return static_cast<uint32_t>(std::ranges::find(names, name) - names.begin()); }
+uint32_t index_of(const std::vector<std::string>& names, const std::string& name) {
+    return static_cast<uint32_t>(std::ranges::find(names, name) - names.begin());
+}
 
 struct RuleWriter {
     const ProceduralRules& rules;
     const Rig& rig;
     Words& words;
 
-    std::pair<uint32_t, uint32_t> operator()(const WindRule& rule) const { return {io::kChainWind, words.add(io::WindSettings{rule.bend_rad, rule.sway_rad, static_cast<float>(rounded_sway_hz(rule.sway_hz))})}; }
+    std::pair<uint32_t, uint32_t> operator()(const WindRule& rule) const {
+        return {io::kChainWind, words.add(io::WindSettings{rule.bend_rad, rule.sway_rad,
+                                                           static_cast<float>(rounded_sway_hz(rule.sway_hz))})};
+    }
     std::pair<uint32_t, uint32_t> operator()(const SpringRule& rule) const {
         const uint32_t count = static_cast<uint32_t>(rule.colliders.size());
         uint32_t first = 0;
         for (uint32_t i = 0; i < count; ++i) {
             const Collider& c = rule.colliders[i];
-            const uint32_t word = words.add(io::ColliderShape{index_of(rig.names, c.joint), c.a.x, c.a.y, c.a.z, c.b.x, c.b.y, c.b.z, c.radius});
+            const uint32_t word = words.add(
+                io::ColliderShape{index_of(rig.names, c.joint), c.a.x, c.a.y, c.a.z, c.b.x, c.b.y, c.b.z, c.radius});
             if (i == 0) first = word;
         }
         const float omega = 2 * std::numbers::pi_v<float> * rule.frequency_hz;
-        return {io::kChainSpring, words.add(io::SpringSettings{omega * omega, 2 * rule.damping * omega, rule.gravity.x, rule.gravity.y, rule.gravity.z, rule.drag, rule.radius, first, count})};
+        return {io::kChainSpring,
+                words.add(io::SpringSettings{omega * omega, 2 * rule.damping * omega, rule.gravity.x, rule.gravity.y,
+                                             rule.gravity.z, rule.drag, rule.radius, first, count})};
     }
     std::pair<uint32_t, uint32_t> operator()(const LookAtRule& rule) const {
         const Vec3<float> forward = normalized(rule.forward);
-        return {io::kChainLookAt, words.add(io::LookAtSettings{forward.x, forward.y, forward.z, rule.limit_rad, rule.weight, index_of(rules.targets, rule.target)})};
+        return {io::kChainLookAt, words.add(io::LookAtSettings{forward.x, forward.y, forward.z, rule.limit_rad,
+                                                               rule.weight, index_of(rules.targets, rule.target)})};
     }
     std::pair<uint32_t, uint32_t> operator()(const ReachRule& rule) const {
         const Vec3<float> pole = normalized(rule.pole);
-        return {io::kChainReach, words.add(io::ReachSettings{pole.x, pole.y, pole.z, rule.weight, index_of(rules.targets, rule.target)})};
+        return {io::kChainReach, words.add(io::ReachSettings{pole.x, pole.y, pole.z, rule.weight,
+                                                             index_of(rules.targets, rule.target)})};
     }
 };
 
@@ -67,16 +78,21 @@ struct RuleWriter {
 
 ProceduralTables make_procedural_tables(const ProceduralRules& rules, const Character& character) {
     const ProceduralPlan plan = plan_procedural(rules, character);
-    ProceduralTables tables{.words = {}, .dispatches = {}, .spring_count = plan.spring_count, .target_count = static_cast<uint32_t>(rules.targets.size())};
+    ProceduralTables tables{.words = {},
+                            .dispatches = {},
+                            .spring_count = plan.spring_count,
+                            .target_count = static_cast<uint32_t>(rules.targets.size())};
     for (const PlannedChain& chain : plan.chains) tables.most_steps = std::max(tables.most_steps, chain.steps);
     Words words;
     words.add(std::span<const uint32_t>(character.rig.parents));
     std::vector<std::pair<uint32_t, uint32_t>> kinds_and_rules;
-    for (const ProceduralRule& rule : rules.rules) kinds_and_rules.push_back(std::visit(RuleWriter{rules, character.rig, words}, rule));
+    for (const ProceduralRule& rule : rules.rules)
+        kinds_and_rules.push_back(std::visit(RuleWriter{rules, character.rig, words}, rule));
     std::vector<uint32_t> first_joints;
     for (const PlannedChain& chain : plan.chains)
         for (size_t k = 0; k < chain.joints.size(); ++k) {
-            const uint32_t word = words.add(io::ProceduralJoint{chain.joints[k], chain.bones[k].x, chain.bones[k].y, chain.bones[k].z});
+            const uint32_t word = words.add(
+                io::ProceduralJoint{chain.joints[k], chain.bones[k].x, chain.bones[k].y, chain.bones[k].z});
             if (k == 0) first_joints.push_back(word);
         }
     for (uint32_t rank = 0; rank < plan.rank_count; ++rank)
@@ -86,7 +102,9 @@ ProceduralTables make_procedural_tables(const ProceduralRules& rules, const Char
                 const PlannedChain& chain = plan.chains[i];
                 const auto [chain_kind, rule] = kinds_and_rules[chain.rule];
                 if (chain.rank != rank || chain_kind != kind) continue;
-                const uint32_t word = words.add(io::ProceduralChain{rule, first_joints[i], static_cast<uint32_t>(chain.joints.size()), chain.first_generation, chain.first_spring});
+                const uint32_t word = words.add(io::ProceduralChain{rule, first_joints[i],
+                                                                    static_cast<uint32_t>(chain.joints.size()),
+                                                                    chain.first_generation, chain.first_spring});
                 if (dispatch.chain_count++ == 0) dispatch.first_chain = word;
             }
             if (dispatch.chain_count > 0) tables.dispatches.push_back(dispatch);

@@ -1,9 +1,11 @@
-// Spring chains: docs/procedural.md. Source of bones as springs with colliders: VRM Consortium, VRMC_springBone 1.0. Difference from it: the step is
-// the backward Euler of a damped oscillator, which no time step makes unstable, and its numbers do not depend on the frame rate.
+// Spring chains: docs/procedural.md. Source of bones as springs with colliders: VRM Consortium, VRMC_springBone 1.0.
+// Difference from it: the step is the backward Euler of a damped oscillator, which no time step makes unstable, and its
+// numbers do not depend on the frame rate.
 
 SpringSettings load_spring(uint word) {
-    return SpringSettings(table_float(word), table_float(word + 1), table_float(word + 2), table_float(word + 3), table_float(word + 4), table_float(word + 5), table_float(word + 6), WORD_AT(tables, word + 7),
-                          WORD_AT(tables, word + 8));
+    return SpringSettings(table_float(word), table_float(word + 1), table_float(word + 2), table_float(word + 3),
+                          table_float(word + 4), table_float(word + 5), table_float(word + 6),
+                          WORD_AT(tables, word + 7), WORD_AT(tables, word + 8));
 }
 
 // A capsule in the world, with the springs' own radius in its own.
@@ -16,7 +18,8 @@ Capsule load_capsule(uint word, float bone_radius) {
     const Affine m = world_from_joint_of(WORD_AT(tables, word));
     const vec3 a = affine_point(m, table_vector(word + 1)), b = affine_point(m, table_vector(word + 4));
     const mat3 columns = transpose(mat3(m.row0.xyz, m.row1.xyz, m.row2.xyz));
-    const float square = max(max(dot(columns[0], columns[0]), dot(columns[1], columns[1])), dot(columns[2], columns[2]));
+    const float square = max(max(dot(columns[0], columns[0]), dot(columns[1], columns[1])),
+                             dot(columns[2], columns[2]));
     return Capsule(a, b - a, table_float(word + 7) * sqrt(square) + bone_radius);
 }
 
@@ -35,9 +38,12 @@ vec3 step_spring(inout SpringState spring, SpringSettings settings, vec3 joint, 
     const float step_s = max(push.time_step_s, 0), size = distance(joint, rest);
     const vec4 origin = vec4(instance_origin(), 1);
     if (spring.origin.w == 0) spring = SpringState(vec4(rest, 0), vec4(0), origin);
-    const vec3 before = spring.place.xyz + (spring.origin.xyz - origin.xyz), wind = wind_at(rest) * vec3(push.wind_x, push.wind_y, push.wind_z);
-    const vec3 force = settings.stiffness * (rest - before) + vec3(settings.gravity_x, settings.gravity_y, settings.gravity_z) + settings.drag * wind;
-    const vec3 velocity = (spring.velocity.xyz + step_s * force) / (1 + step_s * (settings.damping + step_s * settings.stiffness));
+    const vec3 before = spring.place.xyz + (spring.origin.xyz - origin.xyz),
+               wind = wind_at(rest) * vec3(push.wind_x, push.wind_y, push.wind_z);
+    const vec3 force = settings.stiffness * (rest - before) +
+                       vec3(settings.gravity_x, settings.gravity_y, settings.gravity_z) + settings.drag * wind;
+    const vec3 velocity = (spring.velocity.xyz + step_s * force) /
+                          (1 + step_s * (settings.damping + step_s * settings.stiffness));
     vec3 place = before + step_s * velocity;
     for (uint i = 0; i < settings.collider_count; ++i) place = pushed_out(place, capsules[i]);
     const vec3 way = place - joint;
@@ -51,13 +57,15 @@ vec3 step_spring(inout SpringState spring, SpringSettings settings, vec3 joint, 
 
 void swing(ProceduralChain chain) {
     const SpringSettings settings = load_spring(chain.rule);
-    for (uint i = 0; i < settings.collider_count; ++i) capsules[i] = load_capsule(settings.first_collider + i * kColliderWords, settings.radius);
+    for (uint i = 0; i < settings.collider_count; ++i)
+        capsules[i] = load_capsule(settings.first_collider + i * kColliderWords, settings.radius);
     Affine world_from_parent = world_from_parent_of(first_joint_of(chain));
     for (uint k = 0; k < chain.joint_count; ++k) {
         const ProceduralJoint joint = load_joint(chain, k);
         Affine parent_from_joint = load_local(joint.joint);
         const Affine world_from_joint = affine_multiply(world_from_parent, parent_from_joint);
-        const vec3 from = origin_of(world_from_joint), rest = affine_point(world_from_joint, vec3(joint.bone_x, joint.bone_y, joint.bone_z));
+        const vec3 from = origin_of(world_from_joint),
+                   rest = affine_point(world_from_joint, vec3(joint.bone_x, joint.bone_y, joint.bone_z));
         const float size = distance(from, rest);
         const uint row = 3 * (instance * push.spring_count + chain.first_spring + k);
         if (size == 0) {
@@ -68,7 +76,8 @@ void swing(ProceduralChain chain) {
             springs[row] = pack(spring.place);
             springs[row + 1] = pack(spring.velocity);
             springs[row + 2] = pack(spring.origin);
-            parent_from_joint = turn_joint(joint.joint, world_from_parent, parent_from_joint, arc((rest - from) / size, normalize(place - from)));
+            parent_from_joint = turn_joint(joint.joint, world_from_parent, parent_from_joint,
+                                           arc((rest - from) / size, normalize(place - from)));
         }
         world_from_parent = affine_multiply(world_from_parent, parent_from_joint);
     }

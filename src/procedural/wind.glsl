@@ -9,10 +9,14 @@ float wave(float cycles) {
 // Speed of the wind at a place.
 float wind_at(vec3 place) {
     const float along = dot(instance_origin() + place, vec3(push.wind_x, push.wind_y, push.wind_z)) * push.gust_rate;
-    return push.wind_speed * (1 + push.gust * (0.5 * wave(push.gust_phase0 - along) + 0.3 * wave(push.gust_phase1 - 2.7 * along) + 0.2 * wave(push.gust_phase2 - 7.1 * along)));
+    return push.wind_speed *
+           (1 + push.gust * (0.5 * wave(push.gust_phase0 - along) + 0.3 * wave(push.gust_phase1 - 2.7 * along) +
+                             0.2 * wave(push.gust_phase2 - 7.1 * along)));
 }
 
-WindSettings load_wind(uint word) { return WindSettings(table_float(word), table_float(word + 1), table_float(word + 2)); }
+WindSettings load_wind(uint word) {
+    return WindSettings(table_float(word), table_float(word + 1), table_float(word + 2));
+}
 
 // So that no two instances sway alike: fractions of the golden ratio.
 float sway_phase() { return float((push.first_instance + instance) * 2654435769u) * (1.0 / 4294967296.0); }
@@ -33,9 +37,12 @@ void bend_in_wind(ProceduralChain chain) {
         const float sine = sqrt(dot(across, across));
         if (sine > kParallel) {
             const float angle_rad = angle_of(sine, dot(bone, direction) / size);
-            const float sway = push.wind_speed * settings.sway_rad * wave(phase - 0.07 * float(chain.first_generation + k));
-            const float bend_rad = clamp((wind_at(origin_of(world_from_joint)) * settings.bend_rad + sway) * sine, angle_rad - kPi, angle_rad);
-            parent_from_joint = turn_joint(joint.joint, world_from_parent, parent_from_joint, turn_about(across / sine, bend_rad));
+            const float sway = push.wind_speed * settings.sway_rad *
+                               wave(phase - 0.07 * float(chain.first_generation + k));
+            const float bend_rad = clamp((wind_at(origin_of(world_from_joint)) * settings.bend_rad + sway) * sine,
+                                         angle_rad - kPi, angle_rad);
+            parent_from_joint = turn_joint(joint.joint, world_from_parent, parent_from_joint,
+                                           turn_about(across / sine, bend_rad));
         }
         world_from_parent = affine_multiply(world_from_parent, parent_from_joint);
     }

@@ -17,7 +17,8 @@ void WindClock::set(const Wind& wind) {
     const Vec3<double> velocity = wind.velocity.as<double>();
     if (!(length(velocity) <= 1e6)) fail("its velocity must be finite, and at most 1e6");
     if (!(wind.gust >= 0 && wind.gust <= 1)) fail("its gust must be within 0..1");
-    if (!(std::isfinite(wind.wavelength) && wind.wavelength >= 1e-6f)) fail("its wavelength must be finite, and at least 1e-6");
+    if (!(std::isfinite(wind.wavelength) && wind.wavelength >= 1e-6f))
+        fail("its wavelength must be finite, and at least 1e-6");
     moment_.speed = length(velocity);
     if (moment_.speed > 0) moment_.direction = normalized(velocity);
     moment_.gust = wind.gust;
@@ -28,7 +29,8 @@ void WindClock::advance(double time_step_s) {
     sway_time_before_s_ = moment_.sway_time_s;
     gust_phases_before_ = moment_.gust_phases;
     for (size_t i = 0; i < kGustRates.size(); ++i)
-        moment_.gust_phases[i] = wrapped(moment_.gust_phases[i] + time_step_s * moment_.speed * moment_.gust_rate * kGustRates[i], 1);
+        moment_.gust_phases[i] = wrapped(
+            moment_.gust_phases[i] + time_step_s * moment_.speed * moment_.gust_rate * kGustRates[i], 1);
     moment_.sway_time_s = wrapped(moment_.sway_time_s + time_step_s, kSwayPeriod_s);
 }
 

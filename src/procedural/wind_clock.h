@@ -8,12 +8,14 @@
 
 namespace throng {
 
-inline constexpr double kSwayPeriod_s = 64;  // rules sway in multiples of its inverse, so that floats keep their digits at any time
+// Rules sway in multiples of its inverse, so that floats keep their digits at any time
+inline constexpr double kSwayPeriod_s = 64;
 inline double rounded_sway_hz(double sway_hz) { return std::round(sway_hz * kSwayPeriod_s) / kSwayPeriod_s; }
 
 class WindClock {
 public:
-    // Throws kInvalidArgument for numbers that are not finite or out of range. Gusts go on where they are, unless direction or wavelength change.
+    // Throws kInvalidArgument for numbers that are not finite or out of range. Gusts go on where they are, unless
+    // direction or wavelength change.
     void set(const Wind& wind);
     void advance(double time_step_s);
     // Takes the last advance() back.
@@ -23,15 +25,15 @@ public:
         Vec3<double> direction{1, 0, 0};  // unit length, world
         double speed = 0;                 // units a second
         double gust = 0;
-        double gust_rate = 0;             // 1 / wavelength
+        double gust_rate = 0;                 // 1 / wavelength
         std::array<double, 3> gust_phases{};  // cycles, 0..1
-        double sway_time_s = 0;           // 0..kSwayPeriod_s
+        double sway_time_s = 0;               // 0..kSwayPeriod_s
     };
     const Moment& moment() const { return moment_; }
 
 private:
     Moment moment_;
-    double sway_time_before_s_ = 0;                  // before the last advance()
+    double sway_time_before_s_ = 0;  // before the last advance()
     std::array<double, 3> gust_phases_before_{};
 };
 

@@ -1,4 +1,5 @@
-// Float keys, as throng/character.h describes them at JointTracks -> values between two rows. The includer declares the table `keys`.
+// Float keys, as throng/character.h describes them at JointTracks -> values between two rows. The includer declares the
+// table `keys`.
 #include "sample/sample_io.h"
 #include "sample/slerp.glsl"
 

@@ -1,5 +1,5 @@
-// Packed keys, as throng/character.h describes them at PackedTrack -> values between two rows. The includer declares the tables
-// `keys` (rows) and `words`.
+// Packed keys, as throng/character.h describes them at PackedTrack -> values between two rows. The includer declares
+// the tables `keys` (rows) and `words`.
 #include "sample/sample_io.h"
 
 // The two values of a track's stored components; the fourth of a rotation is still missing.
@@ -23,7 +23,8 @@ uvec4 unpack_fields(uint word, uint shift, uvec3 bits) {
 }
 
 PackedPair fetch_packed(uint track, SlotCursor cursor) {
-    const uvec4 head = ROW_AT(keys, track), tail = ROW_AT(keys, track + 1);  // of a constant the tail is another track's, and unused
+    // Of a constant the tail is another track's, and unused
+    const uvec4 head = ROW_AT(keys, track), tail = ROW_AT(keys, track + 1);
     const uvec3 bits = uvec3(head.w, head.w >> 5, head.w >> 10) & 31u;
     const bool is_constant = (head.w & kPackedBitsMask) == 0, is_step = (head.w & kPackedStep) != 0;
     const uint word = is_constant ? 0 : tail.w >> 5, shift = tail.w & 31u;
@@ -31,7 +32,9 @@ PackedPair fetch_packed(uint track, SlotCursor cursor) {
     const vec4 step_size = is_constant ? vec4(0) : vec4(uintBitsToFloat(tail.xyz), kPackedFullStep);
     PackedPair pair;
     pair.earlier = minimum + step_size * vec4(unpack_fields(is_constant ? 0 : cursor.earlier + word, shift, bits));
-    pair.later = is_step ? pair.earlier : minimum + step_size * vec4(unpack_fields(is_constant ? 0 : cursor.later + word, shift, bits));
+    pair.later = is_step
+                     ? pair.earlier
+                     : minimum + step_size * vec4(unpack_fields(is_constant ? 0 : cursor.later + word, shift, bits));
     pair.layout_word = head.w;
     return pair;
 }
@@ -45,7 +48,8 @@ vec4 packed_rotation(uint track, SlotCursor cursor) {
         pair.later.w = left_out_component(pair.later.xyz);
     }
     vec4 q = mix(pair.earlier, pair.later, cursor.fraction);
-    const uint turn = (pair.layout_word >> kPackedLeftOutShift) + 1;  // the stored order begins behind the component left out
+    // The stored order begins behind the component left out
+    const uint turn = (pair.layout_word >> kPackedLeftOutShift) + 1;
     if ((turn & 1) != 0) q = q.wxyz;
     if ((turn & 2) != 0) q = q.zwxy;
     return q * inversesqrt(dot(q, q));
@@ -57,5 +61,6 @@ vec4 packed_vector(uint track, SlotCursor cursor) {
 }
 
 JointPose sample_packed(uvec4 tracks, SlotCursor cursor) {
-    return JointPose(packed_rotation(tracks.x, cursor), packed_vector(tracks.y, cursor), packed_vector(tracks.z, cursor));
+    return JointPose(packed_rotation(tracks.x, cursor), packed_vector(tracks.y, cursor),
+                     packed_vector(tracks.z, cursor));
 }

@@ -1,7 +1,7 @@
 #version 460
 // sample: the pose of every joint of one of the two clips of each instance. Skips instances whose clip has no weight.
-// One workgroup per instance, joints in strides. Reads 16 bytes of table and up to 6 keys of 16 bytes a joint, packed ones fewer;
-// writes 48 bytes.
+// One workgroup per instance, joints in strides. Reads 16 bytes of table and up to 6 keys of 16 bytes a joint, packed
+// ones fewer; writes 48 bytes.
 #include "gpu/table.glsl"
 #include "sample/sample_io.h"
 

@@ -13,7 +13,9 @@ constexpr uint32_t kWide[] = {
 }  // namespace
 
 Kernel sample_kernel(const std::shared_ptr<Gpu>& gpu, bool packed) {
-    return Kernel(gpu, {.name = "sample", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWide) : kPlain, .constants = {packed ? 1u : 0u}});
+    return Kernel(gpu, {.name = "sample",
+                        .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWide) : kPlain,
+                        .constants = {packed ? 1u : 0u}});
 }
 
 }  // namespace throng

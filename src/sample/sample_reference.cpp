@@ -22,10 +22,12 @@ KeyPair fetch(const Character& character, uint32_t track, uint32_t row_stride, c
 Quaternion<double> quaternion(const Key& key) { return normalized(Quaternion<double>{key[0], key[1], key[2], key[3]}); }
 
 Vec3<double> lerp_keys(const KeyPair& keys, double w) {
-    return lerp(Vec3<double>{keys.earlier[0], keys.earlier[1], keys.earlier[2]}, {keys.later[0], keys.later[1], keys.later[2]}, w);
+    return lerp(Vec3<double>{keys.earlier[0], keys.earlier[1], keys.earlier[2]},
+                {keys.later[0], keys.later[1], keys.later[2]}, w);
 }
 
-Trs<double> sample_exact(const Character& character, const JointTracks& tracks, uint32_t row_stride, const RowCursor& rows) {
+Trs<double> sample_exact(const Character& character, const JointTracks& tracks, uint32_t row_stride,
+                         const RowCursor& rows) {
     const KeyPair rotation = fetch(character, tracks.rotation, row_stride, rows);
     return {slerp_reference(quaternion(rotation.earlier), quaternion(rotation.later), rows.fraction),
             lerp_keys(fetch(character, tracks.translation, row_stride, rows), rows.fraction),
@@ -38,7 +40,9 @@ struct PackedRows {
     double fraction = 0;
 };
 
-bool is_constant(const PackedTrack& track) { return packed_bit_count(track, 0) + packed_bit_count(track, 1) + packed_bit_count(track, 2) == 0; }
+bool is_constant(const PackedTrack& track) {
+    return packed_bit_count(track, 0) + packed_bit_count(track, 1) + packed_bit_count(track, 2) == 0;
+}
 
 PackedTrack packed_track(const Character& character, uint32_t position) {
     std::array<Key, 2> keys{character.keys[position]};
@@ -46,7 +50,8 @@ PackedTrack packed_track(const Character& character, uint32_t position) {
     return std::bit_cast<PackedTrack>(keys);
 }
 
-std::array<double, 4> packed_row(const Character& character, const PackedTrack& track, TrackTarget target, size_t row_word) {
+std::array<double, 4> packed_row(const Character& character, const PackedTrack& track, TrackTarget target,
+                                 size_t row_word) {
     PackedBits bits{};
     size_t first_bit = row_word * 32 + track.first_bit;
     for (uint32_t c = 0; c < 4; ++c) {
@@ -57,7 +62,8 @@ std::array<double, 4> packed_row(const Character& character, const PackedTrack& 
     return packed_value(track, target, bits);
 }
 
-std::array<double, 4> sample_packed(const Character& character, uint32_t position, TrackTarget target, const PackedRows& rows) {
+std::array<double, 4> sample_packed(const Character& character, uint32_t position, TrackTarget target,
+                                    const PackedRows& rows) {
     const PackedTrack track = packed_track(character, position);
     std::array<double, 4> value = packed_row(character, track, target, rows.earlier);
     if (is_constant(track) || (track.layout & kPackedStep)) return value;
@@ -87,7 +93,8 @@ Quaternion<double> slerp_reference(Quaternion<double> a, Quaternion<double> b, d
         from = std::sin((1 - w) * angle) / std::sin(angle);
         to = std::sin(w * angle) / std::sin(angle);
     }
-    return normalized(Quaternion<double>{from * a.x + to * b.x, from * a.y + to * b.y, from * a.z + to * b.z, from * a.w + to * b.w});
+    return normalized(
+        Quaternion<double>{from * a.x + to * b.x, from * a.y + to * b.y, from * a.z + to * b.z, from * a.w + to * b.w});
 }
 
 uint32_t packed_bit_count(const PackedTrack& track, uint32_t component) {
@@ -113,7 +120,8 @@ std::array<double, 4> packed_value(const PackedTrack& track, TrackTarget target,
         q[(left_out + 1 + c) % 4] = components[c];
         rest -= components[c] * components[c];
     }
-    q[left_out] = track.layout & kPackedFull ? double{track.minimum[0]} + double{track.step[0]} * bits[3] : std::sqrt(std::max(rest, 0.0));
+    q[left_out] = track.layout & kPackedFull ? double{track.minimum[0]} + double{track.step[0]} * bits[3]
+                                             : std::sqrt(std::max(rest, 0.0));
     return q;
 }
 
@@ -126,12 +134,14 @@ std::vector<Trs<double>> sample_reference(const Character& character, uint32_t c
         const Clip& c = character.clips[clip];
         rows = find_rows_reference(std::span(character.times_s).subspan(c.first_time, c.row_count), local_time_s);
         row_stride = c.row_stride;
-        packed_rows = {c.first_row + size_t{rows.earlier} * row_stride, c.first_row + size_t{rows.later} * row_stride, rows.fraction};
+        packed_rows = {c.first_row + size_t{rows.earlier} * row_stride, c.first_row + size_t{rows.later} * row_stride,
+                       rows.fraction};
     }
     std::vector<Trs<double>> pose(joint_count);
     for (uint32_t joint = 0; joint < joint_count; ++joint) {
         const JointTracks& tracks = character.tracks[size_t{clip} * joint_count + joint];
-        pose[joint] = character.packed ? sample_packed(character, tracks, packed_rows) : sample_exact(character, tracks, row_stride, rows);
+        pose[joint] = character.packed ? sample_packed(character, tracks, packed_rows)
+                                       : sample_exact(character, tracks, row_stride, rows);
     }
     return pose;
 }

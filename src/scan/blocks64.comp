@@ -1,13 +1,15 @@
 #version 460
 // blocks64: doubling inside blocks of 64 joints, then hops from block to block.
-// Source: A GPU-based solution for large-scale skeletal animation simulation, Algorithm 3. Difference: as many in-block rounds as the
-//   longest chain within a block needs, where the source always does six; two slots a joint, so that nothing races, and the in-block
-//   products stay as they are while the hops read them (as printed both steps overwrite what others read); the first round reads
-//   local; one workgroup a character, so that hops need no barrier between workgroups.
+// Source: A GPU-based solution for large-scale skeletal animation simulation, Algorithm 3. Difference: as many in-block
+// rounds as the
+//   longest chain within a block needs, where the source always does six; two slots a joint, so that nothing races, and
+//   the in-block products stay as they are while the hops read them (as printed both steps overwrite what others read);
+//   the first round reads local; one workgroup a character, so that hops need no barrier between workgroups.
 // Input: local[instance][joint], parent_from_joint, affine 3x4.   Output: model[instance][joint], model_from_joint.
-// Needs: 96 bytes of shared memory a joint where they fit, else model and scratch hold what shared memory would; any joint count.
-// Cost: longest thread at most 6 + blocks crossed multiplications, as many barriers as in-block rounds, at most 6.
-// Wins: GPUs, deep skeletons of few blocks.   Loses: software devices, where barriers are dear.   Measured: docs/scan.md#blocks64
+// Needs: 96 bytes of shared memory a joint where they fit, else model and scratch hold what shared memory would; any
+// joint count. Cost: longest thread at most 6 + blocks crossed multiplications, as many barriers as in-block rounds, at
+// most 6. Wins: GPUs, deep skeletons of few blocks.   Loses: software devices, where barriers are dear.   Measured:
+// docs/scan.md#blocks64
 #define SCAN_EXCHANGE coherent
 #define SCAN_SHARES
 #include "scan/scan.glsl"

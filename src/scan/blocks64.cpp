@@ -12,7 +12,8 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     ScanPlan plan{.workgroup_size = strided_workgroup_size(joint_count, limits), .on_chip = fits};
     const bool reloads = joint_count > plan.workgroup_size;
 
-    std::vector<uint32_t> inside, outside, hops;  // the parent within the block; the first ancestor outside it; blocks crossed
+    // The parent within the block; the first ancestor outside it; blocks crossed
+    std::vector<uint32_t> inside, outside, hops;
     for (uint32_t joint = 0; joint < joint_count; ++joint) {
         const uint32_t parent = rig.parents[joint];
         const bool stays = parent != kNone && parent / kBlock == joint / kBlock;

@@ -1,12 +1,13 @@
 #version 460
 // compressed: blocks of 64 joints; inside a block two strides of eight joints each, then hops from block to block.
-// Source: A GPU-based solution for large-scale skeletal animation simulation, Algorithm 4 (State compression), its final method.
-//   Difference: each of the three steps reads one array and writes another (as printed they race), and step two follows the 8th
-//   ancestors that it sets up (as printed it follows a variable of step one).
+// Source: A GPU-based solution for large-scale skeletal animation simulation, Algorithm 4 (State compression), its
+// final method.
+//   Difference: each of the three steps reads one array and writes another (as printed they race), and step two follows
+//   the 8th ancestors that it sets up (as printed it follows a variable of step one).
 // Input: local[instance][joint], parent_from_joint, affine 3x4.   Output: model[instance][joint], model_from_joint.
-// Needs: 96 bytes of shared memory a joint where they fit, else model and scratch hold what shared memory would; any joint count.
-// Cost: longest thread 7 + 7 + blocks crossed multiplications, 2 barriers.
-// Wins: GPUs, few barriers at any depth.   Loses: software devices, where barriers are dear.   Measured: docs/scan.md#compressed
+// Needs: 96 bytes of shared memory a joint where they fit, else model and scratch hold what shared memory would; any
+// joint count. Cost: longest thread 7 + 7 + blocks crossed multiplications, 2 barriers. Wins: GPUs, few barriers at any
+// depth.   Loses: software devices, where barriers are dear.   Measured: docs/scan.md#compressed
 #define SCAN_EXCHANGE coherent
 #define SCAN_SHARES
 #include "scan/scan.glsl"
@@ -44,8 +45,10 @@ void scan() {
             product = affine_multiply(load_local(instance, ancestor), product);
             ancestor = link(ancestor, kParent);
         }
-        if (kInShared) shared_strides[joint] = pack(product);
-        else model[at(instance, joint)] = pack(product);
+        if (kInShared)
+            shared_strides[joint] = pack(product);
+        else
+            model[at(instance, joint)] = pack(product);
     }
     scan_barrier(!kInShared);
 
@@ -54,8 +57,10 @@ void scan() {
         Affine product = load_stride(instance, joint);
         for (uint ancestor = link(joint, kEighth); ancestor != kScanNoJoint; ancestor = link(ancestor, kEighth))
             product = affine_multiply(load_stride(instance, ancestor), product);
-        if (kInShared) shared_blocks[joint] = pack(product);
-        else scratch[at(instance, joint)] = pack(product);
+        if (kInShared)
+            shared_blocks[joint] = pack(product);
+        else
+            scratch[at(instance, joint)] = pack(product);
     }
     scan_barrier(!kInShared);
 

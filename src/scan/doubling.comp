@@ -1,12 +1,14 @@
 #version 460
-// doubling: in each round every joint multiplies its product by that of the ancestor twice as far up as in the round before.
-// Source: Hillis and Steele, Data Parallel Algorithms, CACM, 1986; Algorithm 2 of the paper. Difference: ceil(log2(levels)) rounds,
-//   not log2(joints); two slots a joint, so that a barrier a round is enough and nothing races; the first round reads local, the
-//   last writes model, and a joint whose chain is complete rests in between.
+// doubling: in each round every joint multiplies its product by that of the ancestor twice as far up as in the round
+// before. Source: Hillis and Steele, Data Parallel Algorithms, CACM, 1986; Algorithm 2 of the paper. Difference:
+// ceil(log2(levels)) rounds,
+//   not log2(joints); two slots a joint, so that a barrier a round is enough and nothing races; the first round reads
+//   local, the last writes model, and a joint whose chain is complete rests in between.
 // Input: local[instance][joint], parent_from_joint, affine 3x4.   Output: model[instance][joint], model_from_joint.
-// Needs: 96 bytes of shared memory a joint where they fit, else model and scratch hold what shared memory would; any joint count.
-// Cost: at most joints * ceil(log2(levels)) multiplications, longest thread ceil(log2(levels)), ceil(log2(levels)) - 1 barriers.
-// Wins: GPUs, few characters.   Loses: software devices, where barriers are dear.   Measured: docs/scan.md#doubling
+// Needs: 96 bytes of shared memory a joint where they fit, else model and scratch hold what shared memory would; any
+// joint count. Cost: at most joints * ceil(log2(levels)) multiplications, longest thread ceil(log2(levels)),
+// ceil(log2(levels)) - 1 barriers. Wins: GPUs, few characters.   Loses: software devices, where barriers are dear.
+// Measured: docs/scan.md#doubling
 #define SCAN_EXCHANGE coherent
 #define SCAN_SHARES
 #include "scan/scan.glsl"
@@ -20,8 +22,10 @@ void scan() {
     for (uint joint = lane; joint < push.joint_count; joint += lanes) {
         const uint word = doubling_word(0, joint);
         product = first_product(instance, joint, word);
-        if (kInShared && kRounds == 1) store_model(instance, joint, product);
-        else store_product(instance, joint, (word & kDoublingToLast) != 0, product);
+        if (kInShared && kRounds == 1)
+            store_model(instance, joint, product);
+        else
+            store_product(instance, joint, (word & kDoublingToLast) != 0, product);
     }
     const uint rounds_in_slots = kInShared ? kRounds - 1 : kRounds;  // without shared memory the last slot is model
     for (uint round = 1; round < rounds_in_slots; ++round) {
@@ -37,8 +41,10 @@ void scan() {
     scan_barrier(false);
     for (uint joint = lane; joint < push.joint_count; joint += lanes) {
         const uint word = doubling_word(kRounds - 1, joint);
-        if (word != kDoublingDone) product = next_product(instance, joint, word, product);
-        else if (kReload) product = load_product(instance, joint, true);
+        if (word != kDoublingDone)
+            product = next_product(instance, joint, word, product);
+        else if (kReload)
+            product = load_product(instance, joint, true);
         store_model(instance, joint, product);
     }
 }

@@ -6,7 +6,8 @@ namespace {
 
 ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     DoublingTable table = doubling_table(rig.parents);
-    const uint32_t rounds = table.round_count, shared_joints = rounds > 1 ? rig.joint_count() : 1;  // GLSL has no empty arrays
+    // GLSL has no empty arrays
+    const uint32_t rounds = table.round_count, shared_joints = rounds > 1 ? rig.joint_count() : 1;
     const bool fits = uint64_t{shared_joints} * kDoublingBytesPerJoint <= limits.shared_memory_bytes;
     ScanPlan plan{.workgroup_size = strided_workgroup_size(rig.joint_count(), limits), .on_chip = fits};
     const bool reloads = rig.joint_count() > plan.workgroup_size;

@@ -1,5 +1,6 @@
-// One round of doubling for one joint (scan/doubling_table.h): `doubling` and `blocks64` differ in the chains and in what follows.
-// Before it is included, DOUBLING_LAST_SLOTS and DOUBLING_OTHER_SLOTS name the buffers that hold what shared memory cannot.
+// One round of doubling for one joint (scan/doubling_table.h): `doubling` and `blocks64` differ in the chains and in
+// what follows. Before it is included, DOUBLING_LAST_SLOTS and DOUBLING_OTHER_SLOTS name the buffers that hold what
+// shared memory cannot.
 #include "scan/doubling_io.h"
 
 layout(constant_id = 1) const uint kSharedJoints = 1;  // joints that shared memory holds
@@ -16,9 +17,12 @@ Affine load_product(uint instance, uint joint, bool last_slot) {
 }
 
 void store_product(uint instance, uint joint, bool last_slot, Affine product) {
-    if (kInShared) shared_products[(last_slot ? 0 : kSharedJoints) + joint] = pack(product);
-    else if (last_slot) DOUBLING_LAST_SLOTS[at(instance, joint)] = pack(product);
-    else DOUBLING_OTHER_SLOTS[at(instance, joint)] = pack(product);
+    if (kInShared)
+        shared_products[(last_slot ? 0 : kSharedJoints) + joint] = pack(product);
+    else if (last_slot)
+        DOUBLING_LAST_SLOTS[at(instance, joint)] = pack(product);
+    else
+        DOUBLING_OTHER_SLOTS[at(instance, joint)] = pack(product);
 }
 
 uint doubling_word(uint round, uint joint) { return link(round * push.joint_count + joint); }
@@ -30,8 +34,10 @@ Affine first_product(uint instance, uint joint, uint word) {
     return affine_multiply(load_local(instance, word & kDoublingAncestorMask), parent_from_joint);
 }
 
-// The product after a later round that the joint takes part in; `product` is the one before, where it stays in registers.
+// The product after a later round that the joint takes part in; `product` is the one before, where it stays in
+// registers.
 Affine next_product(uint instance, uint joint, uint word, Affine product) {
     if (kReload) product = load_product(instance, joint, (word & kDoublingToLast) == 0);
-    return affine_multiply(load_product(instance, word & kDoublingAncestorMask, (word & kDoublingAncestorInLast) != 0), product);
+    return affine_multiply(load_product(instance, word & kDoublingAncestorMask, (word & kDoublingAncestorInLast) != 0),
+                           product);
 }

@@ -27,7 +27,8 @@ DoublingTable doubling_table(std::span<const uint32_t> parents) {
             }
             const uint32_t ancestor = ancestors[joint];
             uint32_t word = ancestor == kNone ? io::kDoublingNoAncestor : ancestor;
-            if (round > 0 && writes_last(ancestor, std::min(round, rounds[ancestor]) - 1)) word |= io::kDoublingAncestorInLast;
+            if (round > 0 && writes_last(ancestor, std::min(round, rounds[ancestor]) - 1))
+                word |= io::kDoublingAncestorInLast;
             if (writes_last(joint, round)) word |= io::kDoublingToLast;
             table.links.push_back(word);
         }
@@ -37,7 +38,8 @@ DoublingTable doubling_table(std::span<const uint32_t> parents) {
     return table;
 }
 
-void count_doubling_round(const DoublingTable& table, uint32_t round, uint32_t joint_count, bool reloads, bool stores_all, ScanCounter& counter) {
+void count_doubling_round(const DoublingTable& table, uint32_t round, uint32_t joint_count, bool reloads,
+                          bool stores_all, ScanCounter& counter) {
     std::vector<uint32_t> multiplications, moves;
     for (const uint32_t word : std::span(table.links).subspan(size_t{round} * joint_count, joint_count)) {
         const bool done = word == io::kDoublingDone;

@@ -6,8 +6,8 @@
 namespace throng {
 
 struct DoublingTable {
-    uint32_t round_count = 1;       // ceil(log2(joints of the longest chain)), at least 1
-    std::vector<uint32_t> links;    // as in scan/doubling_io.h
+    uint32_t round_count = 1;     // ceil(log2(joints of the longest chain)), at least 1
+    std::vector<uint32_t> links;  // as in scan/doubling_io.h
 };
 
 // parents[j] < j, or kNone where the joint's chain ends, be it at a root or where it is cut.
@@ -17,6 +17,7 @@ DoublingTable doubling_table(std::span<const uint32_t> parents);
 inline constexpr uint32_t kDoublingBytesPerJoint = 96;
 
 // What a round costs. `stores_all`: also the joints whose chains were complete before it store theirs.
-void count_doubling_round(const DoublingTable& table, uint32_t round, uint32_t joint_count, bool reloads, bool stores_all, ScanCounter& counter);
+void count_doubling_round(const DoublingTable& table, uint32_t round, uint32_t joint_count, bool reloads,
+                          bool stores_all, ScanCounter& counter);
 
 }  // namespace throng

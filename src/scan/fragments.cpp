@@ -20,8 +20,11 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes) {
     const uint32_t slots = std::max(table.slot_count, 1u), shared_transforms = (slots + 2) * lanes;
     const uint32_t shared_bytes = shared_transforms * kTransform_bytes;
     if (shared_bytes > limits.shared_memory_bytes)
-        return {.obstacle = std::to_string(shared_bytes) + " bytes of shared memory for the pieces exceed the device's " + std::to_string(limits.shared_memory_bytes)};
-    ScanPlan plan{.workgroup_size = lanes, .constants = {lanes, slots * lanes}, .links = std::move(table.links), .on_chip = true};
+        return {.obstacle = std::to_string(shared_bytes) +
+                            " bytes of shared memory for the pieces exceed the device's " +
+                            std::to_string(limits.shared_memory_bytes)};
+    ScanPlan plan{
+        .workgroup_size = lanes, .constants = {lanes, slots * lanes}, .links = std::move(table.links), .on_chip = true};
     const double subgroups = std::max(1.0, static_cast<double>(lanes) / limits.subgroup_size);
     plan.counts = {.multiplications = table.multiplications,
                    .longest_thread = table.longest_lane,
@@ -37,11 +40,13 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes) {
 }  // namespace
 
 ScanMethod fragments() {
-    return {.name = "fragments",
-            .summary = "a connected piece of the skeleton per thread, a small scan over the pieces, one multiplication per joint",
-            .source = "the work-efficient scan (Blelloch 1990; Harris et al. 2007) carried over to trees",
-            .lane_choices = lane_choices,
-            .plan = plan};
+    return {
+        .name = "fragments",
+        .summary =
+            "a connected piece of the skeleton per thread, a small scan over the pieces, one multiplication per joint",
+        .source = "the work-efficient scan (Blelloch 1990; Harris et al. 2007) carried over to trees",
+        .lane_choices = lane_choices,
+        .plan = plan};
 }
 
 }  // namespace throng

@@ -4,7 +4,8 @@ namespace throng {
 namespace {
 
 ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
-    ScanPlan plan{.workgroup_size = strided_workgroup_size(rig.joint_count(), limits), .links = rig.parents, .on_chip = true};
+    ScanPlan plan{
+        .workgroup_size = strided_workgroup_size(rig.joint_count(), limits), .links = rig.parents, .on_chip = true};
     std::vector<uint32_t> multiplications;
     for (const uint32_t depth : rig.depths) multiplications.push_back(depth - 1);
     ScanCounter counter(plan.workgroup_size, limits.subgroup_size);

@@ -20,13 +20,16 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     uint32_t widest = 0;
     for (const auto& level : levels) {
         for (uint32_t i = 0; i < level.size(); ++i) position[level[i]] = i;
-        parent_counts.push_back(static_cast<uint32_t>(std::count_if(level.begin(), level.end(), [&](uint32_t joint) { return has_child[joint]; })));
+        parent_counts.push_back(static_cast<uint32_t>(
+            std::count_if(level.begin(), level.end(), [&](uint32_t joint) { return has_child[joint]; })));
         widest = std::max(widest, static_cast<uint32_t>(level.size()));
     }
-    const uint32_t shared_joints = std::max(*std::max_element(parent_counts.begin(), parent_counts.end()), 1u);  // GLSL has no empty arrays
+    // GLSL has no empty arrays
+    const uint32_t shared_joints = std::max(*std::max_element(parent_counts.begin(), parent_counts.end()), 1u);
     const bool fits = uint64_t{shared_joints} * kBytesPerJoint <= limits.shared_memory_bytes;
 
-    ScanPlan plan{.workgroup_size = strided_workgroup_size(widest, limits), .links = {rig.level_count}, .on_chip = fits};
+    ScanPlan plan{
+        .workgroup_size = strided_workgroup_size(widest, limits), .links = {rig.level_count}, .on_chip = fits};
     plan.constants = {fits ? shared_joints : 1u, fits ? 1u : 0u};
     uint32_t first = 0;
     for (uint32_t level = 0; level < rig.level_count; ++level) {

@@ -1,15 +1,15 @@
-// The benchmark of a method's cost without memory: local transforms lie in shared memory, the same for every character, and are
-// scanned repeat after repeat; only the last repeat's results are stored.
+// The benchmark of a method's cost without memory: local transforms lie in shared memory, the same for every character,
+// and are scanned repeat after repeat; only the last repeat's results are stored.
 #include "scan/scan_buffers.glsl"
 
 uint instance_count() { return push.instance_count; }
 
 layout(constant_id = 8) const bool kBarriersTwice = false;  // to measure what barriers cost
-layout(constant_id = 9) const uint kOnChipCharacters = 1;  // of a workgroup
+layout(constant_id = 9) const uint kOnChipCharacters = 1;   // of a workgroup
 layout(constant_id = 10) const uint kOnChipTransforms = 1;  // of all of them
 shared StoredTransform on_chip_locals[kOnChipTransforms];   // [character][joint]
 shared uint on_chip_between_barriers;                       // so that two of them are not merged into one
-uint on_chip_repeat;   // counts down to 0
+uint on_chip_repeat;                                        // counts down to 0
 vec4 on_chip_sink = vec4(0);
 
 // The repeat moves each joint a little, so that no repeat's work can be reused by the next.
@@ -25,8 +25,10 @@ Transform load_local(uint instance, uint joint) {
 
 void store_model(uint instance, uint joint, Transform model_from_joint) {
     const Affine m = to_affine(model_from_joint);
-    if (on_chip_repeat == 0) model[at(instance, joint)] = pack(m);
-    else on_chip_sink += m.row0 + m.row1 + m.row2;
+    if (on_chip_repeat == 0)
+        model[at(instance, joint)] = pack(m);
+    else
+        on_chip_sink += m.row0 + m.row1 + m.row2;
 }
 
 void scan_barrier(bool through_buffers) {
@@ -37,7 +39,8 @@ void scan_barrier(bool through_buffers) {
 }
 
 void main() {
-    for (uint i = gl_LocalInvocationID.x; i < kOnChipTransforms; i += gl_WorkGroupSize.x) on_chip_locals[i] = local[i % push.joint_count];
+    for (uint i = gl_LocalInvocationID.x; i < kOnChipTransforms; i += gl_WorkGroupSize.x)
+        on_chip_locals[i] = local[i % push.joint_count];
     barrier();
     for (on_chip_repeat = push.repeat_count; on_chip_repeat-- > 0;) {
         scan();
@@ -46,5 +49,6 @@ void main() {
 #endif
     }
     // Never true, which the compiler cannot know: without it what the repeats write would be unused.
-    if (on_chip_sink.x == 0.12345 || on_chip_between_barriers == 0x12345678) scratch[0] = pack(Affine(on_chip_sink, on_chip_sink, on_chip_sink));
+    if (on_chip_sink.x == 0.12345 || on_chip_between_barriers == 0x12345678)
+        scratch[0] = pack(Affine(on_chip_sink, on_chip_sink, on_chip_sink));
 }

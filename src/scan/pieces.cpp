@@ -12,17 +12,19 @@ using Children = std::vector<std::vector<uint32_t>>;  // [joint_count], and the 
 
 Children children_of(const ScanRig& rig) {
     Children children(rig.joint_count() + 1);
-    for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) children[std::min(rig.parents[joint], rig.joint_count())].push_back(joint);
+    for (uint32_t joint = 0; joint < rig.joint_count(); ++joint)
+        children[std::min(rig.parents[joint], rig.joint_count())].push_back(joint);
     return children;
 }
 
 // The subtrees that are cut off so that no piece exceeds `bound` joints: a group of siblings becomes one piece.
 std::vector<std::vector<uint32_t>> tops_of_pieces(const ScanRig& rig, const Children& children, uint32_t bound) {
-    std::vector<std::vector<uint32_t>> pieces;           // top joints of each
-    std::vector<uint32_t> open(rig.joint_count() + 1);   // joints of the subtree that are not cut off yet
+    std::vector<std::vector<uint32_t>> pieces;          // top joints of each
+    std::vector<uint32_t> open(rig.joint_count() + 1);  // joints of the subtree that are not cut off yet
     std::vector<uint32_t> below;
     for (uint32_t joint = rig.joint_count() + 1; joint-- > 0;) {
-        const bool is_root = joint == rig.joint_count();  // above all roots: no joint itself, and all that is left is cut off
+        // Above all roots: no joint itself, and all that is left is cut off
+        const bool is_root = joint == rig.joint_count();
         below = children[joint];
         std::stable_sort(below.begin(), below.end(), [&](uint32_t a, uint32_t b) { return open[a] > open[b]; });
         open[joint] = is_root ? 0 : 1;
@@ -43,14 +45,17 @@ std::vector<std::vector<uint32_t>> tops_of_pieces(const ScanRig& rig, const Chil
     return pieces;
 }
 
-// Slots that a walk of the joint's subtree needs for parents with a child still to come (as in Sethi and Ullman, JACM 1970).
+// Slots that a walk of the joint's subtree needs for parents with a child still to come (as in Sethi and Ullman, JACM
+// 1970).
 class SlotNeed {
 public:
-    SlotNeed(const ScanRig& rig, const Children& children, const std::vector<uint32_t>& piece_of_joint) : children_(children), piece_of_joint_(piece_of_joint) {
+    SlotNeed(const ScanRig& rig, const Children& children, const std::vector<uint32_t>& piece_of_joint)
+        : children_(children), piece_of_joint_(piece_of_joint) {
         need_.resize(rig.joint_count());
         for (uint32_t joint = rig.joint_count(); joint-- > 0;) {
             const std::vector<uint32_t> below = ordered_children(joint);
-            for (size_t i = 0; i < below.size(); ++i) need_[joint] = std::max(need_[joint], need_[below[i]] + (i + 1 < below.size() ? 1 : 0));
+            for (size_t i = 0; i < below.size(); ++i)
+                need_[joint] = std::max(need_[joint], need_[below[i]] + (i + 1 < below.size() ? 1 : 0));
         }
     }
 
@@ -93,9 +98,11 @@ PieceCut pieces_from(const ScanRig& rig, const Children& children, const std::ve
 }
 
 // The walk of a piece as the shader reads it. children_inside[joint] counts those in the joint's own piece.
-std::vector<uint32_t> walk_words(const ScanRig& rig, const Piece& piece, const std::vector<uint32_t>& children_inside, uint32_t& slot_count) {
+std::vector<uint32_t> walk_words(const ScanRig& rig, const Piece& piece, const std::vector<uint32_t>& children_inside,
+                                 uint32_t& slot_count) {
     std::vector<uint32_t> words;
-    std::vector<std::pair<uint32_t, uint32_t>> kept;  // a stack of joints with the number of their children still to come; its position is the slot
+    // A stack of joints with the number of their children still to come; its position is the slot
+    std::vector<std::pair<uint32_t, uint32_t>> kept;
     uint32_t last = kNone;
     for (const uint32_t joint : piece.joints) {
         const uint32_t parent = rig.parents[joint];
@@ -116,9 +123,11 @@ std::vector<uint32_t> walk_words(const ScanRig& rig, const Piece& piece, const s
 }
 
 // Rows of a word for each lane from a list for each lane.
-void append_rows(std::vector<uint32_t>& links, const std::vector<std::vector<uint32_t>>& of_lane, uint32_t lanes, uint32_t row_count) {
+void append_rows(std::vector<uint32_t>& links, const std::vector<std::vector<uint32_t>>& of_lane, uint32_t lanes,
+                 uint32_t row_count) {
     for (uint32_t row = 0; row < row_count; ++row)
-        for (uint32_t lane = 0; lane < lanes; ++lane) links.push_back(lane < of_lane.size() && row < of_lane[lane].size() ? of_lane[lane][row] : io::kIdle);
+        for (uint32_t lane = 0; lane < lanes; ++lane)
+            links.push_back(lane < of_lane.size() && row < of_lane[lane].size() ? of_lane[lane][row] : io::kIdle);
 }
 
 uint32_t longest(const std::vector<std::vector<uint32_t>>& lists) {
@@ -131,11 +140,14 @@ uint32_t longest(const std::vector<std::vector<uint32_t>>& lists) {
 
 PieceCut cut_into_pieces(const ScanRig& rig, uint32_t most_pieces) {
     const Children children = children_of(rig);
-    uint32_t low = (rig.joint_count() + most_pieces - 1) / most_pieces, high = rig.joint_count();  // of joints a piece; high always suffices
+    // Of joints a piece; high always suffices
+    uint32_t low = (rig.joint_count() + most_pieces - 1) / most_pieces, high = rig.joint_count();
     while (low < high) {
         const uint32_t middle = low + (high - low) / 2;
-        if (tops_of_pieces(rig, children, middle).size() <= most_pieces) high = middle;
-        else low = middle + 1;
+        if (tops_of_pieces(rig, children, middle).size() <= most_pieces)
+            high = middle;
+        else
+            low = middle + 1;
     }
     return pieces_from(rig, children, tops_of_pieces(rig, children, high));
 }
@@ -145,14 +157,18 @@ PieceTable piece_table(const ScanRig& rig, uint32_t lanes, double rows_of_local)
     PieceTable table;
     std::vector<uint32_t> children_inside(rig.joint_count());
     for (uint32_t joint = 0; joint < rig.joint_count(); ++joint)
-        if (const uint32_t parent = rig.parents[joint]; parent != kNone && cut.piece_of_joint[parent] == cut.piece_of_joint[joint]) ++children_inside[parent];
+        if (const uint32_t parent = rig.parents[joint];
+            parent != kNone && cut.piece_of_joint[parent] == cut.piece_of_joint[joint])
+            ++children_inside[parent];
     std::vector<std::vector<uint32_t>> paths, ancestors, walks;
     for (uint32_t p = 0; p < cut.pieces.size(); ++p) {
         const Piece& piece = cut.pieces[p];
         std::vector<uint32_t>& path = paths.emplace_back();
         if (piece.attachment != kNone) {
             const uint32_t piece_above = cut.piece_of_joint[piece.attachment];
-            for (uint32_t joint = piece.attachment; joint != kNone && cut.piece_of_joint[joint] == piece_above; joint = rig.parents[joint]) path.push_back(joint);
+            for (uint32_t joint = piece.attachment; joint != kNone && cut.piece_of_joint[joint] == piece_above;
+                 joint = rig.parents[joint])
+                path.push_back(joint);
             std::reverse(path.begin(), path.end());
         }
         walks.push_back(walk_words(rig, piece, children_inside, table.slot_count));
@@ -160,8 +176,10 @@ PieceTable piece_table(const ScanRig& rig, uint32_t lanes, double rows_of_local)
     // The chain of pieces above each, and of it those 1, 2, 4, … above.
     for (uint32_t p = 0; p < cut.pieces.size(); ++p) {
         std::vector<uint32_t> above;
-        for (uint32_t piece = p; cut.pieces[piece].attachment != kNone; piece = above.back()) above.push_back(cut.piece_of_joint[cut.pieces[piece].attachment]);
-        if (!above.empty()) above.pop_back();  // the root's piece: nothing lies above it, so its product is the identity
+        for (uint32_t piece = p; cut.pieces[piece].attachment != kNone; piece = above.back())
+            above.push_back(cut.piece_of_joint[cut.pieces[piece].attachment]);
+        // The root's piece: nothing lies above it, so its product is the identity
+        if (!above.empty()) above.pop_back();
         std::vector<uint32_t>& words = ancestors.emplace_back();
         for (size_t distance = 1; distance <= above.size(); distance *= 2) words.push_back(above[distance - 1]);
     }
@@ -174,10 +192,12 @@ PieceTable piece_table(const ScanRig& rig, uint32_t lanes, double rows_of_local)
     append_rows(table.links, walks, lanes, table.walk_row_count);
 
     table.multiplications = rig.joint_count();
-    for (size_t p = 0; p < paths.size(); ++p) table.multiplications += (paths[p].empty() ? 0 : paths[p].size() - 1) + ancestors[p].size();
+    for (size_t p = 0; p < paths.size(); ++p)
+        table.multiplications += (paths[p].empty() ? 0 : paths[p].size() - 1) + ancestors[p].size();
     const uint32_t path_steps = table.path_row_count > 0 ? table.path_row_count - 1 : 0;
     table.longest_lane = path_steps + table.round_count + table.walk_row_count;
-    table.longest_lane_rows = table.path_row_count * (kRowsOfLink + rows_of_local) + table.round_count * (kRowsOfLink + 2 * rows_of_local) +
+    table.longest_lane_rows = table.path_row_count * (kRowsOfLink + rows_of_local) +
+                              table.round_count * (kRowsOfLink + 2 * rows_of_local) +
                               table.walk_row_count * (kRowsOfLink + rows_of_local + kRowsOfAffine);
     return table;
 }

@@ -1,7 +1,8 @@
-// What an invocation does with its piece of a skeleton (scan/pieces.h): `fragments` and `subgroup` differ in how prefixes are combined.
+// What an invocation does with its piece of a skeleton (scan/pieces.h): `fragments` and `subgroup` differ in how
+// prefixes are combined.
 #include "scan/pieces_io.h"
 
-layout(constant_id = 1) const uint kLanes = 1;            // pieces, and invocations of a character
+layout(constant_id = 1) const uint kLanes = 1;  // pieces, and invocations of a character
 
 #include "scan/slots.glsl"
 
@@ -30,7 +31,8 @@ void walk_piece(uint instance, uint lane, uint invocation, Transform prefix) {
     for (uint row = 0; row < rows; ++row) {
         const uint step = link(word);
         if (step == kIdle) break;
-        const uint joint = step & kWalkJointMask, parent = step >> kWalkParentShift & kWalkFieldMask, keep = step >> kWalkKeepShift & kWalkFieldMask;
+        const uint joint = step & kWalkJointMask, parent = step >> kWalkParentShift & kWalkFieldMask,
+                   keep = step >> kWalkKeepShift & kWalkFieldMask;
         if (parent == kParentIsPrefix) last = prefix;
         last = load_slot(parent - kParentInSlot, invocation, last);
         last = multiply(last, load_local(instance, joint));

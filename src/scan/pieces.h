@@ -1,4 +1,5 @@
-// A skeleton cut into connected pieces of bounded size, one for each invocation: what `fragments` and `subgroup` work on.
+// A skeleton cut into connected pieces of bounded size, one for each invocation: what `fragments` and `subgroup` work
+// on.
 #pragma once
 
 #include "scan/scan_table.h"
@@ -7,13 +8,14 @@ namespace throng {
 
 // Some subtrees, without those cut off below, whose top joints share one parent outside.
 struct Piece {
-    std::vector<uint32_t> joints;      // parents first; a joint's largest subtree comes last, so that few parents wait for a child
-    uint32_t attachment = kNone;       // the parent of the top joints; kNone where they are roots
+    // Parents first; a joint's largest subtree comes last, so that few parents wait for a child
+    std::vector<uint32_t> joints;
+    uint32_t attachment = kNone;  // the parent of the top joints; kNone where they are roots
 };
 
 struct PieceCut {
-    std::vector<Piece> pieces;               // at most as many as asked for; none is empty
-    std::vector<uint32_t> piece_of_joint;    // [joint_count]
+    std::vector<Piece> pieces;             // at most as many as asked for; none is empty
+    std::vector<uint32_t> piece_of_joint;  // [joint_count]
 };
 
 // The largest piece is as small as a greedy cut from the leaves up allows.
@@ -22,13 +24,14 @@ PieceCut cut_into_pieces(const ScanRig& rig, uint32_t most_pieces);
 // A cut as tables for the shader (src/scan/pieces.glsl), `lanes` words a row: paths, then ancestors, then walks.
 struct PieceTable {
     std::vector<uint32_t> links;
-    uint32_t slot_count = 0;         // transforms that a lane keeps for later children
+    uint32_t slot_count = 0;  // transforms that a lane keeps for later children
     uint32_t path_row_count = 0, round_count = 0, walk_row_count = 0;
-    uint64_t multiplications = 0;    // of all lanes
-    uint32_t longest_lane = 0;       // multiplications of a lane that has the longest path, rounds and walk
+    uint64_t multiplications = 0;  // of all lanes
+    uint32_t longest_lane = 0;     // multiplications of a lane that has the longest path, rounds and walk
     uint64_t loop_iterations() const { return uint64_t{path_row_count} + round_count + walk_row_count + 3; }
-    double longest_lane_rows = 0;    // that it loads and stores, as ScanCounts::issue_rows has them
-    // A software device runs both sides of a branch: a step of a walk that uses no slot costs it about a row all the same.
+    double longest_lane_rows = 0;  // that it loads and stores, as ScanCounts::issue_rows has them
+    // A software device runs both sides of a branch: a step of a walk that uses no slot costs it about a row all the
+    // same.
     double rows_on(const ScanLimits& limits) const { return longest_lane_rows + (limits.is_cpu ? walk_row_count : 0); }
 };
 PieceTable piece_table(const ScanRig& rig, uint32_t lanes, double rows_of_local);

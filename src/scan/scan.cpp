@@ -23,11 +23,13 @@ ScanLimits scan_limits(const Gpu& gpu) {
             .storage_buffers = limits.maxPerStageDescriptorStorageBuffers};
 }
 
-ScanStage::ScanStage(const std::shared_ptr<Gpu>& gpu, const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits)
+ScanStage::ScanStage(const std::shared_ptr<Gpu>& gpu, const ScanChoice& choice, const ScanRig& rig,
+                     const ScanLimits& limits)
     : choice_(choice), joint_count_(rig.joint_count()) {
     const ScanMethod& method = *choice.method;
     ScanPlan plan = plan_scan(method, rig, limits, choice.lanes);
-    if (!plan.obstacle.empty()) throw Failure(ErrorCode::kUnsupported, "scan method '" + std::string(method.name) + "'", plan.obstacle);
+    if (!plan.obstacle.empty())
+        throw Failure(ErrorCode::kUnsupported, "scan method '" + std::string(method.name) + "'", plan.obstacle);
     counts_ = plan.counts;
     instances_per_workgroup_ = plan.instances_per_workgroup;
     links_ = upload(gpu, "scan links", plan.links);
@@ -40,7 +42,8 @@ ScanStage::ScanStage(const std::shared_ptr<Gpu>& gpu, const ScanChoice& choice, 
 }
 
 void ScanStage::record(VkCommandBuffer commands, const Bindings& bindings, uint32_t instance_count) const {
-    kernel_.dispatch_workgroups(commands, bindings, io::ScanPush{joint_count_, instance_count, 1}, (instance_count + instances_per_workgroup_ - 1) / instances_per_workgroup_);
+    kernel_.dispatch_workgroups(commands, bindings, io::ScanPush{joint_count_, instance_count, 1},
+                                (instance_count + instances_per_workgroup_ - 1) / instances_per_workgroup_);
 }
 
 }  // namespace throng

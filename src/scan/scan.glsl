@@ -1,5 +1,6 @@
-// The interface of every scan method: a method defines scan(), which reads transforms by load_local() and writes each joint's by
-// store_model(), or to model[] where it reads them back, of the instances below instance_count(). constant_id 0 is the workgroup size, 1 to 7 are the method's own; link() reads its own table of the skeleton, made
+// The interface of every scan method: a method defines scan(), which reads transforms by load_local() and writes each
+// joint's by store_model(), or to model[] where it reads them back, of the instances below instance_count().
+// constant_id 0 is the workgroup size, 1 to 7 are the method's own; link() reads its own table of the skeleton, made
 // beside it in <method>.cpp. The same file is compiled as several variants:
 //   GPU_WIDE          transforms move as 64-bit words, for software devices
 //   SCAN_QUATERNION   local transforms are similarities, 32 bytes each, and so are products
@@ -8,8 +9,8 @@
 //   in_memory.glsl    the stage
 //   SCAN_ON_CHIP      scan/on_chip.glsl, the benchmark of a method's cost without memory
 //   SCAN_FUSED        fused/fused.glsl, all stages in one pass; in plans that use no model[] and scratch[]
-// A method whose invocations exchange transforms through model[] or scratch[] (same shape) defines SCAN_EXCHANGE as coherent; one
-// that exchanges through shared memory defines SCAN_SHARES.
+// A method whose invocations exchange transforms through model[] or scratch[] (same shape) defines SCAN_EXCHANGE as
+// coherent; one that exchanges through shared memory defines SCAN_SHARES.
 #extension GL_KHR_memory_scope_semantics : require
 #include "gpu/stored.glsl"
 #include "scan/scan_io.h"
@@ -34,7 +35,8 @@ const Transform kIdentityTransform = kIdentity;
 
 void scan();
 
-// Everything that the workgroup wrote to shared memory (and `through_buffers`, to model and scratch) can be read after it.
+// Everything that the workgroup wrote to shared memory (and `through_buffers`, to model and scratch) can be read after
+// it.
 void scan_barrier(bool through_buffers);
 
 #if defined(SCAN_FUSED)

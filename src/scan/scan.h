@@ -26,7 +26,8 @@ struct ScanChoice {
 class ScanStage {
 public:
     ScanStage() = default;
-    // Throws kUnsupported with the plan's obstacle where the method does not apply. `limits` may be lower than the device's.
+    // Throws kUnsupported with the plan's obstacle where the method does not apply. `limits` may be lower than the
+    // device's.
     ScanStage(const std::shared_ptr<Gpu>& gpu, const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits);
 
     const ScanChoice& choice() const { return choice_; }

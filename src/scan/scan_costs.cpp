@@ -16,16 +16,17 @@
 namespace throng {
 namespace {
 
-constexpr std::array<std::pair<const char*, double ScanCosts::*>, 10> kNumbers{{{"launch_ms", &ScanCosts::launch_ms},
-                                                                               {"row_ns", &ScanCosts::row_ns},
-                                                                               {"scattered_rows", &ScanCosts::scattered_rows},
-                                                                               {"multiplication_ns", &ScanCosts::multiplication_ns},
-                                                                               {"barrier_ns", &ScanCosts::barrier_ns},
-                                                                               {"workgroup_ns", &ScanCosts::workgroup_ns},
-                                                                               {"latency_ns", &ScanCosts::latency_ns},
-                                                                               {"units", &ScanCosts::units},
-                                                                               {"resident_subgroups", &ScanCosts::resident_subgroups},
-                                                                               {"bytes_per_ns", &ScanCosts::bytes_per_ns}}};
+constexpr std::array<std::pair<const char*, double ScanCosts::*>, 10> kNumbers{
+    {{"launch_ms", &ScanCosts::launch_ms},
+     {"row_ns", &ScanCosts::row_ns},
+     {"scattered_rows", &ScanCosts::scattered_rows},
+     {"multiplication_ns", &ScanCosts::multiplication_ns},
+     {"barrier_ns", &ScanCosts::barrier_ns},
+     {"workgroup_ns", &ScanCosts::workgroup_ns},
+     {"latency_ns", &ScanCosts::latency_ns},
+     {"units", &ScanCosts::units},
+     {"resident_subgroups", &ScanCosts::resident_subgroups},
+     {"bytes_per_ns", &ScanCosts::bytes_per_ns}}};
 
 std::string read_text(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
@@ -40,19 +41,37 @@ ScanCosts built_in_scan_costs(const Gpu& gpu) {
     constexpr uint32_t kNvidia = 0x10DE, kAmd = 0x1002, kIntel = 0x8086;
     // Fitted by `throng tune` on lavapipe, Mesa 22.3.6, two cores of an AMD EPYC.
     if (gpu.is_cpu())
-        return {.launch_ms = 0.03, .row_ns = 80, .multiplication_ns = 1, .barrier_ns = 900, .workgroup_ns = 13'000, .latency_ns = 1e-3,
-                .units = std::max(1.0, static_cast<double>(std::thread::hardware_concurrency())), .resident_subgroups = 1e9, .bytes_per_ns = 20,
+        return {.launch_ms = 0.03,
+                .row_ns = 80,
+                .multiplication_ns = 1,
+                .barrier_ns = 900,
+                .workgroup_ns = 13'000,
+                .latency_ns = 1e-3,
+                .units = std::max(1.0, static_cast<double>(std::thread::hardware_concurrency())),
+                .resident_subgroups = 1e9,
+                .bytes_per_ns = 20,
                 .origin = "built in for software devices"};
     // From data sheets and instruction counts, not measured on one yet; `throng tune` replaces them.
     // Scattered: 32 lines of the cache a row instead of the 12 of joints side by side.
-    ScanCosts costs{.launch_ms = 0.003, .row_ns = 2.4, .scattered_rows = 2.7, .multiplication_ns = 5.3, .barrier_ns = 20, .workgroup_ns = 50, .latency_ns = 130,
-                    .units = 80, .resident_subgroups = 80 * 32, .bytes_per_ns = 800, .origin = "built in for NVIDIA, from data sheets"};
+    ScanCosts costs{.launch_ms = 0.003,
+                    .row_ns = 2.4,
+                    .scattered_rows = 2.7,
+                    .multiplication_ns = 5.3,
+                    .barrier_ns = 20,
+                    .workgroup_ns = 50,
+                    .latency_ns = 130,
+                    .units = 80,
+                    .resident_subgroups = 80 * 32,
+                    .bytes_per_ns = 800,
+                    .origin = "built in for NVIDIA, from data sheets"};
     switch (gpu.properties.vendorID) {
         case kAmd:
-            costs.units = 60, costs.resident_subgroups = 60 * 32, costs.bytes_per_ns = 600, costs.origin = "built in for AMD, from data sheets";
+            costs.units = 60, costs.resident_subgroups = 60 * 32, costs.bytes_per_ns = 600,
+            costs.origin = "built in for AMD, from data sheets";
             break;
         case kIntel:
-            costs.units = 32, costs.resident_subgroups = 32 * 16, costs.bytes_per_ns = 400, costs.row_ns = 4, costs.multiplication_ns = 9;
+            costs.units = 32, costs.resident_subgroups = 32 * 16, costs.bytes_per_ns = 400, costs.row_ns = 4,
+            costs.multiplication_ns = 9;
             costs.origin = "built in for Intel, from data sheets";
             break;
         case kNvidia: break;
@@ -63,9 +82,12 @@ ScanCosts built_in_scan_costs(const Gpu& gpu) {
 
 std::filesystem::path scan_costs_file(const Gpu& gpu) {
     std::filesystem::path folder;
-    if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache) folder = cache;
-    else if (const char* home = std::getenv("HOME"); home && *home) folder = std::filesystem::path(home) / ".cache";
-    else return {};
+    if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache)
+        folder = cache;
+    else if (const char* home = std::getenv("HOME"); home && *home)
+        folder = std::filesystem::path(home) / ".cache";
+    else
+        return {};
     std::string name = gpu.info.name + " " + gpu.info.driver;
     for (char& c : name)
         if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-') c = '_';
@@ -84,14 +106,19 @@ ScanCosts scan_costs_from_json(std::string_view text, const std::string& place) 
     ScanCosts costs;
     for (const auto& [name, member] : kNumbers) {
         const auto found = json.is_object() ? json.find(name) : json.end();
-        if (found == json.end() || !found->is_number() || !std::isfinite(found->get<double>()) || found->get<double>() <= 0)
-            throw Failure(ErrorCode::kInvalidFile, place, std::string("'") + name + "' is not a positive number; 'throng tune' writes the file anew");
+        if (found == json.end() || !found->is_number() || !std::isfinite(found->get<double>()) ||
+            found->get<double>() <= 0)
+            throw Failure(ErrorCode::kInvalidFile, place,
+                          std::string("'") + name + "' is not a positive number; 'throng tune' writes the file anew");
         costs.*member = found->get<double>();
     }
     const auto origin = json.find("origin");
-    if (origin == json.end() || !origin->is_string()) throw Failure(ErrorCode::kInvalidFile, place, "'origin' is not a text; 'throng tune' writes the file anew");
+    if (origin == json.end() || !origin->is_string())
+        throw Failure(ErrorCode::kInvalidFile, place, "'origin' is not a text; 'throng tune' writes the file anew");
     costs.origin = origin->get<std::string>();
-    std::replace_if(costs.origin.begin(), costs.origin.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');  // it becomes part of a line
+    // It becomes part of a line
+    std::replace_if(
+        costs.origin.begin(), costs.origin.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
     return costs;
 }
 
@@ -101,7 +128,8 @@ ScanCosts scan_costs(const Gpu& gpu) {
     if (file.empty() || !std::filesystem::is_regular_file(file, error)) return built_in_scan_costs(gpu);
     try {
         return scan_costs_from_json(read_text(file), file.string());
-    } catch (const Failure& failure) {  // the planner works without the file; the choice's line says why it was not used
+        // The planner works without the file; the choice's line says why it was not used
+    } catch (const Failure& failure) {
         ScanCosts costs = built_in_scan_costs(gpu);
         costs.origin += " (" + failure.text + ")";
         return costs;

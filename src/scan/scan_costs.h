@@ -1,5 +1,6 @@
-// What the planner knows of a device: the constants of its cost model (scan/scan_planner.h). `throng tune` measures them once for
-// a device and keeps them in the user's cache folder; without that there are built-in ones for each family of devices.
+// What the planner knows of a device: the constants of its cost model (scan/scan_planner.h). `throng tune` measures
+// them once for a device and keeps them in the user's cache folder; without that there are built-in ones for each
+// family of devices.
 #pragma once
 
 #include "gpu/gpu.h"
@@ -10,17 +11,17 @@
 namespace throng {
 
 struct ScanCosts {
-    double launch_ms = 0;       // of a dispatch, whatever it does
-    double row_ns = 0;          // a subgroup loads or stores 16 bytes an invocation
-    double scattered_rows = 1;  // times as much where the rows of its lanes lie far apart
-    double multiplication_ns = 0;  // a subgroup multiplies two transforms
-    double barrier_ns = 0;      // a subgroup waits at a barrier
-    double workgroup_ns = 0;    // a workgroup starts and ends
-    double latency_ns = 0;      // a row follows one that it depends on, when nothing else is there to run
-    double units = 1;           // workgroups that run side by side at full speed: cores, multiprocessors
+    double launch_ms = 0;           // of a dispatch, whatever it does
+    double row_ns = 0;              // a subgroup loads or stores 16 bytes an invocation
+    double scattered_rows = 1;      // times as much where the rows of its lanes lie far apart
+    double multiplication_ns = 0;   // a subgroup multiplies two transforms
+    double barrier_ns = 0;          // a subgroup waits at a barrier
+    double workgroup_ns = 0;        // a workgroup starts and ends
+    double latency_ns = 0;          // a row follows one that it depends on, when nothing else is there to run
+    double units = 1;               // workgroups that run side by side at full speed: cores, multiprocessors
     double resident_subgroups = 1;  // subgroups that are under way at once
-    double bytes_per_ns = 1;    // of memory, read and written
-    std::string origin;         // where these come from, for people
+    double bytes_per_ns = 1;        // of memory, read and written
+    std::string origin;             // where these come from, for people
 };
 
 // The measured ones where a readable file is in the cache, else the built-in ones.

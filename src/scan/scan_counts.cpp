@@ -5,7 +5,8 @@
 
 namespace throng {
 
-ScanCounter::ScanCounter(uint32_t lanes, uint32_t subgroup_size) : lanes_(lanes), subgroup_size_(std::max(subgroup_size, 1u)) {
+ScanCounter::ScanCounter(uint32_t lanes, uint32_t subgroup_size)
+    : lanes_(lanes), subgroup_size_(std::max(subgroup_size, 1u)) {
     loop_iterations_.resize((lanes_ + subgroup_size_ - 1) / subgroup_size_);
 }
 
@@ -28,7 +29,8 @@ void ScanCounter::phase(std::span<const uint32_t> multiplications, std::span<con
             const uint32_t longest = largest(multiplications);
             counts_.issue_steps += longest;
             counts_.issue_rows += longest * (kRowsOfAffine + kRowsOfLink) + largest(moves) * kRowsOfAffine;
-            loop_iterations_[(first - stride) / subgroup_size_] += longest + 2;  // the stride's own, and the look that ends the inner loop
+            // The stride's own, and the look that ends the inner loop
+            loop_iterations_[(first - stride) / subgroup_size_] += longest + 2;
         }
     }
     for (uint64_t& iterations : loop_iterations_) ++iterations;  // the look that ends the loop over strides

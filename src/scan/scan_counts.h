@@ -13,20 +13,24 @@ struct ScanCounts {
     uint32_t barriers = 0;         // of the workgroup
     uint32_t shared_bytes = 0;     // a character
     double issue_steps = 0;        // multiplications that a subgroup issues, idle lanes or not
-    uint64_t loop_iterations = 0;  // of the subgroup that has the most, all its loops together; rather too many than too few
-    bool scattered = false;        // the lanes of a subgroup load and store rows that lie a piece or a whole character apart
-    double issue_rows = 0;         // 16-byte rows that a subgroup loads or stores, likewise, wherever they lie; a link counts as half a row
+    // Of the subgroup that has the most, all its loops together; rather too many than too few
+    uint64_t loop_iterations = 0;
+    // The lanes of a subgroup load and store rows that lie a piece or a whole character apart
+    bool scattered = false;
+    // 16-byte rows that a subgroup loads or stores, likewise, wherever they lie; a link counts as half a row
+    double issue_rows = 0;
 };
 
 inline constexpr double kRowsOfAffine = 3, kRowsOfSimilarity = 2, kRowsOfLink = 0.5;
 
-// Adds up phases. A phase hands items (joints, leaves, pieces) to `lanes` invocations in strides; items of one stride and one
-// subgroup run side by side, as long as the longest of them.
+// Adds up phases. A phase hands items (joints, leaves, pieces) to `lanes` invocations in strides; items of one stride
+// and one subgroup run side by side, as long as the longest of them.
 class ScanCounter {
 public:
     ScanCounter(uint32_t lanes, uint32_t subgroup_size);
 
-    // multiplications[item], each with a link followed and an operand loaded; besides, an item moves moves[item] transforms.
+    // multiplications[item], each with a link followed and an operand loaded; besides, an item moves moves[item]
+    // transforms.
     void phase(std::span<const uint32_t> multiplications, std::span<const uint32_t> moves);
     void phase(std::span<const uint32_t> multiplications, uint32_t fixed_moves);
     void barrier() { ++counts_.barriers; }

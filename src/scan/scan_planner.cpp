@@ -23,17 +23,20 @@ std::string join_names() {
 }
 
 // Of one method, with each number of lanes that applies.
-std::vector<ScanPrediction> predict_method(const ScanMethod& method, const ScanRig& rig, uint32_t instance_count, const ScanLimits& limits, const ScanCosts& costs) {
+std::vector<ScanPrediction> predict_method(const ScanMethod& method, const ScanRig& rig, uint32_t instance_count,
+                                           const ScanLimits& limits, const ScanCosts& costs) {
     std::vector<ScanPrediction> out;
     for (const uint32_t lanes : method.lane_choices(limits)) {
         const ScanPlan plan = plan_scan(method, rig, limits, lanes);
-        if (plan.obstacle.empty()) out.push_back({{&method, lanes}, predict_ms(plan, rig, method, instance_count, limits, costs)});
+        if (plan.obstacle.empty())
+            out.push_back({{&method, lanes}, predict_ms(plan, rig, method, instance_count, limits, costs)});
     }
     return out;
 }
 
 void sort_fastest_first(std::vector<ScanPrediction>& predictions) {
-    std::stable_sort(predictions.begin(), predictions.end(), [](const ScanPrediction& a, const ScanPrediction& b) { return a.milliseconds < b.milliseconds; });
+    std::stable_sort(predictions.begin(), predictions.end(),
+                     [](const ScanPrediction& a, const ScanPrediction& b) { return a.milliseconds < b.milliseconds; });
 }
 
 }  // namespace
@@ -47,22 +50,29 @@ ScanRequest parse_scan_request(const std::string& wanted) {
     const char *first = wanted.data() + colon + 1, *end = wanted.data() + wanted.size();
     uint32_t lanes = 0;
     const auto [stop, error] = std::from_chars(first, end, lanes);
-    if (error != std::errc() || stop != end) throw Failure(ErrorCode::kInvalidArgument, place, "behind the colon stands the number of invocations a character");
+    if (error != std::errc() || stop != end)
+        throw Failure(ErrorCode::kInvalidArgument, place,
+                      "behind the colon stands the number of invocations a character");
     request.lanes = lanes;
     return request;
 }
 
-double predict_ms(const ScanPlan& plan, const ScanRig& rig, const ScanMethod& method, uint32_t instance_count, const ScanLimits& limits, const ScanCosts& costs) {
+double predict_ms(const ScanPlan& plan, const ScanRig& rig, const ScanMethod& method, uint32_t instance_count,
+                  const ScanLimits& limits, const ScanCosts& costs) {
     const double workgroups = std::ceil(static_cast<double>(instance_count) / plan.instances_per_workgroup);
-    const double subgroups = std::ceil(static_cast<double>(plan.workgroup_size) / limits.subgroup_size);  // of a workgroup
+    // Of a workgroup
+    const double subgroups = std::ceil(static_cast<double>(plan.workgroup_size) / limits.subgroup_size);
     const ScanCounts& counts = plan.counts;
 
     const double row_ns = costs.row_ns * (counts.scattered ? costs.scattered_rows : 1);
     const double workgroup_ns = costs.workgroup_ns + counts.barriers * subgroups * costs.barrier_ns +
-                                plan.instances_per_workgroup * (counts.issue_steps * costs.multiplication_ns + counts.issue_rows * row_ns);
+                                plan.instances_per_workgroup *
+                                    (counts.issue_steps * costs.multiplication_ns + counts.issue_rows * row_ns);
     const double issue_ns = std::ceil(workgroups / costs.units) * workgroup_ns;
-    const double latency_ns = std::ceil(workgroups * subgroups / costs.resident_subgroups) * counts.longest_thread * (kRowsOfAffine * row_ns + costs.latency_ns);
-    const double bytes_a_joint = 16 * ((method.format == ScanFormat::kSimilarity ? kRowsOfSimilarity : kRowsOfAffine) + kRowsOfAffine);
+    const double latency_ns = std::ceil(workgroups * subgroups / costs.resident_subgroups) * counts.longest_thread *
+                              (kRowsOfAffine * row_ns + costs.latency_ns);
+    const double bytes_a_joint = 16 * ((method.format == ScanFormat::kSimilarity ? kRowsOfSimilarity : kRowsOfAffine) +
+                                       kRowsOfAffine);
     const double memory_ns = bytes_a_joint * rig.joint_count() * instance_count / costs.bytes_per_ns;
     // They overlap, but never wholly: of two methods that memory holds back alike, the one with less to do is chosen.
     constexpr double kNotOverlapped = 0.05;
@@ -70,7 +80,8 @@ double predict_ms(const ScanPlan& plan, const ScanRig& rig, const ScanMethod& me
     return costs.launch_ms + 1e-6 * (longest_ns + kNotOverlapped * (issue_ns + latency_ns + memory_ns - longest_ns));
 }
 
-std::vector<ScanPrediction> predict_scans(const ScanRig& rig, uint32_t instance_count, const ScanLimits& limits, const ScanCosts& costs) {
+std::vector<ScanPrediction> predict_scans(const ScanRig& rig, uint32_t instance_count, const ScanLimits& limits,
+                                          const ScanCosts& costs) {
     std::vector<ScanPrediction> all;
     for (const ScanMethod& method : scan_table()) {
         if (method.layout != ScanLayout::kCharacterMajor) continue;
@@ -85,27 +96,40 @@ std::string name_of(const ScanChoice& choice) {
     return std::string(choice.method->name) + (choice.lanes == 0 ? "" : ":" + std::to_string(choice.lanes));
 }
 
-ExplainedChoice choose_scan(const std::string& wanted, const ScanRig& rig, uint32_t instance_count, const ScanLimits& limits, const ScanCosts& costs) {
-    const std::string subject = std::to_string(instance_count) + " x " + std::to_string(rig.joint_count()) + " joints, " + std::to_string(rig.level_count) + " levels";
+ExplainedChoice choose_scan(const std::string& wanted, const ScanRig& rig, uint32_t instance_count,
+                            const ScanLimits& limits, const ScanCosts& costs) {
+    const std::string subject = std::to_string(instance_count) + " x " + std::to_string(rig.joint_count()) +
+                                " joints, " + std::to_string(rig.level_count) + " levels";
     if (wanted != "auto") {
         const ScanRequest request = parse_scan_request(wanted);
         ScanChoice choice{request.method, request.lanes.value_or(0)};
         if (choice.method->layout != ScanLayout::kCharacterMajor)
-            throw Failure(ErrorCode::kUnsupported, "scan method '" + wanted + "'", "works on transposed poses, which no other stage writes; it runs in 'throng bench scan' only");
+            throw Failure(
+                ErrorCode::kUnsupported, "scan method '" + wanted + "'",
+                "works on transposed poses, which no other stage writes; it runs in 'throng bench scan' only");
         if (!request.lanes) {
             std::vector<ScanPrediction> of_method = predict_method(*choice.method, rig, instance_count, limits, costs);
             sort_fastest_first(of_method);
             if (!of_method.empty()) choice = of_method.front().choice;
         }
         const ScanPlan plan = plan_scan(*choice.method, rig, limits, choice.lanes);
-        if (!plan.obstacle.empty()) throw Failure(ErrorCode::kUnsupported, "scan method '" + wanted + "'", plan.obstacle);
-        return {choice, "asked for; predicted " + milliseconds_text(predict_ms(plan, rig, *choice.method, instance_count, limits, costs)) + " for " + subject};
+        if (!plan.obstacle.empty())
+            throw Failure(ErrorCode::kUnsupported, "scan method '" + wanted + "'", plan.obstacle);
+        return {choice, "asked for; predicted " +
+                            milliseconds_text(predict_ms(plan, rig, *choice.method, instance_count, limits, costs)) +
+                            " for " + subject};
     }
     const std::vector<ScanPrediction> all = predict_scans(rig, instance_count, limits, costs);
-    if (all.empty()) throw Failure(ErrorCode::kUnsupported, "scan method 'auto'", "no method applies to " + subject + " on this device");
-    const auto next = std::find_if(all.begin(), all.end(), [&](const ScanPrediction& p) { return p.choice.method != all.front().choice.method; });
-    const std::string comparison = next == all.end() ? "no other method applies" : "next " + name_of(next->choice) + " with " + milliseconds_text(next->milliseconds);
-    return {all.front().choice, "predicted " + milliseconds_text(all.front().milliseconds) + " for " + subject + "; " + comparison + " (costs: " + costs.origin + ")"};
+    if (all.empty())
+        throw Failure(ErrorCode::kUnsupported, "scan method 'auto'",
+                      "no method applies to " + subject + " on this device");
+    const auto next = std::find_if(
+        all.begin(), all.end(), [&](const ScanPrediction& p) { return p.choice.method != all.front().choice.method; });
+    const std::string comparison = next == all.end() ? "no other method applies"
+                                                     : "next " + name_of(next->choice) + " with " +
+                                                           milliseconds_text(next->milliseconds);
+    return {all.front().choice, "predicted " + milliseconds_text(all.front().milliseconds) + " for " + subject + "; " +
+                                    comparison + " (costs: " + costs.origin + ")"};
 }
 
 }  // namespace throng

@@ -1,5 +1,5 @@
-// Chooses a scan method and its lanes from the skeleton, the number of characters and the device, by a cost model: the time is a
-// launch, plus the longest of what the units issue, what latency leaves unhidden, and what memory moves.
+// Chooses a scan method and its lanes from the skeleton, the number of characters and the device, by a cost model: the
+// time is a launch, plus the longest of what the units issue, what latency leaves unhidden, and what memory moves.
 #pragma once
 
 #include "scan/scan.h"
@@ -16,15 +16,19 @@ struct ScanPrediction {
     double milliseconds = 0;
 };
 
-double predict_ms(const ScanPlan& plan, const ScanRig& rig, const ScanMethod& method, uint32_t instance_count, const ScanLimits& limits, const ScanCosts& costs);
+double predict_ms(const ScanPlan& plan, const ScanRig& rig, const ScanMethod& method, uint32_t instance_count,
+                  const ScanLimits& limits, const ScanCosts& costs);
 
-// Every method that can stand in the pipeline (character-major) and applies, with each number of lanes; the fastest first.
-std::vector<ScanPrediction> predict_scans(const ScanRig& rig, uint32_t instance_count, const ScanLimits& limits, const ScanCosts& costs);
+// Every method that can stand in the pipeline (character-major) and applies, with each number of lanes; the fastest
+// first.
+std::vector<ScanPrediction> predict_scans(const ScanRig& rig, uint32_t instance_count, const ScanLimits& limits,
+                                          const ScanCosts& costs);
 
 // "subgroup:8", or the name alone where lanes are no choice.
 std::string name_of(const ScanChoice& choice);
 
-// "subgroup" or "subgroup:8". Throws kInvalidArgument where there is no such method, or what follows the colon is no number.
+// "subgroup" or "subgroup:8". Throws kInvalidArgument where there is no such method, or what follows the colon is no
+// number.
 struct ScanRequest {
     const ScanMethod* method = nullptr;
     std::optional<uint32_t> lanes;
@@ -36,8 +40,9 @@ struct ExplainedChoice {
     std::string reason;  // one line
 };
 
-// `wanted` is "auto", a method's name, or a name with lanes: "subgroup:8". A name without lanes gets its fastest ones. Throws
-// kInvalidArgument where the name is unknown, kUnsupported where the method does not apply.
-ExplainedChoice choose_scan(const std::string& wanted, const ScanRig& rig, uint32_t instance_count, const ScanLimits& limits, const ScanCosts& costs);
+// `wanted` is "auto", a method's name, or a name with lanes: "subgroup:8". A name without lanes gets its fastest ones.
+// Throws kInvalidArgument where the name is unknown, kUnsupported where the method does not apply.
+ExplainedChoice choose_scan(const std::string& wanted, const ScanRig& rig, uint32_t instance_count,
+                            const ScanLimits& limits, const ScanCosts& costs);
 
 }  // namespace throng

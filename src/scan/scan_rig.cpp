@@ -4,7 +4,8 @@
 
 namespace throng {
 
-ScanRig::ScanRig(std::span<const uint32_t> parents_in, bool uniform_scale_in) : parents(parents_in.begin(), parents_in.end()), uniform_scale(uniform_scale_in) {
+ScanRig::ScanRig(std::span<const uint32_t> parents_in, bool uniform_scale_in)
+    : parents(parents_in.begin(), parents_in.end()), uniform_scale(uniform_scale_in) {
     std::vector<bool> has_child(parents.size());
     double depth_sum = 0;
     for (const uint32_t parent : parents) {

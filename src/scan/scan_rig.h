@@ -14,7 +14,7 @@ struct ScanRig {
     uint32_t level_count = 0;       // the largest depth
     uint32_t leaf_count = 0;
     double mean_depth = 0;
-    bool uniform_scale = false;     // every local transform is a similarity, in every pose
+    bool uniform_scale = false;  // every local transform is a similarity, in every pose
 
     ScanRig() = default;
     explicit ScanRig(std::span<const uint32_t> parents, bool uniform_scale = false);

@@ -9,15 +9,16 @@ namespace throng {
 
 std::span<const ScanMethod> scan_table() {
     static const std::array methods{
-        gateau2012_walk(), kandar2024_leaves(), doubling(), blocks64(), compressed(), levels(), serial(), serial_quaternion(), serial_transposed(),
-        fragments(), subgroup(), subgroup_quaternion(),
+        gateau2012_walk(), kandar2024_leaves(), doubling(),          blocks64(),  compressed(), levels(),
+        serial(),          serial_quaternion(), serial_transposed(), fragments(), subgroup(),   subgroup_quaternion(),
     };
     return methods;
 }
 
 const ScanMethod* find_scan_method(std::string_view name) {
     const auto methods = scan_table();
-    const auto found = std::find_if(methods.begin(), methods.end(), [&](const ScanMethod& m) { return m.name == name; });
+    const auto found = std::find_if(methods.begin(), methods.end(),
+                                    [&](const ScanMethod& m) { return m.name == name; });
     return found == methods.end() ? nullptr : &*found;
 }
 
@@ -31,12 +32,15 @@ std::string lanes_obstacle(const ScanMethod& method, const ScanLimits& limits, u
 }
 
 ScanPlan plan_scan(const ScanMethod& method, const ScanRig& rig, const ScanLimits& limits, uint32_t lanes) {
-    if (method.format == ScanFormat::kSimilarity && !rig.uniform_scale) return {.obstacle = "a joint of the rig has a scale that differs between axes"};
-    if (std::string obstacle = lanes_obstacle(method, limits, lanes); !obstacle.empty()) return {.obstacle = std::move(obstacle)};
+    if (method.format == ScanFormat::kSimilarity && !rig.uniform_scale)
+        return {.obstacle = "a joint of the rig has a scale that differs between axes"};
+    if (std::string obstacle = lanes_obstacle(method, limits, lanes); !obstacle.empty())
+        return {.obstacle = std::move(obstacle)};
     ScanPlan plan = method.plan(rig, limits, lanes);
     const uint64_t iterations = plan.counts.loop_iterations;
     if (iterations <= limits.loop_iterations) return plan;
-    return {.obstacle = std::to_string(iterations) + " loop iterations of an invocation exceed the device's " + std::to_string(limits.loop_iterations)};
+    return {.obstacle = std::to_string(iterations) + " loop iterations of an invocation exceed the device's " +
+                        std::to_string(limits.loop_iterations)};
 }
 
 uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits) {

@@ -14,32 +14,35 @@ namespace throng {
 // What a device offers that a method may need.
 struct ScanLimits {
     uint32_t shared_memory_bytes = 0;
-    uint32_t workgroup_size = 0;   // largest
-    uint32_t subgroup_size = 0;    // smallest that the device may choose
-    bool shuffle = false;          // subgroups can exchange registers
+    uint32_t workgroup_size = 0;  // largest
+    uint32_t subgroup_size = 0;   // smallest that the device may choose
+    bool shuffle = false;         // subgroups can exchange registers
     bool is_cpu = false;
-    uint32_t loop_iterations = 0xFFFFFFFF;  // of an invocation, all loops together, after which the device silently ends them
+    // Of an invocation, all loops together, after which the device silently ends them
+    uint32_t loop_iterations = 0xFFFFFFFF;
     uint32_t storage_buffers = 0xFFFFFFFF;  // that one kernel can bind
 };
 
 // How a method goes about one skeleton on one device.
 struct ScanPlan {
-    std::string obstacle;                   // why it does not apply; empty where it does
+    std::string obstacle;  // why it does not apply; empty where it does
     uint32_t workgroup_size = 0;
     uint32_t instances_per_workgroup = 1;
-    std::vector<uint32_t> constants = {};   // specialization constants 1, 2, …, at most 7
-    std::vector<uint32_t> links = {};       // the method's own table of the skeleton
-    bool full_subgroups = false;            // it relies on subgroups without idle invocations
-    bool on_chip = false;                   // nothing but local and model passes through memory, so that the on-chip variant runs
+    std::vector<uint32_t> constants = {};  // specialization constants 1, 2, …, at most 7
+    std::vector<uint32_t> links = {};      // the method's own table of the skeleton
+    bool full_subgroups = false;           // it relies on subgroups without idle invocations
+    // Nothing but local and model passes through memory, so that the on-chip variant runs
+    bool on_chip = false;
     ScanCounts counts = {};
 };
 
 enum class ScanOrigin { kPaper, kBaseline, kOurs };  // named by the paper; what it argues against; throng's own
-enum class ScanLayout { kCharacterMajor, kTransposed };  // [instance][joint], as all other stages have it; [joint][instance]
+// [instance][joint], as all other stages have it; [joint][instance]
+enum class ScanLayout { kCharacterMajor, kTransposed };
 enum class ScanFormat { kAffine, kSimilarity };  // of local transforms: 48 or 32 bytes
 
 struct ScanMethod {
-    std::string_view name;     // its shader is <name>.comp, without _quaternion and _transposed, which name variants
+    std::string_view name;  // its shader is <name>.comp, without _quaternion and _transposed, which name variants
     std::string_view summary;
     std::string_view source;
     ScanOrigin origin = ScanOrigin::kOurs;

@@ -3,9 +3,11 @@
 namespace throng {
 namespace {
 
-// A software device runs one workgroup per core at a time: the smallest ones spread evenly. A GPU wants two warps or more.
+// A software device runs one workgroup per core at a time: the smallest ones spread evenly. A GPU wants two warps or
+// more.
 ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, double rows_of_local) {
-    ScanPlan plan{.workgroup_size = limits.is_cpu ? limits.subgroup_size : std::min(64u, limits.workgroup_size), .links = {0}};
+    ScanPlan plan{.workgroup_size = limits.is_cpu ? limits.subgroup_size : std::min(64u, limits.workgroup_size),
+                  .links = {0}};
     plan.instances_per_workgroup = plan.workgroup_size;
     uint32_t root_count = 0;
     for (uint32_t joint = 0; joint < rig.joint_count();) {
@@ -23,12 +25,18 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, double rows_of_
     plan.counts.scattered = true;
     const double run_count = plan.links[0];
     plan.counts.loop_iterations = rig.joint_count() + 2 * uint64_t{plan.links[0]} + 1;
-    plan.counts.issue_rows = (rig.joint_count() * (rows_of_local + kRowsOfAffine) + run_count * (kRowsOfAffine + 3 * kRowsOfLink)) / limits.subgroup_size;
+    plan.counts.issue_rows = (rig.joint_count() * (rows_of_local + kRowsOfAffine) +
+                              run_count * (kRowsOfAffine + 3 * kRowsOfLink)) /
+                             limits.subgroup_size;
     return plan;
 }
 
-ScanPlan plan_affine(const ScanRig& rig, const ScanLimits& limits, uint32_t) { return plan_with(rig, limits, kRowsOfAffine); }
-ScanPlan plan_similarity(const ScanRig& rig, const ScanLimits& limits, uint32_t) { return plan_with(rig, limits, kRowsOfSimilarity); }
+ScanPlan plan_affine(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
+    return plan_with(rig, limits, kRowsOfAffine);
+}
+ScanPlan plan_similarity(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
+    return plan_with(rig, limits, kRowsOfSimilarity);
+}
 
 }  // namespace
 

@@ -13,7 +13,8 @@ uint32_t workgroup_size(const ScanLimits& limits) { return limits.is_cpu ? limit
 std::vector<uint32_t> lane_choices(const ScanLimits& limits) {
     std::vector<uint32_t> choices;
     if (!limits.shuffle) return choices;
-    for (uint32_t lanes = 1; lanes <= std::min(limits.subgroup_size, workgroup_size(limits)); lanes *= 2) choices.push_back(lanes);
+    for (uint32_t lanes = 1; lanes <= std::min(limits.subgroup_size, workgroup_size(limits)); lanes *= 2)
+        choices.push_back(lanes);
     if (!limits.is_cpu) std::reverse(choices.begin(), choices.end());
     return choices;
 }
@@ -24,7 +25,9 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes,
     const auto transform_bytes = static_cast<uint32_t>(16 * rows_of_local);
     const uint32_t shared_bytes = slots * invocations * transform_bytes;
     if (shared_bytes > limits.shared_memory_bytes)
-        return {.obstacle = std::to_string(shared_bytes) + " bytes of shared memory for waiting parents exceed the device's " + std::to_string(limits.shared_memory_bytes)};
+        return {.obstacle = std::to_string(shared_bytes) +
+                            " bytes of shared memory for waiting parents exceed the device's " +
+                            std::to_string(limits.shared_memory_bytes)};
     ScanPlan plan{.workgroup_size = invocations,
                   .instances_per_workgroup = invocations / lanes,
                   .constants = {lanes, slots * invocations},
@@ -42,17 +45,22 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes,
     return plan;
 }
 
-ScanPlan plan_affine(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes) { return plan_with(rig, limits, lanes, kRowsOfAffine); }
-ScanPlan plan_similarity(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes) { return plan_with(rig, limits, lanes, kRowsOfSimilarity); }
+ScanPlan plan_affine(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes) {
+    return plan_with(rig, limits, lanes, kRowsOfAffine);
+}
+ScanPlan plan_similarity(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes) {
+    return plan_with(rig, limits, lanes, kRowsOfSimilarity);
+}
 
 }  // namespace
 
 ScanMethod subgroup() {
-    return {.name = "subgroup",
-            .summary = "fragments inside a subgroup, by shuffles and without barriers; several small characters share one",
-            .source = "fragments; warp scans (Harris and Garland 2012)",
-            .lane_choices = lane_choices,
-            .plan = plan_affine};
+    return {
+        .name = "subgroup",
+        .summary = "fragments inside a subgroup, by shuffles and without barriers; several small characters share one",
+        .source = "fragments; warp scans (Harris and Garland 2012)",
+        .lane_choices = lane_choices,
+        .plan = plan_affine};
 }
 
 ScanMethod subgroup_quaternion() {

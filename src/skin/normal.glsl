@@ -1,5 +1,6 @@
 // Normals: as they are stored, and under transforms.
-// Source of the octahedral map: Cigolle et al., A Survey of Efficient Representations for Independent Unit Vectors, JCGT 2014.
+// Source of the octahedral map: Cigolle et al., A Survey of Efficient Representations for Independent Unit Vectors,
+// JCGT 2014.
 #include "gpu/affine.glsl"
 
 vec3 unpack_normal(uint packed) {
@@ -24,7 +25,8 @@ vec3 morphed_normal(uint packed, uint morph_count, vec3 difference) {
 
 // By the inverse transpose of m's linear part but for a positive factor: right for non-uniform scale, and for mirrors.
 vec3 transform_normal(Affine m, vec3 normal) {
-    const vec3 c0 = cross(m.row1.xyz, m.row2.xyz), c1 = cross(m.row2.xyz, m.row0.xyz), c2 = cross(m.row0.xyz, m.row1.xyz);
+    const vec3 c0 = cross(m.row1.xyz, m.row2.xyz), c1 = cross(m.row2.xyz, m.row0.xyz),
+               c2 = cross(m.row0.xyz, m.row1.xyz);
     const vec3 cofactor = vec3(dot(c0, normal), dot(c1, normal), dot(c2, normal));
     return dot(m.row0.xyz, c0) < 0 ? -cofactor : cofactor;
 }

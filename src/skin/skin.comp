@@ -1,6 +1,7 @@
 #version 460
-// skin: vertices of instances, morphed and skinned, in model space: for several passes, or for those who read them back.
-// One workgroup per instance. Cost of a vertex: 4 + 32 bytes read, 24 and a skin matrix for each four influences, of which most are in caches; 16 written.
+// skin: vertices of instances, morphed and skinned, in model space: for several passes, or for those who read them
+// back. One workgroup per instance. Cost of a vertex: 4 + 32 bytes read, 24 and a skin matrix for each four influences,
+// of which most are in caches; 16 written.
 #include "bind/bind_io.h"
 #include "cull/cull_io.h"
 #include "morph/morph_io.h"
@@ -12,7 +13,8 @@ layout(constant_id = 2) const uint kSkinBlend = kSkinLinear;
 layout(constant_id = 3) const bool kListed = false;  // what is skinned lies in list
 layout(set = 0, binding = 0, std430) readonly buffer Vertices { VertexRows vertices[]; };
 layout(set = 0, binding = 1, std430) readonly buffer InfluenceWords { uvec2 influences[]; };
-layout(set = 0, binding = 3, std430) writeonly buffer Skinned { uvec4 skinned[]; };  // [instance][vertex], throng::SkinnedVertex
+// [instance][vertex], throng::SkinnedVertex
+layout(set = 0, binding = 3, std430) writeonly buffer Skinned { uvec4 skinned[]; };
 layout(set = 0, binding = 4, std430) readonly buffer MorphDeltas { uvec4 morph_deltas[]; };
 layout(set = 0, binding = 5, std430) readonly buffer ActiveMorphs { ActiveMorph active_morphs[]; };
 layout(set = 0, binding = 6, std430) readonly buffer Sections { SkinSection sections[]; };  // [detail][section]
@@ -47,11 +49,17 @@ void main() {
         for (uint i = gl_LocalInvocationID.x; i < section.listed_count; i += kSkinWorkgroupSize) {
             const uint vertex = listed_vertices[section.first_listed + i];
             const VertexRows rows = vertices[section.first_vertex + vertex];
-            const MorphSum morphs = sum_of_morphs(rows.texcoord_color_delta.w, section.first_morph, section.morph_count, instance * kActiveMorphs);
-            const Affine model_from_bind = blended_skin_matrix(section.first_influences + push.influence_offset, section.influence_sets, vertex, instance * push.palette_count);
+            const MorphSum morphs = sum_of_morphs(rows.texcoord_color_delta.w, section.first_morph, section.morph_count,
+                                                  instance * kActiveMorphs);
+            const Affine model_from_bind = blended_skin_matrix(section.first_influences + push.influence_offset,
+                                                               section.influence_sets, vertex,
+                                                               instance * push.palette_count);
             const vec3 position = affine_point(model_from_bind, rows.position_normal.xyz + morphs.position);
-            const vec3 normal = transform_normal(model_from_bind, morphed_normal(floatBitsToUint(rows.position_normal.w), section.morph_count, morphs.normal));
-            skinned[first_written + section.first_vertex + vertex] = uvec4(floatBitsToUint(position), pack_normal(normal));
+            const vec3 normal = transform_normal(
+                model_from_bind,
+                morphed_normal(floatBitsToUint(rows.position_normal.w), section.morph_count, morphs.normal));
+            skinned[first_written + section.first_vertex + vertex] = uvec4(floatBitsToUint(position),
+                                                                           pack_normal(normal));
         }
     }
 }

@@ -10,7 +10,8 @@ constexpr uint32_t kSpirv[] = {
 #include "skin/skin.comp.inc"
 };
 
-static_assert(io::kSkinLinear == static_cast<uint32_t>(SkinBlend::kLinear) && io::kSkinDualQuaternion == static_cast<uint32_t>(SkinBlend::kDualQuaternion));
+static_assert(io::kSkinLinear == static_cast<uint32_t>(SkinBlend::kLinear) &&
+              io::kSkinDualQuaternion == static_cast<uint32_t>(SkinBlend::kDualQuaternion));
 
 // Ascending.
 std::vector<uint32_t> vertices_of(std::span<const uint32_t> indices) {
@@ -28,7 +29,8 @@ std::vector<uint32_t> all_of(uint32_t vertex_count) {
 
 }  // namespace
 
-SkinTables::SkinTables(const std::shared_ptr<Gpu>& gpu, const Character& character, std::span<const uint32_t> influence_offsets) {
+SkinTables::SkinTables(const std::shared_ptr<Gpu>& gpu, const Character& character,
+                       std::span<const uint32_t> influence_offsets) {
     std::vector<io::SkinSection> all_sections;
     std::vector<uint32_t> all_vertices;
     for (size_t detail = 0; detail < influence_offsets.size(); ++detail) {
@@ -57,7 +59,9 @@ SkinTables::SkinTables(const std::shared_ptr<Gpu>& gpu, const Character& charact
 }
 
 Kernel skin_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format, SkinBlend blend, bool listed) {
-    return Kernel(gpu, {.name = "skin", .spirv = kSpirv, .constants = {static_cast<uint32_t>(format), static_cast<uint32_t>(blend), listed}});
+    return Kernel(gpu, {.name = "skin",
+                        .spirv = kSpirv,
+                        .constants = {static_cast<uint32_t>(format), static_cast<uint32_t>(blend), listed}});
 }
 
 }  // namespace throng

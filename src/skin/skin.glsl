@@ -1,12 +1,14 @@
-// Influences and skin matrices -> the transform of a vertex; defined by skin_reference.h. The includer declares `uvec2 influences[]` (throng::Influences as three 8-byte words: two of weights,
-// one of four 16-bit palette entries) and the constant kSkinBlend, and includes bind/skin_format.glsl.
+// Influences and skin matrices -> the transform of a vertex; defined by skin_reference.h. The includer declares `uvec2
+// influences[]` (throng::Influences as three 8-byte words: two of weights, one of four 16-bit palette entries) and the
+// constant kSkinBlend, and includes bind/skin_format.glsl.
 #include "gpu/similarity.glsl"
 #include "skin/skin_io.h"
 
 const uint kInfluenceWords = 3;
 
 // By kSkinBlend: the weighted sum of matrices; or of unit dual quaternions and scales.
-// Source: L. Kavan, S. Collins, J. Zara and C. O'Sullivan, Geometric Skinning with Approximate Dual Quaternion Blending, ACM TOG 27 (4), 2008.
+// Source: L. Kavan, S. Collins, J. Zara and C. O'Sullivan, Geometric Skinning with Approximate Dual Quaternion
+// Blending, ACM TOG 27 (4), 2008.
 struct SkinSum {
     Affine matrix;
     vec4 rotation, dual;
@@ -16,7 +18,8 @@ struct SkinSum {
 void add_skin(inout SkinSum sum, float weight, uint index) {
     if (kSkinBlend == kSkinLinear) {
         const Affine m = load_skin(index);
-        sum.matrix = Affine(sum.matrix.row0 + weight * m.row0, sum.matrix.row1 + weight * m.row1, sum.matrix.row2 + weight * m.row2);
+        sum.matrix = Affine(sum.matrix.row0 + weight * m.row0, sum.matrix.row1 + weight * m.row1,
+                            sum.matrix.row2 + weight * m.row2);
         return;
     }
     const Similarity s = load_skin_similarity(index);

@@ -10,8 +10,9 @@ THRONG_IO_CONSTANT kSkinWorkgroupSize = 64;
 THRONG_IO_CONSTANT kSkinLinear = 0;
 THRONG_IO_CONSTANT kSkinDualQuaternion = 1;
 
-// throng::Vertex as a float4, position and normal (its bits), and four words: the bits of two floats, the texture coordinate; colour; first_delta. A number as
-// small as first_delta may not go through a float: as one it would be denormal, and a device may take it for 0.
+// throng::Vertex as a float4, position and normal (its bits), and four words: the bits of two floats, the texture
+// coordinate; colour; first_delta. A number as small as first_delta may not go through a float: as one it would be
+// denormal, and a device may take it for 0.
 struct VertexRows {
     vec4 position_normal;
     uvec4 texcoord_color_delta;
@@ -22,8 +23,8 @@ struct SkinSection {
     uint first_vertex;
     uint first_influences;
     uint influence_sets;
-    uint first_morph, morph_count;   // count 0: none
-    uint first_listed, listed_count; // which of its vertices the level has
+    uint first_morph, morph_count;    // count 0: none
+    uint first_listed, listed_count;  // which of its vertices the level has
     uint unused;
 };
 

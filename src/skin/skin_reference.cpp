@@ -17,8 +17,10 @@ AffineT<double> weighted_sum(std::span<const WeightedTransform> transforms) {
 
 // Of a rotation matrix: four times the product of two components each, in the row of the largest one.
 Quaternion<double> rotation_of(const std::array<std::array<double, 4>, 3>& m) {
-    const std::array squares{1 + m[0][0] - m[1][1] - m[2][2], 1 + m[1][1] - m[0][0] - m[2][2], 1 + m[2][2] - m[0][0] - m[1][1], 1 + m[0][0] + m[1][1] + m[2][2]};
-    const double xy = m[0][1] + m[1][0], xz = m[0][2] + m[2][0], yz = m[1][2] + m[2][1], xw = m[2][1] - m[1][2], yw = m[0][2] - m[2][0], zw = m[1][0] - m[0][1];
+    const std::array squares{1 + m[0][0] - m[1][1] - m[2][2], 1 + m[1][1] - m[0][0] - m[2][2],
+                             1 + m[2][2] - m[0][0] - m[1][1], 1 + m[0][0] + m[1][1] + m[2][2]};
+    const double xy = m[0][1] + m[1][0], xz = m[0][2] + m[2][0], yz = m[1][2] + m[2][1], xw = m[2][1] - m[1][2],
+                 yw = m[0][2] - m[2][0], zw = m[1][0] - m[0][1];
     switch (std::ranges::max_element(squares) - squares.begin()) {
         case 0: return normalized(Quaternion<double>{squares[0], xy, xz, xw});
         case 1: return normalized(Quaternion<double>{xy, squares[1], yz, yw});
@@ -36,8 +38,12 @@ Trs<double> parts_of(AffineT<double> m) {
     return {rotation_of(m.row), translation, {scale, scale, scale}};
 }
 
-Quaternion<double> operator+(const Quaternion<double>& a, const Quaternion<double>& b) { return {a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w}; }
-Quaternion<double> operator*(const Quaternion<double>& q, double factor) { return {q.x * factor, q.y * factor, q.z * factor, q.w * factor}; }
+Quaternion<double> operator+(const Quaternion<double>& a, const Quaternion<double>& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w};
+}
+Quaternion<double> operator*(const Quaternion<double>& q, double factor) {
+    return {q.x * factor, q.y * factor, q.z * factor, q.w * factor};
+}
 
 AffineT<double> dual_quaternion_sum(std::span<const WeightedTransform> transforms) {
     Quaternion<double> rotation{0, 0, 0, 0}, dual{0, 0, 0, 0};
@@ -62,18 +68,22 @@ AffineT<double> blended_transform(SkinBlend blend, std::span<const WeightedTrans
     return blend == SkinBlend::kLinear ? weighted_sum(transforms) : dual_quaternion_sum(transforms);
 }
 
-std::vector<Vec3<double>> skin_reference(const Character& character, std::span<const AffineT<double>> model_from_bind, std::span<const WeightedMorph> morphs, SkinBlend blend) {
+std::vector<Vec3<double>> skin_reference(const Character& character, std::span<const AffineT<double>> model_from_bind,
+                                         std::span<const WeightedMorph> morphs, SkinBlend blend) {
     std::vector<Vec3<double>> positions(character.vertices.size());
     std::vector<WeightedTransform> transforms;
     for (const MeshSection& section : character.sections) {
         for (uint32_t vertex = 0; vertex < section.vertex_count; ++vertex) {
             transforms.clear();
             for (uint32_t set = 0; set < section.influence_sets; ++set) {
-                const Influences& influences = character.influences[section.first_influences + vertex * section.influence_sets + set];
+                const Influences& influences =
+                    character.influences[section.first_influences + vertex * section.influence_sets + set];
                 for (size_t i = 0; i < 4; ++i)
-                    if (influences.weights[i] != 0) transforms.push_back({double{influences.weights[i]}, model_from_bind[influences.entries[i]]});
+                    if (influences.weights[i] != 0)
+                        transforms.push_back({double{influences.weights[i]}, model_from_bind[influences.entries[i]]});
             }
-            positions[section.first_vertex + vertex] = transform_point(blended_transform(blend, transforms), morphed_position_reference(character, section, vertex, morphs));
+            positions[section.first_vertex + vertex] = transform_point(
+                blended_transform(blend, transforms), morphed_position_reference(character, section, vertex, morphs));
         }
     }
     return positions;

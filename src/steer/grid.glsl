@@ -1,4 +1,5 @@
-// Cells of the ground, and the buckets of a hash table that they share (M. Teschner et al., Optimized Spatial Hashing for Collision Detection of Deformable Objects, VMV 2003).
+// Cells of the ground, and the buckets of a hash table that they share (M. Teschner et al., Optimized Spatial Hashing
+// for Collision Detection of Deformable Objects, VMV 2003).
 #ifndef THRONG_STEER_GRID_GLSL
 #define THRONG_STEER_GRID_GLSL
 #include "steer/steer_io.h"

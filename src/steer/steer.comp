@@ -1,7 +1,9 @@
 #version 460
-// steer: an agent takes a step towards its destination and out of the way of others, and turns where it wants to go. Or, where clips carry it, turns and says how fast it wants to go.
-// One invocation per agent. Cost: docs/steering.md; 128 bytes read, 60 written, and 16 read for each agent in nine buckets.
-// Source: C. Reynolds, Steering Behaviors for Autonomous Characters, GDC 1999 (arrival, separation). Difference: a speed limit that keeps any two from touching, whatever they want; passing on the right; patience.
+// steer: an agent takes a step towards its destination and out of the way of others, and turns where it wants to go.
+// Or, where clips carry it, turns and says how fast it wants to go. One invocation per agent. Cost: docs/steering.md;
+// 128 bytes read, 60 written, and 16 read for each agent in nine buckets. Source: C. Reynolds, Steering Behaviors for
+// Autonomous Characters, GDC 1999 (arrival, separation). Difference: a speed limit that keeps any two from touching,
+// whatever they want; passing on the right; patience.
 #include "gpu/ground.glsl"
 #include "gpu/table.glsl"
 #include "control/controller_io.h"
@@ -26,7 +28,8 @@ void meet_cell(Agent agent, ivec2 cell, inout Met met) {
     for (uint count = 0; other != kNobody && count < kMostMet; ++count) {
         const uvec4 row = ROW_AT(places, other);
         const vec2 place = uintBitsToFloat(row.xy);
-        if (other != agent.index && cell_of(place, push.inverse_cell) == cell) meet(agent, place, uintBitsToFloat(row.z), met);
+        if (other != agent.index && cell_of(place, push.inverse_cell) == cell)
+            meet(agent, place, uintBitsToFloat(row.z), met);
         other = row.w;
     }
 }
@@ -38,10 +41,13 @@ Met meet_all(Agent agent) {
     return met;
 }
 
-// A turn about +y of model space, as (cosine, sine), towards a direction over the ground; within what the update allows.
+// A turn about +y of model space, as (cosine, sine), towards a direction over the ground; within what the update
+// allows.
 vec2 turn_towards(vec2 world_direction, vec4 x_axis, vec4 z_axis) {
     const float determinant = x_axis.x * z_axis.z - x_axis.z * z_axis.x;
-    const vec2 model = vec2(z_axis.z * world_direction.x - z_axis.x * world_direction.y, x_axis.x * world_direction.y - x_axis.z * world_direction.x) * sign(determinant);
+    const vec2 model = vec2(z_axis.z * world_direction.x - z_axis.x * world_direction.y,
+                            x_axis.x * world_direction.y - x_axis.z * world_direction.x) *
+                       sign(determinant);
     const float size = length(model);
     if (!(size > 0)) return vec2(1, 0);
     const vec2 wanted = vec2(model.y, model.x) / size;
@@ -49,7 +55,8 @@ vec2 turn_towards(vec2 world_direction, vec4 x_axis, vec4 z_axis) {
 }
 
 void tell_speed(float model_speed) {
-    if (push.speed_parameter != kNobody) parameters[instance * push.parameter_count + push.speed_parameter] = model_speed;
+    if (push.speed_parameter != kNobody)
+        parameters[instance * push.parameter_count + push.speed_parameter] = model_speed;
 }
 
 void stop(AgentState state) {
@@ -73,7 +80,8 @@ void main() {
     if (instance >= push.instance_count) return;
     const vec4 destination = destinations[instance];
     AgentState state = states[instance];
-    const vec4 row0 = placements[3 * instance], row1 = placements[3 * instance + 1], row2 = placements[3 * instance + 2];
+    const vec4 row0 = placements[3 * instance], row1 = placements[3 * instance + 1],
+               row2 = placements[3 * instance + 2];
     const vec4 x_axis = vec4(row0.x, row1.x, row2.x, 0), z_axis = vec4(row0.z, row1.z, row2.z, 0);
     Agent agent;
     agent.index = push.first_agent + instance;
@@ -99,7 +107,8 @@ void main() {
     const float eagerness = length(wish);
     if (eagerness < kLeastWish * push.speed) wish = vec2(0);
     if (eagerness > push.speed) wish *= push.speed / eagerness;
-    float speed = min(max(dot(wish, agent.heading), 0), min(met.speed_limit, state.speed + kAcceleration * push.speed * push.time_step_s));
+    float speed = min(max(dot(wish, agent.heading), 0),
+                      min(met.speed_limit, state.speed + kAcceleration * push.speed * push.time_step_s));
     speed = min(speed, (stands ? agent.radius : min(remaining, agent.radius)) / push.time_step_s);
     const bool is_held_up = !stands && speed < kHeldUp * hurry;
     state.patience = clamp(state.patience + push.time_step_s * (is_held_up ? -1 / kPatience_s : 1 / kRecovery_s), 0, 1);
@@ -110,7 +119,8 @@ void main() {
     if (push.is_carried != 0) {
         const vec4 place = turned_to_length_one(compose_places(roots[instance].place, vec4(0, 0, turn)));
         roots[instance].place = place;
-        for (uint row = 0; row < 3; ++row) placements[3 * instance + row] = placed_row(roots[instance].base[row], place);
+        for (uint row = 0; row < 3; ++row)
+            placements[3 * instance + row] = placed_row(roots[instance].base[row], place);
     } else {
         place_anew(x_axis, z_axis, z_axis.xyz * (speed * push.time_step_s / scale), turn);
     }

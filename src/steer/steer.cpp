@@ -16,6 +16,8 @@ constexpr uint32_t kSteerWide[] = {
 }  // namespace
 
 SteerKernels::SteerKernels(const std::shared_ptr<Gpu>& gpu)
-    : places(gpu, {.name = "places", .spirv = kPlaces}), steer(gpu, {.name = "steer", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kSteerWide) : kSteer}) {}
+    : places(gpu, {.name = "places", .spirv = kPlaces}),
+      steer(gpu,
+            {.name = "steer", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kSteerWide) : kSteer}) {}
 
 }  // namespace throng

@@ -1,4 +1,5 @@
-// The steer stage: placements and destinations -> a step on the way, out of the way of others; or a turn, and the speed that the clips are to carry the character at.
+// The steer stage: placements and destinations -> a step on the way, out of the way of others; or a turn, and the speed
+// that the clips are to carry the character at.
 #pragma once
 
 #include "gpu/kernel.h"
@@ -17,11 +18,14 @@ struct SteerBuffers {
     BufferRange destinations;   // float4[instance_count], a place of the world and whether there is one
     BufferRange states;         // io::AgentState[instance_count], read and written
     BufferRange placements;     // read and written
-    BufferRange roots;          // io::RootState[instance_count], read and written where root motion carries the instances; else any buffer
-    BufferRange parameters;     // float[instance_count][parameter_count], one of them written, where it is told the speed; else any buffer
+    // io::RootState[instance_count], read and written where root motion carries the instances; else any buffer
+    BufferRange roots;
+    // float[instance_count][parameter_count], one of them written, where it is told the speed; else any buffer
+    BufferRange parameters;
 };
 
-// Dispatched one after the other, with a barrier between, an invocation per instance: places with io::PlacesPush for all agents of the crowd, then steer with io::SteerPush.
+// Dispatched one after the other, with a barrier between, an invocation per instance: places with io::PlacesPush for
+// all agents of the crowd, then steer with io::SteerPush.
 struct SteerKernels {
     explicit SteerKernels(const std::shared_ptr<Gpu>& gpu);
 

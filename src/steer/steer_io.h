@@ -10,9 +10,9 @@ THRONG_IO_CONSTANT kMostMet = 64;          // agents of a bucket that are looked
 
 // An agent as others see it, a row of a table.
 struct AgentPlace {
-    float x, z;     // world space
+    float x, z;  // world space
     float radius;
-    uint next;      // agent of the same bucket, or kNobody
+    uint next;  // agent of the same bucket, or kNobody
 };
 
 // What is kept of an agent from one update to the next.
@@ -24,7 +24,7 @@ struct AgentState {
 
 struct PlacesPush {
     uint instance_count;
-    uint first_agent;    // of all agents of the crowd
+    uint first_agent;  // of all agents of the crowd
     float radius;
     float inverse_cell;  // 1 / the width of a cell
     uint bucket_mask;    // buckets - 1
@@ -35,12 +35,12 @@ struct SteerPush {
     uint first_agent;
     float inverse_cell;
     uint bucket_mask;
-    float speed;                // at most
-    float turn_cos, turn_sin;   // of the angle that it turns in this update at most, up to half a turn
-    float time_step_s;          // above 0
-    uint is_carried;            // by the root motion of its clips
+    float speed;               // at most
+    float turn_cos, turn_sin;  // of the angle that it turns in this update at most, up to half a turn
+    float time_step_s;         // above 0
+    uint is_carried;           // by the root motion of its clips
     uint parameter_count;
-    uint speed_parameter;       // or kNobody
+    uint speed_parameter;  // or kNobody
 };
 
 THRONG_IO_END

@@ -7,7 +7,8 @@
 namespace throng {
 namespace {
 
-constexpr double kReach = 2, kShyness = 6, kPassing = 1.5, kHorizon_s = 0.25, kArrival_s = 1, kAcceleration = 2, kLeastWish = 0.05, kHeldUp = 0.3, kPatience_s = 1 / 0.3, kRecovery_s = 2, kSlimmest = 0.75;
+constexpr double kReach = 2, kShyness = 6, kPassing = 1.5, kHorizon_s = 0.25, kArrival_s = 1, kAcceleration = 2,
+                 kLeastWish = 0.05, kHeldUp = 0.3, kPatience_s = 1 / 0.3, kRecovery_s = 2, kSlimmest = 0.75;
 
 // World space, over the ground.
 struct Ground {
@@ -18,7 +19,9 @@ Ground operator*(double f, const Ground& a) { return {f * a.x, f * a.z}; }
 double dot(const Ground& a, const Ground& b) { return a.x * b.x + a.z * b.z; }
 double length(const Ground& a) { return std::hypot(a.x, a.z); }
 
-Ground place_of(const SteeredAgent& agent) { return {agent.world_from_model.row[0][3], agent.world_from_model.row[2][3]}; }
+Ground place_of(const SteeredAgent& agent) {
+    return {agent.world_from_model.row[0][3], agent.world_from_model.row[2][3]};
+}
 Vec3<double> column(const AffineT<double>& m, size_t k) { return {m.row[0][k], m.row[1][k], m.row[2][k]}; }
 
 Ground direction_of(uint32_t index) {
@@ -44,17 +47,21 @@ SteeredAgent step(std::span<const SteeredAgent> agents, uint32_t index, double t
     const double remaining = length(way), radius = double{steering.radius}, most_speed = double{steering.speed};
     agent.stands = remaining < (agent.stands ? 2 : 1) * radius;
     const Ground ahead = agent.stands ? Ground() : 1 / remaining * way;
-    const double comfort = agent.stands ? 0 : std::min(remaining / (3 * radius), 1.0), width = kSlimmest + (1 - kSlimmest) * agent.patience;
+    const double comfort = agent.stands ? 0 : std::min(remaining / (3 * radius), 1.0),
+                 width = kSlimmest + (1 - kSlimmest) * agent.patience;
 
     Ground push;
     double speed_limit = most_speed;
     for (uint32_t other = 0; other < agents.size(); ++other) {
         const Ground between = place_of(agents[other]) + -1 * place;
-        const double apart = length(between), touching = radius + double{agents[other].steering.radius}, closest = touching * width;
+        const double apart = length(between), touching = radius + double{agents[other].steering.radius},
+                     closest = touching * width;
         if (other == index || apart >= kReach * touching) continue;
         const Ground towards = apart > 0 ? 1 / apart * between : -1 * direction_of(index);
         const double approach = dot(heading, towards);
-        if (apart > 0 && approach > 0) speed_limit = std::min(speed_limit, std::max(apart - closest, 0.0) / (2 * std::max(time_step_s, kHorizon_s) * approach));
+        if (apart > 0 && approach > 0)
+            speed_limit = std::min(speed_limit,
+                                   std::max(apart - closest, 0.0) / (2 * std::max(time_step_s, kHorizon_s) * approach));
         const double nearness = std::max(1 - apart / (closest * (1 + (kReach - 1) * comfort)), 0.0);
         const Ground right{-towards.z, towards.x};
         push = push + nearness * nearness * (kPassing * std::max(dot(towards, ahead), 0.0) * right + -1 * towards);
@@ -65,19 +72,25 @@ SteeredAgent step(std::span<const SteeredAgent> agents, uint32_t index, double t
     const double eagerness = length(wish);
     if (eagerness < kLeastWish * most_speed) wish = {};
     if (eagerness > most_speed) wish = most_speed / eagerness * wish;
-    const double speed = std::min({std::max(dot(wish, heading), 0.0), speed_limit, agent.speed + kAcceleration * most_speed * time_step_s, (agent.stands ? radius : std::min(remaining, radius)) / time_step_s});
+    const double speed = std::min({std::max(dot(wish, heading), 0.0), speed_limit,
+                                   agent.speed + kAcceleration * most_speed * time_step_s,
+                                   (agent.stands ? radius : std::min(remaining, radius)) / time_step_s});
     const bool is_held_up = !agent.stands && speed < kHeldUp * hurry;
-    agent.patience = std::clamp(agent.patience + time_step_s * (is_held_up ? -1 / kPatience_s : 1 / kRecovery_s), 0.0, 1.0);
+    agent.patience = std::clamp(agent.patience + time_step_s * (is_held_up ? -1 / kPatience_s : 1 / kRecovery_s), 0.0,
+                                1.0);
     agent.speed = speed;
 
     // A turn by yaw takes +z of the model to (sin, cos) over its ground.
     const double determinant = x_axis.x * z_axis.z - x_axis.z * z_axis.x;
     double yaw = 0;
-    if (length(wish) > 0 && determinant != 0) yaw = std::atan2((z_axis.z * wish.x - z_axis.x * wish.z) / determinant, (x_axis.x * wish.z - x_axis.z * wish.x) / determinant);
+    if (length(wish) > 0 && determinant != 0)
+        yaw = std::atan2((z_axis.z * wish.x - z_axis.x * wish.z) / determinant,
+                         (x_axis.x * wish.z - x_axis.z * wish.x) / determinant);
     const double most_yaw = std::min(double{steering.turn} * time_step_s, std::numbers::pi);
     yaw = std::clamp(yaw, -most_yaw, most_yaw);
     const Vec3<double> shift = agent.is_carried ? Vec3<double>() : z_axis * (speed * time_step_s / scale);
-    agent.world_from_model = agent.world_from_model * to_affine(Trs<double>{.rotation = axis_angle(Vec3<double>{0, 1, 0}, yaw)});
+    agent.world_from_model = agent.world_from_model *
+                             to_affine(Trs<double>{.rotation = axis_angle(Vec3<double>{0, 1, 0}, yaw)});
     agent.world_from_model.row[0][3] += shift.x;
     agent.world_from_model.row[1][3] += shift.y;
     agent.world_from_model.row[2][3] += shift.z;

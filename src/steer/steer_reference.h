@@ -1,4 +1,5 @@
-// The definition of the steer stage (docs/steering.md), in double precision: each agent meets each other one, without a grid.
+// The definition of the steer stage (docs/steering.md), in double precision: each agent meets each other one, without a
+// grid.
 #pragma once
 
 #include <throng/crowd.h>
@@ -14,7 +15,7 @@ struct SteeredAgent {
     bool is_carried = false;  // by the root motion of its clips: it only turns
     AffineT<double> world_from_model;
     std::optional<Vec3<double>> destination;
-    double speed = 0;         // that it wanted in the last update, world units a second
+    double speed = 0;  // that it wanted in the last update, world units a second
     double patience = 1;
     bool stands = false;
 

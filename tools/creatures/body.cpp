@@ -76,7 +76,8 @@ const Chain& Builder::add_limb(Chain limb) {
     return add(std::move(limb));
 }
 
-std::vector<uint32_t> share_out(uint32_t joint_count, uint32_t wish, uint32_t fewest, const std::function<uint32_t(uint32_t, uint32_t)>& room) {
+std::vector<uint32_t> share_out(uint32_t joint_count, uint32_t wish, uint32_t fewest,
+                                const std::function<uint32_t(uint32_t, uint32_t)>& room) {
     uint64_t capacity = 0;
     std::vector<uint32_t> length;
     for (uint32_t count = fewest; capacity < joint_count; count += 1 + count / 16) {

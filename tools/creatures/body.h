@@ -10,9 +10,20 @@
 namespace throng::creature {
 
 enum class Part : uint8_t {
-    kTail, kTrunk, kJaw, kLeg, kToe, kArm, kFinger, kTendril,  // of the dragon first; the others share what fits
-    kLimb, kBough, kStrand,
-    kSpine, kHair, kCloak,
+    kTail,
+    kTrunk,
+    kJaw,
+    kLeg,
+    kToe,
+    kArm,
+    kFinger,
+    kTendril,  // of the dragon first; the others share what fits
+    kLimb,
+    kBough,
+    kStrand,
+    kSpine,
+    kHair,
+    kCloak,
     kAntenna
 };
 const char* name_of(Part part);
@@ -57,7 +68,8 @@ struct Body {
 // Grows a body, at most to the counts asked for.
 class Builder {
 public:
-    explicit Builder(const CreatureSettings& settings) : level_count_(settings.level_count), left_(settings.joint_count) {}
+    explicit Builder(const CreatureSettings& settings)
+        : level_count_(settings.level_count), left_(settings.joint_count) {}
 
 protected:
     uint32_t room_below(uint32_t joint) const { return level_count_ - body_.level[joint]; }
@@ -80,6 +92,7 @@ private:
 
 // Deals `joint_count` joints out to limbs of at most `wish` each, on as few sites as have room for them but at least
 // `fewest`: [site] joints. `room(site, site_count)` is at least 1.
-std::vector<uint32_t> share_out(uint32_t joint_count, uint32_t wish, uint32_t fewest, const std::function<uint32_t(uint32_t, uint32_t)>& room);
+std::vector<uint32_t> share_out(uint32_t joint_count, uint32_t wish, uint32_t fewest,
+                                const std::function<uint32_t(uint32_t, uint32_t)>& room);
 
 }  // namespace throng::creature

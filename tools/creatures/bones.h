@@ -9,7 +9,8 @@ namespace throng::creature {
 struct Bones {
     std::vector<uint32_t> joints;
     std::vector<double> bounds;
-    Influences base{};  // where not empty, it stands for joints[0]: the limb grows out of flesh that several joints move
+    // Where not empty, it stands for joints[0]: the limb grows out of flesh that several joints move
+    Influences base{};
     double blend = 1;  // the part of a bone over which it gives way to its neighbour, at each of its ends
 };
 

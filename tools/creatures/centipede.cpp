@@ -4,7 +4,7 @@
 namespace throng::creature {
 namespace {
 
-constexpr double kLength = 4.6;  // from the front of the head to the end of the trunk, m
+constexpr double kLength = 4.6;                     // from the front of the head to the end of the trunk, m
 constexpr double kNeckAt = 0.055, kTailAt = 0.985;  // the first and the last pair of legs
 constexpr double kSides[] = {1, -1};
 
@@ -17,7 +17,8 @@ Outline trunk_outline() {
     for (uint32_t i = 0; i < kStations; ++i) {
         const double t = double(i) / (kStations - 1), girth = girth_at(t) * smooth_step(1.02, 0.97, t);
         const bool front = i < 2;  // inside the head
-        stations.push_back({{0, 0.17, kLength * (0.48 - t)}, front ? 0.05 : 0.165 * girth, front ? 0.035 : 0.085 * girth});
+        stations.push_back(
+            {{0, 0.17, kLength * (0.48 - t)}, front ? 0.05 : 0.165 * girth, front ? 0.035 : 0.085 * girth});
     }
     return Outline(std::move(stations));
 }
@@ -29,18 +30,25 @@ Outline leg_outline(const Outline& trunk, double t, double side) {
     const auto at = [&](double out, double y, double girth) {
         return Station{{hip.x + side * reach * out, y, hip.z + sweep * out * reach * 2}, girth, girth};
     };
-    return Outline({{hip, 0.026, 0.026}, at(0.30, 0.26, 0.023), at(0.60, 0.25, 0.018), at(0.88, 0.10, 0.011), at(1, 0, 0)});
+    return Outline(
+        {{hip, 0.026, 0.026}, at(0.30, 0.26, 0.023), at(0.60, 0.25, 0.018), at(0.88, 0.10, 0.011), at(1, 0, 0)});
 }
 
 // The last pair, behind it, and the antennae before it.
 Outline trail_outline(const Outline& trunk, double side) {
     const Vec hip = trunk.at(kTailAt).center;
-    const auto at = [&](double x, double y, double z, double girth) { return Station{{side * x, y, hip.z - z}, girth, girth}; };
-    return Outline({at(0.03, 0.16, 0, 0.03), at(0.10, 0.22, 0.16, 0.028), at(0.19, 0.17, 0.36, 0.02), at(0.28, 0.09, 0.56, 0.012), at(0.36, 0.05, 0.74, 0)});
+    const auto at = [&](double x, double y, double z, double girth) {
+        return Station{{side * x, y, hip.z - z}, girth, girth};
+    };
+    return Outline({at(0.03, 0.16, 0, 0.03), at(0.10, 0.22, 0.16, 0.028), at(0.19, 0.17, 0.36, 0.02),
+                    at(0.28, 0.09, 0.56, 0.012), at(0.36, 0.05, 0.74, 0)});
 }
 Outline antenna_outline(double side) {
-    const auto at = [&](double x, double y, double z, double girth) { return Station{{side * x, y, 0.48 * kLength + z}, girth, girth}; };
-    return Outline({at(0.05, 0.20, -0.02, 0.020), at(0.15, 0.31, 0.16, 0.017), at(0.30, 0.36, 0.36, 0.014), at(0.46, 0.31, 0.54, 0.010), at(0.58, 0.22, 0.72, 0)});
+    const auto at = [&](double x, double y, double z, double girth) {
+        return Station{{side * x, y, 0.48 * kLength + z}, girth, girth};
+    };
+    return Outline({at(0.05, 0.20, -0.02, 0.020), at(0.15, 0.31, 0.16, 0.017), at(0.30, 0.36, 0.36, 0.014),
+                    at(0.46, 0.31, 0.54, 0.010), at(0.58, 0.22, 0.72, 0)});
 }
 
 class Dealer : Builder {
@@ -55,8 +63,10 @@ public:
         Chain spine{.part = Part::kTrunk, .joint_count = depth - last, .outline = trunk};
         spine.begin = spine.step = 1.0 / (spine.joint_count + 1);
         add(std::move(spine));
-        add_on_trunk({.part = Part::kTail, .joint_count = last, .outline = trail_outline(trunk, 1), .side = 1, .at_body = 1});
-        add_on_trunk({.part = Part::kTail, .joint_count = last, .outline = trail_outline(trunk, -1), .side = -1, .at_body = 1});
+        add_on_trunk(
+            {.part = Part::kTail, .joint_count = last, .outline = trail_outline(trunk, 1), .side = 1, .at_body = 1});
+        add_on_trunk(
+            {.part = Part::kTail, .joint_count = last, .outline = trail_outline(trunk, -1), .side = -1, .at_body = 1});
         const uint32_t feeler = std::min(12u, left_ / 8);
         for (const double side : kSides)
             add_limb({.part = Part::kAntenna, .joint_count = feeler, .outline = antenna_outline(side), .side = side});
@@ -68,16 +78,25 @@ public:
         for (uint32_t i = 0; i < count; ++i)
             for (const double side : kSides) {
                 const double t = site_of(i, count);
-                add_on_trunk({.part = Part::kLeg, .joint_count = lengths[i], .outline = leg_outline(trunk, t, side), .side = side, .number = i, .at_body = t});
+                add_on_trunk({.part = Part::kLeg,
+                              .joint_count = lengths[i],
+                              .outline = leg_outline(trunk, t, side),
+                              .side = side,
+                              .number = i,
+                              .at_body = t});
             }
         // An odd one is its mouth.
         const Vec mouth = trunk.at(0).center;
-        if (left_ > 0) add_limb({.part = Part::kJaw, .joint_count = 1, .outline = Outline({{mouth}, {mouth + Vec{0, -0.02, 0.1}}})});
+        if (left_ > 0)
+            add_limb(
+                {.part = Part::kJaw, .joint_count = 1, .outline = Outline({{mouth}, {mouth + Vec{0, -0.02, 0.1}}})});
         return std::move(body_);
     }
 
 private:
-    static double site_of(uint32_t index, uint32_t count) { return mix(kNeckAt, kTailAt - 0.02, (index + 0.5) / count); }
+    static double site_of(uint32_t index, uint32_t count) {
+        return mix(kNeckAt, kTailAt - 0.02, (index + 0.5) / count);
+    }
 
     void add_on_trunk(Chain limb) {
         const Chain& trunk = body_.chains[0];
@@ -104,17 +123,20 @@ struct Colors {
 
 class Sculptor {
 public:
-    Sculptor(const Body& body, const CreatureSettings& settings) : body_(body), trunk_(bones_of(body.chains[0])), colors_(settings.seed) {}
+    Sculptor(const Body& body, const CreatureSettings& settings)
+        : body_(body), trunk_(bones_of(body.chains[0])), colors_(settings.seed) {}
 
     std::vector<Piece> sculpt() {
-        pieces_.push_back(Tube{.outline = body_.chains[0].outline,
-                               .bones = trunk_,
-                               .paint = [c = colors_](double, double dorsal) { return lerp(c.belly, c.back, smooth_step(-0.6, 0.3, dorsal)); },
-                               .open_start = false,
-                               .wanted_sides = 7,
-                               .wanted_segments = 42,
-                               .least_sides = 4,
-                               .least_segments = 4});
+        pieces_.push_back(
+            Tube{.outline = body_.chains[0].outline,
+                 .bones = trunk_,
+                 .paint = [c = colors_](
+                              double, double dorsal) { return lerp(c.belly, c.back, smooth_step(-0.6, 0.3, dorsal)); },
+                 .open_start = false,
+                 .wanted_sides = 7,
+                 .wanted_segments = 42,
+                 .least_sides = 4,
+                 .least_segments = 4});
         add_head();
         add_limbs(Part::kAntenna, fading(colors_.head, colors_.leg), 3, 6);
         add_limbs(Part::kTail, fading(colors_.leg, colors_.foot), 4, 5);
@@ -129,13 +151,20 @@ private:
     void add_limbs(Part part, const Paint& paint, double sides, double segments) {
         for (const Chain& chain : body_.chains)
             if (chain.part == part)
-                pieces_.push_back(Tube{.outline = chain.outline, .bones = bones_of(chain), .paint = paint, .wanted_sides = sides, .wanted_segments = segments});
+                pieces_.push_back(Tube{.outline = chain.outline,
+                                       .bones = bones_of(chain),
+                                       .paint = paint,
+                                       .wanted_sides = sides,
+                                       .wanted_segments = segments});
     }
 
     void add_head() {
         const Vec front = body_.chains[0].outline.at(0).center;
-        const auto at = [&](double z, double width, double height) { return Station{front + Vec{0, 0.01, z}, width, height}; };
-        pieces_.push_back(Tube{.outline = Outline({at(0.09, 0, 0), at(0.06, 0.085, 0.05), at(-0.01, 0.125, 0.075), at(-0.11, 0.125, 0.08), at(-0.19, 0.07, 0.05), at(-0.22, 0, 0)}),
+        const auto at = [&](double z, double width, double height) {
+            return Station{front + Vec{0, 0.01, z}, width, height};
+        };
+        pieces_.push_back(Tube{.outline = Outline({at(0.09, 0, 0), at(0.06, 0.085, 0.05), at(-0.01, 0.125, 0.075),
+                                                   at(-0.11, 0.125, 0.08), at(-0.19, 0.07, 0.05), at(-0.22, 0, 0)}),
                                .bones = stiff({{0, 1}}),
                                .paint = fading(colors_.head * 1.2, colors_.head),
                                .open_start = false,
@@ -155,10 +184,16 @@ private:
                 const double t = std::min(0.995, from + length * u), turns = 0.25 + 0.62 * (v - 0.5);
                 const Station flesh = outline.at(t);
                 const double swell = 1.03 + 0.16 * u;  // each lies over the next
-                return SkinPoint{flesh.center + Vec{flesh.width * 1.06 * swell * cosine(turns), flesh.height * swell * sine(turns), 0}, influences_at(bones, t)};
+                return SkinPoint{flesh.center + Vec{flesh.width * 1.06 * swell * cosine(turns),
+                                                    flesh.height * swell * sine(turns), 0},
+                                 influences_at(bones, t)};
             };
             pieces_.push_back(Sheet{.at = at,
-                                    .paint = [c = colors_](double u, double v) { return lerp(c.back * 0.8, c.edge, std::max(0.55 * u, smooth_step(0.33, 0.5, std::abs(v - 0.5)))); },
+                                    .paint =
+                                        [c = colors_](double u, double v) {
+                                            return lerp(c.back * 0.8, c.edge,
+                                                        std::max(0.55 * u, smooth_step(0.33, 0.5, std::abs(v - 0.5))));
+                                        },
                                     .wanted_along = 1,
                                     .wanted_across = 5,
                                     .least_across = 3});
@@ -169,18 +204,22 @@ private:
         const Vec front = body_.chains[0].outline.at(0).center;
         for (const double side : kSides) {
             const auto at = [&](double x, double y, double z) { return front + Vec{side * x, y, z}; };
-            pieces_.push_back(Tube{.outline = Outline({{at(0.10, -0.02, -0.10), 0.035, 0.03}, {at(0.15, -0.05, 0.04), 0.03, 0.025}, {at(0.10, -0.07, 0.13), 0.016, 0.016}, {at(0.02, -0.08, 0.15), 0, 0}}),
+            pieces_.push_back(Tube{.outline = Outline({{at(0.10, -0.02, -0.10), 0.035, 0.03},
+                                                       {at(0.15, -0.05, 0.04), 0.03, 0.025},
+                                                       {at(0.10, -0.07, 0.13), 0.016, 0.016},
+                                                       {at(0.02, -0.08, 0.15), 0, 0}}),
                                    .bones = stiff({{0, 1}}),
                                    .paint = fading(colors_.head, colors_.foot * 0.3),
                                    .wanted_sides = 4,
                                    .wanted_segments = 4});
             const Vec ball = at(0.075, 0.055, 0.02), out = normalized(Vec{side, 0.5, 0.5});
-            pieces_.push_back(Tube{.outline = Outline({{ball, 0.02, 0.02}, {ball + out * 0.014, 0.016, 0.016}, {ball + out * 0.02, 0, 0}}),
-                                   .bones = stiff({{0, 1}}),
-                                   .paint = plain({0.01, 0.01, 0.012}),
-                                   .wanted_sides = 5,
-                                   .wanted_segments = 2,
-                                   .least_segments = 2});
+            pieces_.push_back(Tube{
+                .outline = Outline({{ball, 0.02, 0.02}, {ball + out * 0.014, 0.016, 0.016}, {ball + out * 0.02, 0, 0}}),
+                .bones = stiff({{0, 1}}),
+                .paint = plain({0.01, 0.01, 0.012}),
+                .wanted_sides = 5,
+                .wanted_segments = 2,
+                .least_segments = 2});
         }
     }
 
@@ -193,28 +232,31 @@ private:
 enum Clip { kIdle, kWalk, kCurl };
 constexpr ClipPlan kPlans[] = {{"idle", 72}, {"walk", 36}, {"curl", 144}};
 
-constexpr double kBodyWaves = 2, kLegWaves = 4;  // along the body at a time
+constexpr double kBodyWaves = 2, kLegWaves = 4;                           // along the body at a time
 double bend_of_wave(uint32_t clip) { return clip == kWalk ? 4.2 : 1.5; }  // radians a length, at most
 double coil(double loop) { return 0.5 - 0.5 * cosine(loop); }
 double relaxed(uint32_t clip, double loop) { return clip == kCurl ? 1 - coil(loop) : 1; }
 
 // Up and down the steps of the legs: those behind follow those before.
 Bend bend_of_leg(const Moment& m) {
-    const double side = m.chain.side, step = m.loop * (m.clip == kWalk ? 1 : 0) + kLegWaves * m.chain.at_body + (side > 0 ? 0.5 : 0);
+    const double side = m.chain.side,
+                 step = m.loop * (m.clip == kWalk ? 1 : 0) + kLegWaves * m.chain.at_body + (side > 0 ? 0.5 : 0);
     const double hip = m.share_between(0, 0.34), foot = m.share_between(0.4, 1);
     if (m.clip == kWalk) {
         const double lifted = std::max(0.0, cosine(step));
         return {-0.42 * hip * lifted + 0.25 * foot * lifted, hip * -0.42 * side * sine(step), 0};
     }
     const double tucked = m.clip == kCurl ? coil(m.loop) : 0, stir = sine(m.loop + m.chain.at_body);
-    return {hip * (0.02 * stir - 0.05 * tucked) + foot * (0.25 * tucked - 0.01 * stir), side * hip * (0.05 * stir + 0.35 * tucked), 0};
+    return {hip * (0.02 * stir - 0.05 * tucked) + foot * (0.25 * tucked - 0.01 * stir),
+            side * hip * (0.05 * stir + 0.35 * tucked), 0};
 }
 
 Bend bend_of(const Moment& m) {
     const double share = m.share(), along = m.along(), side = m.chain.side;
     switch (m.chain.part) {
         case Part::kTrunk: {
-            const double wave = relaxed(m.clip, m.loop) * bend_of_wave(m.clip) * sine((m.clip == kCurl ? 0 : m.loop) - kBodyWaves * along);
+            const double wave = relaxed(m.clip, m.loop) * bend_of_wave(m.clip) *
+                                sine((m.clip == kCurl ? 0 : m.loop) - kBodyWaves * along);
             const double gentle = 1.0 / (m.chain.joint_count + 4);  // few joints may not break the body where they bend
             return {0, gentle * (wave + (m.clip == kCurl ? coil(m.loop) * (3.2 + 7.5 * along) : 0)), 0};
         }
@@ -223,14 +265,16 @@ Bend bend_of(const Moment& m) {
             const double turns = (m.clip == kWalk ? 1 : 2) * m.loop + (side > 0 ? 0.3 : 0) - 0.4 * along;
             return {share * 0.35 * sine(turns), share * 0.5 * sine(turns + 0.2), 0};
         }
-        case Part::kTail: return {share * 0.06 * sine(m.loop - 0.3 * along), share * 0.25 * sine(m.loop - 0.2 * along), 0};
+        case Part::kTail:
+            return {share * 0.06 * sine(m.loop - 0.3 * along), share * 0.25 * sine(m.loop - 0.2 * along), 0};
         default: return {share * 0.1 * sine(m.loop), 0, 0};
     }
 }
 
 // The head leads the wave of the body: it turns and swerves so that the middle line stays where it is.
 RootMotion root_motion(uint32_t clip, double loop) {
-    const double turns = clip == kCurl ? 0 : loop, size = relaxed(clip, loop) * bend_of_wave(clip) / (2 * std::numbers::pi * kBodyWaves);
+    const double turns = clip == kCurl ? 0 : loop,
+                 size = relaxed(clip, loop) * bend_of_wave(clip) / (2 * std::numbers::pi * kBodyWaves);
     const double across = size * kLength / (2 * std::numbers::pi * kBodyWaves), coiled = clip == kCurl ? coil(loop) : 0;
     return {{-across * sine(turns), 0, -1.5 * coiled}, {0, size * cosine(turns), 0}};
 }

@@ -39,7 +39,8 @@ public:
                 const uint32_t joint = chain.first_joint + k;
                 const Rotation& rest = nodes_[joint].parent_from_node.rotation;
                 AssetTrack track{joint, TrackTarget::kRotation, Interpolation::kLinear, times_s, {}};
-                for (const double loop : loops) append(track, rest * rotation_of(motion_.bend({chain, k, number, loop})));
+                for (const double loop : loops)
+                    append(track, rest * rotation_of(motion_.bend({chain, k, number, loop})));
                 clip.tracks.push_back(std::move(track));
             }
         return clip;

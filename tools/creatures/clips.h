@@ -1,4 +1,5 @@
-// Looping clips: every joint's bend as a function of its place in its chain and of the part of the loop that has passed.
+// Looping clips: every joint's bend as a function of its place in its chain and of the part of the loop that has
+// passed.
 #pragma once
 
 #include "tools/creatures/body.h"
@@ -39,8 +40,8 @@ struct RootMotion {
     Bend bend;
 };
 
-// A kind's clips. A bend per joint should shrink with the length of the chain, so that a limb of 100 joints bends as far
-// in all as one of 5.
+// A kind's clips. A bend per joint should shrink with the length of the chain, so that a limb of 100 joints bends as
+// far in all as one of 5.
 struct Motion {
     std::span<const ClipPlan> clips;
     Bend (*bend)(const Moment&);

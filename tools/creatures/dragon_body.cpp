@@ -161,8 +161,8 @@ private:
             for (uint32_t finger = 0; finger < fingers; ++finger) {
                 const uint32_t count = std::min(rest / (fingers - finger), room_below(hand));
                 rest -= rest / (fingers - finger);
-                const Vec tip =
-                    wing_point(tips.at(fingers > 1 ? double(finger) / (fingers - 1) : 0).center, build_, side);
+                const Vec tip = wing_point(tips.at(fingers > 1 ? double(finger) / (fingers - 1) : 0).center, build_,
+                                           side);
                 const Vec bow = lerp(wrist, tip, 0.5) + Vec{0, 0.10, 0.06};
                 add_limb({.part = Part::kFinger,
                           .parent_joint = hand,
@@ -232,8 +232,9 @@ private:
         last_site_ = tail->at(tail->joint_count - 1);
         first_site_ = room_below(head_joint_) > 0 ? std::min(0.235, root_at_) : head_at_;
         const uint32_t wish = 2 + uint32_t(0.5 * std::sqrt(double(left_)));
-        const std::vector<uint32_t> lengths =
-            share_out(left_ / 2, wish, 0, [&](uint32_t i, uint32_t count) { return room_below(with_room(axis_joint(site(i, count).t))); });
+        const std::vector<uint32_t> lengths = share_out(left_ / 2, wish, 0, [&](uint32_t i, uint32_t count) {
+            return room_below(with_room(axis_joint(site(i, count).t)));
+        });
         const uint32_t count = uint32_t(lengths.size());
         for (uint32_t i = 0; i < count; ++i) {
             const Tendril tendril{lengths[i], random_.between(0.85, 1.15), random_.unit()};
@@ -258,8 +259,8 @@ private:
         // Long at the head and at the end of the tail, short on the back; thinner where there are many.
         const double size = 0.17 + 0.30 * smooth_step(0.5, 0.24, s.t) + 0.22 * smooth_step(0.85, 0.99, s.t);
         const double reach = size * tendril.stretch * mix(1, 0.6, smooth_step(30, 400, count));
-        const double width =
-            std::min(reach * mix(0.085, 0.03, smooth_step(30, 400, count)), 0.3 * flesh.height + 0.004);
+        const double width = std::min(reach * mix(0.085, 0.03, smooth_step(30, 400, count)),
+                                      0.3 * flesh.height + 0.004);
         const auto station = [&](double out, double back, double sink, double girth) {
             return Station{base + outward * (reach * out) + along * (reach * back) - Vec{0, reach * sink, 0},
                            width * girth, width * girth};

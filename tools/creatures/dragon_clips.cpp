@@ -40,7 +40,8 @@ Bend bend_of_trunk(const Moment& m) {
             return {share * 0.03 * sine(loop) + neck * 0.6 - head * 0.5, 0.22 * (neck + head) * sine(loop), 0};
         case Gait::kRoar: {  // rears its neck, then throws the head forward
             const double high = swell(loop), late = swell(loop - 0.06);
-            return {share * 0.08 * sine(loop) - neck * 0.55 * high + head * (0.65 * high - 0.35 * late - 0.03 * high * sine(9 * loop)),
+            return {share * 0.08 * sine(loop) - neck * 0.55 * high +
+                        head * (0.65 * high - 0.35 * late - 0.03 * high * sine(9 * loop)),
                     (neck + head) * (0.05 * sine(loop) + 0.16 * high * sine(2 * loop)), 0};
         }
     }
@@ -89,8 +90,10 @@ Bend bend_of_arm(const Moment& m) {
         case Gait::kWalk: return {share * (0.10 * sine(2 * beat) - 0.25), side * share * (0.05 * sine(loop) - 0.45), 0};
         case Gait::kFly: return {share * (0.75 * sine(beat) - 0.1), side * share * 0.18 * sine(loop - 0.25), 0};
         case Gait::kGlide:  // spread, the wind under them; banks to where it looks
-            return {share * (0.12 + 0.05 * sine(loop) + 0.10 * side * sine(loop - 0.05)), side * share * 0.05 * sine(loop - 0.25), 0};
-        case Gait::kRoar: return {share * (0.1 * sine(beat) - 0.1 - 0.45 * swell(loop)), side * share * 0.3 * swell(loop), 0};
+            return {share * (0.12 + 0.05 * sine(loop) + 0.10 * side * sine(loop - 0.05)),
+                    side * share * 0.05 * sine(loop - 0.25), 0};
+        case Gait::kRoar:
+            return {share * (0.1 * sine(beat) - 0.1 - 0.45 * swell(loop)), side * share * 0.3 * swell(loop), 0};
     }
     return {};
 }
@@ -107,7 +110,8 @@ Bend bend_of_finger(const Moment& m) {
         case Gait::kFly: return {share * 0.4 * sine(beat), side * share * 0.06 * sine(loop - 0.3), 0};
         case Gait::kGlide: return {share * (0.08 * sine(2 * beat) - 0.12), side * share * 0.05 * sine(loop - 0.3), 0};
         case Gait::kRoar:
-            return {share * (0.10 * sine(beat) - 0.15 * swell(loop - 0.05)), side * share * (0.05 * sine(loop) + 0.1 * swell(loop)), 0};
+            return {share * (0.10 * sine(beat) - 0.15 * swell(loop - 0.05)),
+                    side * share * (0.05 * sine(loop) + 0.1 * swell(loop)), 0};
     }
     return {};
 }
@@ -148,7 +152,8 @@ RootMotion root_motion(uint32_t clip, double loop) {
             return {{0.015 * sine(loop), 0.03 * sine(2 * loop), 0},
                     {0.025 * sine(2 * loop + 0.2), 0.05 * sine(loop), 0.03 * sine(loop + 0.25)}};
         case Gait::kFly: return {{0, 0.55 - 0.11 * sine(loop - 0.05), 0}, {-0.06 + 0.05 * sine(loop), 0, 0}};
-        case Gait::kGlide: return {{0.05 * sine(loop), 0.55 + 0.05 * sine(loop - 0.25), 0}, {-0.03, 0, -0.14 * sine(loop)}};
+        case Gait::kGlide:
+            return {{0.05 * sine(loop), 0.55 + 0.05 * sine(loop - 0.25), 0}, {-0.03, 0, -0.14 * sine(loop)}};
     }
     return {};
 }

@@ -1,5 +1,5 @@
-// The dragon's flesh: one tube from the snout to the tip of the tail, a tube along every other chain, sheets between the
-// fingers of the wings.
+// The dragon's flesh: one tube from the snout to the tip of the tail, a tube along every other chain, sheets between
+// the fingers of the wings.
 #include "tools/creatures/dragon.h"
 
 namespace throng::creature {
@@ -25,7 +25,8 @@ struct Colors {
 
     Paint body() const {
         return [c = *this](double t, double dorsal) {
-            const double stripes = smooth_step(0.1, 0.9, sine(t * 19)) * smooth_step(0.2, 0.8, dorsal) * smooth_step(0.24, 0.3, t);
+            const double stripes = smooth_step(0.1, 0.9, sine(t * 19)) * smooth_step(0.2, 0.8, dorsal) *
+                                   smooth_step(0.24, 0.3, t);
             Vec color = lerp(c.belly, c.flank, smooth_step(-0.75, -0.1, dorsal));
             color = lerp(color, c.back, smooth_step(-0.1, 0.8, dorsal));
             color = lerp(color, c.stripe, 0.7 * stripes);
@@ -36,10 +37,14 @@ struct Colors {
         return [c = *this](double, double dorsal) { return lerp(c.flank, c.belly, smooth_step(0.2, -0.6, dorsal)); };
     }
     Paint leg() const {
-        return [c = *this](double t, double) { return lerp(lerp(c.flank, c.back, smooth_step(0, 0.5, t)), c.stripe, smooth_step(0.5, 1, t)); };
+        return [c = *this](double t, double) {
+            return lerp(lerp(c.flank, c.back, smooth_step(0, 0.5, t)), c.stripe, smooth_step(0.5, 1, t));
+        };
     }
     Paint wing() const {
-        return [c = *this](double t, double) { return lerp(lerp(c.back, c.membrane, smooth_step(0, 0.35, t)), c.accent, smooth_step(0.7, 1, t)); };
+        return [c = *this](double t, double) {
+            return lerp(lerp(c.back, c.membrane, smooth_step(0, 0.35, t)), c.accent, smooth_step(0.7, 1, t));
+        };
     }
     Paint finger() const {
         return [c = *this](double t, double) { return lerp(c.back, c.stripe, smooth_step(0, 0.7, t)); };
@@ -93,7 +98,10 @@ struct Membrane {
 class Sculptor {
 public:
     Sculptor(const Dragon& dragon, const CreatureSettings& settings)
-        : dragon_(dragon), colors_(settings.seed), face_budget_(settings.face_count), axis_bones_(bones_of_axis(dragon.body)) {}
+        : dragon_(dragon),
+          colors_(settings.seed),
+          face_budget_(settings.face_count),
+          axis_bones_(bones_of_axis(dragon.body)) {}
 
     std::vector<Piece> sculpt() {
         pieces_.push_back(Tube{.outline = dragon_.axis,
@@ -140,13 +148,15 @@ private:
         for (const double side : kSides) {
             const Vec ball = brow.center + Vec{side * brow.width * 0.78, brow.height * 0.42, 0};
             const Vec out = normalized(Vec{side, 0.25, 0.35});
-            pieces_.push_back(Tube{.outline = Outline({{ball, 0.042, 0.042}, {ball + out * 0.022, 0.036, 0.036}, {ball + out * 0.034, 0, 0}}),
-                                   .bones = stuck_at(kBrowAt),
-                                   .paint = eye(color_of(0.13, 0.85, 1.0)),
-                                   .wanted_sides = 6,
-                                   .wanted_segments = 3,
-                                   .least_sides = 5,
-                                   .least_segments = 3});
+            pieces_.push_back(
+                Tube{.outline = Outline(
+                         {{ball, 0.042, 0.042}, {ball + out * 0.022, 0.036, 0.036}, {ball + out * 0.034, 0, 0}}),
+                     .bones = stuck_at(kBrowAt),
+                     .paint = eye(color_of(0.13, 0.85, 1.0)),
+                     .wanted_sides = 6,
+                     .wanted_segments = 3,
+                     .least_sides = 5,
+                     .least_segments = 3});
         }
         for (const double side : kSides) {
             const Vec horn = crown.center + Vec{side * crown.width * 0.45, crown.height * 0.45, 0};
@@ -171,10 +181,11 @@ private:
             const Vec along = dragon_.axis.direction(t), up = perpendicular({0, 1, 0}, along);
             const double reach = 0.035 + 0.3 * flesh.height;
             const Vec base = flesh.center + up * (flesh.height * 0.9);
-            pieces_.push_back(Tube{.outline = Outline({{base, 0.016, 0.05}, {base + up * reach + along * (0.6 * reach), 0, 0}}),
-                                   .bones = stuck_at(t),
-                                   .up = along,
-                                   .paint = fading(colors_.horn * 0.55, colors_.horn)});
+            pieces_.push_back(
+                Tube{.outline = Outline({{base, 0.016, 0.05}, {base + up * reach + along * (0.6 * reach), 0, 0}}),
+                     .bones = stuck_at(t),
+                     .up = along,
+                     .paint = fading(colors_.horn * 0.55, colors_.horn)});
         }
     }
 
@@ -222,6 +233,8 @@ private:
 
 }  // namespace
 
-std::vector<Piece> make_dragon_flesh(const Dragon& dragon, const CreatureSettings& settings) { return Sculptor(dragon, settings).sculpt(); }
+std::vector<Piece> make_dragon_flesh(const Dragon& dragon, const CreatureSettings& settings) {
+    return Sculptor(dragon, settings).sculpt();
+}
 
 }  // namespace throng::creature

@@ -19,7 +19,8 @@ void refine(Tube& t, double factor) {
 }
 void refine(Sheet& s, double factor) {
     s.along = std::max(s.least_along, rounded(s.wanted_along * factor));
-    s.across = s.across_per_step * std::max(s.least_across / s.across_per_step, std::max(1u, rounded(s.wanted_across / s.across_per_step * factor)));
+    s.across = s.across_per_step * std::max(s.least_across / s.across_per_step,
+                                            std::max(1u, rounded(s.wanted_across / s.across_per_step * factor)));
 }
 void refine(Leaves& l, double factor) { l.count = std::max(1u, rounded(l.wanted_count * factor)); }
 
@@ -33,7 +34,8 @@ Influences heaviest(const Influences& influences) {
         else
             out.push_back(i);
     }
-    std::stable_sort(out.begin(), out.end(), [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
+    std::stable_sort(out.begin(), out.end(),
+                     [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
     out.resize(4, {0, 0});
     return out;
 }
@@ -54,8 +56,7 @@ public:
 private:
     uint64_t refine_all(double factor) {
         uint64_t total = 0;
-        for (Piece& piece : pieces_)
-            std::visit([&](auto& p) { refine(p, factor), total += face_count(p); }, piece);
+        for (Piece& piece : pieces_) std::visit([&](auto& p) { refine(p, factor), total += face_count(p); }, piece);
         return total;
     }
 
@@ -75,7 +76,8 @@ private:
             Tube* tube = std::get_if<Tube>(&piece);
             if (!tube || tube->segments_fixed) continue;
             const uint32_t most = &piece == &pieces_.front() ? 0xFFFFFFFFu : 1;
-            const uint32_t more = uint32_t(std::min<uint64_t>(most, (face_budget_ - std::min(total, face_budget_)) / (2 * tube->sides)));
+            const uint32_t more = uint32_t(
+                std::min<uint64_t>(most, (face_budget_ - std::min(total, face_budget_)) / (2 * tube->sides)));
             tube->segments += more;
             total += 2 * uint64_t(tube->sides) * more;
         }
@@ -117,7 +119,8 @@ private:
             for (uint32_t k = 0; k < tube.sides; ++k) {
                 const double angle_turns = 0.25 + double(k) / tube.sides;
                 const double x = cosine(angle_turns), y = sine(angle_turns);
-                add_vertex(station.center + side * (x * station.width) + up * (y * station.height), tube.paint(part, y), influences);
+                add_vertex(station.center + side * (x * station.width) + up * (y * station.height), tube.paint(part, y),
+                           influences);
             }
             for (uint32_t k = 0; k < tube.sides && !is_start; ++k) {
                 const uint32_t next = (k + 1) % tube.sides;
@@ -188,6 +191,8 @@ private:
 
 }  // namespace
 
-AssetMesh make_mesh(std::vector<Piece> pieces, uint32_t face_count) { return Sculptor(std::move(pieces), face_count).sculpt(); }
+AssetMesh make_mesh(std::vector<Piece> pieces, uint32_t face_count) {
+    return Sculptor(std::move(pieces), face_count).sculpt();
+}
 
 }  // namespace throng::creature

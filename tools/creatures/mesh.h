@@ -40,8 +40,8 @@ struct Sheet {
     uint32_t along = 0, across = 0;
 };
 
-// A diamond from `base` to `base + along`, `across` to each side, lit as if it faced along `normal`: leaves on their own
-// would glitter, lit like the crown that they are part of they give it a shape.
+// A diamond from `base` to `base + along`, `across` to each side, lit as if it faced along `normal`: leaves on their
+// own would glitter, lit like the crown that they are part of they give it a shape.
 struct Leaf {
     Vec base, along, across, normal, color;
     Influences influences;

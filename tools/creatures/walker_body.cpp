@@ -1,5 +1,5 @@
-// Deals the joints out: the spine and one braid down from the head first, which are the longest way, then legs and arms,
-// and the rest to the cloak and to locks of hair.
+// Deals the joints out: the spine and one braid down from the head first, which are the longest way, then legs and
+// arms, and the rest to the cloak and to locks of hair.
 #include "tools/creatures/walker.h"
 
 namespace throng::creature {
@@ -37,9 +37,11 @@ Outline braid_outline() {
 Outline lock_outline(double side, double place) {
     const double turns = mix(0.05, 0.24, place), length = mix(0.34, 0.42, place);
     const auto at = [&](double out, double y, double girth) {
-        return Station{{side * out * 0.115 * cosine(turns - 0.08), y, 0.02 - out * 0.115 * sine(turns - 0.02)}, girth, girth};
+        return Station{
+            {side * out * 0.115 * cosine(turns - 0.08), y, 0.02 - out * 0.115 * sine(turns - 0.02)}, girth, girth};
     };
-    return Outline({at(0.7, 1.97, 0.02), at(1.0, 1.86, 0.036), at(1.06, 1.86 - 0.35 * length, 0.036), at(1.2, 1.86 - 0.7 * length, 0.028), at(1.22, 1.86 - length, 0)});
+    return Outline({at(0.7, 1.97, 0.02), at(1.0, 1.86, 0.036), at(1.06, 1.86 - 0.35 * length, 0.036),
+                    at(1.2, 1.86 - 0.7 * length, 0.028), at(1.22, 1.86 - length, 0)});
 }
 // From the collar to the hem; `place` -1 at the right shoulder, 1 at the left.
 Outline cloak_outline(double place) {
@@ -47,7 +49,8 @@ Outline cloak_outline(double place) {
     const auto at = [&](double width, double back, double depth, double y, double folds) {
         return Station{{width * sine(turns), y + 0.03 * cosine(turns), -back - depth * cosine(turns) - folds * fold}};
     };
-    return Outline({at(0.150, 0.005, 0.075, 1.545, 0), at(0.205, 0.02, 0.110, 1.46, 0), at(0.225, 0.05, 0.115, 1.25, 0.008), at(0.250, 0.07, 0.125, 0.95, 0.018),
+    return Outline({at(0.150, 0.005, 0.075, 1.545, 0), at(0.205, 0.02, 0.110, 1.46, 0),
+                    at(0.225, 0.05, 0.115, 1.25, 0.008), at(0.250, 0.07, 0.125, 0.95, 0.018),
                     at(0.290, 0.09, 0.140, 0.60, 0.028), at(0.325, 0.10, 0.155, 0.25, 0.036)});
 }
 
@@ -59,13 +62,15 @@ public:
         const Outline outline = spine_outline();
         add_root(outline, kHipsAt, 1, {0, 0, -1});
         const uint32_t depth = level_count_ - 1;
-        Chain spine{.part = Part::kSpine, .joint_count = std::min(8u, (depth + 1) / 2), .outline = outline, .up = {0, 0, -1}};
+        Chain spine{
+            .part = Part::kSpine, .joint_count = std::min(8u, (depth + 1) / 2), .outline = outline, .up = {0, 0, -1}};
         spine.step = (1 - kHipsAt) / (spine.joint_count + 1);
         spine.begin = kHipsAt + spine.step;
         const uint32_t braid = depth - spine.joint_count;
         add(std::move(spine));
         // Hung from the last joint of the spine, so that the way is as long as it must be.
-        add_on_spine(1, {.part = Part::kHair, .joint_count = braid, .outline = braid_outline(), .phase_turns = random_.unit()});
+        add_on_spine(
+            1, {.part = Part::kHair, .joint_count = braid, .outline = braid_outline(), .phase_turns = random_.unit()});
         add_pair(kHipsAt - 0.03, {.part = Part::kLeg, .up = {0, 0, 1}}, leg_outline);
         add_pair(kChestAt, {.part = Part::kArm, .up = {0, 0, 1}}, arm_outline);
         deal_locks();
@@ -110,7 +115,8 @@ private:
         const uint32_t parent = with_room(spine().joint_at(kChestAt));
         const uint32_t fewest = left_ < 14 ? 2 : 7;
         const uint32_t wish = std::min(room_below(parent), std::max({(left_ + fewest - 1) / fewest, 1u}));
-        const std::vector<uint32_t> lengths = share_out(left_, std::min(wish, 64u), fewest, [&](uint32_t, uint32_t) { return room_below(parent); });
+        const std::vector<uint32_t> lengths = share_out(left_, std::min(wish, 64u), fewest,
+                                                        [&](uint32_t, uint32_t) { return room_below(parent); });
         const uint32_t count = std::max(2u, uint32_t(lengths.size()));
         for (uint32_t i = 0; i < count; ++i) {
             const double place = 1 - 2.0 * i / (count - 1);
@@ -130,10 +136,20 @@ private:
 
 // Hips, waist, chest, shoulders, neck, head: one body, whose stations are about as far apart as its joints.
 Outline spine_outline() {
-    return Outline({{{0, 0.84, 0.0}, 0.06, 0.07},      {{0, 0.91, 0.0}, 0.155, 0.105},    {{0, 1.00, 0.0}, 0.158, 0.108},  {{0, 1.10, 0.005}, 0.128, 0.092},
-                    {{0, 1.21, 0.01}, 0.132, 0.096},   {{0, 1.33, 0.005}, 0.160, 0.112},  {{0, 1.44, -0.01}, 0.188, 0.110}, {{0, 1.53, -0.015}, 0.135, 0.082},
-                    {{0, 1.60, -0.005}, 0.055, 0.056}, {{0, 1.67, 0.005}, 0.054, 0.060},  {{0, 1.735, 0.025}, 0.078, 0.090}, {{0, 1.82, 0.02}, 0.098, 0.112},
-                    {{0, 1.91, 0.01}, 0.100, 0.118},   {{0, 2.01, 0.005}, 0.0, 0.0}});
+    return Outline({{{0, 0.84, 0.0}, 0.06, 0.07},
+                    {{0, 0.91, 0.0}, 0.155, 0.105},
+                    {{0, 1.00, 0.0}, 0.158, 0.108},
+                    {{0, 1.10, 0.005}, 0.128, 0.092},
+                    {{0, 1.21, 0.01}, 0.132, 0.096},
+                    {{0, 1.33, 0.005}, 0.160, 0.112},
+                    {{0, 1.44, -0.01}, 0.188, 0.110},
+                    {{0, 1.53, -0.015}, 0.135, 0.082},
+                    {{0, 1.60, -0.005}, 0.055, 0.056},
+                    {{0, 1.67, 0.005}, 0.054, 0.060},
+                    {{0, 1.735, 0.025}, 0.078, 0.090},
+                    {{0, 1.82, 0.02}, 0.098, 0.112},
+                    {{0, 1.91, 0.01}, 0.100, 0.118},
+                    {{0, 2.01, 0.005}, 0.0, 0.0}});
 }
 
 Body make_walker_body(const CreatureSettings& settings) { return Dealer(settings).deal(); }

@@ -21,7 +21,9 @@ LegPose leg_pose(uint32_t clip, double step) {
     const double lifted = std::max(0.0, -sine(step - 0.04)), lift = lifted * lifted;
     if (clip == kWalk) {
         const double hip = -0.06 - 0.40 * cosine(step), knee = 0.10 + 0.06 * sine(2 * step) + 0.95 * lift;
-        return {hip, knee, -(hip + knee) - 0.28 * cosine(step) * smooth_step(-0.2, 1, cosine(step)) + 0.50 * std::max(0.0, -cosine(step)) * (1 - lift)};
+        return {hip, knee,
+                -(hip + knee) - 0.28 * cosine(step) * smooth_step(-0.2, 1, cosine(step)) +
+                    0.50 * std::max(0.0, -cosine(step)) * (1 - lift)};
     }
     if (clip == kRun) {
         const double hip = -0.18 - 0.66 * cosine(step), knee = 0.28 + 0.08 * sine(2 * step) + 1.35 * lift;
@@ -30,7 +32,10 @@ LegPose leg_pose(uint32_t clip, double step) {
     const double breath = 0.012 * sine(step);
     return {-0.02 - breath, 0.04 + 2 * breath, -0.02 - breath};
 }
-double reach(const LegPose& leg) { return kThigh * cosine(leg.hip / (2 * std::numbers::pi)) + kShin * cosine((leg.hip + leg.knee) / (2 * std::numbers::pi)); }
+double reach(const LegPose& leg) {
+    return kThigh * cosine(leg.hip / (2 * std::numbers::pi)) +
+           kShin * cosine((leg.hip + leg.knee) / (2 * std::numbers::pi));
+}
 // The hips stand on the longer leg.
 double hips_height(uint32_t clip, double loop) {
     const double left = reach(leg_pose(clip, step_of(loop, 1))), right = reach(leg_pose(clip, step_of(loop, -1)));
@@ -51,7 +56,8 @@ Bend bend_of_leg(const Moment& m) {
 
 Bend bend_of_arm(const Moment& m) {
     const double side = m.chain.side, swing = cosine(step_of(m.loop, side));  // against the leg of its side
-    double forward = 0.05 + 0.02 * sine(m.loop), down = 0.38 + 0.015 * sine(m.loop), elbow = 0.25 + 0.03 * sine(m.loop - 0.05), bow = 0, hand = 0.05 * sine(m.loop - 0.1);
+    double forward = 0.05 + 0.02 * sine(m.loop), down = 0.38 + 0.015 * sine(m.loop),
+           elbow = 0.25 + 0.03 * sine(m.loop - 0.05), bow = 0, hand = 0.05 * sine(m.loop - 0.1);
     switch (m.clip) {
         case kWalk:
             forward = 0.04 - 0.46 * swing;
@@ -65,7 +71,8 @@ Bend bend_of_arm(const Moment& m) {
         case kWave:
             if (side > 0) break;
             // Up, to and fro from the elbow, and down again.
-            const double up = smooth_step(0.04, 0.24, m.loop) * smooth_step(0.96, 0.76, m.loop), beat = sine(4 * m.loop);
+            const double up = smooth_step(0.04, 0.24, m.loop) * smooth_step(0.96, 0.76, m.loop),
+                         beat = sine(4 * m.loop);
             forward = mix(forward, 0.15, up);
             down = mix(down, -1.05, up);
             elbow = mix(elbow, 0.2, up);
@@ -73,19 +80,28 @@ Bend bend_of_arm(const Moment& m) {
             hand += 0.1 * up * beat;
             break;
     }
-    if (m.chain.joint_count < 4) return {m.k == 0 ? -forward : 0.02 * m.share() * sine(m.loop), m.k == 0 ? -side * down : 0, 0};
+    if (m.chain.joint_count < 4)
+        return {m.k == 0 ? -forward : 0.02 * m.share() * sine(m.loop), m.k == 0 ? -side * down : 0, 0};
     const double shoulder = hinge(m, 0), middle = hinge(m, 1), wrist = hinge(m, 2), fingers = hinge(m, 3);
-    return {-forward * shoulder - elbow * middle - hand * wrist - (0.2 + hand) * fingers, side * (-down * shoulder - bow * middle), 0};
+    return {-forward * shoulder - elbow * middle - hand * wrist - (0.2 + hand) * fingers,
+            side * (-down * shoulder - bow * middle), 0};
 }
 
 Bend bend_of_spine(const Moment& m) {
     const double loop = m.loop, share = m.share(), head = m.share_between(0.7, 1), back = m.share_between(0, 0.7);
     const double breath = 0.015 * sine(m.clip == kIdle ? 2 * loop : loop);
     switch (m.clip) {
-        case kWalk: return {0.05 * back - 0.05 * head + 0.02 * share * sine(2 * loop), 0.03 * back * sine(loop), (-0.24 * back + 0.16 * head) * cosine(loop)};
-        case kRun: return {0.24 * back - 0.20 * head + 0.03 * share * sine(2 * loop), 0.03 * back * sine(loop), (-0.36 * back + 0.26 * head) * cosine(loop)};
-        case kWave: return {breath * back - 0.05 * head, 0.05 * back * (0.5 - 0.5 * cosine(loop)), head * -0.15 * (0.5 - 0.5 * cosine(loop)) + 0.01 * share * sine(loop)};
-        default: return {breath * back - 0.03 * head * sine(loop), 0.02 * back * sine(loop), head * 0.22 * sine(loop - 0.1)};
+        case kWalk:
+            return {0.05 * back - 0.05 * head + 0.02 * share * sine(2 * loop), 0.03 * back * sine(loop),
+                    (-0.24 * back + 0.16 * head) * cosine(loop)};
+        case kRun:
+            return {0.24 * back - 0.20 * head + 0.03 * share * sine(2 * loop), 0.03 * back * sine(loop),
+                    (-0.36 * back + 0.26 * head) * cosine(loop)};
+        case kWave:
+            return {breath * back - 0.05 * head, 0.05 * back * (0.5 - 0.5 * cosine(loop)),
+                    head * -0.15 * (0.5 - 0.5 * cosine(loop)) + 0.01 * share * sine(loop)};
+        default:
+            return {breath * back - 0.03 * head * sine(loop), 0.02 * back * sine(loop), head * 0.22 * sine(loop - 0.1)};
     }
 }
 
@@ -106,7 +122,9 @@ Bend bend_of_hair(const Moment& m) {
     switch (m.clip) {
         case kWalk: return {-share * length * (0.30 + 0.20 * sine(2 * turns)), share * length * 0.4 * sine(turns), 0};
         case kRun: return {-share * length * (0.95 + 0.40 * sine(2 * turns)), share * length * 0.6 * sine(turns), 0};
-        default: return {-share * length * (0.04 + 0.04 * sine(turns + m.chain.phase_turns)), share * length * 0.14 * sine(turns), 0};
+        default:
+            return {-share * length * (0.04 + 0.04 * sine(turns + m.chain.phase_turns)),
+                    share * length * 0.14 * sine(turns), 0};
     }
 }
 
@@ -125,7 +143,9 @@ RootMotion root_motion(uint32_t clip, double loop) {
     const double height = hips_height(clip, loop);
     switch (clip) {
         case kWalk: return {{-0.022 * sine(loop), height, 0}, {0, 0.09 * cosine(loop), 0.03 * sine(loop)}};
-        case kRun: return {{-0.015 * sine(loop), height + 0.10 * (0.5 + 0.5 * cosine(2 * loop)), 0}, {0.04, 0.14 * cosine(loop), 0.02 * sine(loop)}};
+        case kRun:
+            return {{-0.015 * sine(loop), height + 0.10 * (0.5 + 0.5 * cosine(2 * loop)), 0},
+                    {0.04, 0.14 * cosine(loop), 0.02 * sine(loop)}};
         default: return {{0.008 * sine(loop), height, 0}, {0, 0.01 * sine(loop), 0}};
     }
 }

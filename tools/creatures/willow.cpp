@@ -48,8 +48,16 @@ struct Tree {
             const auto at = [&](double out, double y, double girth) {
                 return Station{foot + around(toward, out * reach, (y - foot.y) * height), girth, girth};
             };
-            add_branch({{foot, 0.075, 0.075}, at(0.16, 1.12, 0.062), at(0.33, 1.50, 0.047), at(0.54, 1.80, 0.032), at(0.78, 1.91, 0.016), at(1.02, 1.74, 0.004)}, toward);
-            for (uint32_t k = 1; k <= kBoughs; ++k) add_bough(uint32_t(branches.size()), branches[branches.size() - k], toward, spread * (leads ? 0.8 : 1), random);
+            add_branch({{foot, 0.075, 0.075},
+                        at(0.16, 1.12, 0.062),
+                        at(0.33, 1.50, 0.047),
+                        at(0.54, 1.80, 0.032),
+                        at(0.78, 1.91, 0.016),
+                        at(1.02, 1.74, 0.004)},
+                       toward);
+            for (uint32_t k = 1; k <= kBoughs; ++k)
+                add_bough(uint32_t(branches.size()), branches[branches.size() - k], toward, spread * (leads ? 0.8 : 1),
+                          random);
         }
     }
 
@@ -59,7 +67,9 @@ struct Tree {
         const double toward = toward_turns[site.branch] + random.between(-0.16, 0.16);
         const double end = random.between(0.08, 0.45) + 0.2 * random.unit();
         const double drop = std::max(0.25, (top.y - end) * random.between(0.8, 1.0)), out = random.between(0.06, 0.17);
-        const auto at = [&](double reach, double fall) { return Station{top + around(toward, out * reach, -drop * fall)}; };
+        const auto at = [&](double reach, double fall) {
+            return Station{top + around(toward, out * reach, -drop * fall)};
+        };
         return Outline({at(0, 0), at(0.75, 0.03), at(1.2, 0.30), at(1.25, 0.65), at(1.2, 1)});
     }
 
@@ -72,12 +82,16 @@ private:
         const Station fork = limb.at(fork_at(number));
         const double size = spread * random.between(0.8, 1.1), girth = 0.8 * fork.width;
         const double aside = toward + (number % 2 == 0 ? 1 : -1) * random.between(0.10, 0.17);
-        const auto at = [&](double out, double y, double thin) { return Station{fork.center + around(aside, out * size, y * size), girth * thin, girth * thin}; };
-        add_branch({at(0, 0, 1), at(0.16, 0.15, 0.75), at(0.36, 0.21, 0.5), at(0.56, 0.10, 0.3), at(0.68, -0.12, 0.1)}, aside);
+        const auto at = [&](double out, double y, double thin) {
+            return Station{fork.center + around(aside, out * size, y * size), girth * thin, girth * thin};
+        };
+        add_branch({at(0, 0, 1), at(0.16, 0.15, 0.75), at(0.36, 0.21, 0.5), at(0.56, 0.10, 0.3), at(0.68, -0.12, 0.1)},
+                   aside);
     }
 };
 
-// All limbs bend about axes of the same directions, so that the wind moves them the same way: a positive pitch towards -x.
+// All limbs bend about axes of the same directions, so that the wind moves them the same way: a positive pitch towards
+// -x.
 constexpr Vec kWindward{1, 0, 0};
 // Gusts pass through the crown.
 double phase_at(const Vec& point) { return 0.16 * point.x + 0.07 * point.z; }
@@ -94,26 +108,36 @@ public:
         add_limb({.part = Part::kTrunk, .joint_count = trunk, .outline = tree_.trunk, .up = kWindward});
         add_branch(0, limb);
         add_strand({0, 1}, depth - trunk - limb, 0);
-        for (uint32_t branch = 1; branch < kBranches; ++branch) add_branch(branch, std::min(limb, spare / (2 * kBranches)));
+        for (uint32_t branch = 1; branch < kBranches; ++branch)
+            add_branch(branch, std::min(limb, spare / (2 * kBranches)));
         const uint32_t wish = 3 + uint32_t(0.35 * std::sqrt(double(left_)));
         const std::vector<uint32_t> lengths = share_out(left_, wish, 0, [&](uint32_t i, uint32_t count) {
             const Site site = site_of(i, count);
             return room_below(with_room(wood_of(site.branch).joint_at(site.t)));
         });
-        for (uint32_t i = 0; i < lengths.size(); ++i) add_strand(site_of(i, uint32_t(lengths.size())), lengths[i], i + 1);
+        for (uint32_t i = 0; i < lengths.size(); ++i)
+            add_strand(site_of(i, uint32_t(lengths.size())), lengths[i], i + 1);
         return std::move(body_);
     }
 
 private:
-    const Chain& wood_of(uint32_t branch) const { return body_.chains[branch == 0 ? 1 : branch + 2]; }  // the deepest strand is 2
+    // The deepest strand is 2
+    const Chain& wood_of(uint32_t branch) const { return body_.chains[branch == 0 ? 1 : branch + 2]; }
 
     void add_branch(uint32_t branch, uint32_t joint_count) {
         const Chain& from = is_limb(branch) ? body_.chains[0] : wood_of(branch - branch % (1 + kBoughs));
-        add({.part = is_limb(branch) ? Part::kLimb : Part::kBough, .joint_count = joint_count, .outline = tree_.branches[branch], .number = branch}, from,
-            is_limb(branch) ? 1 : fork_at(branch));
+        add({.part = is_limb(branch) ? Part::kLimb : Part::kBough,
+             .joint_count = joint_count,
+             .outline = tree_.branches[branch],
+             .number = branch},
+            from, is_limb(branch) ? 1 : fork_at(branch));
     }
     void add_strand(const Site& site, uint32_t joint_count, uint32_t number) {
-        add({.part = Part::kStrand, .joint_count = joint_count, .outline = tree_.strand(site, number), .number = site.branch, .at_body = site.t},
+        add({.part = Part::kStrand,
+             .joint_count = joint_count,
+             .outline = tree_.strand(site, number),
+             .number = site.branch,
+             .at_body = site.t},
             wood_of(site.branch), site.t);
     }
     void add(Chain chain, const Chain& from, double t) {
@@ -133,7 +157,12 @@ std::vector<Piece> wood(const Tree& tree, const Body& body) {
     const Vec twig = color_of(random.between(0.13, 0.18), 0.5, 0.42);
     std::vector<Piece> pieces;
     const auto add = [&](const Chain& chain, const Paint& paint, double sides, double segments) {
-        pieces.push_back(Tube{.outline = chain.outline, .bones = bones_of(chain), .up = chain.up, .paint = paint, .wanted_sides = sides, .wanted_segments = segments});
+        pieces.push_back(Tube{.outline = chain.outline,
+                              .bones = bones_of(chain),
+                              .up = chain.up,
+                              .paint = paint,
+                              .wanted_sides = sides,
+                              .wanted_segments = segments});
     };
     const auto add_all = [&](Part part, const Paint& paint, double sides, double segments) {
         for (const Chain& chain : body.chains)
@@ -172,7 +201,8 @@ public:
                 branches_[chain.number].wood = bones_of(chain);
             }
         for (Branch& branch : branches_)
-            std::stable_sort(branch.strands.begin(), branch.strands.end(), [](const Strand& a, const Strand& b) { return a.at_branch < b.at_branch; });
+            std::stable_sort(branch.strands.begin(), branch.strands.end(),
+                             [](const Strand& a, const Strand& b) { return a.at_branch < b.at_branch; });
     }
 
     Leaf at(uint32_t index, uint32_t count) const {
@@ -183,14 +213,19 @@ public:
         const Outline outline = tree_.strand(site, number + 100);
         // Some of them cover the wood from which the strands hang: shorter, and every way.
         const bool at_top = random.unit() < 0.18;
-        const double part = (index / strands + random.unit()) * strands / (count + strands), t = at_top ? 0.12 * part : part * (0.75 + 0.25 * part);
-        const Vec base = outline.at(t).center + Vec{0, at_top ? random.between(0, 0.07) : 0, 0}, down = outline.direction(t);
-        const double turns = random.unit(), size = random.between(0.8, 1.2) * (at_top ? 0.75 : 1) * std::sqrt(1150.0 / count);
+        const double part = (index / strands + random.unit()) * strands / (count + strands),
+                     t = at_top ? 0.12 * part : part * (0.75 + 0.25 * part);
+        const Vec base = outline.at(t).center + Vec{0, at_top ? random.between(0, 0.07) : 0, 0},
+                  down = outline.direction(t);
+        const double turns = random.unit(),
+                     size = random.between(0.8, 1.2) * (at_top ? 0.75 : 1) * std::sqrt(1150.0 / count);
         const Vec along = normalized(down + around(turns, at_top ? 0.9 : 0.27, at_top ? -0.5 : 0)) * (0.29 * size);
-        const Vec outward = normalized(Vec{base.x, 0.8 * (base.y - 1.0) + 0.25, base.z} + around(random.unit(), 0.25, 0));
+        const Vec outward = normalized(Vec{base.x, 0.8 * (base.y - 1.0) + 0.25, base.z} +
+                                       around(random.unit(), 0.25, 0));
         const Vec across = cross(normalized(along), outward + around(random.unit(), 0.8, 0));
         const double sunny = std::clamp(0.25 + 0.5 * random.unit() + 0.35 * (base.y - 1.0), 0.0, 1.0);
-        return {base, along, normalized(across) * (0.031 * size), outward, lerp(shade_, light_, sunny), moved_by(site, t)};
+        return {
+            base, along, normalized(across) * (0.031 * size), outward, lerp(shade_, light_, sunny), moved_by(site, t)};
     }
 
 private:
@@ -206,8 +241,10 @@ private:
     Influences moved_by(const Site& site, double t) const {
         const std::vector<Strand>& strands = branches_[site.branch].strands;
         if (strands.empty()) return influences_at(branches_[site.branch].wood, site.t);
-        const auto after = std::lower_bound(strands.begin(), strands.end(), site.t, [](const Strand& s, double place) { return s.at_branch < place; });
-        const bool before = after == strands.end() || (after != strands.begin() && site.t - (after - 1)->at_branch < after->at_branch - site.t);
+        const auto after = std::lower_bound(strands.begin(), strands.end(), site.t,
+                                            [](const Strand& s, double place) { return s.at_branch < place; });
+        const bool before = after == strands.end() ||
+                            (after != strands.begin() && site.t - (after - 1)->at_branch < after->at_branch - site.t);
         return influences_at((before ? after - 1 : after)->bones, t);
     }
 
@@ -225,13 +262,18 @@ Bend bend_of(const Moment& m) {
     // Two waves of different length do not look like a clock.
     const auto sway = [&](double lag) { return 0.7 * sine(turns - lag) + 0.3 * sine(2 * turns - 1.7 * lag + 0.2); };
     switch (m.chain.part) {
-        case Part::kTrunk: return {share * (gust ? 0.05 + 0.025 * sway(0) : 0.008 * sway(0)), share * 0.008 * sway(0.3), 0};
-        case Part::kLimb: return {share * (gust ? 0.10 + 0.06 * sway(0.05) : 0.02 * sway(0.05)), share * 0.02 * sway(0.35), 0};
-        case Part::kBough: return {share * (gust ? 0.14 + 0.10 * sway(0.08) : 0.03 * sway(0.08)), share * 0.04 * sway(0.4), 0};
+        case Part::kTrunk:
+            return {share * (gust ? 0.05 + 0.025 * sway(0) : 0.008 * sway(0)), share * 0.008 * sway(0.3), 0};
+        case Part::kLimb:
+            return {share * (gust ? 0.10 + 0.06 * sway(0.05) : 0.02 * sway(0.05)), share * 0.02 * sway(0.35), 0};
+        case Part::kBough:
+            return {share * (gust ? 0.14 + 0.10 * sway(0.08) : 0.03 * sway(0.08)), share * 0.04 * sway(0.4), 0};
         default: break;
     }
     const double lag = 0.15 + 0.45 * m.along();
-    if (gust) return {share * (0.85 + 0.5 * sway(lag) + 0.18 * m.along() * sine(4 * turns - 2 * lag)), share * 0.28 * sway(lag + 0.25), 0};
+    if (gust)
+        return {share * (0.85 + 0.5 * sway(lag) + 0.18 * m.along() * sine(4 * turns - 2 * lag)),
+                share * 0.28 * sway(lag + 0.25), 0};
     return {share * 0.16 * sway(lag), share * 0.12 * sway(lag + 0.25), 0};
 }
 
@@ -247,7 +289,9 @@ Model make_willow(const CreatureSettings& settings) {
     Body body = Gardener(settings).grow();
     const Tree tree(settings);
     std::vector<Piece> pieces = wood(tree, body);
-    pieces.push_back(Leaves{.at = [foliage = Foliage(tree, body)](uint32_t index, uint32_t count) { return foliage.at(index, count); }, .wanted_count = 1150});
+    pieces.push_back(Leaves{
+        .at = [foliage = Foliage(tree, body)](uint32_t index, uint32_t count) { return foliage.at(index, count); },
+        .wanted_count = 1150});
     return {std::move(body), std::move(pieces), {kPlans, bend_of, root_motion}};
 }
 

@@ -22,10 +22,14 @@ OwnedRenderPass make_render_pass(VkDevice device) {
                                              .initialLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                                              .finalLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
     const VkAttachmentReference color{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
-    const VkSubpassDescription subpass{.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS, .colorAttachmentCount = 1, .pColorAttachments = &color};
+    const VkSubpassDescription subpass{
+        .pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS, .colorAttachmentCount = 1, .pColorAttachments = &color};
     constexpr VkAccessFlags kBlends = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
-    const std::array<VkSubpassDependency, 2> dependencies{{{VK_SUBPASS_EXTERNAL, 0, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, kBlends, 0},
-                                                           {0, VK_SUBPASS_EXTERNAL, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, kBlends, VK_ACCESS_TRANSFER_READ_BIT, 0}}};
+    const std::array<VkSubpassDependency, 2> dependencies{
+        {{VK_SUBPASS_EXTERNAL, 0, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
+          VK_ACCESS_TRANSFER_WRITE_BIT, kBlends, 0},
+         {0, VK_SUBPASS_EXTERNAL, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,
+          kBlends, VK_ACCESS_TRANSFER_READ_BIT, 0}}};
     const VkRenderPassCreateInfo create{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
                                         .attachmentCount = 1,
                                         .pAttachments = &attachment,
@@ -51,7 +55,8 @@ void Canvas::resize(VkExtent2D extent) {
                                          .arrayLayers = 1,
                                          .samples = VK_SAMPLE_COUNT_1_BIT,
                                          .tiling = VK_IMAGE_TILING_OPTIMAL,
-                                         .usage = VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT};
+                                         .usage = VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                                                  VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT};
     image_ = {device, vkCreateImage, image_create, "vkCreateImage"};
     VkMemoryRequirements needs{};
     vkGetImageMemoryRequirements(device, image_.get(), &needs);
@@ -80,12 +85,16 @@ void Canvas::resize(VkExtent2D extent) {
 void Canvas::record_picture(VkCommandBuffer commands, VkImage picture) const {
     transition(commands, image_.get(), {.stage = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT}, kCopiedTo);
     const VkImageCopy copy{.srcSubresource = kLayer, .dstSubresource = kLayer, .extent = size()};
-    vkCmdCopyImage(commands, picture, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image_.get(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);  // copies bytes, whatever they mean
+    // Copies bytes, whatever they mean
+    vkCmdCopyImage(commands, picture, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image_.get(),
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
 }
 
 void Canvas::record_panels(VkCommandBuffer commands) const {
-    const VkRenderPassBeginInfo begin{
-        .sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO, .renderPass = render_pass_.get(), .framebuffer = framebuffer_.get(), .renderArea = {{0, 0}, extent_}};
+    const VkRenderPassBeginInfo begin{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
+                                      .renderPass = render_pass_.get(),
+                                      .framebuffer = framebuffer_.get(),
+                                      .renderArea = {{0, 0}, extent_}};
     vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
     ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands);
     vkCmdEndRenderPass(commands);
@@ -94,9 +103,13 @@ void Canvas::record_panels(VkCommandBuffer commands) const {
 void Canvas::record_copy(VkCommandBuffer commands, VkImage shown) const {
     transition(commands, shown, {.stage = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT}, kCopiedTo);
     const VkOffset3D end{static_cast<int32_t>(extent_.width), static_cast<int32_t>(extent_.height), 1};
-    const VkImageBlit blit{.srcSubresource = kLayer, .srcOffsets = {{}, end}, .dstSubresource = kLayer, .dstOffsets = {{}, end}};  // which also puts the channels in the display's order
-    vkCmdBlitImage(commands, image_.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, shown, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_NEAREST);
-    transition(commands, shown, kCopiedTo, {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_NONE, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR});
+    // Which also puts the channels in the display's order
+    const VkImageBlit blit{
+        .srcSubresource = kLayer, .srcOffsets = {{}, end}, .dstSubresource = kLayer, .dstOffsets = {{}, end}};
+    vkCmdBlitImage(commands, image_.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, shown,
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_NEAREST);
+    transition(commands, shown, kCopiedTo,
+               {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_NONE, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR});
 }
 
 void Canvas::record_read_back(VkCommandBuffer commands) const {

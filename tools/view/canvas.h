@@ -1,4 +1,5 @@
-// What the window shows: the crowd's picture with the panels over it, kept on the device, so that it can be copied to the display and to a file.
+// What the window shows: the crowd's picture with the panels over it, kept on the device, so that it can be copied to
+// the display and to a file.
 #pragma once
 
 #include "tools/view/context.h"
@@ -17,7 +18,8 @@ public:
     // Panels are drawn in it, over what is there.
     VkRenderPass render_pass() const { return render_pass_.get(); }
 
-    // Recorded in this order. `picture` is as large as the canvas, of VK_FORMAT_R8G8B8A8_SRGB, and in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL.
+    // Recorded in this order. `picture` is as large as the canvas, of VK_FORMAT_R8G8B8A8_SRGB, and in
+    // VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL.
     void record_picture(VkCommandBuffer commands, VkImage picture) const;
     void record_panels(VkCommandBuffer commands) const;
     // `shown` is an image of the swapchain, of the same size; it is ready to be presented then.

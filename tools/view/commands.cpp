@@ -24,13 +24,17 @@ void change_count(State& state, bool up) {
         return 1.0;
     };
     const double count = state.wanted.count;
-    state.wanted.count = static_cast<uint32_t>(std::clamp(up ? next(count) : before(count), 1.0, double{kMostCharacters}));
+    state.wanted.count = static_cast<uint32_t>(
+        std::clamp(up ? next(count) : before(count), 1.0, double{kMostCharacters}));
 }
 
 void step_back(State& state) {
-    if (state.shows_keys) state.shows_keys = false;
-    else if (state.selected) state.selected.reset();
-    else state.message.clear();
+    if (state.shows_keys)
+        state.shows_keys = false;
+    else if (state.selected)
+        state.selected.reset();
+    else
+        state.message.clear();
 }
 
 constexpr std::array kCommands{
@@ -66,9 +70,12 @@ constexpr std::array kGestures{
 
 void fly_by_keys(State& state) {
     const ImGuiIO& io = ImGui::GetIO();
-    const auto axis = [](int more, int less) { return static_cast<float>(ImGui::IsKeyDown(more)) - static_cast<float>(ImGui::IsKeyDown(less)); };
+    const auto axis = [](int more, int less) {
+        return static_cast<float>(ImGui::IsKeyDown(more)) - static_cast<float>(ImGui::IsKeyDown(less));
+    };
     const float step = io.DeltaTime * (io.KeyShift ? 1.2f : 0.3f);  // of the way to the crowd, a second
-    const float right = axis(GLFW_KEY_D, GLFW_KEY_A), up = axis(GLFW_KEY_E, GLFW_KEY_Q), forward = axis(GLFW_KEY_W, GLFW_KEY_S);
+    const float right = axis(GLFW_KEY_D, GLFW_KEY_A), up = axis(GLFW_KEY_E, GLFW_KEY_Q),
+                forward = axis(GLFW_KEY_W, GLFW_KEY_S);
     if (right == 0 && up == 0 && forward == 0) return;
     state.camera = kByHand;
     state.orbit.fly(right * step, up * step, forward * step);
@@ -78,8 +85,12 @@ void take_keys(State& state, std::span<const KeyPress> pressed) {
     const ImGuiIO& io = ImGui::GetIO();
     if (io.WantTextInput) return;
     for (const Command& command : kCommands) {
-        const bool typed = command.character && std::find(io.InputQueueCharacters.begin(), io.InputQueueCharacters.end(), command.character) != io.InputQueueCharacters.end();
-        const auto is_it = [&](const KeyPress& press) { return press.key == command.key && press.with_ctrl == command.with_ctrl; };
+        const bool typed = command.character &&
+                           std::find(io.InputQueueCharacters.begin(), io.InputQueueCharacters.end(),
+                                     command.character) != io.InputQueueCharacters.end();
+        const auto is_it = [&](const KeyPress& press) {
+            return press.key == command.key && press.with_ctrl == command.with_ctrl;
+        };
         if (typed || (command.key && std::ranges::any_of(pressed, is_it))) command.run(state);
     }
     if (!io.KeyCtrl) fly_by_keys(state);
@@ -88,13 +99,17 @@ void take_keys(State& state, std::span<const KeyPress> pressed) {
 void take_drags(State& state) {
     const ImGuiIO& io = ImGui::GetIO();
     const float x = io.MouseDelta.x / io.DisplaySize.y, y = io.MouseDelta.y / io.DisplaySize.y;  // picture heights
-    const bool pans = ImGui::IsMouseDown(ImGuiMouseButton_Right) || ImGui::IsMouseDown(ImGuiMouseButton_Middle) || (ImGui::IsMouseDown(ImGuiMouseButton_Left) && io.KeyShift);
+    const bool pans = ImGui::IsMouseDown(ImGuiMouseButton_Right) || ImGui::IsMouseDown(ImGuiMouseButton_Middle) ||
+                      (ImGui::IsMouseDown(ImGuiMouseButton_Left) && io.KeyShift);
     constexpr float kTurn_rad = 3.5f, kLook_rad = 1.2f;  // by a drag over the height of the picture
     const bool turns = !pans && ImGui::IsMouseDown(ImGuiMouseButton_Left);
     if (((pans || turns) && (x != 0 || y != 0)) || io.MouseWheel != 0) state.camera = kByHand;
-    if (pans) state.orbit.pan(-x, y);
-    else if (turns && state.flies) state.orbit.look(-x * kLook_rad, y * kLook_rad);
-    else if (turns) state.orbit.turn(-x * kTurn_rad, y * kTurn_rad);
+    if (pans)
+        state.orbit.pan(-x, y);
+    else if (turns && state.flies)
+        state.orbit.look(-x * kLook_rad, y * kLook_rad);
+    else if (turns)
+        state.orbit.turn(-x * kTurn_rad, y * kTurn_rad);
     if (io.MouseWheel != 0) state.orbit.zoom(std::pow(0.88f, std::clamp(io.MouseWheel, -10.0f, 10.0f)));
 }
 
@@ -109,7 +124,9 @@ std::optional<Click> take_commands(State& state, std::span<const KeyPress> press
     if (io.WantCaptureMouse) return std::nullopt;
     take_drags(state);
     constexpr float kStill = 4;  // pixels: a hand trembles
-    if (!ImGui::IsMouseReleased(ImGuiMouseButton_Left) || io.MouseDragMaxDistanceSqr[ImGuiMouseButton_Left] > kStill * kStill) return std::nullopt;
+    if (!ImGui::IsMouseReleased(ImGuiMouseButton_Left) ||
+        io.MouseDragMaxDistanceSqr[ImGuiMouseButton_Left] > kStill * kStill)
+        return std::nullopt;
     return Click{io.MousePos.x / io.DisplaySize.x, io.MousePos.y / io.DisplaySize.y};
 }
 

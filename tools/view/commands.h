@@ -9,17 +9,17 @@
 namespace throng::view {
 
 struct Command {
-    const char* keys;   // as the panel names them
+    const char* keys;  // as the panel names them
     const char* does;
-    unsigned character; // typed, on whatever keyboard; 0: `key`
-    int key;            // of GLFW; 0: none
+    unsigned character;  // typed, on whatever keyboard; 0: `key`
+    int key;             // of GLFW; 0: none
     void (*run)(State&);
     bool with_ctrl = false;  // the key
 };
 std::span<const Command> commands();
 
-// Runs what has been typed since the last frame, and moves the camera by keys and mouse, unless a panel has taken them. A click at the scene comes back as a point of
-// the picture: 0..1 from the left and the top.
+// Runs what has been typed since the last frame, and moves the camera by keys and mouse, unless a panel has taken them.
+// A click at the scene comes back as a point of the picture: 0..1 from the left and the top.
 struct Click {
     float x, y;
 };

@@ -9,7 +9,9 @@ namespace throng::view {
 using tools::CommandError;
 
 Context::Context(const Window& window, const std::string& select) {
-    if (!glfwVulkanSupported()) throw CommandError("no Vulkan driver can show pictures in a window (mesa-vulkan-drivers has a software one that can)");
+    if (!glfwVulkanSupported())
+        throw CommandError(
+            "no Vulkan driver can show pictures in a window (mesa-vulkan-drivers has a software one that can)");
     try {
         create_instance();
         check(glfwCreateWindowSurface(instance(), window.handle(), nullptr, &surface_), "glfwCreateWindowSurface");
@@ -31,13 +33,16 @@ void Context::destroy() {
 }
 
 void Context::create_instance() {
-    const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pApplicationName = "throng view", .apiVersion = VK_API_VERSION_1_3};
+    const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+                                        .pApplicationName = "throng view",
+                                        .apiVersion = VK_API_VERSION_1_3};
     VkInstanceCreateInfo create{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, .pApplicationInfo = &application};
     create.ppEnabledExtensionNames = glfwGetRequiredInstanceExtensions(&create.enabledExtensionCount);
     check(vkCreateInstance(&create, nullptr, &adopted_.instance), "vkCreateInstance");
 }
 
-// The device that every command takes for these words, found again by its name: an instance with a surface may list devices in another order.
+// The device that every command takes for these words, found again by its name: an instance with a surface may list
+// devices in another order.
 void Context::find_device(const std::string& select) {
     device_name_ = tools::open_device(select).info().name;
     uint32_t count = 0;
@@ -49,7 +54,9 @@ void Context::find_device(const std::string& select) {
         vkGetPhysicalDeviceProperties(device, &properties);
         return device_name_ == properties.deviceName;
     });
-    if (found == devices.end()) throw CommandError("device " + device_name_ + " cannot show pictures in a window: choose another with --device");
+    if (found == devices.end())
+        throw CommandError("device " + device_name_ +
+                           " cannot show pictures in a window: choose another with --device");
     adopted_.physical_device = *found;
 }
 
@@ -61,24 +68,32 @@ void Context::find_queue_family() {
     constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
     for (uint32_t family = 0; family < count; ++family) {
         VkBool32 presents = VK_FALSE;
-        check(vkGetPhysicalDeviceSurfaceSupportKHR(physical_device(), family, surface_, &presents), "vkGetPhysicalDeviceSurfaceSupportKHR");
+        check(vkGetPhysicalDeviceSurfaceSupportKHR(physical_device(), family, surface_, &presents),
+              "vkGetPhysicalDeviceSurfaceSupportKHR");
         if (!presents || (families[family].queueFlags & kNeeded) != kNeeded) continue;
         adopted_.queue_family = family;
         return;
     }
-    throw CommandError("device " + device_name_ + " cannot show pictures in a window of this display: choose another with --device");
+    throw CommandError("device " + device_name_ +
+                       " cannot show pictures in a window of this display: choose another with --device");
 }
 
 void Context::create_device() {
     VkPhysicalDeviceFeatures available{};
     vkGetPhysicalDeviceFeatures(physical_device(), &available);
-    VkPhysicalDeviceVulkan13Features features13{
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES, .synchronization2 = VK_TRUE, .dynamicRendering = VK_TRUE, .maintenance4 = VK_TRUE};
-    const VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &features13, .features = {.shaderInt64 = available.shaderInt64}};
+    VkPhysicalDeviceVulkan13Features features13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
+                                                .synchronization2 = VK_TRUE,
+                                                .dynamicRendering = VK_TRUE,
+                                                .maintenance4 = VK_TRUE};
+    const VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+                                             .pNext = &features13,
+                                             .features = {.shaderInt64 = available.shaderInt64}};
     adopted_.shader_int64 = available.shaderInt64 == VK_TRUE;
     const float priority = 1;
-    const VkDeviceQueueCreateInfo queue_create{
-        .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, .queueFamilyIndex = queue_family(), .queueCount = 1, .pQueuePriorities = &priority};
+    const VkDeviceQueueCreateInfo queue_create{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                               .queueFamilyIndex = queue_family(),
+                                               .queueCount = 1,
+                                               .pQueuePriorities = &priority};
     const char* extension = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
     const VkDeviceCreateInfo create{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                     .pNext = &features,
@@ -87,7 +102,9 @@ void Context::create_device() {
                                     .enabledExtensionCount = 1,
                                     .ppEnabledExtensionNames = &extension};
     const VkResult result = vkCreateDevice(physical_device(), &create, nullptr, &adopted_.device);
-    if (result == VK_ERROR_EXTENSION_NOT_PRESENT) throw CommandError("device " + device_name_ + " cannot show pictures in a window: choose another with --device");
+    if (result == VK_ERROR_EXTENSION_NOT_PRESENT)
+        throw CommandError("device " + device_name_ +
+                           " cannot show pictures in a window: choose another with --device");
     check(result, "vkCreateDevice");
     vkGetDeviceQueue(device(), queue_family(), 0, &adopted_.queue);
 }

@@ -7,10 +7,13 @@
 namespace throng::view {
 namespace {
 
-// Of the stages in their order, drawing last: by hue, in steps that stay apart for the colour-blind too (after Okabe and Ito, 2008).
-constexpr std::array<ImU32, kTimedCount> kColors{IM_COL32(204, 121, 167, 255), IM_COL32(230, 159, 0, 255), IM_COL32(0, 158, 115, 255), IM_COL32(86, 180, 233, 255), IM_COL32(170, 170, 80, 255),
-                                                 IM_COL32(213, 94, 0, 255),    IM_COL32(240, 228, 66, 255), IM_COL32(0, 114, 178, 255), IM_COL32(136, 34, 85, 255),
-                                                 IM_COL32(51, 187, 166, 255), IM_COL32(153, 221, 255, 255), IM_COL32(118, 128, 146, 255)};
+// Of the stages in their order, drawing last: by hue, in steps that stay apart for the colour-blind too (after Okabe
+// and Ito, 2008).
+constexpr std::array<ImU32, kTimedCount> kColors{
+    IM_COL32(204, 121, 167, 255), IM_COL32(230, 159, 0, 255),   IM_COL32(0, 158, 115, 255),
+    IM_COL32(86, 180, 233, 255),  IM_COL32(170, 170, 80, 255),  IM_COL32(213, 94, 0, 255),
+    IM_COL32(240, 228, 66, 255),  IM_COL32(0, 114, 178, 255),   IM_COL32(136, 34, 85, 255),
+    IM_COL32(51, 187, 166, 255),  IM_COL32(153, 221, 255, 255), IM_COL32(118, 128, 146, 255)};
 
 // The next larger of 1, 2, 5 times a power of ten.
 float round_up(float ms) {
@@ -46,7 +49,8 @@ void draw_bars(const History& history, ImVec2 from, ImVec2 to) {
         std::array<char, 24> text{};
         std::snprintf(text.data(), text.size(), part == 1 ? "%.4g ms" : "%.4g", double{part * top});
         list.AddLine({from.x, y}, {to.x, y}, IM_COL32(255, 255, 255, 40));
-        list.AddText({to.x + scaled(6), y - ImGui::GetFontSize() / 2}, ImGui::GetColorU32(ImGuiCol_TextDisabled), text.data());
+        list.AddText({to.x + scaled(6), y - ImGui::GetFontSize() / 2}, ImGui::GetColorU32(ImGuiCol_TextDisabled),
+                     text.data());
     }
 }
 
@@ -77,7 +81,8 @@ void draw_graph(const Measured& measured) {
     ImGui::Begin("graph", nullptr, kFixedPanel | ImGuiWindowFlags_NoScrollbar);
     draw_legend(measured.history.mean());
     const ImVec2 from = ImGui::GetCursorScreenPos(), room = ImGui::GetContentRegionAvail();
-    draw_bars(measured.history, {from.x, from.y + scaled(8)}, {from.x + room.x - scaled(58), from.y + room.y - scaled(4)});
+    draw_bars(measured.history, {from.x, from.y + scaled(8)},
+              {from.x + room.x - scaled(58), from.y + room.y - scaled(4)});
     ImGui::End();
 }
 

@@ -13,7 +13,8 @@ namespace throng::view {
 namespace {
 
 constexpr float kFontSize = 15;  // pixels, where the display's are large
-constexpr const char* kFont = "/usr/share/fonts/truetype/roboto/unhinted/RobotoTTF/Roboto-Regular.ttf";  // fonts-roboto-unhinted
+// Fonts-roboto-unhinted
+constexpr const char* kFont = "/usr/share/fonts/truetype/roboto/unhinted/RobotoTTF/Roboto-Regular.ttf";
 
 void choose_font(float scale) {
     ImGuiIO& io = ImGui::GetIO();
@@ -22,8 +23,10 @@ void choose_font(float scale) {
     config.OversampleV = 2;
     // Latin, punctuation (dashes, ellipsis, quotation marks) and the sign of multiplication.
     static constexpr ImWchar kCharacters[] = {0x20, 0xFF, 0x2010, 0x2027, 0};
-    if (std::filesystem::exists(kFont)) io.Fonts->AddFontFromFileTTF(kFont, kFontSize * scale, &config, kCharacters);
-    else io.Fonts->AddFontDefault();
+    if (std::filesystem::exists(kFont))
+        io.Fonts->AddFontFromFileTTF(kFont, kFontSize * scale, &config, kCharacters);
+    else
+        io.Fonts->AddFontDefault();
 }
 
 void choose_style(float scale) {
@@ -45,7 +48,8 @@ void choose_style(float scale) {
     const auto set = [&](std::initializer_list<ImGuiCol> of, ImVec4 color) {
         for (const ImGuiCol one : of) style.Colors[one] = color;
     };
-    const ImVec4 accent{0.36f, 0.66f, 0.96f, 1}, raised{0.20f, 0.22f, 0.26f, 1}, hovered{0.27f, 0.30f, 0.36f, 1}, pressed{0.30f, 0.46f, 0.64f, 1};
+    const ImVec4 accent{0.36f, 0.66f, 0.96f, 1}, raised{0.20f, 0.22f, 0.26f, 1}, hovered{0.27f, 0.30f, 0.36f, 1},
+        pressed{0.30f, 0.46f, 0.64f, 1};
     set({ImGuiCol_WindowBg}, {0.085f, 0.094f, 0.112f, 0.90f});
     set({ImGuiCol_PopupBg}, {0.11f, 0.12f, 0.14f, 0.98f});
     set({ImGuiCol_Text}, {0.91f, 0.92f, 0.94f, 1});
@@ -113,7 +117,8 @@ void Gui::take_input(VkExtent2D extent) const {
     // The canvas may be of another size than the window where that has just changed.
     ImGuiIO& io = ImGui::GetIO();
     if (io.DisplayFramebufferScale.x <= 0 || io.DisplayFramebufferScale.y <= 0) io.DisplayFramebufferScale = {1, 1};
-    io.DisplaySize = {static_cast<float>(extent.width) / io.DisplayFramebufferScale.x, static_cast<float>(extent.height) / io.DisplayFramebufferScale.y};
+    io.DisplaySize = {static_cast<float>(extent.width) / io.DisplayFramebufferScale.x,
+                      static_cast<float>(extent.height) / io.DisplayFramebufferScale.y};
 }
 
 }  // namespace throng::view

@@ -19,7 +19,8 @@ public:
 
     void add(const StageTimes& stages, double draw_ms) {
         FrameTimes& times = frames_[count_++ % kFrames];
-        for (size_t i = 0; i < tools::kStages.size(); ++i) times[i] = static_cast<float>(stages.*tools::kStages[i].second);
+        for (size_t i = 0; i < tools::kStages.size(); ++i)
+            times[i] = static_cast<float>(stages.*tools::kStages[i].second);
         times.back() = static_cast<float>(draw_ms);
     }
     void clear() { count_ = 0; }
@@ -41,6 +42,8 @@ private:
     size_t count_ = 0;
 };
 
-inline const char* timed_name(size_t timed) { return timed < tools::kStages.size() ? tools::kStages[timed].first : "draw"; }
+inline const char* timed_name(size_t timed) {
+    return timed < tools::kStages.size() ? tools::kStages[timed].first : "draw";
+}
 
 }  // namespace throng::view

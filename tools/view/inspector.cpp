@@ -53,18 +53,21 @@ void layer_rows(const Character& character, const ControllerLayer& layer, const 
     ImGui::ProgressBar(played.front().phase, {-1, 0}, name_of(character, layer, played.front().motion));
     for (size_t k = 1; k < played.size(); ++k) {
         begin_row("");
-        ImGui::TextDisabled("from %s, %.0f %%", name_of(character, layer, played[k].motion), 100 * double{played[k - 1].fade});
+        ImGui::TextDisabled("from %s, %.0f %%", name_of(character, layer, played[k].motion),
+                            100 * double{played[k - 1].fade});
     }
 }
 
 // What the device had in the last frame; parameters that are changed are sent.
-void controller_rows(Scene& scene, uint32_t instance, const Character& character, const Controller& controller, const WatchedInstance& watched) {
+void controller_rows(Scene& scene, uint32_t instance, const Character& character, const Controller& controller,
+                     const WatchedInstance& watched) {
     for (uint32_t p = 0; p < controller.parameters.size(); ++p) {
         float value = watched.parameters[p];
         if (parameter_row(controller, p, value)) scene.set_parameter_of(instance, p, value);
     }
     ImGui::Spacing();
-    for (size_t layer = 0; layer < controller.layers.size(); ++layer) layer_rows(character, controller.layers[layer], watched.layers[layer]);
+    for (size_t layer = 0; layer < controller.layers.size(); ++layer)
+        layer_rows(character, controller.layers[layer], watched.layers[layer]);
 }
 
 }  // namespace
@@ -88,10 +91,13 @@ void draw_inspector(State& state, Scene& scene, const Measured& measured) {
     ImGui::Text("%u in %u levels", character.rig.joint_count(), character.rig.level_count);
     const Affine& world_from_model = scene.box_of(instance).world_from_model;
     begin_row("stands at");
-    ImGui::Text("%.2f, %.2f, %.2f", double{world_from_model.row[0][3]}, double{world_from_model.row[1][3]}, double{world_from_model.row[2][3]});
+    ImGui::Text("%.2f, %.2f, %.2f", double{world_from_model.row[0][3]}, double{world_from_model.row[1][3]},
+                double{world_from_model.row[2][3]});
     ImGui::Spacing();
     if (const Controller* controller = scene.controller_of(group)) {
-        if (measured.watched && measured.watched->instance == instance) controller_rows(scene, instance, character, *controller, *measured.watched);  // not in the first frame
+        // Not in the first frame
+        if (measured.watched && measured.watched->instance == instance)
+            controller_rows(scene, instance, character, *controller, *measured.watched);
     } else if (!character.clips.empty()) {
         clips(scene, instance, character);
     }

@@ -6,10 +6,13 @@
 namespace throng::view {
 namespace {
 
-constexpr float kLeastPitch_rad = -0.3f, kMostPitch_rad = 1.5f;  // that a hand turns to: from a little below, so as not to dive under the ground, to almost from above
-constexpr float kSteepest_rad = 1.55f;                            // beyond it the picture would have no up
+// That a hand turns to: from a little below, so as not to dive under the ground, to almost from above
+constexpr float kLeastPitch_rad = -0.3f, kMostPitch_rad = 1.5f;
+constexpr float kSteepest_rad = 1.55f;  // beyond it the picture would have no up
 
-Vec3<float> direction_of(float yaw_rad, float pitch_rad) { return {std::cos(pitch_rad) * std::sin(yaw_rad), std::sin(pitch_rad), std::cos(pitch_rad) * std::cos(yaw_rad)}; }
+Vec3<float> direction_of(float yaw_rad, float pitch_rad) {
+    return {std::cos(pitch_rad) * std::sin(yaw_rad), std::sin(pitch_rad), std::cos(pitch_rad) * std::cos(yaw_rad)};
+}
 
 }  // namespace
 
@@ -28,7 +31,8 @@ Camera Orbit::camera() const { return {target_ + to_eye() * distance_, target_, 
 
 void Orbit::turn(float yaw_rad, float pitch_rad) {
     yaw_rad_ += yaw_rad;
-    pitch_rad_ = std::clamp(pitch_rad_ + pitch_rad, std::min(kLeastPitch_rad, pitch_rad_), std::max(kMostPitch_rad, pitch_rad_));
+    pitch_rad_ = std::clamp(pitch_rad_ + pitch_rad, std::min(kLeastPitch_rad, pitch_rad_),
+                            std::max(kMostPitch_rad, pitch_rad_));
 }
 
 void Orbit::look(float yaw_rad, float pitch_rad) {
@@ -50,18 +54,23 @@ void Orbit::fly(float right, float up, float forward) {
 }
 
 Projection::Projection(const Camera& camera, float aspect_ratio)
-    : eye_(camera.eye), forward_(normalized(camera.target - camera.eye)), half_height_(std::tan(camera.vertical_field_of_view_rad / 2)) {
+    : eye_(camera.eye),
+      forward_(normalized(camera.target - camera.eye)),
+      half_height_(std::tan(camera.vertical_field_of_view_rad / 2)) {
     right_ = normalized(cross(forward_, Vec3<float>{0, 1, 0}));
     up_ = cross(right_, forward_);
     half_width_ = half_height_ * aspect_ratio;
 }
 
-Projection::Ray Projection::ray(float x, float y) const { return {eye_, forward_ + right_ * ((2 * x - 1) * half_width_) + up_ * ((1 - 2 * y) * half_height_)}; }
+Projection::Ray Projection::ray(float x, float y) const {
+    return {eye_, forward_ + right_ * ((2 * x - 1) * half_width_) + up_ * ((1 - 2 * y) * half_height_)};
+}
 
 Vec3<float> Projection::project(const Vec3<float>& world_place) const {
     const Vec3<float> from_eye = world_place - eye_;
     const float depth = dot(from_eye, forward_);
-    return {0.5f + 0.5f * dot(from_eye, right_) / (depth * half_width_), 0.5f - 0.5f * dot(from_eye, up_) / (depth * half_height_), depth};
+    return {0.5f + 0.5f * dot(from_eye, right_) / (depth * half_width_),
+            0.5f - 0.5f * dot(from_eye, up_) / (depth * half_height_), depth};
 }
 
 }  // namespace throng::view

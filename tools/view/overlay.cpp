@@ -9,7 +9,9 @@ namespace {
 // A window in the middle of the display, over everything.
 void begin_notice(const char* id, ImVec2 at, ImVec2 pivot) {
     ImGui::SetNextWindowPos(at, ImGuiCond_Always, pivot);
-    ImGui::Begin(id, nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing);
+    ImGui::Begin(id, nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing);
 }
 
 }  // namespace
@@ -20,12 +22,16 @@ void draw_selection(const State& state, const Scene& scene) {
     const Projection projection(state.orbit.camera(), display.x / display.y);
     std::array<Vec3<float>, 8> corners;  // corner c is at the maximum along x, y, z by its bits
     for (size_t c = 0; c < corners.size(); ++c)
-        corners[c] = projection.project(transform_point(box.world_from_model, {c & 1 ? box.max.x : box.min.x, c & 2 ? box.max.y : box.min.y, c & 4 ? box.max.z : box.min.z}));
+        corners[c] = projection.project(transform_point(
+            box.world_from_model,
+            {c & 1 ? box.max.x : box.min.x, c & 2 ? box.max.y : box.min.y, c & 4 ? box.max.z : box.min.z}));
     for (size_t c = 0; c < corners.size(); ++c)
         for (const size_t axis : {size_t{1}, size_t{2}, size_t{4}}) {
             const Vec3<float>&a = corners[c], &b = corners[c | axis];
             if ((c & axis) || a.z <= 0 || b.z <= 0) continue;
-            ImGui::GetBackgroundDrawList()->AddLine({a.x * display.x, a.y * display.y}, {b.x * display.x, b.y * display.y}, IM_COL32(120, 205, 255, 255), scaled(2));
+            ImGui::GetBackgroundDrawList()->AddLine({a.x * display.x, a.y * display.y},
+                                                    {b.x * display.x, b.y * display.y}, IM_COL32(120, 205, 255, 255),
+                                                    scaled(2));
         }
 }
 
@@ -39,8 +45,10 @@ void draw_keys(State& state) {
             ImGui::TableNextRow();
             const auto cell = [&](const char* text, bool is_key) {
                 ImGui::TableNextColumn();
-                if (is_key) ImGui::TextColored(ImGui::GetStyle().Colors[ImGuiCol_CheckMark], "%s   ", text);
-                else ImGui::Text("%s      ", text);
+                if (is_key)
+                    ImGui::TextColored(ImGui::GetStyle().Colors[ImGuiCol_CheckMark], "%s   ", text);
+                else
+                    ImGui::Text("%s      ", text);
             };
             const bool is_command = row < all_commands.size(), is_gesture = row < all_gestures.size();
             cell(is_command ? all_commands[row].keys : "", true);
@@ -62,8 +70,10 @@ void draw_message(State& state) {
     const float gap = scaled(kPanelGap);
     begin_notice("message", {display.x / 2, gap}, {0.5f, 0});
     ImGui::PushTextWrapPos(display.x * 0.5f);
-    if (state.message_is_error) ImGui::TextColored({1, 0.55f, 0.45f, 1}, "%s", state.message.c_str());
-    else ImGui::TextUnformatted(state.message.c_str());
+    if (state.message_is_error)
+        ImGui::TextColored({1, 0.55f, 0.45f, 1}, "%s", state.message.c_str());
+    else
+        ImGui::TextUnformatted(state.message.c_str());
     ImGui::PopTextWrapPos();
     ImGui::End();
 }

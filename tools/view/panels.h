@@ -23,8 +23,10 @@ inline constexpr float kSettingsWidth = 290, kInspectorWidth = 290, kGraphHeight
 inline float scaled(float length) { return length * ImGui::GetFontSize() / 15; }
 
 // A panel that stays where it is put.
-inline constexpr ImGuiWindowFlags kFixedPanel = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoTitleBar |
-                                                ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus;
+inline constexpr ImGuiWindowFlags kFixedPanel = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                                                ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoTitleBar |
+                                                ImGuiWindowFlags_NoSavedSettings |
+                                                ImGuiWindowFlags_NoBringToFrontOnFocus;
 
 // Starts a row of a panel: its name in front, the next item in what is left.
 void begin_row(const char* name);

@@ -20,7 +20,8 @@ std::optional<float> distance_to(const PlacedBox& box, const Projection::Ray& ra
     const Affine& m = box.world_from_model;
     const float volume = determinant(m);
     if (volume == 0) return std::nullopt;
-    const Vec3<float> origin = undo(m, volume, ray.origin - Vec3<float>{m.row[0][3], m.row[1][3], m.row[2][3]}), direction = undo(m, volume, ray.direction);
+    const Vec3<float> origin = undo(m, volume, ray.origin - Vec3<float>{m.row[0][3], m.row[1][3], m.row[2][3]}),
+                      direction = undo(m, volume, ray.direction);
 
     // Slabs: Kay and Kajiya, "Ray tracing complex scenes", 1986.
     float enter = 0, leave = std::numeric_limits<float>::infinity();

@@ -9,11 +9,12 @@ namespace throng::view {
 
 // A box of a model where it stands in the world.
 struct PlacedBox {
-    Vec3<float> min, max;      // model space
+    Vec3<float> min, max;  // model space
     Affine world_from_model;
 };
 
-// How far along the ray it enters the box, in lengths of the ray's direction: 0 where it begins inside. None where it misses the box, or the placement cannot be undone.
+// How far along the ray it enters the box, in lengths of the ray's direction: 0 where it begins inside. None where it
+// misses the box, or the placement cannot be undone.
 std::optional<float> distance_to(const PlacedBox& box, const Projection::Ray& ray);
 
 }  // namespace throng::view

@@ -30,14 +30,17 @@ double moved_on(const Character& character, const ClipPlayback& clip, double sec
 
 }  // namespace
 
-Scene::Shown::Shown(Cast of, const SceneSettings& made_so) : settings(made_so), playback(of.characters.size()), parameters(of.characters.size()) {
+Scene::Shown::Shown(Cast of, const SceneSettings& made_so)
+    : settings(made_so), playback(of.characters.size()), parameters(of.characters.size()) {
     for (size_t group = 0; group < of.controllers.size(); ++group)
         if (of.controllers[group])
-            for (const ControllerParameter& parameter : of.controllers[group]->parameters) parameters[group].push_back(parameter.initial);
+            for (const ControllerParameter& parameter : of.controllers[group]->parameters)
+                parameters[group].push_back(parameter.initial);
     cast = std::make_shared<const Cast>(std::move(of));
 }
 
-Scene::Scene(const Device& device, Cast cast, const SceneSettings& settings) : device_(device), shown_(std::move(cast), settings) {
+Scene::Scene(const Device& device, Cast cast, const SceneSettings& settings)
+    : device_(device), shown_(std::move(cast), settings) {
     make_field();
     make_crowd();
 }
@@ -53,7 +56,8 @@ void Scene::set_cast(Cast cast) { remake({std::move(cast), settings()}); }
 void Scene::remake(Shown wanted) {
     const auto same_field = [&] {
         const SceneSettings &a = wanted.settings, &b = shown_.settings;
-        return wanted.cast == shown_.cast && a.count == b.count && a.seed == b.seed && a.formation == b.formation && a.spacing == b.spacing;
+        return wanted.cast == shown_.cast && a.count == b.count && a.seed == b.seed && a.formation == b.formation &&
+               a.spacing == b.spacing;
     };
     const bool keeps_field = same_field();
     std::swap(shown_, wanted);
@@ -70,7 +74,8 @@ void Scene::remake(Shown wanted) {
 
 void Scene::make_field() {
     const SceneSettings& of = settings();
-    field_ = tools::scatter(cast().characters, {deal_out(of.count, cast().shares), cast().heights, of.formation, double{of.spacing}, of.seed});
+    field_ = tools::scatter(cast().characters, {deal_out(of.count, cast().shares), cast().heights, of.formation,
+                                                double{of.spacing}, of.seed});
     for (size_t group = 0; group < field_.groups.size(); ++group) {
         field_.groups[group].controller = controller_of(static_cast<uint32_t>(group));
         field_.groups[group].moves_placements = false;  // so that who is clicked at stands where it is known to
@@ -78,19 +83,30 @@ void Scene::make_field() {
     playing_.assign(field_.playback.size(), {});
     uint32_t instance = 0;
     for (uint32_t group = 0; group < field_.groups.size(); ++group)
-        for (uint32_t i = 0; i < instance_count_of(group); ++i, ++instance) playing_[instance] = {chosen(group, instance), clock_s_};
+        for (uint32_t i = 0; i < instance_count_of(group); ++i, ++instance)
+            playing_[instance] = {chosen(group, instance), clock_s_};
 }
 
 void Scene::make_crowd() {
     crowd_.reset();  // first: two large ones need not fit the device together
     const SceneSettings& of = settings();
-    crowd_.emplace(tools::unwrap(Crowd::create(
-        device_, {.groups = field_.groups, .path = of.path, .skin_format = of.format, .scan = of.scan, .keep_model_matrices = of.keeps_joints, .culls = of.culls, .skips_updates = of.culls && of.skips_updates && !of.keeps_joints, .reduces_joints = of.culls && !of.keeps_joints, .skin_blend = of.blend, .skins_once = of.skins_once})));
+    crowd_.emplace(
+        tools::unwrap(Crowd::create(device_, {.groups = field_.groups,
+                                              .path = of.path,
+                                              .skin_format = of.format,
+                                              .scan = of.scan,
+                                              .keep_model_matrices = of.keeps_joints,
+                                              .culls = of.culls,
+                                              .skips_updates = of.culls && of.skips_updates && !of.keeps_joints,
+                                              .reduces_joints = of.culls && !of.keeps_joints,
+                                              .skin_blend = of.blend,
+                                              .skins_once = of.skins_once})));
     director_.emplace(field_.groups, of.seed);
     for (uint32_t group = 0; group < field_.groups.size(); ++group) {
         if (!controller_of(group)) send_playback(group);
         for (uint32_t p = 0; p < parameters(group).size(); ++p)
-            if (parameters(group)[p] != controller_of(group)->parameters[p].initial) set_parameter(group, p, parameters(group)[p]);
+            if (parameters(group)[p] != controller_of(group)->parameters[p].initial)
+                set_parameter(group, p, parameters(group)[p]);
     }
     tools::unwrap(crowd_->set_placement(0, field_.placement));
     bounds_ = world_bounds(*crowd_);
@@ -108,7 +124,8 @@ uint32_t Scene::group_of(uint32_t instance) const {
 }
 
 uint32_t Scene::first_instance_of(uint32_t group) const {
-    return std::accumulate(field_.groups.begin(), field_.groups.begin() + group, 0u, [](uint32_t sum, const CrowdGroup& one) { return sum + one.instance_count; });
+    return std::accumulate(field_.groups.begin(), field_.groups.begin() + group, 0u,
+                           [](uint32_t sum, const CrowdGroup& one) { return sum + one.instance_count; });
 }
 
 Playback Scene::chosen(uint32_t group, uint32_t instance) const {
@@ -149,7 +166,8 @@ Playback Scene::playback_of(uint32_t instance) const {
     const Playing& playing = playing_[instance];
     const Character& character = cast().characters[group_of(instance)];
     Playback now = playing.from;
-    for (ClipPlayback* clip : {&now.first, &now.second}) clip->time_s = moved_on(character, *clip, clock_s_ - playing.since_s);
+    for (ClipPlayback* clip : {&now.first, &now.second})
+        clip->time_s = moved_on(character, *clip, clock_s_ - playing.since_s);
     return now;
 }
 
@@ -165,7 +183,9 @@ void Scene::set_parameter(uint32_t group, uint32_t parameter, float value) {
     for (uint32_t i = first; i < first + instance_count_of(group); ++i) set_parameter_of(i, parameter, value);
 }
 
-void Scene::set_parameter_of(uint32_t instance, uint32_t parameter, float value) { tools::unwrap(crowd_->set_parameters(instance, parameter, {&value, 1})); }
+void Scene::set_parameter_of(uint32_t instance, uint32_t parameter, float value) {
+    tools::unwrap(crowd_->set_parameters(instance, parameter, {&value, 1}));
+}
 
 PlacedBox Scene::box_of(uint32_t instance) const {
     const Character& character = cast().characters[group_of(instance)];

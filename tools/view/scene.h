@@ -1,4 +1,5 @@
-// The crowd that is shown: the characters of files, how they stand, and what each plays, which is known here too, for whoever looks at one.
+// The crowd that is shown: the characters of files, how they stand, and what each plays, which is known here too, for
+// whoever looks at one.
 #pragma once
 
 #include "tools/director.h"
@@ -22,7 +23,8 @@ struct Cast {
     std::vector<double> heights;                         // as ScatterSettings has them
 
     // Of each as many, without controllers, of one size.
-    explicit Cast(std::vector<Character> of) : characters(std::move(of)), controllers(characters.size()), shares(characters.size(), 1) {}
+    explicit Cast(std::vector<Character> of)
+        : characters(std::move(of)), controllers(characters.size()), shares(characters.size(), 1) {}
 };
 
 // A change of any of these makes the crowd anew.
@@ -36,9 +38,9 @@ struct SceneSettings {
     SkinFormat format = SkinFormat::kAffine;
     SkinBlend blend = SkinBlend::kLinear;
     bool skins_once = false;
-    bool culls = true;          // and with it levels of detail
-    bool skips_updates = false; // of what is small on the screen; with culls, and not with keeps_joints
-    bool keeps_joints = false;  // their matrices, which skeletons are drawn from
+    bool culls = true;           // and with it levels of detail
+    bool skips_updates = false;  // of what is small on the screen; with culls, and not with keeps_joints
+    bool keeps_joints = false;   // their matrices, which skeletons are drawn from
 
     bool operator==(const SceneSettings&) const = default;
 };
@@ -46,7 +48,8 @@ inline constexpr uint32_t kMostCharacters = 100'000;
 
 // What all characters of a file without a controller play.
 struct GroupPlayback {
-    bool own = true;                 // clips and weights of each character's own, by the seed; else those below, at times of their own
+    // Clips and weights of each character's own, by the seed; else those below, at times of their own
+    bool own = true;
     uint32_t first = 0, second = 0;  // clips
     float weight = 1;
 
@@ -55,7 +58,8 @@ struct GroupPlayback {
 
 class Scene {
 public:
-    // Throws a CommandError where such a crowd cannot be made, as the next two do, which then leave the scene as it was. The device must be idle.
+    // Throws a CommandError where such a crowd cannot be made, as the next two do, which then leave the scene as it
+    // was. The device must be idle.
     Scene(const Device& device, Cast cast, const SceneSettings& settings);
     void set_settings(const SceneSettings& settings);
     void set_cast(Cast cast);
@@ -70,7 +74,9 @@ public:
 
     uint32_t group_of(uint32_t instance) const;
     uint32_t instance_count_of(uint32_t group) const { return field_.groups[group].instance_count; }
-    const Controller* controller_of(uint32_t group) const { return cast().controllers[group] ? &*cast().controllers[group] : nullptr; }
+    const Controller* controller_of(uint32_t group) const {
+        return cast().controllers[group] ? &*cast().controllers[group] : nullptr;
+    }
 
     // Of groups without a controller.
     const GroupPlayback& group_playback(uint32_t group) const { return shown_.playback[group]; }

@@ -19,11 +19,15 @@ struct Form {
     size_t least = 1, most = 1;
     bool numbers = false;
 };
-const std::map<std::string, Form> kForms{{"move", {2, 2, true}}, {"press", {}}, {"release", {}}, {"scroll", {1, 1, true}}, {"type", {}}, {"hold", {}}, {"let", {}}, {"drop", {1, 1000}}, {"resize", {2, 2, true}}, {"shot", {}}};
+const std::map<std::string, Form> kForms{
+    {"move", {2, 2, true}}, {"press", {}}, {"release", {}},     {"scroll", {1, 1, true}}, {"type", {}},
+    {"hold", {}},           {"let", {}},   {"drop", {1, 1000}}, {"resize", {2, 2, true}}, {"shot", {}}};
 
 // Of GLFW; 0: there is no such key.
 int key_of(const std::string& name) {
-    static const std::map<std::string, int> keys{{"tab", GLFW_KEY_TAB}, {"space", GLFW_KEY_SPACE}, {"escape", GLFW_KEY_ESCAPE}, {"f12", GLFW_KEY_F12}, {"shift", GLFW_KEY_LEFT_SHIFT}, {"ctrl", GLFW_KEY_LEFT_CONTROL}};
+    static const std::map<std::string, int> keys{{"tab", GLFW_KEY_TAB},          {"space", GLFW_KEY_SPACE},
+                                                 {"escape", GLFW_KEY_ESCAPE},    {"f12", GLFW_KEY_F12},
+                                                 {"shift", GLFW_KEY_LEFT_SHIFT}, {"ctrl", GLFW_KEY_LEFT_CONTROL}};
     if (name.size() == 1 && name[0] >= 'a' && name[0] <= 'z') return GLFW_KEY_A + (name[0] - 'a');
     const auto found = keys.find(name);
     return found == keys.end() ? 0 : found->second;
@@ -37,7 +41,8 @@ bool is_number(const std::string& text) {
 
 bool is_known(const std::string& word, const std::vector<std::string>& arguments) {
     const auto form = kForms.find(word);
-    if (form == kForms.end() || arguments.size() < form->second.least || arguments.size() > form->second.most) return false;
+    if (form == kForms.end() || arguments.size() < form->second.least || arguments.size() > form->second.most)
+        return false;
     if (form->second.numbers && !std::ranges::all_of(arguments, is_number)) return false;
     if (word == "press" || word == "release") return kButtons.contains(arguments[0]);
     return (word != "hold" && word != "let") || key_of(arguments[0]) != 0;
@@ -58,7 +63,8 @@ Script::Script(const std::string& path) {
         for (std::string word; words >> word;) event.arguments.push_back(word);
         const auto frame = tools::parse_number(frame_text);
         if (!frame || !is_known(event.word, event.arguments) || (!events_.empty() && *frame < events_.back().frame))
-            throw tools::CommandError(path + ":" + std::to_string(number) + ": '" + line + "' is no event, or comes too late");
+            throw tools::CommandError(path + ":" + std::to_string(number) + ": '" + line +
+                                      "' is no event, or comes too late");
         event.frame = *frame;
         events_.push_back(std::move(event));
     }
@@ -82,7 +88,8 @@ std::optional<std::string> Script::play(uint64_t frame, Window& window) {
             if (word == "hold") window.press({key, io.KeyCtrl});
         }
         if (word == "drop") window.drop(arguments);
-        if (word == "resize") glfwSetWindowSize(window.handle(), static_cast<int>(number(0)), static_cast<int>(number(1)));
+        if (word == "resize")
+            glfwSetWindowSize(window.handle(), static_cast<int>(number(0)), static_cast<int>(number(1)));
         if (word == "shot") shot = arguments[0];
     }
     io.MousePos = {mouse_[0], mouse_[1]};

@@ -27,7 +27,9 @@ public:
 
     // Behind Gui::take_input(). Gives the file of a shot.
     std::optional<std::string> play(uint64_t frame, Window& window);
-    bool ends_by(uint64_t frame) const { return next_ == events_.size() && (events_.empty() || frame > events_.back().frame); }
+    bool ends_by(uint64_t frame) const {
+        return next_ == events_.size() && (events_.empty() || frame > events_.back().frame);
+    }
 
 private:
     struct Event {

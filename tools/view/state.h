@@ -17,15 +17,15 @@ namespace throng::view {
 inline constexpr const char* kByHand = "by hand";
 
 struct State {
-    SceneSettings wanted;  // made so at the end of the frame; what cannot be made goes back to what is
+    SceneSettings wanted;              // made so at the end of the frame; what cannot be made goes back to what is
     std::optional<int> sliding_count;  // while the slider is held
     DrawOptions drawing;
     Orbit orbit;
-    bool flies = false;    // drags turn the head, not the crowd
+    bool flies = false;            // drags turn the head, not the crowd
     std::string camera = kByHand;  // or a path of tools::CameraPath, which leads `orbit` until the hand takes it
 
     bool paused = false;
-    bool steps = false;    // one frame on, though it is paused
+    bool steps = false;  // one frame on, though it is paused
     float time_factor = 1;
 
     bool shows_panels = true, shows_keys = false;
@@ -55,8 +55,8 @@ struct State {
 struct Measured {
     std::string device;
     History history;
-    float frame_ms = 0;  // from one picture to the next
-    std::vector<uint32_t> drawn;     // of each level of detail
+    float frame_ms = 0;                      // from one picture to the next
+    std::vector<uint32_t> drawn;             // of each level of detail
     std::optional<WatchedInstance> watched;  // the character that was selected then, if it has a controller
 };
 

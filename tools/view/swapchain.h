@@ -15,10 +15,13 @@ public:
     // Of the window's size, if it says none itself. The device must be idle.
     void recreate(VkExtent2D window_size);
     // Whether the window has changed so that recreate() is due.
-    bool is_stale(VkExtent2D window_size) const { return stale_ || window_size.width != asked_.width || window_size.height != asked_.height; }
+    bool is_stale(VkExtent2D window_size) const {
+        return stale_ || window_size.width != asked_.width || window_size.height != asked_.height;
+    }
     VkExtent2D extent() const { return extent_; }
 
-    // The image to be written next, once acquired() is signalled; none where the swapchain is stale. Of one image at a time.
+    // The image to be written next, once acquired() is signalled; none where the swapchain is stale. Of one image at a
+    // time.
     std::optional<uint32_t> acquire();
     VkImage image(uint32_t index) const { return images_[index]; }
     VkSemaphore acquired() const { return acquired_.get(); }

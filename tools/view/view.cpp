@@ -15,7 +15,8 @@ void check_size(const RendererSettings& size) {
 }  // namespace
 
 void add_view(Command app) {
-    Command command = app.add_subcommand("view", "a window with a crowd of one or several files: fly through it, change it, look at one; keys by ?");
+    Command command = app.add_subcommand(
+        "view", "a window with a crowd of one or several files: fly through it, change it, look at one; keys by ?");
     auto options = std::make_shared<view::ViewOptions>();
     auto size = std::make_shared<std::string>("1280x720");
     options->scene.count = 100;
@@ -23,11 +24,17 @@ void add_view(Command app) {
     add_camera_options(command, options->camera);
     command.add_option("--size", *size, "of the window").capture_default_str();
     add_device_option(command, options->device);
-    command.add_option("--after", options->frames, "end after so many frames, of 1/60 s each however long they take").check(range(1u, 1'000'000u));
-    command.add_option("--screenshot", options->screenshot, "the .png file for screenshots; with --after the last frame, with its panels, is one").check(writable_file());
+    command.add_option("--after", options->frames, "end after so many frames, of 1/60 s each however long they take")
+        .check(range(1u, 1'000'000u));
+    command
+        .add_option("--screenshot", options->screenshot,
+                    "the .png file for screenshots; with --after the last frame, with its panels, is one")
+        .check(writable_file());
     command.add_option("--script", options->script, "input events, for tests (tools/view/script.h)").hide();
     command.add_option("--dump", options->dump, "the state at the end as JSON, for tests").hide();
-    command.footer("Examples:\n  throng view fox.glb\n  throng view fox.glb knight.glb --count 1000\n  throng view fox.glb --after 60 --screenshot fox.png");
+    command.footer(
+        "Examples:\n  throng view fox.glb\n  throng view fox.glb knight.glb --count 1000\n  throng view fox.glb "
+        "--after 60 --screenshot fox.png");
     command.callback([options, size] {
         options->size = parse_size(*size);
         check_size(options->size);

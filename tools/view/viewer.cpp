@@ -30,9 +30,17 @@ Cast make_cast(const tools::SceneOptions& options) {
 }
 
 SceneSettings make_settings(const tools::SceneOptions& options) {
-    const uint64_t count = options.counts.empty() ? options.count : std::accumulate(options.counts.begin(), options.counts.end(), uint64_t{0});
-    if (count > kMostCharacters) throw CommandError(std::to_string(count) + " characters: a window shows at most " + std::to_string(kMostCharacters) + "; 'throng render' draws more");
-    return {.count = static_cast<uint32_t>(count), .seed = options.seed, .formation = options.formation, .spacing = static_cast<float>(options.spacing), .scan = options.scan};
+    const uint64_t count = options.counts.empty()
+                               ? options.count
+                               : std::accumulate(options.counts.begin(), options.counts.end(), uint64_t{0});
+    if (count > kMostCharacters)
+        throw CommandError(std::to_string(count) + " characters: a window shows at most " +
+                           std::to_string(kMostCharacters) + "; 'throng render' draws more");
+    return {.count = static_cast<uint32_t>(count),
+            .seed = options.seed,
+            .formation = options.formation,
+            .spacing = static_cast<float>(options.spacing),
+            .scan = options.scan};
 }
 
 // A software device takes half the time without multisampling; pictures that are kept have it.
@@ -62,7 +70,8 @@ std::vector<std::string> checked_inputs(const ViewOptions& options) {
 nlohmann::json controller_dump(const std::optional<WatchedInstance>& watched) {
     if (!watched) return nullptr;
     nlohmann::json leading = nlohmann::json::array();
-    for (const std::vector<PlayedMotion>& layer : watched->layers) leading.push_back(layer.empty() ? kNone : layer.front().motion);
+    for (const std::vector<PlayedMotion>& layer : watched->layers)
+        leading.push_back(layer.empty() ? kNone : layer.front().motion);
     return {{"parameters", watched->parameters}, {"leading", leading}};
 }
 
@@ -99,8 +108,10 @@ Viewer::~Viewer() { vkDeviceWaitIdle(context_.device()); }
 void Viewer::run() {
     window_.show();
     while (!is_done()) {
-        if (state_.paused && !is_scripted()) glfwWaitEventsTimeout(0.1);  // nothing changes but by input
-        else glfwPollEvents();
+        if (state_.paused && !is_scripted())
+            glfwWaitEventsTimeout(0.1);  // nothing changes but by input
+        else
+            glfwPollEvents();
         if (window_.size().width == 0 || window_.size().height == 0) {  // minimised
             glfwWaitEvents();
             continue;
@@ -114,7 +125,8 @@ void Viewer::run() {
 }
 
 bool Viewer::is_done() const {
-    return window_.closes() || state_.closes || (options_.frames && frame_ >= *options_.frames) || (script_ && script_->ends_by(frame_));
+    return window_.closes() || state_.closes || (options_.frames && frame_ >= *options_.frames) ||
+           (script_ && script_->ends_by(frame_));
 }
 
 void Viewer::show_frame() {
@@ -128,7 +140,8 @@ void Viewer::show_frame() {
     draw_panels();
     ImGui::Render();
     const bool is_last = options_.frames && frame_ + 1 == *options_.frames && !options_.screenshot.empty();
-    if (std::exchange(state_.takes_screenshot, false) || is_last) shot_ = options_.screenshot.empty() ? free_name() : options_.screenshot;
+    if (std::exchange(state_.takes_screenshot, false) || is_last)
+        shot_ = options_.screenshot.empty() ? free_name() : options_.screenshot;
 
     record(*image);
     submission_.submit(swapchain_.acquired(), swapchain_.written(*image));
@@ -159,15 +172,18 @@ void Viewer::move_camera(float aspect_ratio) {
         path_.emplace(path_name_);
         path_time_s_ = 0;
     }
-    const PlacedBox followed = scene_.box_of(state_.selected.value_or(std::min(path_->followed_character(), scene_.settings().count - 1)));
-    state_.orbit.reset(path_->at(path_time_s_, {scene_.bounds(), aspect_ratio, followed.world_from_model, {followed.min, followed.max}}));
+    const PlacedBox followed = scene_.box_of(
+        state_.selected.value_or(std::min(path_->followed_character(), scene_.settings().count - 1)));
+    state_.orbit.reset(path_->at(
+        path_time_s_, {scene_.bounds(), aspect_ratio, followed.world_from_model, {followed.min, followed.max}}));
     path_time_s_ += double{ImGui::GetIO().DeltaTime};
 }
 
 void Viewer::draw_panels() {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const float aspect_ratio = display.x / display.y;
-    if (const std::optional<Click> click = take_commands(state_, window_.take_pressed())) state_.selected = scene_.pick(Projection(state_.orbit.camera(), aspect_ratio).ray(click->x, click->y));
+    if (const std::optional<Click> click = take_commands(state_, window_.take_pressed()))
+        state_.selected = scene_.pick(Projection(state_.orbit.camera(), aspect_ratio).ray(click->x, click->y));
     move_camera(aspect_ratio);
     if (state_.selected) draw_selection(state_, scene_);
     if (state_.shows_panels) {
@@ -204,7 +220,8 @@ float Viewer::next_time_step() {
 }
 
 void Viewer::measure() {
-    if (const Result<StageTimes> times = scene_.crowd().stage_times()) measured_.history.add(*times, renderer_.draw_ms());
+    if (const Result<StageTimes> times = scene_.crowd().stage_times())
+        measured_.history.add(*times, renderer_.draw_ms());
     measured_.watched.reset();
     if (watches())
         for (const Feedback& feedback : unwrap(scene_.crowd().feedback()))
@@ -263,8 +280,10 @@ void Viewer::use_controller(const std::string& file) {
     size_t fitting = 0;
     for (size_t k = 0; k < cast.characters.size(); ++k) {
         const Result<void> fits = check_controller(controller, cast.characters[k]);
-        if (!fits) why = fits.error().text();
-        else cast.controllers[k] = controller, ++fitting;
+        if (!fits)
+            why = fits.error().text();
+        else
+            cast.controllers[k] = controller, ++fitting;
     }
     if (fitting == 0) throw CommandError(why);
     scene_.set_cast(std::move(cast));
@@ -274,7 +293,8 @@ void Viewer::use_controller(const std::string& file) {
 void Viewer::take_settings() {
     state_.wanted.keeps_joints = state_.drawing.skeletons;
     if (state_.wanted == scene_.settings()) return;
-    const bool moves = state_.wanted.count != scene_.settings().count || state_.wanted.formation != scene_.settings().formation;
+    const bool moves = state_.wanted.count != scene_.settings().count ||
+                       state_.wanted.formation != scene_.settings().formation;
     try {
         scene_.set_settings(state_.wanted);
         measured_.watched.reset();

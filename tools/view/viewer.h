@@ -21,8 +21,9 @@ struct ViewOptions {
     std::string device;
     RendererSettings size;
     std::optional<uint64_t> frames;  // then it ends
-    std::string screenshot;          // file of screenshots, also of the last of these frames; empty: names are made up, and there is none of the last
-    std::string script, dump;        // files, for tests
+    // File of screenshots, also of the last of these frames; empty: names are made up, and there is none of the last
+    std::string screenshot;
+    std::string script, dump;  // files, for tests
 };
 
 class Viewer {
@@ -38,8 +39,10 @@ public:
 
 private:
     bool is_done() const;
-    bool watches() const { return state_.selected && scene_.controller_of(scene_.group_of(*state_.selected)); }  // what a controller does is known to the device alone
-    bool is_scripted() const { return script_ || options_.frames; }  // then every frame is a sixtieth of a second, however long it takes
+    // What a controller does is known to the device alone
+    bool watches() const { return state_.selected && scene_.controller_of(scene_.group_of(*state_.selected)); }
+    // Then every frame is a sixtieth of a second, however long it takes
+    bool is_scripted() const { return script_ || options_.frames; }
     void show_frame();
     void resize();
     void move_camera(float aspect_ratio);

@@ -1,4 +1,5 @@
-// Vulkan as the window needs it beside throng: linked to the system's loader, as Debian's build of Dear ImGui is. Whatever fails throws a CommandError.
+// Vulkan as the window needs it beside throng: linked to the system's loader, as Debian's build of Dear ImGui is.
+// Whatever fails throws a CommandError.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -19,7 +20,9 @@ public:
     Owned() = default;
     // `create` is the call, named `call` in messages, that takes device, info, allocator and handle.
     template <class Info>
-    Owned(VkDevice device, VkResult (*create)(VkDevice, const Info*, const VkAllocationCallbacks*, Handle*), const Info& info, const char* call) : device_(device) {
+    Owned(VkDevice device, VkResult (*create)(VkDevice, const Info*, const VkAllocationCallbacks*, Handle*),
+          const Info& info, const char* call)
+        : device_(device) {
         check(create(device, &info, nullptr, &handle_), call);
     }
     ~Owned() {
@@ -52,7 +55,8 @@ using OwnedDescriptorPool = Owned<VkDescriptorPool, vkDestroyDescriptorPool>;
 using OwnedSwapchain = Owned<VkSwapchainKHR, vkDestroySwapchainKHR>;
 
 // Memory of the device for something with these needs, of a type with `properties`.
-OwnedMemory allocate_memory(VkPhysicalDevice physical_device, VkDevice device, const VkMemoryRequirements& needs, VkMemoryPropertyFlags properties);
+OwnedMemory allocate_memory(VkPhysicalDevice physical_device, VkDevice device, const VkMemoryRequirements& needs,
+                            VkMemoryPropertyFlags properties);
 
 // What the device copies to, and the host reads then.
 class HostBuffer {
@@ -79,7 +83,8 @@ struct ImageUse {
     VkAccessFlags2 access = VK_ACCESS_2_NONE;
     VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
 };
-inline constexpr ImageUse kCopiedTo{VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL};
+inline constexpr ImageUse kCopiedTo{VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL};
 void transition(VkCommandBuffer commands, VkImage image, const ImageUse& before, const ImageUse& after);
 
 }  // namespace throng::view

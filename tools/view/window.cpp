@@ -14,19 +14,22 @@ std::string glfw_error() {
 }  // namespace
 
 Window::Window(uint32_t width, uint32_t height) {
-    if (!glfwInit()) throw tools::CommandError("no window can be opened: is DISPLAY set? 'throng render' draws without one");
+    if (!glfwInit())
+        throw tools::CommandError("no window can be opened: is DISPLAY set? 'throng render' draws without one");
     glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
     glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
     window_ = glfwCreateWindow(static_cast<int>(width), static_cast<int>(height), "throng", nullptr, nullptr);
     if (!window_) {
         const std::string why = glfw_error();
         glfwTerminate();
-        throw tools::CommandError("no window of " + std::to_string(width) + "x" + std::to_string(height) + " can be opened: " + why);
+        throw tools::CommandError("no window of " + std::to_string(width) + "x" + std::to_string(height) +
+                                  " can be opened: " + why);
     }
     glfwSetWindowSizeLimits(window_, 320, 200, GLFW_DONT_CARE, GLFW_DONT_CARE);
     glfwSetWindowUserPointer(window_, this);
     glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int modifiers) {
-        if (action == GLFW_PRESS) static_cast<Window*>(glfwGetWindowUserPointer(window))->press({key, (modifiers & GLFW_MOD_CONTROL) != 0});
+        if (action == GLFW_PRESS)
+            static_cast<Window*>(glfwGetWindowUserPointer(window))->press({key, (modifiers & GLFW_MOD_CONTROL) != 0});
     });
     glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
         static_cast<Window*>(glfwGetWindowUserPointer(window))->drop({paths, paths + count});
