@@ -24,13 +24,6 @@ constexpr uint32_t kRow_bytes = 16;
 // 256 MiB, the largest buffer of a crowd, are 16,384 workgroups: every device dispatches as many.
 constexpr uint32_t kWorkgroupSize = 256, kRowsPerInvocation = 4;
 
-struct FillBuffers {
-    BufferRange to;
-};
-struct CopyBuffers {
-    BufferRange from, to;
-};
-
 Kernel row_kernel(const std::shared_ptr<Gpu>& gpu, std::string_view name, std::span<const uint32_t> plain,
                   std::span<const uint32_t> wide) {
     return Kernel(gpu, {.name = name,
@@ -53,7 +46,7 @@ FillFloor::FillFloor(const std::shared_ptr<Gpu>& gpu, const Crowd& crowd, SkinFo
     for (const OutputBlock& block : crowd.outputs()) {
         const uint64_t size_bytes = uint64_t{block.instance_count} * block.palette_count * skin_format_bytes(format);
         if (size_bytes < kRow_bytes) continue;
-        targets_.push_back({block.skin_buffer, kernel_.bind(FillBuffers{BufferRange(block.skin_buffer, 0, size_bytes)}),
+        targets_.push_back({block.skin_buffer, kernel_.bind({{0, BufferRange(block.skin_buffer, 0, size_bytes)}}),
                             rows_of(size_bytes)});
     }
 }
@@ -79,7 +72,7 @@ CopyFloor::CopyFloor(std::shared_ptr<Gpu> gpu, uint64_t moved_bytes, uint64_t bu
     for (Buffer& buffer : buffers_)
         buffer = Buffer(gpu_, "bytes to copy", buffer_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     for (size_t from = 0; from < buffers_.size(); ++from)
-        bindings_[from] = kernel_.bind(CopyBuffers{buffers_[from], buffers_[1 - from]});
+        bindings_[from] = kernel_.bind({{0, buffers_[from]}, {1, buffers_[1 - from]}});
     for (uint64_t left_bytes = moved_bytes / 2; left_bytes >= kRow_bytes;) {
         passes_.push_back({passes_.size() % 2, std::min(left_bytes, buffer_bytes) / kRow_bytes * kRow_bytes});
         left_bytes -= passes_.back().size_bytes;

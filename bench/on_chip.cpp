@@ -101,8 +101,10 @@ public:
         model_ = storage("model matrices", matrix_count() * sizeof(Affine));
         scratch_ = storage("scratch", sizeof(Affine));
         kernels_ = {kernel(0), kernel(1)};
-        bindings_ = kernels_[0].bind(
-            ScanBuffers{.local = local_, .links = links_, .model = model_, .scratch = scratch_});
+        bindings_ = kernels_[0].bind(BufferTable{{io::kLocalBuffer, local_},
+                                                 {io::kScanLinksBuffer, links_},
+                                                 {io::kModelBuffer, model_},
+                                                 {io::kScratchBuffer, scratch_}});
     }
 
     const ScanChoice& choice() const { return choice_; }

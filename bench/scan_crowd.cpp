@@ -139,11 +139,11 @@ const Buffer& ScanCrowd::local(uint32_t index, ScanLayout layout, ScanFormat for
     return buffer;
 }
 
-ScanBuffers ScanCrowd::buffers(uint32_t batch, const ScanMethod& method, const Buffer& links) {
-    return {.local = local(batch, method.layout, method.format),
-            .links = links,
-            .model = batches_[batch].model,
-            .scratch = batches_[batch].scratch};
+BufferTable ScanCrowd::buffers(uint32_t batch, const ScanMethod& method, const Buffer& links) {
+    return {{io::kLocalBuffer, local(batch, method.layout, method.format)},
+            {io::kScanLinksBuffer, links},
+            {io::kModelBuffer, batches_[batch].model},
+            {io::kScratchBuffer, batches_[batch].scratch}};
 }
 
 void ScanCrowd::poison() const {

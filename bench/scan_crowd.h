@@ -47,7 +47,7 @@ public:
     }
 
     const Buffer& local(uint32_t batch, ScanLayout layout, ScanFormat format);
-    ScanBuffers buffers(uint32_t batch, const ScanMethod& method, const Buffer& links);
+    BufferTable buffers(uint32_t batch, const ScanMethod& method, const Buffer& links);
 
     // Fills the results with NaN, so that what a method leaves out is seen.
     void poison() const;

@@ -53,12 +53,9 @@ public:
                         .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kCopyWide) : kCopyPlain,
                         .workgroup_size = 64,
                         .constants = {kRowsPerInvocation}}) {
-        struct CopyBuffers {
-            BufferRange from, to;
-        };
         for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch)
-            bindings_.push_back(kernel_.bind(CopyBuffers{
-                crowd.local(batch, ScanLayout::kCharacterMajor, ScanFormat::kAffine), crowd.batch(batch).model}));
+            bindings_.push_back(kernel_.bind({{0, crowd.local(batch, ScanLayout::kCharacterMajor, ScanFormat::kAffine)},
+                                              {1, crowd.batch(batch).model}}));
     }
     void record(VkCommandBuffer commands, const ScanCrowd& crowd) const {
         for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch) {

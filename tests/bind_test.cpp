@@ -43,7 +43,11 @@ Bound run_bind(uint32_t joint_count, uint32_t palette_count, uint32_t instance_c
     const Guarded<Affine> model(bound.model), bind_buffer(binds),
         skin(poison<Affine>(size_t{palette_count} * instance_count));
     const Guarded<uint32_t> joint_buffer(joints);
-    run_workgroups(bind_kernel(test_gpu(), SkinFormat::kAffine), BindBuffers{model, joint_buffer, bind_buffer, skin},
+    run_workgroups(bind_kernel(test_gpu(), SkinFormat::kAffine),
+                   BufferTable{{io::kModelBuffer, model},
+                               {io::kPaletteJointsBuffer, joint_buffer},
+                               {io::kJointFromBindBuffer, bind_buffer},
+                               {io::kSkinBuffer, skin}},
                    io::BindPush{joint_count, palette_count}, instance_count);
     bound.got = skin.read();
     EXPECT_TRUE(same_bits(model.read(), bound.model)) << "the stage wrote its input";

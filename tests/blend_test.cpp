@@ -36,7 +36,12 @@ std::vector<Affine> run_blend(const std::vector<float>& weights, const std::vect
     const Guarded<io::JointPose> first_poses(first), second_poses(second);
     const Guarded<Affine> local(poison<Affine>(first.size()));
     run_workgroups(blend_kernel(test_gpu(), {.output = BlendOutput::kAffine}),
-                   BlendBuffers{cursor_buffer, first_poses, second_poses, local, Guarded<uint32_t>({}), first_poses},
+                   BufferTable{{io::kCursorsBuffer, cursor_buffer},
+                               {io::kFirstPosesBuffer, first_poses},
+                               {io::kSecondPosesBuffer, second_poses},
+                               {io::kLocalBuffer, local},
+                               {io::kPosedBuffer, Guarded<uint32_t>({})},
+                               {io::kSetPosesBuffer, first_poses}},
                    io::BlendPush{joint_count}, static_cast<uint32_t>(weights.size()));
     EXPECT_TRUE(same_bits(first_poses.read(), first) && same_bits(second_poses.read(), second))
         << "the stage wrote its input";
@@ -62,7 +67,12 @@ TEST(Blend, SimilaritiesAreTheSameTransforms) {
     const Guarded<io::JointPose> first_poses(first), second_poses(second);
     const Guarded<io::vec4> local(poison<io::vec4>(2 * first.size()));  // rotation; translation and scale
     run_workgroups(blend_kernel(test_gpu(), {.output = BlendOutput::kSimilarity}),
-                   BlendBuffers{cursor_buffer, first_poses, second_poses, local, Guarded<uint32_t>({}), first_poses},
+                   BufferTable{{io::kCursorsBuffer, cursor_buffer},
+                               {io::kFirstPosesBuffer, first_poses},
+                               {io::kSecondPosesBuffer, second_poses},
+                               {io::kLocalBuffer, local},
+                               {io::kPosedBuffer, Guarded<uint32_t>({})},
+                               {io::kSetPosesBuffer, first_poses}},
                    io::BlendPush{kJoints}, static_cast<uint32_t>(weights.size()));
     const std::vector<io::vec4> rows = local.read();
     for (size_t i = 0; i < first.size(); ++i) {

@@ -82,7 +82,11 @@ public:
           cursors_(poison<io::InstanceCursor>(count_)) {}
 
     void step(float time_step_s) {
-        run_invocations(kernel_, ControlBuffers{playbacks_, axes_, times_, cursors_},
+        run_invocations(kernel_,
+                        BufferTable{{io::kPlaybacksBuffer, playbacks_},
+                                    {io::kTimelineBuffer, axes_},
+                                    {io::kTimesBuffer, times_},
+                                    {io::kCursorsBuffer, cursors_}},
                         io::ControlPush{count_, kJointCount, time_step_s}, count_);
         state = playbacks_.read();
         cursors = cursors_.read();

@@ -41,10 +41,22 @@ public:
           placements_(std::vector<Affine>(count)),
           inertias_(std::vector<io::InstanceInertia>(count)),
           commands_(std::vector<io::ControlCommand>(count * size_t{kCommandsEach})),
-          controller_bindings_(controller_.bind(ControllerBuffers{tables_, axes_, times_, root_rows_, layers_,
-                                                                  parameters_, voices_, events_, roots_, placements_,
-                                                                  inertias_, layers_, parameters_, voice_times_})),
-          command_bindings_(command_.bind(CommandBuffers{commands_, layers_, parameters_})) {}
+          controller_bindings_(controller_.bind(BufferTable{{io::kControllerBuffer, tables_},
+                                                            {io::kTimelineBuffer, axes_},
+                                                            {io::kTimesBuffer, times_},
+                                                            {io::kRootRowsBuffer, root_rows_},
+                                                            {io::kLayersBuffer, layers_},
+                                                            {io::kParametersBuffer, parameters_},
+                                                            {io::kVoicesBuffer, voices_},
+                                                            {io::kEventsBuffer, events_},
+                                                            {io::kRootsBuffer, roots_},
+                                                            {io::kPlacementsBuffer, placements_},
+                                                            {io::kInertiasBuffer, inertias_},
+                                                            {io::kLayersBeforeBuffer, layers_},
+                                                            {io::kParametersBeforeBuffer, parameters_},
+                                                            {io::kVoiceTimesBuffer, voice_times_}})),
+          command_bindings_(command_.bind(BufferTable{
+              {io::kCommandsBuffer, commands_}, {io::kLayersBuffer, layers_}, {io::kParametersBuffer, parameters_}})) {}
 
     static constexpr uint32_t kCommandsEach = 3;
 

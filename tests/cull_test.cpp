@@ -276,8 +276,8 @@ TEST(Cull, ARefusedUpdateTakesNothingUp) {
     view.eye.y = NAN;
     EXPECT_FALSE(crowd.update(0, &view));
     ASSERT_TRUE(crowd.update(0));
-    EXPECT_TRUE(
-        same_bits(download<Affine>(test_gpu(), crowd.state().batches[0].placements), {Affine(), place, Affine()}));
+    EXPECT_TRUE(same_bits(download<Affine>(test_gpu(), crowd.state().batches[0][io::kPlacementsBuffer]),
+                          {Affine(), place, Affine()}));
 }
 
 // Positions are read by the joints that the level has which is drawn.

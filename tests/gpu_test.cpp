@@ -112,7 +112,10 @@ TEST(Gpu, AWrongDispatchIsRefused) {
     const Kernel kernel = control_kernel(test_gpu());
     EXPECT_EQ(kernel.workgroup_size(), io::kControlWorkgroupSize);
     const Buffer buffer = make_table<uint32_t>(test_gpu(), "test", 64);
-    const Bindings bindings = kernel.bind(ControlBuffers{buffer, buffer, buffer, buffer});
+    const Bindings bindings = kernel.bind(BufferTable{{io::kPlaybacksBuffer, buffer},
+                                                      {io::kTimelineBuffer, buffer},
+                                                      {io::kTimesBuffer, buffer},
+                                                      {io::kCursorsBuffer, buffer}});
     const Error push = error_of([&] {
         run_on_gpu([&](VkCommandBuffer commands) { kernel.dispatch_invocations(commands, bindings, uint64_t{0}, 1); });
     });
@@ -130,10 +133,11 @@ TEST(Gpu, AWrongDispatchIsRefused) {
         EXPECT_TRUE(contains(count.text(), std::to_string(limit + 1)) && contains(count.text(), std::to_string(limit)))
             << count.text();
     }
-    struct TooFew {
-        BufferRange a, b, c;
-    };
-    EXPECT_EQ(error_of([&] { (void)kernel.bind(TooFew{buffer, buffer, buffer}); }).code, ErrorCode::kInvalidArgument);
+    const Error missing = error_of([&] {
+        (void)kernel.bind({{io::kPlaybacksBuffer, buffer}, {io::kTimelineBuffer, buffer}});
+    });
+    EXPECT_EQ(missing.code, ErrorCode::kInvalidArgument);
+    EXPECT_EQ(missing.text(), "control: there is no buffer of times");
 }
 
 TEST(Gpu, TheWorkgroupSizeIsGivenExactlyWhereTheShaderLeavesItOpen) {
@@ -166,15 +170,28 @@ TEST(Gpu, SpirvTellsWhatAShaderNeeds) {
             EXPECT_EQ(info.local_size_x, local_size) << name;
         }
     };
-    expect("control", kControlSpirv, {0, 1, 2, 3}, sizeof(io::ControlPush), io::kControlWorkgroupSize);
-    expect("sample", kSampleSpirv, {0, 1, 2, 3, 4}, sizeof(io::SamplePush), io::kSampleWorkgroupSize);
-    expect("blend", kBlendSpirv, {0, 1, 2, 3, 4, 5}, sizeof(io::BlendPush), io::kBlendWorkgroupSize);
-    expect("bind", kBindSpirv, {0, 1, 2, 3}, sizeof(io::BindPush), io::kBindWorkgroupSize);
-    expect("skin", kSkinSpirv, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}, sizeof(io::SkinPush), io::kSkinWorkgroupSize);
+    expect("control", kControlSpirv, {io::kTimelineBuffer, io::kTimesBuffer, io::kPlaybacksBuffer, io::kCursorsBuffer},
+           sizeof(io::ControlPush), io::kControlWorkgroupSize);
+    expect("sample", kSampleSpirv,
+           {io::kTracksBuffer, io::kKeysBuffer, io::kWordsBuffer, io::kCursorsBuffer, io::kSampledPosesBuffer},
+           sizeof(io::SamplePush), io::kSampleWorkgroupSize);
+    expect("blend", kBlendSpirv,
+           {io::kSetPosesBuffer, io::kCursorsBuffer, io::kPosedBuffer, io::kFirstPosesBuffer, io::kSecondPosesBuffer,
+            io::kLocalBuffer},
+           sizeof(io::BlendPush), io::kBlendWorkgroupSize);
+    expect("bind", kBindSpirv, {io::kPaletteJointsBuffer, io::kJointFromBindBuffer, io::kModelBuffer, io::kSkinBuffer},
+           sizeof(io::BindPush), io::kBindWorkgroupSize);
+    expect("skin", kSkinSpirv,
+           {io::kVerticesBuffer, io::kInfluencesBuffer, io::kSkinSectionsBuffer, io::kListedVerticesBuffer,
+            io::kMorphDeltasBuffer, io::kActiveMorphsBuffer, io::kSkinBuffer, io::kSkinnedBuffer, io::kVerdictsBuffer,
+            io::kListBuffer},
+           sizeof(io::SkinPush), io::kSkinWorkgroupSize);
     for (const ScanMethod& method : scan_table()) {
         const ScanShaders& shaders = scan_shaders(method.name);
         for (const auto& spirv : {shaders.plain, shaders.wide, shaders.on_chip, shaders.on_chip_wide}) {
-            const std::vector<uint32_t> bindings = storage_bindings(read_spirv(spirv)), all{0, 1, 2, 3};
+            const std::vector<uint32_t> bindings = storage_bindings(read_spirv(spirv)),
+                                        all{io::kScanLinksBuffer, io::kLocalBuffer, io::kModelBuffer,
+                                            io::kScratchBuffer};
             EXPECT_TRUE(std::includes(all.begin(), all.end(), bindings.begin(), bindings.end())) << method.name;
             expect(std::string(method.name).c_str(), spirv, bindings, sizeof(io::ScanPush), 0);
         }

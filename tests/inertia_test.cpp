@@ -140,9 +140,6 @@ TEST(Inertia, TheShadersFollowTheReference) {
         for (const Trs<double>& t : {shown, before, target, target}) poses.push_back(to_pose(t));
     }
     const auto count = static_cast<uint32_t>(poses.size() / 4);
-    struct Buffers {
-        BufferRange poses, results;
-    };
     struct Push {
         uint32_t joint_count;
         float time_step_s, elapsed_s, duration_s;
@@ -152,8 +149,8 @@ TEST(Inertia, TheShadersFollowTheReference) {
     double worst = 0;
     for (const float elapsed_s : {0.0f, 0.016f, 0.05f, 0.1f, 0.2f, 0.29f, 0.3f, 1.0f}) {
         const Guarded<io::JointPose> results(poison<io::JointPose>(count));
-        run_invocations(kernel, Buffers{inputs, results}, Push{count, static_cast<float>(kTimeStep_s), elapsed_s, 0.3f},
-                        count);
+        run_invocations(kernel, BufferTable{{0, inputs}, {1, results}},
+                        Push{count, static_cast<float>(kTimeStep_s), elapsed_s, 0.3f}, count);
         const std::vector<io::JointPose> got = results.read();
         for (size_t i = 0; i < count; ++i) {
             const Trs<double> target = as_trs(poses[4 * i + 2]);

@@ -69,14 +69,14 @@ void run_on_gpu(Body&& body) {
     });
 }
 
-template <class Buffers, class Push>
-void run_workgroups(const Kernel& kernel, const Buffers& buffers, const Push& push, uint32_t count) {
+template <class Push>
+void run_workgroups(const Kernel& kernel, const BufferTable& buffers, const Push& push, uint32_t count) {
     const Bindings bindings = kernel.bind(buffers);
     run_on_gpu([&](VkCommandBuffer commands) { kernel.dispatch_workgroups(commands, bindings, push, count); });
 }
 
-template <class Buffers, class Push>
-void run_invocations(const Kernel& kernel, const Buffers& buffers, const Push& push, uint32_t count) {
+template <class Push>
+void run_invocations(const Kernel& kernel, const BufferTable& buffers, const Push& push, uint32_t count) {
     const Bindings bindings = kernel.bind(buffers);
     run_on_gpu([&](VkCommandBuffer commands) { kernel.dispatch_invocations(commands, bindings, push, count); });
 }

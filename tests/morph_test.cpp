@@ -192,7 +192,9 @@ std::vector<MorphLayer> layers_of(const Character& character, const Playback& pl
 
 class Stage {
 public:
-    explicit Stage(const Character& character) : character_(character), tables_(test_gpu(), character) {}
+    explicit Stage(const Character& character) : character_(character) {
+        upload_morph_tables(test_gpu(), character, tables_);
+    }
 
     std::vector<std::vector<io::ActiveMorph>> run_two(const std::vector<Playback>& playbacks) const {
         std::vector<io::InstancePlayback> states;
@@ -240,10 +242,18 @@ private:
                                                   const BufferRange& times, uint32_t count,
                                                   uint32_t voice_limit) const {
         const Guarded<io::ActiveMorph> active(poison<io::ActiveMorph>(count * size_t{io::kActiveMorphs}));
-        run_invocations(
-            morph_kernel(test_gpu(), voice_limit > 0),
-            MorphBuffers{playbacks, voices, times, tables_.axes, tables_.times, tables_.tracks, tables_.values, active},
-            io::MorphPush{count, tables_.morph_count, character_.rig.joint_count(), voice_limit}, count);
+        run_invocations(morph_kernel(test_gpu(), voice_limit > 0),
+                        BufferTable{{io::kPlaybacksBuffer, playbacks},
+                                    {io::kVoicesBuffer, voices},
+                                    {io::kVoiceTimesBuffer, times},
+                                    {io::kMorphTimelineBuffer, tables_[io::kMorphTimelineBuffer]},
+                                    {io::kMorphTimesBuffer, tables_[io::kMorphTimesBuffer]},
+                                    {io::kMorphTracksBuffer, tables_[io::kMorphTracksBuffer]},
+                                    {io::kMorphValuesBuffer, tables_[io::kMorphValuesBuffer]},
+                                    {io::kActiveMorphsBuffer, active}},
+                        io::MorphPush{count, static_cast<uint32_t>(character_.morphs.size()),
+                                      character_.rig.joint_count(), voice_limit},
+                        count);
         const std::vector<io::ActiveMorph> all = active.read();
         std::vector<std::vector<io::ActiveMorph>> out;
         for (size_t i = 0; i < all.size(); i += io::kActiveMorphs)
@@ -253,7 +263,7 @@ private:
     }
 
     const Character& character_;
-    MorphTables tables_;
+    Buffers tables_;
 };
 
 // The active morphs may differ where weights are equal but for rounding: each must have its weight, and none that was

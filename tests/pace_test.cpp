@@ -56,7 +56,7 @@ std::vector<Affine> previous_of(Crowd& crowd, uint32_t instance) {
 }
 
 uint32_t animated_in_last_update(Crowd& crowd) {
-    const std::vector<uint32_t> work = download<uint32_t>(test_gpu(), crowd.state().batches[0].work);
+    const std::vector<uint32_t> work = download<uint32_t>(test_gpu(), crowd.state().batches[0][io::kWorkBuffer]);
     uint32_t count = 0;
     for (uint32_t section = 0; section < io::kGoingOn; ++section) count += work[2 * section + 1];
     return count;
@@ -227,7 +227,7 @@ TEST(Pace, CoarserLevelsHaveFewerJoints) {
                         << "instance " << one.instance << ", entry " << entry;
         }
     }
-    const std::vector<uint32_t> work = download<uint32_t>(test_gpu(), reduced.state().batches[0].work);
+    const std::vector<uint32_t> work = download<uint32_t>(test_gpu(), reduced.state().batches[0][io::kWorkBuffer]);
     const std::vector<FusedJoints>& sets = reduced.state().groups[0].fused;
     ASSERT_EQ(sets.size(), 1 + character.details.size());
     for (size_t detail = 0; detail < sets.size(); ++detail) {

@@ -427,9 +427,9 @@ public:
         const std::vector<Affine> placements = download<Affine>(crowd_.state().gpu,
                                                                 {block.placement_buffer, 0, count * sizeof(Affine)});
         const std::vector<io::RootState> roots = download<io::RootState>(crowd_.state().gpu,
-                                                                         crowd_.state().batches[0].roots);
+                                                                         crowd_.state().batches[0][io::kRootsBuffer]);
         ASSERT_EQ(roots.size(), count);
-        EXPECT_EQ(block.root_buffer, crowd_.state().batches[0].roots.handle());
+        EXPECT_EQ(block.root_buffer, crowd_.state().batches[0][io::kRootsBuffer].handle());
         const std::vector<Feedback> feedback = *crowd_.feedback();
         ASSERT_TRUE(feedback.size() == 1 && feedback[0].watched.size() == 1);
         const WatchedInstance& watched = feedback[0].watched[0];

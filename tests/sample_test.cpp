@@ -55,7 +55,11 @@ std::vector<io::JointPose> run_sample(const Character& character, const std::vec
     const Guarded<std::array<float, 4>> keys(character.keys);
     const Guarded<uint32_t> words(character.words);
     run_workgroups(sample_kernel(test_gpu(), character.packed),
-                   SampleBuffers{cursor_buffer, tracks, keys, words, poses},
+                   BufferTable{{io::kCursorsBuffer, cursor_buffer},
+                               {io::kTracksBuffer, tracks},
+                               {io::kKeysBuffer, keys},
+                               {io::kWordsBuffer, words},
+                               {io::kSampledPosesBuffer, poses}},
                    io::SamplePush{character.rig.joint_count(), slot}, count);
     return poses.read();
 }

@@ -124,8 +124,11 @@ struct ScanRun {
           model(poison<Affine>(matrix_count())),
           scratch(poison<Affine>(matrix_count())) {}
     size_t matrix_count() const { return size_t{crowd.rig.joint_count()} * instance_count; }
-    ScanBuffers buffers(const Buffer& links) const {
-        return {.local = local, .links = links, .model = model, .scratch = scratch};
+    BufferTable buffers(const Buffer& links) const {
+        return {{io::kLocalBuffer, local},
+                {io::kScanLinksBuffer, links},
+                {io::kModelBuffer, model},
+                {io::kScratchBuffer, scratch}};
     }
 
     // [instance][joint], after a look at the guard words and the input.

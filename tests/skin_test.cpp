@@ -132,7 +132,8 @@ Skinned run_skin(const Character& character, const SkinCase& of, Random& random)
             shown[i * io::kActiveMorphs + k] = {morph, weight};
             if (i == of.instance) of_instance_shown.push_back({morph, double{weight}});
         }
-    const SkinTables tables(test_gpu(), character, std::array{0u});
+    Buffers tables;
+    upload_skin_tables(test_gpu(), character, std::array{0u}, tables);
     const Guarded<MorphDelta> deltas(character.morph_deltas);
     const Guarded<io::ActiveMorph> active(shown);
     const Guarded<Vertex> vertices(character.vertices);
@@ -141,8 +142,16 @@ Skinned run_skin(const Character& character, const SkinCase& of, Random& random)
     const Guarded<SkinnedVertex> skinned(poison<SkinnedVertex>(character.vertices.size()));
     const Kernel kernel = skin_kernel(test_gpu(), of.format, of.blend, false);
     run_workgroups(kernel,
-                   SkinBuffers{vertices, influences, skin_matrices, skinned, deltas, active, tables.sections,
-                               tables.vertices, vertices, vertices},
+                   BufferTable{{io::kVerticesBuffer, vertices},
+                               {io::kInfluencesBuffer, influences},
+                               {io::kSkinBuffer, skin_matrices},
+                               {io::kSkinnedBuffer, skinned},
+                               {io::kMorphDeltasBuffer, deltas},
+                               {io::kActiveMorphsBuffer, active},
+                               {io::kSkinSectionsBuffer, tables[io::kSkinSectionsBuffer]},
+                               {io::kListedVerticesBuffer, tables[io::kListedVerticesBuffer]},
+                               {io::kListBuffer, vertices},
+                               {io::kVerdictsBuffer, vertices}},
                    io::SkinPush{.section_count = static_cast<uint32_t>(character.sections.size()),
                                 .vertex_count = static_cast<uint32_t>(character.vertices.size()),
                                 .palette_count = palette_count,

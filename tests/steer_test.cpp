@@ -157,8 +157,9 @@ private:
     std::vector<io::AgentState> states_now() const {
         std::vector<io::AgentState> states;
         for (const Batch& batch : crowd_.state().batches) {
-            const std::vector<io::AgentState> part = batch.agents.handle()
-                                                         ? download<io::AgentState>(crowd_.state().gpu, batch.agents)
+            const std::vector<io::AgentState> part = batch[io::kAgentsBuffer].handle()
+                                                         ? download<io::AgentState>(crowd_.state().gpu,
+                                                                                    batch[io::kAgentsBuffer])
                                                          : std::vector<io::AgentState>(batch.instance_count);
             states.insert(states.end(), part.begin(), part.end());
         }

@@ -125,7 +125,16 @@ public:
                                                                         : BlendOutput::kSimilarity;
         const Guarded<Local> local(poison<Local>(count * joint_count()));
         run_workgroups(layered_kernel(test_gpu(), {.packed = character_.packed, .output = kOutput}),
-                       LayeredBuffers{voices, mask_buffer_, tracks_, keys_, words_, local, local, local, words_, keys_},
+                       BufferTable{{io::kVoicesBuffer, voices},
+                                   {io::kMasksBuffer, mask_buffer_},
+                                   {io::kTracksBuffer, tracks_},
+                                   {io::kKeysBuffer, keys_},
+                                   {io::kWordsBuffer, words_},
+                                   {io::kLocalBuffer, local},
+                                   {io::kInertiasBuffer, local},
+                                   {io::kInertiaStatesBuffer, local},
+                                   {io::kPosedBuffer, words_},
+                                   {io::kSetPosesBuffer, keys_}},
                        io::LayeredPush{joint_count(), voice_limit}, static_cast<uint32_t>(count));
         return local.read();
     }

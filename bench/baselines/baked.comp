@@ -9,14 +9,17 @@
 // Wins: speed, at any depth.   Loses: memory, and shape: a sum of rotations is no rotation, so limbs shrink between
 // frames that lie
 //   far apart, and above all between clips.   Measured: bench/README.md#baselines
+#include "gpu/buffers_io.h"
 #include "baselines_io.h"
 #include "gpu/stored.glsl"
 
 layout(local_size_x = kBaselineWorkgroupSize) in;
-layout(set = 0, binding = 0, std430) readonly buffer Cursors { InstanceCursor cursors[]; };
-layout(set = 0, binding = 1, std430) readonly buffer Tracks { uvec4 tracks[]; };  // one a clip: its first matrix
-layout(set = 0, binding = 2, std430) readonly buffer Frames { StoredAffine frames[]; };
-layout(set = 0, binding = 5, std430) writeonly buffer Skin { StoredAffine skin[]; };
+layout(set = 0, binding = kCursorsBuffer, std430) readonly buffer Cursors { InstanceCursor cursors[]; };
+layout(set = 0, binding = kTracksBuffer, std430) readonly buffer Tracks {
+    uvec4 tracks[];
+};  // one a clip: its first matrix
+layout(set = 0, binding = kKeysBuffer, std430) readonly buffer Frames { StoredAffine frames[]; };
+layout(set = 0, binding = kSkinBuffer, std430) writeonly buffer Skin { StoredAffine skin[]; };
 layout(push_constant) uniform Push { BaselinePush push; };
 
 Affine mix_matrices(Affine a, Affine b, float w) {

@@ -13,16 +13,6 @@
 namespace throng::bench {
 namespace {
 
-// In the order of the bindings; dispatched with io::BaselinePush, a workgroup per instance.
-struct BaselineBuffers {
-    BufferRange cursors;          // io::InstanceCursor[instance_count]
-    BufferRange tracks;           // JointTracks[clip_count + 1][tracks_per_clip]
-    BufferRange keys;             // the method's own
-    BufferRange palette_joints;   // uint[palette_count]
-    BufferRange joint_from_bind;  // Affine[palette_count]
-    BufferRange skin;             // Affine[instance_count][palette_count], model_from_bind, written
-};
-
 io::SlotPlayback slot_of(const Character& baked, const ClipPlayback& from) {
     if (from.clip == kNone)
         return {.clip = static_cast<uint32_t>(baked.clips.size()), .loop = 0, .time_s = 0, .speed = 0};
@@ -99,9 +89,16 @@ BaselineCrowd::BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline,
         batch.cursors = Buffer(gpu_, "cursors", members.size() * sizeof(io::InstanceCursor),
                                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
         batch.skin = Buffer(gpu_, "skin matrices", members.size() * instance_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-        batch.control_bindings = control_.bind(ControlBuffers{batch.playbacks, axes_, times_, batch.cursors});
-        batch.baseline_bindings = kernel_.bind(
-            BaselineBuffers{batch.cursors, tracks_, keys_, palette_joints_, joint_from_bind_, batch.skin});
+        batch.control_bindings = control_.bind(BufferTable{{io::kPlaybacksBuffer, batch.playbacks},
+                                                           {io::kTimelineBuffer, axes_},
+                                                           {io::kTimesBuffer, times_},
+                                                           {io::kCursorsBuffer, batch.cursors}});
+        batch.baseline_bindings = kernel_.bind({{io::kCursorsBuffer, batch.cursors},
+                                                {io::kTracksBuffer, tracks_},
+                                                {io::kKeysBuffer, keys_},
+                                                {io::kPaletteJointsBuffer, palette_joints_},
+                                                {io::kJointFromBindBuffer, joint_from_bind_},
+                                                {io::kSkinBuffer, batch.skin}});
         batches_.push_back(std::move(batch));
     }
 }

@@ -10,18 +10,21 @@
 // nothing between the stages. Wins: speed, at any depth.   Loses: shape: joints go from pose to pose on straight lines,
 // each for itself, so that a chain that bends
 //   differently in two clips comes apart and shrinks between them.   Measured: bench/README.md#baselines
+#include "gpu/buffers_io.h"
 #include "baselines_io.h"
 #include "gpu/stored.glsl"
 #include "gpu/table.glsl"
 #include "blend/blend.glsl"
 
 layout(local_size_x = kBaselineWorkgroupSize) in;
-layout(set = 0, binding = 0, std430) readonly buffer Cursors { InstanceCursor cursors[]; };
-TABLE_OF_ROWS(1, Tracks, tracks);
-TABLE_OF_ROWS(2, Keys, keys);
-layout(set = 0, binding = 3, std430) readonly buffer PaletteJoints { uint palette_joints[]; };
-layout(set = 0, binding = 4, std430) readonly buffer JointFromBind { StoredAffine joint_from_bind[]; };
-layout(set = 0, binding = 5, std430) writeonly buffer Skin { StoredAffine skin[]; };
+layout(set = 0, binding = kCursorsBuffer, std430) readonly buffer Cursors { InstanceCursor cursors[]; };
+TABLE_OF_ROWS(kTracksBuffer, Tracks, tracks);
+TABLE_OF_ROWS(kKeysBuffer, Keys, keys);
+layout(set = 0, binding = kPaletteJointsBuffer, std430) readonly buffer PaletteJoints { uint palette_joints[]; };
+layout(set = 0, binding = kJointFromBindBuffer, std430) readonly buffer JointFromBind {
+    StoredAffine joint_from_bind[];
+};
+layout(set = 0, binding = kSkinBuffer, std430) writeonly buffer Skin { StoredAffine skin[]; };
 layout(push_constant) uniform Push { BaselinePush push; };
 
 #include "sample/exact.glsl"

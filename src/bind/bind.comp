@@ -2,19 +2,20 @@
 // bind: skin matrix = model_from_joint * joint_from_bind, for every palette entry of every instance.
 // One workgroup per instance, entries in strides. Reads 48 bytes of model matrix an entry, writes 24 to 48; the rest
 // stays in caches.
+#include "gpu/buffers_io.h"
 #include "bind/bind.glsl"
 #include "gpu/stored.glsl"
 #include "gpu/table.glsl"
 
 layout(local_size_x = kBindWorkgroupSize) in;
-layout(set = 0, binding = 0, std430) readonly buffer Model { StoredAffine model[]; };
-TABLE_OF_WORDS(1, PaletteJoints, palette_joints);
-TABLE_OF_ROWS(2, JointFromBind, joint_from_bind);
+layout(set = 0, binding = kModelBuffer, std430) readonly buffer Model { StoredAffine model[]; };
+TABLE_OF_WORDS(kPaletteJointsBuffer, PaletteJoints, palette_joints);
+TABLE_OF_ROWS(kJointFromBindBuffer, JointFromBind, joint_from_bind);
 layout(constant_id = 1) const uint kSkinFormat = kSkinAffine;
 layout(push_constant) uniform Push { BindPush push; };
 
 #define SKIN_SET 0
-#define SKIN_BINDING 3
+#define SKIN_BINDING kSkinBuffer
 #define SKIN_STORES
 #include "bind/skin_format.glsl"
 

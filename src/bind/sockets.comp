@@ -2,15 +2,16 @@
 // sockets: transforms of the joints that things are attached to, of every instance, for other passes and the CPU.
 // One invocation per instance and socket. Fused updates have written model_from_joint already; of staged ones it is
 // gathered here.
+#include "gpu/buffers_io.h"
 #include "bind/sockets_io.h"
 #include "gpu/affine.glsl"
 #include "gpu/table.glsl"
 
 layout(local_size_x = kSocketWorkgroupSize) in;
-layout(set = 0, binding = 0, std430) readonly buffer Model { Affine model[]; };            // [instance][joint]
-TABLE_OF_WORDS(1, Joints, joints);                                                         // [socket]
-layout(set = 0, binding = 2, std430) readonly buffer Placements { Affine placements[]; };  // [instance]
-layout(set = 0, binding = 3, std430) buffer Sockets { Affine sockets[]; };                 // [instance][socket]
+layout(set = 0, binding = kModelBuffer, std430) readonly buffer Model { Affine model[]; };  // [instance][joint]
+TABLE_OF_WORDS(kSocketJointsBuffer, Joints, joints);                                        // [socket]
+layout(set = 0, binding = kPlacementsBuffer, std430) readonly buffer Placements { Affine placements[]; };  // [instance]
+layout(set = 0, binding = kSocketsBuffer, std430) buffer Sockets { Affine sockets[]; };  // [instance][socket]
 layout(push_constant) uniform Push { SocketPush push; };
 
 void main() {

@@ -2,16 +2,17 @@
 // blend: two poses per joint, weighted per instance, to parent_from_joint; and over them the pose that was set. Reads
 // only the poses that have weight. One workgroup per instance, joints in strides. Reads 48 or 96 bytes a joint, writes
 // 48, or 32 as similarities.
+#include "gpu/buffers_io.h"
 #include "blend/blend_io.h"
 #include "gpu/table.glsl"
 
 layout(local_size_x = kBlendWorkgroupSize) in;
-layout(set = 0, binding = 0, std430) readonly buffer Cursors { InstanceCursor cursors[]; };
-layout(set = 0, binding = 1, std430) readonly buffer FirstPoses { JointPose first_poses[]; };
-layout(set = 0, binding = 2, std430) readonly buffer SecondPoses { JointPose second_poses[]; };
-layout(set = 0, binding = 3, std430) writeonly buffer Local { vec4 local[]; };
-TABLE_OF_WORDS(4, Posed, posed);
-TABLE_OF_ROWS(5, Poses, poses);
+layout(set = 0, binding = kCursorsBuffer, std430) readonly buffer Cursors { InstanceCursor cursors[]; };
+layout(set = 0, binding = kFirstPosesBuffer, std430) readonly buffer FirstPoses { JointPose first_poses[]; };
+layout(set = 0, binding = kSecondPosesBuffer, std430) readonly buffer SecondPoses { JointPose second_poses[]; };
+layout(set = 0, binding = kLocalBuffer, std430) writeonly buffer Local { vec4 local[]; };
+TABLE_OF_WORDS(kPosedBuffer, Posed, posed);
+TABLE_OF_ROWS(kSetPosesBuffer, Poses, poses);
 layout(constant_id = 1) const bool kSimilarity = false;
 layout(constant_id = 2) const bool kPosed = false;
 layout(push_constant) uniform Push { BlendPush push; };

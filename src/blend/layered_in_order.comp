@@ -3,24 +3,25 @@
 // so an invocation walks its instance's joints, parents before children. Reads and writes beside what layered.comp does
 // 96 bytes a joint and layer in model space. A dispatch takes the joints that a software device's loops can go through
 // (record_layered_in_order()); the rotations pass from one to the next in memory.
+#include "gpu/buffers_io.h"
 #include "blend/inertia_io.h"
 #include "blend/layered_io.h"
 #include "control/controller_io.h"
 #include "gpu/table.glsl"
 
 layout(local_size_x = kLayeredWorkgroupSize) in;
-TABLE_OF_ROWS(0, Voices, voices);
-TABLE_OF_WORDS(1, Masks, masks);
-TABLE_OF_ROWS(2, Tracks, tracks);
-TABLE_OF_ROWS(3, Keys, keys);
-TABLE_OF_WORDS(4, Words, words);
-layout(set = 0, binding = 5, std430) writeonly buffer Local { vec4 local[]; };
-layout(set = 0, binding = 6, std430) readonly buffer Inertias { InstanceInertia inertias[]; };
-layout(set = 0, binding = 7, std430) buffer InertiaStates { InertiaState inertia_states[]; };
-TABLE_OF_WORDS(8, Posed, posed);
-TABLE_OF_ROWS(9, Poses, poses);
-TABLE_OF_WORDS(10, Parents, parents);
-layout(set = 0, binding = 11, std430) buffer Rotations { ModelRotations rotations[]; };
+TABLE_OF_ROWS(kVoicesBuffer, Voices, voices);
+TABLE_OF_WORDS(kMasksBuffer, Masks, masks);
+TABLE_OF_ROWS(kTracksBuffer, Tracks, tracks);
+TABLE_OF_ROWS(kKeysBuffer, Keys, keys);
+TABLE_OF_WORDS(kWordsBuffer, Words, words);
+layout(set = 0, binding = kLocalBuffer, std430) writeonly buffer Local { vec4 local[]; };
+layout(set = 0, binding = kInertiasBuffer, std430) readonly buffer Inertias { InstanceInertia inertias[]; };
+layout(set = 0, binding = kInertiaStatesBuffer, std430) buffer InertiaStates { InertiaState inertia_states[]; };
+TABLE_OF_WORDS(kPosedBuffer, Posed, posed);
+TABLE_OF_ROWS(kSetPosesBuffer, Poses, poses);
+TABLE_OF_WORDS(kParentsBuffer, Parents, parents);
+layout(set = 0, binding = kRotationsBuffer, std430) buffer Rotations { ModelRotations rotations[]; };
 layout(constant_id = 1) const bool kPacked = false;
 layout(constant_id = 2) const bool kSimilarity = false;
 layout(constant_id = 3) const bool kInertial = false;

@@ -1,14 +1,15 @@
 #version 460
 // control: advances each instance's clips by the time step and finds the rows of keys that the sample stage
 // interpolates. One invocation per instance; cost: a binary search per clip.
+#include "gpu/buffers_io.h"
 #include "control/control_io.h"
 #include "gpu/table.glsl"
 
 layout(local_size_x = kControlWorkgroupSize) in;
-layout(set = 0, binding = 0, std430) buffer Playbacks { InstancePlayback playbacks[]; };
-TABLE_OF_WORDS(1, Axes, axes);
-TABLE_OF_WORDS(2, Times, times);
-layout(set = 0, binding = 3, std430) writeonly buffer Cursors { InstanceCursor cursors[]; };
+layout(set = 0, binding = kPlaybacksBuffer, std430) buffer Playbacks { InstancePlayback playbacks[]; };
+TABLE_OF_WORDS(kTimelineBuffer, Axes, axes);
+TABLE_OF_WORDS(kTimesBuffer, Times, times);
+layout(set = 0, binding = kCursorsBuffer, std430) writeonly buffer Cursors { InstanceCursor cursors[]; };
 layout(push_constant) uniform Push { ControlPush push; };
 
 #include "control/control.glsl"

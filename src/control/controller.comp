@@ -3,31 +3,36 @@
 // that its pose is made of. One invocation per instance. Defined in docs/controller.md; nothing that decides a state is
 // divided or fused, so that all devices agree. Loops test when a round is over: a software device goes round one that
 // tests before it once more than any invocation needs.
+#include "gpu/buffers_io.h"
 #include "gpu/stored.glsl"
 #include "gpu/table.glsl"
 #include "control/controller_io.h"
 
 layout(local_size_x = kControllerWorkgroupSize) in;
-TABLE_OF_WORDS(0, Tables, tables);
-TABLE_OF_WORDS(1, Axes, axes);
-TABLE_OF_WORDS(2, Times, times);
-TABLE_OF_ROWS(3, RootRows, root_rows);
-layout(set = 0, binding = 4, std430) buffer Layers { LayerState layers[]; };     // [instance][layer]
-layout(set = 0, binding = 5, std430) buffer Parameters { float parameters[]; };  // [instance][parameter]
+TABLE_OF_WORDS(kControllerBuffer, Tables, tables);
+TABLE_OF_WORDS(kTimelineBuffer, Axes, axes);
+TABLE_OF_WORDS(kTimesBuffer, Times, times);
+TABLE_OF_ROWS(kRootRowsBuffer, RootRows, root_rows);
+layout(set = 0, binding = kLayersBuffer, std430) buffer Layers { LayerState layers[]; };  // [instance][layer]
+layout(set = 0, binding = kParametersBuffer, std430) buffer Parameters {
+    float parameters[];
+};  // [instance][parameter]
 // [instance][voice_limit], four pairs of words each
-layout(set = 0, binding = 6, std430) writeonly buffer Voices { StoredPair voices[]; };
-layout(set = 0, binding = 7, std430) buffer Events {
+layout(set = 0, binding = kVoicesBuffer, std430) writeonly buffer Voices { StoredPair voices[]; };
+layout(set = 0, binding = kEventsBuffer, std430) buffer Events {
     EventHead event_head;
     EventRecord events[];
 };
-layout(set = 0, binding = 8, std430) buffer Roots { RootState roots[]; };
+layout(set = 0, binding = kRootsBuffer, std430) buffer Roots { RootState roots[]; };
 // world_from_model, three rows each
-layout(set = 0, binding = 9, std430) writeonly buffer Placements { vec4 placements[]; };
+layout(set = 0, binding = kPlacementsBuffer, std430) writeonly buffer Placements { vec4 placements[]; };
 // The same as layers and parameters: to read them, which a software device does
-TABLE_OF_WORDS(11, LayersBefore, layers_before);
-TABLE_OF_WORDS(12, ParametersBefore, parameters_before);  // faster as tables
-layout(set = 0, binding = 10, std430) buffer Inertias { InstanceInertia inertias[]; };
-layout(set = 0, binding = 13, std430) writeonly buffer VoiceTimes { float voice_times[]; };  // [instance][voice_limit]
+TABLE_OF_WORDS(kLayersBeforeBuffer, LayersBefore, layers_before);
+TABLE_OF_WORDS(kParametersBeforeBuffer, ParametersBefore, parameters_before);  // faster as tables
+layout(set = 0, binding = kInertiasBuffer, std430) buffer Inertias { InstanceInertia inertias[]; };
+layout(set = 0, binding = kVoiceTimesBuffer, std430) writeonly buffer VoiceTimes {
+    float voice_times[];
+};  // [instance][voice_limit]
 layout(push_constant) uniform Push { ControllerPush push; };
 
 uint instance, first_parameter;

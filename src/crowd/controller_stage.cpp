@@ -31,10 +31,7 @@ ControllerStage::ControllerStage(std::shared_ptr<Gpu> gpu, const std::vector<Gro
         Member& member = members_.emplace_back(
             Member{.batch = i, .pending = {}, .recorded = {}, .uploaded = {}, .commands = {}, .controller = {}});
         member.controller = controller_kernel_.bind(
-            ControllerBuffers{group.controller->tables, group.axes, group.times, group.root_rows, batch.layers,
-                              batch.parameters, batch.voices, feedback_->events(), batch.roots.or_else(batch.layers),
-                              batch.placements, batch.inertias.or_else(batch.layers), batch.layers, batch.parameters,
-                              batch.voice_times.or_else(batch.layers)});
+            batch.table(group, batch[io::kLayersBuffer]).set({{io::kEventsBuffer, feedback_->events()}}));
     }
 }
 
@@ -46,7 +43,9 @@ void ControllerStage::make_uploads(Member& member) {
     const Batch& batch = batches_[member.batch];
     member.uploaded = Buffer(gpu_, groups_[batch.group].name + ": commands", kRound * sizeof(io::ControlCommand),
                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    member.commands = command_kernel_.bind(CommandBuffers{member.uploaded, batch.layers, batch.parameters});
+    member.commands = command_kernel_.bind({{io::kCommandsBuffer, member.uploaded},
+                                            {io::kLayersBuffer, batch[io::kLayersBuffer]},
+                                            {io::kParametersBuffer, batch[io::kParametersBuffer]}});
 }
 
 // One dispatch a batch of those commands that follow the first `first`. False where there were none.
@@ -93,8 +92,8 @@ void ControllerStage::record(VkCommandBuffer commands, float time_step_s) const 
         const Batch& batch = batches_[member.batch];
         const Group& group = groups_[batch.group];
         const uint32_t inertia_flags = group.controller->is_inertial ? io::kPushIsInertial : 0;
-        const uint32_t morph_flags = batch.voice_times.handle() ? io::kPushTellsTimes : 0;
-        const uint32_t root_flags = batch.roots.handle()
+        const uint32_t morph_flags = batch[io::kVoiceTimesBuffer].handle() ? io::kPushTellsTimes : 0;
+        const uint32_t root_flags = batch[io::kRootsBuffer].handle()
                                         ? io::kPushHasRootMotion |
                                               (group.controller->moves_placements ? io::kPushMovesPlacements : 0)
                                         : 0;

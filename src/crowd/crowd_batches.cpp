@@ -50,7 +50,7 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
     const uint64_t target_bytes = group.procedural ? group.procedural->target_count * sizeof(io::vec4) : 0;
     const uint64_t instance_bytes = std::max({group.joint_count * joint_bytes, group.palette_count * kMatrix_bytes,
                                               spring_bytes, target_bytes, skinned_bytes,
-                                              group.morphs ? kMorphs_bytes : 0});
+                                              group.morph_count > 0 ? kMorphs_bytes : 0});
     const uint64_t capacity = std::min<uint64_t>(arena_limit_bytes(*gpu) / instance_bytes,
                                                  gpu->properties.limits.maxComputeWorkGroupCount[0]);
     if (capacity == 0)
@@ -80,31 +80,34 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
         if (group.controller) {
             make_layers(batch);
         } else {
-            batch.playbacks = storage("playback states", n * sizeof(io::InstancePlayback));
-            batch.cursors = storage("cursors", n * sizeof(io::InstanceCursor));
+            batch[io::kPlaybacksBuffer] = storage("playback states", n * sizeof(io::InstancePlayback));
+            batch[io::kCursorsBuffer] = storage("cursors", n * sizeof(io::InstanceCursor));
         }
         if (group.procedural) make_procedural_state(batch);
         if (group.steering) {
-            batch.destinations = upload(gpu, group.name + ": destinations", std::vector<io::vec4>(n));
-            batch.agents = upload(gpu, group.name + ": agents",
-                                  std::vector<io::AgentState>(n, {.speed = 0, .patience = 1, .stands = 0}));
+            batch[io::kDestinationsBuffer] = upload(gpu, group.name + ": destinations", std::vector<io::vec4>(n));
+            batch[io::kAgentsBuffer] = upload(gpu, group.name + ": agents",
+                                              std::vector<io::AgentState>(n, {.speed = 0, .patience = 1, .stands = 0}));
         }
         if (settings.culls) make_list(gpu, group, batch);
-        batch.placements = make_table<Affine>(gpu, group.name + ": placements", n);
+        batch[io::kPlacementsBuffer] = make_table<Affine>(gpu, group.name + ": placements", n);
         for (size_t k = 0; k < (settings.keep_previous_matrices ? 2 : 1); ++k)
             batch.skins[k] = matrices("skin matrices");
-        if (settings.skips_updates && group.is_paced(settings)) batch.ahead = matrices("skin matrices ahead");
+        if (settings.skips_updates && group.is_paced(settings))
+            batch[io::kSkinAheadBuffer] = matrices("skin matrices ahead");
         if (settings.skins_once)
-            batch.skinned = storage("skinned vertices", n * std::max(group.vertex_count, 1u) * sizeof(SkinnedVertex));
-        if (group.morphs) batch.morphs = storage("active morphs", n * kMorphs_bytes);
-        if (group.morphs && group.controller)
-            batch.voice_times = storage("times of voices", n * group.controller->voice_limit * sizeof(float));
-        if (group.sockets) batch.sockets = storage("sockets", n * group.socket_count() * kMatrix_bytes);
+            batch[io::kSkinnedBuffer] = storage("skinned vertices",
+                                                n * std::max(group.vertex_count, 1u) * sizeof(SkinnedVertex));
+        if (group.morph_count > 0) batch[io::kActiveMorphsBuffer] = storage("active morphs", n * kMorphs_bytes);
+        if (group.morph_count > 0 && group.controller)
+            batch[io::kVoiceTimesBuffer] = storage("times of voices",
+                                                   n * group.controller->voice_limit * sizeof(float));
+        if (group.sockets) batch[io::kSocketsBuffer] = storage("sockets", n * group.socket_count() * kMatrix_bytes);
         if (group.pose_capacity > 0)
-            batch.posed = upload_table(gpu, group.name + ": instances with a pose set",
-                                       as_words(std::vector<io::InstancePose>(n)));
+            batch[io::kPosedBuffer] = upload_table(gpu, group.name + ": instances with a pose set",
+                                                   as_words(std::vector<io::InstancePose>(n)));
         if (settings.keep_model_matrices)
-            batch.kept_model = storage("model matrices", n * group.joint_count * kMatrix_bytes);
+            batch[io::kModelBuffer] = storage("model matrices", n * group.joint_count * kMatrix_bytes);
         outputs.push_back({.group = group_index,
                            .first_instance = batch.first_instance,
                            .instance_count = batch.instance_count,
@@ -112,21 +115,21 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
                            .joint_count = group.joint_count,
                            .skin_buffer = batch.skins[0].handle(),
                            .previous_skin_buffer = batch.skins[1].handle(),
-                           .model_buffer = batch.kept_model.handle(),
-                           .placement_buffer = batch.placements.handle(),
+                           .model_buffer = batch[io::kModelBuffer].handle(),
+                           .placement_buffer = batch[io::kPlacementsBuffer].handle(),
                            .socket_count = group.socket_count(),
-                           .socket_buffer = batch.sockets.handle(),
+                           .socket_buffer = batch[io::kSocketsBuffer].handle(),
                            .parameter_count = group.controller ? group.controller->parameter_count : 0,
-                           .parameter_buffer = batch.parameters.handle(),
-                           .root_buffer = batch.roots.handle(),
+                           .parameter_buffer = batch[io::kParametersBuffer].handle(),
+                           .root_buffer = batch[io::kRootsBuffer].handle(),
                            .target_count = group.procedural ? group.procedural->target_count : 0,
-                           .target_buffer = batch.targets.handle(),
-                           .destination_buffer = batch.destinations.handle(),
-                           .morph_buffer = batch.morphs.handle(),
-                           .list_buffer = batch.list.handle(),
-                           .draw_buffer = batch.draws.handle(),
+                           .target_buffer = batch[io::kTargetsBuffer].handle(),
+                           .destination_buffer = batch[io::kDestinationsBuffer].handle(),
+                           .morph_buffer = batch[io::kActiveMorphsBuffer].handle(),
+                           .list_buffer = batch[io::kListBuffer].handle(),
+                           .draw_buffer = batch[io::kDrawsBuffer].handle(),
                            .vertex_count = group.vertex_count,
-                           .skinned_buffer = batch.skinned.handle()});
+                           .skinned_buffer = batch[io::kSkinnedBuffer].handle()});
         batches.push_back(std::move(batch));
     }
     instance_count += count;
@@ -158,36 +161,39 @@ void CrowdState::make_layers(Batch& batch) const {
     };
     static_assert(sizeof(io::LayerState) == io::kLayerStateWords * sizeof(uint32_t) &&
                   sizeof(io::LayerPlay) == io::kLayerPlayWords * sizeof(uint32_t));
-    batch.layers = upload_writable_table(gpu, group.name + ": layers", as_words(repeated(controller.initial_layers)));
-    batch.parameters = upload_writable_table(gpu, group.name + ": parameters",
-                                             as_words(repeated(controller.initial_parameters)));
-    batch.voices = make_table<io::Voice>(gpu, group.name + ": voices",
-                                         batch.instance_count * uint64_t{controller.voice_limit});
+    batch[io::kLayersBuffer] = upload_writable_table(gpu, group.name + ": layers",
+                                                     as_words(repeated(controller.initial_layers)));
+    batch[io::kParametersBuffer] = upload_writable_table(gpu, group.name + ": parameters",
+                                                         as_words(repeated(controller.initial_parameters)));
+    batch[io::kVoicesBuffer] = make_table<io::Voice>(gpu, group.name + ": voices",
+                                                     batch.instance_count * uint64_t{controller.voice_limit});
     if (controller.is_inertial) {
-        batch.inertias = upload(gpu, group.name + ": inertial transitions",
-                                std::vector<io::InstanceInertia>(batch.instance_count));
-        batch.inertia_states = Buffer(gpu, group.name + ": poses of inertial transitions",
-                                      batch.instance_count * uint64_t{group.joint_count} * sizeof(io::InertiaState),
-                                      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+        batch[io::kInertiasBuffer] = upload(gpu, group.name + ": inertial transitions",
+                                            std::vector<io::InstanceInertia>(batch.instance_count));
+        batch[io::kInertiaStatesBuffer] = Buffer(
+            gpu, group.name + ": poses of inertial transitions",
+            batch.instance_count * uint64_t{group.joint_count} * sizeof(io::InertiaState),
+            VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     }
     if (controller.model_layer_count > 0)
-        batch.rotations = Buffer(gpu, group.name + ": rotations in model space",
-                                 batch.instance_count * uint64_t{group.joint_count} * controller.model_layer_count *
-                                     sizeof(io::ModelRotations),
-                                 VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+        batch[io::kRotationsBuffer] = Buffer(gpu, group.name + ": rotations in model space",
+                                             batch.instance_count * uint64_t{group.joint_count} *
+                                                 controller.model_layer_count * sizeof(io::ModelRotations),
+                                             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     if (group.has_root_motion())
-        batch.roots = upload(gpu, group.name + ": root motion",
-                             std::vector<io::RootState>(batch.instance_count, standing_at(Affine{})));
+        batch[io::kRootsBuffer] = upload(gpu, group.name + ": root motion",
+                                         std::vector<io::RootState>(batch.instance_count, standing_at(Affine{})));
 }
 
 // At rest, and without aims.
 void CrowdState::make_procedural_state(Batch& batch) const {
     const Group& group = groups[batch.group];
     if (group.procedural->target_count > 0)
-        batch.targets = upload(gpu, group.name + ": targets",
-                               std::vector<io::vec4>(batch.instance_count * size_t{group.procedural->target_count}));
+        batch[io::kTargetsBuffer] = upload(
+            gpu, group.name + ": targets",
+            std::vector<io::vec4>(batch.instance_count * size_t{group.procedural->target_count}));
     if (group.procedural->spring_count > 0)
-        batch.springs = upload(
+        batch[io::kSpringsBuffer] = upload(
             gpu, group.name + ": springs",
             std::vector<io::SpringState>(batch.instance_count * size_t{group.procedural->spring_count}));
 }

@@ -190,17 +190,18 @@ void CrowdState::upload_changes(VkCommandBuffer commands) {
         }
     };
     upload_ranges(dirty_playbacks_, [&](const Batch& batch, uint32_t first, uint32_t count) {
-        if (batch.playbacks.handle())
-            record_update(*gpu, commands, batch.playbacks, first - batch.first_instance,
+        if (batch[io::kPlaybacksBuffer].handle())
+            record_update(*gpu, commands, batch[io::kPlaybacksBuffer], first - batch.first_instance,
                           std::span<const io::InstancePlayback>(playbacks_).subspan(first, count));
     });
     upload_ranges(dirty_placements_, [&](const Batch& batch, uint32_t first, uint32_t count) {
-        record_update(*gpu, commands, batch.placements, first - batch.first_instance,
+        record_update(*gpu, commands, batch[io::kPlacementsBuffer], first - batch.first_instance,
                       std::span<const Affine>(placements).subspan(first, count));
-        if (!batch.roots.handle()) return;
+        if (!batch[io::kRootsBuffer].handle()) return;
         std::vector<io::RootState> roots;
         for (uint32_t i = first; i < first + count; ++i) roots.push_back(standing_at(placements[i]));
-        record_update(*gpu, commands, batch.roots, first - batch.first_instance, std::span<const io::RootState>(roots));
+        record_update(*gpu, commands, batch[io::kRootsBuffer], first - batch.first_instance,
+                      std::span<const io::RootState>(roots));
     });
 }
 

@@ -35,16 +35,16 @@ void CrowdState::watch(std::span<const uint32_t> instances) {
             return part(buffer, size_bytes, size_bytes);
         };
         Watched one{.instance = instance,
-                    .placement = all(batch.placements, kMatrix_bytes),
-                    .move = part(batch.roots, sizeof(io::RootState), sizeof(io::RootState::move)),
-                    .sockets = all(batch.sockets, group.socket_count() * kMatrix_bytes),
+                    .placement = all(batch[io::kPlacementsBuffer], kMatrix_bytes),
+                    .move = part(batch[io::kRootsBuffer], sizeof(io::RootState), sizeof(io::RootState::move)),
+                    .sockets = all(batch[io::kSocketsBuffer], group.socket_count() * kMatrix_bytes),
                     .parameters = {},
                     .layers = {},
                     .layer_kinds = {},
                     .clip_count = static_cast<uint32_t>(group.clip_durations_s.size())};
         if (group.controller) {
-            one.parameters = all(batch.parameters, group.controller->parameter_count * sizeof(float));
-            one.layers = all(batch.layers, group.controller->layer_count * sizeof(io::LayerState));
+            one.parameters = all(batch[io::kParametersBuffer], group.controller->parameter_count * sizeof(float));
+            one.layers = all(batch[io::kLayersBuffer], group.controller->layer_count * sizeof(io::LayerState));
             one.layer_kinds = group.controller->layer_kinds;
         }
         watched.push_back(one);
@@ -58,12 +58,12 @@ std::vector<Affine> CrowdState::read_matrices(uint32_t instance, bool model) con
     check_range(instance, 1, "read-back");
     const Batch& batch = batch_of(instance);
     const Group& group = groups[batch.group];
-    if (model && !batch.kept_model.handle())
+    if (model && !batch[io::kModelBuffer].handle())
         throw Failure(ErrorCode::kInvalidArgument, "read-back",
                       "model matrices are kept only with CrowdSettings::keep_model_matrices");
     const uint64_t size_bytes = model ? group.joint_count * kMatrix_bytes
                                       : uint64_t{group.palette_count} * skin_format_bytes(skin_format);
-    const BufferRange range(model ? batch.kept_model.handle() : batch.skin().handle(),
+    const BufferRange range(model ? batch[io::kModelBuffer].handle() : batch.skin().handle(),
                             (instance - batch.first_instance) * size_bytes, size_bytes);
     return unpack_skin(model ? SkinFormat::kAffine : skin_format, download<std::byte>(gpu, range));
 }
@@ -76,7 +76,7 @@ std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
     if (!skin_kernel_) skin_kernel_ = skin_kernel(gpu, skin_format, skin_blend, false);
     const Buffer skinned(gpu, group.name + ": skinned vertices", group.vertex_count * sizeof(SkinnedVertex),
                          VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    const Bindings bindings = skin_kernel_->bind(skin_buffers(group, batch, batch.skin(), skinned, group.vertices));
+    const Bindings bindings = skin_kernel_->bind(skin_buffers(group, batch, batch.skin(), skinned, {}));
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
         memory_barrier(*gpu, commands, kShaderWrite, kShaderRead);
         io::SkinPush push = skin_push(group);
@@ -91,9 +91,9 @@ std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
 
 // Of joints that an instance's skin matrices are of; those of the finest, where it has not been drawn.
 uint32_t CrowdState::joint_set_of(const Batch& batch, uint32_t instance) const {
-    return batch.states.handle()
-               ? download<uint32_t>(
-                     gpu, BufferRange(batch.states.handle(), instance * sizeof(uint32_t), sizeof(uint32_t)))[0] >>
+    return batch[io::kStatesBuffer].handle()
+               ? download<uint32_t>(gpu, BufferRange(batch[io::kStatesBuffer].handle(), instance * sizeof(uint32_t),
+                                                     sizeof(uint32_t)))[0] >>
                      io::kStateSetShift
                : 0;
 }
@@ -113,14 +113,7 @@ uint64_t CrowdState::size_bytes() const {
                    (feedback ? feedback->size_bytes() : 0) + (cull ? cull->size_bytes() : 0);
     for (const Group& group : groups) sum += group.size_bytes();
     for (const Batch& batch : batches)
-        for (const Buffer* buffer :
-             {&batch.playbacks,  &batch.cursors,     &batch.layers,    &batch.parameters,   &batch.voices,
-              &batch.roots,      &batch.voice_times, &batch.morphs,    &batch.inertias,     &batch.inertia_states,
-              &batch.rotations,  &batch.targets,     &batch.springs,   &batch.destinations, &batch.agents,
-              &batch.sockets,    &batch.posed,       &batch.list,      &batch.work,         &batch.states,
-              &batch.dispatches, &batch.draws,       &batch.ahead,     &batch.skinned,      &batch.placements,
-              &batch.skins[0],   &batch.skins[1],    &batch.kept_model})
-            sum += buffer->size_bytes();
+        sum += batch.buffers.size_bytes() + batch.skins[0].size_bytes() + batch.skins[1].size_bytes();
     return sum;
 }
 

@@ -44,8 +44,7 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     }
     for (Batch& batch : batches) {
         const Group& group = groups[batch.group];
-        if (!group.controller)
-            batch.control = control_.bind(ControlBuffers{batch.playbacks, group.axes, group.times, batch.cursors});
+        if (!group.controller) batch.control = control_.bind(batch.table(group, {}));
     }
     if (settings.culls) cull.emplace(gpu, groups, batches, settings);
     procedural.emplace(gpu, groups, batches);
@@ -172,7 +171,7 @@ void CrowdState::copy_to_previous(VkCommandBuffer commands) const {
 void CrowdState::record_control(VkCommandBuffer commands, float time_step_s) {
     controllers->record(commands, time_step_s);
     for (const Batch& batch : batches)
-        if (batch.playbacks.handle())
+        if (batch[io::kPlaybacksBuffer].handle())
             control_.dispatch_invocations(
                 commands, batch.control,
                 io::ControlPush{batch.instance_count, groups[batch.group].joint_count, time_step_s},

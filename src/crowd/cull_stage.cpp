@@ -53,12 +53,13 @@ io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
 }
 
 void make_list(const std::shared_ptr<Gpu>& gpu, const Group& group, Batch& batch) {
-    batch.list = upload_writable_table(gpu, group.name + ": what is drawn",
-                                       std::vector<uint32_t>(io::kFirstListed + size_t{batch.instance_count}));
-    batch.work = upload_writable_table(
+    batch[io::kListBuffer] = upload_writable_table(
+        gpu, group.name + ": what is drawn", std::vector<uint32_t>(io::kFirstListed + size_t{batch.instance_count}));
+    batch[io::kWorkBuffer] = upload_writable_table(
         gpu, group.name + ": what is animated",
         std::vector<uint32_t>(io::kFirstWork + io::kMostWorkOfInstance * size_t{batch.instance_count}));
-    batch.states = upload(gpu, group.name + ": what was drawn", std::vector<uint32_t>(batch.instance_count));
+    batch[io::kStatesBuffer] = upload(gpu, group.name + ": what was drawn",
+                                      std::vector<uint32_t>(batch.instance_count));
     std::vector<io::DrawCommand> draws;
     for (size_t section = 0; section < group.sections.size(); ++section)
         for (size_t detail = 0; detail < io::kDetailLevels; ++detail) {
@@ -72,9 +73,10 @@ void make_list(const std::shared_ptr<Gpu>& gpu, const Group& group, Batch& batch
                              .first_instance = 0});
         }
     constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
-    batch.draws = upload(gpu, group.name + ": draw commands", draws, kUsage);
-    batch.dispatches = upload(gpu, group.name + ": dispatch commands",
-                              std::vector<VkDispatchIndirectCommand>(io::kWorkSections + 1, {0, 1, 1}), kUsage);
+    batch[io::kDrawsBuffer] = upload(gpu, group.name + ": draw commands", draws, kUsage);
+    batch[io::kDispatchesBuffer] = upload(gpu, group.name + ": dispatch commands",
+                                          std::vector<VkDispatchIndirectCommand>(io::kWorkSections + 1, {0, 1, 1}),
+                                          kUsage);
 }
 
 CullStage::CullStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
@@ -96,16 +98,18 @@ CullStage::CullStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
         member.verdicts = storage(": verdicts", batch.instance_count * sizeof(uint32_t));
         member.counts = storage(": counts of verdicts",
                                 workgroups_of(batch.instance_count) * uint64_t{io::kCounters} * sizeof(uint32_t));
-        member.cull = kernels_.cull.bind(buffers_of(i));
-        member.offsets = kernels_.offsets.bind(
-            OffsetsBuffers{member.counts, batch.list, batch.work, batch.dispatches, batch.draws});
-        member.list = kernels_.list.bind(ListBuffers{member.verdicts, member.counts, batch.list, batch.work});
+        member.cull = kernels_.cull.bind(table_of(i));
+        member.offsets = kernels_.offsets.bind(table_of(i));
+        member.list = kernels_.list.bind(table_of(i));
     }
 }
 
-CullBuffers CullStage::buffers_of(size_t batch) const {
-    return {view_, batches_[batch].placements, batches_[batch].states, members_[batch].verdicts,
-            members_[batch].counts};
+BufferTable CullStage::table_of(size_t index) const {
+    const Batch& batch = batches_[index];
+    return batch.table(groups_[batch.group], {})
+        .set({{io::kViewBuffer, view_},
+              {io::kVerdictsBuffer, members_[index].verdicts},
+              {io::kCountsBuffer, members_[index].counts}});
 }
 
 void CullStage::record_view(VkCommandBuffer commands, io::CullView seen) {
@@ -198,14 +202,15 @@ const CullStage::Reveal& CullStage::reveal_for(const DepthImage& depths) {
         DepthPyramid(gpu_, kernels_.pyramid, depths.width, (!reveals_.empty() && may_double ? 2 : 1) * depths.height),
         {}};
     for (size_t i = 0; i < members_.size(); ++i)
-        made.members.push_back(kernels_.reveal.bind(RevealBuffers{buffers_of(i), made.pyramid.levels()}));
+        made.members.push_back(
+            kernels_.reveal.bind(table_of(i).set({{io::kCoarserDepthsBuffer, made.pyramid.levels()}})));
     reveals_.push_back(std::move(made));
     return reveals_.back();
 }
 
 std::vector<DrawnInstance> CullStage::read(uint32_t batch_index) const {
     const Batch& batch = batches_[batch_index];
-    const std::vector<uint32_t> list = download<uint32_t>(gpu_, batch.list);
+    const std::vector<uint32_t> list = download<uint32_t>(gpu_, batch[io::kListBuffer]);
     std::vector<DrawnInstance> drawn;
     for (uint32_t detail = 0; detail < io::kDetailLevels; ++detail) {
         const uint32_t end = detail + 1 < io::kDetailLevels ? list[io::kListBegins + detail + 1] : list[io::kListCount];

@@ -51,7 +51,7 @@ private:
     void record_lists(VkCommandBuffer commands, StageTimer* timer) const;
     template <class Dispatch>
     void for_each_batch(VkCommandBuffer commands, const Dispatch& dispatch) const;
-    CullBuffers buffers_of(size_t batch) const;
+    BufferTable table_of(size_t index) const;
     const Reveal& reveal_for(const DepthImage& depths);
 
     std::shared_ptr<Gpu> gpu_;

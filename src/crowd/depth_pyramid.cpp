@@ -24,8 +24,8 @@ DepthPyramid::DepthPyramid(std::shared_ptr<Gpu> gpu, const Kernel& kernel, uint3
       picture_(gpu_, "depths of a picture", uint64_t{width} * height * sizeof(float),
                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT),
       levels_(gpu_, "depth pyramid", texel_count(width, height) * sizeof(float), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT),
-      from_picture_(kernel.bind(PyramidBuffers{picture_, levels_})),
-      from_levels_(kernel.bind(PyramidBuffers{levels_, levels_})) {}
+      from_picture_(kernel.bind({{io::kDepthsBuffer, picture_}, {io::kCoarserDepthsBuffer, levels_}})),
+      from_levels_(kernel.bind({{io::kDepthsBuffer, levels_}, {io::kCoarserDepthsBuffer, levels_}})) {}
 
 bool DepthPyramid::has_room_for(const DepthImage& depths) const {
     return uint64_t{depths.width} * depths.height * sizeof(float) <= picture_.size_bytes() &&

@@ -20,11 +20,10 @@ FusedUpdate::FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& gro
         const Group& group = groups_[batch.group];
         if (group.fused.empty()) continue;
         Member& member = members_.emplace_back(Member{.batch = i, .sets = {}, .sockets = {}});
-        bind(member, settings);
+        bind(member);
         if (!group.sockets || group.socket_space != SocketSpace::kWorld) continue;
         if (!sockets_) sockets_ = socket_kernel(gpu_);
-        member.sockets = sockets_->bind(
-            SocketBuffers{batch.sockets, group.sockets->table, batch.placements, batch.sockets});
+        member.sockets = sockets_->bind(batch.table(group, batch[io::kSocketsBuffer]));
     }
 }
 
@@ -47,41 +46,19 @@ FusedUpdate::Kernels FusedUpdate::make_kernels(const Group& group, size_t set, c
     return kernels;
 }
 
-void FusedUpdate::bind(Member& member, const CrowdSettings& settings) const {
+void FusedUpdate::bind(Member& member) const {
     const Batch& batch = batches_[member.batch];
     const Group& group = groups_[batch.group];
     for (size_t set = 0; set < group.fused.size(); ++set) {
         SetBindings& bindings = member.sets.emplace_back();
-        const FusedTables& tables = group.fused[set].tables;
+        // What the character does not have is the dispatch's own output: two dispatches then never share it.
         const auto bound = [&](const Buffer& skin) {
-            const Buffer& cursors = group.controller ? skin : batch.cursors;
-            const Buffer &voices = group.controller ? batch.voices : group.tracks,
-                         &masks = group.controller ? group.controller->masks : group.words;
             return kernels_[batch.group][set].blending.bind(
-                FusedBuffers{cursors,
-                             group.tracks,
-                             group.keys,
-                             group.words,
-                             tables.links,
-                             tables.bind_ranges,
-                             tables.bind_entries,
-                             tables.binds,
-                             skin,
-                             settings.keep_model_matrices ? batch.kept_model : skin,
-                             voices,
-                             masks,
-                             group.sockets ? group.sockets->slots : group.words,
-                             batch.sockets.or_else(skin),
-                             batch.inertias.or_else(skin),
-                             batch.inertia_states.or_else(skin),
-                             batch.posed.or_else(group.words),
-                             group.poses.or_else(group.keys),
-                             batch.work.or_else(group.words),
-                             tables.rig_joints});
+                batch.table(group, skin).add(group.fused[set].tables).set({{io::kSkinBuffer, skin}}));
         };
         for (size_t k = 0; k < batch.skins.size(); ++k)
             if (batch.skins[k].handle()) bindings.skins[k] = bound(batch.skins[k]);
-        if (batch.ahead.handle()) bindings.ahead = bound(batch.ahead);
+        if (batch[io::kSkinAheadBuffer].handle()) bindings.ahead = bound(batch[io::kSkinAheadBuffer]);
     }
 }
 
@@ -128,10 +105,11 @@ void FusedUpdate::record_set(VkCommandBuffer commands, const Member& member, uin
                        .voice_limit = group.controller ? group.controller->voice_limit : 0};
     if (!is_listed(group)) return record_fused(commands, kernel, bindings.skins[batch.current_skin], joints.plan, push);
     push.section = io::kAnimated + set;
-    kernel.dispatch_indirect(commands, bindings.skins[batch.current_skin], push, batch.dispatches, push.section);
-    if (!batch.ahead.handle()) return;
+    kernel.dispatch_indirect(commands, bindings.skins[batch.current_skin], push, batch[io::kDispatchesBuffer],
+                             push.section);
+    if (!batch[io::kSkinAheadBuffer].handle()) return;
     push.section = io::kAnimatedAhead + set;
-    kernel.dispatch_indirect(commands, bindings.ahead, push, batch.dispatches, push.section);
+    kernel.dispatch_indirect(commands, bindings.ahead, push, batch[io::kDispatchesBuffer], push.section);
 }
 
 // From model to world space, in place.

@@ -33,7 +33,7 @@ private:
         Bindings sockets;               // where they go to world space
     };
     Kernels make_kernels(const Group& group, size_t set, const CrowdSettings& settings) const;
-    void bind(Member& member, const CrowdSettings& settings) const;
+    void bind(Member& member) const;
     template <class Applies>
     void record_sets(VkCommandBuffer commands, const Applies& applies) const;
     void record_set(VkCommandBuffer commands, const Member& member, uint32_t set) const;

@@ -50,7 +50,7 @@ std::vector<io::vec4> readable_root_rows(const Character& character) {
 }  // namespace
 
 GroupController::GroupController(const std::shared_ptr<Gpu>& gpu, const Controller& controller,
-                                 const Character& character, bool moves)
+                                 const Character& character, bool moves, Buffers& buffers)
     : layer_count(static_cast<uint32_t>(controller.layers.size())),
       parameter_count(static_cast<uint32_t>(controller.parameters.size())),
       mask_count(static_cast<uint32_t>(controller.masks.size())),
@@ -62,15 +62,16 @@ GroupController::GroupController(const std::shared_ptr<Gpu>& gpu, const Controll
     layer_kinds = throng::layer_kinds(controller);
     is_inertial = has_inertia(controller);
     for (const ControllerLayer& layer : controller.layers) model_layer_count += layer.model_space_rotations ? 1 : 0;
-    tables = upload_table(gpu, character.name + ": controller", made.words);
-    masks = upload_table(gpu, character.name + ": joint masks", made.masks);
-    if (model_layer_count > 0) parents = upload_table(gpu, character.name + ": parents", character.rig.parents);
+    buffers[io::kControllerBuffer] = upload_table(gpu, character.name + ": controller", made.words);
+    buffers[io::kMasksBuffer] = upload_table(gpu, character.name + ": joint masks", made.masks);
+    if (model_layer_count > 0)
+        buffers[io::kParentsBuffer] = upload_table(gpu, character.name + ": parents", character.rig.parents);
 }
 
 Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice,
              const CrowdSettings& settings)
     : Group(gpu, *group.character, choice) {
-    if (group.controller) controller.emplace(gpu, *group.controller, *group.character, group.moves_placements);
+    if (group.controller) controller.emplace(gpu, *group.controller, *group.character, group.moves_placements, buffers);
     socket_space = group.socket_space;
     steering = group.steering;
     if (!group.sockets.empty()) make_sockets(gpu, group.sockets);
@@ -83,8 +84,8 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const Pat
     if (is_paced(settings)) make_palette_by_set(gpu, *group.character);
     make_skin_tables(gpu, *group.character);
     if (pose_capacity > 0)
-        poses = make_table<io::JointPose>(gpu, name + ": poses of CrowdGroup::pose_capacity",
-                                          uint64_t{pose_capacity} * joint_count);
+        buffers[io::kSetPosesBuffer] = make_table<io::JointPose>(gpu, name + ": poses of CrowdGroup::pose_capacity",
+                                                                 uint64_t{pose_capacity} * joint_count);
 }
 
 Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const PathChoice& choice)
@@ -104,7 +105,8 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
       scan_reason(choice.scan_reason),
       path_reason(choice.path_reason) {
     if (choice.fused)
-        fused.push_back({joint_count, *choice.fused, FusedTables(gpu, character, FusedRig(character), *choice.fused)});
+        fused.push_back(
+            {joint_count, *choice.fused, upload_fused_tables(gpu, character, FusedRig(character), *choice.fused)});
     else
         scan.emplace(gpu, scan_choice, ScanRig(character.rig.parents, character.rig.uniform_scale), scan_limits(*gpu));
     std::vector<uint32_t> joints;
@@ -114,18 +116,19 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
         binds.push_back(entry.joint_from_bind);
     }
     for (const Clip& clip : character.clips) clip_durations_s.push_back(clip.duration_s);
-    axes = upload_table(gpu, name + ": clip axes", clip_axes(character));
-    times = upload_table(gpu, name + ": key times", character.times_s);
-    root_rows = upload_table(gpu, name + ": root motion", readable_root_rows(character));
-    tracks = upload_table(gpu, name + ": tracks", character.tracks);
-    keys = upload_table(gpu, name + ": keys", readable_keys(character));
-    words = upload_table(gpu, name + ": key words", character.words);
-    palette_joints = upload_table(gpu, name + ": palette joints", joints);
-    joint_from_bind = upload_table(gpu, name + ": inverse binds", binds);
-    vertices = upload(gpu, name + ": vertices", character.vertices);
-    influences = upload(gpu, name + ": influences", character.influences);
+    buffers[io::kTimelineBuffer] = upload_table(gpu, name + ": clip axes", clip_axes(character));
+    buffers[io::kTimesBuffer] = upload_table(gpu, name + ": key times", character.times_s);
+    buffers[io::kRootRowsBuffer] = upload_table(gpu, name + ": root motion", readable_root_rows(character));
+    buffers[io::kTracksBuffer] = upload_table(gpu, name + ": tracks", character.tracks);
+    buffers[io::kKeysBuffer] = upload_table(gpu, name + ": keys", readable_keys(character));
+    buffers[io::kWordsBuffer] = upload_table(gpu, name + ": key words", character.words);
+    buffers[io::kPaletteJointsBuffer] = upload_table(gpu, name + ": palette joints", joints);
+    buffers[io::kJointFromBindBuffer] = upload_table(gpu, name + ": inverse binds", binds);
+    buffers[io::kVerticesBuffer] = upload(gpu, name + ": vertices", character.vertices);
+    buffers[io::kInfluencesBuffer] = upload(gpu, name + ": influences", character.influences);
     influence_count = static_cast<uint32_t>(character.influences.size());
-    if (!character.morphs.empty()) morphs.emplace(gpu, character);
+    morph_count = static_cast<uint32_t>(character.morphs.size());
+    if (morph_count > 0) upload_morph_tables(gpu, character, buffers);
     make_details(gpu, character);
 }
 
@@ -150,12 +153,12 @@ void Group::reduce_joints(const std::shared_ptr<Gpu>& gpu, const Character& char
         const FusedRig rig(character, detail);
         FusedPlan plan = plan_fused(fused[0].plan.choice, rig, scan_limits(*gpu));
         if (!plan.obstacle.empty()) break;
-        FusedTables tables(gpu, character, rig, plan);
+        Buffers tables = upload_fused_tables(gpu, character, rig, plan);
         fused.push_back({rig.rig.joint_count(), std::move(plan), std::move(tables)});
         const std::vector<Influences> of_detail = influences_of_detail(character, detail);
         all.insert(all.end(), of_detail.begin(), of_detail.end());
     }
-    influences = upload(gpu, name + ": influences", all);
+    buffers[io::kInfluencesBuffer] = upload(gpu, name + ": influences", all);
 }
 
 void Group::make_palette_by_set(const std::shared_ptr<Gpu>& gpu, const Character& character) {
@@ -168,14 +171,14 @@ void Group::make_palette_by_set(const std::shared_ptr<Gpu>& gpu, const Character
     for (uint32_t set = 0; set < fused.size(); ++set)
         set_entry_counts[set] = static_cast<uint32_t>(std::ranges::count_if(
             entries, [set](uint32_t coarsest) { return coarsest >= set; }, coarsest_set));
-    palette_by_set = upload_table(gpu, name + ": palette by set", entries);
+    buffers[io::kPaletteBySetBuffer] = upload_table(gpu, name + ": palette by set", entries);
 }
 
 void Group::make_skin_tables(const std::shared_ptr<Gpu>& gpu, const Character& character) {
     std::vector<uint32_t> influence_offsets;
     for (uint32_t detail = 0; detail <= details.size(); ++detail)
         influence_offsets.push_back(influence_set_of(detail) * influence_count);
-    skin_tables = SkinTables(gpu, character, influence_offsets);
+    upload_skin_tables(gpu, character, influence_offsets, buffers);
 }
 
 // What blends of clips, and what is put on top of them, may add to the boxes of clips.
@@ -203,8 +206,8 @@ void Group::make_procedural(const std::shared_ptr<Gpu>& gpu, const ProceduralRul
         throw Failure(ErrorCode::kUnsupported, name + ": procedural rules",
                       "one of their chains takes " + std::to_string(made.most_steps) +
                           " steps, and the device ends loops after " + std::to_string(most));
-    procedural.emplace(GroupProcedural{made.dispatches, made.spring_count, made.target_count,
-                                       upload_table(gpu, name + ": procedural rules", made.words)});
+    procedural.emplace(GroupProcedural{made.dispatches, made.spring_count, made.target_count});
+    buffers[io::kRulesBuffer] = upload_table(gpu, name + ": procedural rules", made.words);
 }
 
 void Group::make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint32_t>& joints) {
@@ -222,21 +225,14 @@ void Group::make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint
             throw Failure(ErrorCode::kInvalidArgument, place, "joint " + std::to_string(joints[i]) + " is there twice");
         slots[joints[i]] = i + 1;
     }
-    sockets.emplace(
-        GroupSockets{joints, upload_table(gpu, place, joints), upload_table(gpu, place + " by joint", slots)});
+    sockets.emplace(GroupSockets{joints});
+    buffers[io::kSocketJointsBuffer] = upload_table(gpu, place, joints);
+    buffers[io::kSocketSlotsBuffer] = upload_table(gpu, place + " by joint", slots);
 }
 
 uint64_t Group::size_bytes() const {
-    uint64_t sum = skin_tables.size_bytes() + (scan ? scan->links().size_bytes() : 0);
+    uint64_t sum = buffers.size_bytes() + indices.size_bytes() + (scan ? scan->links().size_bytes() : 0);
     for (const FusedJoints& joints : fused) sum += joints.tables.size_bytes();
-    if (sockets) sum += sockets->table.size_bytes() + sockets->slots.size_bytes();
-    if (procedural) sum += procedural->tables.size_bytes();
-    if (morphs) sum += morphs->size_bytes();
-    if (controller)
-        sum += controller->tables.size_bytes() + controller->masks.size_bytes() + controller->parents.size_bytes();
-    for (const Buffer* buffer : {&axes, &times, &root_rows, &tracks, &keys, &words, &palette_joints, &joint_from_bind,
-                                 &palette_by_set, &poses, &vertices, &influences, &indices})
-        sum += buffer->size_bytes();
     return sum;
 }
 

@@ -22,13 +22,13 @@ namespace throng {
 struct FusedJoints {
     uint32_t joint_count = 0;
     FusedPlan plan;
-    FusedTables tables;
+    Buffers tables;  // of upload_fused_tables()
 };
 
 // What a group that is driven by a controller has.
 struct GroupController {
     GroupController(const std::shared_ptr<Gpu>& gpu, const Controller& controller, const Character& character,
-                    bool moves_placements);
+                    bool moves_placements, Buffers& buffers);
 
     uint32_t layer_count = 0, parameter_count = 0, mask_count = 0, voice_limit = 0;
     bool moves_placements = false;
@@ -37,22 +37,17 @@ struct GroupController {
     std::vector<LayerKind> layer_kinds;  // [layer_count]
     std::vector<io::LayerState> initial_layers;
     std::vector<float> initial_parameters;
-    Buffer tables, masks;
-    Buffer parents;  // of joints, where there are such layers
 };
 
 // Joints that things are attached to.
 struct GroupSockets {
     std::vector<uint32_t> joints;
-    Buffer table;  // joints
-    Buffer slots;  // uint[joint_count], 1 + the joint's place in joints, or 0
 };
 
 // Rules that move joints.
 struct GroupProcedural {
     std::vector<ProceduralTables::Dispatch> dispatches;
     uint32_t spring_count = 0, target_count = 0;  // of an instance
-    Buffer tables;
 };
 
 struct Group {
@@ -74,31 +69,26 @@ struct Group {
     std::vector<DetailLevel> details;
     std::vector<IndexRange> detail_ranges;  // [1 + details][sections], of indices
 
-    Buffer axes, times;  // control
+    Buffers buffers;  // what kernels read of the character, and of what the group's settings ask for
+    Buffer indices;   // draw: of all levels of detail
     std::optional<GroupController> controller;
     std::optional<GroupSockets> sockets;
     SocketSpace socket_space = SocketSpace::kWorld;
     std::optional<Steering> steering;
     std::optional<GroupProcedural> procedural;
-    Buffer root_rows;  // (x, z, cos, sin) of clips with root motion
     bool packed = false;
-    Buffer tracks, keys, words;  // sample
     ScanChoice scan_choice;
     std::string scan_reason, path_reason;
     std::optional<ScanStage> scan;  // where staged
     // Where fused: all joints; then, with CrowdSettings::reduces_joints, those of each coarser level of detail
     std::vector<FusedJoints> fused;
-    Buffer palette_joints, joint_from_bind;  // bind
-    Buffer palette_by_set;                   // pace: palette entries, those of coarser sets of joints first
-    std::array<uint32_t, io::kDetailLevels> set_entry_counts{};  // [fused], of these
+    std::array<uint32_t, io::kDetailLevels> set_entry_counts{};  // [fused], palette entries of each set of joints
     bool uniform_scale = false;                                  // Rig::uniform_scale
     uint32_t pose_capacity = 0;
-    Buffer poses;                          // io::JointPose[pose_capacity][joint_count], as set by the application
-    Buffer vertices, influences, indices;  // skin, draw; influences of each set of joints one after another
-    uint32_t influence_count = 0;          // of one set
-    SkinTables skin_tables;                // skin
-    std::optional<MorphTables> morphs;     // morph, skin, draw; where the character has any
+    uint32_t influence_count = 0;  // of one set of joints; those of each set lie one after another
+    uint32_t morph_count = 0;
 
+    const Buffer& operator[](uint32_t number) const { return buffers[number]; }
     // Instances that are not drawn may be left as they are: nothing but a picture shows their pose, and none builds
     // upon the one before.
     bool animates_drawn_only() const { return !fused.empty() && !sockets && !(controller && controller->is_inertial); }
@@ -110,7 +100,7 @@ struct Group {
     uint32_t influence_set_of(uint32_t detail) const {
         return fused.size() > 1 ? std::min(detail, static_cast<uint32_t>(fused.size()) - 1) : 0;
     }
-    bool has_root_motion() const { return controller && root_rows.size_bytes() > sizeof(io::vec4); }
+    bool has_root_motion() const { return controller && buffers[io::kRootRowsBuffer].size_bytes() > sizeof(io::vec4); }
     uint32_t socket_flags() const { return socket_space == SocketSpace::kWorld ? io::kSocketsToWorld : 0; }
     uint32_t socket_count() const { return sockets ? static_cast<uint32_t>(sockets->joints.size()) : 0; }
     bool takes_similarities() const { return scan_choice.method->format == ScanFormat::kSimilarity; }

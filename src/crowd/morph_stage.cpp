@@ -7,14 +7,10 @@ MorphStage::MorphStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& group
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
         const Group& group = groups_[batch.group];
-        if (!group.morphs) continue;
+        if (group.morph_count == 0) continue;
         std::optional<Kernel>& kernel = kernels_[group.controller.has_value()];
         if (!kernel) kernel = morph_kernel(gpu, group.controller.has_value());
-        const MorphTables& tables = *group.morphs;
-        members_.push_back({i, kernel->bind(MorphBuffers{batch.playbacks.or_else(batch.morphs),
-                                                         group.controller ? batch.voices : group.tracks,
-                                                         batch.voice_times.or_else(batch.morphs), tables.axes,
-                                                         tables.times, tables.tracks, tables.values, batch.morphs})});
+        members_.push_back({i, kernel->bind(batch.table(group, batch[io::kActiveMorphsBuffer]))});
     }
 }
 
@@ -23,7 +19,7 @@ void MorphStage::record(VkCommandBuffer commands, StageTimer* timer) const {
     for (const Member& member : members_) {
         const Batch& batch = batches_[member.batch];
         const Group& group = groups_[batch.group];
-        const io::MorphPush push{batch.instance_count, group.morphs->morph_count, group.joint_count,
+        const io::MorphPush push{batch.instance_count, group.morph_count, group.joint_count,
                                  group.controller ? group.controller->voice_limit : 0};
         kernel_of(group).dispatch_invocations(commands, member.bindings, push, batch.instance_count);
     }

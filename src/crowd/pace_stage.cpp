@@ -15,14 +15,15 @@ PaceStage::PaceStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
         if (!kernel_) kernel_ = pace_kernel(gpu_, settings.skin_format);
         Member& member = members_.emplace_back(Member{.batch = i, .to_current = {}, .to_previous = {}});
         for (size_t k = 0; k < (keeps_previous_ ? 2 : 1); ++k) {
-            const Buffer &current = batch.skins[k], &previous = keeps_previous_ ? batch.skins[1 - k] : current,
-                         &ahead = batch.ahead.or_else(current);
-            const Buffer& entries = groups_[batch.group].palette_by_set;
+            const Buffer& current = batch.skins[k];
+            const Buffer& previous = keeps_previous_ ? batch.skins[1 - k] : current;
+            const BufferTable table = batch.table(groups_[batch.group], {})
+                                          .set({{io::kSkinAheadBuffer, batch[io::kSkinAheadBuffer].or_else(current)}});
             member.to_current[k] = kernel_->bind(
-                PaceBuffers{batch.work, batch.states, previous, ahead, current, entries});
+                table.with({{io::kPreviousSkinBuffer, previous}, {io::kSkinBuffer, current}}));
             if (keeps_previous_)
                 member.to_previous[k] = kernel_->bind(
-                    PaceBuffers{batch.work, batch.states, current, ahead, previous, entries});
+                    table.with({{io::kPreviousSkinBuffer, current}, {io::kSkinBuffer, previous}}));
         }
     }
 }
@@ -39,8 +40,8 @@ void PaceStage::record(VkCommandBuffer commands, StageTimer* timer) const {
                                     .unused0 = 0,
                                     .unused1 = 0,
                                     .entry_counts = {set0, set1, set2, set3}};
-            kernel_->dispatch_indirect(commands, (member.*bindings)[batch.current_skin], push, batch.dispatches,
-                                       section);
+            kernel_->dispatch_indirect(commands, (member.*bindings)[batch.current_skin], push,
+                                       batch[io::kDispatchesBuffer], section);
         }
         memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
     };

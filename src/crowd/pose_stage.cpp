@@ -114,10 +114,11 @@ void PoseStage::record(VkCommandBuffer commands, float time_step_s) {
             follow(i, at);
             ++at;
         }
-        upload_changes(commands, batches_[i].posed, batch.changed, batch.instances, 1);
+        upload_changes(commands, batches_[i][io::kPosedBuffer], batch.changed, batch.instances, 1);
     }
     for (size_t i = 0; i < of_groups_.size(); ++i)
-        upload_changes(commands, groups_[i].poses, of_groups_[i].changed, of_groups_[i].poses, groups_[i].joint_count);
+        upload_changes(commands, groups_[i][io::kSetPosesBuffer], of_groups_[i].changed, of_groups_[i].poses,
+                       groups_[i].joint_count);
 }
 
 void PoseStage::discard() {

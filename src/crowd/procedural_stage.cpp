@@ -28,7 +28,7 @@ void ProceduralStage::set_target(uint32_t batch, uint32_t index, const io::vec4&
 void ProceduralStage::begin_update(VkCommandBuffer commands, float time_step_s) {
     for (size_t i = 0; i < batches_.size(); ++i)
         for (const auto& [first, count] : targets_[i].dirty.take())
-            record_update(*gpu_, commands, batches_[i].targets, first,
+            record_update(*gpu_, commands, batches_[i][io::kTargetsBuffer], first,
                           std::span<const io::vec4>(targets_[i].last).subspan(first, count));
     time_step_s_ = time_step_s;
     wind_.advance(time_step_s);
@@ -46,8 +46,7 @@ ProceduralStage::KindBindings ProceduralStage::bind(uint32_t batch_index, const 
     for (const ProceduralTables::Dispatch& dispatch : group.procedural->dispatches)
         if (!bindings[dispatch.kind].set())
             bindings[dispatch.kind] = kernels_[group.takes_similarities()][dispatch.kind]->bind(
-                ProceduralBuffers{group.procedural->tables, batch.placements, batch.targets.or_else(batch.placements),
-                                  batch.springs.or_else(batch.placements), local});
+                batch.table(group, batch[io::kPlacementsBuffer]).set({{io::kLocalBuffer, local}}));
     return bindings;
 }
 

@@ -4,18 +4,10 @@
 
 namespace throng {
 
-SkinBuffers skin_buffers(const Group& group, const Batch& batch, const Buffer& skin_matrices, const Buffer& skinned,
-                         BufferRange verdicts) {
-    return {group.vertices,
-            group.influences,
-            skin_matrices,
-            skinned,
-            group.morphs ? group.morphs->deltas : group.vertices,
-            batch.morphs.or_else(group.vertices),
-            group.skin_tables.sections,
-            group.skin_tables.vertices,
-            batch.list.or_else(group.vertices),
-            verdicts};
+BufferTable skin_buffers(const Group& group, const Batch& batch, const Buffer& skin_matrices, const Buffer& skinned,
+                         const BufferRange& verdicts) {
+    return batch.table(group, group[io::kVerticesBuffer])
+        .set({{io::kSkinBuffer, skin_matrices}, {io::kSkinnedBuffer, skinned}, {io::kVerdictsBuffer, verdicts}});
 }
 
 io::SkinPush skin_push(const Group& group) {
@@ -40,9 +32,8 @@ SkinStage::SkinStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
         if (group.vertex_count == 0) continue;
         for (size_t k = 0; k < member.size(); ++k)
             if (batch.skins[k].handle())
-                member[k] = kernel_.bind(
-                    skin_buffers(group, batch, batch.skins[k], batch.skinned,
-                                 cull ? BufferRange(cull->verdicts(i)) : BufferRange(group.vertices)));
+                member[k] = kernel_.bind(skin_buffers(group, batch, batch.skins[k], batch[io::kSkinnedBuffer],
+                                                      cull ? BufferRange(cull->verdicts(i)) : BufferRange()));
     }
 }
 
@@ -55,8 +46,8 @@ void SkinStage::record(VkCommandBuffer commands, StageTimer* timer, bool only_an
         io::SkinPush push = skin_push(group);
         push.only_animated = only_animated;
         const Bindings& bindings = members_[i][batch.current_skin];
-        if (batch.list.handle())
-            kernel_.dispatch_indirect(commands, bindings, push, batch.dispatches, io::kWorkSections);
+        if (batch[io::kListBuffer].handle())
+            kernel_.dispatch_indirect(commands, bindings, push, batch[io::kDispatchesBuffer], io::kWorkSections);
         else
             kernel_.dispatch_workgroups(commands, bindings, push, batch.instance_count);
     }

@@ -31,8 +31,8 @@ private:
 };
 
 // Of one batch. `skin_matrices`: those that are current; `skinned`: where its vertices go.
-SkinBuffers skin_buffers(const Group& group, const Batch& batch, const Buffer& skin_matrices, const Buffer& skinned,
-                         BufferRange verdicts);
+BufferTable skin_buffers(const Group& group, const Batch& batch, const Buffer& skin_matrices, const Buffer& skinned,
+                         const BufferRange& verdicts);
 io::SkinPush skin_push(const Group& group);
 
 }  // namespace throng

@@ -83,29 +83,32 @@ void StagedUpdate::bind_member(Member& member) {
         return BufferRange(buffer.handle(), member.arena_offset_bytes, size_bytes);
     };
     const BufferRange first = slice(first_poses_), second = slice(second_poses_), local = slice(local_);
-    const BufferRange model = batch.kept_model.handle() ? BufferRange(batch.kept_model) : slice(model_);
+    const BufferRange model = batch[io::kModelBuffer].handle() ? BufferRange(batch[io::kModelBuffer]) : slice(model_);
+    const BufferTable table = batch
+                                  .table(group,
+                                         group.controller ? batch[io::kLayersBuffer] : group[io::kVerticesBuffer])
+                                  .set({{io::kFirstPosesBuffer, first},
+                                        {io::kSecondPosesBuffer, second},
+                                        {io::kLocalBuffer, local},
+                                        {io::kModelBuffer, model},
+                                        {io::kScratchBuffer, second},
+                                        {io::kScanLinksBuffer, group.scan->links()}});
     if (group.procedural) member.procedural = procedural_.bind(member.batch, local);
-    member.scan = group.scan->bind({.local = local, .links = group.scan->links(), .model = model, .scratch = second});
+    member.scan = group.scan->bind(table);
     for (size_t i = 0; i < batch.skins.size(); ++i)
-        if (batch.skins[i].handle())
-            member.bind[i] = bind_->bind(
-                BindBuffers{model, group.palette_joints, group.joint_from_bind, batch.skins[i]});
+        if (batch.skins[i].handle()) member.bind[i] = bind_->bind(table.with({{io::kSkinBuffer, batch.skins[i]}}));
     if (group.sockets) {
         if (!sockets_) sockets_ = socket_kernel(gpu_);
-        member.sockets = sockets_->bind(SocketBuffers{model, group.sockets->table, batch.placements, batch.sockets});
+        member.sockets = sockets_->bind(table);
     }
-    const BufferRange posed = batch.posed.or_else(group.words), poses = group.poses.or_else(group.keys);
     if (group.controller) {
-        member.layered = layered_of(group).bind(
-            LayeredBuffers{batch.voices, group.controller->masks, group.tracks, group.keys, group.words, local,
-                           batch.inertias.or_else(batch.layers), batch.inertia_states.or_else(batch.layers), posed,
-                           poses, group.controller->parents, batch.rotations});
+        member.layered = layered_of(group).bind(table);
         return;
     }
     const Kernel& sample = sample_of(group);
-    member.sample_first = sample.bind(SampleBuffers{batch.cursors, group.tracks, group.keys, group.words, first});
-    member.sample_second = sample.bind(SampleBuffers{batch.cursors, group.tracks, group.keys, group.words, second});
-    member.blend = blend_of(group).bind(BlendBuffers{batch.cursors, first, second, local, posed, poses});
+    member.sample_first = sample.bind(table.with({{io::kSampledPosesBuffer, first}}));
+    member.sample_second = sample.bind(table.with({{io::kSampledPosesBuffer, second}}));
+    member.blend = blend_of(group).bind(table);
 }
 
 LayeredSettings StagedUpdate::layered_settings(const Group& group) {

@@ -52,14 +52,14 @@ SteerStage::SteerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& group
         const Batch& batch = batches_[i];
         if (!groups_[batch.group].steering) continue;
         member_of_batch_[i] = static_cast<uint32_t>(members_.size());
+        const BufferTable table = batch.table(groups_[batch.group], batch[io::kAgentsBuffer])
+                                      .set({{io::kAgentPlacesBuffer, places_}, {io::kAgentBucketsBuffer, heads_}});
         members_.push_back({.batch = i,
                             .first_agent = first_agent,
                             .destinations = std::vector<io::vec4>(batch.instance_count),
                             .dirty = {},
-                            .places = kernels_->places.bind(PlacesBuffers{batch.placements, places_, heads_}),
-                            .steer = kernels_->steer.bind(SteerBuffers{
-                                places_, heads_, batch.destinations, batch.agents, batch.placements,
-                                batch.roots.or_else(batch.agents), batch.parameters.or_else(batch.agents)})});
+                            .places = kernels_->places.bind(table),
+                            .steer = kernels_->steer.bind(table)});
         first_agent += batch.instance_count;
     }
 }
@@ -74,7 +74,7 @@ void SteerStage::begin_update(VkCommandBuffer commands) {
     if (members_.empty()) return;
     for (Member& member : members_)
         for (const auto& [first, count] : member.dirty.take())
-            record_update(*gpu_, commands, batches_[member.batch].destinations, first,
+            record_update(*gpu_, commands, batches_[member.batch][io::kDestinationsBuffer], first,
                           std::span<const io::vec4>(member.destinations).subspan(first, count));
     gpu_->vk.vkCmdFillBuffer(commands, heads_.handle(), 0, VK_WHOLE_SIZE, io::kNobody);
 }
@@ -111,7 +111,7 @@ void SteerStage::record_steps(VkCommandBuffer commands, const Member& member, fl
                              .turn_cos = static_cast<float>(std::cos(turn_rad)),
                              .turn_sin = static_cast<float>(std::sin(turn_rad)),
                              .time_step_s = time_step_s,
-                             .is_carried = batch.roots.handle() && group.controller->moves_placements,
+                             .is_carried = batch[io::kRootsBuffer].handle() && group.controller->moves_placements,
                              .parameter_count = group.controller ? group.controller->parameter_count : 0,
                              .speed_parameter = group.steering->speed_parameter};
     kernels_->steer.dispatch_invocations(commands, member.steer, push, batch.instance_count);

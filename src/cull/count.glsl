@@ -1,6 +1,8 @@
 // How many instances of a workgroup have which verdict. A kernel calls count_begin(), then count() for each instance,
 // then count_end(), each by all invocations.
-layout(set = 0, binding = 4, std430) writeonly buffer Counts { uint counts[]; };  // [workgroup][kCounters]
+#include "gpu/buffers_io.h"
+
+layout(set = 0, binding = kCountsBuffer, std430) writeonly buffer Counts { uint counts[]; };  // [workgroup][kCounters]
 
 shared uint found[kCounters];
 

@@ -1,10 +1,11 @@
 // What a view sees, and in how much detail; defined by cull_reference.h.
+#include "gpu/buffers_io.h"
 #include "cull/cull_io.h"
 #include "gpu/affine.glsl"
 #include "gpu/table.glsl"
 
-TABLE_OF_ROWS(0, View, view_rows);             // CullView
-TABLE_OF_ROWS(1, Placements, placement_rows);  // world_from_model
+TABLE_OF_ROWS(kViewBuffer, View, view_rows);                   // CullView
+TABLE_OF_ROWS(kPlacementsBuffer, Placements, placement_rows);  // world_from_model
 
 vec4 view_row(uint index) { return uintBitsToFloat(ROW_AT(view_rows, index)); }
 

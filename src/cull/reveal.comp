@@ -3,13 +3,14 @@
 // and are not hidden are drawn too. Source: N. Greene, M. Kass and G. Miller, Hierarchical Z-Buffer Visibility,
 // SIGGRAPH 1993; two passes as S. Haar and U. Aaltonen, GPU-Driven Rendering Pipelines, SIGGRAPH 2015. One invocation
 // per instance. Cost: 56 bytes read, 8 written, 16 points projected, at most 16 depths read.
+#include "gpu/buffers_io.h"
 #include "cull/cull.glsl"
 
 layout(local_size_x = kCullWorkgroupSize) in;
-layout(set = 0, binding = 2, std430) buffer States { uint states[]; };
-layout(set = 0, binding = 3, std430) buffer Verdicts { uint verdicts[]; };
+layout(set = 0, binding = kStatesBuffer, std430) buffer States { uint states[]; };
+layout(set = 0, binding = kVerdictsBuffer, std430) buffer Verdicts { uint verdicts[]; };
 #include "cull/count.glsl"
-layout(set = 0, binding = 5, std430) readonly buffer Pyramid { float pyramid[]; };
+layout(set = 0, binding = kCoarserDepthsBuffer, std430) readonly buffer Pyramid { float pyramid[]; };
 layout(push_constant) uniform Push { RevealPush push; };
 
 #include "cull/occlusion.glsl"

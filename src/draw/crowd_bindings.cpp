@@ -23,25 +23,29 @@ CrowdBindings::CrowdBindings(const std::shared_ptr<Gpu>& gpu, const DrawLayouts&
         std::array<Bindings, 2>& of_batch = batches_.emplace_back();
         for (size_t skin = 0; skin < 2; ++skin) {
             if (!batch.skins[skin].handle()) continue;
-            const std::array<BufferRange, kBatchBindings.size()> ranges{
-                group.vertices,
-                group.influences,
-                batch.skinned.handle() ? batch.skinned : batch.skins[skin],
-                batch.placements,
-                group.morphs ? group.morphs->deltas : group.vertices,
-                batch.morphs.or_else(group.vertices),
-                batch.list.or_else(group.vertices)};
-            of_batch[skin] = Bindings(gpu, layouts.batch_set.get(), group.name, kBatchBindings, ranges);
+            of_batch[skin] = Bindings(gpu, layouts.batch_set.get(), group.name, kBatchBindings,
+                                      {{0, group[io::kVerticesBuffer]},
+                                       {1, group[io::kInfluencesBuffer]},
+                                       {2, batch[io::kSkinnedBuffer].or_else(batch.skins[skin])},
+                                       {3, batch[io::kPlacementsBuffer]},
+                                       {4, group[io::kMorphDeltasBuffer].or_else(group[io::kVerticesBuffer])},
+                                       {5, batch[io::kActiveMorphsBuffer].or_else(group[io::kVerticesBuffer])},
+                                       {6, batch[io::kListBuffer].or_else(group[io::kVerticesBuffer])}});
         }
     }
-    if (!crowd.batches.front().kept_model.handle()) return;
+    if (!crowd.batches.front()[io::kModelBuffer].handle()) return;
     for (const Group& group : crowd.groups)
         joint_parents_.push_back(upload(gpu, group.name + ": parents and levels of joints", levels_of(group.parents)));
     for (const Batch& batch : crowd.batches) {
         const Buffer& parents = joint_parents_[batch.group];
-        const std::array<BufferRange, kBatchBindings.size()> ranges{
-            parents, parents, batch.kept_model, batch.placements, parents, parents, batch.list.or_else(parents)};
-        skeletons_.emplace_back(gpu, layouts.batch_set.get(), crowd.groups[batch.group].name, kBatchBindings, ranges);
+        skeletons_.emplace_back(gpu, layouts.batch_set.get(), crowd.groups[batch.group].name, kBatchBindings,
+                                BufferTable{{0, parents},
+                                            {1, parents},
+                                            {2, batch[io::kModelBuffer]},
+                                            {3, batch[io::kPlacementsBuffer]},
+                                            {4, parents},
+                                            {5, parents},
+                                            {6, batch[io::kListBuffer].or_else(parents)}});
     }
 }
 

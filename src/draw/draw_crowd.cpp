@@ -77,7 +77,7 @@ void draw_crowd(VkCommandBuffer commands, const CrowdState& crowd, const CrowdBi
                                               : VK_CULL_MODE_BACK_BIT);
             io::DrawPush push = push_of(group, section, material);
             const auto set_push = [&] { vk.vkCmdPushConstants(commands, layout, kBothStages, 0, sizeof push, &push); };
-            if (!batch.draws.handle()) {
+            if (!batch[io::kDrawsBuffer].handle()) {
                 set_push();
                 vk.vkCmdDrawIndexed(commands, section.index_count, batch.instance_count, section.first_index, 0, 0);
                 continue;
@@ -86,7 +86,7 @@ void draw_crowd(VkCommandBuffer commands, const CrowdState& crowd, const CrowdBi
                 push.first_influences = section.first_influences +
                                         group.influence_set_of(push.detail) * group.influence_count;
                 set_push();
-                vk.vkCmdDrawIndexedIndirect(commands, batch.draws.handle(),
+                vk.vkCmdDrawIndexedIndirect(commands, batch[io::kDrawsBuffer].handle(),
                                             (section_index * io::kDetailLevels + push.detail) * sizeof(io::DrawCommand),
                                             1, sizeof(io::DrawCommand));
             }

@@ -131,7 +131,7 @@ void RendererState::record(VkCommandBuffer commands, Crowd& crowd, float time_st
 RendererState::Frame RendererState::prepare(const Crowd& crowd, const Camera& camera) {
     const CrowdState& state = crowd.state();
     if (state.gpu != gpu) throw Failure(ErrorCode::kInvalidArgument, "render", "the crowd lives on another device");
-    if (options.skeletons && !state.batches.front().kept_model.handle())
+    if (options.skeletons && !state.batches.front()[io::kModelBuffer].handle())
         throw Failure(ErrorCode::kInvalidArgument, "skeletons",
                       "the crowd keeps no model matrices; set CrowdSettings::keep_model_matrices");
     const io::DrawScene scene = make_scene(state, camera, targets.extent(), shadow_map.size(), options);

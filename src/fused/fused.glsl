@@ -6,6 +6,7 @@
 // - else load_local() computes: for methods that load each joint once.
 // Bytes a joint: keys (once for all characters in the caches), 24 to 48 written; tiled also 48 through shared memory
 // and back.
+#include "gpu/buffers_io.h"
 #include "bind/bind.glsl"
 #include "blend/blend.glsl"
 #include "blend/inertia_io.h"
@@ -15,26 +16,26 @@
 #include "gpu/table.glsl"
 
 layout(local_size_x_id = 0) in;
-layout(set = 0, binding = 0, std430) readonly buffer Cursors { InstanceCursor cursors[]; };
-TABLE_OF_ROWS(1, Tracks, tracks);
-TABLE_OF_ROWS(2, Keys, keys);
-TABLE_OF_WORDS(3, Words, words);
-TABLE_OF_WORDS(4, Links, link_words);
+layout(set = 0, binding = kCursorsBuffer, std430) readonly buffer Cursors { InstanceCursor cursors[]; };
+TABLE_OF_ROWS(kTracksBuffer, Tracks, tracks);
+TABLE_OF_ROWS(kKeysBuffer, Keys, keys);
+TABLE_OF_WORDS(kWordsBuffer, Words, words);
+TABLE_OF_WORDS(kScanLinksBuffer, Links, link_words);
 // [joint_count + 1]: where a joint's palette entries begin in the next two
-TABLE_OF_WORDS(5, BindRanges, bind_ranges);
-TABLE_OF_WORDS(6, BindEntries, bind_entries);  // palette entries, sorted by joint
-TABLE_OF_ROWS(7, Binds, binds);                // their inverse binds, three rows each
-layout(set = 0, binding = 9, std430) buffer Model { StoredAffine model[]; };
-TABLE_OF_ROWS(10, Voices, voices);  // of layers, in place of cursors
-TABLE_OF_WORDS(11, Masks, masks);
-TABLE_OF_WORDS(12, SocketSlots, socket_slots);  // [joint_count]: 1 + the joint's place in sockets, or 0
-layout(set = 0, binding = 13, std430) writeonly buffer Sockets { StoredAffine sockets[]; };
-layout(set = 0, binding = 14, std430) readonly buffer Inertias { InstanceInertia inertias[]; };
-layout(set = 0, binding = 15, std430) buffer InertiaStates { InertiaState inertia_states[]; };
-TABLE_OF_WORDS(16, Posed, posed);
-TABLE_OF_ROWS(17, Poses, poses);
-TABLE_OF_WORDS(18, Work, work);             // of listed instances (cull/cull_io.h)
-TABLE_OF_WORDS(19, RigJoints, rig_joints);  // of a part of the joints: their numbers in the rig
+TABLE_OF_WORDS(kBindRangesBuffer, BindRanges, bind_ranges);
+TABLE_OF_WORDS(kBindEntriesBuffer, BindEntries, bind_entries);  // palette entries, sorted by joint
+TABLE_OF_ROWS(kBindsBuffer, Binds, binds);                      // their inverse binds, three rows each
+layout(set = 0, binding = kModelBuffer, std430) buffer Model { StoredAffine model[]; };
+TABLE_OF_ROWS(kVoicesBuffer, Voices, voices);  // of layers, in place of cursors
+TABLE_OF_WORDS(kMasksBuffer, Masks, masks);
+TABLE_OF_WORDS(kSocketSlotsBuffer, SocketSlots, socket_slots);  // [joint_count]: 1 + the joint's place in sockets, or 0
+layout(set = 0, binding = kSocketsBuffer, std430) writeonly buffer Sockets { StoredAffine sockets[]; };
+layout(set = 0, binding = kInertiasBuffer, std430) readonly buffer Inertias { InstanceInertia inertias[]; };
+layout(set = 0, binding = kInertiaStatesBuffer, std430) buffer InertiaStates { InertiaState inertia_states[]; };
+TABLE_OF_WORDS(kPosedBuffer, Posed, posed);
+TABLE_OF_ROWS(kSetPosesBuffer, Poses, poses);
+TABLE_OF_WORDS(kWorkBuffer, Work, work);                       // of listed instances (cull/cull_io.h)
+TABLE_OF_WORDS(kAnimatedJointsBuffer, RigJoints, rig_joints);  // of a part of the joints: their numbers in the rig
 // Named by methods that exchange through memory where shared memory is too small: no such plan is fused
 #define scratch model
 layout(constant_id = 8) const bool kPacked = false;
@@ -53,7 +54,7 @@ layout(constant_id = 20) const bool kSomeJoints = false;  // not all joints are
 layout(push_constant) uniform Push { FusedPush push; };
 
 #define SKIN_SET 0
-#define SKIN_BINDING 8
+#define SKIN_BINDING kSkinBuffer
 #define SKIN_STORES
 uint rig_joint_count() { return push.rig_joint_count; }
 #include "bind/skin_format.glsl"

@@ -10,33 +10,6 @@
 
 namespace throng {
 
-// In the order of the bindings.
-struct FusedBuffers {
-    BufferRange cursors;  // io::InstanceCursor[instance_count]; of layers, any buffer
-    BufferRange tracks;   // JointTracks[clip_count + 1][joint_count]; all tables (gpu/table.glsl) up to `binds`
-    BufferRange keys;     // float4[]
-    BufferRange words;    // uint[], of packed keys
-    BufferRange links;    // FusedTables
-    BufferRange bind_ranges, bind_entries, binds;
-    BufferRange skin;  // [instance_count][palette_count] in FusedSettings::skin_format, model_from_bind, written
-    // Affine[instance_count][joint_count], model_from_joint, written where FusedSettings::keeps_model; else any buffer
-    BufferRange model;
-    BufferRange voices;  // of layers: io::Voice[instance_count][voice_limit]; else any table of rows
-    BufferRange masks;   // of layers: float[mask_count][joint_count]; else any table of words
-    // Of sockets: uint[joint_count], 1 + the joint's place in the next, or 0; else any table of words
-    BufferRange socket_slots;
-    // Of sockets: Affine[instance_count][socket_count], model_from_joint, written; else any buffer
-    BufferRange sockets;
-    BufferRange inertias;  // of inertial transitions: io::InstanceInertia[instance_count]; else any buffer
-    // Of inertial transitions: io::InertiaState[instance_count][joint_count], read and written; else any buffer
-    BufferRange inertia_states;
-    BufferRange posed;  // of poses that may be set: io::InstancePose[instance_count], a table of words; else any
-    // Of poses that may be set: io::JointPose[pose_capacity][joint_count], a table of rows; else any
-    BufferRange poses;
-    BufferRange work;        // of listed instances (cull/cull_io.h), a table of words; else any
-    BufferRange rig_joints;  // of a part of the joints: FusedTables'; else any table of words
-};
-
 struct FusedSettings {
     bool packed = false;  // Character::packed
     bool blends = true;   // false: no instance has two clips with weight
@@ -75,22 +48,10 @@ FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLi
 // For a device: the first plan without obstacle of those that are likely best, or the last one's obstacle.
 FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits);
 
-// What the kernel reads of a character beside its clips.
-struct FusedTables {
-    FusedTables(const std::shared_ptr<Gpu>& gpu, const Character& character, const FusedRig& rig,
-                const FusedPlan& plan);
-
-    Buffer links;         // of the plan
-    Buffer bind_ranges;   // uint[joint_count + 1]: where a joint's palette entries begin in the next two
-    Buffer bind_entries;  // uint[palette_count], palette entries of these joints, sorted by joint
-    Buffer binds;         // Affine[palette_count], joint_from_bind of these
-    Buffer rig_joints;    // FusedRig's
-
-    uint64_t size_bytes() const {
-        return links.size_bytes() + bind_ranges.size_bytes() + bind_entries.size_bytes() + binds.size_bytes() +
-               rig_joints.size_bytes();
-    }
-};
+// What the kernel reads of a character beside its clips: kScanLinksBuffer of the plan, kBindRangesBuffer,
+// kBindEntriesBuffer, kBindsBuffer and kAnimatedJointsBuffer of the rig's joints.
+Buffers upload_fused_tables(const std::shared_ptr<Gpu>& gpu, const Character& character, const FusedRig& rig,
+                            const FusedPlan& plan);
 
 Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, const FusedSettings& settings);
 

@@ -16,10 +16,10 @@ VkDescriptorType descriptor_type(BindingKind kind) {
 }  // namespace
 
 Bindings::Bindings(std::shared_ptr<Gpu> gpu, VkDescriptorSetLayout layout, std::string_view what,
-                   std::span<const BindingInfo> bindings, std::span<const BufferRange> ranges)
+                   std::span<const BindingInfo> bindings, const BufferTable& buffers)
     : gpu_(std::move(gpu)) {
     try {
-        write(layout, what, bindings, ranges);
+        write(layout, what, bindings, buffers);
     } catch (...) {
         destroy();
         throw;
@@ -27,7 +27,7 @@ Bindings::Bindings(std::shared_ptr<Gpu> gpu, VkDescriptorSetLayout layout, std::
 }
 
 void Bindings::write(VkDescriptorSetLayout layout, std::string_view what, std::span<const BindingInfo> bindings,
-                     std::span<const BufferRange> ranges) {
+                     const BufferTable& buffers) {
     const auto count = static_cast<uint32_t>(bindings.size());
     const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, count},
                                           {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, count}};
@@ -47,13 +47,17 @@ void Bindings::write(VkDescriptorSetLayout layout, std::string_view what, std::s
     infos.reserve(bindings.size());
     views_.reserve(bindings.size());
     for (const BindingInfo& binding : bindings) {
-        const BufferRange& range = ranges[binding.binding];
+        const bool is_storage = binding.kind == BindingKind::kStorage;
+        const BufferRange& range = is_storage ? buffers.storage(binding.binding) : buffers.table(binding.binding);
+        if (!range.buffer)
+            throw Failure(ErrorCode::kInvalidArgument, std::string(what),
+                          "there is no buffer of " + std::string(name_of_buffer(binding.binding)));
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
         write.dstSet = set_;
         write.dstBinding = binding.binding;
         write.descriptorCount = 1;
         write.descriptorType = descriptor_type(binding.kind);
-        if (binding.kind == BindingKind::kStorage) {
+        if (is_storage) {
             infos.push_back({range.buffer, range.offset_bytes, range.size_bytes});
             write.pBufferInfo = &infos.back();
         } else {
@@ -67,8 +71,9 @@ void Bindings::write(VkDescriptorSetLayout layout, std::string_view what, std::s
 
 VkBufferView Bindings::texel_view(std::string_view what, const BindingInfo& binding, const BufferRange& range) {
     if (range.texel_bytes == 0)
-        throw Failure(ErrorCode::kInvalidArgument, std::string(what),
-                      "binding " + std::to_string(binding.binding) + " is read as texels, and its buffer is no table");
+        throw Failure(
+            ErrorCode::kInvalidArgument, std::string(what),
+            "the buffer of " + std::string(name_of_buffer(binding.binding)) + " is read as texels, and is no table");
     VkBufferViewCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
     create.buffer = range.buffer;
     create.offset = range.offset_bytes;
@@ -180,13 +185,6 @@ void Kernel::swap(Kernel& other) noexcept {
     std::swap(set_layout_, other.set_layout_);
     std::swap(layout_, other.layout_);
     std::swap(pipeline_, other.pipeline_);
-}
-
-Bindings Kernel::bind_ranges(std::span<const BufferRange> ranges) const {
-    if (info_.bindings.empty() || info_.bindings.back().binding >= ranges.size())
-        throw Failure(ErrorCode::kInvalidArgument, name_,
-                      "the shader's bindings and the " + std::to_string(ranges.size()) + " buffers given do not fit");
-    return Bindings(gpu_, set_layout_, name_, info_.bindings, ranges);
 }
 
 void Kernel::dispatch(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes,

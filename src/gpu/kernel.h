@@ -1,24 +1,22 @@
 // A compute shader, ready to dispatch.
 #pragma once
 
-#include "gpu/buffer.h"
+#include "gpu/buffer_table.h"
 #include "gpu/spirv_info.h"
 
-#include <array>
-#include <bit>
 #include <span>
 #include <vector>
 
 namespace throng {
 
-// Buffers bound to a kernel: those of `ranges`, by binding number, that the shader uses. Movable; outlives its recorded
+// Buffers bound to a kernel: those of a table that the shader uses. Movable; outlives its recorded
 // commands.
 class Bindings {
 public:
     Bindings() = default;
     // `what` names the kernel in messages.
     Bindings(std::shared_ptr<Gpu> gpu, VkDescriptorSetLayout layout, std::string_view what,
-             std::span<const BindingInfo> bindings, std::span<const BufferRange> ranges);
+             std::span<const BindingInfo> bindings, const BufferTable& buffers);
     ~Bindings() { destroy(); }
     Bindings(Bindings&& other) noexcept { swap(other); }
     Bindings& operator=(Bindings&& other) noexcept {
@@ -29,7 +27,7 @@ public:
 
 private:
     void write(VkDescriptorSetLayout layout, std::string_view what, std::span<const BindingInfo> bindings,
-               std::span<const BufferRange> ranges);
+               const BufferTable& buffers);
     VkBufferView texel_view(std::string_view what, const BindingInfo& binding, const BufferRange& range);
     void destroy() noexcept;
     void swap(Bindings& other) noexcept;
@@ -61,10 +59,10 @@ public:
 
     uint32_t workgroup_size() const { return workgroup_size_; }
 
-    // `buffers` is a struct of BufferRanges, one for each binding number from 0; a shader may leave some unused.
-    template <class Buffers>
-    Bindings bind(const Buffers& buffers) const {
-        return bind_ranges(std::bit_cast<std::array<BufferRange, sizeof(Buffers) / sizeof(BufferRange)>>(buffers));
+    // To the buffers that the shader names. Throws kInvalidArgument where the table has neither one of them nor what
+    // stands for it.
+    Bindings bind(const BufferTable& buffers) const {
+        return Bindings(gpu_, set_layout_, name_, info_.bindings, buffers);
     }
 
     // One workgroup for each of `count` items, or one invocation for each. `push` is the shader's whole push-constant
@@ -89,7 +87,6 @@ public:
     }
 
 private:
-    Bindings bind_ranges(std::span<const BufferRange> ranges) const;
     void create(const KernelSettings& settings);
     void destroy() noexcept;
     void dispatch(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes,

@@ -2,19 +2,20 @@
 // morph: the weights of each instance's morphs, from the clips that it plays, and of them the kActiveMorphs largest by
 // magnitude. One invocation per instance. Cost: for each clip (of layers: and each four morphs) a binary search among
 // the rows of weights, and for each four morphs 4 to 8 words.
+#include "gpu/buffers_io.h"
 #include "gpu/table.glsl"
 #include "control/control_io.h"
 #include "morph/morph_io.h"
 
 layout(local_size_x = kMorphWorkgroupSize) in;
-layout(set = 0, binding = 0, std430) readonly buffer Playbacks { InstancePlayback playbacks[]; };
-TABLE_OF_ROWS(1, Voices, voices);
-layout(set = 0, binding = 2, std430) readonly buffer VoiceTimes { float voice_times[]; };
-TABLE_OF_WORDS(3, Axes, axes);
-TABLE_OF_WORDS(4, Times, times);
-TABLE_OF_ROWS(5, Tracks, tracks);
-TABLE_OF_WORDS(6, Values, values);
-layout(set = 0, binding = 7, std430) writeonly buffer Active { ActiveMorph active_morphs[]; };
+layout(set = 0, binding = kPlaybacksBuffer, std430) readonly buffer Playbacks { InstancePlayback playbacks[]; };
+TABLE_OF_ROWS(kVoicesBuffer, Voices, voices);
+layout(set = 0, binding = kVoiceTimesBuffer, std430) readonly buffer VoiceTimes { float voice_times[]; };
+TABLE_OF_WORDS(kMorphTimelineBuffer, Axes, axes);
+TABLE_OF_WORDS(kMorphTimesBuffer, Times, times);
+TABLE_OF_ROWS(kMorphTracksBuffer, Tracks, tracks);
+TABLE_OF_WORDS(kMorphValuesBuffer, Values, values);
+layout(set = 0, binding = kActiveMorphsBuffer, std430) writeonly buffer Active { ActiveMorph active_morphs[]; };
 layout(constant_id = 1) const bool kLayered = false;
 layout(push_constant) uniform Push { MorphPush push; };
 

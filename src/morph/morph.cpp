@@ -58,13 +58,14 @@ std::vector<float> values_of(const Character& character) {
 
 }  // namespace
 
-MorphTables::MorphTables(const std::shared_ptr<Gpu>& gpu, const Character& character)
-    : morph_count(static_cast<uint32_t>(character.morphs.size())),
-      axes(upload_table(gpu, character.name + ": morph axes", axes_of(character))),
-      times(upload_table(gpu, character.name + ": morph times", character.morph_times_s)),
-      tracks(upload_table(gpu, character.name + ": morph tracks", tracks_of(character))),
-      values(upload_table(gpu, character.name + ": morph weights", values_of(character))),
-      deltas(upload(gpu, character.name + ": morph differences", character.morph_deltas)) {}
+void upload_morph_tables(const std::shared_ptr<Gpu>& gpu, const Character& character, Buffers& buffers) {
+    const std::string& name = character.name;
+    buffers[io::kMorphTimelineBuffer] = upload_table(gpu, name + ": morph axes", axes_of(character));
+    buffers[io::kMorphTimesBuffer] = upload_table(gpu, name + ": morph times", character.morph_times_s);
+    buffers[io::kMorphTracksBuffer] = upload_table(gpu, name + ": morph tracks", tracks_of(character));
+    buffers[io::kMorphValuesBuffer] = upload_table(gpu, name + ": morph weights", values_of(character));
+    buffers[io::kMorphDeltasBuffer] = upload(gpu, name + ": morph differences", character.morph_deltas);
+}
 
 Kernel morph_kernel(const std::shared_ptr<Gpu>& gpu, bool layered) {
     return Kernel(gpu, {.name = "morph",

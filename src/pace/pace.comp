@@ -2,6 +2,7 @@
 // pace: takes the skin matrices of instances that are not animated in this update towards those of the pose that they
 // were animated ahead to; defined by pace_reference.h. One workgroup per instance. Cost: 100 bytes read and 48 written
 // for each affine matrix of the joints that the instance's level of detail has.
+#include "gpu/buffers_io.h"
 #include "cull/cull_io.h"
 #include "bind/bind_io.h"
 #include "gpu/stored.glsl"
@@ -9,15 +10,15 @@
 #include "pace/pace_io.h"
 
 layout(local_size_x = kPaceWorkgroupSize) in;
-TABLE_OF_WORDS(0, Work, work);
-layout(set = 0, binding = 1, std430) readonly buffer States { uint states[]; };
+TABLE_OF_WORDS(kWorkBuffer, Work, work);
+layout(set = 0, binding = kStatesBuffer, std430) readonly buffer States { uint states[]; };
 // [instance][row]: rows of four floats, or of four halves, two in one of these. Where previous matrices are not kept,
 // current is previous.
-TABLE_OF_ROWS(2, Previous, previous_rows);
-TABLE_OF_ROWS(3, Ahead, ahead_rows);
-layout(set = 0, binding = 4, std430) writeonly buffer CurrentRows { StoredRow current_rows[]; };
-layout(set = 0, binding = 4, std430) writeonly buffer CurrentHalves { StoredPair current_halves[]; };
-TABLE_OF_WORDS(5, Entries, entries);
+TABLE_OF_ROWS(kPreviousSkinBuffer, Previous, previous_rows);
+TABLE_OF_ROWS(kSkinAheadBuffer, Ahead, ahead_rows);
+layout(set = 0, binding = kSkinBuffer, std430) writeonly buffer CurrentRows { StoredRow current_rows[]; };
+layout(set = 0, binding = kSkinBuffer, std430) writeonly buffer CurrentHalves { StoredPair current_halves[]; };
+TABLE_OF_WORDS(kPaletteBySetBuffer, Entries, entries);
 layout(constant_id = 1) const uint kSkinFormat = kSkinAffine;
 layout(push_constant) uniform Push { PacePush push; };
 

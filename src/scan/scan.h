@@ -8,13 +8,6 @@
 namespace throng {
 
 // [instance_count][joint_count] each, but for links and ScanLayout::kTransposed.
-struct ScanBuffers {
-    BufferRange local;    // parent_from_joint, read: Affine, or Similarity where the method's format says so
-    BufferRange links;    // ScanStage::links()
-    BufferRange model;    // model_from_joint, written: Affine
-    BufferRange scratch;  // the method's own, as large as model; another buffer than the rest
-};
-
 ScanLimits scan_limits(const Gpu& gpu);
 
 // What to run: a method, and its invocations a character: one of lane_choices().
@@ -33,7 +26,7 @@ public:
     const ScanChoice& choice() const { return choice_; }
     const ScanCounts& counts() const { return counts_; }
     const Buffer& links() const { return links_; }
-    Bindings bind(const ScanBuffers& buffers) const { return kernel_.bind(buffers); }
+    Bindings bind(const BufferTable& buffers) const { return kernel_.bind(buffers); }
     void record(VkCommandBuffer commands, const Bindings& bindings, uint32_t instance_count) const;
 
 private:

@@ -2,6 +2,7 @@
 // skin: vertices of instances, morphed and skinned, in model space: for several passes, or for those who read them
 // back. One workgroup per instance. Cost of a vertex: 4 + 32 bytes read, 24 and a skin matrix for each four influences,
 // of which most are in caches; 16 written.
+#include "gpu/buffers_io.h"
 #include "bind/bind_io.h"
 #include "cull/cull_io.h"
 #include "morph/morph_io.h"
@@ -11,20 +12,22 @@ layout(local_size_x = kSkinWorkgroupSize) in;
 layout(constant_id = 1) const uint kSkinFormat = kSkinAffine;
 layout(constant_id = 2) const uint kSkinBlend = kSkinLinear;
 layout(constant_id = 3) const bool kListed = false;  // what is skinned lies in list
-layout(set = 0, binding = 0, std430) readonly buffer Vertices { VertexRows vertices[]; };
-layout(set = 0, binding = 1, std430) readonly buffer InfluenceWords { uvec2 influences[]; };
+layout(set = 0, binding = kVerticesBuffer, std430) readonly buffer Vertices { VertexRows vertices[]; };
+layout(set = 0, binding = kInfluencesBuffer, std430) readonly buffer InfluenceWords { uvec2 influences[]; };
 // [instance][vertex], throng::SkinnedVertex
-layout(set = 0, binding = 3, std430) writeonly buffer Skinned { uvec4 skinned[]; };
-layout(set = 0, binding = 4, std430) readonly buffer MorphDeltas { uvec4 morph_deltas[]; };
-layout(set = 0, binding = 5, std430) readonly buffer ActiveMorphs { ActiveMorph active_morphs[]; };
-layout(set = 0, binding = 6, std430) readonly buffer Sections { SkinSection sections[]; };  // [detail][section]
-layout(set = 0, binding = 7, std430) readonly buffer ListedVertices { uint listed_vertices[]; };
-layout(set = 0, binding = 8, std430) readonly buffer List { uint list[]; };  // cull/cull_io.h
-layout(set = 0, binding = 9, std430) readonly buffer Verdicts { uint verdicts[]; };
+layout(set = 0, binding = kSkinnedBuffer, std430) writeonly buffer Skinned { uvec4 skinned[]; };
+layout(set = 0, binding = kMorphDeltasBuffer, std430) readonly buffer MorphDeltas { uvec4 morph_deltas[]; };
+layout(set = 0, binding = kActiveMorphsBuffer, std430) readonly buffer ActiveMorphs { ActiveMorph active_morphs[]; };
+layout(set = 0, binding = kSkinSectionsBuffer, std430) readonly buffer Sections {
+    SkinSection sections[];
+};  // [detail][section]
+layout(set = 0, binding = kListedVerticesBuffer, std430) readonly buffer ListedVertices { uint listed_vertices[]; };
+layout(set = 0, binding = kListBuffer, std430) readonly buffer List { uint list[]; };  // cull/cull_io.h
+layout(set = 0, binding = kVerdictsBuffer, std430) readonly buffer Verdicts { uint verdicts[]; };
 layout(push_constant) uniform Push { SkinPush push; };
 
 #define SKIN_SET 0
-#define SKIN_BINDING 2
+#define SKIN_BINDING kSkinBuffer
 #include "bind/skin_format.glsl"
 #include "skin/skin.glsl"
 #include "skin/normal.glsl"

@@ -3,13 +3,14 @@
 // chance; nothing depends on it. One invocation per agent. Cost: 8 bytes of a placement read, 16 written, one atomic
 // exchange. Source: S. Green, Particle Simulation using CUDA, NVIDIA 2008 (the grid by atomics). Difference: lists
 // instead of a fixed number of places for each cell.
+#include "gpu/buffers_io.h"
 #include "steer/grid.glsl"
 
 layout(local_size_x = kSteerWorkgroupSize) in;
 // world_from_model, three rows each
-layout(set = 0, binding = 0, std430) readonly buffer Placements { vec4 placements[]; };
-layout(set = 0, binding = 1, std430) writeonly buffer Places { AgentPlace places[]; };
-layout(set = 0, binding = 2, std430) buffer Heads { uint heads[]; };
+layout(set = 0, binding = kPlacementsBuffer, std430) readonly buffer Placements { vec4 placements[]; };
+layout(set = 0, binding = kAgentPlacesBuffer, std430) writeonly buffer Places { AgentPlace places[]; };
+layout(set = 0, binding = kAgentBucketsBuffer, std430) buffer Heads { uint heads[]; };
 layout(push_constant) uniform Push { PlacesPush push; };
 
 void main() {

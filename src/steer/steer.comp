@@ -4,6 +4,7 @@
 // 128 bytes read, 60 written, and 16 read for each agent in nine buckets. Source: C. Reynolds, Steering Behaviors for
 // Autonomous Characters, GDC 1999 (arrival, separation). Difference: a speed limit that keeps any two from touching,
 // whatever they want; passing on the right; patience.
+#include "gpu/buffers_io.h"
 #include "gpu/ground.glsl"
 #include "gpu/table.glsl"
 #include "control/controller_io.h"
@@ -11,13 +12,15 @@
 #include "steer/steer.glsl"
 
 layout(local_size_x = kSteerWorkgroupSize) in;
-TABLE_OF_ROWS(0, Places, places);
-TABLE_OF_WORDS(1, Heads, heads);
-layout(set = 0, binding = 2, std430) readonly buffer Destinations { vec4 destinations[]; };
-layout(set = 0, binding = 3, std430) buffer States { AgentState states[]; };
-layout(set = 0, binding = 4, std430) buffer Placements { vec4 placements[]; };  // world_from_model, three rows each
-layout(set = 0, binding = 5, std430) buffer Roots { RootState roots[]; };
-layout(set = 0, binding = 6, std430) writeonly buffer Parameters { float parameters[]; };
+TABLE_OF_ROWS(kAgentPlacesBuffer, Places, places);
+TABLE_OF_WORDS(kAgentBucketsBuffer, Heads, heads);
+layout(set = 0, binding = kDestinationsBuffer, std430) readonly buffer Destinations { vec4 destinations[]; };
+layout(set = 0, binding = kAgentsBuffer, std430) buffer States { AgentState states[]; };
+layout(set = 0, binding = kPlacementsBuffer, std430) buffer Placements {
+    vec4 placements[];
+};  // world_from_model, three rows each
+layout(set = 0, binding = kRootsBuffer, std430) buffer Roots { RootState roots[]; };
+layout(set = 0, binding = kParametersBuffer, std430) writeonly buffer Parameters { float parameters[]; };
 layout(push_constant) uniform Push { SteerPush push; };
 
 uint instance;

@@ -1,0 +1,67 @@
+// Buffers by their numbers (gpu/buffers_io.h): those that a part of a crowd owns, and those that a kernel is bound to.
+#pragma once
+
+#include "gpu/buffer.h"
+#include "gpu/buffers_io.h"
+
+#include <array>
+#include <initializer_list>
+
+namespace throng {
+
+// A row of docs/architecture.md's table of buffers.
+struct BufferInfo {
+    uint32_t number = 0;
+    std::string_view name;
+    std::string_view shape;  // I instances of a batch, J joints, P palette entries, C clips
+    std::string_view element;
+    std::string_view content;  // space and unit, or what it says
+    std::string_view writer, reader;
+};
+std::span<const BufferInfo> buffer_infos();
+std::string_view name_of_buffer(uint32_t number);
+
+// The buffers of a group, a batch or a crowd: those that it has.
+class Buffers {
+public:
+    Buffer& operator[](uint32_t number) { return buffers_[number]; }
+    const Buffer& operator[](uint32_t number) const { return buffers_[number]; }
+    bool has(uint32_t number) const { return buffers_[number].handle() != VK_NULL_HANDLE; }
+    uint64_t size_bytes() const;
+
+private:
+    std::array<Buffer, io::kBufferCount> buffers_;
+};
+
+// What a kernel finds at each binding. A shader may declare buffers that its specialization constants leave unused;
+// for those that there are none of, `absent` is bound, which no kernel touches: one that no other dispatch writes
+// before the next barrier, since synchronization validation takes a binding for an access.
+class BufferTable {
+public:
+    struct Entry {
+        uint32_t number = 0;
+        BufferRange range;
+    };
+    BufferTable() = default;
+    BufferTable(std::initializer_list<Entry> entries) { set(entries); }
+
+    BufferTable& set(std::initializer_list<Entry> entries);
+    BufferTable& add(const Buffers& buffers);
+    // In place of a storage buffer, and of a table (gpu/table.glsl).
+    BufferTable& set_absent(const BufferRange& storage, const BufferRange& table);
+    // The same, with some entries replaced or added.
+    BufferTable with(std::initializer_list<Entry> entries) const { return BufferTable(*this).set(entries); }
+
+    const BufferRange& storage(uint32_t number) const { return or_else(number, absent_storage_); }
+    const BufferRange& table(uint32_t number) const { return or_else(number, absent_table_); }
+
+private:
+    const BufferRange& or_else(uint32_t number, const BufferRange& absent) const {
+        return ranges_[number].buffer ? ranges_[number] : absent;
+    }
+
+    std::array<BufferRange, io::kBufferCount> ranges_;
+    BufferRange absent_storage_, absent_table_;
+};
+
+}  // namespace throng
