@@ -339,6 +339,7 @@ TEST(Pace, TimesComeLateAndOnce) {
     const auto record = [&](VkCommandBuffer commands, double StageTimes::*stage) {
         timer.begin(commands);
         timer.end_stage(commands, stage);
+        timer.publish(commands);
     };
     test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
         record(commands, &StageTimes::cull);
