@@ -1,5 +1,6 @@
 // One number for each buffer that throng's kernels read or write: its binding in every shader, its place in a
-// BufferTable. The SPIR-V says which of them a kernel uses. What is in them: gpu/buffer_table.cpp. Shared by C++ and GLSL.
+// BufferTable. The SPIR-V says which of them a kernel uses. What is in them: gpu/buffer_table.cpp. Shared by C++ and
+// GLSL.
 #ifndef THRONG_BUFFERS_IO_H
 #define THRONG_BUFFERS_IO_H
 #include "gpu/shader_types.h"
