@@ -1,5 +1,5 @@
-// What a command says of its options. CLI11 reads them, in options.cpp and main.cpp alone: a file that includes it
-// takes 5 s longer to compile.
+// What a command says of its options. CLI11 reads them, in options.cpp alone: a file that includes it takes 5 s
+// longer to compile.
 #pragma once
 
 #include <throng/character.h>
@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -78,7 +79,7 @@ public:
     void require_subcommand(const std::string& names);
     bool has_subcommand() const;  // was given
 
-    // Without dashes, names an argument. `value` must live until the command has run; types are those in options.cpp.
+    // Without dashes, names an argument. `value` must live until the command has run; its types are in options.cpp.
     template <class T>
     Option add_option(const std::string& names, T& value, const std::string& description);
     Option add_flag(const std::string& names, bool& value, const std::string& description);
@@ -107,6 +108,15 @@ private:
 
     CLI::App* app_;
 };
+
+// The command line is not as it should be.
+struct UsageError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+// Runs the command that the words name, of those that `add_commands` adds; or prints help. Throws UsageError, and what
+// that command throws.
+void run_command_line(int argc, char** argv, const std::string& version, void (*add_commands)(Command app));
 
 // --device, for every command that uses one.
 void add_device_option(Command command, std::string& select);
