@@ -2,6 +2,7 @@
 
 #include "gpu/barrier.h"
 
+#include <atomic>
 #include <cassert>
 
 namespace throng {
@@ -11,12 +12,11 @@ Timestamps::Timestamps(std::shared_ptr<Gpu> gpu, uint32_t stamps_per_frame)
     VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
     queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
     queries.queryCount = stamps_per_frame_;
-    const VkEventCreateInfo event{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO};
     for (Slot& slot : slots_) {
         slot.queries = OwnedQueries(gpu_, gpu_->vk.vkCreateQueryPool, queries, "vkCreateQueryPool");
-        slot.published = OwnedEvent(gpu_, gpu_->vk.vkCreateEvent, event, "vkCreateEvent");
         const VkDeviceSize size_bytes = (1 + VkDeviceSize{stamps_per_frame_}) * sizeof(uint64_t);
         slot.copy = Buffer(gpu_, "timestamps", size_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::kReadback);
+        std::memset(slot.copy.mapped(), 0, sizeof(uint64_t));  // no publication's number
     }
 }
 
@@ -25,7 +25,6 @@ void Timestamps::begin(VkCommandBuffer commands) {
     slot.frame_number = frame_count_;
     slot.publication = 0;
     slot.stamp_count = slot.published_count = 0;
-    check(gpu_->vk.vkResetEvent(gpu_->device, slot.published.get()), "vkResetEvent");
     gpu_->vk.vkCmdResetQueryPool(commands, slot.queries.get(), 0, stamps_per_frame_);
 }
 
@@ -48,15 +47,13 @@ void Timestamps::publish(VkCommandBuffer commands) {
     slot.published_count = slot.stamp_count;
     memory_barrier(*gpu_, commands, kTransferWrite, kTransferWrite);
     gpu_->vk.vkCmdUpdateBuffer(commands, slot.copy.handle(), 0, sizeof slot.publication, &slot.publication);
-    set_event_for_host(*gpu_, commands, slot.published.get());
+    memory_barrier(*gpu_, commands, kTransferWrite, kHostRead);
 }
 
 bool Timestamps::is_finished(const Slot& slot) const {
     if (slot.publication == 0) return false;
-    if (gpu_->vk.vkGetEventStatus(gpu_->device, slot.published.get()) != VK_EVENT_SET) return false;
-    uint64_t publication = 0;
-    std::memcpy(&publication, slot.copy.mapped(), sizeof publication);
-    return publication == slot.publication;
+    uint64_t& publication = *reinterpret_cast<uint64_t*>(slot.copy.mapped());
+    return std::atomic_ref(publication).load(std::memory_order_acquire) == slot.publication;
 }
 
 Timestamps::Frame Timestamps::read(const Slot& slot) const {

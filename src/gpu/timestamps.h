@@ -1,5 +1,6 @@
-// Timestamps of a few frames in turn. The GPU copies them to memory that the CPU sees, and says by an event that they
-// are there, so reading never waits; vkGetQueryPoolResults() does on lavapipe, until the queue is idle.
+// Timestamps of a few frames in turn. The GPU copies them to memory that the CPU sees, and behind them the number by
+// which the CPU knows that they are there and whose they are, so reading never waits; vkGetQueryPoolResults() does on
+// lavapipe, until the queue is idle. No event tells: it could be set again only behind a barrier after all commands.
 #pragma once
 
 #include "gpu/buffer.h"
@@ -36,7 +37,6 @@ public:
 private:
     struct Slot {
         OwnedQueries queries;
-        OwnedEvent published;
         Buffer copy;                // uint64_t[1 + stamps_per_frame]: which publication this is, then the stamps
         uint64_t frame_number = 0;  // 0: none
         uint64_t publication = 0;   // that the frame has recorded last
