@@ -2,7 +2,7 @@
 #include "base/replace_file.h"
 #include "compile/character_file.h"
 #include "compile/character_layout.h"
-#include "compile/crc64.h"
+#include "base/crc64.h"
 #include "tests/files.h"
 #include "tests/test_device.h"
 #include "tests/test_rig.h"

@@ -2,7 +2,7 @@
 
 #include "base/failure.h"
 #include "compile/character_layout.h"
-#include "compile/crc64.h"
+#include "base/crc64.h"
 #include "import/json_view.h"
 
 #include <cassert>

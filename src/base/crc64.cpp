@@ -1,4 +1,4 @@
-#include "compile/crc64.h"
+#include "base/crc64.h"
 
 #include <array>
 #include <bit>

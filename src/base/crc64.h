@@ -1,4 +1,4 @@
-// The checksum of compiled files.
+// The checksum of files that throng writes.
 #pragma once
 
 #include <cstddef>
