@@ -6,6 +6,7 @@
 #include "skin/skin_reference.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
+#include "tests/uploaded.h"
 
 #include <algorithm>
 #include <cmath>
@@ -192,7 +193,8 @@ std::vector<MorphLayer> layers_of(const Character& character, const Playback& pl
 
 class Stage {
 public:
-    explicit Stage(const Character& character) : character_(character), tables_(test_gpu(), character) {}
+    explicit Stage(const Character& character)
+        : character_(character), tables_(uploaded([&](Uploads& uploads) { return MorphTables(uploads, character); })) {}
 
     std::vector<std::vector<io::ActiveMorph>> run_two(const std::vector<Playback>& playbacks) const {
         std::vector<io::InstancePlayback> states;

@@ -4,6 +4,7 @@
 #include "skin/skin_reference.h"
 #include "tests/kernel_runner.h"
 #include "tests/test_rig.h"
+#include "tests/uploaded.h"
 
 #include <cmath>
 #include <cstdio>
@@ -132,7 +133,8 @@ Skinned run_skin(const Character& character, const SkinCase& of, Random& random)
             shown[i * io::kActiveMorphs + k] = {morph, weight};
             if (i == of.instance) of_instance_shown.push_back({morph, double{weight}});
         }
-    const SkinTables tables(test_gpu(), character, std::array{0u});
+    const SkinTables tables = uploaded(
+        [&](Uploads& uploads) { return SkinTables(uploads, character, std::array{0u}); });
     const Guarded<MorphDelta> deltas(character.morph_deltas);
     const Guarded<io::ActiveMorph> active(shown);
     const Guarded<Vertex> vertices(character.vertices);

@@ -5,6 +5,7 @@
 #include "control/control.h"
 #include "control/control_reference.h"
 #include "gpu/barrier.h"
+#include "gpu/upload.h"
 #include "skin/skin_reference.h"
 
 #include <algorithm>

@@ -39,7 +39,7 @@ void CrowdState::check_memory(const CrowdSettings& settings) const {
 }
 
 // As few batches as the device's limits allow, of nearly equal size.
-void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& settings) {
+void CrowdState::make_batches(Uploads& uploads, uint32_t group_index, const CrowdSettings& settings) {
     const Group& group = groups[group_index];
     const uint32_t count = settings.groups[group_index].instance_count;
     const uint64_t joint_bytes = std::max(
@@ -78,18 +78,18 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
                        : storage(what, size_bytes);
         };
         if (group.controller) {
-            make_layers(batch);
+            make_layers(uploads, batch);
         } else {
             batch.playbacks = storage("playback states", n * sizeof(io::InstancePlayback));
             batch.cursors = storage("cursors", n * sizeof(io::InstanceCursor));
         }
-        if (group.procedural) make_procedural_state(batch);
+        if (group.procedural) make_procedural_state(uploads, batch);
         if (group.steering) {
-            batch.destinations = upload(gpu, group.name + ": destinations", std::vector<io::vec4>(n));
-            batch.agents = upload(gpu, group.name + ": agents",
+            batch.destinations = upload(uploads, group.name + ": destinations", std::vector<io::vec4>(n));
+            batch.agents = upload(uploads, group.name + ": agents",
                                   std::vector<io::AgentState>(n, {.speed = 0, .patience = 1, .stands = 0}));
         }
-        if (settings.culls) make_list(gpu, group, batch);
+        if (settings.culls) make_list(uploads, group, batch);
         batch.placements = make_table<Affine>(gpu, group.name + ": placements", n);
         for (size_t k = 0; k < (settings.keep_previous_matrices ? 2 : 1); ++k)
             batch.skins[k] = matrices("skin matrices");
@@ -101,7 +101,7 @@ void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& setting
             batch.voice_times = storage("times of voices", n * group.controller->voice_limit * sizeof(float));
         if (group.sockets) batch.sockets = storage("sockets", n * group.socket_count() * kMatrix_bytes);
         if (group.pose_capacity > 0)
-            batch.posed = upload_table(gpu, group.name + ": instances with a pose set",
+            batch.posed = upload_table(uploads, group.name + ": instances with a pose set",
                                        as_words(std::vector<io::InstancePose>(n)));
         if (settings.keep_model_matrices)
             batch.kept_model = storage("model matrices", n * group.joint_count * kMatrix_bytes);
@@ -148,7 +148,7 @@ void CrowdState::make_feedback(const CrowdSettings& settings) {
 }
 
 // As its instances begin.
-void CrowdState::make_layers(Batch& batch) const {
+void CrowdState::make_layers(Uploads& uploads, Batch& batch) const {
     const Group& group = groups[batch.group];
     const GroupController& controller = *group.controller;
     const auto repeated = [&](const auto& one) {
@@ -158,13 +158,14 @@ void CrowdState::make_layers(Batch& batch) const {
     };
     static_assert(sizeof(io::LayerState) == io::kLayerStateWords * sizeof(uint32_t) &&
                   sizeof(io::LayerPlay) == io::kLayerPlayWords * sizeof(uint32_t));
-    batch.layers = upload_writable_table(gpu, group.name + ": layers", as_words(repeated(controller.initial_layers)));
-    batch.parameters = upload_writable_table(gpu, group.name + ": parameters",
+    batch.layers = upload_writable_table(uploads, group.name + ": layers",
+                                         as_words(repeated(controller.initial_layers)));
+    batch.parameters = upload_writable_table(uploads, group.name + ": parameters",
                                              as_words(repeated(controller.initial_parameters)));
     batch.voices = make_table<io::Voice>(gpu, group.name + ": voices",
                                          batch.instance_count * uint64_t{controller.voice_limit});
     if (controller.is_inertial) {
-        batch.inertias = upload(gpu, group.name + ": inertial transitions",
+        batch.inertias = upload(uploads, group.name + ": inertial transitions",
                                 std::vector<io::InstanceInertia>(batch.instance_count));
         batch.inertia_states = Buffer(gpu, group.name + ": poses of inertial transitions",
                                       batch.instance_count * uint64_t{group.joint_count} * sizeof(io::InertiaState),
@@ -176,19 +177,19 @@ void CrowdState::make_layers(Batch& batch) const {
                                      sizeof(io::ModelRotations),
                                  VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     if (group.has_root_motion())
-        batch.roots = upload(gpu, group.name + ": root motion",
+        batch.roots = upload(uploads, group.name + ": root motion",
                              std::vector<io::RootState>(batch.instance_count, standing_at(Affine{})));
 }
 
 // At rest, and without aims.
-void CrowdState::make_procedural_state(Batch& batch) const {
+void CrowdState::make_procedural_state(Uploads& uploads, Batch& batch) const {
     const Group& group = groups[batch.group];
     if (group.procedural->target_count > 0)
-        batch.targets = upload(gpu, group.name + ": targets",
+        batch.targets = upload(uploads, group.name + ": targets",
                                std::vector<io::vec4>(batch.instance_count * size_t{group.procedural->target_count}));
     if (group.procedural->spring_count > 0)
         batch.springs = upload(
-            gpu, group.name + ": springs",
+            uploads, group.name + ": springs",
             std::vector<io::SpringState>(batch.instance_count * size_t{group.procedural->spring_count}));
 }
 

@@ -29,6 +29,7 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
 
     check_memory(settings);
 
+    Uploads uploads(gpu);
     groups.reserve(settings.groups.size());
     for (const CrowdGroup& group : settings.groups) {
         if (const std::string obstacle = skin_format_obstacle(skin_format, *group.character); !obstacle.empty())
@@ -36,8 +37,8 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
         check_steering(group);
         if (const std::string obstacle = skin_blend_obstacle(skin_blend, *group.character); !obstacle.empty())
             throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin blend", obstacle);
-        groups.emplace_back(gpu, group, choose_path(*gpu, settings, group), settings);
-        make_batches(static_cast<uint32_t>(groups.size() - 1), settings);
+        groups.emplace_back(uploads, group, choose_path(*gpu, settings, group), settings);
+        make_batches(uploads, static_cast<uint32_t>(groups.size() - 1), settings);
         const auto rest = static_cast<uint32_t>(group.character->clips.size());
         const io::SlotPlayback rest_slot{.clip = rest, .loop = 0, .time_s = 0, .speed = 0};
         playbacks_.insert(playbacks_.end(), group.instance_count, {rest_slot, rest_slot, 1});
@@ -47,7 +48,7 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
         if (!group.controller)
             batch.control = control_.bind(ControlBuffers{batch.playbacks, group.axes, group.times, batch.cursors});
     }
-    if (settings.culls) cull.emplace(gpu, groups, batches, settings);
+    if (settings.culls) cull.emplace(uploads, groups, batches, settings);
     procedural.emplace(gpu, groups, batches);
     fused.emplace(gpu, groups, batches, settings);
     pace.emplace(gpu, groups, batches, settings);
@@ -58,6 +59,7 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     poses.emplace(gpu, groups, batches);
     morphs.emplace(gpu, groups, batches);
     if (settings.skins_once) skin.emplace(gpu, groups, batches, cull ? &*cull : nullptr, settings);
+    uploads.finish();
     placements.resize(instance_count);
     dirty_playbacks_.add(0, instance_count);
     dirty_placements_.add(0, instance_count);

@@ -76,12 +76,12 @@ struct CrowdState {
     std::optional<SkinStage> skin;  // where CrowdSettings::skins_once
 
 private:
-    void make_batches(uint32_t group, const CrowdSettings& settings);
+    void make_batches(Uploads& uploads, uint32_t group, const CrowdSettings& settings);
     void take_turns();
     float paced_full_rate_pixels(const CrowdView* view);
     void make_feedback(const CrowdSettings& settings);
-    void make_layers(Batch& batch) const;
-    void make_procedural_state(Batch& batch) const;
+    void make_layers(Uploads& uploads, Batch& batch) const;
+    void make_procedural_state(Uploads& uploads, Batch& batch) const;
     void send(uint32_t instance, io::ControlCommand command);
     const Batch& batch_of_agent(uint32_t instance) const;
     const GroupController& controller_of(uint32_t instance, const char* what) const;

@@ -52,13 +52,13 @@ io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
     return seen;
 }
 
-void make_list(const std::shared_ptr<Gpu>& gpu, const Group& group, Batch& batch) {
-    batch.list = upload_writable_table(gpu, group.name + ": what is drawn",
+void make_list(Uploads& uploads, const Group& group, Batch& batch) {
+    batch.list = upload_writable_table(uploads, group.name + ": what is drawn",
                                        std::vector<uint32_t>(io::kFirstListed + size_t{batch.instance_count}));
     batch.work = upload_writable_table(
-        gpu, group.name + ": what is animated",
+        uploads, group.name + ": what is animated",
         std::vector<uint32_t>(io::kFirstWork + io::kMostWorkOfInstance * size_t{batch.instance_count}));
-    batch.states = upload(gpu, group.name + ": what was drawn", std::vector<uint32_t>(batch.instance_count));
+    batch.states = upload(uploads, group.name + ": what was drawn", std::vector<uint32_t>(batch.instance_count));
     std::vector<io::DrawCommand> draws;
     for (size_t section = 0; section < group.sections.size(); ++section)
         for (size_t detail = 0; detail < io::kDetailLevels; ++detail) {
@@ -72,20 +72,20 @@ void make_list(const std::shared_ptr<Gpu>& gpu, const Group& group, Batch& batch
                              .first_instance = 0});
         }
     constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
-    batch.draws = upload(gpu, group.name + ": draw commands", draws, kUsage);
-    batch.dispatches = upload(gpu, group.name + ": dispatch commands",
+    batch.draws = upload(uploads, group.name + ": draw commands", draws, kUsage);
+    batch.dispatches = upload(uploads, group.name + ": dispatch commands",
                               std::vector<VkDispatchIndirectCommand>(io::kWorkSections + 1, {0, 1, 1}), kUsage);
 }
 
-CullStage::CullStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
+CullStage::CullStage(Uploads& uploads, const std::vector<Group>& groups, const std::vector<Batch>& batches,
                      const CrowdSettings& settings)
-    : gpu_(std::move(gpu)),
+    : gpu_(uploads.gpu()),
       groups_(groups),
       batches_(batches),
       keeps_previous_(settings.keep_previous_matrices),
       may_skip_(settings.skips_updates),
       kernels_(gpu_),
-      view_(upload_table(gpu_, "view", std::vector{cull_view_of(nullptr, 0)})) {
+      view_(upload_table(uploads, "view", std::vector{cull_view_of(nullptr, 0)})) {
     for (size_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
         const std::string name = groups_[batch.group].name;

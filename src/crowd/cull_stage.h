@@ -17,12 +17,12 @@ namespace throng {
 io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels);
 
 // Gives the batch its list and its work, and the commands that animate and draw it; nothing is listed yet.
-void make_list(const std::shared_ptr<Gpu>& gpu, const Group& group, Batch& batch);
+void make_list(Uploads& uploads, const Group& group, Batch& batch);
 
 class CullStage {
 public:
     // Of all batches, which have a list; keeps references to both.
-    CullStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
+    CullStage(Uploads& uploads, const std::vector<Group>& groups, const std::vector<Batch>& batches,
               const CrowdSettings& settings);
 
     // `seen`: of cull_view_of().

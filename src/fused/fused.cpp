@@ -100,8 +100,7 @@ FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits) {
     return plan;
 }
 
-FusedTables::FusedTables(const std::shared_ptr<Gpu>& gpu, const Character& character, const FusedRig& rig,
-                         const FusedPlan& plan) {
+FusedTables::FusedTables(Uploads& uploads, const Character& character, const FusedRig& rig, const FusedPlan& plan) {
     std::vector<std::vector<uint32_t>> entries_of(character.rig.joint_count());
     for (uint32_t entry = 0; entry < character.palette.size(); ++entry)
         entries_of[character.palette[entry].joint].push_back(entry);
@@ -112,11 +111,11 @@ FusedTables::FusedTables(const std::shared_ptr<Gpu>& gpu, const Character& chara
     }
     std::vector<Affine> sorted;
     for (const uint32_t entry : entries) sorted.push_back(character.palette[entry].joint_from_bind);
-    links = upload_table(gpu, character.name + ": scan links", plan.scan.links);
-    bind_ranges = upload_table(gpu, character.name + ": palette entries of joints", ranges);
-    bind_entries = upload_table(gpu, character.name + ": palette entries", entries);
-    binds = upload_table(gpu, character.name + ": inverse binds by joint", sorted);
-    rig_joints = upload_table(gpu, character.name + ": animated joints", rig.rig_joints);
+    links = upload_table(uploads, character.name + ": scan links", plan.scan.links);
+    bind_ranges = upload_table(uploads, character.name + ": palette entries of joints", ranges);
+    bind_entries = upload_table(uploads, character.name + ": palette entries", entries);
+    binds = upload_table(uploads, character.name + ": inverse binds by joint", sorted);
+    rig_joints = upload_table(uploads, character.name + ": animated joints", rig.rig_joints);
 }
 
 Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, const FusedSettings& settings) {

@@ -3,6 +3,7 @@
 
 #include "fused/fused_io.h"
 #include "gpu/kernel.h"
+#include "gpu/upload.h"
 #include "scan/scan.h"
 
 #include <throng/character.h>
@@ -77,8 +78,7 @@ FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits);
 
 // What the kernel reads of a character beside its clips.
 struct FusedTables {
-    FusedTables(const std::shared_ptr<Gpu>& gpu, const Character& character, const FusedRig& rig,
-                const FusedPlan& plan);
+    FusedTables(Uploads& uploads, const Character& character, const FusedRig& rig, const FusedPlan& plan);
 
     Buffer links;         // of the plan
     Buffer bind_ranges;   // uint[joint_count + 1]: where a joint's palette entries begin in the next two

@@ -167,7 +167,8 @@ std::vector<DeviceInfo> Gpu::list() {
 }
 
 std::shared_ptr<Gpu> Gpu::create(const DeviceSettings& settings) {
-    std::shared_ptr<Gpu> gpu(new Gpu);  // before the lock: where something below throws, its destructor takes the lock
+    // Before the lock: where something below throws, its destructor takes the lock
+    std::shared_ptr<Gpu> gpu(new Gpu);
     const std::lock_guard lock(instance_level_mutex());
     load_vulkan();
     gpu->create_instance(settings.validation);
@@ -179,7 +180,8 @@ std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
     if (!adopted.instance || !adopted.physical_device || !adopted.device || !adopted.queue)
         throw Failure(ErrorCode::kInvalidArgument, "adopted device",
                       "instance, physical device, device and queue are all needed");
-    std::shared_ptr<Gpu> gpu(new Gpu);  // before the lock, as in create()
+    // Before the lock, as in create().
+    std::shared_ptr<Gpu> gpu(new Gpu);
     const std::lock_guard lock(instance_level_mutex());
     load_vulkan();
     volkLoadInstanceOnly(adopted.instance);
@@ -240,6 +242,7 @@ void Gpu::create_instance(Validation validation) {
     check(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_),
           "vkCreateDebugUtilsMessengerEXT");
     destroy_messenger_ = vkDestroyDebugUtilsMessengerEXT;
+    set_name_ = vkSetDebugUtilsObjectNameEXT;
 }
 
 void Gpu::create_device(const DeviceSettings& settings) {
@@ -351,8 +354,18 @@ void Gpu::submit_and_wait(const std::function<void(VkCommandBuffer)>& body) cons
     submit.commandBufferInfoCount = 1;
     submit.pCommandBufferInfos = &command_submit;
     check(vk.vkQueueSubmit2(queue, 1, &submit, shot.fence), "vkQueueSubmit2");
+    ++counts.submissions;
     // No timeout: a frame of a software device may take minutes, and a driver reports a device that hangs as lost.
     check(vk.vkWaitForFences(device, 1, &shot.fence, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+}
+
+void Gpu::set_name(VkObjectType type, uint64_t handle, std::string_view what) const {
+    const std::string text(what);
+    VkDebugUtilsObjectNameInfoEXT name_info{VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT};
+    name_info.objectType = type;
+    name_info.objectHandle = handle;
+    name_info.pObjectName = text.c_str();
+    check(set_name_(device, &name_info), "vkSetDebugUtilsObjectNameEXT");
 }
 
 uint32_t Gpu::memory_type(uint32_t type_bits, VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) const {

@@ -1,6 +1,7 @@
 // The device as throng's own code sees it: handles, limits, its function table, and one-shot submission.
 #pragma once
 
+#include "gpu/memory.h"
 #include "gpu/vulkan.h"
 
 #include <throng/device.h>
@@ -9,8 +10,15 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <string_view>
 
 namespace throng {
+
+// What has been asked of the driver so far, for tests and measurements.
+struct GpuCounts {
+    std::atomic<uint64_t> allocations{0};  // of memory for buffers
+    std::atomic<uint64_t> submissions{0};  // that throng waits for
+};
 
 class Gpu {
 public:
@@ -23,6 +31,12 @@ public:
 
     // Records `body` into a fresh command buffer, submits it to the queue and waits for it.
     void submit_and_wait(const std::function<void(VkCommandBuffer)>& body) const;
+
+    // For messages of the validation layer; nothing where it is off.
+    template <class Handle>
+    void name(VkObjectType type, Handle handle, std::string_view what) const {
+        if (set_name_) set_name(type, reinterpret_cast<uint64_t>(handle), what);
+    }
 
     // Index of a memory type among `type_bits` with all `required` properties and, where there is one, the `preferred`
     // too.
@@ -53,16 +67,21 @@ public:
     bool has_full_subgroups = false;  // a pipeline can ask for subgroups without idle invocations; enabled
     uint32_t validation_message_count() const { return validation_messages_; }
 
+    MemoryBlocks memory{*this};
+    mutable GpuCounts counts;
+
 private:
     Gpu() = default;
     void create_instance(Validation validation);
     void create_device(const DeviceSettings& settings);
     void read_properties(VkPhysicalDevice physical);
+    void set_name(VkObjectType type, uint64_t handle, std::string_view what) const;
 
     VkInstance instance_ = VK_NULL_HANDLE;  // null where adopted
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
     // Null in instances without the extension: volk's may be another's
     PFN_vkDestroyDebugUtilsMessengerEXT destroy_messenger_ = nullptr;
+    PFN_vkSetDebugUtilsObjectNameEXT set_name_ = nullptr;
     bool owns_device_ = false;
     std::atomic<uint32_t> validation_messages_{0};
 };

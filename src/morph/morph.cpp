@@ -58,13 +58,13 @@ std::vector<float> values_of(const Character& character) {
 
 }  // namespace
 
-MorphTables::MorphTables(const std::shared_ptr<Gpu>& gpu, const Character& character)
+MorphTables::MorphTables(Uploads& uploads, const Character& character)
     : morph_count(static_cast<uint32_t>(character.morphs.size())),
-      axes(upload_table(gpu, character.name + ": morph axes", axes_of(character))),
-      times(upload_table(gpu, character.name + ": morph times", character.morph_times_s)),
-      tracks(upload_table(gpu, character.name + ": morph tracks", tracks_of(character))),
-      values(upload_table(gpu, character.name + ": morph weights", values_of(character))),
-      deltas(upload(gpu, character.name + ": morph differences", character.morph_deltas)) {}
+      axes(upload_table(uploads, character.name + ": morph axes", axes_of(character))),
+      times(upload_table(uploads, character.name + ": morph times", character.morph_times_s)),
+      tracks(upload_table(uploads, character.name + ": morph tracks", tracks_of(character))),
+      values(upload_table(uploads, character.name + ": morph weights", values_of(character))),
+      deltas(upload(uploads, character.name + ": morph differences", character.morph_deltas)) {}
 
 Kernel morph_kernel(const std::shared_ptr<Gpu>& gpu, bool layered) {
     return Kernel(gpu, {.name = "morph",

@@ -4,6 +4,7 @@
 #include "control/control_io.h"
 #include "control/controller_io.h"
 #include "gpu/kernel.h"
+#include "gpu/upload.h"
 #include "morph/morph_io.h"
 
 #include <throng/character.h>
@@ -12,7 +13,7 @@ namespace throng {
 
 // A character's morphs on the device. It has at least one.
 struct MorphTables {
-    MorphTables(const std::shared_ptr<Gpu>& gpu, const Character& character);
+    MorphTables(Uploads& uploads, const Character& character);
 
     uint32_t morph_count = 0;
     Buffer axes;    // io::ClipAxis[clip_count + 1], as words; this and the next three are tables (gpu/table.glsl)

@@ -29,8 +29,7 @@ std::vector<uint32_t> all_of(uint32_t vertex_count) {
 
 }  // namespace
 
-SkinTables::SkinTables(const std::shared_ptr<Gpu>& gpu, const Character& character,
-                       std::span<const uint32_t> influence_offsets) {
+SkinTables::SkinTables(Uploads& uploads, const Character& character, std::span<const uint32_t> influence_offsets) {
     std::vector<io::SkinSection> all_sections;
     std::vector<uint32_t> all_vertices;
     for (size_t detail = 0; detail < influence_offsets.size(); ++detail) {
@@ -54,8 +53,8 @@ SkinTables::SkinTables(const std::shared_ptr<Gpu>& gpu, const Character& charact
             all_vertices.insert(all_vertices.end(), listed.begin(), listed.end());
         }
     }
-    sections = upload(gpu, character.name + ": sections of levels of detail", all_sections);
-    vertices = upload(gpu, character.name + ": vertices of levels of detail", all_vertices);
+    sections = upload(uploads, character.name + ": sections of levels of detail", all_sections);
+    vertices = upload(uploads, character.name + ": vertices of levels of detail", all_vertices);
 }
 
 Kernel skin_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format, SkinBlend blend, bool listed) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gpu/kernel.h"
+#include "gpu/upload.h"
 #include "skin/skin_io.h"
 
 #include <throng/crowd.h>
@@ -15,8 +16,7 @@ struct SkinTables {
     SkinTables() = default;
     // Level 0 has all of them, the others those that their triangles have. `influence_offsets`: [1 + details], of each
     // level's influences from the finest's.
-    SkinTables(const std::shared_ptr<Gpu>& gpu, const Character& character,
-               std::span<const uint32_t> influence_offsets);
+    SkinTables(Uploads& uploads, const Character& character, std::span<const uint32_t> influence_offsets);
     uint64_t size_bytes() const { return sections.size_bytes() + vertices.size_bytes(); }
 
     Buffer sections;  // io::SkinSection[1 + details][section_count]

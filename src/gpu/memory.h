@@ -1,0 +1,50 @@
+// Memory of buffers: parts of large blocks, so that hundreds of buffers take a few allocations of the driver.
+#pragma once
+
+#include "gpu/vulkan.h"
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace throng {
+
+class Gpu;
+struct MemoryBlock;
+
+struct MemoryPart {
+    MemoryBlock* block = nullptr;
+    VkDeviceMemory memory = VK_NULL_HANDLE;
+    VkDeviceSize offset_bytes = 0, size_bytes = 0;
+    std::byte* mapped = nullptr;  // of these bytes; null where the CPU cannot see the memory, or not coherently
+};
+
+// Of one device. Thread-safe.
+class MemoryBlocks {
+public:
+    // A block of a type is as large as all blocks of it before, between these; what needs more has one of its own.
+    static constexpr VkDeviceSize kSmallestBlock_bytes = VkDeviceSize{4} << 20,
+                                  kLargestBlock_bytes = VkDeviceSize{64} << 20;
+
+    explicit MemoryBlocks(const Gpu& gpu);
+    ~MemoryBlocks();
+
+    // Throws kOutOfMemory.
+    MemoryPart take(uint32_t memory_type, VkDeviceSize size_bytes, VkDeviceSize alignment);
+    // A block of which nothing is in use any more goes.
+    void give_back(const MemoryPart& part) noexcept;
+    size_t block_count() const;
+
+private:
+    using Blocks = std::vector<std::unique_ptr<MemoryBlock>>;
+    std::unique_ptr<MemoryBlock> make_block(uint32_t memory_type, VkDeviceSize size_bytes) const;
+    VkDeviceSize block_bytes(uint32_t memory_type, VkDeviceSize size_bytes) const;
+
+    const Gpu& gpu_;
+    mutable std::mutex mutex_;
+    std::array<Blocks, VK_MAX_MEMORY_TYPES> blocks_;  // by memory type
+};
+
+}  // namespace throng
