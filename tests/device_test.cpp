@@ -199,6 +199,14 @@ TEST(Device, AnApplicationsDeviceIsAdoptedAndLeftAlone) {
         const Character character = make_character({});
         Show(*device, character, 0.1).update_and_compare(0.2f);
     }
+    // The handle may outlive the application's device: nothing of that is left then.
+    const Character character = make_character({});
+    Device device = Device::adopt(application.adopted()).value();
+    for (uint64_t made = 1; made <= 2; ++made) {
+        EXPECT_TRUE(Crowd::create(device, {.groups = {{&character, 2}}}));
+        EXPECT_EQ(device.gpu()->counts.pipelines, made * 3) << "no pipeline is kept for the next crowd";
+        EXPECT_EQ(device.gpu()->memory.block_count(), 0u);
+    }
     EXPECT_EQ(application.table.vkDeviceWaitIdle(application.device), VK_SUCCESS) << "the device lives on";
     AdoptedDevice wrong = application.adopted();
     wrong.queue_family = application.queue_family_count;
@@ -206,6 +214,22 @@ TEST(Device, AnApplicationsDeviceIsAdoptedAndLeftAlone) {
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
     EXPECT_TRUE(Device::adopt(application.adopted())) << "after a refusal";
+}
+
+TEST(Device, AnApplicationsPipelineCacheIsUsed) {
+    const Application application;
+    VkPipelineCacheCreateInfo create{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+    AdoptedDevice adopted = application.adopted();
+    EXPECT_EQ(Device::adopt(adopted)->gpu()->pipeline_cache(), VkPipelineCache{VK_NULL_HANDLE});
+    ASSERT_EQ(application.table.vkCreatePipelineCache(application.device, &create, nullptr, &adopted.pipeline_cache),
+              VK_SUCCESS);
+    {
+        const Device device = Device::adopt(adopted).value();
+        EXPECT_EQ(device.gpu()->pipeline_cache(), adopted.pipeline_cache);
+        const Character character = make_character({});
+        Show(device, character, 0.1).update_and_compare(0.2f);
+    }
+    application.table.vkDestroyPipelineCache(application.device, adopted.pipeline_cache, nullptr);
 }
 
 }  // namespace

@@ -51,14 +51,15 @@ Device& test_device() {
                                                         {"synchronization", Validation::kSynchronization},
                                                         {"gpu-assisted", Validation::kGpuAssisted}};
     device = created_device({.select = environment("THRONG_DEVICE", ""),
-                             .validation = validations.at(environment("THRONG_VALIDATION", "synchronization"))});
+                             .validation = validations.at(environment("THRONG_VALIDATION", "synchronization")),
+                             .pipeline_cache = false});
     testing::UnitTest::GetInstance()->listeners().Append(new ValidationListener);
     std::printf("device: %s, driver %s, subgroups of %u\n", device->info().name.c_str(), device->info().driver.c_str(),
                 device->info().subgroup_size);
     return *device;
 }
 
-Device another_device() { return created_device({.select = test_device().info().name}); }
+Device another_device() { return created_device({.select = test_device().info().name, .pipeline_cache = false}); }
 
 Device device_of_workgroups(uint32_t most_workgroups) {
     Device device = another_device();

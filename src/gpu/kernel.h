@@ -48,11 +48,11 @@ struct KernelSettings {
     bool full_subgroups = false;           // no idle invocations in them, where the device can promise it
 };
 
+// A handle: kernels of one device that are made of the same share one pipeline (gpu/shared_kernels.h).
 class Kernel {
 public:
     Kernel() = default;
     Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings);
-    ~Kernel();
     Kernel(Kernel&& other) noexcept { swap(other); }
     Kernel& operator=(Kernel&& other) noexcept {
         swap(other);
@@ -90,8 +90,6 @@ public:
 
 private:
     Bindings bind_ranges(std::span<const BufferRange> ranges) const;
-    void create(const KernelSettings& settings);
-    void destroy() noexcept;
     void dispatch(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes,
                   uint32_t workgroup_count) const;
     void prepare(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes) const;
@@ -99,11 +97,8 @@ private:
 
     std::shared_ptr<Gpu> gpu_;
     std::string name_;
-    SpirvInfo info_;
+    std::shared_ptr<const CompiledKernel> compiled_;
     uint32_t workgroup_size_ = 0;
-    VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
-    VkPipelineLayout layout_ = VK_NULL_HANDLE;
-    VkPipeline pipeline_ = VK_NULL_HANDLE;
 };
 
 }  // namespace throng
