@@ -113,8 +113,10 @@ struct CompiledKernel {
     VkPipelineLayout layout = VK_NULL_HANDLE;
     VkPipeline pipeline = VK_NULL_HANDLE;
 
+    // Throws where the device or the shader does not allow the settings.
+    void check_settings(const KernelSettings& settings) const;
+
 private:
-    void check_limits(const KernelSettings& settings) const;
     void create(const KernelSettings& settings);
     void destroy() noexcept;
 };
@@ -122,7 +124,7 @@ private:
 CompiledKernel::CompiledKernel(const Gpu& gpu_in, const KernelSettings& settings)
     : gpu(gpu_in), info(read_spirv(settings.spirv)) {
     workgroup_size = settings.workgroup_size != 0 ? settings.workgroup_size : info.local_size_x;
-    check_limits(settings);
+    check_settings(settings);
     try {
         create(settings);
     } catch (...) {
@@ -139,7 +141,7 @@ void CompiledKernel::destroy() noexcept {
     gpu.vk.vkDestroyDescriptorSetLayout(gpu.device, set_layout, nullptr);
 }
 
-void CompiledKernel::check_limits(const KernelSettings& settings) const {
+void CompiledKernel::check_settings(const KernelSettings& settings) const {
     const std::string place(settings.name);
     if (info.local_size_is_specialized != (settings.workgroup_size != 0))
         throw Failure(ErrorCode::kInvalidArgument, place,
@@ -214,7 +216,9 @@ SharedKernels::Key key_of(const KernelSettings& settings) {
 Kernel::Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings) : gpu_(std::move(gpu)), name_(settings.name) {
     SharedKernels::Key key = key_of(settings);
     compiled_ = gpu_->kernels.find(key);
-    if (!compiled_)
+    if (compiled_)
+        compiled_->check_settings(settings);  // tests lower limits of a device that has the pipeline
+    else
         compiled_ = gpu_->kernels.add(std::move(key), std::make_shared<const CompiledKernel>(*gpu_, settings));
     workgroup_size_ = compiled_->workgroup_size;
 }
