@@ -4,7 +4,7 @@
 #include "compile/character_layout.h"
 #include "compile/crc64.h"
 #include "tests/files.h"
-#include "tests/test_device.h"
+#include "tests/shared.h"
 #include "tests/test_rig.h"
 
 #include <algorithm>

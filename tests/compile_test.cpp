@@ -2,7 +2,6 @@
 #include "compile/rig.h"
 #include "control/control_reference.h"
 #include "sample/sample_reference.h"
-#include "tests/test_device.h"
 #include "tests/test_rig.h"
 #include "tests/text.h"
 

@@ -1,10 +1,16 @@
 // Listing, choosing, sharing and adopting devices.
 #include "gpu/gpu.h"
+#include "scan/scan_costs.h"
+#include "tests/files.h"
 #include "tests/test_device.h"
 #include "tests/test_rig.h"
 
 #include <cctype>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
 
 namespace throng {
 namespace {
@@ -196,6 +202,29 @@ TEST(Device, AnApplicationsDeviceIsAdoptedAndLeftAlone) {
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
     EXPECT_TRUE(Device::adopt(application.adopted())) << "after a refusal";
+}
+
+TEST(Device, ScanCostsComeFromTheCacheWhereItHasThem) {
+    const Gpu& gpu = *test_device().gpu();
+    ScanCosts kept = built_in_scan_costs(gpu);
+    kept.units = 80;
+    kept.origin = "test";
+    const char* before = std::getenv("XDG_CACHE_HOME");
+    const std::string saved = before ? before : "";
+    const TemporaryFolder folder;
+    setenv("XDG_CACHE_HOME", folder.path().c_str(), 1);
+    EXPECT_EQ(scan_costs(gpu).origin, built_in_scan_costs(gpu).origin);
+    const std::filesystem::path file = scan_costs_file(gpu);
+    std::filesystem::create_directories(file.parent_path());
+    std::ofstream(file) << to_json(kept);
+    EXPECT_EQ(scan_costs(gpu).origin, "test");
+    EXPECT_EQ(scan_costs(gpu).units, 80);
+    std::ofstream(file) << "{";
+    const ScanCosts costs = scan_costs(gpu);
+    EXPECT_EQ(costs.row_ns, built_in_scan_costs(gpu).row_ns) << "a damaged file is not used";
+    EXPECT_NE(costs.origin.find(file.string()), std::string::npos) << "and the reason names it: " << costs.origin;
+    if (before) setenv("XDG_CACHE_HOME", saved.c_str(), 1);
+    else unsetenv("XDG_CACHE_HOME");
 }
 
 }  // namespace

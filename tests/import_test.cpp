@@ -1,6 +1,6 @@
 #include "glb_builder.h"
 #include "tests/files.h"
-#include "tests/test_device.h"
+#include "tests/shared.h"
 
 #include <throng/asset.h>
 

@@ -1,4 +1,4 @@
-#include "tests/test_device.h"
+#include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <string>

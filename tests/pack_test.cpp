@@ -3,7 +3,7 @@
 #include "compile/limits.h"
 #include "compile/packed_track.h"
 #include "sample/sample_reference.h"
-#include "tests/test_device.h"
+#include "tests/shared.h"
 #include "tests/test_rig.h"
 
 #include <algorithm>

@@ -65,8 +65,4 @@ Device device_of_workgroups(uint32_t most_workgroups) {
     return device;
 }
 
-std::filesystem::path shared_folder(const std::string& name) {
-    return std::filesystem::path(environment("THRONG_SHARED", THRONG_SHARED_DIR)) / name;
-}
-
 }  // namespace throng

@@ -44,12 +44,6 @@ std::span<const Baseline> baselines() {
     return rows;
 }
 
-void check_key_bytes(const Character& character, std::string_view method, uint64_t key_bytes, const BakeSettings& settings) {
-    if (key_bytes > settings.limit_bytes)
-        throw Failure(ErrorCode::kLimit, character.name, std::to_string(key_bytes) + " bytes of " + std::string(method) + " clips exceed the device's storage-buffer range of " +
-                                                             std::to_string(settings.limit_bytes) + " bytes");
-}
-
 BaselineCrowd::BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline, const Character& baked, std::span<const Playback> playbacks)
     : gpu_(std::move(gpu)),
       palette_count_(static_cast<uint32_t>(baked.palette.size())),

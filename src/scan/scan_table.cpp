@@ -2,6 +2,8 @@
 
 #include "scan/scan_methods.h"
 
+#include <throng/crowd.h>
+
 #include <algorithm>
 #include <array>
 
@@ -46,5 +48,12 @@ uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits) 
 }
 
 std::vector<uint32_t> no_lane_choice(const ScanLimits&) { return {0}; }
+
+std::vector<ScanMethodInfo> scan_methods() {
+    std::vector<ScanMethodInfo> methods;
+    for (const ScanMethod& method : scan_table())
+        methods.push_back({std::string(method.name), std::string(method.summary), std::string(method.source), method.layout == ScanLayout::kCharacterMajor});
+    return methods;
+}
 
 }  // namespace throng
