@@ -1,7 +1,7 @@
 #include "bench/control_bench.h"
 
 #include "bench/record.h"
-#include "bench/statistics.h"
+#include "tools/cli/statistics.h"
 #include "bench/value_of.h"
 
 #include <throng/reference.h>
@@ -151,7 +151,7 @@ nlohmann::json measure_control(const Device& device, const ControlCase& control,
         if (update < kWarmUp) continue;
         progress(what + ": update " + std::to_string(update + 1 - kWarmUp) + " of " + std::to_string(control.samples));
         const StageTimes times = value_of(crowd.stage_times());
-        control_ms.push_back(times.control);
+        control_ms.push_back(times.of("control"));
         update_ms.push_back(times.total());
     }
     const Spread of_control = spread_of(control_ms), of_update = spread_of(update_ms);

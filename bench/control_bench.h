@@ -11,8 +11,8 @@
 
 namespace throng::bench {
 
-// For creatures (tools/creature.h): six states and a blend space of two parameters in the lowest layer, three in a
-// masked one, three in an additive one.
+// For creatures (tools/creatures/creature.h): six states and a blend space of two parameters in the lowest layer, three
+// in a masked one, three in an additive one.
 Controller control_bench_controller(const Character& character);
 
 struct ControlCase {

@@ -6,10 +6,9 @@
 #include "bench/gpu_clock.h"
 #include "bench/record.h"
 #include "bench/skin_error.h"
-#include "bench/statistics.h"
+#include "tools/cli/statistics.h"
 #include "bench/value_of.h"
 #include "scan/scan_planner.h"
-#include "tools/stages.h"
 
 #include <nlohmann/json.hpp>
 
@@ -36,8 +35,6 @@ constexpr std::array kFormats{std::pair{SkinFormat::kAffine, "affine"},
                               std::pair{SkinFormat::kHalfAffine, "half_affine"},
                               std::pair{SkinFormat::kSimilarity, "similarity"}};
 
-using tools::kStages;
-
 constexpr const char* kByKernel = "kernel";
 
 const char* name_of(SkinFormat format) {
@@ -54,7 +51,7 @@ struct Entrant {
     std::shared_ptr<const FrameCrowd> made;
     double max_error = 0;
     std::vector<Reading> total;
-    std::array<std::vector<double>, kStages.size()> stage_ms;
+    std::array<std::vector<double>, kStageNames.size()> stage_ms;
 
     bool is_wrong() const { return !(max_error <= error_bound(variant->format)); }
     Crowd* crowd() const { return made->crowd.get(); }
@@ -150,7 +147,7 @@ private:
         const double host_ms = watch.elapsed_s() * 1e3;
         const StageTimes times = value_of(entrant.crowd()->stage_times());
         entrant.total.push_back(believed_reading(gpu_, times.total(), host_ms));
-        for (size_t s = 0; s < kStages.size(); ++s) entrant.stage_ms[s].push_back(times.*kStages[s].second);
+        for (size_t s = 0; s < kStageNames.size(); ++s) entrant.stage_ms[s].push_back(times.ms[s]);
     }
 
     void add_fill(SkinFormat format) {
@@ -235,9 +232,8 @@ private:
         record["scan"] = entrant.crowd()->path(0)->scan.method;
         record["max_error"] = entrant.max_error;
         if (entrant.is_wrong()) record["wrong"] = true;
-        for (size_t s = 0; s < kStages.size(); ++s)
-            if (const double ms = spread_of(entrant.stage_ms[s]).median; ms > 0)
-                record["stages"][kStages[s].first] = ms;
+        for (size_t s = 0; s < kStageNames.size(); ++s)
+            if (const double ms = spread_of(entrant.stage_ms[s]).median; ms > 0) record["stages"][kStageNames[s]] = ms;
         add_times(record, entrant.total);
         return record;
     }

@@ -3,7 +3,8 @@
 #include "bench/report/cells.h"
 #include "bench/report/html.h"
 #include "bench/report/plot.h"
-#include "tools/stages.h"
+
+#include <throng/crowd.h>
 
 #include <nlohmann/json.hpp>
 
@@ -37,7 +38,7 @@ std::string stages_of(const Json& record) {
     const auto stages = record.find("stages");
     std::string all;
     if (stages == record.end() || !stages->is_object()) return all;
-    for (const auto& [stage, member] : tools::kStages)
+    for (const char* stage : kStageNames)
         if (const double ms = number(*stages, stage); !std::isnan(ms))
             all += (all.empty() ? "" : ", ") + std::string(stage) + " " + digits(ms);
     return all;

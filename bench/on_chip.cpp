@@ -1,12 +1,12 @@
 // Measures what a scan costs without memory: every character reads the same local transforms from shared memory and
 // scans them repeat after repeat. The difference of two runs of different repeat counts is free of launching, loading
 // and storing.
+#include "bench/on_chip_shaders.h"
 #include "bench/gpu_clock.h"
 #include "bench/scan_cell.h"
 #include "bench/scan_crowd.h"
-#include "bench/statistics.h"
+#include "tools/cli/statistics.h"
 #include "gpu/barrier.h"
-#include "scan/scan_shaders.h"
 
 #include <nlohmann/json.hpp>
 
@@ -144,13 +144,13 @@ private:
     uint64_t matrix_count() const { return uint64_t{character_count_} * rig_.joint_count(); }
 
     Kernel kernel(uint32_t barriers_twice) const {
-        const ScanShaders& shaders = scan_shaders(choice_.method->name);
+        const OnChipShaders& shaders = on_chip_shaders(choice_.method->name);
         std::vector<uint32_t> constants = plan_.constants;
         constants.resize(kMethodConstants);
         constants.insert(constants.end(),
                          {barriers_twice, plan_.instances_per_workgroup, on_chip_transforms(plan_, rig_)});
         return Kernel(gpu_, {.name = choice_.method->name,
-                             .spirv = gpu_->prefers_wide_words() ? shaders.on_chip_wide : shaders.on_chip,
+                             .spirv = gpu_->prefers_wide_words() ? shaders.wide : shaders.plain,
                              .workgroup_size = plan_.workgroup_size,
                              .constants = std::move(constants),
                              .full_subgroups = plan_.full_subgroups});

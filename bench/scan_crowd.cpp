@@ -3,7 +3,7 @@
 #include "base/failure.h"
 #include "gpu/barrier.h"
 #include "scan/scan_reference.h"
-#include "tools/creature_math.h"
+#include "tools/creatures/creature_math.h"
 
 #include <algorithm>
 #include <cmath>

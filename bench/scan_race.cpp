@@ -2,7 +2,7 @@
 #include "bench/gpu_clock.h"
 #include "bench/scan_cell.h"
 #include "bench/scan_crowd.h"
-#include "bench/statistics.h"
+#include "tools/cli/statistics.h"
 
 #include <nlohmann/json.hpp>
 

@@ -6,47 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
 
 namespace throng::bench {
 namespace {
-
-using Constant = double ScanCosts::*;
-constexpr std::array<Constant, 5> kOfEveryDevice{&ScanCosts::launch_ms, &ScanCosts::row_ns,
-                                                 &ScanCosts::multiplication_ns, &ScanCosts::barrier_ns,
-                                                 &ScanCosts::workgroup_ns};
-constexpr std::array<Constant, 5> kOfGpus{&ScanCosts::scattered_rows, &ScanCosts::latency_ns, &ScanCosts::units,
-                                          &ScanCosts::resident_subgroups, &ScanCosts::bytes_per_ns};
-
-constexpr double kLeast = 1e-3;  // of a constant, in its unit: a cost that does not show does not vanish
-
-// An observation with its plan, which does not depend on the constants.
-struct PlannedObservation {
-    const ScanObservation* observation;
-    ScanPlan plan;
-};
-
-std::vector<PlannedObservation> plan_all(std::span<const ScanObservation> observations, const ScanLimits& limits) {
-    std::vector<PlannedObservation> planned;
-    for (const ScanObservation& o : observations)
-        planned.push_back({&o, plan_scan(*o.choice.method, o.rig, limits, o.choice.lanes)});
-    return planned;
-}
-
-double log_factor(const PlannedObservation& planned, const ScanLimits& limits, const ScanCosts& costs) {
-    const ScanObservation& o = *planned.observation;
-    return std::log(predict_ms(planned.plan, o.rig, *o.choice.method, o.instance_count, limits, costs) /
-                    o.milliseconds);
-}
-
-double cost_of(const std::vector<PlannedObservation>& planned, const ScanLimits& limits, const ScanCosts& costs) {
-    double sum = 0;
-    for (const PlannedObservation& p : planned)
-        sum += p.observation->weight * std::pow(log_factor(p, limits, costs), 2);
-    return sum;
-}
 
 // A method far behind the fastest of its cell is never chosen, so its error matters less.
 void weigh(std::span<ScanObservation> of_cell) {
@@ -56,41 +19,6 @@ void weigh(std::span<ScanObservation> of_cell) {
 }
 
 }  // namespace
-
-double typical_factor(std::span<const ScanObservation> observations, const ScanLimits& limits, const ScanCosts& costs) {
-    std::vector<double> factors;
-    for (const PlannedObservation& p : plan_all(observations, limits))
-        factors.push_back(std::exp(std::abs(log_factor(p, limits, costs))));
-    if (factors.empty()) return 1;
-    std::nth_element(factors.begin(), factors.begin() + static_cast<std::ptrdiff_t>(factors.size() / 2), factors.end());
-    return factors[factors.size() / 2];
-}
-
-ScanCosts fit_scan_costs(std::span<const ScanObservation> observations, const ScanLimits& limits,
-                         const ScanCosts& start) {
-    const std::vector<PlannedObservation> planned = plan_all(observations, limits);
-    std::vector<Constant> constants(kOfEveryDevice.begin(), kOfEveryDevice.end());
-    if (!limits.is_cpu) constants.insert(constants.end(), kOfGpus.begin(), kOfGpus.end());
-    ScanCosts best = start;
-    double best_cost = cost_of(planned, limits, best);
-    // The model is cheap, and smooth in the constants' logarithms but for kinks
-    for (double factor = 4; factor > 1.01;) {
-        bool improved = false;
-        for (const Constant constant : constants) {
-            for (const double step : {factor, 1 / factor}) {
-                ScanCosts trial = best;
-                trial.*constant = std::max(trial.*constant * step, kLeast);
-                const double cost = cost_of(planned, limits, trial);
-                if (cost >= best_cost) continue;
-                best = trial;
-                best_cost = cost;
-                improved = true;
-            }
-        }
-        if (!improved) factor = std::sqrt(factor);
-    }
-    return best;
-}
 
 std::vector<ScanObservation> observe_scans(const std::shared_ptr<Gpu>& gpu, bool quick, const Progress& progress) {
     const ScanLimits limits = scan_limits(*gpu);

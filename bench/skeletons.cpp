@@ -1,7 +1,7 @@
 #include "bench/skeletons.h"
 
 #include "base/failure.h"
-#include "tools/creature_math.h"
+#include "tools/creatures/creature_math.h"
 
 #include <throng/asset.h>
 

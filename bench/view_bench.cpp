@@ -3,10 +3,9 @@
 #include "bench/gpu_clock.h"
 #include "bench/record.h"
 #include "bench/skin_error.h"
-#include "bench/statistics.h"
+#include "tools/cli/statistics.h"
 #include "bench/value_of.h"
-#include "tools/drawn.h"
-#include "tools/stages.h"
+#include "tools/cli/drawn.h"
 
 #include <throng/reference.h>
 
@@ -20,8 +19,6 @@
 
 namespace throng::bench {
 namespace {
-
-using tools::kStages;
 
 struct Variant {
     const char* name;
@@ -42,7 +39,7 @@ struct Entrant {
     std::vector<uint32_t> drawn;  // of each level of detail
     double max_error = 0, max_pixels = 0;
     std::vector<double> total_ms;
-    std::array<std::vector<double>, kStages.size()> stage_ms;
+    std::array<std::vector<double>, kStageNames.size()> stage_ms;
 };
 
 class ViewMeasurement {
@@ -155,7 +152,7 @@ private:
         const double host_ms = watch.elapsed_s() * 1e3;
         const StageTimes times = value_of(entrant.crowd->stage_times());
         entrant.total_ms.push_back(believed_reading(*device_.gpu(), times.total(), host_ms).ms);
-        for (size_t s = 0; s < kStages.size(); ++s) entrant.stage_ms[s].push_back(times.*kStages[s].second);
+        for (size_t s = 0; s < kStageNames.size(); ++s) entrant.stage_ms[s].push_back(times.ms[s]);
     }
 
     nlohmann::json record_of(const Entrant& entrant) const {
@@ -183,9 +180,9 @@ private:
         const Spread ms = spread_of(entrant.total_ms);
         record["samples"] = entrant.total_ms.size();
         record["ms"] = {{"median", ms.median}, {"p5", ms.p5}, {"p95", ms.p95}};
-        for (size_t s = 0; s < kStages.size(); ++s)
+        for (size_t s = 0; s < kStageNames.size(); ++s)
             if (const double stage_ms = spread_of(entrant.stage_ms[s]).median; stage_ms > 0)
-                record["stages"][kStages[s].first] = stage_ms;
+                record["stages"][kStageNames[s]] = stage_ms;
         if (const double all_ms = spread_of(entrants_.front().total_ms).median; all_ms > 0)
             record["times_faster"] = all_ms / ms.median;
         return record;

@@ -1,7 +1,8 @@
 # GLSL -> SPIR-V words in the build tree, which C++ includes into an array: #include "<output>".
 find_program(GLSLC glslc REQUIRED)
 
-# throng_add_shader(target shader output defines...): shader relative to src/ or absolute, output to the folder of shaders in the build tree.
+# throng_add_shader(target shader output defines...): shader relative to src/ or absolute, output to the folder of
+# shaders in the build tree.
 function(throng_add_shader target shader output_name)
   cmake_path(ABSOLUTE_PATH shader BASE_DIRECTORY ${PROJECT_SOURCE_DIR}/src OUTPUT_VARIABLE source)
   set(output ${PROJECT_BINARY_DIR}/shaders/${output_name})
@@ -11,18 +12,11 @@ function(throng_add_shader target shader output_name)
   list(TRANSFORM defines PREPEND -D)
   add_custom_command(
     OUTPUT ${output}
-    COMMAND ${GLSLC} --target-env=vulkan1.3 -O -Werror -mfmt=num ${defines} -I ${PROJECT_SOURCE_DIR}/src -MD -MF ${output}.d -o ${output} ${source}
+    COMMAND ${GLSLC} --target-env=vulkan1.3 -O -Werror -mfmt=num ${defines} -I ${PROJECT_SOURCE_DIR}/src -I
+    ${THRONG_GENERATED_DIR} -MD -MF ${output}.d -o ${output} ${source}
     DEPENDS ${source}
     DEPFILE ${output}.d
     COMMENT "Compiling shader ${output_name}"
     VERBATIM)
   target_sources(${target} PRIVATE ${output})
-  target_include_directories(${target} PRIVATE ${PROJECT_BINARY_DIR}/shaders)
-endfunction()
-
-# throng_add_shaders(target file...): each to <file>.inc.
-function(throng_add_shaders target)
-  foreach(shader IN LISTS ARGN)
-    throng_add_shader(${target} ${shader} ${shader}.inc)
-  endforeach()
 endfunction()

@@ -65,17 +65,12 @@ int main(int argc, char** argv) {
     for (int frame = 0; frame < kFrames; ++frame) {
         need(crowd.update(1.0f / 60));
         const throng::StageTimes times = need(crowd.stage_times());
-        sum.control += times.control;
-        sum.sample += times.sample;
-        sum.blend += times.blend;
-        sum.scan += times.scan;
-        sum.bind += times.bind;
+        for (size_t stage = 0; stage < times.ms.size(); ++stage) sum.ms[stage] += times.ms[stage];
     }
-    std::printf(
-        "%u characters, mean of %d updates: control %.3f ms, sample %.3f ms, blend %.3f ms, scan %.3f ms, bind %.3f "
-        "ms, total %.3f ms\n",
-        crowd.instance_count(), kFrames, sum.control / kFrames, sum.sample / kFrames, sum.blend / kFrames,
-        sum.scan / kFrames, sum.bind / kFrames, sum.total() / kFrames);
+    std::printf("%u characters, mean of %d updates:", crowd.instance_count(), kFrames);
+    for (size_t stage = 0; stage < sum.ms.size(); ++stage)
+        if (sum.ms[stage] > 0) std::printf(" %s %.3f ms,", throng::kStageNames[stage], sum.ms[stage] / kFrames);
+    std::printf(" total %.3f ms\n", sum.total() / kFrames);
 
     // One individual's joints in model space; a joint's position is the last column of its matrix.
     constexpr uint32_t kIndividual = 301;

@@ -84,7 +84,7 @@ int main(int argc, char** argv) {
     }
     const throng::StageTimes times = need(crowd.stage_times());
     std::printf("%u characters, %u joints: %.2f ms of %.2f ms for their rules\n", kCount,
-                kCount * creature.rig.joint_count(), times.procedural, times.total());
+                kCount * creature.rig.joint_count(), times.of("procedural"), times.total());
 
     throng::Renderer renderer = need(throng::Renderer::create(device, {.width = 1280, .height = 720}));
     const throng::RenderResult result = need(

@@ -2,7 +2,7 @@
 #include "bench/baselines/baselines.h"
 
 #include "base/failure.h"
-#include "bench/statistics.h"
+#include "tools/cli/statistics.h"
 #include "tests/kernel_runner.h"
 #include "tests/test_rig.h"
 

@@ -2,7 +2,7 @@
 #include "base/failure.h"
 #include "bench/scan_cell.h"
 #include "bench/scan_crowd.h"
-#include "bench/statistics.h"
+#include "tools/cli/statistics.h"
 #include "tests/kernel_runner.h"
 
 #include <nlohmann/json.hpp>

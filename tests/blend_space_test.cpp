@@ -1,9 +1,9 @@
 // What controllers are made of: blend spaces, joint masks, the tables of the kernel.
-#include "control/blend_space.h"
+#include "controller/blend_space.h"
 #include "base/failure.h"
 #include "control/clip_mix_reference.h"
-#include "control/controller_tables.h"
-#include "control/joint_mask.h"
+#include "controller/controller_tables.h"
+#include "controller/joint_mask.h"
 #include "tests/test_rig.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // Camera paths: smooth, periodic, and looking at what they are to show.
-#include "tools/camera_path.h"
-#include "tools/command.h"
+#include "tools/scene/camera_path.h"
+#include "tools/cli/command.h"
 
 #include <gtest/gtest.h>
 

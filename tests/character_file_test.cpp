@@ -1,10 +1,10 @@
 // Compiled files: what is written comes back bit for bit, and nothing that is damaged or crafted comes through.
 #include "base/replace_file.h"
-#include "compile/character_file.h"
-#include "compile/character_layout.h"
-#include "compile/crc64.h"
+#include "compile/file/character_file.h"
+#include "compile/file/character_layout.h"
+#include "base/crc64.h"
 #include "tests/files.h"
-#include "tests/test_device.h"
+#include "tests/shared.h"
 #include "tests/test_rig.h"
 
 #include <algorithm>

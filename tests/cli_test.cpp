@@ -2,6 +2,8 @@
 #include "tests/png.h"
 #include "tests/tool_runner.h"
 
+#include <throng/crowd.h>
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -304,6 +306,21 @@ TEST_F(Cli, GenerateIsExactAndDeterministic) {
     EXPECT_GE(info["faces"], 950);
 }
 
+// Whoever copies `throng` alone is told what is missing.
+TEST_F(Cli, CommandsOfOtherProgramsNeedThemBesideIt) {
+    const std::filesystem::path tool = THRONG_TOOL;
+    const std::string alone = file("throng");
+    std::filesystem::copy_file(tool, alone);
+    const std::string library = tool.parent_path().parent_path().string();
+    for (const auto& [command, program] :
+         {std::pair{"bench", "throng-bench"}, {"tune", "throng-bench"}, {"view", "throng-view"}}) {
+        const Outcome run = run_tool({command},
+                                     {.environment = {{"LD_LIBRARY_PATH", library}}, .program = alone.c_str()});
+        EXPECT_TRUE(run.refused(file(program))) << run;
+    }
+    std::filesystem::remove(alone);
+}
+
 TEST_F(Cli, BenchHasARecordForEachScanMethod) {
     const Outcome text = run_tool({"bench", creature(), "--count", "50", "--samples", "2"});
     EXPECT_TRUE(text.succeeded()) << text;
@@ -327,9 +344,7 @@ TEST_F(Cli, BenchHasARecordForEachScanMethod) {
         EXPECT_EQ(record["commit"], "abc1234");
         EXPECT_LT(record["max_error"], 1e-4);
         EXPECT_GE(record["memory_bytes"], 50 * kJoints * 48);
-        EXPECT_EQ(keys(record["stages"]),
-                  (std::set<std::string>{"control", "steer", "cull", "sample", "blend", "procedural", "scan", "bind",
-                                         "fused", "pace", "skin"}));
+        EXPECT_EQ(keys(record["stages"]), std::set<std::string>(kStageNames.begin(), kStageNames.end()));
         for (const Json& spread : {record["stages"]["scan"], record["total"]}) {
             EXPECT_EQ(keys(spread), (std::set<std::string>{"median_ms", "p5_ms", "p95_ms"}));
             EXPECT_LE(spread["p5_ms"], spread["median_ms"]);

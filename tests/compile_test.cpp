@@ -1,9 +1,8 @@
 // What compilation keeps exactly, and what it may leave out. Tracks are evaluated here once more, from glTF's words
 // alone.
-#include "compile/rig.h"
+#include "compile/rig/rig.h"
 #include "control/control_reference.h"
 #include "sample/sample_reference.h"
-#include "tests/test_device.h"
 #include "tests/test_rig.h"
 #include "tests/text.h"
 

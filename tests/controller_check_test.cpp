@@ -1,5 +1,5 @@
 // Controllers made in code, and whether they can drive a character.
-#include "tools/creature.h"
+#include "tools/creatures/creature.h"
 
 #include <throng/controller.h>
 

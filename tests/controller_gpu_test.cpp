@@ -4,7 +4,7 @@
 #include "control/controller_reference.h"
 #include "tests/kernel_runner.h"
 #include "tests/test_rig.h"
-#include "tools/creature.h"
+#include "tools/creatures/creature.h"
 
 #include <gtest/gtest.h>
 

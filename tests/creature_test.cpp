@@ -1,6 +1,6 @@
 // The creature generator keeps its promises: exact tree, face budget, sound mesh, seamless clips, valid .glb.
-#include "../tools/creature.h"
-#include "../tools/glb_writer.h"
+#include "../tools/creatures/creature.h"
+#include "../tools/creatures/glb_writer.h"
 
 #include <throng/character.h>
 

@@ -5,7 +5,7 @@
 #include "crowd/crowd_state.h"
 #include "tests/test_device.h"
 #include "tests/test_rig.h"
-#include "tools/creature.h"
+#include "tools/creatures/creature.h"
 
 #include <throng/reference.h>
 

@@ -1,10 +1,16 @@
 // Listing, choosing, sharing and adopting devices.
 #include "gpu/gpu.h"
+#include "scan/scan_costs.h"
+#include "tests/files.h"
 #include "tests/test_device.h"
 #include "tests/test_rig.h"
 
 #include <cctype>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
 
 namespace throng {
 namespace {
@@ -199,6 +205,14 @@ TEST(Device, AnApplicationsDeviceIsAdoptedAndLeftAlone) {
         const Character character = make_character({});
         Show(*device, character, 0.1).update_and_compare(0.2f);
     }
+    // The handle may outlive the application's device: nothing of that is left then.
+    const Character character = make_character({});
+    Device device = Device::adopt(application.adopted()).value();
+    for (uint64_t made = 1; made <= 2; ++made) {
+        EXPECT_TRUE(Crowd::create(device, {.groups = {{&character, 2}}}));
+        EXPECT_EQ(device.gpu()->counts.pipelines, made * 3) << "no pipeline is kept for the next crowd";
+        EXPECT_EQ(device.gpu()->memory.block_count(), 0u);
+    }
     EXPECT_EQ(application.table.vkDeviceWaitIdle(application.device), VK_SUCCESS) << "the device lives on";
     AdoptedDevice wrong = application.adopted();
     wrong.queue_family = application.queue_family_count;
@@ -206,6 +220,47 @@ TEST(Device, AnApplicationsDeviceIsAdoptedAndLeftAlone) {
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
     EXPECT_TRUE(Device::adopt(application.adopted())) << "after a refusal";
+}
+
+TEST(Device, AnApplicationsPipelineCacheIsUsed) {
+    const Application application;
+    VkPipelineCacheCreateInfo create{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+    AdoptedDevice adopted = application.adopted();
+    EXPECT_EQ(Device::adopt(adopted)->gpu()->pipeline_cache(), VkPipelineCache{VK_NULL_HANDLE});
+    ASSERT_EQ(application.table.vkCreatePipelineCache(application.device, &create, nullptr, &adopted.pipeline_cache),
+              VK_SUCCESS);
+    {
+        const Device device = Device::adopt(adopted).value();
+        EXPECT_EQ(device.gpu()->pipeline_cache(), adopted.pipeline_cache);
+        const Character character = make_character({});
+        Show(device, character, 0.1).update_and_compare(0.2f);
+    }
+    application.table.vkDestroyPipelineCache(application.device, adopted.pipeline_cache, nullptr);
+}
+
+TEST(Device, ScanCostsComeFromTheCacheWhereItHasThem) {
+    const Gpu& gpu = *test_device().gpu();
+    ScanCosts kept = built_in_scan_costs(gpu);
+    kept.units = 80;
+    kept.origin = "test";
+    const char* before = std::getenv("XDG_CACHE_HOME");
+    const std::string saved = before ? before : "";
+    const TemporaryFolder folder;
+    setenv("XDG_CACHE_HOME", folder.path().c_str(), 1);
+    EXPECT_EQ(scan_costs(gpu).origin, built_in_scan_costs(gpu).origin);
+    const std::filesystem::path file = scan_costs_file(gpu);
+    std::filesystem::create_directories(file.parent_path());
+    std::ofstream(file) << to_json(kept);
+    EXPECT_EQ(scan_costs(gpu).origin, "test");
+    EXPECT_EQ(scan_costs(gpu).units, 80);
+    std::ofstream(file) << "{";
+    const ScanCosts costs = scan_costs(gpu);
+    EXPECT_EQ(costs.row_ns, built_in_scan_costs(gpu).row_ns) << "a damaged file is not used";
+    EXPECT_NE(costs.origin.find(file.string()), std::string::npos) << "and the reason names it: " << costs.origin;
+    if (before)
+        setenv("XDG_CACHE_HOME", saved.c_str(), 1);
+    else
+        unsetenv("XDG_CACHE_HOME");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // What characters with controllers are told.
-#include "tools/director.h"
+#include "tools/scene/director.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include "bench/scan_report.h"
 #include "tests/kernel_runner.h"
 #include "tests/text.h"
-#include "tools/creature.h"
+#include "tools/creatures/creature.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,6 +1,6 @@
 #include "glb_builder.h"
 #include "tests/files.h"
-#include "tests/test_device.h"
+#include "tests/shared.h"
 
 #include <throng/throng.h>
 
@@ -562,6 +562,7 @@ TEST(Import, MendedKeysAreOneWarningAClip) {
     const std::string place = "animations[0].samplers[0].input: ";
     EXPECT_TRUE(has_warning(asset, place + "2 of the clip's 8 keys are earlier"));
     EXPECT_TRUE(has_warning(asset, place + "2 of the clip's 8 keys have the time of another"));
+    EXPECT_TRUE(has_warning(loaded(with_keys({0, 3, 2, 1})), place + "2 of the clip's 4 keys are earlier"));
 }
 
 // What is mended plays: as three.js plays keys at one time, and keys that go back as if they stood in order.

@@ -3,6 +3,7 @@
 
 #include "gpu/barrier.h"
 #include "gpu/kernel.h"
+#include "gpu/upload.h"
 #include "tests/test_device.h"
 
 #include <algorithm>

@@ -1,10 +1,10 @@
 // Packed clips: what decoding gives back, and how far the skin is from that of exact keys, measured here at the
 // vertices.
-#include "compile/clip_packer.h"
+#include "compile/clip/clip_packer.h"
 #include "compile/limits.h"
-#include "compile/packed_track.h"
+#include "compile/clip/packed_track.h"
 #include "sample/sample_reference.h"
-#include "tests/test_device.h"
+#include "tests/shared.h"
 #include "tests/test_rig.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // Formations: as many places as were asked for, apart, the same for the same random numbers; and who stands there.
-#include "tools/command.h"
-#include "tools/scatter.h"
+#include "tools/cli/command.h"
+#include "tools/scene/scatter.h"
 
 #include <gtest/gtest.h>
 

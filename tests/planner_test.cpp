@@ -1,14 +1,11 @@
 // The planner: what it chooses, what it says, and the costs that it chooses by.
 #include "base/failure.h"
-#include "bench/scan_tune.h"
+#include "bench/scan_fit.h"
 #include "bench/skeletons.h"
 #include "scan/scan_planner.h"
-#include "tests/files.h"
-#include "tests/test_device.h"
 #include "tests/test_rig.h"
 
-#include <cstdlib>
-#include <fstream>
+#include <gtest/gtest.h>
 
 namespace throng {
 namespace {
@@ -133,28 +130,6 @@ TEST(ScanCosts, AreReadAsTheyAreWritten) {
         EXPECT_EQ(error.code, ErrorCode::kInvalidFile);
         EXPECT_NE(error.text().find("costs.json"), std::string::npos);
     }
-}
-
-TEST(ScanCosts, ComeFromTheCacheWhereItHasThem) {
-    const Gpu& gpu = *test_device().gpu();
-    const char* before = std::getenv("XDG_CACHE_HOME");
-    const std::string saved = before ? before : "";
-    const TemporaryFolder folder;
-    setenv("XDG_CACHE_HOME", folder.path().c_str(), 1);
-    EXPECT_EQ(scan_costs(gpu).origin, built_in_scan_costs(gpu).origin);
-    const std::filesystem::path file = scan_costs_file(gpu);
-    std::filesystem::create_directories(file.parent_path());
-    std::ofstream(file) << to_json(kHardwareCosts);
-    EXPECT_EQ(scan_costs(gpu).origin, "test");
-    EXPECT_EQ(scan_costs(gpu).units, 80);
-    std::ofstream(file) << "{";
-    const ScanCosts costs = scan_costs(gpu);
-    EXPECT_EQ(costs.row_ns, built_in_scan_costs(gpu).row_ns) << "a damaged file is not used";
-    EXPECT_NE(costs.origin.find(file.string()), std::string::npos) << "and the reason names it: " << costs.origin;
-    if (before)
-        setenv("XDG_CACHE_HOME", saved.c_str(), 1);
-    else
-        unsetenv("XDG_CACHE_HOME");
 }
 
 // Times that follow the model exactly lead back to constants that predict them.

@@ -1,7 +1,7 @@
 // Poses that the application sets, over animated ones, against the reference.
 #include "blend/blend_reference.h"
 #include "blend/posed.h"
-#include "crowd/reference.h"
+#include "reference/reference.h"
 #include "sample/sample_reference.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"

@@ -1,5 +1,6 @@
 // Every scan method against the reference. Quarter turns, Hurwitz quaternions and integer translations make every
 // product exact in float, so that a method must give the reference's very numbers, whatever its order of association.
+#include "bench/on_chip_shaders.h"
 #include "base/failure.h"
 #include "scan/scan.h"
 #include "scan/scan_reference.h"
@@ -404,9 +405,9 @@ TEST(Scan, EveryOnChipVariantIsExact) {
                 plan.constants.resize(7);
                 plan.constants.insert(plan.constants.end(),
                                       {1, plan.instances_per_workgroup, plan.instances_per_workgroup * kJoints});
-                const ScanShaders& shaders = scan_shaders(method.name);
-                for (const auto& spirv : {shaders.on_chip, shaders.on_chip_wide}) {
-                    if (spirv.data() == shaders.on_chip_wide.data() && !test_gpu()->has_int64) continue;
+                const bench::OnChipShaders& shaders = bench::on_chip_shaders(method.name);
+                for (const auto& spirv : {shaders.plain, shaders.wide}) {
+                    if (spirv.data() == shaders.wide.data() && !test_gpu()->has_int64) continue;
                     const Kernel kernel(test_gpu(), {.name = method.name,
                                                      .spirv = spirv,
                                                      .workgroup_size = plan.workgroup_size,

@@ -56,7 +56,7 @@ TEST(SkinStage, WithoutAViewAllIsSkinned) {
             }
         }
         EXPECT_LE(worst, 2 * kPoseBound);
-        EXPECT_GT(crowd.stage_times()->skin, 0);
+        EXPECT_GT(crowd.stage_times()->of("skin"), 0);
     }
 }
 

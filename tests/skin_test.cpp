@@ -4,6 +4,7 @@
 #include "skin/skin_reference.h"
 #include "tests/kernel_runner.h"
 #include "tests/test_rig.h"
+#include "tests/upload_now.h"
 
 #include <cmath>
 #include <cstdio>
@@ -133,7 +134,7 @@ Skinned run_skin(const Character& character, const SkinCase& of, Random& random)
             if (i == of.instance) of_instance_shown.push_back({morph, double{weight}});
         }
     Buffers tables;
-    upload_skin_tables(test_gpu(), character, std::array{0u}, tables);
+    upload_now([&](Uploads& uploads) { upload_skin_tables(uploads, character, std::array{0u}, tables); });
     const Guarded<MorphDelta> deltas(character.morph_deltas);
     const Guarded<io::ActiveMorph> active(shown);
     const Guarded<Vertex> vertices(character.vertices);

@@ -51,24 +51,21 @@ Device& test_device() {
                                                         {"synchronization", Validation::kSynchronization},
                                                         {"gpu-assisted", Validation::kGpuAssisted}};
     device = created_device({.select = environment("THRONG_DEVICE", ""),
-                             .validation = validations.at(environment("THRONG_VALIDATION", "synchronization"))});
+                             .validation = validations.at(environment("THRONG_VALIDATION", "synchronization")),
+                             .pipeline_cache = false});
     testing::UnitTest::GetInstance()->listeners().Append(new ValidationListener);
     std::printf("device: %s, driver %s, subgroups of %u\n", device->info().name.c_str(), device->info().driver.c_str(),
                 device->info().subgroup_size);
     return *device;
 }
 
-Device another_device() { return created_device({.select = test_device().info().name}); }
+Device another_device() { return created_device({.select = test_device().info().name, .pipeline_cache = false}); }
 
 Device device_of_workgroups(uint32_t most_workgroups) {
     Device device = another_device();
     uint32_t& limit = device.gpu()->properties.limits.maxComputeWorkGroupCount[0];
     limit = std::min(limit, most_workgroups);
     return device;
-}
-
-std::filesystem::path shared_folder(const std::string& name) {
-    return std::filesystem::path(environment("THRONG_SHARED", THRONG_SHARED_DIR)) / name;
 }
 
 }  // namespace throng

@@ -1,11 +1,11 @@
 // The device of the tests: validated, and shared by all tests of the process.
 #pragma once
 
+#include "tests/shared.h"
+
 #include <throng/device.h>
 
 #include <gtest/gtest.h>
-
-#include <filesystem>
 
 namespace throng {
 
@@ -18,10 +18,4 @@ Device another_device();
 // One that dispatches no more workgroups than these (or its own): crowds fall into batches.
 Device device_of_workgroups(uint32_t most_workgroups);
 
-// A folder of the shared material (characters, goldens, invalid); a test skips where it is missing.
-std::filesystem::path shared_folder(const std::string& name);
-
 }  // namespace throng
-
-#define THRONG_SKIP_WITHOUT(folder) \
-    if (!std::filesystem::exists(folder)) GTEST_SKIP() << (folder).string() << " is not there"

@@ -1,5 +1,5 @@
 // The nearest triangle, against a search through all of them and a distance computed another way.
-#include "compile/triangle_index.h"
+#include "compile/mesh/triangle_index.h"
 #include "tests/test_rig.h"
 
 #include <gtest/gtest.h>

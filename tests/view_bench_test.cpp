@@ -1,7 +1,7 @@
 // The benchmark of updates for a view: every variant is measured, and none that is wrong.
 #include "bench/view_bench.h"
 #include "tests/kernel_runner.h"
-#include "tools/creature.h"
+#include "tools/creatures/creature.h"
 
 #include <nlohmann/json.hpp>
 

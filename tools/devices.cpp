@@ -1,5 +1,5 @@
-#include "tools/command.h"
-#include "tools/options.h"
+#include "tools/cli/command.h"
+#include "tools/commands.h"
 
 #include <nlohmann/json.hpp>
 

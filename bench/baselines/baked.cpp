@@ -108,4 +108,13 @@ Baseline baked() {
             .wide = kWide};
 }
 
+void check_key_bytes(const Character& character, std::string_view method, uint64_t key_bytes,
+                     const BakeSettings& settings) {
+    if (key_bytes > settings.limit_bytes)
+        throw Failure(ErrorCode::kLimit, character.name,
+                      std::to_string(key_bytes) + " bytes of " + std::string(method) +
+                          " clips exceed the device's storage-buffer range of " + std::to_string(settings.limit_bytes) +
+                          " bytes");
+}
+
 }  // namespace throng::bench

@@ -5,6 +5,7 @@
 #include "control/control.h"
 #include "control/control_reference.h"
 #include "gpu/barrier.h"
+#include "gpu/upload.h"
 #include "skin/skin_reference.h"
 
 #include <algorithm>
@@ -34,15 +35,6 @@ Buffer upload_rows(const std::shared_ptr<Gpu>& gpu, std::string_view what, const
 std::span<const Baseline> baselines() {
     static const Baseline rows[] = {baked(), flattened()};
     return rows;
-}
-
-void check_key_bytes(const Character& character, std::string_view method, uint64_t key_bytes,
-                     const BakeSettings& settings) {
-    if (key_bytes > settings.limit_bytes)
-        throw Failure(ErrorCode::kLimit, character.name,
-                      std::to_string(key_bytes) + " bytes of " + std::string(method) +
-                          " clips exceed the device's storage-buffer range of " + std::to_string(settings.limit_bytes) +
-                          " bytes");
 }
 
 BaselineCrowd::BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline, const Character& baked,

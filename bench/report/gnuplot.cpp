@@ -1,7 +1,7 @@
 #include "bench/report/gnuplot.h"
 
 #include "base/failure.h"
-#include "bench/report/child_program.h"
+#include "tools/cli/child_program.h"
 
 #include <array>
 #include <charconv>

@@ -87,6 +87,14 @@ struct Steering {
     uint32_t speed_parameter = kNone;
 };
 
+// Heights of the ground over a grid of points, bilinear between them; beyond its edges as at the nearest point.
+struct Terrain {
+    float x = 0, z = 0;              // of the first point, world space
+    float spacing = 1;               // of neighbouring points along x and z; above 0
+    uint32_t columns = 0, rows = 0;  // points along x, along z
+    std::vector<float> heights{};    // [rows][columns], world y
+};
+
 // Instances of one character. Instances of a crowd are numbered group after group. Without a controller each plays what
 // set_playback() says, two clips at most; with one, its layers (docs/controller.md). All are read by Crowd::create()
 // and not kept.
@@ -104,6 +112,9 @@ struct CrowdGroup {
     // Makes its instances agents. Root motion carries them, where it moves placements; else they are moved as fast as
     // they want
     std::optional<Steering> steering{};
+    // Its instances stand on CrowdSettings::terrain, which they need: the update sets y of their placements. The CPU
+    // does not see it: world_bounds() and Renderer's ground go by what set_placement() said
+    bool on_terrain = false;
     // Instances that may have a pose of set_pose() at the same time; 48 bytes a joint each, 0: no cost at all
     uint32_t pose_capacity = 0;
 };
@@ -197,7 +208,8 @@ struct CrowdSettings {
     bool keep_model_matrices = false;  // else they live only within a frame, and read_model_matrices() is an error
     // Skin matrices of the update before the last, for motion vectors; doubles their memory
     bool keep_previous_matrices = false;
-    bool culls = false;  // updates may be for a view
+    std::optional<Terrain> terrain{};  // that instances of groups with CrowdGroup::on_terrain stand on
+    bool culls = false;                // updates may be for a view
     // Such updates may animate what is small on the screen less often than others, with culls; its skin matrices go on
     // evenly from one pose to the next (kept model matrices do not: they are those of the next). Doubles the memory of
     // skin matrices.
@@ -273,15 +285,33 @@ struct OutputBlock {
     VkBuffer skinned_buffer = VK_NULL_HANDLE;
 };
 
-// GPU time of each stage in the last finished update, summed over its dispatches, milliseconds. `fused` is sample,
-// blend, scan and bind of the groups that are updated in one pass. `pace` takes the matrices of what is not animated in
-// this update towards their next pose; `skin` is that of CrowdSettings::skins_once. `blend` has the weights of morphs
-// too.
+// The stages of an update in their order, as they are timed. "fused" is sample, blend, scan and bind of the groups that
+// are updated in one pass. "pace" takes the matrices of what is not animated in this update towards their next pose.
+// "terrain" is that of CrowdSettings::terrain, and "skin" that of CrowdSettings::skins_once. "blend" has the weights of
+// morphs too.
+inline constexpr std::array<const char*, 12> kStageNames{"control",    "steer", "terrain", "cull",  "sample", "blend",
+                                                         "procedural", "scan",  "bind",    "fused", "pace",   "skin"};
+
+// The index of a stage's name in kStageNames, or kStageNames.size() where no stage is called so.
+constexpr size_t index_of_stage(std::string_view name) {
+    size_t i = 0;
+    while (i < kStageNames.size() && name != kStageNames[i]) ++i;
+    return i;
+}
+
+// GPU time of each stage in the last finished update, summed over its dispatches, milliseconds.
 struct StageTimes {
-    double control = 0, steer = 0, cull = 0, sample = 0, blend = 0, procedural = 0, scan = 0, bind = 0, fused = 0,
-           pace = 0, skin = 0;
-    double total() const {
-        return control + steer + cull + sample + blend + procedural + scan + bind + fused + pace + skin;
+    std::array<double, kStageNames.size()> ms{};  // 0 where the crowd does not have the stage
+
+    // The time of the stage called `name`; 0 where none is called so.
+    constexpr double of(std::string_view name) const {
+        const size_t i = index_of_stage(name);
+        return i < ms.size() ? ms[i] : 0;
+    }
+    constexpr double total() const {
+        double sum = 0;
+        for (const double one : ms) sum += one;
+        return sum;
     }
 };
 

@@ -32,6 +32,10 @@ struct DeviceSettings {
     // Else an index of list_devices(), "cpu", or a part of a device's name in any case.
     std::string select{};
     Validation validation = Validation::kOff;
+    // What the driver has compiled is kept in $XDG_CACHE_HOME/throng or ~/.cache/throng, a file for each device and
+    // driver, and need not be compiled at the next start. The file is written when the device goes; where it cannot be
+    // read or written, the device does without.
+    bool pipeline_cache = true;
 };
 
 // An instance, device and queue that the application made and keeps. Vulkan 1.3, loaded from the system's
@@ -44,6 +48,9 @@ struct AdoptedDevice {
     VkQueue queue = VK_NULL_HANDLE;
     uint32_t queue_family = 0;
     bool shader_int64 = false;  // that feature is enabled too: software devices run faster with it
+    // The application's, which it keeps: throng's pipelines are made with it. Null: without one. It must not have been
+    // created as externally synchronized.
+    VkPipelineCache pipeline_cache = VK_NULL_HANDLE;
 };
 
 class Gpu;  // internal

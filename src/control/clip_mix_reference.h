@@ -1,7 +1,7 @@
 // The definition of step 4 of docs/controller.md: which clips a state plays, and how fast.
 #pragma once
 
-#include "control/controller_arrays.h"
+#include "controller/controller_arrays.h"
 
 #include <span>
 #include <vector>

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "control/clip_mix_reference.h"
-#include "control/controller_tables.h"
+#include "controller/controller_tables.h"
 #include "control/play_reference.h"
 #include "control/root_motion_reference.h"
 

@@ -1,7 +1,7 @@
 #include "control/layer_commands.h"
 
 #include "base/failure.h"
-#include "control/controller_arrays.h"
+#include "controller/controller_arrays.h"
 
 #include <algorithm>
 #include <cmath>

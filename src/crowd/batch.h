@@ -4,18 +4,18 @@
 #include "crowd/group.h"
 #include "gpu/kernel.h"
 
+#include <algorithm>
+
 namespace throng {
 
 struct Batch {
     uint32_t group = 0;
     uint32_t first_instance = 0, instance_count = 0;
-    uint32_t blending_count = 0;  // instances in which both clips have weight, as last set
-    bool blends = false;          // whether there are any in the update that is under way
-    Buffers buffers;              // those that its settings ask for
+    bool blends = false;  // whether two clips have weight in any instance, in the update that is under way
+    Buffers buffers;      // those that its settings ask for
     // Skin matrices; the second only where CrowdSettings::keep_previous_matrices, and then they take turns.
     std::array<Buffer, 2> skins;
     uint32_t current_skin = 0;  // written by the last update
-    Bindings control;
 
     Buffer& operator[](uint32_t number) { return buffers[number]; }
     const Buffer& operator[](uint32_t number) const { return buffers[number]; }
@@ -31,5 +31,25 @@ struct Batch {
             .set_absent(absent, of[io::kWordsBuffer]);
     }
 };
+
+// The index of the batch that this instance of the crowd belongs to.
+inline uint32_t batch_index_of(const std::vector<Batch>& batches, uint32_t instance) {
+    const auto after = std::upper_bound(batches.begin(), batches.end(), instance,
+                                        [](uint32_t i, const Batch& batch) { return i < batch.first_instance; });
+    return static_cast<uint32_t>(after - batches.begin()) - 1;
+}
+
+// Cuts ranges of the crowd's instances where batches end: apply(batch, first_instance, count).
+template <class Ranges, class Apply>
+void for_each_part(const std::vector<Batch>& batches, const Ranges& ranges, const Apply& apply) {
+    for (auto [first, count] : ranges)
+        while (count > 0) {
+            const Batch& batch = batches[batch_index_of(batches, first)];
+            const uint32_t n = std::min(count, batch.first_instance + batch.instance_count - first);
+            apply(batch, first, n);
+            first += n;
+            count -= n;
+        }
+}
 
 }  // namespace throng

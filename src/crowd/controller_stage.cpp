@@ -1,6 +1,9 @@
 #include "crowd/controller_stage.h"
 
+#include "blend/inertia_io.h"
+#include "blend/layered_io.h"
 #include "control/controller_kernel.h"
+#include "crowd/placement_stage.h"
 #include "gpu/barrier.h"
 
 #include <algorithm>
@@ -11,6 +14,27 @@ namespace {
 constexpr size_t kRound = 16384;  // commands of a batch that are applied by one dispatch
 
 }  // namespace
+
+// As its instances begin.
+void ControllerStage::plan(BatchPlan& plan) {
+    const Group& group = plan.group();
+    if (!group.controller) return;
+    const GroupController& controller = *group.controller;
+    static_assert(sizeof(io::LayerState) == io::kLayerStateWords * sizeof(uint32_t) &&
+                  sizeof(io::LayerPlay) == io::kLayerPlayWords * sizeof(uint32_t));
+    plan.add_filled_table(io::kLayersBuffer, controller.initial_layers);
+    plan.add_filled_table(io::kParametersBuffer, controller.initial_parameters);
+    plan.add_table<io::Voice>(io::kVoicesBuffer, controller.voice_limit);
+    if (group.morph_count > 0) plan.add_storage(io::kVoiceTimesBuffer, controller.voice_limit * sizeof(float));
+    if (controller.is_inertial) {
+        plan.add_filled(io::kInertiasBuffer, std::vector<io::InstanceInertia>(1));
+        plan.add_storage(io::kInertiaStatesBuffer, group.joint_count * sizeof(io::InertiaState));
+    }
+    if (controller.model_layer_count > 0)
+        plan.add_storage(io::kRotationsBuffer,
+                         uint64_t{group.joint_count} * controller.model_layer_count * sizeof(io::ModelRotations));
+    if (group.has_root_motion()) plan.add_filled(io::kRootsBuffer, std::vector{standing_at(Affine{})});
+}
 
 ControllerStage::ControllerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
                                  const std::vector<Batch>& batches, const FeedbackRing* feedback)
@@ -36,7 +60,9 @@ ControllerStage::ControllerStage(std::shared_ptr<Gpu> gpu, const std::vector<Gro
 }
 
 void ControllerStage::add(uint32_t batch, const io::ControlCommand& command) {
-    members_[member_of_batch_[batch]].pending.push_back(command);
+    Member& member = members_[member_of_batch_[batch]];
+    if (!member.uploaded.handle()) make_uploads(member);  // here, since it may fail: an update that has begun may not
+    member.pending.push_back(command);
 }
 
 void ControllerStage::make_uploads(Member& member) {
@@ -75,19 +101,19 @@ bool ControllerStage::record_round(VkCommandBuffer commands, size_t first) {
     return true;
 }
 
-void ControllerStage::record_commands(VkCommandBuffer commands) {
+void ControllerStage::begin(const Update& update) {
     if (members_.empty()) return;
     for (Member& member : members_) {
-        if (!member.pending.empty() && !member.uploaded.handle()) make_uploads(member);
         member.recorded.swap(member.pending);
         member.pending.clear();
         std::ranges::stable_sort(member.recorded, {}, &io::ControlCommand::instance);
     }
-    for (size_t first = 0; record_round(commands, first); first += kRound) {}
-    memory_barrier(*gpu_, commands, kTransferWrite, kShaderRead | kShaderWrite);
+    for (size_t first = 0; record_round(update.commands, first); first += kRound) {}
+    memory_barrier(*gpu_, update.commands, kTransferWrite, kShaderRead | kShaderWrite);
 }
 
-void ControllerStage::record(VkCommandBuffer commands, float time_step_s) const {
+void ControllerStage::record(const Update& update) {
+    if (members_.empty()) return;
     for (const Member& member : members_) {
         const Batch& batch = batches_[member.batch];
         const Group& group = groups_[batch.group];
@@ -97,16 +123,18 @@ void ControllerStage::record(VkCommandBuffer commands, float time_step_s) const 
                                         ? io::kPushHasRootMotion |
                                               (group.controller->moves_placements ? io::kPushMovesPlacements : 0)
                                         : 0;
-        controller_kernel_.dispatch_invocations(commands, member.controller,
+        controller_kernel_.dispatch_invocations(update.commands, member.controller,
                                                 io::ControllerPush{.instance_count = batch.instance_count,
                                                                    .first_instance = batch.first_instance,
                                                                    .joint_count = group.joint_count,
                                                                    .voice_limit = group.controller->voice_limit,
                                                                    .event_capacity = feedback_->event_capacity(),
-                                                                   .time_step_s = time_step_s,
+                                                                   .time_step_s = update.time_step_s,
                                                                    .flags = root_flags | inertia_flags | morph_flags},
                                                 batch.instance_count);
     }
+    memory_barrier(*gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    update.end_stage("control");
 }
 
 void ControllerStage::discard() {

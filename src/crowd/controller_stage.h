@@ -2,29 +2,30 @@
 // root motion.
 #pragma once
 
-#include "crowd/batch.h"
+#include "crowd/batch_plan.h"
 #include "crowd/feedback.h"
-#include "crowd/group.h"
+#include "crowd/stage.h"
 
 #include <optional>
 
 namespace throng {
 
-class ControllerStage {
+class ControllerStage : public Stage {
 public:
+    static void plan(BatchPlan& plan);
     // Of those batches whose group has a controller; keeps references to all. Events go to the feedback, which is there
     // where a group has a controller.
     ControllerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
                     const FeedbackRing* feedback);
 
-    // Queues what the next record_commands() hands to the GPU; `command.instance` is of the batch.
+    // Queues what the next begin() hands to the GPU; `command.instance` is of the batch.
     void add(uint32_t batch, const io::ControlCommand& command);
 
-    void record_commands(VkCommandBuffer commands);
-    void record(VkCommandBuffer commands, float time_step_s) const;
-    // What the last record_commands() has taken up is queued again, before what was added since.
-    void discard();
-    uint64_t size_bytes() const;
+    void begin(const Update& update) override;
+    void record(const Update& update) override;
+    // Before what was added since.
+    void discard() override;
+    uint64_t size_bytes() const override;
 
 private:
     struct Member {

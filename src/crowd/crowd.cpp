@@ -6,14 +6,6 @@
 
 namespace throng {
 
-std::vector<ScanMethodInfo> scan_methods() {
-    std::vector<ScanMethodInfo> methods;
-    for (const ScanMethod& method : scan_table())
-        methods.push_back({std::string(method.name), std::string(method.summary), std::string(method.source),
-                           method.layout == ScanLayout::kCharacterMajor});
-    return methods;
-}
-
 Result<ScanAdvice> advise_scan(const Device& device, const Rig& rig, uint32_t instance_count) {
     return as_result([&] {
         const Gpu& gpu = *device.gpu();

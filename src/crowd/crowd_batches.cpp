@@ -2,9 +2,9 @@
 #include "crowd/crowd_state.h"
 
 #include "base/failure.h"
-#include "blend/inertia_io.h"
-#include "blend/layered_io.h"
-#include "blend/posed_io.h"
+#include "bind/skin_format.h"
+#include "crowd/terrain_stage.h"
+#include "reference/reference.h"
 
 #include <algorithm>
 
@@ -12,26 +12,62 @@ namespace throng {
 namespace {
 
 constexpr uint64_t kMatrix_bytes = sizeof(Affine);
-constexpr uint64_t kMorphs_bytes = io::kActiveMorphs * sizeof(io::ActiveMorph);
 
 }  // namespace
 
-// Refuses at once what cannot fit, before gigabytes are allocated on the way to failing.
-void CrowdState::check_memory(const CrowdSettings& settings) const {
-    uint64_t needed_bytes = 0;
+uint64_t pose_bytes(const CrowdSettings& settings) {
+    uint64_t sum = 0;
+    for (const CrowdGroup& group : settings.groups)
+        sum += std::min(group.pose_capacity, group.instance_count) * uint64_t{group.character->rig.joint_count()} *
+               sizeof(io::JointPose);
+    return sum;
+}
+
+void plan_matrices(BatchPlan& plan, const CrowdSettings& settings) {
+    const Group& group = plan.group();
+    // The pace stage reads skin matrices as rows of 16 bytes.
+    const auto add_skin = [&](uint32_t number) {
+        const uint64_t bytes = uint64_t{std::max(group.palette_count, 1u)} * skin_format_bytes(settings.skin_format);
+        if (!group.is_paced(settings)) return plan.add_storage(number, bytes);
+        plan.add(number, bytes, [=](Uploads& uploads, const std::string& what, uint64_t n) {
+            return make_table_bytes(uploads.gpu(), what, (n * bytes + 15) / 16 * 16, 16);
+        });
+    };
+    add_skin(io::kSkinBuffer);
+    if (settings.keep_previous_matrices) add_skin(io::kPreviousSkinBuffer);
+    if (settings.skips_updates && group.is_paced(settings)) add_skin(io::kSkinAheadBuffer);
+    if (group.sockets) plan.add_storage(io::kSocketsBuffer, group.socket_count() * kMatrix_bytes);
+    if (settings.keep_model_matrices) plan.add_storage(io::kModelBuffer, group.joint_count * kMatrix_bytes);
+}
+
+void CrowdState::check_groups(const CrowdSettings& settings) const {
+    uint64_t total = 0;
     for (const CrowdGroup& group : settings.groups) {
-        const uint64_t matrices = 1 + (settings.keep_model_matrices ? group.character->rig.joint_count() : 0);
-        const uint64_t morph_bytes = group.character->morphs.empty() ? 0 : kMorphs_bytes;
-        const uint64_t skin_bytes = group.character->palette.size() * uint64_t{skin_format_bytes(skin_format)} *
-                                    (1 + (settings.keep_previous_matrices ? 1 : 0) +
-                                     (settings.culls && settings.skips_updates ? 1 : 0));
-        const uint64_t skinned_bytes = settings.skins_once ? group.character->vertices.size() * sizeof(SkinnedVertex)
-                                                           : 0;
-        needed_bytes += group.instance_count * (matrices * kMatrix_bytes + skin_bytes + skinned_bytes + morph_bytes +
-                                                sizeof(io::InstancePlayback) + sizeof(io::InstanceCursor));
-        needed_bytes += std::min(group.pose_capacity, group.instance_count) *
-                        uint64_t{group.character->rig.joint_count()} * sizeof(io::JointPose);
+        if (!group.character) throw Failure(ErrorCode::kInvalidArgument, "crowd", "a group has no character");
+        check_has_joints(*group.character);
+        check_steering(group);
+        total += group.instance_count;
     }
+    if (total == 0) throw Failure(ErrorCode::kInvalidArgument, "crowd", "it has no instances");
+    if (total > UINT32_MAX)
+        throw Failure(ErrorCode::kLimit, "crowd", std::to_string(total) + " instances; at most 4,294,967,295");
+    check_terrain(settings);
+    check_memory(pose_bytes(settings));
+}
+
+void CrowdState::make_groups(Uploads& uploads, const CrowdSettings& settings) {
+    groups.reserve(settings.groups.size());
+    for (const CrowdGroup& group : settings.groups) {
+        if (const std::string obstacle = skin_format_obstacle(skin_format, *group.character); !obstacle.empty())
+            throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin format", obstacle);
+        if (const std::string obstacle = skin_blend_obstacle(skin_blend, *group.character); !obstacle.empty())
+            throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin blend", obstacle);
+        groups.emplace_back(uploads, group, choose_path(*gpu, settings, group), settings);
+    }
+}
+
+// Refuses at once what cannot fit, before gigabytes are allocated on the way to failing.
+void CrowdState::check_memory(uint64_t needed_bytes) const {
     if (needed_bytes > gpu->largest_heap_bytes())
         throw Failure(ErrorCode::kLimit, "crowd",
                       std::to_string(needed_bytes >> 20) + " MiB of matrices and state exceed the device's memory of " +
@@ -39,100 +75,52 @@ void CrowdState::check_memory(const CrowdSettings& settings) const {
 }
 
 // As few batches as the device's limits allow, of nearly equal size.
-void CrowdState::make_batches(uint32_t group_index, const CrowdSettings& settings) {
-    const Group& group = groups[group_index];
-    const uint32_t count = settings.groups[group_index].instance_count;
-    const uint64_t joint_bytes = std::max(
-        group.controller && group.controller->is_inertial ? sizeof(io::InertiaState) : kMatrix_bytes,
-        group.controller ? group.controller->model_layer_count * sizeof(io::ModelRotations) : 0);
-    const uint64_t spring_bytes = group.procedural ? group.procedural->spring_count * sizeof(io::SpringState) : 0;
-    const uint64_t skinned_bytes = settings.skins_once ? group.vertex_count * sizeof(SkinnedVertex) : 0;
-    const uint64_t target_bytes = group.procedural ? group.procedural->target_count * sizeof(io::vec4) : 0;
-    const uint64_t instance_bytes = std::max({group.joint_count * joint_bytes, group.palette_count * kMatrix_bytes,
-                                              spring_bytes, target_bytes, skinned_bytes,
-                                              group.morph_count > 0 ? kMorphs_bytes : 0});
-    const uint64_t capacity = std::min<uint64_t>(arena_limit_bytes(*gpu) / instance_bytes,
+void CrowdState::make_batches(Uploads& uploads, const BatchPlan& plan, uint32_t group, uint32_t count) {
+    const uint64_t limit_bytes = arena_limit_bytes(*gpu);
+    const uint64_t capacity = std::min<uint64_t>(limit_bytes / plan.largest_bytes(),
                                                  gpu->properties.limits.maxComputeWorkGroupCount[0]);
     if (capacity == 0)
-        throw Failure(ErrorCode::kLimit, group.name,
-                      "what one instance takes (" + std::to_string(instance_bytes) +
-                          " bytes) exceed the device's storage-buffer range of " +
-                          std::to_string(arena_limit_bytes(*gpu)));
+        throw Failure(ErrorCode::kLimit, plan.group().name,
+                      "what one instance takes (" + std::to_string(plan.largest_bytes()) +
+                          " bytes) exceed the device's storage-buffer range of " + std::to_string(limit_bytes));
     const uint64_t batch_count = (count + capacity - 1) / capacity;
     for (uint64_t i = 0; i < batch_count; ++i) {
         const auto first = static_cast<uint32_t>(count * i / batch_count),
                    end = static_cast<uint32_t>(count * (i + 1) / batch_count);
-        const uint64_t n = end - first;
-        Batch batch;
-        batch.group = group_index;
+        Batch& batch = batches.emplace_back();
+        batch.group = group;
         batch.first_instance = instance_count + first;
         batch.instance_count = end - first;
-        const auto storage = [&](const char* what, uint64_t size_bytes) {
-            return Buffer(gpu, group.name + ": " + what, size_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-        };
-        // The pace stage reads them as rows of 16 bytes.
-        const auto matrices = [&](const char* what) {
-            const uint64_t size_bytes = n * std::max(group.palette_count, 1u) * skin_format_bytes(skin_format);
-            return group.is_paced(settings)
-                       ? make_table_bytes(gpu, group.name + ": " + what, (size_bytes + 15) / 16 * 16, 16)
-                       : storage(what, size_bytes);
-        };
-        if (group.controller) {
-            make_layers(batch);
-        } else {
-            batch[io::kPlaybacksBuffer] = storage("playback states", n * sizeof(io::InstancePlayback));
-            batch[io::kCursorsBuffer] = storage("cursors", n * sizeof(io::InstanceCursor));
-        }
-        if (group.procedural) make_procedural_state(batch);
-        if (group.steering) {
-            batch[io::kDestinationsBuffer] = upload(gpu, group.name + ": destinations", std::vector<io::vec4>(n));
-            batch[io::kAgentsBuffer] = upload(gpu, group.name + ": agents",
-                                              std::vector<io::AgentState>(n, {.speed = 0, .patience = 1, .stands = 0}));
-        }
-        if (settings.culls) make_list(gpu, group, batch);
-        batch[io::kPlacementsBuffer] = make_table<Affine>(gpu, group.name + ": placements", n);
-        for (size_t k = 0; k < (settings.keep_previous_matrices ? 2 : 1); ++k)
-            batch.skins[k] = matrices("skin matrices");
-        if (settings.skips_updates && group.is_paced(settings))
-            batch[io::kSkinAheadBuffer] = matrices("skin matrices ahead");
-        if (settings.skins_once)
-            batch[io::kSkinnedBuffer] = storage("skinned vertices",
-                                                n * std::max(group.vertex_count, 1u) * sizeof(SkinnedVertex));
-        if (group.morph_count > 0) batch[io::kActiveMorphsBuffer] = storage("active morphs", n * kMorphs_bytes);
-        if (group.morph_count > 0 && group.controller)
-            batch[io::kVoiceTimesBuffer] = storage("times of voices",
-                                                   n * group.controller->voice_limit * sizeof(float));
-        if (group.sockets) batch[io::kSocketsBuffer] = storage("sockets", n * group.socket_count() * kMatrix_bytes);
-        if (group.pose_capacity > 0)
-            batch[io::kPosedBuffer] = upload_table(gpu, group.name + ": instances with a pose set",
-                                                   as_words(std::vector<io::InstancePose>(n)));
-        if (settings.keep_model_matrices)
-            batch[io::kModelBuffer] = storage("model matrices", n * group.joint_count * kMatrix_bytes);
-        outputs.push_back({.group = group_index,
-                           .first_instance = batch.first_instance,
-                           .instance_count = batch.instance_count,
-                           .palette_count = group.palette_count,
-                           .joint_count = group.joint_count,
-                           .skin_buffer = batch.skins[0].handle(),
-                           .previous_skin_buffer = batch.skins[1].handle(),
-                           .model_buffer = batch[io::kModelBuffer].handle(),
-                           .placement_buffer = batch[io::kPlacementsBuffer].handle(),
-                           .socket_count = group.socket_count(),
-                           .socket_buffer = batch[io::kSocketsBuffer].handle(),
-                           .parameter_count = group.controller ? group.controller->parameter_count : 0,
-                           .parameter_buffer = batch[io::kParametersBuffer].handle(),
-                           .root_buffer = batch[io::kRootsBuffer].handle(),
-                           .target_count = group.procedural ? group.procedural->target_count : 0,
-                           .target_buffer = batch[io::kTargetsBuffer].handle(),
-                           .destination_buffer = batch[io::kDestinationsBuffer].handle(),
-                           .morph_buffer = batch[io::kActiveMorphsBuffer].handle(),
-                           .list_buffer = batch[io::kListBuffer].handle(),
-                           .draw_buffer = batch[io::kDrawsBuffer].handle(),
-                           .vertex_count = group.vertex_count,
-                           .skinned_buffer = batch[io::kSkinnedBuffer].handle()});
-        batches.push_back(std::move(batch));
+        plan.make(uploads, batch);
+        add_output(batch);
     }
     instance_count += count;
+}
+
+void CrowdState::add_output(const Batch& batch) {
+    const Group& group = groups[batch.group];
+    outputs.push_back({.group = batch.group,
+                       .first_instance = batch.first_instance,
+                       .instance_count = batch.instance_count,
+                       .palette_count = group.palette_count,
+                       .joint_count = group.joint_count,
+                       .skin_buffer = batch.skins[0].handle(),
+                       .previous_skin_buffer = batch.skins[1].handle(),
+                       .model_buffer = batch[io::kModelBuffer].handle(),
+                       .placement_buffer = batch[io::kPlacementsBuffer].handle(),
+                       .socket_count = group.socket_count(),
+                       .socket_buffer = batch[io::kSocketsBuffer].handle(),
+                       .parameter_count = group.controller ? group.controller->parameter_count : 0,
+                       .parameter_buffer = batch[io::kParametersBuffer].handle(),
+                       .root_buffer = batch[io::kRootsBuffer].handle(),
+                       .target_count = group.procedural ? group.procedural->target_count : 0,
+                       .target_buffer = batch[io::kTargetsBuffer].handle(),
+                       .destination_buffer = batch[io::kDestinationsBuffer].handle(),
+                       .morph_buffer = batch[io::kActiveMorphsBuffer].handle(),
+                       .list_buffer = batch[io::kListBuffer].handle(),
+                       .draw_buffer = batch[io::kDrawsBuffer].handle(),
+                       .vertex_count = group.vertex_count,
+                       .skinned_buffer = batch[io::kSkinnedBuffer].handle()});
 }
 
 void CrowdState::make_feedback(const CrowdSettings& settings) {
@@ -148,54 +136,6 @@ void CrowdState::make_feedback(const CrowdSettings& settings) {
         most_bytes = std::max(most_bytes, size_bytes);
     }
     if (any) feedback.emplace(gpu, settings.event_capacity, watch_capacity_ * most_bytes);
-}
-
-// As its instances begin.
-void CrowdState::make_layers(Batch& batch) const {
-    const Group& group = groups[batch.group];
-    const GroupController& controller = *group.controller;
-    const auto repeated = [&](const auto& one) {
-        std::remove_cvref_t<decltype(one)> all;
-        for (uint32_t i = 0; i < batch.instance_count; ++i) all.insert(all.end(), one.begin(), one.end());
-        return all;
-    };
-    static_assert(sizeof(io::LayerState) == io::kLayerStateWords * sizeof(uint32_t) &&
-                  sizeof(io::LayerPlay) == io::kLayerPlayWords * sizeof(uint32_t));
-    batch[io::kLayersBuffer] = upload_writable_table(gpu, group.name + ": layers",
-                                                     as_words(repeated(controller.initial_layers)));
-    batch[io::kParametersBuffer] = upload_writable_table(gpu, group.name + ": parameters",
-                                                         as_words(repeated(controller.initial_parameters)));
-    batch[io::kVoicesBuffer] = make_table<io::Voice>(gpu, group.name + ": voices",
-                                                     batch.instance_count * uint64_t{controller.voice_limit});
-    if (controller.is_inertial) {
-        batch[io::kInertiasBuffer] = upload(gpu, group.name + ": inertial transitions",
-                                            std::vector<io::InstanceInertia>(batch.instance_count));
-        batch[io::kInertiaStatesBuffer] = Buffer(
-            gpu, group.name + ": poses of inertial transitions",
-            batch.instance_count * uint64_t{group.joint_count} * sizeof(io::InertiaState),
-            VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    }
-    if (controller.model_layer_count > 0)
-        batch[io::kRotationsBuffer] = Buffer(gpu, group.name + ": rotations in model space",
-                                             batch.instance_count * uint64_t{group.joint_count} *
-                                                 controller.model_layer_count * sizeof(io::ModelRotations),
-                                             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    if (group.has_root_motion())
-        batch[io::kRootsBuffer] = upload(gpu, group.name + ": root motion",
-                                         std::vector<io::RootState>(batch.instance_count, standing_at(Affine{})));
-}
-
-// At rest, and without aims.
-void CrowdState::make_procedural_state(Batch& batch) const {
-    const Group& group = groups[batch.group];
-    if (group.procedural->target_count > 0)
-        batch[io::kTargetsBuffer] = upload(
-            gpu, group.name + ": targets",
-            std::vector<io::vec4>(batch.instance_count * size_t{group.procedural->target_count}));
-    if (group.procedural->spring_count > 0)
-        batch[io::kSpringsBuffer] = upload(
-            gpu, group.name + ": springs",
-            std::vector<io::SpringState>(batch.instance_count * size_t{group.procedural->spring_count}));
 }
 
 }  // namespace throng

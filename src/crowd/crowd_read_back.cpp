@@ -76,7 +76,7 @@ std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
     if (!skin_kernel_) skin_kernel_ = skin_kernel(gpu, skin_format, skin_blend, false);
     const Buffer skinned(gpu, group.name + ": skinned vertices", group.vertex_count * sizeof(SkinnedVertex),
                          VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    const Bindings bindings = skin_kernel_->bind(skin_buffers(group, batch, batch.skin(), skinned, {}));
+    const Bindings bindings = skin_kernel_->bind(skin_buffers(group, batch, batch.skin(), skinned));
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
         memory_barrier(*gpu, commands, kShaderWrite, kShaderRead);
         io::SkinPush push = skin_push(group);
@@ -109,8 +109,8 @@ std::vector<DrawnInstance> CrowdState::read_drawn() const {
 }
 
 uint64_t CrowdState::size_bytes() const {
-    uint64_t sum = staged->size_bytes() + controllers->size_bytes() + steer->size_bytes() +
-                   (feedback ? feedback->size_bytes() : 0) + (cull ? cull->size_bytes() : 0);
+    uint64_t sum = feedback ? feedback->size_bytes() : 0;
+    for (const auto& stage : stages) sum += stage->size_bytes();
     for (const Group& group : groups) sum += group.size_bytes();
     for (const Batch& batch : batches)
         sum += batch.buffers.size_bytes() + batch.skins[0].size_bytes() + batch.skins[1].size_bytes();

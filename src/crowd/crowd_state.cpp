@@ -1,9 +1,7 @@
 #include "crowd/crowd_state.h"
 
 #include "base/failure.h"
-#include "bind/skin_format.h"
-#include "control/control.h"
-#include "crowd/reference.h"
+#include "crowd/terrain_stage.h"
 #include "gpu/barrier.h"
 
 #include <algorithm>
@@ -16,54 +14,69 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     : gpu(std::move(gpu_in)),
       skin_format(settings.skin_format),
       skin_blend(settings.skin_blend),
-      control_(control_kernel(gpu)) {
-    uint64_t total = 0;
-    for (const CrowdGroup& group : settings.groups) {
-        if (!group.character) throw Failure(ErrorCode::kInvalidArgument, "crowd", "a group has no character");
-        check_has_joints(*group.character);
-        total += group.instance_count;
-    }
-    if (total == 0) throw Failure(ErrorCode::kInvalidArgument, "crowd", "it has no instances");
-    if (total > UINT32_MAX)
-        throw Failure(ErrorCode::kLimit, "crowd", std::to_string(total) + " instances; at most 4,294,967,295");
-
-    check_memory(settings);
-
-    groups.reserve(settings.groups.size());
-    for (const CrowdGroup& group : settings.groups) {
-        if (const std::string obstacle = skin_format_obstacle(skin_format, *group.character); !obstacle.empty())
-            throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin format", obstacle);
-        check_steering(group);
-        if (const std::string obstacle = skin_blend_obstacle(skin_blend, *group.character); !obstacle.empty())
-            throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin blend", obstacle);
-        groups.emplace_back(gpu, group, choose_path(*gpu, settings, group), settings);
-        make_batches(static_cast<uint32_t>(groups.size() - 1), settings);
-        const auto rest = static_cast<uint32_t>(group.character->clips.size());
-        const io::SlotPlayback rest_slot{.clip = rest, .loop = 0, .time_s = 0, .speed = 0};
-        playbacks_.insert(playbacks_.end(), group.instance_count, {rest_slot, rest_slot, 1});
-    }
-    for (Batch& batch : batches) {
-        const Group& group = groups[batch.group];
-        if (!group.controller) batch.control = control_.bind(batch.table(group, {}));
-    }
-    if (settings.culls) cull.emplace(gpu, groups, batches, settings);
-    procedural.emplace(gpu, groups, batches);
-    fused.emplace(gpu, groups, batches, settings);
-    pace.emplace(gpu, groups, batches, settings);
-    staged.emplace(gpu, groups, batches, skin_format, *procedural);
+      skins_once(settings.skins_once) {
+    check_groups(settings);
+    Uploads uploads(gpu);
+    make_groups(uploads, settings);
+    std::vector<BatchPlan> plans;
+    for (const Group& group : groups) plans.push_back(plan_batches(group, settings));
+    uint64_t needed_bytes = pose_bytes(settings);
+    for (size_t i = 0; i < plans.size(); ++i)
+        needed_bytes += settings.groups[i].instance_count * plans[i].instance_bytes();
+    check_memory(needed_bytes);
+    for (uint32_t i = 0; i < groups.size(); ++i) make_batches(uploads, plans[i], i, settings.groups[i].instance_count);
     make_feedback(settings);
-    controllers.emplace(gpu, groups, batches, feedback ? &*feedback : nullptr);
-    steer.emplace(gpu, groups, batches);
-    poses.emplace(gpu, groups, batches);
-    morphs.emplace(gpu, groups, batches);
-    if (settings.skins_once) skin.emplace(gpu, groups, batches, cull ? &*cull : nullptr, settings);
-    placements.resize(instance_count);
-    dirty_playbacks_.add(0, instance_count);
-    dirty_placements_.add(0, instance_count);
-    // Control, steer, cull, morph, fused, pace, skin, the four of them that record_disoccluded() has and what comes
-    // before it, and five stages a wave
-    if (settings.timestamps && gpu->has_timestamps())
-        timer = std::make_unique<StageTimer>(gpu, 12 + 5 * staged->wave_count());
+    make_stages(uploads, settings);
+    uploads.finish();
+    if (!settings.timestamps || !gpu->has_timestamps()) return;
+    uint32_t end_count = 0;
+    for (const auto& stage : stages) end_count += stage->end_count();
+    timer = std::make_unique<StageTimer>(gpu, end_count);
+}
+
+template <class T, class... Arguments>
+T* CrowdState::add_stage(Arguments&&... arguments) {
+    auto stage = std::make_unique<T>(std::forward<Arguments>(arguments)...);
+    T* const added = stage.get();
+    stages.push_back(std::move(stage));
+    return added;
+}
+
+// The update's sentence.
+void CrowdState::make_stages(Uploads& uploads, const CrowdSettings& settings) {
+    placements = add_stage<PlacementStage>(gpu, batches, instance_count);
+    control = add_stage<ControlStage>(gpu, groups, batches, instance_count);
+    controllers = add_stage<ControllerStage>(gpu, groups, batches, feedback ? &*feedback : nullptr);
+    steer = add_stage<SteerStage>(gpu, groups, batches);
+    if (settings.terrain) add_stage<TerrainStage>(uploads, settings, groups, batches);
+    if (settings.culls) cull = add_stage<CullStage>(uploads, groups, batches, settings);
+    poses = add_stage<PoseStage>(gpu, groups, batches);
+    add_stage<MorphStage>(gpu, groups, batches);
+    procedural = add_stage<ProceduralStage>(gpu, groups, batches);
+    add_stage<FusedUpdate>(gpu, groups, batches, settings);
+    add_stage<PaceStage>(gpu, groups, batches, settings);
+    staged = add_stage<StagedUpdate>(gpu, groups, batches, skin_format, *procedural);
+    if (settings.skins_once) add_stage<SkinStage>(gpu, groups, batches, settings);
+}
+
+BatchPlan CrowdState::plan_batches(const Group& group, const CrowdSettings& settings) const {
+    BatchPlan plan(group);
+    PlacementStage::plan(plan);
+    ControlStage::plan(plan);
+    ControllerStage::plan(plan);
+    SteerStage::plan(plan);
+    if (settings.culls) CullStage::plan(plan);
+    PoseStage::plan(plan);
+    MorphStage::plan(plan);
+    ProceduralStage::plan(plan);
+    StagedUpdate::plan(plan);
+    if (settings.skins_once) SkinStage::plan(plan);
+    plan_matrices(plan, settings);
+    return plan;
+}
+
+Update CrowdState::update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const {
+    return {.commands = commands, .time_step_s = time_step_s, .view = view, .timer = timer.get()};
 }
 
 void CrowdState::record(VkCommandBuffer commands, float time_step_s, const CrowdView* view) {
@@ -76,24 +89,12 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
                    kShaderRead | kShaderWrite | kTransferWrite);
     if (feedback) feedback->begin(commands);  // before anything is taken up, since it may refuse
     can_discard_ = true;
-    upload_changes(commands);
-    if (cull) cull->record_view(commands, seen);
-    for (Batch& batch : batches) batch.blends = batch.blending_count > 0;
-    procedural->begin_update(commands, time_step_s);
-    steer->begin_update(commands);
-    controllers->record_commands(commands);
-    poses->record(commands, time_step_s);
+    const Update update = update_of(commands, time_step_s, seen);
+    for (const auto& stage : stages) stage->begin(update);
     take_turns();
     memory_barrier(*gpu, commands, kTransferWrite, kShaderRead | kShaderWrite | kVertexRead);
     if (timer) timer->begin(commands);
-    record_control(commands, time_step_s);
-    steer->record(commands, time_step_s, timer.get());
-    if (cull) cull->record(commands, timer.get());
-    morphs->record(commands, timer.get());
-    fused->record(commands, timer.get());
-    pace->record(commands, timer.get());
-    staged->record(commands, timer.get());
-    if (skin) skin->record(commands, timer.get());
+    for (const auto& stage : stages) stage->record(update);
     if (timer) timer->publish(commands);
     if (feedback) feedback->end(commands, watched_);
     if (!has_updated_) copy_to_previous(commands);
@@ -105,10 +106,8 @@ void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& 
     if (!cull) throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "CrowdSettings::culls is not set");
     constexpr Access kConsumers = kShaderRead | kVertexRead | kTransferRead | kIndirectRead;
     memory_barrier(*gpu, commands, kConsumers, kShaderWrite);  // what was listed has been drawn
-    cull->record_disoccluded(commands, depths, timer.get());
-    fused->record_listed(commands, timer.get());
-    pace->record(commands, timer.get());
-    if (skin) skin->record_animated(commands, timer.get());
+    const Update update = update_of(commands, 0, {});
+    for (const auto& stage : stages) stage->record_disoccluded(update, depths);
     if (timer) timer->publish(commands);
     memory_barrier(*gpu, commands, kShaderWrite, kConsumers);
 }
@@ -121,13 +120,7 @@ void CrowdState::discard_last_record() {
                       "there is no record() to discard, or it has been discarded");
     can_discard_ = false;
     has_updated_ = had_updated_;
-    dirty_playbacks_.put_back();
-    dirty_placements_.put_back();
-    procedural->discard();
-    steer->discard();
-    controllers->discard();
-    poses->discard();
-    if (cull) cull->discard();
+    for (const auto& stage : stages) stage->discard();
     if (feedback) feedback->discard();
     take_turns();
 }
@@ -166,18 +159,6 @@ void CrowdState::copy_to_previous(VkCommandBuffer commands) const {
         const VkBufferCopy copy{0, 0, previous.size_bytes()};
         gpu->vk.vkCmdCopyBuffer(commands, batch.skin().handle(), previous.handle(), 1, &copy);
     }
-}
-
-void CrowdState::record_control(VkCommandBuffer commands, float time_step_s) {
-    controllers->record(commands, time_step_s);
-    for (const Batch& batch : batches)
-        if (batch[io::kPlaybacksBuffer].handle())
-            control_.dispatch_invocations(
-                commands, batch.control,
-                io::ControlPush{batch.instance_count, groups[batch.group].joint_count, time_step_s},
-                batch.instance_count);
-    memory_barrier(*gpu, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
-    if (timer) timer->end_stage(commands, &StageTimes::control);
 }
 
 }  // namespace throng

@@ -4,18 +4,18 @@
 // all batches; then the fused ones go from cursors to skin matrices in one pass, the others stage by stage.
 #pragma once
 
+#include "crowd/control_stage.h"
 #include "crowd/controller_stage.h"
 #include "crowd/cull_stage.h"
-#include "crowd/dirty_ranges.h"
 #include "crowd/fused_update.h"
+#include "crowd/morph_stage.h"
 #include "crowd/pace_stage.h"
+#include "crowd/placement_stage.h"
+#include "crowd/pose_stage.h"
 #include "crowd/procedural_stage.h"
 #include "crowd/skin_stage.h"
-#include "crowd/pose_stage.h"
-#include "crowd/morph_stage.h"
-#include "crowd/steer_stage.h"
 #include "crowd/staged_update.h"
-#include "control/control_io.h"
+#include "crowd/steer_stage.h"
 
 #include <throng/crowd.h>
 
@@ -25,9 +25,6 @@
 namespace throng {
 
 struct CrowdLife {};
-
-// Nothing has moved it yet.
-io::RootState standing_at(const Affine& world_from_model);
 
 struct CrowdState {
     CrowdState(std::shared_ptr<Gpu> gpu, const CrowdSettings& settings);
@@ -58,53 +55,54 @@ struct CrowdState {
     uint32_t instance_count = 0;
     SkinFormat skin_format = SkinFormat::kAffine;
     SkinBlend skin_blend = SkinBlend::kLinear;
+    bool skins_once = false;
     std::vector<Group> groups;
     std::vector<Batch> batches;
     std::vector<OutputBlock> outputs;
-    std::vector<Affine> placements;  // [instance_count], as last set
     std::unique_ptr<StageTimer> timer;
-    std::optional<CullStage> cull;  // where CrowdSettings::culls
-    std::optional<ProceduralStage> procedural;
-    std::optional<FusedUpdate> fused;
-    std::optional<PaceStage> pace;
-    std::optional<StagedUpdate> staged;
     std::optional<FeedbackRing> feedback;
-    std::optional<ControllerStage> controllers;
-    std::optional<SteerStage> steer;
-    std::optional<PoseStage> poses;
-    std::optional<MorphStage> morphs;
-    std::optional<SkinStage> skin;  // where CrowdSettings::skins_once
+
+    // In the order of an update; those below are among them.
+    std::vector<std::unique_ptr<Stage>> stages;
+    PlacementStage* placements = nullptr;
+    ControlStage* control = nullptr;
+    ControllerStage* controllers = nullptr;
+    SteerStage* steer = nullptr;
+    CullStage* cull = nullptr;  // where CrowdSettings::culls
+    PoseStage* poses = nullptr;
+    ProceduralStage* procedural = nullptr;
+    StagedUpdate* staged = nullptr;
 
 private:
-    void make_batches(uint32_t group, const CrowdSettings& settings);
+    void check_groups(const CrowdSettings& settings) const;
+    void make_groups(Uploads& uploads, const CrowdSettings& settings);
+    BatchPlan plan_batches(const Group& group, const CrowdSettings& settings) const;
+    void check_memory(uint64_t needed_bytes) const;
+    void make_batches(Uploads& uploads, const BatchPlan& plan, uint32_t group, uint32_t count);
+    void add_output(const Batch& batch);
+    void make_feedback(const CrowdSettings& settings);
+    void make_stages(Uploads& uploads, const CrowdSettings& settings);
+    template <class T, class... Arguments>
+    T* add_stage(Arguments&&... arguments);
+    Update update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const;
     void take_turns();
     float paced_full_rate_pixels(const CrowdView* view);
-    void make_feedback(const CrowdSettings& settings);
-    void make_layers(Batch& batch) const;
-    void make_procedural_state(Batch& batch) const;
     void send(uint32_t instance, io::ControlCommand command);
     const Batch& batch_of_agent(uint32_t instance) const;
     const GroupController& controller_of(uint32_t instance, const char* what) const;
-    void check_memory(const CrowdSettings& settings) const;
-    void upload_changes(VkCommandBuffer commands);
-    void record_control(VkCommandBuffer commands, float time_step_s);
     void copy_to_previous(VkCommandBuffer commands) const;
-    void count_blending(uint32_t first_instance, std::span<const io::InstancePlayback> changed);
     void check_range(uint32_t first_instance, size_t count, const char* what) const;
     const Batch& batch_of(uint32_t instance) const;
     uint32_t joint_set_of(const Batch& batch, uint32_t instance) const;
     uint32_t index_of(const Batch& batch) const { return static_cast<uint32_t>(&batch - batches.data()); }
 
-    Kernel control_;
-    std::optional<Kernel> skin_kernel_;            // made when positions are first read back
-    std::vector<io::InstancePlayback> playbacks_;  // [instance_count], as last set
+    std::optional<Kernel> skin_kernel_;  // made when positions are first read back
     bool has_updated_ = false;
     bool had_updated_ = false;  // before the last record()
     bool can_discard_ = false;  // the last record() has not been discarded
     float pace_ = 1;            // what the budget makes of CrowdView::full_rate_pixels, as a factor
     std::vector<Watched> watched_;
     uint32_t watch_capacity_ = 0;
-    DirtyRanges dirty_playbacks_, dirty_placements_;
 };
 
 }  // namespace throng

@@ -52,14 +52,23 @@ io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
     return seen;
 }
 
-void make_list(const std::shared_ptr<Gpu>& gpu, const Group& group, Batch& batch) {
-    batch[io::kListBuffer] = upload_writable_table(
-        gpu, group.name + ": what is drawn", std::vector<uint32_t>(io::kFirstListed + size_t{batch.instance_count}));
-    batch[io::kWorkBuffer] = upload_writable_table(
-        gpu, group.name + ": what is animated",
-        std::vector<uint32_t>(io::kFirstWork + io::kMostWorkOfInstance * size_t{batch.instance_count}));
-    batch[io::kStatesBuffer] = upload(gpu, group.name + ": what was drawn",
-                                      std::vector<uint32_t>(batch.instance_count));
+void CullStage::plan(BatchPlan& plan) {
+    const Group& group = plan.group();
+    constexpr uint64_t kWord_bytes = sizeof(uint32_t);
+    const auto words = [](uint64_t first, uint64_t of_instance) {
+        return [=](Uploads& uploads, const std::string& what, uint64_t n) {
+            return upload_writable_table(uploads, what, std::vector<uint32_t>(first + of_instance * n));
+        };
+    };
+    plan.add(io::kListBuffer, kWord_bytes, words(io::kFirstListed, 1));
+    plan.add(io::kWorkBuffer, io::kMostWorkOfInstance * kWord_bytes, words(io::kFirstWork, io::kMostWorkOfInstance));
+    plan.add_filled(io::kStatesBuffer, std::vector<uint32_t>(1));
+    plan.add_storage(io::kVerdictsBuffer, kWord_bytes);
+    plan.add(io::kCountsBuffer, kWord_bytes, [](Uploads& uploads, const std::string& what, uint64_t n) {
+        return Buffer(uploads.gpu(), what,
+                      workgroups_of(static_cast<uint32_t>(n)) * uint64_t{io::kCounters} * sizeof(uint32_t),
+                      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    });
     std::vector<io::DrawCommand> draws;
     for (size_t section = 0; section < group.sections.size(); ++section)
         for (size_t detail = 0; detail < io::kDetailLevels; ++detail) {
@@ -73,31 +82,27 @@ void make_list(const std::shared_ptr<Gpu>& gpu, const Group& group, Batch& batch
                              .first_instance = 0});
         }
     constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
-    batch[io::kDrawsBuffer] = upload(gpu, group.name + ": draw commands", draws, kUsage);
-    batch[io::kDispatchesBuffer] = upload(gpu, group.name + ": dispatch commands",
-                                          std::vector<VkDispatchIndirectCommand>(io::kWorkSections + 1, {0, 1, 1}),
-                                          kUsage);
+    const auto commands = [](auto all) {
+        return [all = std::move(all)](Uploads& uploads, const std::string& what, uint64_t) {
+            return upload(uploads, what, all, kUsage);
+        };
+    };
+    plan.add(io::kDrawsBuffer, 0, commands(std::move(draws)));
+    plan.add(io::kDispatchesBuffer, 0,
+             commands(std::vector<VkDispatchIndirectCommand>(io::kWorkSections + 1, {0, 1, 1})));
 }
 
-CullStage::CullStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
+CullStage::CullStage(Uploads& uploads, const std::vector<Group>& groups, const std::vector<Batch>& batches,
                      const CrowdSettings& settings)
-    : gpu_(std::move(gpu)),
+    : gpu_(uploads.gpu()),
       groups_(groups),
       batches_(batches),
       keeps_previous_(settings.keep_previous_matrices),
       may_skip_(settings.skips_updates),
       kernels_(gpu_),
-      view_(upload_table(gpu_, "view", std::vector{cull_view_of(nullptr, 0)})) {
+      view_(upload_table(uploads, "view", std::vector{cull_view_of(nullptr, 0)})) {
     for (size_t i = 0; i < batches_.size(); ++i) {
-        const Batch& batch = batches_[i];
-        const std::string name = groups_[batch.group].name;
-        const auto storage = [&](const char* what, uint64_t size_bytes) {
-            return Buffer(gpu_, name + what, size_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-        };
         Member& member = members_.emplace_back();
-        member.verdicts = storage(": verdicts", batch.instance_count * sizeof(uint32_t));
-        member.counts = storage(": counts of verdicts",
-                                workgroups_of(batch.instance_count) * uint64_t{io::kCounters} * sizeof(uint32_t));
         member.cull = kernels_.cull.bind(table_of(i));
         member.offsets = kernels_.offsets.bind(table_of(i));
         member.list = kernels_.list.bind(table_of(i));
@@ -106,17 +111,15 @@ CullStage::CullStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
 
 BufferTable CullStage::table_of(size_t index) const {
     const Batch& batch = batches_[index];
-    return batch.table(groups_[batch.group], {})
-        .set({{io::kViewBuffer, view_},
-              {io::kVerdictsBuffer, members_[index].verdicts},
-              {io::kCountsBuffer, members_[index].counts}});
+    return batch.table(groups_[batch.group], {}).set({{io::kViewBuffer, view_}});
 }
 
-void CullStage::record_view(VkCommandBuffer commands, io::CullView seen) {
+void CullStage::begin(const Update& update) {
+    io::CullView seen = update.view;
     seen.update_number = update_number_++;
     was_half_done_ = is_half_done_;
     is_half_done_ = seen.occlusion != 0;
-    record_update(*gpu_, commands, view_, 0, std::span<const io::CullView>(&seen, 1));
+    record_update(*gpu_, update.commands, view_, 0, std::span<const io::CullView>(&seen, 1));
 }
 
 void CullStage::discard() {
@@ -147,16 +150,16 @@ void CullStage::for_each_batch(VkCommandBuffer commands, const Dispatch& dispatc
     memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite | kIndirectRead);
 }
 
-void CullStage::record(VkCommandBuffer commands, StageTimer* timer) const {
-    for_each_batch(commands, [&](size_t i) {
-        kernels_.cull.dispatch_invocations(commands, members_[i].cull, push_of(batches_[i]),
+void CullStage::record(const Update& update) {
+    for_each_batch(update.commands, [&](size_t i) {
+        kernels_.cull.dispatch_invocations(update.commands, members_[i].cull, push_of(batches_[i]),
                                            batches_[i].instance_count);
     });
-    record_lists(commands, timer);
+    record_lists(update);
 }
 
-void CullStage::record_lists(VkCommandBuffer commands, StageTimer* timer) const {
-    for_each_batch(commands, [&](size_t i) {
+void CullStage::record_lists(const Update& update) const {
+    for_each_batch(update.commands, [&](size_t i) {
         const Batch& batch = batches_[i];
         const Group& group = groups_[batch.group];
         io::OffsetsPush push{.workgroup_count = workgroups_of(batch.instance_count),
@@ -165,16 +168,16 @@ void CullStage::record_lists(VkCommandBuffer commands, StageTimer* timer) const 
         const std::array of_sets{&io::uvec4::x, &io::uvec4::y, &io::uvec4::z, &io::uvec4::w};
         for (size_t set = 0; set < group.fused.size(); ++set)
             push.instances_of_workgroup.*of_sets[set] = group.fused[set].plan.scan.instances_per_workgroup;
-        kernels_.offsets.dispatch_workgroups(commands, members_[i].offsets, push, 1);
+        kernels_.offsets.dispatch_workgroups(update.commands, members_[i].offsets, push, 1);
     });
-    for_each_batch(commands, [&](size_t i) {
-        kernels_.list.dispatch_invocations(commands, members_[i].list, push_of(batches_[i]),
+    for_each_batch(update.commands, [&](size_t i) {
+        kernels_.list.dispatch_invocations(update.commands, members_[i].list, push_of(batches_[i]),
                                            batches_[i].instance_count);
     });
-    if (timer) timer->end_stage(commands, &StageTimes::cull);
+    update.end_stage("cull");
 }
 
-void CullStage::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths, StageTimer* timer) {
+void CullStage::record_disoccluded(const Update& update, const DepthImage& depths) {
     if (!is_half_done_)
         throw Failure(ErrorCode::kInvalidArgument, "disoccluded",
                       "the last record() was not for a view with occlusion, or this has been recorded for it");
@@ -182,16 +185,16 @@ void CullStage::record_disoccluded(VkCommandBuffer commands, const DepthImage& d
         throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "there is no depth image");
     const Reveal& reveal = reveal_for(depths);
     is_half_done_ = false;
-    if (timer) timer->leave_out(commands);
-    reveal.pyramid.record(commands, kernels_.pyramid, depths);
-    for_each_batch(commands, [&](size_t i) {
+    if (update.timer) update.timer->leave_out(update.commands);
+    reveal.pyramid.record(update.commands, kernels_.pyramid, depths);
+    for_each_batch(update.commands, [&](size_t i) {
         const io::RevealPush push{.cull = push_of(batches_[i]),
                                   .width = depths.width,
                                   .height = depths.height,
                                   .sign = depths.reversed ? 1.0f : -1.0f};
-        kernels_.reveal.dispatch_invocations(commands, reveal.members[i], push, batches_[i].instance_count);
+        kernels_.reveal.dispatch_invocations(update.commands, reveal.members[i], push, batches_[i].instance_count);
     });
-    record_lists(commands, timer);
+    record_lists(update);
 }
 
 const CullStage::Reveal& CullStage::reveal_for(const DepthImage& depths) {
@@ -222,7 +225,6 @@ std::vector<DrawnInstance> CullStage::read(uint32_t batch_index) const {
 
 uint64_t CullStage::size_bytes() const {
     uint64_t sum = view_.size_bytes();
-    for (const Member& member : members_) sum += member.verdicts.size_bytes() + member.counts.size_bytes();
     for (const Reveal& reveal : reveals_) sum += reveal.pyramid.size_bytes();
     return sum;
 }

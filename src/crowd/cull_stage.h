@@ -2,10 +2,9 @@
 // them are animated, and in which joints.
 #pragma once
 
-#include "crowd/batch.h"
+#include "crowd/batch_plan.h"
 #include "crowd/depth_pyramid.h"
-#include "crowd/group.h"
-#include "crowd/stage_timer.h"
+#include "crowd/stage.h"
 #include "cull/cull.h"
 
 #include <optional>
@@ -16,31 +15,27 @@ namespace throng {
 // CrowdView's, or what the budget makes of it.
 io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels);
 
-// Gives the batch its list and its work, and the commands that animate and draw it; nothing is listed yet.
-void make_list(const std::shared_ptr<Gpu>& gpu, const Group& group, Batch& batch);
-
-class CullStage {
+class CullStage : public Stage {
 public:
+    // The list and the work of a batch, and the commands that animate and draw it; nothing is listed yet.
+    static void plan(BatchPlan& plan);
     // Of all batches, which have a list; keeps references to both.
-    CullStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
+    CullStage(Uploads& uploads, const std::vector<Group>& groups, const std::vector<Batch>& batches,
               const CrowdSettings& settings);
 
-    // `seen`: of cull_view_of().
-    void record_view(VkCommandBuffer commands, io::CullView seen);
-    void record(VkCommandBuffer commands, StageTimer* timer) const;
-    // Takes the last record_view() back.
-    void discard();
-    // The second half of an update for a view with occlusion. Throws kInvalidArgument where the last record_view() was
-    // for none, or its second half is recorded already.
-    void record_disoccluded(VkCommandBuffer commands, const DepthImage& depths, StageTimer* timer);
+    void begin(const Update& update) override;
+    void record(const Update& update) override;
+    void discard() override;
+    // Throws kInvalidArgument where the last begin() was for no view with occlusion, or its second half is recorded
+    // already.
+    void record_disoccluded(const Update& update, const DepthImage& depths) override;
+    uint32_t end_count() const override { return 3; }
     // Of a batch, after the last update that has finished.
     std::vector<DrawnInstance> read(uint32_t batch) const;
-    const Buffer& verdicts(uint32_t batch) const { return members_[batch].verdicts; }
-    uint64_t size_bytes() const;
+    uint64_t size_bytes() const override;
 
 private:
     struct Member {
-        Buffer verdicts, counts;
         Bindings cull, offsets, list;
     };
     struct Reveal {
@@ -48,7 +43,7 @@ private:
         std::vector<Bindings> members;  // [batch]
     };
     io::CullPush push_of(const Batch& batch) const;
-    void record_lists(VkCommandBuffer commands, StageTimer* timer) const;
+    void record_lists(const Update& update) const;
     template <class Dispatch>
     void for_each_batch(VkCommandBuffer commands, const Dispatch& dispatch) const;
     BufferTable table_of(size_t index) const;
@@ -62,7 +57,7 @@ private:
     Buffer view_;
     uint32_t update_number_ = 0;
     bool is_half_done_ = false;   // record_disoccluded() is to come
-    bool was_half_done_ = false;  // before the last record_view()
+    bool was_half_done_ = false;  // before the last begin()
     // Made when they are first needed, for the largest picture so far. Smaller ones are kept with what is bound to
     // them, since updates may be under way that use them; each has twice the room of the one before, where the device
     // can bind it.

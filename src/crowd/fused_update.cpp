@@ -62,17 +62,17 @@ void FusedUpdate::bind(Member& member) const {
     }
 }
 
-void FusedUpdate::record(VkCommandBuffer commands, StageTimer* timer) const {
+void FusedUpdate::record(const Update& update) {
     if (members_.empty()) return;
-    record_sets(commands, [](const Group&) { return true; });
-    if (sockets_) record_sockets(commands);
-    if (timer) timer->end_stage(commands, &StageTimes::fused);
+    record_sets(update.commands, [](const Group&) { return true; });
+    if (sockets_) record_sockets(update.commands);
+    update.end_stage("fused");
 }
 
-void FusedUpdate::record_listed(VkCommandBuffer commands, StageTimer* timer) const {
+void FusedUpdate::record_disoccluded(const Update& update, const DepthImage&) {
     if (members_.empty()) return;
-    record_sets(commands, [&](const Group& group) { return is_listed(group); });
-    if (timer) timer->end_stage(commands, &StageTimes::fused);
+    record_sets(update.commands, [&](const Group& group) { return is_listed(group); });
+    update.end_stage("fused");
 }
 
 // A barrier between two sets of joints, since synchronization validation takes the buffers that both write for one

@@ -1,21 +1,21 @@
 // Cursors -> skin matrices in one pass, for the groups that are fused.
 #pragma once
 
-#include "crowd/batch.h"
-#include "crowd/group.h"
-#include "crowd/stage_timer.h"
+#include "crowd/batch_plan.h"
+#include "crowd/stage.h"
 
 namespace throng {
 
-class FusedUpdate {
+class FusedUpdate : public Stage {
 public:
     // Of those batches whose group is fused; keeps references to both.
     FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
                 const CrowdSettings& settings);
 
-    void record(VkCommandBuffer commands, StageTimer* timer) const;
+    void record(const Update& update) override;
     // Of those groups alone that are animated only where drawn.
-    void record_listed(VkCommandBuffer commands, StageTimer* timer) const;
+    void record_disoccluded(const Update& update, const DepthImage& depths) override;
+    uint32_t end_count() const override { return 2; }
 
 private:
     // One clip an instance costs about half of two, so a batch in which none blends has a kernel that does not look for

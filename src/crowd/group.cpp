@@ -1,7 +1,7 @@
 #include "crowd/group.h"
 
 #include "base/failure.h"
-#include "control/controller_tables.h"
+#include "controller/controller_tables.h"
 #include "sample/sample_io.h"
 #include "skin/skin_io.h"
 
@@ -49,8 +49,8 @@ std::vector<io::vec4> readable_root_rows(const Character& character) {
 
 }  // namespace
 
-GroupController::GroupController(const std::shared_ptr<Gpu>& gpu, const Controller& controller,
-                                 const Character& character, bool moves, Buffers& buffers)
+GroupController::GroupController(Uploads& uploads, const Controller& controller, const Character& character, bool moves,
+                                 Buffers& buffers)
     : layer_count(static_cast<uint32_t>(controller.layers.size())),
       parameter_count(static_cast<uint32_t>(controller.parameters.size())),
       mask_count(static_cast<uint32_t>(controller.masks.size())),
@@ -62,33 +62,33 @@ GroupController::GroupController(const std::shared_ptr<Gpu>& gpu, const Controll
     layer_kinds = throng::layer_kinds(controller);
     is_inertial = has_inertia(controller);
     for (const ControllerLayer& layer : controller.layers) model_layer_count += layer.model_space_rotations ? 1 : 0;
-    buffers[io::kControllerBuffer] = upload_table(gpu, character.name + ": controller", made.words);
-    buffers[io::kMasksBuffer] = upload_table(gpu, character.name + ": joint masks", made.masks);
+    buffers[io::kControllerBuffer] = upload_table(uploads, character.name + ": controller", made.words);
+    buffers[io::kMasksBuffer] = upload_table(uploads, character.name + ": joint masks", made.masks);
     if (model_layer_count > 0)
-        buffers[io::kParentsBuffer] = upload_table(gpu, character.name + ": parents", character.rig.parents);
+        buffers[io::kParentsBuffer] = upload_table(uploads, character.name + ": parents", character.rig.parents);
 }
 
-Group::Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice,
-             const CrowdSettings& settings)
-    : Group(gpu, *group.character, choice) {
-    if (group.controller) controller.emplace(gpu, *group.controller, *group.character, group.moves_placements, buffers);
+Group::Group(Uploads& uploads, const CrowdGroup& group, const PathChoice& choice, const CrowdSettings& settings)
+    : Group(uploads, *group.character, choice) {
+    if (group.controller)
+        controller.emplace(uploads, *group.controller, *group.character, group.moves_placements, buffers);
     socket_space = group.socket_space;
     steering = group.steering;
-    if (!group.sockets.empty()) make_sockets(gpu, group.sockets);
-    if (group.procedural) make_procedural(gpu, *group.procedural, *group.character);
+    if (!group.sockets.empty()) make_sockets(uploads, group.sockets);
+    if (group.procedural) make_procedural(uploads, *group.procedural, *group.character);
     uniform_scale = group.character->rig.uniform_scale;
     pose_capacity = std::min(group.pose_capacity, group.instance_count);
     bound_poses(*group.character, settings.skin_blend);
     if (settings.culls && settings.reduces_joints && pose_capacity == 0 && animates_drawn_only())
-        reduce_joints(gpu, *group.character);
-    if (is_paced(settings)) make_palette_by_set(gpu, *group.character);
-    make_skin_tables(gpu, *group.character);
+        reduce_joints(uploads, *group.character);
+    if (is_paced(settings)) make_palette_by_set(uploads, *group.character);
+    make_skin_tables(uploads, *group.character);
     if (pose_capacity > 0)
-        buffers[io::kSetPosesBuffer] = make_table<io::JointPose>(gpu, name + ": poses of CrowdGroup::pose_capacity",
-                                                                 uint64_t{pose_capacity} * joint_count);
+        buffers[io::kSetPosesBuffer] = make_table<io::JointPose>(
+            uploads.gpu(), name + ": poses of CrowdGroup::pose_capacity", uint64_t{pose_capacity} * joint_count);
 }
 
-Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const PathChoice& choice)
+Group::Group(Uploads& uploads, const Character& character, const PathChoice& choice)
     : name(character.name),
       joint_count(character.rig.joint_count()),
       palette_count(static_cast<uint32_t>(character.palette.size())),
@@ -106,9 +106,10 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
       path_reason(choice.path_reason) {
     if (choice.fused)
         fused.push_back(
-            {joint_count, *choice.fused, upload_fused_tables(gpu, character, FusedRig(character), *choice.fused)});
+            {joint_count, *choice.fused, upload_fused_tables(uploads, character, FusedRig(character), *choice.fused)});
     else
-        scan.emplace(gpu, scan_choice, ScanRig(character.rig.parents, character.rig.uniform_scale), scan_limits(*gpu));
+        scan.emplace(uploads, scan_choice, ScanRig(character.rig.parents, character.rig.uniform_scale),
+                     scan_limits(*uploads.gpu()));
     std::vector<uint32_t> joints;
     std::vector<Affine> binds;
     for (const PaletteEntry& entry : character.palette) {
@@ -116,24 +117,24 @@ Group::Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const 
         binds.push_back(entry.joint_from_bind);
     }
     for (const Clip& clip : character.clips) clip_durations_s.push_back(clip.duration_s);
-    buffers[io::kTimelineBuffer] = upload_table(gpu, name + ": clip axes", clip_axes(character));
-    buffers[io::kTimesBuffer] = upload_table(gpu, name + ": key times", character.times_s);
-    buffers[io::kRootRowsBuffer] = upload_table(gpu, name + ": root motion", readable_root_rows(character));
-    buffers[io::kTracksBuffer] = upload_table(gpu, name + ": tracks", character.tracks);
-    buffers[io::kKeysBuffer] = upload_table(gpu, name + ": keys", readable_keys(character));
-    buffers[io::kWordsBuffer] = upload_table(gpu, name + ": key words", character.words);
-    buffers[io::kPaletteJointsBuffer] = upload_table(gpu, name + ": palette joints", joints);
-    buffers[io::kJointFromBindBuffer] = upload_table(gpu, name + ": inverse binds", binds);
-    buffers[io::kVerticesBuffer] = upload(gpu, name + ": vertices", character.vertices);
-    buffers[io::kInfluencesBuffer] = upload(gpu, name + ": influences", character.influences);
+    buffers[io::kTimelineBuffer] = upload_table(uploads, name + ": clip axes", clip_axes(character));
+    buffers[io::kTimesBuffer] = upload_table(uploads, name + ": key times", character.times_s);
+    buffers[io::kRootRowsBuffer] = upload_table(uploads, name + ": root motion", readable_root_rows(character));
+    buffers[io::kTracksBuffer] = upload_table(uploads, name + ": tracks", character.tracks);
+    buffers[io::kKeysBuffer] = upload_table(uploads, name + ": keys", readable_keys(character));
+    buffers[io::kWordsBuffer] = upload_table(uploads, name + ": key words", character.words);
+    buffers[io::kPaletteJointsBuffer] = upload_table(uploads, name + ": palette joints", joints);
+    buffers[io::kJointFromBindBuffer] = upload_table(uploads, name + ": inverse binds", binds);
+    buffers[io::kVerticesBuffer] = upload(uploads, name + ": vertices", character.vertices);
+    buffers[io::kInfluencesBuffer] = upload(uploads, name + ": influences", character.influences);
     influence_count = static_cast<uint32_t>(character.influences.size());
     morph_count = static_cast<uint32_t>(character.morphs.size());
-    if (morph_count > 0) upload_morph_tables(gpu, character, buffers);
-    make_details(gpu, character);
+    if (morph_count > 0) upload_morph_tables(uploads, character, buffers);
+    make_details(uploads, character);
 }
 
 // Indices of all levels of detail, one after the other.
-void Group::make_details(const std::shared_ptr<Gpu>& gpu, const Character& character) {
+void Group::make_details(Uploads& uploads, const Character& character) {
     for (const MeshSection& section : sections) detail_ranges.push_back({section.first_index, section.index_count});
     const auto first = static_cast<uint32_t>(character.indices.size());
     for (const IndexRange& range : character.detail_ranges)
@@ -141,27 +142,27 @@ void Group::make_details(const std::shared_ptr<Gpu>& gpu, const Character& chara
     details = character.details;
     std::vector<uint32_t> all = character.indices;
     all.insert(all.end(), character.detail_indices.begin(), character.detail_indices.end());
-    indices = upload(gpu, name + ": indices", all, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
+    indices = upload(uploads, name + ": indices", all, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
 }
 
 // The sets of joints of coarser levels, as far as the method of the finest goes about them, and the influences that
 // refer to no others.
-void Group::reduce_joints(const std::shared_ptr<Gpu>& gpu, const Character& character) {
+void Group::reduce_joints(Uploads& uploads, const Character& character) {
     if (character.joint_details.empty()) return;
     std::vector<Influences> all = character.influences;
     for (uint32_t detail = 1; detail <= details.size(); ++detail) {
         const FusedRig rig(character, detail);
-        FusedPlan plan = plan_fused(fused[0].plan.choice, rig, scan_limits(*gpu));
+        FusedPlan plan = plan_fused(fused[0].plan.choice, rig, scan_limits(*uploads.gpu()));
         if (!plan.obstacle.empty()) break;
-        Buffers tables = upload_fused_tables(gpu, character, rig, plan);
+        Buffers tables = upload_fused_tables(uploads, character, rig, plan);
         fused.push_back({rig.rig.joint_count(), std::move(plan), std::move(tables)});
         const std::vector<Influences> of_detail = influences_of_detail(character, detail);
         all.insert(all.end(), of_detail.begin(), of_detail.end());
     }
-    buffers[io::kInfluencesBuffer] = upload(gpu, name + ": influences", all);
+    buffers[io::kInfluencesBuffer] = upload(uploads, name + ": influences", all);
 }
 
-void Group::make_palette_by_set(const std::shared_ptr<Gpu>& gpu, const Character& character) {
+void Group::make_palette_by_set(Uploads& uploads, const Character& character) {
     const auto coarsest_set = [&](uint32_t entry) {
         return fused.size() > 1 ? character.joint_details[character.palette[entry].joint] : 0;
     };
@@ -171,14 +172,14 @@ void Group::make_palette_by_set(const std::shared_ptr<Gpu>& gpu, const Character
     for (uint32_t set = 0; set < fused.size(); ++set)
         set_entry_counts[set] = static_cast<uint32_t>(std::ranges::count_if(
             entries, [set](uint32_t coarsest) { return coarsest >= set; }, coarsest_set));
-    buffers[io::kPaletteBySetBuffer] = upload_table(gpu, name + ": palette by set", entries);
+    buffers[io::kPaletteBySetBuffer] = upload_table(uploads, name + ": palette by set", entries);
 }
 
-void Group::make_skin_tables(const std::shared_ptr<Gpu>& gpu, const Character& character) {
+void Group::make_skin_tables(Uploads& uploads, const Character& character) {
     std::vector<uint32_t> influence_offsets;
     for (uint32_t detail = 0; detail <= details.size(); ++detail)
         influence_offsets.push_back(influence_set_of(detail) * influence_count);
-    upload_skin_tables(gpu, character, influence_offsets, buffers);
+    upload_skin_tables(uploads, character, influence_offsets, buffers);
 }
 
 // What blends of clips, and what is put on top of them, may add to the boxes of clips.
@@ -200,17 +201,17 @@ void Group::bound_poses(const Character& character, SkinBlend blend) {
     posed_max = posed_max + Vec3<float>{margin, margin, margin};
 }
 
-void Group::make_procedural(const std::shared_ptr<Gpu>& gpu, const ProceduralRules& rules, const Character& character) {
+void Group::make_procedural(Uploads& uploads, const ProceduralRules& rules, const Character& character) {
     const ProceduralTables made = make_procedural_tables(rules, character);
-    if (const uint64_t most = scan_limits(*gpu).loop_iterations; made.most_steps > most)
+    if (const uint64_t most = scan_limits(*uploads.gpu()).loop_iterations; made.most_steps > most)
         throw Failure(ErrorCode::kUnsupported, name + ": procedural rules",
                       "one of their chains takes " + std::to_string(made.most_steps) +
                           " steps, and the device ends loops after " + std::to_string(most));
     procedural.emplace(GroupProcedural{made.dispatches, made.spring_count, made.target_count});
-    buffers[io::kRulesBuffer] = upload_table(gpu, name + ": procedural rules", made.words);
+    buffers[io::kRulesBuffer] = upload_table(uploads, name + ": procedural rules", made.words);
 }
 
-void Group::make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint32_t>& joints) {
+void Group::make_sockets(Uploads& uploads, const std::vector<uint32_t>& joints) {
     const std::string place = name + ": sockets";
     if (joints.size() > kSocketLimit)
         throw Failure(ErrorCode::kLimit, place,
@@ -226,8 +227,8 @@ void Group::make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint
         slots[joints[i]] = i + 1;
     }
     sockets.emplace(GroupSockets{joints});
-    buffers[io::kSocketJointsBuffer] = upload_table(gpu, place, joints);
-    buffers[io::kSocketSlotsBuffer] = upload_table(gpu, place + " by joint", slots);
+    buffers[io::kSocketJointsBuffer] = upload_table(uploads, place, joints);
+    buffers[io::kSocketSlotsBuffer] = upload_table(uploads, place + " by joint", slots);
 }
 
 uint64_t Group::size_bytes() const {

@@ -7,6 +7,7 @@
 #include "crowd/path.h"
 #include "cull/cull_io.h"
 #include "gpu/kernel.h"
+#include "gpu/upload.h"
 #include "morph/morph.h"
 #include "procedural/procedural_tables.h"
 #include "skin/skin.h"
@@ -27,8 +28,8 @@ struct FusedJoints {
 
 // What a group that is driven by a controller has.
 struct GroupController {
-    GroupController(const std::shared_ptr<Gpu>& gpu, const Controller& controller, const Character& character,
-                    bool moves_placements, Buffers& buffers);
+    GroupController(Uploads& uploads, const Controller& controller, const Character& character, bool moves_placements,
+                    Buffers& buffers);
 
     uint32_t layer_count = 0, parameter_count = 0, mask_count = 0, voice_limit = 0;
     bool moves_placements = false;
@@ -51,8 +52,7 @@ struct GroupProcedural {
 };
 
 struct Group {
-    Group(const std::shared_ptr<Gpu>& gpu, const CrowdGroup& group, const PathChoice& choice,
-          const CrowdSettings& settings);
+    Group(Uploads& uploads, const CrowdGroup& group, const PathChoice& choice, const CrowdSettings& settings);
 
     std::string name;
     uint32_t joint_count = 0;
@@ -107,14 +107,14 @@ struct Group {
     uint64_t size_bytes() const;
 
 private:
-    void make_procedural(const std::shared_ptr<Gpu>& gpu, const ProceduralRules& rules, const Character& character);
-    void make_details(const std::shared_ptr<Gpu>& gpu, const Character& character);
-    void reduce_joints(const std::shared_ptr<Gpu>& gpu, const Character& character);
-    void make_palette_by_set(const std::shared_ptr<Gpu>& gpu, const Character& character);
-    void make_skin_tables(const std::shared_ptr<Gpu>& gpu, const Character& character);
+    void make_procedural(Uploads& uploads, const ProceduralRules& rules, const Character& character);
+    void make_details(Uploads& uploads, const Character& character);
+    void reduce_joints(Uploads& uploads, const Character& character);
+    void make_palette_by_set(Uploads& uploads, const Character& character);
+    void make_skin_tables(Uploads& uploads, const Character& character);
     void bound_poses(const Character& character, SkinBlend blend);
-    void make_sockets(const std::shared_ptr<Gpu>& gpu, const std::vector<uint32_t>& joints);
-    Group(const std::shared_ptr<Gpu>& gpu, const Character& character, const PathChoice& choice);
+    void make_sockets(Uploads& uploads, const std::vector<uint32_t>& joints);
+    Group(Uploads& uploads, const Character& character, const PathChoice& choice);
 };
 
 }  // namespace throng

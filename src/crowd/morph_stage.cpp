@@ -2,6 +2,11 @@
 
 namespace throng {
 
+void MorphStage::plan(BatchPlan& plan) {
+    if (plan.group().morph_count > 0)
+        plan.add_storage(io::kActiveMorphsBuffer, io::kActiveMorphs * sizeof(io::ActiveMorph));
+}
+
 MorphStage::MorphStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches)
     : groups_(groups), batches_(batches) {
     for (uint32_t i = 0; i < batches_.size(); ++i) {
@@ -14,16 +19,16 @@ MorphStage::MorphStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& group
     }
 }
 
-void MorphStage::record(VkCommandBuffer commands, StageTimer* timer) const {
+void MorphStage::record(const Update& update) {
     if (members_.empty()) return;
     for (const Member& member : members_) {
         const Batch& batch = batches_[member.batch];
         const Group& group = groups_[batch.group];
         const io::MorphPush push{batch.instance_count, group.morph_count, group.joint_count,
                                  group.controller ? group.controller->voice_limit : 0};
-        kernel_of(group).dispatch_invocations(commands, member.bindings, push, batch.instance_count);
+        kernel_of(group).dispatch_invocations(update.commands, member.bindings, push, batch.instance_count);
     }
-    if (timer) timer->end_stage(commands, &StageTimes::blend);
+    update.end_stage("blend");
 }
 
 }  // namespace throng

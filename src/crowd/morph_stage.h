@@ -1,21 +1,21 @@
 // The morph stage of groups whose character has morphs, with a controller or without.
 #pragma once
 
-#include "crowd/batch.h"
-#include "crowd/group.h"
-#include "crowd/stage_timer.h"
+#include "crowd/batch_plan.h"
+#include "crowd/stage.h"
 
 #include <optional>
 
 namespace throng {
 
-class MorphStage {
+class MorphStage : public Stage {
 public:
+    static void plan(BatchPlan& plan);
     // Of those batches whose character has morphs; keeps references to both.
     MorphStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches);
 
     // Behind control. Nothing else of an update reads what it writes. Its time counts as blend.
-    void record(VkCommandBuffer commands, StageTimer* timer) const;
+    void record(const Update& update) override;
 
 private:
     struct Member {

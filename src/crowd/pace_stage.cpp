@@ -28,7 +28,7 @@ PaceStage::PaceStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
     }
 }
 
-void PaceStage::record(VkCommandBuffer commands, StageTimer* timer) const {
+void PaceStage::record(const Update& update) {
     if (members_.empty()) return;
     const auto record_section = [&](uint32_t section, std::array<Bindings, 2> Member::*bindings) {
         for (const Member& member : members_) {
@@ -40,14 +40,14 @@ void PaceStage::record(VkCommandBuffer commands, StageTimer* timer) const {
                                     .unused0 = 0,
                                     .unused1 = 0,
                                     .entry_counts = {set0, set1, set2, set3}};
-            kernel_->dispatch_indirect(commands, (member.*bindings)[batch.current_skin], push,
+            kernel_->dispatch_indirect(update.commands, (member.*bindings)[batch.current_skin], push,
                                        batch[io::kDispatchesBuffer], section);
         }
-        memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+        memory_barrier(*gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
     };
     record_section(io::kGoingOn, &Member::to_current);
     if (keeps_previous_) record_section(io::kAppearing, &Member::to_previous);
-    if (timer) timer->end_stage(commands, &StageTimes::pace);
+    update.end_stage("pace");
 }
 
 }  // namespace throng

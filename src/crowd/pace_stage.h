@@ -2,20 +2,21 @@
 // and of those that are drawn anew where previous matrices are kept.
 #pragma once
 
-#include "crowd/batch.h"
-#include "crowd/group.h"
-#include "crowd/stage_timer.h"
+#include "crowd/batch_plan.h"
+#include "crowd/stage.h"
 
 namespace throng {
 
-class PaceStage {
+class PaceStage : public Stage {
 public:
     // Of those batches whose group is animated only where drawn; keeps references to both.
     PaceStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
               const CrowdSettings& settings);
 
     // Behind the fused update.
-    void record(VkCommandBuffer commands, StageTimer* timer) const;
+    void record(const Update& update) override;
+    void record_disoccluded(const Update& update, const DepthImage&) override { record(update); }
+    uint32_t end_count() const override { return 2; }
 
 private:
     struct Member {

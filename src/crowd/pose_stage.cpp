@@ -14,6 +14,13 @@ io::JointPose to_io(const Trs<double>& pose) {
 
 }  // namespace
 
+void PoseStage::plan(BatchPlan& plan) {
+    if (plan.group().pose_capacity == 0) return;
+    plan.add(io::kPosedBuffer, sizeof(io::InstancePose), [](Uploads& uploads, const std::string& what, uint64_t n) {
+        return upload_table(uploads, what, as_words(std::vector<io::InstancePose>(n)));
+    });
+}
+
 PoseStage::PoseStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches)
     : gpu_(std::move(gpu)), groups_(groups), batches_(batches), of_batches_(batches.size()), of_groups_(groups.size()) {
     for (size_t i = 0; i < batches_.size(); ++i)
@@ -46,7 +53,7 @@ uint32_t PoseStage::take_slot(uint32_t batch, const std::string& place) {
     return slot;
 }
 
-// From a pose that the last record() has faded out: should that be discarded, the pose does not come back.
+// From a pose that the last update has faded out: should that be discarded, the pose does not come back.
 bool PoseStage::take_back_slot(uint32_t group) {
     for (uint32_t i = 0; i < of_batches_.size(); ++i) {
         if (batches_[i].group != group) continue;
@@ -99,8 +106,8 @@ void PoseStage::follow(uint32_t batch, PosedAt at) {
     known = now;
 }
 
-// A slot becomes free one record() after its pose has gone, when that can no longer be discarded.
-void PoseStage::record(VkCommandBuffer commands, float time_step_s) {
+// A slot becomes free one update after its pose has gone, when that can no longer be discarded.
+void PoseStage::begin(const Update& update) {
     for (uint32_t i = 0; i < of_batches_.size(); ++i) {
         BatchPoses& batch = of_batches_[i];
         for (PosedAt at = batch.posed.begin(); at != batch.posed.end();) {
@@ -110,14 +117,14 @@ void PoseStage::record(VkCommandBuffer commands, float time_step_s) {
                 continue;
             }
             posed.before = posed.fade;
-            posed.fade.advance(time_step_s);
+            posed.fade.advance(update.time_step_s);
             follow(i, at);
             ++at;
         }
-        upload_changes(commands, batches_[i][io::kPosedBuffer], batch.changed, batch.instances, 1);
+        upload_changes(update.commands, batches_[i][io::kPosedBuffer], batch.changed, batch.instances, 1);
     }
     for (size_t i = 0; i < of_groups_.size(); ++i)
-        upload_changes(commands, groups_[i][io::kSetPosesBuffer], of_groups_[i].changed, of_groups_[i].poses,
+        upload_changes(update.commands, groups_[i][io::kSetPosesBuffer], of_groups_[i].changed, of_groups_[i].poses,
                        groups_[i].joint_count);
 }
 

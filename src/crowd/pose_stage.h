@@ -4,17 +4,18 @@
 
 #include "blend/posed.h"
 #include "blend/posed_io.h"
-#include "crowd/batch.h"
+#include "crowd/batch_plan.h"
 #include "crowd/dirty_ranges.h"
-#include "crowd/group.h"
+#include "crowd/stage.h"
 #include "sample/sample_io.h"
 
 #include <map>
 
 namespace throng {
 
-class PoseStage {
+class PoseStage : public Stage {
 public:
+    static void plan(BatchPlan& plan);
     // Of those groups that have room for poses; keeps references to all.
     PoseStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches);
 
@@ -24,18 +25,19 @@ public:
     void clear(uint32_t batch, uint32_t instance, float fade_s, const std::string& place);
 
     // Takes the fades a step further, and uploads what changed.
-    void record(VkCommandBuffer commands, float time_step_s);
-    // Takes the last record() back; what was set or cleared since stays so.
-    void discard();
+    void begin(const Update& update) override;
+    // What was set or cleared since stays so.
+    void discard() override;
+    uint32_t end_count() const override { return 0; }
 
 private:
     struct Posed {
         uint32_t slot = 0;
         PoseFade fade;
-        PoseFade before;  // what it would be without the last record()
+        PoseFade before;  // what it would be without the last begin()
     };
     struct BatchPoses {
-        // [instance_count], as the device has them, or will have by the next record(); empty where there is no room for
+        // [instance_count], as the device has them, or will have by the next begin(); empty where there is no room for
         // poses
         std::vector<io::InstancePose> instances;
         std::map<uint32_t, Posed> posed;  // those that have a slot

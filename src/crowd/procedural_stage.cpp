@@ -6,6 +6,14 @@
 
 namespace throng {
 
+// At rest, and without aims.
+void ProceduralStage::plan(BatchPlan& plan) {
+    const std::optional<GroupProcedural>& rules = plan.group().procedural;
+    if (!rules) return;
+    if (rules->target_count > 0) plan.add_filled(io::kTargetsBuffer, std::vector<io::vec4>(rules->target_count));
+    if (rules->spring_count > 0) plan.add_filled(io::kSpringsBuffer, std::vector<io::SpringState>(rules->spring_count));
+}
+
 ProceduralStage::ProceduralStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
                                  const std::vector<Batch>& batches)
     : gpu_(std::move(gpu)), groups_(groups), batches_(batches), targets_(batches.size()) {
@@ -25,13 +33,13 @@ void ProceduralStage::set_target(uint32_t batch, uint32_t index, const io::vec4&
     targets_[batch].dirty.add(index, 1);
 }
 
-void ProceduralStage::begin_update(VkCommandBuffer commands, float time_step_s) {
+void ProceduralStage::begin(const Update& update) {
     for (size_t i = 0; i < batches_.size(); ++i)
         for (const auto& [first, count] : targets_[i].dirty.take())
-            record_update(*gpu_, commands, batches_[i][io::kTargetsBuffer], first,
+            record_update(*gpu_, update.commands, batches_[i][io::kTargetsBuffer], first,
                           std::span<const io::vec4>(targets_[i].last).subspan(first, count));
-    time_step_s_ = time_step_s;
-    wind_.advance(time_step_s);
+    time_step_s_ = update.time_step_s;
+    wind_.advance(update.time_step_s);
 }
 
 void ProceduralStage::discard() {

@@ -1,9 +1,9 @@
 // The procedural stage of groups with rules: targets and wind of the application; local transforms -> the same, moved.
 #pragma once
 
-#include "crowd/batch.h"
+#include "crowd/batch_plan.h"
 #include "crowd/dirty_ranges.h"
-#include "crowd/group.h"
+#include "crowd/stage.h"
 #include "procedural/procedural.h"
 #include "procedural/wind_clock.h"
 
@@ -11,8 +11,9 @@
 
 namespace throng {
 
-class ProceduralStage {
+class ProceduralStage : public Stage {
 public:
+    static void plan(BatchPlan& plan);
     // Of those batches whose group has rules; keeps references to both.
     ProceduralStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches);
 
@@ -20,10 +21,10 @@ public:
     void set_target(uint32_t batch, uint32_t index, const io::vec4& place_and_weight);
     void set_wind(const Wind& wind) { wind_.set(wind); }
 
-    // Uploads what changed, and lets time go on.
-    void begin_update(VkCommandBuffer commands, float time_step_s);
-    // Takes the last begin_update() back.
-    void discard();
+    // Targets; and the wind's time goes on. What it does is recorded by the staged update.
+    void begin(const Update& update) override;
+    void discard() override;
+    uint32_t end_count() const override { return 0; }
     using KindBindings = std::array<Bindings, io::kChainKindCount>;  // by kind of chains
     // `local` is where the staged update has the batch's local transforms.
     KindBindings bind(uint32_t batch, const BufferRange& local) const;

@@ -4,10 +4,9 @@
 
 namespace throng {
 
-BufferTable skin_buffers(const Group& group, const Batch& batch, const Buffer& skin_matrices, const Buffer& skinned,
-                         const BufferRange& verdicts) {
+BufferTable skin_buffers(const Group& group, const Batch& batch, const Buffer& skin_matrices, const Buffer& skinned) {
     return batch.table(group, group[io::kVerticesBuffer])
-        .set({{io::kSkinBuffer, skin_matrices}, {io::kSkinnedBuffer, skinned}, {io::kVerdictsBuffer, verdicts}});
+        .set({{io::kSkinBuffer, skin_matrices}, {io::kSkinnedBuffer, skinned}});
 }
 
 io::SkinPush skin_push(const Group& group) {
@@ -19,12 +18,16 @@ io::SkinPush skin_push(const Group& group) {
             .only_animated = 0};
 }
 
+void SkinStage::plan(BatchPlan& plan) {
+    plan.add_storage(io::kSkinnedBuffer, std::max(plan.group().vertex_count, 1u) * sizeof(SkinnedVertex));
+}
+
 SkinStage::SkinStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
-                     const CullStage* cull, const CrowdSettings& settings)
+                     const CrowdSettings& settings)
     : gpu_(std::move(gpu)),
       groups_(groups),
       batches_(batches),
-      kernel_(skin_kernel(gpu_, settings.skin_format, settings.skin_blend, cull)) {
+      kernel_(skin_kernel(gpu_, settings.skin_format, settings.skin_blend, settings.culls)) {
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         std::array<Bindings, 2>& member = members_.emplace_back();
         const Batch& batch = batches_[i];
@@ -32,13 +35,12 @@ SkinStage::SkinStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
         if (group.vertex_count == 0) continue;
         for (size_t k = 0; k < member.size(); ++k)
             if (batch.skins[k].handle())
-                member[k] = kernel_.bind(skin_buffers(group, batch, batch.skins[k], batch[io::kSkinnedBuffer],
-                                                      cull ? BufferRange(cull->verdicts(i)) : BufferRange()));
+                member[k] = kernel_.bind(skin_buffers(group, batch, batch.skins[k], batch[io::kSkinnedBuffer]));
     }
 }
 
-void SkinStage::record(VkCommandBuffer commands, StageTimer* timer, bool only_animated) const {
-    memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+void SkinStage::record(const Update& update, bool only_animated) const {
+    memory_barrier(*gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
     for (size_t i = 0; i < members_.size(); ++i) {
         const Batch& batch = batches_[i];
         const Group& group = groups_[batch.group];
@@ -47,11 +49,11 @@ void SkinStage::record(VkCommandBuffer commands, StageTimer* timer, bool only_an
         push.only_animated = only_animated;
         const Bindings& bindings = members_[i][batch.current_skin];
         if (batch[io::kListBuffer].handle())
-            kernel_.dispatch_indirect(commands, bindings, push, batch[io::kDispatchesBuffer], io::kWorkSections);
+            kernel_.dispatch_indirect(update.commands, bindings, push, batch[io::kDispatchesBuffer], io::kWorkSections);
         else
-            kernel_.dispatch_workgroups(commands, bindings, push, batch.instance_count);
+            kernel_.dispatch_workgroups(update.commands, bindings, push, batch.instance_count);
     }
-    if (timer) timer->end_stage(commands, &StageTimes::skin);
+    update.end_stage("skin");
 }
 
 }  // namespace throng

@@ -1,27 +1,25 @@
 // The skin stage of crowds whose vertices are skinned once, for all who read them.
 #pragma once
 
-#include "crowd/batch.h"
-#include "crowd/cull_stage.h"
-#include "crowd/group.h"
-#include "crowd/stage_timer.h"
+#include "crowd/batch_plan.h"
+#include "crowd/stage.h"
 
 namespace throng {
 
-class SkinStage {
+class SkinStage : public Stage {
 public:
-    // Of all batches; keeps references to both. `cull`, where the crowd culls: what is drawn is skinned, else
-    // everything.
+    static void plan(BatchPlan& plan);
+    // Of all batches; keeps references to both. Where the crowd culls, what is drawn is skinned, else everything.
     SkinStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
-              const CullStage* cull, const CrowdSettings& settings);
+              const CrowdSettings& settings);
 
     // Behind all that writes skin matrices.
-    void record(VkCommandBuffer commands, StageTimer* timer) const { record(commands, timer, false); }
-    // In the second half of an update, of those that this has animated.
-    void record_animated(VkCommandBuffer commands, StageTimer* timer) const { record(commands, timer, true); }
+    void record(const Update& update) override { record(update, false); }
+    void record_disoccluded(const Update& update, const DepthImage&) override { record(update, true); }
+    uint32_t end_count() const override { return 2; }
 
 private:
-    void record(VkCommandBuffer commands, StageTimer* timer, bool only_animated) const;
+    void record(const Update& update, bool only_animated) const;
 
     std::shared_ptr<Gpu> gpu_;
     const std::vector<Group>& groups_;
@@ -31,8 +29,7 @@ private:
 };
 
 // Of one batch. `skin_matrices`: those that are current; `skinned`: where its vertices go.
-BufferTable skin_buffers(const Group& group, const Batch& batch, const Buffer& skin_matrices, const Buffer& skinned,
-                         const BufferRange& verdicts);
+BufferTable skin_buffers(const Group& group, const Batch& batch, const Buffer& skin_matrices, const Buffer& skinned);
 io::SkinPush skin_push(const Group& group);
 
 }  // namespace throng

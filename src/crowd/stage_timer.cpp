@@ -12,16 +12,18 @@ void StageTimer::begin(VkCommandBuffer commands) {
     stages_of(stamps_.frame_number()).clear();
 }
 
-void StageTimer::end_stage(VkCommandBuffer commands, double StageTimes::*stage) {
+void StageTimer::end_stage(VkCommandBuffer commands, std::string_view name) { end(commands, index_of_stage(name)); }
+
+void StageTimer::end(VkCommandBuffer commands, size_t stage) {
     stages_of(stamps_.frame_number()).push_back(stage);
     stamps_.write(commands);
 }
 
 StageTimes StageTimer::times_of(const Timestamps::Frame& frame) const {
-    const std::vector<double StageTimes::*>& stages = stages_[frame.number % Timestamps::kFrames];
+    const std::vector<size_t>& stages = stages_[frame.number % Timestamps::kFrames];
     StageTimes times;
     for (size_t i = 0; i < stages.size(); ++i)
-        if (stages[i]) times.*stages[i] += frame.ms[i + 1] - frame.ms[i];
+        if (stages[i] < times.ms.size()) times.ms[stages[i]] += frame.ms[i + 1] - frame.ms[i];
     return times;
 }
 

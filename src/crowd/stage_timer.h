@@ -14,9 +14,10 @@ public:
     // begin() once an update, then end_stage() after each stage, at most most_stages times; a stage may come several
     // times. publish() after the last one, and again where an update goes on.
     void begin(VkCommandBuffer commands);
-    void end_stage(VkCommandBuffer commands, double StageTimes::*stage);
+    // `name`: one of kStageNames.
+    void end_stage(VkCommandBuffer commands, std::string_view name);
     // What has come since the last stage is none of the update's.
-    void leave_out(VkCommandBuffer commands) { end_stage(commands, nullptr); }
+    void leave_out(VkCommandBuffer commands) { end(commands, kStageNames.size()); }
     void publish(VkCommandBuffer commands) { stamps_.publish(commands); }
 
     // Of the newest update that has finished. Throws kInvalidArgument where there is none.
@@ -25,11 +26,13 @@ public:
     std::optional<StageTimes> take_newest();
 
 private:
-    std::vector<double StageTimes::*>& stages_of(uint64_t frame) { return stages_[frame % Timestamps::kFrames]; }
+    // `stage`: index into kStageNames; their number for none.
+    void end(VkCommandBuffer commands, size_t stage);
+    std::vector<size_t>& stages_of(uint64_t frame) { return stages_[frame % Timestamps::kFrames]; }
     StageTimes times_of(const Timestamps::Frame& frame) const;
 
     Timestamps stamps_;
-    std::array<std::vector<double StageTimes::*>, Timestamps::kFrames> stages_;  // of each update, in their order
+    std::array<std::vector<size_t>, Timestamps::kFrames> stages_;  // of each update, in their order
     uint64_t taken_ = 0;
 };
 

@@ -26,6 +26,8 @@ uint64_t arena_limit_bytes(const Gpu& gpu) {
         {kArenaBuffer_bytes, uint64_t{gpu.properties.limits.maxStorageBufferRange}, gpu.max_allocation_bytes});
 }
 
+void StagedUpdate::plan(BatchPlan& plan) { plan.limit(plan.group().joint_count * sizeof(Affine)); }
+
 StagedUpdate::StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
                            const std::vector<Batch>& batches, SkinFormat skin_format, const ProceduralStage& procedural)
     : gpu_(std::move(gpu)), groups_(groups), batches_(batches), procedural_(procedural) {
@@ -132,19 +134,25 @@ void StagedUpdate::record_layered(VkCommandBuffer commands, const Member& member
                                               instance_count);
 }
 
-void StagedUpdate::record(VkCommandBuffer commands, StageTimer* timer) const {
-    for (const Wave& wave : waves_) record_wave(commands, wave, timer);
+void StagedUpdate::record(const Update& update) {
+    for (const Wave& wave : waves_) record_wave(update, wave);
 }
 
-void StagedUpdate::record_wave(VkCommandBuffer commands, const Wave& wave, StageTimer* timer) const {
+uint32_t StagedUpdate::end_count() const {
+    constexpr uint32_t kStages = 5;  // sample, blend, procedural, scan, bind
+    return kStages * wave_count();
+}
+
+void StagedUpdate::record_wave(const Update& update, const Wave& wave) const {
+    const VkCommandBuffer commands = update.commands;
     const std::span<const Member> members = std::span(members_).subspan(wave.first_member, wave.member_count);
-    const auto stage = [&](double StageTimes::*time, const auto& record_member) {
+    const auto stage = [&](const char* name, const auto& record_member) {
         for (const Member& member : members)
             record_member(member, batches_[member.batch].instance_count, groups_[batches_[member.batch].group]);
         memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
-        if (timer) timer->end_stage(commands, time);
+        update.end_stage(name);
     };
-    stage(&StageTimes::sample, [&](const Member& member, uint32_t instance_count, const Group& group) {
+    stage("sample", [&](const Member& member, uint32_t instance_count, const Group& group) {
         if (group.controller) {
             record_layered(commands, member, instance_count, group);
             return;
@@ -154,16 +162,16 @@ void StagedUpdate::record_wave(VkCommandBuffer commands, const Wave& wave, Stage
         sample_of(group).dispatch_workgroups(commands, member.sample_second, io::SamplePush{group.joint_count, 1},
                                              instance_count);
     });
-    stage(&StageTimes::blend, [&](const Member& member, uint32_t instance_count, const Group& group) {
+    stage("blend", [&](const Member& member, uint32_t instance_count, const Group& group) {
         if (!group.controller)
             blend_of(group).dispatch_workgroups(commands, member.blend, io::BlendPush{group.joint_count},
                                                 instance_count);
     });
-    record_procedural(commands, members, timer);
-    stage(&StageTimes::scan, [&](const Member& member, uint32_t instance_count, const Group& group) {
+    record_procedural(update, members);
+    stage("scan", [&](const Member& member, uint32_t instance_count, const Group& group) {
         group.scan->record(commands, member.scan, instance_count);
     });
-    stage(&StageTimes::bind, [&](const Member& member, uint32_t instance_count, const Group& group) {
+    stage("bind", [&](const Member& member, uint32_t instance_count, const Group& group) {
         if (group.sockets)
             sockets_->dispatch_invocations(commands, member.sockets,
                                            io::SocketPush{instance_count, group.joint_count, group.socket_count(),
@@ -175,18 +183,17 @@ void StagedUpdate::record_wave(VkCommandBuffer commands, const Wave& wave, Stage
 }
 
 // Rank by rank; batches have theirs side by side.
-void StagedUpdate::record_procedural(VkCommandBuffer commands, std::span<const Member> members,
-                                     StageTimer* timer) const {
+void StagedUpdate::record_procedural(const Update& update, std::span<const Member> members) const {
     uint32_t rank_count = 0;
     for (const Member& member : members) rank_count = std::max(rank_count, procedural_.rank_count(member.batch));
     if (rank_count == 0) return;
     for (uint32_t rank = 0; rank < rank_count; ++rank) {
         for (const Member& member : members)
             if (rank < procedural_.rank_count(member.batch))
-                procedural_.record_rank(commands, member.procedural, member.batch, rank);
-        memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+                procedural_.record_rank(update.commands, member.procedural, member.batch, rank);
+        memory_barrier(*gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
     }
-    if (timer) timer->end_stage(commands, &StageTimes::procedural);
+    update.end_stage("procedural");
 }
 
 uint64_t StagedUpdate::size_bytes() const {

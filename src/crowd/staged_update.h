@@ -6,10 +6,9 @@
 #pragma once
 
 #include "blend/layered.h"
-#include "crowd/batch.h"
-#include "crowd/group.h"
+#include "crowd/batch_plan.h"
 #include "crowd/procedural_stage.h"
-#include "crowd/stage_timer.h"
+#include "crowd/stage.h"
 
 #include <map>
 #include <optional>
@@ -19,15 +18,17 @@ namespace throng {
 // As large as a buffer of intermediates may be.
 uint64_t arena_limit_bytes(const Gpu& gpu);
 
-class StagedUpdate {
+class StagedUpdate : public Stage {
 public:
+    static void plan(BatchPlan& plan);
     // Of those batches whose group is not fused; keeps references to all.
     StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
                  SkinFormat skin_format, const ProceduralStage& procedural);
 
+    void record(const Update& update) override;
+    uint32_t end_count() const override;
     uint32_t wave_count() const { return static_cast<uint32_t>(waves_.size()); }
-    void record(VkCommandBuffer commands, StageTimer* timer) const;
-    uint64_t size_bytes() const;
+    uint64_t size_bytes() const override;
 
 private:
     struct Member {
@@ -45,8 +46,8 @@ private:
 
     void make_waves();
     void bind_member(Member& member);
-    void record_wave(VkCommandBuffer commands, const Wave& wave, StageTimer* timer) const;
-    void record_procedural(VkCommandBuffer commands, std::span<const Member> members, StageTimer* timer) const;
+    void record_wave(const Update& update, const Wave& wave) const;
+    void record_procedural(const Update& update, std::span<const Member> members) const;
     const Kernel& sample_of(const Group& group) const { return *(group.packed ? sample_packed_ : sample_exact_); }
     static LayeredSettings layered_settings(const Group& group);
     const Kernel& layered_of(const Group& group) const { return layered_.at(layered_settings(group)); }

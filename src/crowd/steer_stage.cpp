@@ -30,6 +30,12 @@ void check_steering(const CrowdGroup& group) {
                           std::to_string(parameter_count));
 }
 
+void SteerStage::plan(BatchPlan& plan) {
+    if (!plan.group().steering) return;
+    plan.add_filled(io::kDestinationsBuffer, std::vector<io::vec4>(1));
+    plan.add_filled(io::kAgentsBuffer, std::vector<io::AgentState>{{.speed = 0, .patience = 1, .stands = 0}});
+}
+
 SteerStage::SteerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches)
     : gpu_(std::move(gpu)), groups_(groups), batches_(batches), member_of_batch_(batches.size(), kNone) {
     constexpr float kReach = 2;  // as steer.glsl has it
@@ -70,26 +76,26 @@ void SteerStage::set_destination(uint32_t batch, uint32_t instance, const io::ve
     member.dirty.add(instance, 1);
 }
 
-void SteerStage::begin_update(VkCommandBuffer commands) {
+void SteerStage::begin(const Update& update) {
     if (members_.empty()) return;
     for (Member& member : members_)
         for (const auto& [first, count] : member.dirty.take())
-            record_update(*gpu_, commands, batches_[member.batch][io::kDestinationsBuffer], first,
+            record_update(*gpu_, update.commands, batches_[member.batch][io::kDestinationsBuffer], first,
                           std::span<const io::vec4>(member.destinations).subspan(first, count));
-    gpu_->vk.vkCmdFillBuffer(commands, heads_.handle(), 0, VK_WHOLE_SIZE, io::kNobody);
+    gpu_->vk.vkCmdFillBuffer(update.commands, heads_.handle(), 0, VK_WHOLE_SIZE, io::kNobody);
 }
 
 void SteerStage::discard() {
     for (Member& member : members_) member.dirty.put_back();
 }
 
-void SteerStage::record(VkCommandBuffer commands, float time_step_s, StageTimer* timer) const {
-    if (members_.empty() || !(time_step_s > 0)) return;
-    for (const Member& member : members_) record_places(commands, member);
-    memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
-    for (const Member& member : members_) record_steps(commands, member, time_step_s);
-    memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
-    if (timer) timer->end_stage(commands, &StageTimes::steer);
+void SteerStage::record(const Update& update) {
+    if (members_.empty() || !(update.time_step_s > 0)) return;
+    for (const Member& member : members_) record_places(update.commands, member);
+    memory_barrier(*gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    for (const Member& member : members_) record_steps(update.commands, member, update.time_step_s);
+    memory_barrier(*gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    update.end_stage("steer");
 }
 
 void SteerStage::record_places(VkCommandBuffer commands, const Member& member) const {

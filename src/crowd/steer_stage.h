@@ -2,10 +2,9 @@
 // agents of the crowd keep out of each other's way.
 #pragma once
 
-#include "crowd/batch.h"
+#include "crowd/batch_plan.h"
 #include "crowd/dirty_ranges.h"
-#include "crowd/group.h"
-#include "crowd/stage_timer.h"
+#include "crowd/stage.h"
 #include "steer/steer.h"
 
 #include <optional>
@@ -15,21 +14,21 @@ namespace throng {
 // Throws kInvalidArgument where it cannot be.
 void check_steering(const CrowdGroup& group);
 
-class SteerStage {
+class SteerStage : public Stage {
 public:
+    static void plan(BatchPlan& plan);
     // Of those batches whose group steers; keeps references to both.
     SteerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches);
 
     // `instance` is of the batch. `place_and_whether`: the last is 1, or 0 for none.
     void set_destination(uint32_t batch, uint32_t instance, const io::vec4& place_and_whether);
 
-    // Uploads what changed, and empties the buckets. Nothing where the crowd has no agents.
-    void begin_update(VkCommandBuffer commands);
-    // Destinations that the last begin_update() has uploaded are to be uploaded again.
-    void discard();
+    // Destinations; and the buckets become empty.
+    void begin(const Update& update) override;
+    void discard() override;
     // Behind control: what follows sees where agents stand.
-    void record(VkCommandBuffer commands, float time_step_s, StageTimer* timer) const;
-    uint64_t size_bytes() const { return places_.size_bytes() + heads_.size_bytes(); }
+    void record(const Update& update) override;
+    uint64_t size_bytes() const override { return places_.size_bytes() + heads_.size_bytes(); }
 
 private:
     struct Member {

@@ -15,9 +15,16 @@ std::vector<std::array<uint32_t, 2>> levels_of(const std::vector<uint32_t>& pare
 CrowdBindings::CrowdBindings(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts,
                              const MaterialSampling& sampling, const CrowdState& crowd)
     : life_(crowd.life) {
+    Uploads uploads(gpu);
     TextureAccount textures{warnings};
     for (const Group& group : crowd.groups)
-        materials.emplace_back(gpu, group, layouts.material_set.get(), sampling, textures);
+        materials.emplace_back(uploads, group, layouts.material_set.get(), sampling, textures);
+    const bool has_skeletons = crowd.batches.front()[io::kModelBuffer].handle();
+    if (has_skeletons)
+        for (const Group& group : crowd.groups)
+            joint_parents_.push_back(
+                upload(uploads, group.name + ": parents and levels of joints", levels_of(group.parents)));
+    uploads.finish();
     for (const Batch& batch : crowd.batches) {
         const Group& group = crowd.groups[batch.group];
         std::array<Bindings, 2>& of_batch = batches_.emplace_back();
@@ -33,9 +40,7 @@ CrowdBindings::CrowdBindings(const std::shared_ptr<Gpu>& gpu, const DrawLayouts&
                                        {6, batch[io::kListBuffer].or_else(group[io::kVerticesBuffer])}});
         }
     }
-    if (!crowd.batches.front()[io::kModelBuffer].handle()) return;
-    for (const Group& group : crowd.groups)
-        joint_parents_.push_back(upload(gpu, group.name + ": parents and levels of joints", levels_of(group.parents)));
+    if (!has_skeletons) return;
     for (const Batch& batch : crowd.batches) {
         const Buffer& parents = joint_parents_[batch.group];
         skeletons_.emplace_back(gpu, layouts.batch_set.get(), crowd.groups[batch.group].name, kBatchBindings,

@@ -13,39 +13,40 @@ MaterialSampling::MaterialSampling(const std::shared_ptr<Gpu>& gpu) : white(make
     sampler = OwnedSampler(gpu, gpu->vk.vkCreateSampler, create, "vkCreateSampler");
 }
 
-GroupMaterials::GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout,
+GroupMaterials::GroupMaterials(Uploads& uploads, const Group& group, VkDescriptorSetLayout layout,
                                const MaterialSampling& sampling, TextureAccount& account) {
     std::vector<bool> used(group.materials.size());
     for (const MeshSection& section : group.sections)
         if (section.material < used.size() && section.index_count > 0) used[section.material] = true;
 
     const auto count = static_cast<uint32_t>(group.materials.size() + 1);
-    pool_ = make_descriptor_pool(gpu, count, {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count * kMaterialTextures}});
+    pool_ = make_descriptor_pool(uploads.gpu(), count,
+                                 {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count * kMaterialTextures}});
 
     for (size_t i = 0; i < group.materials.size(); ++i) {
         AssetMaterial material = group.materials[i];
         const auto view = [&](uint32_t image, VkFormat format) {
-            return texture(gpu, group, used[i] ? image : kNone, format, sampling, account).view();
+            return texture(uploads, group, used[i] ? image : kNone, format, sampling, account).view();
         };
         const std::array views{
             view(material.image, kColorTexture), view(material.metallic_roughness_image, kNumberTexture),
             view(material.normal_image, kNumberTexture), view(material.occlusion_image, kNumberTexture),
             view(material.emissive_image, kColorTexture)};
         if (views[2] == sampling.white.view()) material.normal_image = kNone;  // white would tilt normals
-        add(gpu, layout, sampling.sampler.get(), material, views);
+        add(uploads.gpu(), layout, sampling.sampler.get(), material, views);
     }
     std::array<VkImageView, kMaterialTextures> whites{};
     whites.fill(sampling.white.view());
-    add(gpu, layout, sampling.sampler.get(), {}, whites);
+    add(uploads.gpu(), layout, sampling.sampler.get(), {}, whites);
 }
 
-const Image& GroupMaterials::texture(const std::shared_ptr<Gpu>& gpu, const Group& group, uint32_t image,
-                                     VkFormat format, const MaterialSampling& sampling, TextureAccount& account) {
+const Image& GroupMaterials::texture(Uploads& uploads, const Group& group, uint32_t image, VkFormat format,
+                                     const MaterialSampling& sampling, TextureAccount& account) {
     if (image >= group.images.size()) return sampling.white;
     const std::pair key(image, format);
     auto found = textures_.find(key);
     if (found == textures_.end())
-        found = textures_.emplace(key, make_texture(gpu, group.images[image], format, account)).first;
+        found = textures_.emplace(key, make_texture(uploads, group.images[image], format, account)).first;
     return found->second ? *found->second : sampling.white;
 }
 

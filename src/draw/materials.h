@@ -33,16 +33,16 @@ struct MaterialSampling {
 class GroupMaterials {
 public:
     // Only images that a section's material uses are decoded; one that cannot be, or is too much, is white, with a
-    // warning, and leaves normals as they are. Submits and waits.
-    GroupMaterials(const std::shared_ptr<Gpu>& gpu, const Group& group, VkDescriptorSetLayout layout,
-                   const MaterialSampling& sampling, TextureAccount& account);
+    // warning, and leaves normals as they are. To be drawn with when the uploads have finished.
+    GroupMaterials(Uploads& uploads, const Group& group, VkDescriptorSetLayout layout, const MaterialSampling& sampling,
+                   TextureAccount& account);
 
     const DrawMaterial& of(const MeshSection& section) const {
         return section.material < materials_.size() - 1 ? materials_[section.material] : materials_.back();
     }
 
 private:
-    const Image& texture(const std::shared_ptr<Gpu>& gpu, const Group& group, uint32_t image, VkFormat format,
+    const Image& texture(Uploads& uploads, const Group& group, uint32_t image, VkFormat format,
                          const MaterialSampling& sampling, TextureAccount& account);
     void add(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout, VkSampler sampler,
              const AssetMaterial& material, const std::array<VkImageView, kMaterialTextures>& views);

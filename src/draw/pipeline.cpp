@@ -138,10 +138,7 @@ OwnedPipeline make_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout la
     create.pColorBlendState = &blend;
     create.pDynamicState = &dynamic;
     create.layout = layout;
-    VkPipeline pipeline = VK_NULL_HANDLE;
-    check(gpu->vk.vkCreateGraphicsPipelines(gpu->device, VK_NULL_HANDLE, 1, &create, nullptr, &pipeline),
-          "vkCreateGraphicsPipelines");
-    return {gpu, pipeline};
+    return {gpu, gpu->make_pipeline(create)};
 }
 
 }  // namespace

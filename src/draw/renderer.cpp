@@ -140,7 +140,7 @@ RendererState::Frame RendererState::prepare(const Crowd& crowd, const Camera& ca
 }
 
 const CharacterPipelines& RendererState::pipelines_of(const CrowdState& crowd) {
-    const VertexKind kind{crowd.skin_format, crowd.skin_blend, crowd.cull.has_value(), crowd.skin.has_value()};
+    const VertexKind kind{crowd.skin_format, crowd.skin_blend, crowd.cull != nullptr, crowd.skins_once};
     const auto found = characters_.find(kind);
     return found != characters_.end()
                ? found->second
@@ -148,7 +148,7 @@ const CharacterPipelines& RendererState::pipelines_of(const CrowdState& crowd) {
 }
 
 const LinePipelines& RendererState::lines_of(const CrowdState& crowd) {
-    const bool listed = crowd.cull.has_value();
+    const bool listed = crowd.cull != nullptr;
     const auto found = lines_.find(listed);
     return found != lines_.end() ? found->second
                                  : lines_.emplace(listed, LinePipelines(gpu, layouts_, samples, listed)).first->second;

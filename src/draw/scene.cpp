@@ -23,7 +23,7 @@ float ground_height(const CrowdState& state, const Bounds& bounds) {
         const float floating = group.bounds_min.y;
         if (floating <= 0 || floating > 0.25f * (group.bounds_max.y - group.bounds_min.y)) continue;
         for (uint32_t i = 0; i < batch.instance_count; ++i)
-            height = std::min(height, state.placements[batch.first_instance + i].row[1][3]);
+            height = std::min(height, state.placements->all()[batch.first_instance + i].row[1][3]);
     }
     return height;
 }
@@ -33,7 +33,7 @@ float character_size(const CrowdState& state) {
     float size = 0;
     for (const Batch& batch : state.batches) {
         const Group& group = state.groups[batch.group];
-        const float scale = std::cbrt(std::abs(determinant(state.placements[batch.first_instance])));
+        const float scale = std::cbrt(std::abs(determinant(state.placements->all()[batch.first_instance])));
         size = std::max(size, length(group.bounds_max - group.bounds_min) * scale);
     }
     return std::max(size, 1e-6f);

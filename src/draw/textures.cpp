@@ -51,34 +51,32 @@ Picture decode_image(const AssetImage& image, uint64_t& room_bytes) {
     return picture;
 }
 
-Image upload_texture(const std::shared_ptr<Gpu>& gpu, std::string_view what, const Picture& picture, VkFormat format) {
+Image upload_texture(Uploads& uploads, std::string_view what, const Picture& picture, VkFormat format) {
     const auto mip_count = static_cast<uint32_t>(std::bit_width(std::max(picture.width, picture.height)));
-    Image texture(
-        gpu, {.what = what,
-              .width = picture.width,
-              .height = picture.height,
-              .mip_count = mip_count,
-              .format = format,
-              .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
-    const Buffer staging(gpu, what, picture.rgba.size(), 0, MemoryKind::kUpload);
-    std::memcpy(staging.mapped(), picture.rgba.data(), picture.rgba.size());
-
-    gpu->submit_and_wait([&](VkCommandBuffer commands) {
+    Image texture(uploads.gpu(), {.what = what,
+                                  .width = picture.width,
+                                  .height = picture.height,
+                                  .mip_count = mip_count,
+                                  .format = format,
+                                  .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                                           VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+    const auto record = [gpu = uploads.gpu().get(), image = texture.handle(), width = picture.width,
+                         height = picture.height, mip_count](VkCommandBuffer commands, const BufferRange& staged) {
         transition(*gpu, commands,
-                   {.image = texture.handle(), .to = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, .after = kTransferWrite});
+                   {.image = image, .to = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, .after = kTransferWrite});
         VkBufferImageCopy copy{};
+        copy.bufferOffset = staged.offset_bytes;
         copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-        copy.imageExtent = {picture.width, picture.height, 1};
-        gpu->vk.vkCmdCopyBufferToImage(commands, staging.handle(), texture.handle(),
-                                       VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+        copy.imageExtent = {width, height, 1};
+        gpu->vk.vkCmdCopyBufferToImage(commands, staged.buffer, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
 
         const auto corner = [&](uint32_t mip) {
-            return VkOffset3D{static_cast<int32_t>(std::max(picture.width >> mip, 1u)),
-                              static_cast<int32_t>(std::max(picture.height >> mip, 1u)), 1};
+            return VkOffset3D{static_cast<int32_t>(std::max(width >> mip, 1u)),
+                              static_cast<int32_t>(std::max(height >> mip, 1u)), 1};
         };
         const auto written = [&](uint32_t mip, VkImageLayout to, Access after) {
             transition(*gpu, commands,
-                       {.image = texture.handle(),
+                       {.image = image,
                         .first_mip = mip,
                         .mip_count = 1,
                         .from = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
@@ -93,26 +91,26 @@ Image upload_texture(const std::shared_ptr<Gpu>& gpu, std::string_view what, con
             blit.srcOffsets[1] = corner(mip - 1);
             blit.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, mip, 0, 1};
             blit.dstOffsets[1] = corner(mip);
-            gpu->vk.vkCmdBlitImage(commands, texture.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, texture.handle(),
+            gpu->vk.vkCmdBlitImage(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image,
                                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_LINEAR);
         }
         if (mip_count > 1)
             transition(*gpu, commands,
-                       {.image = texture.handle(),
+                       {.image = image,
                         .mip_count = mip_count - 1,
                         .from = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                         .to = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
                         .before = kTransferRead,
                         .after = kFragmentRead});
         written(mip_count - 1, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, kFragmentRead);
-    });
+    };
+    uploads.add(std::as_bytes(std::span(picture.rgba)), record);
     return texture;
 }
 
-std::optional<Image> make_texture(const std::shared_ptr<Gpu>& gpu, const AssetImage& image, VkFormat format,
-                                  TextureAccount& account) {
+std::optional<Image> make_texture(Uploads& uploads, const AssetImage& image, VkFormat format, TextureAccount& account) {
     try {
-        return upload_texture(gpu, "image '" + image.name + "'", decode_image(image, account.room_bytes), format);
+        return upload_texture(uploads, "image '" + image.name + "'", decode_image(image, account.room_bytes), format);
     } catch (const Failure& failure) {
         const ErrorCode code = failure.error.code;
         if (code != ErrorCode::kInvalidFile && code != ErrorCode::kLimit && code != ErrorCode::kOutOfMemory) throw;
@@ -122,7 +120,11 @@ std::optional<Image> make_texture(const std::shared_ptr<Gpu>& gpu, const AssetIm
 }
 
 Image make_white_texture(const std::shared_ptr<Gpu>& gpu) {
-    return upload_texture(gpu, "white texture", {.width = 1, .height = 1, .rgba = {255, 255, 255, 255}}, kColorTexture);
+    Uploads uploads(gpu);
+    Image texture = upload_texture(uploads, "white texture", {.width = 1, .height = 1, .rgba = {255, 255, 255, 255}},
+                                   kColorTexture);
+    uploads.finish();
+    return texture;
 }
 
 }  // namespace throng

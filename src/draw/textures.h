@@ -2,6 +2,7 @@
 #pragma once
 
 #include "draw/image.h"
+#include "gpu/upload.h"
 
 #include <throng/character.h>
 #include <throng/draw.h>
@@ -21,8 +22,8 @@ Picture decode_image(const AssetImage& image, uint64_t& room_bytes);
 
 inline constexpr VkFormat kColorTexture = VK_FORMAT_R8G8B8A8_SRGB, kNumberTexture = VK_FORMAT_R8G8B8A8_UNORM;
 
-// A texture in SHADER_READ_ONLY_OPTIMAL. Submits and waits.
-Image upload_texture(const std::shared_ptr<Gpu>& gpu, std::string_view what, const Picture& picture, VkFormat format);
+// A texture, in SHADER_READ_ONLY_OPTIMAL when the uploads have finished; it must live until then.
+Image upload_texture(Uploads& uploads, std::string_view what, const Picture& picture, VkFormat format);
 
 // What the textures of a crowd share while they are made.
 struct TextureAccount {
@@ -31,9 +32,9 @@ struct TextureAccount {
 };
 
 // The texture of an image; none, with a warning that it is drawn white, where it cannot be decoded or there is no room
-// for it. Submits and waits.
-std::optional<Image> make_texture(const std::shared_ptr<Gpu>& gpu, const AssetImage& image, VkFormat format,
-                                  TextureAccount& account);
+// for it. As upload_texture().
+std::optional<Image> make_texture(Uploads& uploads, const AssetImage& image, VkFormat format, TextureAccount& account);
+// Submits and waits.
 Image make_white_texture(const std::shared_ptr<Gpu>& gpu);
 
 }  // namespace throng

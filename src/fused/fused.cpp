@@ -1,7 +1,7 @@
 #include "fused/fused.h"
 
-#include "fused/fixed_joints.h"
-#include "fused/serial_plan.h"
+#include "scan/fixed_joints.h"
+#include "scan/serial_plan.h"
 #include "scan/scan_shaders.h"
 
 #include <algorithm>
@@ -100,8 +100,7 @@ FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits) {
     return plan;
 }
 
-Buffers upload_fused_tables(const std::shared_ptr<Gpu>& gpu, const Character& character, const FusedRig& rig,
-                            const FusedPlan& plan) {
+Buffers upload_fused_tables(Uploads& uploads, const Character& character, const FusedRig& rig, const FusedPlan& plan) {
     std::vector<std::vector<uint32_t>> entries_of(character.rig.joint_count());
     for (uint32_t entry = 0; entry < character.palette.size(); ++entry)
         entries_of[character.palette[entry].joint].push_back(entry);
@@ -113,11 +112,11 @@ Buffers upload_fused_tables(const std::shared_ptr<Gpu>& gpu, const Character& ch
     std::vector<Affine> sorted;
     for (const uint32_t entry : entries) sorted.push_back(character.palette[entry].joint_from_bind);
     Buffers buffers;
-    buffers[io::kScanLinksBuffer] = upload_table(gpu, character.name + ": scan links", plan.scan.links);
-    buffers[io::kBindRangesBuffer] = upload_table(gpu, character.name + ": palette entries of joints", ranges);
-    buffers[io::kBindEntriesBuffer] = upload_table(gpu, character.name + ": palette entries", entries);
-    buffers[io::kBindsBuffer] = upload_table(gpu, character.name + ": inverse binds by joint", sorted);
-    buffers[io::kAnimatedJointsBuffer] = upload_table(gpu, character.name + ": animated joints", rig.rig_joints);
+    buffers[io::kScanLinksBuffer] = upload_table(uploads, character.name + ": scan links", plan.scan.links);
+    buffers[io::kBindRangesBuffer] = upload_table(uploads, character.name + ": palette entries of joints", ranges);
+    buffers[io::kBindEntriesBuffer] = upload_table(uploads, character.name + ": palette entries", entries);
+    buffers[io::kBindsBuffer] = upload_table(uploads, character.name + ": inverse binds by joint", sorted);
+    buffers[io::kAnimatedJointsBuffer] = upload_table(uploads, character.name + ": animated joints", rig.rig_joints);
     return buffers;
 }
 

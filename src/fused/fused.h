@@ -3,6 +3,7 @@
 
 #include "fused/fused_io.h"
 #include "gpu/kernel.h"
+#include "gpu/upload.h"
 #include "scan/scan.h"
 
 #include <throng/character.h>
@@ -29,7 +30,7 @@ struct FusedRig {
 
     ScanRig rig;
     std::vector<uint32_t> rig_joints;  // [joint_count], the character's
-    std::vector<bool> fixed;           // [joint_count], fused/fixed_joints.h
+    std::vector<bool> fixed;           // [joint_count], scan/fixed_joints.h
     uint32_t palette_count = 0;
     uint32_t most_binds = 0;  // palette entries of one joint
 };
@@ -50,8 +51,7 @@ FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits);
 
 // What the kernel reads of a character beside its clips: kScanLinksBuffer of the plan, kBindRangesBuffer,
 // kBindEntriesBuffer, kBindsBuffer and kAnimatedJointsBuffer of the rig's joints.
-Buffers upload_fused_tables(const std::shared_ptr<Gpu>& gpu, const Character& character, const FusedRig& rig,
-                            const FusedPlan& plan);
+Buffers upload_fused_tables(Uploads& uploads, const Character& character, const FusedRig& rig, const FusedPlan& plan);
 
 Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, const FusedSettings& settings);
 

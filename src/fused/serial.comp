@@ -1,7 +1,7 @@
 #version 460
 // serial, fused: one invocation a character samples, blends, multiplies and binds its joints in one walk.
-// Source: scan/serial.comp. Difference: a parent is not read back; the walk is that of scan/pieces.h with a single
-// piece, largest subtree
+// Source: scan/methods/serial.comp. Difference: a parent is not read back; the walk is that of scan/pieces.h with a
+// single piece, largest subtree
 //   last, which keeps the few parents with a child still to come in slots. Its segments each have joints whose
 //   translation and scale stand still first, then the others: a software device cannot skip a branch, only leave a
 //   loop.

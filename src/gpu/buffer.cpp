@@ -3,12 +3,11 @@
 #include "base/failure.h"
 #include "gpu/barrier.h"
 
-#include <utility>
+#include <algorithm>
+#include <cstring>
 
 namespace throng {
-namespace {
 
-// How shaders read a table (gpu/table.glsl): a software device as texels alone, since its storage buffers are smaller.
 VkBufferUsageFlags table_usage(const Gpu& gpu, std::string_view what, uint64_t size_bytes, uint32_t texel_bytes) {
     if (!gpu.prefers_wide_words()) return VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
     const uint64_t count = size_bytes / texel_bytes, limit = gpu.properties.limits.maxTexelBufferElements;
@@ -19,11 +18,8 @@ VkBufferUsageFlags table_usage(const Gpu& gpu, std::string_view what, uint64_t s
     return VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
 }
 
-}  // namespace
-
 Buffer::Buffer(std::shared_ptr<Gpu> gpu, std::string_view what, VkDeviceSize size_bytes, VkBufferUsageFlags usage,
-               MemoryKind kind)
-    : gpu_(std::move(gpu)), size_bytes_(size_bytes) {
+               MemoryKind kind) {
     const auto refuse_over = [&](uint64_t limit, const char* name) {
         if (size_bytes <= limit) return;
         throw Failure(
@@ -31,79 +27,46 @@ Buffer::Buffer(std::shared_ptr<Gpu> gpu, std::string_view what, VkDeviceSize siz
             std::to_string(size_bytes) + " bytes exceed the device's " + name + " of " + std::to_string(limit));
     };
     if (usage & VK_BUFFER_USAGE_STORAGE_BUFFER_BIT)
-        refuse_over(gpu_->properties.limits.maxStorageBufferRange, "storage-buffer range");
-    refuse_over(gpu_->max_allocation_bytes, "largest allocation");
-
-    VkBufferCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
-    create.size = size_bytes;
-    create.usage = usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-    create.sharingMode = VK_SHARING_MODE_EXCLUSIVE;
+        refuse_over(gpu->properties.limits.maxStorageBufferRange, "storage-buffer range");
+    refuse_over(gpu->max_allocation_bytes, "largest allocation");
+    const auto content = std::make_shared<Content>(std::move(gpu));
     try {
-        check(gpu_->vk.vkCreateBuffer(gpu_->device, &create, nullptr, &buffer_), "vkCreateBuffer");
-        VkMemoryRequirements needs{};
-        gpu_->vk.vkGetBufferMemoryRequirements(gpu_->device, buffer_, &needs);
-        constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
-                                                VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-        VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-        allocate.allocationSize = needs.size;
-        allocate.memoryTypeIndex = kind == MemoryKind::kDevice
-                                       ? gpu_->memory_type(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)
-                                   : kind == MemoryKind::kReadback
-                                       ? gpu_->memory_type(needs.memoryTypeBits, kHost,
-                                                           VK_MEMORY_PROPERTY_HOST_CACHED_BIT)
-                                       : gpu_->memory_type(needs.memoryTypeBits, kHost, 0);
-        check(gpu_->vk.vkAllocateMemory(gpu_->device, &allocate, nullptr, &memory_), "vkAllocateMemory");
-        check(gpu_->vk.vkBindBufferMemory(gpu_->device, buffer_, memory_, 0), "vkBindBufferMemory");
-        if (kind != MemoryKind::kDevice) {
-            void* pointer = nullptr;
-            check(gpu_->vk.vkMapMemory(gpu_->device, memory_, 0, VK_WHOLE_SIZE, 0, &pointer), "vkMapMemory");
-            mapped_ = static_cast<std::byte*>(pointer);
-        }
-    } catch (Failure& failure) {
-        destroy();
+        content->create(size_bytes, usage, kind);
+    } catch (const Failure& failure) {
         throw Failure(failure.error.code, std::string(what) + " (" + std::to_string(size_bytes) + " bytes)",
                       failure.error.message);
     }
+    content->gpu->name(VK_OBJECT_TYPE_BUFFER, content->buffer, what);
+    content_ = content;
 }
 
-Buffer::~Buffer() { destroy(); }
-
-void Buffer::destroy() noexcept {
-    if (!gpu_) return;
-    gpu_->vk.vkDestroyBuffer(gpu_->device, buffer_, nullptr);
-    gpu_->vk.vkFreeMemory(gpu_->device, memory_, nullptr);
-    gpu_.reset();
+void Buffer::Content::create(VkDeviceSize size, VkBufferUsageFlags usage, MemoryKind kind) {
+    VkBufferCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+    create.size = size;
+    create.usage = usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+    create.sharingMode = VK_SHARING_MODE_EXCLUSIVE;
+    check(gpu->vk.vkCreateBuffer(gpu->device, &create, nullptr, &buffer), "vkCreateBuffer");
+    size_bytes = size;
+    VkMemoryRequirements needs{};
+    gpu->vk.vkGetBufferMemoryRequirements(gpu->device, buffer, &needs);
+    constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    const VkMemoryPropertyFlags required = kind == MemoryKind::kDevice ? 0 : kHost;
+    const VkMemoryPropertyFlags preferred = kind == MemoryKind::kDevice     ? VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT
+                                            : kind == MemoryKind::kReadback ? VK_MEMORY_PROPERTY_HOST_CACHED_BIT
+                                                                            : 0;
+    // What is mapped lies as a mapping of its own would, so that the CPU may read it as any type.
+    constexpr VkDeviceSize kMapped = 64;  // the least that minMemoryMapAlignment may be
+    const VkDeviceSize alignment = kind == MemoryKind::kDevice ? needs.alignment : std::max(needs.alignment, kMapped);
+    memory = gpu->memory.take(gpu->memory_type(needs.memoryTypeBits, required, preferred), needs.size, alignment);
+    if (kind != MemoryKind::kDevice && !memory.mapped)
+        throw Failure(ErrorCode::kOutOfMemory, "vkMapMemory", "memory for the CPU cannot be mapped");
+    check(gpu->vk.vkBindBufferMemory(gpu->device, buffer, memory.memory, memory.offset_bytes), "vkBindBufferMemory");
+    if (kind != MemoryKind::kDevice) mapped = memory.mapped;
 }
 
-void Buffer::swap(Buffer& other) noexcept {
-    std::swap(gpu_, other.gpu_);
-    std::swap(buffer_, other.buffer_);
-    std::swap(memory_, other.memory_);
-    std::swap(size_bytes_, other.size_bytes_);
-    std::swap(mapped_, other.mapped_);
-    std::swap(texel_bytes_, other.texel_bytes_);
-}
-
-Buffer upload_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data,
-                    VkBufferUsageFlags usage) {
-    constexpr VkDeviceSize kSmallest_bytes = 16;
-    Buffer buffer(gpu, what, std::max<VkDeviceSize>(data.size(), kSmallest_bytes), usage);
-    Buffer staging(gpu, what, buffer.size_bytes(), 0, MemoryKind::kUpload);
-    std::memset(staging.mapped(), 0, buffer.size_bytes());
-    if (!data.empty()) std::memcpy(staging.mapped(), data.data(), data.size());
-    gpu->submit_and_wait([&](VkCommandBuffer commands) {
-        const VkBufferCopy copy{0, 0, buffer.size_bytes()};
-        gpu->vk.vkCmdCopyBuffer(commands, staging.handle(), buffer.handle(), 1, &copy);
-    });
-    return buffer;
-}
-
-Buffer upload_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data,
-                          uint32_t texel_bytes, VkBufferUsageFlags more_usage) {
-    const VkBufferUsageFlags usage = table_usage(*gpu, what, data.size(), texel_bytes) | more_usage;
-    Buffer table = upload_bytes(gpu, what, data, usage);
-    if (usage & VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT) table.allow_texels(texel_bytes);
-    return table;
+Buffer::Content::~Content() {
+    gpu->vk.vkDestroyBuffer(gpu->device, buffer, nullptr);
+    if (memory.block) gpu->memory.give_back(memory);
 }
 
 Buffer make_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, uint64_t size_bytes,

@@ -1,10 +1,11 @@
-// A buffer with memory of its own.
+// Buffers, and what is recorded of them.
 #pragma once
 
 #include "gpu/gpu.h"
 
 #include <cstddef>
 #include <cstring>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,37 +22,40 @@ enum class MemoryKind {
 class Buffer {
 public:
     Buffer() = default;
-    // `what` names the content in messages. Throws kLimit where a storage buffer exceeds the device's range or
-    // allocation size.
+    // `what` names the content in messages, those of the validation layer too. Throws kLimit where a storage buffer
+    // exceeds the device's range or allocation size.
     Buffer(std::shared_ptr<Gpu> gpu, std::string_view what, VkDeviceSize size_bytes, VkBufferUsageFlags usage,
            MemoryKind kind = MemoryKind::kDevice);
-    ~Buffer();
-    Buffer(Buffer&& other) noexcept { swap(other); }
-    Buffer& operator=(Buffer&& other) noexcept {
-        swap(other);
-        return *this;
-    }
+    Buffer(Buffer&&) noexcept = default;
+    Buffer& operator=(Buffer&&) noexcept = default;
 
-    VkBuffer handle() const { return buffer_; }
+    VkBuffer handle() const { return content_ ? content_->buffer : VK_NULL_HANDLE; }
     // This buffer where there is one, else another: a binding that a kernel does not use must have some.
-    const Buffer& or_else(const Buffer& other) const { return buffer_ ? *this : other; }
-    VkDeviceSize size_bytes() const { return size_bytes_; }
-    std::byte* mapped() const { return mapped_; }
+    const Buffer& or_else(const Buffer& other) const { return content_ ? *this : other; }
+    VkDeviceSize size_bytes() const { return content_ ? content_->size_bytes : 0; }
+    std::byte* mapped() const { return content_ ? content_->mapped : nullptr; }
     // 4 or 16: a kernel may read the buffer as texels of one or four components; 0: only as a storage buffer.
-    uint32_t texel_bytes() const { return texel_bytes_; }
+    uint32_t texel_bytes() const { return content_ ? content_->texel_bytes : 0; }
     // Its usage has VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT
-    void allow_texels(uint32_t texel_bytes) { texel_bytes_ = texel_bytes; }
+    void allow_texels(uint32_t texel_bytes) { content_->texel_bytes = texel_bytes; }
+    // As long as this lives, so does the VkBuffer.
+    std::shared_ptr<const void> keep_alive() const { return content_; }
 
 private:
-    void swap(Buffer& other) noexcept;
-    void destroy() noexcept;
+    struct Content {
+        explicit Content(std::shared_ptr<Gpu> of) : gpu(std::move(of)) {}
+        ~Content();
+        Content(const Content&) = delete;
+        void create(VkDeviceSize size, VkBufferUsageFlags usage, MemoryKind kind);
 
-    std::shared_ptr<Gpu> gpu_;
-    VkBuffer buffer_ = VK_NULL_HANDLE;
-    VkDeviceMemory memory_ = VK_NULL_HANDLE;
-    VkDeviceSize size_bytes_ = 0;
-    std::byte* mapped_ = nullptr;
-    uint32_t texel_bytes_ = 0;
+        std::shared_ptr<Gpu> gpu;
+        VkBuffer buffer = VK_NULL_HANDLE;
+        MemoryPart memory;
+        VkDeviceSize size_bytes = 0;
+        std::byte* mapped = nullptr;
+        uint32_t texel_bytes = 0;
+    };
+    std::shared_ptr<Content> content_;
 };
 
 // Part of a buffer, as a descriptor takes it.
@@ -68,30 +72,8 @@ struct BufferRange {
         : buffer(handle), offset_bytes(offset), size_bytes(size) {}
 };
 
-// A device buffer that holds `data`; empty data gives a buffer of 16 zero bytes, since Vulkan has no empty ones.
-// Submits and waits.
-Buffer upload_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data,
-                    VkBufferUsageFlags usage);
-
-template <class T>
-Buffer upload(const std::shared_ptr<Gpu>& gpu, std::string_view what, const std::vector<T>& data,
-              VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT) {
-    return upload_bytes(gpu, what, std::as_bytes(std::span(data)), usage);
-}
-
-// Structures as the words of a table.
-template <class T>
-std::vector<uint32_t> as_words(const std::vector<T>& items) {
-    static_assert(sizeof(T) % sizeof(uint32_t) == 0 && std::is_trivially_copyable_v<T>);
-    std::vector<uint32_t> words(items.size() * sizeof(T) / sizeof(uint32_t));
-    if (!items.empty()) std::memcpy(words.data(), items.data(), words.size() * sizeof(uint32_t));
-    return words;
-}
-
-// Tables that shaders declare by gpu/table.glsl, of words (4 bytes) or rows of four (16). They throw kLimit where the
-// device cannot read so many.
-Buffer upload_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, std::span<const std::byte> data,
-                          uint32_t texel_bytes, VkBufferUsageFlags more_usage = 0);
+// A table that kernels write, as a storage buffer, and later ones read by gpu/table.glsl, in words (4 bytes) or rows of
+// four (16). Its contents are undefined. Throws kLimit where the device cannot read so many.
 Buffer make_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, uint64_t size_bytes,
                         uint32_t texel_bytes);
 
@@ -101,25 +83,14 @@ constexpr uint32_t texel_bytes_of() {
     return sizeof(T) == 4 ? 4 : 16;
 }
 
-// Only shaders that declare it by gpu/table.glsl may read it: on a software device it is no storage buffer.
-template <class T>
-Buffer upload_table(const std::shared_ptr<Gpu>& gpu, std::string_view what, const std::vector<T>& data) {
-    return upload_table_bytes(gpu, what, std::as_bytes(std::span(data)), texel_bytes_of<T>());
-}
-
-// A table of `count` elements that a kernel writes, as a storage buffer, and later ones read. Its contents are
-// undefined.
+// The same of `count` elements.
 template <class T>
 Buffer make_table(const std::shared_ptr<Gpu>& gpu, std::string_view what, uint64_t count) {
     return make_table_bytes(gpu, what, count * sizeof(T), texel_bytes_of<T>());
 }
 
-// A table with contents, of words, that kernels also write.
-inline Buffer upload_writable_table(const std::shared_ptr<Gpu>& gpu, std::string_view what,
-                                    const std::vector<uint32_t>& words) {
-    return upload_table_bytes(gpu, what, std::as_bytes(std::span(words)), sizeof(uint32_t),
-                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-}
+// How shaders read a table (gpu/table.glsl): a software device as texels alone, since its storage buffers are smaller.
+VkBufferUsageFlags table_usage(const Gpu& gpu, std::string_view what, uint64_t size_bytes, uint32_t texel_bytes);
 
 // The data travels inside the command buffer, so that no staging memory has to outlive the call; offset and size are
 // multiples of four bytes.

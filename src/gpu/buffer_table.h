@@ -1,4 +1,4 @@
-// Buffers by their numbers (gpu/buffers_io.h): those that a part of a crowd owns, and those that a kernel is bound to.
+// Buffers by their numbers (docs/buffers.md): those that a part of a crowd owns, and those that a kernel is bound to.
 #pragma once
 
 #include "gpu/buffer.h"
@@ -9,16 +9,7 @@
 
 namespace throng {
 
-// A row of docs/architecture.md's table of buffers.
-struct BufferInfo {
-    uint32_t number = 0;
-    std::string_view name;
-    std::string_view shape;  // I instances of a batch, J joints, P palette entries, C clips
-    std::string_view element;
-    std::string_view content;  // space and unit, or what it says
-    std::string_view writer, reader;
-};
-std::span<const BufferInfo> buffer_infos();
+// As docs/buffers.md has it, for messages.
 std::string_view name_of_buffer(uint32_t number);
 
 // The buffers of a group, a batch or a crowd: those that it has.

@@ -1,6 +1,7 @@
 #include "gpu/gpu.h"
 
 #include "base/failure.h"
+#include "gpu/pipeline_cache.h"
 
 #include <algorithm>
 #include <array>
@@ -156,6 +157,8 @@ struct ListingInstance {
 
 }  // namespace
 
+Gpu::Gpu(size_t kept_kernels) : kernels(kept_kernels) {}
+
 std::vector<DeviceInfo> Gpu::list() {
     const std::lock_guard lock(instance_level_mutex());
     load_vulkan();
@@ -167,7 +170,8 @@ std::vector<DeviceInfo> Gpu::list() {
 }
 
 std::shared_ptr<Gpu> Gpu::create(const DeviceSettings& settings) {
-    std::shared_ptr<Gpu> gpu(new Gpu);  // before the lock: where something below throws, its destructor takes the lock
+    // Before the lock: where something below throws, its destructor takes the lock
+    std::shared_ptr<Gpu> gpu(new Gpu(SharedKernels::kKept));
     const std::lock_guard lock(instance_level_mutex());
     load_vulkan();
     gpu->create_instance(settings.validation);
@@ -179,7 +183,8 @@ std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
     if (!adopted.instance || !adopted.physical_device || !adopted.device || !adopted.queue)
         throw Failure(ErrorCode::kInvalidArgument, "adopted device",
                       "instance, physical device, device and queue are all needed");
-    std::shared_ptr<Gpu> gpu(new Gpu);  // before the lock, as in create()
+    // Before the lock, as in create(). Nothing of it may outlive the crowds: the application's device may not.
+    std::shared_ptr<Gpu> gpu(new Gpu(0));
     const std::lock_guard lock(instance_level_mutex());
     load_vulkan();
     volkLoadInstanceOnly(adopted.instance);
@@ -196,6 +201,7 @@ std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
         throw Failure(ErrorCode::kInvalidArgument, "adopted device",
                       "queue family " + std::to_string(adopted.queue_family) + " has no compute");
     volkLoadDeviceTable(&gpu->vk, gpu->device);
+    gpu->adopted_cache_ = adopted.pipeline_cache;
     return gpu;
 }
 
@@ -240,6 +246,7 @@ void Gpu::create_instance(Validation validation) {
     check(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_),
           "vkCreateDebugUtilsMessengerEXT");
     destroy_messenger_ = vkDestroyDebugUtilsMessengerEXT;
+    set_name_ = vkSetDebugUtilsObjectNameEXT;
 }
 
 void Gpu::create_device(const DeviceSettings& settings) {
@@ -280,6 +287,9 @@ void Gpu::create_device(const DeviceSettings& settings) {
     owns_device_ = true;
     volkLoadDeviceTable(&vk, device);
     vk.vkGetDeviceQueue(device, queue_family, 0, &queue);
+    if (!settings.pipeline_cache) return;
+    if (const std::filesystem::path file = pipeline_cache_file(properties); !file.empty())
+        own_cache_ = std::make_unique<PipelineCache>(*this, file);
 }
 
 void Gpu::read_properties(VkPhysicalDevice physical) {
@@ -306,6 +316,8 @@ void Gpu::read_properties(VkPhysicalDevice physical) {
 }
 
 Gpu::~Gpu() {
+    kernels.clear();
+    own_cache_.reset();
     const std::lock_guard lock(instance_level_mutex());
     if (owns_device_) {
         vk.vkDeviceWaitIdle(device);
@@ -351,8 +363,47 @@ void Gpu::submit_and_wait(const std::function<void(VkCommandBuffer)>& body) cons
     submit.commandBufferInfoCount = 1;
     submit.pCommandBufferInfos = &command_submit;
     check(vk.vkQueueSubmit2(queue, 1, &submit, shot.fence), "vkQueueSubmit2");
+    ++counts.submissions;
     // No timeout: a frame of a software device may take minutes, and a driver reports a device that hangs as lost.
     check(vk.vkWaitForFences(device, 1, &shot.fence, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+}
+
+VkPipelineCache Gpu::pipeline_cache() const { return own_cache_ ? own_cache_->handle() : adopted_cache_; }
+
+VkPipeline Gpu::make_pipeline(const VkComputePipelineCreateInfo& create) const {
+    return make_pipeline(create, 1, vk.vkCreateComputePipelines, "vkCreateComputePipelines");
+}
+
+VkPipeline Gpu::make_pipeline(const VkGraphicsPipelineCreateInfo& create) const {
+    return make_pipeline(create, create.stageCount, vk.vkCreateGraphicsPipelines, "vkCreateGraphicsPipelines");
+}
+
+template <class Info, class Create>
+VkPipeline Gpu::make_pipeline(Info create, uint32_t stage_count, Create function, const char* call) const {
+    VkPipelineCreationFeedback whole{};
+    std::vector<VkPipelineCreationFeedback> stages(stage_count);
+    VkPipelineCreationFeedbackCreateInfo feedback{VK_STRUCTURE_TYPE_PIPELINE_CREATION_FEEDBACK_CREATE_INFO,
+                                                  create.pNext};
+    feedback.pPipelineCreationFeedback = &whole;
+    feedback.pipelineStageCreationFeedbackCount = stage_count;
+    feedback.pPipelineStageCreationFeedbacks = stages.data();
+    create.pNext = &feedback;
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    check(function(device, pipeline_cache(), 1, &create, nullptr, &pipeline), call);
+    ++counts.pipelines;
+    constexpr VkPipelineCreationFeedbackFlags kHit = VK_PIPELINE_CREATION_FEEDBACK_VALID_BIT |
+                                                     VK_PIPELINE_CREATION_FEEDBACK_APPLICATION_PIPELINE_CACHE_HIT_BIT;
+    if ((whole.flags & kHit) == kHit) ++counts.cached_pipelines;
+    return pipeline;
+}
+
+void Gpu::set_name(VkObjectType type, uint64_t handle, std::string_view what) const {
+    const std::string text(what);
+    VkDebugUtilsObjectNameInfoEXT name_info{VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT};
+    name_info.objectType = type;
+    name_info.objectHandle = handle;
+    name_info.pObjectName = text.c_str();
+    check(set_name_(device, &name_info), "vkSetDebugUtilsObjectNameEXT");
 }
 
 uint32_t Gpu::memory_type(uint32_t type_bits, VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) const {

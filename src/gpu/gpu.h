@@ -1,6 +1,8 @@
 // The device as throng's own code sees it: handles, limits, its function table, and one-shot submission.
 #pragma once
 
+#include "gpu/memory.h"
+#include "gpu/shared_kernels.h"
 #include "gpu/vulkan.h"
 
 #include <throng/device.h>
@@ -9,8 +11,19 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <string_view>
 
 namespace throng {
+
+class PipelineCache;
+
+// How often the driver was asked for something, for tests and measurements.
+struct GpuCounts {
+    std::atomic<uint64_t> allocations{0};       // of memory for buffers
+    std::atomic<uint64_t> submissions{0};       // that throng waits for
+    std::atomic<uint64_t> pipelines{0};         // made, of any kind
+    std::atomic<uint64_t> cached_pipelines{0};  // of these, without compiling: says the driver
+};
 
 class Gpu {
 public:
@@ -23,6 +36,16 @@ public:
 
     // Records `body` into a fresh command buffer, submits it to the queue and waits for it.
     void submit_and_wait(const std::function<void(VkCommandBuffer)>& body) const;
+
+    // With the device's pipeline cache, where it has one.
+    VkPipeline make_pipeline(const VkComputePipelineCreateInfo& create) const;
+    VkPipeline make_pipeline(const VkGraphicsPipelineCreateInfo& create) const;
+
+    // For messages of the validation layer; nothing where it is off.
+    template <class Handle>
+    void name(VkObjectType type, Handle handle, std::string_view what) const {
+        if (set_name_) set_name(type, reinterpret_cast<uint64_t>(handle), what);
+    }
 
     // Index of a memory type among `type_bits` with all `required` properties and, where there is one, the `preferred`
     // too.
@@ -52,17 +75,28 @@ public:
     bool has_int64 = false;           // 64-bit integers, enabled
     bool has_full_subgroups = false;  // a pipeline can ask for subgroups without idle invocations; enabled
     uint32_t validation_message_count() const { return validation_messages_; }
+    VkPipelineCache pipeline_cache() const;
+
+    MemoryBlocks memory{*this};
+    SharedKernels kernels;
+    mutable GpuCounts counts;
 
 private:
-    Gpu() = default;
+    explicit Gpu(size_t kept_kernels);
     void create_instance(Validation validation);
     void create_device(const DeviceSettings& settings);
     void read_properties(VkPhysicalDevice physical);
+    void set_name(VkObjectType type, uint64_t handle, std::string_view what) const;
+    template <class Info, class Create>
+    VkPipeline make_pipeline(Info create, uint32_t stage_count, Create function, const char* call) const;
 
     VkInstance instance_ = VK_NULL_HANDLE;  // null where adopted
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
     // Null in instances without the extension: volk's may be another's
     PFN_vkDestroyDebugUtilsMessengerEXT destroy_messenger_ = nullptr;
+    PFN_vkSetDebugUtilsObjectNameEXT set_name_ = nullptr;
+    std::unique_ptr<PipelineCache> own_cache_;
+    VkPipelineCache adopted_cache_ = VK_NULL_HANDLE;
     bool owns_device_ = false;
     std::atomic<uint32_t> validation_messages_{0};
 };

@@ -13,6 +13,13 @@ VkDescriptorType descriptor_type(BindingKind kind) {
     return kind == BindingKind::kStorage ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
 }
 
+// Only needed while a pipeline is made.
+struct OwnedModule {
+    const Gpu& gpu;
+    VkShaderModule module;
+    ~OwnedModule() { gpu.vk.vkDestroyShaderModule(gpu.device, module, nullptr); }
+};
+
 }  // namespace
 
 Bindings::Bindings(std::shared_ptr<Gpu> gpu, VkDescriptorSetLayout layout, std::string_view what,
@@ -98,19 +105,31 @@ void Bindings::swap(Bindings& other) noexcept {
     std::swap(set_, other.set_);
 }
 
-Kernel::Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings)
-    : gpu_(std::move(gpu)), name_(settings.name), info_(read_spirv(settings.spirv)) {
-    workgroup_size_ = settings.workgroup_size != 0 ? settings.workgroup_size : info_.local_size_x;
-    if (info_.local_size_is_specialized != (settings.workgroup_size != 0))
-        throw Failure(ErrorCode::kInvalidArgument, name_,
-                      "the workgroup size must be given exactly where the shader leaves it open");
-    const auto storage_buffers = std::count_if(
-        info_.bindings.begin(), info_.bindings.end(),
-        [](const BindingInfo& binding) { return binding.kind == BindingKind::kStorage; });
-    if (const uint32_t limit = gpu_->properties.limits.maxPerStageDescriptorStorageBuffers; storage_buffers > limit)
-        throw Failure(ErrorCode::kLimit, name_,
-                      std::to_string(storage_buffers) + " storage buffers exceed the device's " +
-                          std::to_string(limit) + " (maxPerStageDescriptorStorageBuffers)");
+// What kernels share. Does not keep the device: the device keeps it.
+struct CompiledKernel {
+    CompiledKernel(const Gpu& gpu, const KernelSettings& settings);
+    ~CompiledKernel();
+    CompiledKernel(const CompiledKernel&) = delete;
+
+    const Gpu& gpu;
+    SpirvInfo info;
+    uint32_t workgroup_size = 0;
+    VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    VkPipeline pipeline = VK_NULL_HANDLE;
+
+    // Throws where the device or the shader does not allow the settings.
+    void check_settings(const KernelSettings& settings) const;
+
+private:
+    void create(const KernelSettings& settings);
+    void destroy() noexcept;
+};
+
+CompiledKernel::CompiledKernel(const Gpu& gpu_in, const KernelSettings& settings)
+    : gpu(gpu_in), info(read_spirv(settings.spirv)) {
+    workgroup_size = settings.workgroup_size != 0 ? settings.workgroup_size : info.local_size_x;
+    check_settings(settings);
     try {
         create(settings);
     } catch (...) {
@@ -119,25 +138,47 @@ Kernel::Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings)
     }
 }
 
-void Kernel::create(const KernelSettings& settings) {
+CompiledKernel::~CompiledKernel() { destroy(); }
+
+void CompiledKernel::destroy() noexcept {
+    gpu.vk.vkDestroyPipeline(gpu.device, pipeline, nullptr);
+    gpu.vk.vkDestroyPipelineLayout(gpu.device, layout, nullptr);
+    gpu.vk.vkDestroyDescriptorSetLayout(gpu.device, set_layout, nullptr);
+}
+
+void CompiledKernel::check_settings(const KernelSettings& settings) const {
+    const std::string place(settings.name);
+    if (info.local_size_is_specialized != (settings.workgroup_size != 0))
+        throw Failure(ErrorCode::kInvalidArgument, place,
+                      "the workgroup size must be given exactly where the shader leaves it open");
+    const auto storage_buffers = std::count_if(
+        info.bindings.begin(), info.bindings.end(),
+        [](const BindingInfo& binding) { return binding.kind == BindingKind::kStorage; });
+    if (const uint32_t limit = gpu.properties.limits.maxPerStageDescriptorStorageBuffers; storage_buffers > limit)
+        throw Failure(ErrorCode::kLimit, place,
+                      std::to_string(storage_buffers) + " storage buffers exceed the device's " +
+                          std::to_string(limit) + " (maxPerStageDescriptorStorageBuffers)");
+}
+
+void CompiledKernel::create(const KernelSettings& settings) {
     std::vector<VkDescriptorSetLayoutBinding> bindings;
-    for (const BindingInfo& binding : info_.bindings)
+    for (const BindingInfo& binding : info.bindings)
         bindings.push_back({binding.binding, descriptor_type(binding.kind), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
     VkDescriptorSetLayoutCreateInfo set_create{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     set_create.bindingCount = static_cast<uint32_t>(bindings.size());
     set_create.pBindings = bindings.data();
-    check(gpu_->vk.vkCreateDescriptorSetLayout(gpu_->device, &set_create, nullptr, &set_layout_),
+    check(gpu.vk.vkCreateDescriptorSetLayout(gpu.device, &set_create, nullptr, &set_layout),
           "vkCreateDescriptorSetLayout");
 
-    const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, info_.push_constant_bytes};
+    const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, info.push_constant_bytes};
     VkPipelineLayoutCreateInfo layout_create{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
     layout_create.setLayoutCount = 1;
-    layout_create.pSetLayouts = &set_layout_;
+    layout_create.pSetLayouts = &set_layout;
     layout_create.pushConstantRangeCount = 1;
     layout_create.pPushConstantRanges = &push;
-    check(gpu_->vk.vkCreatePipelineLayout(gpu_->device, &layout_create, nullptr, &layout_), "vkCreatePipelineLayout");
+    check(gpu.vk.vkCreatePipelineLayout(gpu.device, &layout_create, nullptr, &layout), "vkCreatePipelineLayout");
 
-    std::vector<uint32_t> values{workgroup_size_};
+    std::vector<uint32_t> values{workgroup_size};
     values.insert(values.end(), settings.constants.begin(), settings.constants.end());
     std::vector<VkSpecializationMapEntry> entries;
     for (uint32_t id = 0; id < values.size(); ++id) entries.push_back({id, id * 4, 4});
@@ -151,40 +192,51 @@ void Kernel::create(const KernelSettings& settings) {
     module_create.codeSize = settings.spirv.size_bytes();
     module_create.pCode = settings.spirv.data();
     VkShaderModule module = VK_NULL_HANDLE;
-    check(gpu_->vk.vkCreateShaderModule(gpu_->device, &module_create, nullptr, &module), "vkCreateShaderModule");
+    check(gpu.vk.vkCreateShaderModule(gpu.device, &module_create, nullptr, &module), "vkCreateShaderModule");
+    const OwnedModule owned{gpu, module};
     VkComputePipelineCreateInfo create{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
-    create.layout = layout_;
+    create.layout = layout;
     create.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
     create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
     create.stage.module = module;
     create.stage.pName = "main";
-    if (settings.full_subgroups && gpu_->has_full_subgroups && workgroup_size_ % gpu_->largest_subgroup == 0)
+    if (settings.full_subgroups && gpu.has_full_subgroups && workgroup_size % gpu.largest_subgroup == 0)
         create.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
     create.stage.pSpecializationInfo = &specialization;
-    const VkResult result = gpu_->vk.vkCreateComputePipelines(gpu_->device, VK_NULL_HANDLE, 1, &create, nullptr,
-                                                              &pipeline_);
-    gpu_->vk.vkDestroyShaderModule(gpu_->device, module, nullptr);
-    check(result, "vkCreateComputePipelines");
+    pipeline = gpu.make_pipeline(create);
 }
 
-Kernel::~Kernel() { destroy(); }
+namespace {
 
-void Kernel::destroy() noexcept {
-    if (!gpu_) return;
-    gpu_->vk.vkDestroyPipeline(gpu_->device, pipeline_, nullptr);
-    gpu_->vk.vkDestroyPipelineLayout(gpu_->device, layout_, nullptr);
-    gpu_->vk.vkDestroyDescriptorSetLayout(gpu_->device, set_layout_, nullptr);
-    gpu_.reset();
+SharedKernels::Key key_of(const KernelSettings& settings) {
+    SharedKernels::Key key{static_cast<uint32_t>(settings.spirv.size()), settings.workgroup_size,
+                           settings.full_subgroups};
+    key.insert(key.end(), settings.spirv.begin(), settings.spirv.end());
+    key.insert(key.end(), settings.constants.begin(), settings.constants.end());
+    return key;
+}
+
+}  // namespace
+
+Kernel::Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings) : gpu_(std::move(gpu)), name_(settings.name) {
+    SharedKernels::Key key = key_of(settings);
+    compiled_ = gpu_->kernels.find(key);
+    if (compiled_)
+        compiled_->check_settings(settings);  // tests lower limits of a device that has the pipeline
+    else
+        compiled_ = gpu_->kernels.add(std::move(key), std::make_shared<const CompiledKernel>(*gpu_, settings));
+    workgroup_size_ = compiled_->workgroup_size;
 }
 
 void Kernel::swap(Kernel& other) noexcept {
     std::swap(gpu_, other.gpu_);
     std::swap(name_, other.name_);
-    std::swap(info_, other.info_);
+    std::swap(compiled_, other.compiled_);
     std::swap(workgroup_size_, other.workgroup_size_);
-    std::swap(set_layout_, other.set_layout_);
-    std::swap(layout_, other.layout_);
-    std::swap(pipeline_, other.pipeline_);
+}
+
+Bindings Kernel::bind(const BufferTable& buffers) const {
+    return Bindings(gpu_, compiled_->set_layout, name_, compiled_->info.bindings, buffers);
 }
 
 void Kernel::dispatch(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes,
@@ -198,15 +250,16 @@ void Kernel::dispatch(VkCommandBuffer commands, const Bindings& bindings, const 
 }
 
 void Kernel::prepare(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes) const {
-    if (push_bytes != info_.push_constant_bytes)
+    if (push_bytes != compiled_->info.push_constant_bytes)
         throw Failure(ErrorCode::kInvalidArgument, name_,
-                      "the push constants have " + std::to_string(info_.push_constant_bytes) + " bytes, not " +
-                          std::to_string(push_bytes));
+                      "the push constants have " + std::to_string(compiled_->info.push_constant_bytes) +
+                          " bytes, not " + std::to_string(push_bytes));
     const VkDescriptorSet set = bindings.set();
-    gpu_->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_);
-    gpu_->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_, 0, 1, &set, 0, nullptr);
-    gpu_->vk.vkCmdPushConstants(commands, layout_, VK_SHADER_STAGE_COMPUTE_BIT, 0, static_cast<uint32_t>(push_bytes),
-                                push);
+    gpu_->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, compiled_->pipeline);
+    gpu_->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, compiled_->layout, 0, 1, &set, 0,
+                                     nullptr);
+    gpu_->vk.vkCmdPushConstants(commands, compiled_->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                                static_cast<uint32_t>(push_bytes), push);
 }
 
 }  // namespace throng

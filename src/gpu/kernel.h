@@ -9,6 +9,8 @@
 
 namespace throng {
 
+struct CompiledKernel;
+
 // Buffers bound to a kernel: those of a table that the shader uses. Movable; outlives its recorded
 // commands.
 class Bindings {
@@ -46,11 +48,11 @@ struct KernelSettings {
     bool full_subgroups = false;           // no idle invocations in them, where the device can promise it
 };
 
+// A handle: kernels of one device that are made of the same share one pipeline (gpu/shared_kernels.h).
 class Kernel {
 public:
     Kernel() = default;
     Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings);
-    ~Kernel();
     Kernel(Kernel&& other) noexcept { swap(other); }
     Kernel& operator=(Kernel&& other) noexcept {
         swap(other);
@@ -61,9 +63,7 @@ public:
 
     // To the buffers that the shader names. Throws kInvalidArgument where the table has neither one of them nor what
     // stands for it.
-    Bindings bind(const BufferTable& buffers) const {
-        return Bindings(gpu_, set_layout_, name_, info_.bindings, buffers);
-    }
+    Bindings bind(const BufferTable& buffers) const;
 
     // One workgroup for each of `count` items, or one invocation for each. `push` is the shader's whole push-constant
     // block. Throws kLimit where the device cannot dispatch that many, and kInvalidArgument where the block's size is
@@ -87,8 +87,6 @@ public:
     }
 
 private:
-    void create(const KernelSettings& settings);
-    void destroy() noexcept;
     void dispatch(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes,
                   uint32_t workgroup_count) const;
     void prepare(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes) const;
@@ -96,11 +94,8 @@ private:
 
     std::shared_ptr<Gpu> gpu_;
     std::string name_;
-    SpirvInfo info_;
+    std::shared_ptr<const CompiledKernel> compiled_;
     uint32_t workgroup_size_ = 0;
-    VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
-    VkPipelineLayout layout_ = VK_NULL_HANDLE;
-    VkPipeline pipeline_ = VK_NULL_HANDLE;
 };
 
 }  // namespace throng

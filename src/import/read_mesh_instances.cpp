@@ -31,7 +31,7 @@ std::vector<uint8_t> nodes_of_scene(Reading& reading, const Asset& asset) {
     return state;
 }
 
-// Joints of weight 0 are not looked at: they are 0, or the first of a vertex without weight (compile/mesh.cpp).
+// Joints of weight 0 are not looked at: they are 0, or the first of a vertex without weight (compile/mesh/mesh.cpp).
 void check_influences(const JsonView& meshes, const Asset& asset, const AssetMeshInstance& instance) {
     const size_t joint_count = asset.skins[instance.skin].joints.size();
     const auto& primitives = asset.meshes[instance.mesh].primitives;

@@ -249,7 +249,7 @@ private:
     }
 
     // Where the weight is 0 the joint means nothing, and files have anything there. But a vertex without any weight
-    // follows its first joint (compile/mesh.cpp).
+    // follows its first joint (compile/mesh/mesh.cpp).
     void forget_unused_joints() {
         const size_t count = out_.influence_count;
         for (size_t v = 0; v < out_.influence_weights.size(); v += count) {

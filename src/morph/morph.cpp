@@ -58,13 +58,13 @@ std::vector<float> values_of(const Character& character) {
 
 }  // namespace
 
-void upload_morph_tables(const std::shared_ptr<Gpu>& gpu, const Character& character, Buffers& buffers) {
+void upload_morph_tables(Uploads& uploads, const Character& character, Buffers& buffers) {
     const std::string& name = character.name;
-    buffers[io::kMorphTimelineBuffer] = upload_table(gpu, name + ": morph axes", axes_of(character));
-    buffers[io::kMorphTimesBuffer] = upload_table(gpu, name + ": morph times", character.morph_times_s);
-    buffers[io::kMorphTracksBuffer] = upload_table(gpu, name + ": morph tracks", tracks_of(character));
-    buffers[io::kMorphValuesBuffer] = upload_table(gpu, name + ": morph weights", values_of(character));
-    buffers[io::kMorphDeltasBuffer] = upload(gpu, name + ": morph differences", character.morph_deltas);
+    buffers[io::kMorphTimelineBuffer] = upload_table(uploads, name + ": morph axes", axes_of(character));
+    buffers[io::kMorphTimesBuffer] = upload_table(uploads, name + ": morph times", character.morph_times_s);
+    buffers[io::kMorphTracksBuffer] = upload_table(uploads, name + ": morph tracks", tracks_of(character));
+    buffers[io::kMorphValuesBuffer] = upload_table(uploads, name + ": morph weights", values_of(character));
+    buffers[io::kMorphDeltasBuffer] = upload(uploads, name + ": morph differences", character.morph_deltas);
 }
 
 Kernel morph_kernel(const std::shared_ptr<Gpu>& gpu, bool layered) {

@@ -4,6 +4,7 @@
 #include "control/control_io.h"
 #include "control/controller_io.h"
 #include "gpu/kernel.h"
+#include "gpu/upload.h"
 #include "morph/morph_io.h"
 
 #include <throng/character.h>
@@ -12,7 +13,7 @@ namespace throng {
 
 // Fills kMorphTimelineBuffer, kMorphTimesBuffer, kMorphTracksBuffer, kMorphValuesBuffer and kMorphDeltasBuffer of a
 // character that has at least one morph: rows of tracks and values are rounded up to fours.
-void upload_morph_tables(const std::shared_ptr<Gpu>& gpu, const Character& character, Buffers& buffers);
+void upload_morph_tables(Uploads& uploads, const Character& character, Buffers& buffers);
 
 // Dispatched with io::MorphPush, an invocation per instance; `layered`: of voices, else of two clips.
 Kernel morph_kernel(const std::shared_ptr<Gpu>& gpu, bool layered);

@@ -4,7 +4,7 @@ namespace throng {
 namespace {
 
 constexpr uint32_t kPace[] = {
-#include "pace/pace.inc"
+#include "pace/pace.comp.inc"
 };
 constexpr uint32_t kPaceWide[] = {
 #include "pace/pace.wide.inc"

@@ -23,8 +23,7 @@ ScanLimits scan_limits(const Gpu& gpu) {
             .storage_buffers = limits.maxPerStageDescriptorStorageBuffers};
 }
 
-ScanStage::ScanStage(const std::shared_ptr<Gpu>& gpu, const ScanChoice& choice, const ScanRig& rig,
-                     const ScanLimits& limits)
+ScanStage::ScanStage(Uploads& uploads, const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits)
     : choice_(choice), joint_count_(rig.joint_count()) {
     const ScanMethod& method = *choice.method;
     ScanPlan plan = plan_scan(method, rig, limits, choice.lanes);
@@ -32,13 +31,21 @@ ScanStage::ScanStage(const std::shared_ptr<Gpu>& gpu, const ScanChoice& choice, 
         throw Failure(ErrorCode::kUnsupported, "scan method '" + std::string(method.name) + "'", plan.obstacle);
     counts_ = plan.counts;
     instances_per_workgroup_ = plan.instances_per_workgroup;
-    links_ = upload(gpu, "scan links", plan.links);
+    links_ = upload(uploads, "scan links", plan.links);
     const ScanShaders& shaders = scan_shaders(method.name);
+    const std::shared_ptr<Gpu>& gpu = uploads.gpu();
     kernel_ = Kernel(gpu, {.name = method.name,
                            .spirv = gpu->prefers_wide_words() ? shaders.wide : shaders.plain,
                            .workgroup_size = plan.workgroup_size,
                            .constants = std::move(plan.constants),
                            .full_subgroups = plan.full_subgroups});
+}
+
+ScanStage::ScanStage(const std::shared_ptr<Gpu>& gpu, const ScanChoice& choice, const ScanRig& rig,
+                     const ScanLimits& limits) {
+    Uploads uploads(gpu);
+    *this = ScanStage(uploads, choice, rig, limits);
+    uploads.finish();
 }
 
 void ScanStage::record(VkCommandBuffer commands, const Bindings& bindings, uint32_t instance_count) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gpu/kernel.h"
+#include "gpu/upload.h"
 #include "scan/scan_io.h"
 #include "scan/scan_table.h"
 
@@ -21,6 +22,8 @@ public:
     ScanStage() = default;
     // Throws kUnsupported with the plan's obstacle where the method does not apply. `limits` may be lower than the
     // device's.
+    ScanStage(Uploads& uploads, const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits);
+    // Submits and waits.
     ScanStage(const std::shared_ptr<Gpu>& gpu, const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits);
 
     const ScanChoice& choice() const { return choice_; }

@@ -1,5 +1,6 @@
 #include "scan/scan_costs.h"
 
+#include "base/cache_folder.h"
 #include "base/failure.h"
 
 #include <nlohmann/json.hpp>
@@ -8,7 +9,6 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <thread>
@@ -81,17 +81,12 @@ ScanCosts built_in_scan_costs(const Gpu& gpu) {
 }
 
 std::filesystem::path scan_costs_file(const Gpu& gpu) {
-    std::filesystem::path folder;
-    if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache)
-        folder = cache;
-    else if (const char* home = std::getenv("HOME"); home && *home)
-        folder = std::filesystem::path(home) / ".cache";
-    else
-        return {};
+    const std::filesystem::path folder = cache_folder();
+    if (folder.empty()) return {};
     std::string name = gpu.info.name + " " + gpu.info.driver;
     for (char& c : name)
         if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-') c = '_';
-    return folder / "throng" / ("scan_costs_" + name + ".json");
+    return folder / ("scan_costs_" + name + ".json");
 }
 
 std::string to_json(const ScanCosts& costs) {

@@ -1,17 +1,20 @@
 #include "scan/scan_table.h"
 
-#include "scan/scan_methods.h"
+#include <throng/crowd.h>
 
 #include <algorithm>
 #include <array>
 
 namespace throng {
 
+#include "scan/scan_method_rows.inc"
+
 std::span<const ScanMethod> scan_table() {
-    static const std::array methods{
-        gateau2012_walk(), kandar2024_leaves(), doubling(),          blocks64(),  compressed(), levels(),
-        serial(),          serial_quaternion(), serial_transposed(), fragments(), subgroup(),   subgroup_quaternion(),
-    };
+    static const auto methods = [] {
+        auto rows = scan_method_rows();
+        std::ranges::sort(rows, {}, &ScanMethod::order);
+        return rows;
+    }();
     return methods;
 }
 
@@ -50,5 +53,13 @@ uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits) 
 }
 
 std::vector<uint32_t> no_lane_choice(const ScanLimits&) { return {0}; }
+
+std::vector<ScanMethodInfo> scan_methods() {
+    std::vector<ScanMethodInfo> methods;
+    for (const ScanMethod& method : scan_table())
+        methods.push_back({std::string(method.name), std::string(method.summary), std::string(method.source),
+                           method.layout == ScanLayout::kCharacterMajor});
+    return methods;
+}
 
 }  // namespace throng

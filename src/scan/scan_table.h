@@ -1,4 +1,5 @@
-// The methods of the Hierarchy-Scan: one row each. Tests, benchmark, planner and command line loop over this table.
+// The methods of the Hierarchy-Scan: one row each, in src/scan/methods. Tests, benchmark, planner and command line loop
+// over this table.
 #pragma once
 
 #include "scan/scan_counts.h"
@@ -43,6 +44,8 @@ enum class ScanFormat { kAffine, kSimilarity };  // of local transforms: 48 or 3
 
 struct ScanMethod {
     std::string_view name;  // its shader is <name>.comp, without _quaternion and _transposed, which name variants
+    // Its place in the table: the paper's methods, what they are compared with, throng's own.
+    uint32_t order = 1000;
     std::string_view summary;
     std::string_view source;
     ScanOrigin origin = ScanOrigin::kOurs;

@@ -29,8 +29,8 @@ std::vector<uint32_t> all_of(uint32_t vertex_count) {
 
 }  // namespace
 
-void upload_skin_tables(const std::shared_ptr<Gpu>& gpu, const Character& character,
-                        std::span<const uint32_t> influence_offsets, Buffers& buffers) {
+void upload_skin_tables(Uploads& uploads, const Character& character, std::span<const uint32_t> influence_offsets,
+                        Buffers& buffers) {
     std::vector<io::SkinSection> all_sections;
     std::vector<uint32_t> all_vertices;
     for (size_t detail = 0; detail < influence_offsets.size(); ++detail) {
@@ -54,8 +54,9 @@ void upload_skin_tables(const std::shared_ptr<Gpu>& gpu, const Character& charac
             all_vertices.insert(all_vertices.end(), listed.begin(), listed.end());
         }
     }
-    buffers[io::kSkinSectionsBuffer] = upload(gpu, character.name + ": sections of levels of detail", all_sections);
-    buffers[io::kListedVerticesBuffer] = upload(gpu, character.name + ": vertices of levels of detail", all_vertices);
+    buffers[io::kSkinSectionsBuffer] = upload(uploads, character.name + ": sections of levels of detail", all_sections);
+    buffers[io::kListedVerticesBuffer] = upload(uploads, character.name + ": vertices of levels of detail",
+                                                all_vertices);
 }
 
 Kernel skin_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format, SkinBlend blend, bool listed) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gpu/kernel.h"
+#include "gpu/upload.h"
 #include "skin/skin_io.h"
 
 #include <throng/crowd.h>
@@ -13,8 +14,8 @@ namespace throng {
 // Fills kSkinSectionsBuffer and kListedVerticesBuffer: which vertices of a character a level of detail has. Level 0 has
 // all of them, the others those that their triangles have. `influence_offsets`: [1 + details], of each level's
 // influences from the finest's.
-void upload_skin_tables(const std::shared_ptr<Gpu>& gpu, const Character& character,
-                        std::span<const uint32_t> influence_offsets, Buffers& buffers);
+void upload_skin_tables(Uploads& uploads, const Character& character, std::span<const uint32_t> influence_offsets,
+                        Buffers& buffers);
 
 // Dispatched with io::SkinPush, a workgroup per instance. `listed`: those that the cull stage lists.
 Kernel skin_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format, SkinBlend blend, bool listed);

@@ -1,8 +1,8 @@
 // A creature's body plan: chains of joints in model space. Its flesh and its motion follow them.
 #pragma once
 
-#include "tools/creature.h"
-#include "tools/creature_math.h"
+#include "tools/creatures/creature.h"
+#include "tools/creatures/creature_math.h"
 
 #include <functional>
 #include <vector>

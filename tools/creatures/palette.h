@@ -1,7 +1,7 @@
 // Colours, linear.
 #pragma once
 
-#include "tools/creature_math.h"
+#include "tools/creatures/creature_math.h"
 
 #include <functional>
 

@@ -1,6 +1,6 @@
 #include "tools/view/context.h"
 
-#include "tools/command.h"
+#include "tools/cli/command.h"
 
 #include <algorithm>
 

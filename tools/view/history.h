@@ -1,7 +1,7 @@
 // GPU times of the last frames, for the graph.
 #pragma once
 
-#include "tools/stages.h"
+#include <throng/crowd.h>
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 namespace throng::view {
 
 // Stages of an update, and then drawing; milliseconds.
-inline constexpr size_t kTimedCount = tools::kStages.size() + 1;
+inline constexpr size_t kTimedCount = kStageNames.size() + 1;
 using FrameTimes = std::array<float, kTimedCount>;
 
 class History {
@@ -19,8 +19,7 @@ public:
 
     void add(const StageTimes& stages, double draw_ms) {
         FrameTimes& times = frames_[count_++ % kFrames];
-        for (size_t i = 0; i < tools::kStages.size(); ++i)
-            times[i] = static_cast<float>(stages.*tools::kStages[i].second);
+        std::ranges::transform(stages.ms, times.begin(), [](double ms) { return static_cast<float>(ms); });
         times.back() = static_cast<float>(draw_ms);
     }
     void clear() { count_ = 0; }
@@ -42,8 +41,6 @@ private:
     size_t count_ = 0;
 };
 
-inline const char* timed_name(size_t timed) {
-    return timed < tools::kStages.size() ? tools::kStages[timed].first : "draw";
-}
+inline const char* timed_name(size_t timed) { return timed < kStageNames.size() ? kStageNames[timed] : "draw"; }
 
 }  // namespace throng::view

@@ -1,6 +1,6 @@
 #include "tools/view/loader.h"
 
-#include "tools/command.h"
+#include "tools/cli/command.h"
 
 namespace throng::view {
 

@@ -2,8 +2,8 @@
 // whoever looks at one.
 #pragma once
 
-#include "tools/director.h"
-#include "tools/scatter.h"
+#include "tools/scene/director.h"
+#include "tools/scene/scatter.h"
 #include "tools/view/pick.h"
 
 #include <throng/throng.h>

@@ -1,6 +1,6 @@
 #include "tools/view/script.h"
 
-#include "tools/command.h"
+#include "tools/cli/command.h"
 
 #include <imgui.h>
 

@@ -1,6 +1,6 @@
 #include "tools/view/swapchain.h"
 
-#include "tools/command.h"
+#include "tools/cli/command.h"
 
 #include <algorithm>
 

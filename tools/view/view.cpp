@@ -1,6 +1,6 @@
-#include "tools/command.h"
-#include "tools/options.h"
-#include "tools/shot.h"
+#include "tools/cli/command.h"
+#include "tools/cli/program.h"
+#include "tools/view/view.h"
 #include "tools/view/viewer.h"
 
 namespace throng::tools {
@@ -15,8 +15,7 @@ void check_size(const RendererSettings& size) {
 }  // namespace
 
 void add_view(Command app) {
-    Command command = app.add_subcommand(
-        "view", "a window with a crowd of one or several files: fly through it, change it, look at one; keys by ?");
+    Command command = app.add_subcommand(kView.command, kView.description);
     auto options = std::make_shared<view::ViewOptions>();
     auto size = std::make_shared<std::string>("1280x720");
     options->scene.count = 100;

@@ -1,8 +1,8 @@
 #include "tools/view/viewer.h"
 
-#include "tools/command.h"
-#include "tools/drawn.h"
-#include "tools/inputs.h"
+#include "tools/cli/command.h"
+#include "tools/cli/drawn.h"
+#include "tools/cli/inputs.h"
 #include "tools/view/commands.h"
 #include "tools/view/panels.h"
 

@@ -1,7 +1,7 @@
 // The window and what it shows, frame by frame.
 #pragma once
 
-#include "tools/crowd_scene.h"
+#include "tools/scene/crowd_scene.h"
 #include "tools/view/canvas.h"
 #include "tools/view/gui.h"
 #include "tools/view/loader.h"

@@ -1,6 +1,6 @@
 #include "tools/view/window.h"
 
-#include "tools/command.h"
+#include "tools/cli/command.h"
 
 namespace throng::view {
 namespace {

@@ -1,0 +1,28 @@
+// The constants with which the planner's cost model predicts what was observed.
+#pragma once
+
+#include "scan/scan_planner.h"
+
+#include <span>
+
+namespace throng::bench {
+
+// A scan as the model sees it, and what it took.
+struct ScanObservation {
+    ScanChoice choice;
+    ScanRig rig;
+    uint32_t instance_count = 0;
+    double milliseconds = 0;
+    double weight = 1;  // how much its error counts
+};
+
+// The median factor between prediction and observation, at least 1.
+double typical_factor(std::span<const ScanObservation> observations, const ScanLimits& limits, const ScanCosts& costs);
+
+// The constants that predict the observations best, from `start` on: the sum of squared logarithms of prediction over
+// observation is lowered along one constant after the other. `units` and `resident_subgroups` of a software device are
+// known and stay.
+ScanCosts fit_scan_costs(std::span<const ScanObservation> observations, const ScanLimits& limits,
+                         const ScanCosts& start);
+
+}  // namespace throng::bench

@@ -1,0 +1,17 @@
+// Where throng keeps what it found out about a machine.
+#pragma once
+
+#include <cstdlib>
+#include <filesystem>
+
+namespace throng {
+
+// $XDG_CACHE_HOME/throng, or ~/.cache/throng; empty where neither variable is set. The folder need not be there.
+inline std::filesystem::path cache_folder() {
+    if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache)
+        return std::filesystem::path(cache) / "throng";
+    if (const char* home = std::getenv("HOME"); home && *home) return std::filesystem::path(home) / ".cache" / "throng";
+    return {};
+}
+
+}  // namespace throng

@@ -1,0 +1,49 @@
+#include "compile/clip/clip_bounds.h"
+
+#include "compile/mesh/influence_boxes.h"
+#include "sample/sample_reference.h"
+#include "scan/scan_reference.h"
+
+#include <cmath>
+
+namespace throng {
+namespace {
+
+// Of the box in a pose.
+void add_posed(Box& bounds, const AffineT<double>& model_from_joint, const Box& box) {
+    const Vec3<double> middle = transform_point(model_from_joint, (box.low + box.high) * 0.5),
+                       half = (box.high - box.low) * 0.5;
+    const auto reach = [&](size_t row) {
+        const auto& r = model_from_joint.row[row];
+        return std::abs(r[0]) * half.x + std::abs(r[1]) * half.y + std::abs(r[2]) * half.z;
+    };
+    const Vec3<double> extent{reach(0), reach(1), reach(2)};
+    bounds.add(middle - extent);
+    bounds.add(middle + extent);
+}
+
+}  // namespace
+
+void measure_clips(Character& character) {
+    const std::vector<Box> boxes = influence_boxes(character);
+    std::vector<AffineT<double>> local(boxes.size());
+    for (uint32_t number = 0; number < character.clips.size(); ++number) {
+        Clip& clip = character.clips[number];
+        Box bounds;
+        const auto add_pose = [&](double time_s) {
+            const std::vector<Trs<double>> pose = sample_reference(character, number, time_s);
+            for (size_t joint = 0; joint < pose.size(); ++joint) local[joint] = to_affine(pose[joint]);
+            const std::vector<AffineT<double>> model = scan_reference(character.rig.parents, local);
+            for (size_t joint = 0; joint < model.size(); ++joint) add_posed(bounds, model[joint], boxes[joint]);
+        };
+        for (uint32_t row = 0; row < clip.row_count; ++row) {
+            const double time_s = character.times_s[clip.first_time + row];
+            add_pose(time_s);
+            if (row + 1 < clip.row_count) add_pose((time_s + character.times_s[clip.first_time + row + 1]) / 2);
+        }
+        clip.bounds_min = bounds.low.as<float>();
+        clip.bounds_max = bounds.high.as<float>();
+    }
+}
+
+}  // namespace throng

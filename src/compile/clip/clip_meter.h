@@ -1,0 +1,53 @@
+// How far the skin is displaced where a clip is read from fewer rows, or from quantised ones.
+#pragma once
+
+#include "compile/clip/clip_grid.h"
+#include "compile/mesh/influence_boxes.h"
+
+namespace throng {
+
+// Keeps references. Reading between two rows is what the sample stage does: the straight line, rotations normalised.
+class ClipMeter {
+public:
+    ClipMeter(const Character& character, const ClipGrid& grid, std::span<const Box> boxes);
+
+    // [joint_count], model_from_joint of the exact tracks at a point of the grid.
+    std::span<const AffineT<double>> exact(size_t point);
+
+    // Rows that give back those between them within a displacement of `bound`: greedy, as far as it goes from each.
+    std::vector<size_t> keep_rows(double bound);
+
+    // Sets a joint's model transform from its own and its parent's. Returns how far that displaces its skin.
+    double place(size_t joint, const Trs<double>& parent_from_joint, std::span<const AffineT<double>> wanted);
+    const AffineT<double>& model_from_joint(size_t joint) const { return models_[joint]; }
+
+    // What is read from rows. Tracks are the grid's.
+    struct Rows {
+        std::span<const size_t> of_grid;        // [row_count]
+        std::span<const size_t> moving;         // tracks that have a value in each row
+        std::span<const TrackKey> values;       // [track][row_count]
+        const std::vector<Trs<double>>& still;  // [joint_count], what the others have
+    };
+    // Largest displacement at the points between rows, looking at every `interval`-th pair of them. May stop above
+    // `enough`.
+    double largest_between(const Rows& rows, size_t interval, double enough);
+
+    // [joint_count]: the largest that place() returned since it was reset.
+    const std::vector<double>& peaks() const { return peaks_; }
+    void reset_peaks() { peaks_.assign(peaks_.size(), 0); }
+
+private:
+    std::span<const AffineT<double>> compute_exact(size_t point);
+    bool reproduces(size_t from_row, size_t to_row, double bound);
+    double fraction(size_t from_row, size_t to_row, size_t point) const;
+
+    const Character& character_;
+    const ClipGrid& grid_;
+    std::span<const Box> boxes_;
+    std::vector<AffineT<double>> cache_;  // [point][joint_count]; empty where that is too much
+    std::vector<AffineT<double>> models_, exact_models_;
+    std::vector<Trs<double>> pose_, exact_pose_;
+    std::vector<double> peaks_;
+};
+
+}  // namespace throng

@@ -1,0 +1,119 @@
+#include "compile/clip/row_encoder.h"
+
+#include <algorithm>
+
+namespace throng {
+namespace {
+
+// The linear part alone. False where it flattens space.
+bool invert(const AffineT<double>& m, AffineT<double>& inverse) {
+    const auto cofactor = [&](size_t r, size_t c) {
+        const size_t r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
+        return m.row[r1][c1] * m.row[r2][c2] - m.row[r1][c2] * m.row[r2][c1];
+    };
+    const double whole = m.row[0][0] * cofactor(0, 0) + m.row[0][1] * cofactor(0, 1) + m.row[0][2] * cofactor(0, 2);
+    double squares = 0;
+    for (const auto& row : m.row) squares += row[0] * row[0] + row[1] * row[1] + row[2] * row[2];
+    constexpr double kFlat = 1e-6;
+    if (!(std::abs(whole) > kFlat * squares * std::sqrt(squares))) return false;
+    for (size_t r = 0; r < 3; ++r)
+        for (size_t c = 0; c < 3; ++c) inverse.row[r][c] = cofactor(c, r) / whole;
+    return true;
+}
+
+}  // namespace
+
+RowEncoder::RowEncoder(const Character& character, const ClipGrid& grid, ClipMeter& meter)
+    : character_(character),
+      grid_(grid),
+      meter_(meter),
+      track_of_(grid.still.size() * 3),
+      tracks_(track_of_.size()),
+      bit_counts_(track_of_.size()) {
+    for (size_t track = 0; track < grid.tracks.size(); ++track)
+        track_of_[grid.tracks[track].joint * 3 + static_cast<size_t>(grid.tracks[track].target)] = track;
+}
+
+void RowEncoder::plan(std::span<const TrackShape> shapes, std::span<const double> tolerances) {
+    uint32_t bit = 0;
+    still_ = grid_.still;
+    moving_.clear();
+    for (size_t slot = 0; slot < tracks_.size(); ++slot) {
+        PackedTrack& track = tracks_[slot] = plan_track(shapes[slot], tolerances[slot / 3]);
+        bit_counts_[slot] = packed_row_bits(track);
+        if (moves(slot)) {
+            track.first_bit = bit;
+            bit += bit_counts_[slot];
+            moving_.push_back(track_of_[slot]);
+        } else {
+            set_component(still_[slot / 3], shapes[slot].target, packed_value(track, shapes[slot].target, {}));
+        }
+    }
+    for (Trs<double>& joint : still_) joint.rotation = normalized(joint.rotation);
+    row_stride_ = (bit + 31) / 32;
+}
+
+double RowEncoder::encode(std::span<const TrackShape> shapes, std::span<const size_t> rows) {
+    words_.assign(rows.size() * row_stride_, 0);
+    decoded_.resize(grid_.tracks.size() * rows.size());
+    double largest = 0;
+    for (size_t row = 0; row < rows.size(); ++row) {
+        const std::span<const AffineT<double>> wanted = meter_.exact(rows[row] * grid_.points_per_row);
+        for (size_t joint = 0; joint < still_.size(); ++joint)
+            largest = std::max(largest, meter_.place(joint, encode_joint(shapes, rows, row, joint, wanted), wanted));
+    }
+    return largest;
+}
+
+Trs<double> RowEncoder::encode_joint(std::span<const TrackShape> shapes, std::span<const size_t> rows, size_t row,
+                                     size_t joint, std::span<const AffineT<double>> wanted) {
+    Trs<double> packed = still_[joint];
+    const size_t first = joint * 3;
+    if (!moves(first) && !moves(first + 1) && !moves(first + 2)) return packed;
+    Trs<double> local = packed;
+    for (size_t slot = first; slot < first + 3; ++slot)
+        if (moves(slot)) set_component(local, shapes[slot].target, grid_.value(track_of_[slot], rows[row]));
+    const Trs<double> aimed = aim(joint, local, wanted);
+    for (size_t slot = first; slot < first + 3; ++slot) {
+        if (!moves(slot)) continue;
+        const TrackTarget target = shapes[slot].target;
+        // What holds must not follow what moves
+        TrackSample value = component(shapes[slot].step ? local : aimed, target);
+        if (target == TrackTarget::kRotation && !shapes[slot].full && value[shapes[slot].left_out] < 0)
+            for (double& v : value) v = -v;
+        const PackedBits bits = quantised(tracks_[slot], target, value);
+        write_row(words_, row * row_stride_ * 32, tracks_[slot], bits);
+        const TrackSample got = packed_value(tracks_[slot], target, bits);
+        for (size_t c = 0; c < 4; ++c) decoded_[track_of_[slot] * rows.size() + row][c] = static_cast<float>(got[c]);
+        set_component(packed, target, got);
+    }
+    packed.rotation = normalized(packed.rotation);
+    return packed;
+}
+
+// What a joint's transform must be for its place in the model to be exact although its parent's is not, so that the
+// errors of a chain do not add up. Rotations make up for rotations, translations for places.
+Trs<double> RowEncoder::aim(size_t joint, const Trs<double>& local, std::span<const AffineT<double>> wanted) const {
+    const uint32_t parent = character_.rig.parents[joint];
+    AffineT<double> parent_from_model;
+    if (parent == kNone || !invert(meter_.model_from_joint(parent), parent_from_model)) return local;
+    const auto& packed = meter_.model_from_joint(parent).row;
+    const auto seen = [&](size_t column) {  // the exact parent from the packed one: nearly the identity
+        const auto& exact = wanted[parent].row;
+        return transform_vector(parent_from_model, Vec3<double>{exact[0][column], exact[1][column], exact[2][column]});
+    };
+    const auto& place = wanted[joint].row;
+    Trs<double> aimed = local;
+    aimed.translation = transform_vector(
+        parent_from_model,
+        Vec3<double>{place[0][3] - packed[0][3], place[1][3] - packed[1][3], place[2][3] - packed[2][3]});
+    const Vec3<double> x = seen(0), y = seen(1), z = seen(2);
+    const double trace = x.x + y.y + z.z;
+    constexpr double kNearIdentity = 2;  // of a trace of 3
+    if (trace > kNearIdentity)
+        aimed.rotation = normalized(normalized(Quaternion<double>{y.z - z.y, z.x - x.z, x.y - y.x, 4 * trace / 3}) *
+                                    local.rotation);
+    return aimed;
+}
+
+}  // namespace throng

@@ -1,0 +1,30 @@
+#include "compile/file/character_file.h"
+
+#include "base/replace_file.h"
+#include "compile/file/character_layout.h"
+#include "import/json_view.h"
+
+#include <fstream>
+
+namespace throng {
+namespace fs = std::filesystem;
+
+bool is_compiled_file(const fs::path& path) {
+    std::error_code error;
+    // Reading from a pipe would take away from it, or wait for ever
+    if (!fs::is_regular_file(path, error)) return false;
+    std::array<char, file::kMagic.size()> magic{};
+    std::ifstream(path, std::ios::binary).read(magic.data(), magic.size());
+    return magic == file::kMagic;
+}
+
+Result<void> save_character(const Character& character, const fs::path& path) {
+    return as_result([&] { replace_file(path, write_character(character)); }, path.string());
+}
+
+Result<Character> load_compiled_character(std::span<const std::byte> bytes, std::string_view name) {
+    const std::string place = gltf::printable(name, 120);
+    return as_result([&] { return read_character(bytes, place); }, place);
+}
+
+}  // namespace throng

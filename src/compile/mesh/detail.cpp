@@ -1,0 +1,232 @@
+#include "compile/mesh/detail.h"
+
+#include "bind/bind_reference.h"
+#include "compile/clip/sampled_poses.h"
+#include "compile/mesh/triangle_index.h"
+#include "morph/morph_reference.h"
+#include "skin/skin_reference.h"
+
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace throng {
+namespace {
+
+constexpr size_t kFewest = 64 * 3;     // indices, below which nothing is gained
+constexpr double kShare = 0.35;        // of the triangles of the level before that a level aims at
+constexpr double kAlmost = 1.25;       // of them, which is still coarse enough
+constexpr double kWorthwhile = 0.8;    // of them, above which it is not kept
+constexpr float kLargestError = 0.2f;  // of a section's extent, by quadrics
+constexpr uint32_t kPoses = 8;         // of all clips together, that errors are measured in
+constexpr float kLeastError = 1e-6f;   // of the character's size, which rounding does not tell from none
+
+// In model space.
+std::vector<Vec3<float>> positions_in(const Character& character, const SampledPose& pose) {
+    const std::vector<MorphLayer> layers{{.voices = {{.clip = pose.clip, .time_s = pose.time_s}}}};
+    const std::vector<WeightedMorph> morphs = active_morphs_reference(morphs_reference(character, layers));
+    std::vector<Vec3<float>> positions;
+    for (const Vec3<double>& p :
+         skin_reference(character, bind_reference(character.palette, model_from_joint_of(character, pose)), morphs))
+        positions.push_back(p.as<float>());
+    return positions;
+}
+
+// Vertices of the fine mesh that the coarse one lacks, such as are near to each other one after the other.
+std::vector<uint32_t> lost_vertices(const TriangleIndex& fine, std::span<const uint32_t> coarse, size_t vertex_count) {
+    std::vector<bool> is_known(vertex_count);
+    for (const uint32_t vertex : coarse) is_known[vertex] = true;
+    std::vector<uint32_t> lost;
+    for (const auto& corners : fine.corners()) {
+        for (const uint32_t vertex : corners) {
+            if (is_known[vertex]) continue;
+            is_known[vertex] = true;
+            lost.push_back(vertex);
+        }
+    }
+    return lost;
+}
+
+// Where a triangle may span what is none of the mesh that it stands for: its middle, and those of its edges.
+constexpr size_t kMiddles = 4;
+Vec3<float> middle_of(const Triangle& triangle, size_t which) {
+    const auto& [a, b, c] = triangle;
+    if (which == 0) return (a + b + c) * (1 / 3.0f);
+    return (which == 1 ? a + b : which == 2 ? b + c : c + a) * 0.5f;
+}
+
+// Of each of some places, a triangle of the mesh that was near to it when it was looked at last. Most often it is near
+// enough in the next pose too, and the place is done with.
+using NearTriangles = std::vector<uint32_t>;
+
+// How far one of the places, a function of its number, lies from the mesh at most, where that is more than `known`; the
+// quadrics' own measure is a mean, several times too low for this. Each is looked at only until it is known not to be
+// the furthest.
+template <class Place>
+float furthest_from(const TriangleIndex& mesh, NearTriangles& near, const Place& place, float known, uint64_t& steps) {
+    float furthest = known * known;
+    uint32_t last = 0;
+    // Some of all parts first: then it is known about how far the furthest is.
+    for (const size_t stride : {size_t{16}, size_t{1}}) {
+        for (size_t i = 0; i < near.size(); i += stride) {
+            const TriangleIndex::Nearest found = mesh.nearest(place(i), furthest, near[i] == kNone ? last : near[i]);
+            furthest = std::max(furthest, found.squared_distance);
+            near[i] = last = found.triangle;
+            steps += found.steps;
+        }
+    }
+    return std::sqrt(furthest);
+}
+
+std::span<const uint32_t> indices_of(const Character& character, const MeshSection& section) {
+    return std::span(character.indices).subspan(section.first_index, section.index_count);
+}
+
+// Triangles of a section, and how far they are off in the poses looked at so far.
+struct Coarse {
+    Coarse() = default;
+    Coarse(std::vector<uint32_t> mesh, const TriangleIndex& fine, std::span<const Vec3<float>> positions)
+        : indices(std::move(mesh)),
+          index(indices, positions),
+          lost(lost_vertices(fine, indices, positions.size())),
+          near_lost(lost.size(), kNone),
+          near_middles(indices.size() / 3 * kMiddles, kNone) {}
+
+    // Raises the error to what it is in a pose.
+    void measure(const TriangleIndex& fine, std::span<const Vec3<float>> positions, uint64_t& steps) {
+        index.move(positions);
+        const auto lost_place = [&](size_t i) { return positions[lost[i]]; };
+        const auto middle = [&](size_t i) { return middle_of(index.triangles()[i / kMiddles], i % kMiddles); };
+        error = furthest_from(index, near_lost, lost_place, error, steps);
+        error = furthest_from(fine, near_middles, middle, error, steps);
+    }
+
+    std::vector<uint32_t> indices;
+    float error = 0;
+    TriangleIndex index;
+    std::vector<uint32_t> lost;  // vertices
+    NearTriangles near_lost;     // of these, among its own
+    NearTriangles near_middles;  // of its middles, among those of the fine mesh
+};
+
+// By both ways of meshoptimizer, in the rest pose: edge collapses towards vertices that are there (M. Garland and P. S.
+// Heckbert, Surface Simplification Using Quadric Error Metrics, SIGGRAPH 1997), which stop where the mesh comes apart,
+// and clusters of vertices, which do not, and lose no thin part that is larger than a cluster.
+class CoarseSection {
+public:
+    // `index` is that of the fine mesh.
+    CoarseSection(std::span<const uint32_t> fine, const TriangleIndex& index, std::span<const Vec3<float>> positions,
+                  double share) {
+        if (fine.empty()) {
+            candidates_.resize(1);
+            return;
+        }
+        const size_t wanted = static_cast<size_t>(share * static_cast<double>(fine.size())) / 3 * 3;
+        std::vector<uint32_t> collapsed(fine.size()), clustered(fine.size());
+        const size_t stride = sizeof positions[0];
+        collapsed.resize(meshopt_simplify(collapsed.data(), fine.data(), fine.size(), &positions[0].x, positions.size(),
+                                          stride, wanted, kLargestError, 0, nullptr));
+        clustered.resize(meshopt_simplifySloppy(clustered.data(), fine.data(), fine.size(), &positions[0].x,
+                                                positions.size(), stride, wanted, kLargestError, nullptr));
+        if (collapsed.empty()) collapsed.assign(fine.begin(), fine.end());  // nothing vanishes
+        const auto is_coarse = [wanted](const std::vector<uint32_t>& mesh) {
+            return static_cast<double>(mesh.size()) <= kAlmost * static_cast<double>(wanted);
+        };
+        // Where not both are as coarse as they should be, the coarser one is taken however far it is off.
+        const bool are_coarse = is_coarse(collapsed) && is_coarse(clustered) && !clustered.empty();
+        const bool prefers_collapsed = clustered.empty() || collapsed.size() <= clustered.size();
+        if (are_coarse || prefers_collapsed) candidates_.emplace_back(std::move(collapsed), index, positions);
+        if (are_coarse || !prefers_collapsed) candidates_.emplace_back(std::move(clustered), index, positions);
+    }
+
+    void measure(const TriangleIndex& fine, std::span<const Vec3<float>> positions, uint64_t& steps) {
+        for (Coarse& coarse : candidates_) coarse.measure(fine, positions, steps);
+    }
+
+    // The one that is off by less.
+    const Coarse& best() const { return *std::ranges::min_element(candidates_, {}, &Coarse::error); }
+
+private:
+    std::vector<Coarse> candidates_;  // one or two
+};
+using CoarseLevel = std::vector<CoarseSection>;  // [sections]
+
+class DetailMaker {
+public:
+    explicit DetailMaker(Character& character) : character_(character), levels_(kDetailLimit) {
+        const SampledPose rest{.clip = static_cast<uint32_t>(character.clips.size())};
+        const std::vector<Vec3<float>> positions = positions_in(character, rest);
+        for (const MeshSection& section : character.sections)
+            fine_.emplace_back(indices_of(character, section), of_section(section, positions));
+        double share = 1;
+        for (CoarseLevel& level : levels_) {
+            share *= kShare;
+            for (size_t i = 0; i < fine_.size(); ++i) {
+                const MeshSection& section = character.sections[i];
+                level.emplace_back(indices_of(character, section), fine_[i], of_section(section, positions), share);
+            }
+        }
+    }
+
+    // Raises the errors of all to what they are in the pose: either way, since clusters may join what lies side by
+    // side, as legs, and moves apart.
+    void measure_in(const SampledPose& pose) {
+        const std::vector<Vec3<float>> positions = positions_in(character_, pose);
+        for (size_t i = 0; i < fine_.size(); ++i) {
+            const std::span<const Vec3<float>> places = of_section(character_.sections[i], positions);
+            fine_[i].move(places);
+            for (CoarseLevel& level : levels_) level[i].measure(fine_[i], places, steps_);
+        }
+    }
+
+    void keep_levels();
+
+    uint64_t steps() const { return steps_; }
+
+private:
+    template <class Positions>
+    static std::span<const Vec3<float>> of_section(const MeshSection& section, const Positions& positions) {
+        return std::span(positions).subspan(section.first_vertex, section.vertex_count);
+    }
+
+    Character& character_;
+    std::vector<TriangleIndex> fine_;  // [sections]
+    std::vector<CoarseLevel> levels_;
+    uint64_t steps_ = 0;
+};
+
+// As long as triangles become markedly fewer.
+void DetailMaker::keep_levels() {
+    size_t count_before = character_.indices.size();
+    float error = kLeastError * character_.size;
+    for (const CoarseLevel& level : levels_) {
+        size_t count = 0;
+        for (const CoarseSection& section : level) count += section.best().indices.size();
+        if (count_before <= kFewest || static_cast<double>(count) > kWorthwhile * static_cast<double>(count_before))
+            return;
+        count_before = count;
+        for (const CoarseSection& section : level) {
+            const Coarse& coarse = section.best();
+            error = std::max(error, coarse.error);
+            character_.detail_ranges.push_back({static_cast<uint32_t>(character_.detail_indices.size()),
+                                                static_cast<uint32_t>(coarse.indices.size())});
+            character_.detail_indices.insert(character_.detail_indices.end(), coarse.indices.begin(),
+                                             coarse.indices.end());
+        }
+        character_.details.push_back({error});
+    }
+}
+
+}  // namespace
+
+uint64_t make_details(Character& character) {
+    if (character.indices.size() <= kFewest) return 0;
+    DetailMaker maker(character);
+    for (const SampledPose& pose : sampled_poses(character, kPoses)) maker.measure_in(pose);
+    maker.keep_levels();
+    return maker.steps();
+}
+
+}  // namespace throng

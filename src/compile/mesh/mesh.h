@@ -1,0 +1,12 @@
+// Meshes and skins -> one vertex pool, one palette.
+#pragma once
+
+#include "compile/rig/rig.h"
+
+namespace throng {
+
+// Fills skins, palette, vertices, influences, indices, sections, materials and images. character.rig is set.
+// Throws kLimit beyond 65,536 palette entries.
+void compile_mesh(const Asset& asset, const RigMap& map, Character& character);
+
+}  // namespace throng

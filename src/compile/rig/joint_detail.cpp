@@ -1,0 +1,191 @@
+#include "compile/rig/joint_detail.h"
+
+#include "bind/bind_reference.h"
+#include "compile/mesh/influence_boxes.h"
+#include "compile/clip/sampled_poses.h"
+
+#include <algorithm>
+#include <limits>
+#include <span>
+#include <utility>
+
+namespace throng {
+namespace {
+
+constexpr uint32_t kPoses = 32;  // of all clips together, that displacements are measured in; at least one a clip
+constexpr size_t kMostSteps = 200'000;  // of them in a pose
+constexpr double kShare = 0.5;  // of the error of a level's surface, by which joints that do not move may add to it
+
+// [palette_count], the skin of each entry; of rigid meshes one that no other has.
+std::vector<uint32_t> skins_of_entries(const Character& character) {
+    std::vector<uint32_t> skins(character.palette.size());
+    for (uint32_t entry = 0; entry < skins.size(); ++entry)
+        skins[entry] = static_cast<uint32_t>(character.skins.size()) + entry;
+    for (uint32_t skin = 0; skin < character.skins.size(); ++skin) {
+        const Skin& of = character.skins[skin];
+        std::fill_n(skins.begin() + of.first_entry, of.joint_count, skin);
+    }
+    return skins;
+}
+
+// Palette entries by joint, and within a joint by skin.
+class EntryTable {
+public:
+    explicit EntryTable(const Character& character) : skins_(skins_of_entries(character)) {
+        for (uint32_t entry = 0; entry < skins_.size(); ++entry)
+            entries_.push_back({character.palette[entry].joint, skins_[entry], entry});
+        std::ranges::sort(entries_, {}, &Entry::key);
+    }
+
+    struct Entry {
+        uint32_t joint = 0, skin = 0, entry = 0;
+        std::pair<uint32_t, uint32_t> key() const { return {joint, skin}; }
+    };
+
+    std::span<const Entry> of_joint(uint32_t joint) const {
+        return std::ranges::equal_range(entries_, joint, {}, &Entry::joint);
+    }
+    // Of another joint, in the entry's skin; kNone where it has none.
+    uint32_t counterpart(uint32_t entry, uint32_t joint) const {
+        const auto found = std::ranges::lower_bound(entries_, std::pair{joint, skins_[entry]}, {}, &Entry::key);
+        return found == entries_.end() || found->key() != std::pair{joint, skins_[entry]} ? kNone : found->entry;
+    }
+
+private:
+    std::vector<uint32_t> skins_;
+    std::vector<Entry> entries_;
+};
+
+AffineT<double> difference(const AffineT<double>& a, const AffineT<double>& b) {
+    AffineT<double> out;
+    for (size_t row = 0; row < 3; ++row)
+        for (size_t column = 0; column < 4; ++column) out.row[row][column] = a.row[row][column] - b.row[row][column];
+    return out;
+}
+
+// How far vertices are displaced at most where neither a joint nor any below it moves, and the palette entries of the
+// one above it stand for theirs.
+class JointDisplacements {
+public:
+    explicit JointDisplacements(const Character& character)
+        : character_(character),
+          parents_(character.rig.parents),
+          entries_(character),
+          boxes_(bind_boxes(character)),
+          boxes_below_(boxes_),
+          ends_(parents_.size()),
+          bounds_(parents_.size()) {
+        for (uint32_t joint = character.rig.joint_count(); joint-- > 0;) {
+            ends_[joint] = std::max(ends_[joint], joint + 1);
+            const uint32_t parent = parents_[joint];
+            if (parent == kNone) continue;
+            ends_[parent] = std::max(ends_[parent], ends_[joint]);
+            for (const auto& [of_joint, skin, entry] : entries_.of_joint(joint))
+                if (const uint32_t counterpart = entries_.counterpart(entry, parent); counterpart != kNone)
+                    boxes_below_[counterpart].add(boxes_below_[entry]);
+        }
+        for (const SampledPose& pose :
+             sampled_poses(character, std::max(kPoses, static_cast<uint32_t>(character.clips.size()))))
+            measure_in(pose);
+    }
+
+    double of(uint32_t joint) const { return bounds_[joint]; }  // infinite for roots
+
+private:
+    static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+    // From the leaves up. Each joint below is looked at where they are few; else, so that deep skeletons do not take
+    // the square of their depth, the way of all of them with this joint and their own after it are added up.
+    void measure_in(const SampledPose& pose) {
+        const size_t most_below = kMostSteps / parents_.size();
+        const std::vector<AffineT<double>> model_from_bind = bind_reference(character_.palette,
+                                                                            model_from_joint_of(character_, pose));
+        std::vector<double> furthest(parents_.size()), below(parents_.size());
+        for (uint32_t joint = static_cast<uint32_t>(parents_.size()); joint-- > 0;) {
+            const uint32_t parent = parents_[joint];
+            if (parent == kNone) {
+                furthest[joint] = kInfinity;
+            } else if (ends_[joint] - joint <= most_below) {
+                for (uint32_t one = joint; one < ends_[joint]; ++one)
+                    furthest[joint] = std::max(furthest[joint], displaced(one, parent, boxes_, model_from_bind));
+            } else {
+                furthest[joint] = displaced(joint, parent, boxes_below_, model_from_bind) + below[joint];
+            }
+            bounds_[joint] = std::max(bounds_[joint], furthest[joint]);
+            if (parent != kNone) below[parent] = std::max(below[parent], furthest[joint]);
+        }
+    }
+
+    double displaced(uint32_t joint, uint32_t above, const std::vector<Box>& boxes,
+                     std::span<const AffineT<double>> model_from_bind) const {
+        double furthest = 0;
+        for (const auto& [of_joint, skin, entry] : entries_.of_joint(joint)) {
+            const uint32_t counterpart = entries_.counterpart(entry, above);
+            if (counterpart == kNone) return kInfinity;
+            if (!boxes[entry].empty)
+                furthest = std::max(
+                    furthest,
+                    displacement(difference(model_from_bind[entry], model_from_bind[counterpart]), boxes[entry]));
+        }
+        return furthest;
+    }
+
+    const Character& character_;
+    const std::vector<uint32_t>& parents_;
+    EntryTable entries_;
+    // [entry], in bind space: of its vertices; and of those that the skin's entries below move, too
+    std::vector<Box> boxes_, boxes_below_;
+    std::vector<uint32_t> ends_;  // [joint]: joints are depth first, so a subtree is a run
+    std::vector<double> bounds_;  // [joint]
+};
+
+}  // namespace
+
+std::vector<uint32_t> entries_of_detail(const Character& character, uint32_t detail) {
+    const EntryTable entries(character);
+    std::vector<uint32_t> moving(character.rig.joint_count());  // the joint, or the nearest above that moves
+    for (uint32_t joint = 0; joint < moving.size(); ++joint) {
+        const bool moves = character.joint_details.empty() || character.joint_details[joint] >= detail;
+        const uint32_t parent = character.rig.parents[joint];
+        moving[joint] = moves || parent == kNone ? joint : moving[parent];
+    }
+    std::vector<uint32_t> out;
+    for (uint32_t entry = 0; entry < character.palette.size(); ++entry) {
+        const uint32_t joint = character.palette[entry].joint;
+        out.push_back(moving[joint] == joint ? entry : entries.counterpart(entry, moving[joint]));
+    }
+    return out;
+}
+
+std::vector<Influences> influences_of_detail(const Character& character, uint32_t detail) {
+    const std::vector<uint32_t> entries = entries_of_detail(character, detail);
+    std::vector<Influences> out = character.influences;
+    for (Influences& influences : out)
+        for (uint16_t& entry : influences.entries) entry = static_cast<uint16_t>(entries[entry]);
+    return out;
+}
+
+void make_joint_details(Character& character) {
+    character.joint_details.clear();
+    if (character.details.empty() || character.clips.empty()) return;
+    const JointDisplacements displacements(character);
+    character.joint_details.resize(character.rig.joint_count());
+    for (uint32_t level = 1; level <= character.details.size(); ++level) {
+        DetailLevel& detail = character.details[level - 1];
+        const double most = kShare * double{detail.error};
+        double furthest = 0;  // of joints that do not move
+        for (uint32_t joint = 0; joint < character.joint_details.size(); ++joint) {
+            const uint32_t parent = character.rig.parents[joint];
+            if (parent != kNone && character.joint_details[parent] < level) continue;
+            if (displacements.of(joint) <= most)
+                furthest = std::max(furthest, displacements.of(joint));
+            else
+                character.joint_details[joint] = level;
+        }
+        detail.error += static_cast<float>(furthest);
+        // Joints that do not move with those above them may displace by less than on their own
+        if (level > 1) detail.error = std::max(detail.error, character.details[level - 2].error);
+    }
+}
+
+}  // namespace throng

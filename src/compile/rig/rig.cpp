@@ -1,0 +1,140 @@
+#include "compile/rig/rig.h"
+
+#include "base/failure.h"
+#include "compile/limits.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace throng {
+namespace {
+
+// What the choice of joints needs to know of each node.
+struct NodeFacts {
+    std::vector<bool> animated, skin_joint;
+
+    explicit NodeFacts(const Asset& asset) : animated(asset.nodes.size()), skin_joint(asset.nodes.size()) {
+        for (const AssetClip& clip : asset.clips)
+            for (const AssetTrack& track : clip.tracks) animated[track.node] = true;
+        for (const AssetSkin& skin : asset.skins)
+            for (uint32_t joint : skin.joints) skin_joint[joint] = true;
+    }
+    bool moves(uint32_t node) const { return animated[node] || skin_joint[node]; }
+};
+
+bool is_rigid(const Asset& asset, const AssetMeshInstance& instance) {
+    if (instance.skin == kNone) return true;
+    const auto& primitives = asset.meshes[instance.mesh].primitives;
+    return std::any_of(primitives.begin(), primitives.end(),
+                       [](const AssetPrimitive& p) { return p.influence_count == 0; });
+}
+
+// Nodes that must be joints: those of skins, and for each rigid mesh the nearest node at or above it that moves (else
+// its root).
+std::vector<bool> needed_joints(const Asset& asset, const NodeFacts& facts) {
+    std::vector<bool> needed = facts.skin_joint;
+    for (const AssetMeshInstance& instance : asset.mesh_instances) {
+        if (!is_rigid(asset, instance)) continue;
+        uint32_t node = instance.node;
+        while (!facts.moves(node) && asset.nodes[node].parent != kNone) node = asset.nodes[node].parent;
+        needed[node] = true;
+    }
+    return needed;
+}
+
+std::optional<Similarity> as_similarity(const Trs<double>& trs) {
+    if (trs.scale.x != trs.scale.y || trs.scale.x != trs.scale.z) return std::nullopt;
+    return Similarity{trs.rotation, trs.translation, trs.scale.x};
+}
+
+}  // namespace
+
+void measure_rig(Rig& rig) {
+    std::vector<uint32_t> depth(rig.joint_count());
+    std::vector<bool> has_child(rig.joint_count());
+    double depth_sum = 0;
+    for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) {
+        const uint32_t parent = rig.parents[joint];
+        depth[joint] = parent == kNone ? 1 : depth[parent] + 1;
+        if (parent != kNone) has_child[parent] = true;
+        depth_sum += depth[joint];
+        rig.level_count = std::max(rig.level_count, depth[joint]);
+    }
+    rig.mean_depth = depth_sum / rig.joint_count();
+    rig.leaf_count = static_cast<uint32_t>(std::count(has_child.begin(), has_child.end(), false));
+}
+
+Vec3<double> Similarity::vector(const Vec3<double>& v) const {
+    const Vec3<double> axis{rotation.x, rotation.y, rotation.z};
+    const Vec3<double> t = cross(axis, v) * 2.0;
+    return (v + t * rotation.w + cross(axis, t)) * scale;
+}
+
+RigMap build_rig(const Asset& asset) {
+    const auto node_count = static_cast<uint32_t>(asset.nodes.size());
+    const NodeFacts facts(asset);
+    const std::vector<bool> needed = needed_joints(asset, facts);
+
+    std::vector<bool> kept = needed;  // closed under parents below
+    for (uint32_t node = 0; node < node_count; ++node) {
+        if (!needed[node]) continue;
+        for (uint32_t up = asset.nodes[node].parent; up != kNone && !kept[up]; up = asset.nodes[up].parent)
+            kept[up] = true;
+    }
+    std::vector<std::vector<uint32_t>> children(node_count);
+    std::vector<uint32_t> roots;
+    for (uint32_t node = 0; node < node_count; ++node) {
+        if (!kept[node]) continue;
+        const uint32_t parent = asset.nodes[node].parent;
+        (parent == kNone ? roots : children[parent]).push_back(node);
+    }
+    if (roots.empty())
+        throw Failure(ErrorCode::kUnsupported, asset.name, "no skin and no mesh: there is nothing to animate");
+
+    RigMap map;
+    map.joint_of_node.assign(node_count, kNone);
+    struct Visit {
+        uint32_t node, parent_joint;
+        Similarity prefix;
+    };
+    std::vector<Visit> stack;
+    for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, kNone, {}});
+    while (!stack.empty()) {
+        Visit visit = stack.back();
+        stack.pop_back();
+        const AssetNode& node = asset.nodes[visit.node];
+        const std::optional<Similarity> similarity = as_similarity(node.parent_from_node);
+        uint32_t joint = visit.parent_joint;
+        Similarity prefix;
+        if (!needed[visit.node] && !facts.animated[visit.node] && similarity) {
+            const Similarity& a = visit.prefix;
+            prefix = {normalized(a.rotation * similarity->rotation), a.point(similarity->translation),
+                      a.scale * similarity->scale};
+            ++map.folded_node_count;
+        } else {
+            if (map.rig.parents.size() == kJointLimit)
+                throw Failure(ErrorCode::kLimit, asset.name, "more than " + std::to_string(kJointLimit) + " joints");
+            joint = map.rig.joint_count();
+            map.joint_of_node[visit.node] = joint;
+            map.rig.names.push_back(node.name);
+            map.rig.parents.push_back(visit.parent_joint);
+            map.rig.nodes.push_back(visit.node);
+            map.rig.rest.push_back((visit.prefix * node.parent_from_node).as<float>());
+            map.parent_from_prefix.push_back(visit.prefix);
+        }
+        const auto& below = children[visit.node];
+        for (auto child = below.rbegin(); child != below.rend(); ++child) stack.push_back({*child, joint, prefix});
+    }
+    measure_rig(map.rig);
+    return map;
+}
+
+RigidAnchor rigid_anchor(const Asset& asset, const RigMap& map, uint32_t node) {
+    RigidAnchor anchor;
+    for (; map.joint_of_node[node] == kNone; node = asset.nodes[node].parent)
+        anchor.joint_from_mesh = to_affine(asset.nodes[node].parent_from_node) * anchor.joint_from_mesh;
+    anchor.joint = map.joint_of_node[node];
+    return anchor;
+}
+
+}  // namespace throng

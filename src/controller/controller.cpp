@@ -1,0 +1,83 @@
+#include <throng/controller.h>
+
+#include "base/failure.h"
+#include "controller/controller_rules.h"
+#include "controller/json_lines.h"
+#include "controller/known_names.h"
+#include "import/json_view.h"
+
+namespace throng {
+namespace {
+
+template <class T>
+uint32_t find(const std::vector<T>& items, std::string_view name) {
+    for (size_t i = 0; i < items.size(); ++i)
+        if (items[i].name == name) return static_cast<uint32_t>(i);
+    return kNone;
+}
+
+std::string seconds(double time_s) {
+    char text[32];
+    std::snprintf(text, sizeof(text), "%.4g s", time_s);
+    return text;
+}
+
+void check_clips(const Controller& controller, const Character& character) {
+    KnownNames clips("clip");
+    for (const Clip& clip : character.clips) clips.add(clip.name);
+    for (size_t i = 0; i < controller.events.size(); ++i) {
+        const ControllerEvent& event = controller.events[i];
+        const std::string place = place_of("events", i);
+        const Clip& clip = character.clips[clips.require(event.clip, place_of(place, "clip"))];
+        if (static_cast<float>(event.time_s) > clip.duration_s)
+            throw Failure(ErrorCode::kInvalidArgument, place_of(place, "at_s"),
+                          seconds(event.time_s) + " is beyond the end of clip '" + gltf::printable(clip.name) +
+                              "', which lasts " + seconds(double{clip.duration_s}));
+    }
+    for (size_t i = 0; i < controller.layers.size(); ++i)
+        for (const ControllerState& state : controller.layers[i].states) {
+            const std::string place = place_of(place_of(place_of("layers", i), "states"), state.name);
+            for (size_t k = 0; k < state.points.size(); ++k)
+                clips.require(
+                    state.points[k].clip,
+                    place_of(state.x_parameter.empty() ? place : place_of(place_of(place, "clips"), k), "clip"));
+        }
+}
+
+void check_joints(const Controller& controller, const Character& character) {
+    KnownNames joints("joint");
+    for (const std::string& joint : character.rig.names) joints.add(joint);
+    for (const JointMask& mask : controller.masks)
+        for (size_t i = 0; i < mask.items.size(); ++i)
+            joints.require(mask.items[i].joint, place_of(place_of(place_of("masks", mask.name), i), "joint"));
+}
+
+}  // namespace
+
+uint32_t Controller::find_parameter(std::string_view parameter_name) const { return find(parameters, parameter_name); }
+uint32_t Controller::find_layer(std::string_view layer_name) const { return find(layers, layer_name); }
+uint32_t Controller::find_mask(std::string_view mask_name) const { return find(masks, mask_name); }
+
+Controller direct_layers(uint32_t count, std::vector<JointMask> masks, bool inertial_plays) {
+    assert(count >= 1);
+    Controller controller;
+    controller.name = "direct";
+    controller.masks = std::move(masks);
+    for (uint32_t i = 0; i < count; ++i)
+        controller.layers.push_back({.name = "layer " + std::to_string(i), .inertial_plays = inertial_plays});
+    return controller;
+}
+
+Result<void> check_controller(const Controller& controller, const Character& character) {
+    const auto rules = as_result([&] { check_rules(controller); });
+    const auto fits = rules ? as_result([&] {
+        check_clips(controller, character);
+        check_joints(controller, character);
+    })
+                            : rules;
+    if (fits) return {};
+    const std::string both = gltf::printable(controller.name, 120) + " with " + gltf::printable(character.name, 120);
+    return Error{fits.error().code, both + ": " + fits.error().place, fits.error().message};
+}
+
+}  // namespace throng

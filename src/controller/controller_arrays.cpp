@@ -1,0 +1,165 @@
+#include "controller/controller_arrays.h"
+
+#include "controller/blend_space.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace throng {
+namespace {
+
+template <class T>
+uint32_t size_of(const std::vector<T>& items) {
+    return static_cast<uint32_t>(items.size());
+}
+
+// Position of the item with this name, or kAbsent.
+template <class T>
+uint32_t find(const std::vector<T>& items, std::string_view name) {
+    const auto found = std::ranges::find(items, name, &T::name);
+    return found == items.end() ? io::kAbsent : static_cast<uint32_t>(found - items.begin());
+}
+
+class Arrays {
+public:
+    Arrays(const Controller& controller, const Character& character) : controller_(controller), character_(character) {
+        for (const ControllerEvent& event : controller.events)
+            event_clips_.push_back(find(character.clips, event.clip));
+        for (uint32_t clip = 0; clip < character.clips.size(); ++clip) add_clip(clip);
+        out.clips.push_back({});  // the rest pose
+        for (const ControllerLayer& layer : controller.layers) add_layer(layer);
+    }
+
+    ControllerArrays out;
+
+private:
+    void add_clip(uint32_t index) {
+        const Clip& clip = character_.clips[index];
+        io::ControlClip added{.rate = clip.duration_s > 0 ? 1 / clip.duration_s : 0,
+                              .first_event = size_of(out.events)};
+        if (!std::isfinite(added.rate)) added.rate = 0;
+        for (uint32_t event = 0; event < controller_.events.size(); ++event)
+            if (event_clips_[event] == index)
+                out.events.push_back({phase_at(controller_.events[event].time_s, clip.duration_s, false), event});
+        std::stable_sort(out.events.begin() + added.first_event, out.events.end(),
+                         [](const auto& a, const auto& b) { return a.phase < b.phase; });
+        added.event_count = size_of(out.events) - added.first_event;
+        added.first_root = clip.first_root_row;
+        added.root_count = clip.root_row_count;
+        out.clips.push_back(added);
+    }
+
+    void add_layer(const ControllerLayer& layer) {
+        io::ControlLayer added{.first_state = size_of(out.states), .state_count = size_of(layer.states)};
+        added.mode = layer.mode == LayerMode::kAdditive ? io::kModeAdditive : io::kModeOverride;
+        added.mask = layer.mask.empty() ? io::kAbsent : find(controller_.masks, layer.mask);
+        added.weight = layer.weight;
+        added.weight_parameter = parameter(layer.weight_parameter);
+        added.model_rotations = layer.model_space_rotations ? 1 : 0;
+        out.layers.push_back(added);
+        std::vector<std::string> sync_groups;
+        for (const ControllerState& state : layer.states) add_state(state, sync_groups);
+        add_transitions(layer, added.first_state);
+    }
+
+    void add_state(const ControllerState& state, std::vector<std::string>& sync_groups) {
+        io::ControlState added{.first_point = size_of(out.points), .point_count = size_of(state.points)};
+        added.first_triangle = size_of(out.triangles);
+        added.first_edge = size_of(out.edges);
+        added.x_parameter = parameter(state.x_parameter);
+        added.y_parameter = parameter(state.y_parameter);
+        added.speed_parameter = parameter(state.speed_parameter);
+        added.speed = state.speed;
+        added.loop = state.loop;
+        added.sync = state.sync.empty() ? io::kAbsent : group(sync_groups, state.sync);
+        for (const BlendPoint& point : state.points)
+            out.points.push_back({find(character_.clips, point.clip), point.x, point.y, 0});
+        if (!state.y_parameter.empty())
+            add_blend_space(added, state);
+        else if (!state.x_parameter.empty())
+            add_spans(added);
+        out.states.push_back(added);
+    }
+
+    void add_blend_space(io::ControlState& added, const ControllerState& state) {
+        const BlendSpace space = make_blend_space(state.points);
+        out.triangles.insert(out.triangles.end(), space.triangles.begin(), space.triangles.end());
+        out.edges.insert(out.edges.end(), space.edges.begin(), space.edges.end());
+        added.triangle_count = size_of(space.triangles);
+        added.edge_count = size_of(space.edges);
+    }
+
+    void add_spans(const io::ControlState& added) {
+        for (uint32_t i = added.first_point; i + 1 < size_of(out.points); ++i)
+            out.points[i].inverse_span = static_cast<float>(1 / (double{out.points[i + 1].x} - out.points[i].x));
+    }
+
+    // Each state has a list of its own, those from any state among them.
+    void add_transitions(const ControllerLayer& layer, uint32_t first_state) {
+        std::vector<io::ControlTransition> all;
+        for (const ControllerTransition& transition : layer.transitions) all.push_back(converted(transition, layer));
+        for (uint32_t state = 0; state < layer.states.size(); ++state) {
+            io::ControlState& from = out.states[first_state + state];
+            from.first_transition = size_of(out.transitions);
+            for (size_t i = 0; i < all.size(); ++i) {
+                const std::string& named = layer.transitions[i].from;
+                if (named.empty() ? all[i].to != state : named == layer.states[state].name)
+                    out.transitions.push_back(all[i]);
+            }
+            from.transition_count = size_of(out.transitions) - from.first_transition;
+        }
+    }
+
+    io::ControlTransition converted(const ControllerTransition& transition, const ControllerLayer& layer) {
+        io::ControlTransition added{.to = find(layer.states, transition.to),
+                                    .first_condition = size_of(out.conditions),
+                                    .condition_count = size_of(transition.conditions)};
+        // One less, so that what stops at kLastPhase has played its cycle.
+        const auto exit = static_cast<uint64_t>(std::max(std::round(transition.exit * 0x1p32) - 1, 0.0));
+        added.exit_loops = static_cast<uint32_t>(exit >> 32);
+        added.exit_phase = static_cast<uint32_t>(exit);
+        added.fade_rate = transition.fade_s > 0 ? 1 / transition.fade_s : 0;
+        added.flags = (transition.interrupts ? io::kTransitionInterrupts : 0) |
+                      (transition.fade == FadeKind::kInertial ? io::kTransitionInertial : 0);
+        for (const ControllerCondition& condition : transition.conditions)
+            out.conditions.push_back(
+                {parameter(condition.parameter), static_cast<uint32_t>(condition.test), condition.value});
+        return added;
+    }
+
+    uint32_t parameter(std::string_view name) const {
+        return name.empty() ? io::kAbsent : find(controller_.parameters, name);
+    }
+
+    static uint32_t group(std::vector<std::string>& groups, const std::string& name) {
+        const auto found = std::ranges::find(groups, name);
+        const auto index = static_cast<uint32_t>(found - groups.begin());
+        if (found == groups.end()) groups.push_back(name);
+        return index;
+    }
+
+    const Controller& controller_;
+    const Character& character_;
+    std::vector<uint32_t> event_clips_;  // [event_count]
+};
+
+using Test = ControllerCondition::Test;
+static_assert(uint32_t(Test::kAbove) == io::kTestAbove && uint32_t(Test::kBelow) == io::kTestBelow &&
+              uint32_t(Test::kIsTrue) == io::kTestTrue && uint32_t(Test::kIsFalse) == io::kTestFalse &&
+              uint32_t(Test::kTriggered) == io::kTestTriggered);
+
+}  // namespace
+
+ControllerArrays make_controller_arrays(const Controller& controller, const Character& character) {
+    return Arrays(controller, character).out;
+}
+
+uint32_t phase_at(double time_s, double duration_s, bool loop) {
+    if (!(duration_s > 0)) return 0;
+    const double cycles = time_s / duration_s;
+    if (!loop) return static_cast<uint32_t>(std::clamp(std::round(cycles * 0x1p32), 0.0, double{io::kLastPhase}));
+    // 2^32 is the beginning
+    return static_cast<uint32_t>(static_cast<uint64_t>(std::round((cycles - std::floor(cycles)) * 0x1p32)));
+}
+
+}  // namespace throng

@@ -1,0 +1,84 @@
+#include "controller/known_names.h"
+
+#include "base/failure.h"
+#include "import/json_view.h"
+
+#include <throng/asset.h>
+
+#include <algorithm>
+#include <cctype>
+#include <numeric>
+
+namespace throng {
+namespace {
+
+// Letters to insert, to remove, to replace, and neighbours to swap (F. Damerau, 1964; each place changed once); case
+// does not count.
+size_t edit_distance(std::string_view a, std::string_view b) {
+    const auto same = [](char x, char y) {
+        return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y));
+    };
+    // row[j]: from the first i letters of a to the first j of b
+    std::vector<size_t> row(b.size() + 1), above(b.size() + 1), above_that(b.size() + 1);
+    std::iota(row.begin(), row.end(), size_t{0});
+    for (size_t i = 1; i <= a.size(); ++i) {
+        above_that.swap(above);
+        above.swap(row);
+        row[0] = i;
+        for (size_t j = 1; j <= b.size(); ++j) {
+            row[j] = std::min({above[j - 1] + !same(a[i - 1], b[j - 1]), above[j] + 1, row[j - 1] + 1});
+            if (i > 1 && j > 1 && same(a[i - 1], b[j - 2]) && same(a[i - 2], b[j - 1]))
+                row[j] = std::min(row[j], above_that[j - 2] + 1);
+        }
+    }
+    return row.back();
+}
+
+}  // namespace
+
+bool KnownNames::add(std::string_view name) {
+    const bool is_new = indices_.emplace(name, static_cast<uint32_t>(names_.size())).second;
+    names_.push_back(name);
+    return is_new;
+}
+
+uint32_t KnownNames::find(std::string_view name) const {
+    const auto found = indices_.find(name);
+    return found == indices_.end() ? kNone : found->second;
+}
+
+uint32_t KnownNames::require(std::string_view name, const std::string& place) const {
+    const uint32_t index = find(name);
+    if (index == kNone) throw Failure(ErrorCode::kInvalidArgument, place, unknown(name));
+    return index;
+}
+
+std::string_view KnownNames::nearest(std::string_view name) const {
+    std::string_view best;
+    size_t least = std::max<size_t>(name.size() / 3, 1) + 1;  // further away is another word
+    if (name.size() > kNameLimit) return best;
+    for (const std::string_view known : names_) {
+        if (known.size() > name.size() + least || name.size() > known.size() + least) continue;
+        const size_t distance = edit_distance(name, known);
+        if (distance >= least) continue;
+        least = distance;
+        best = known;
+    }
+    return best;
+}
+
+std::string KnownNames::unknown(std::string_view name) const {
+    constexpr size_t kShown = 12;
+    std::string text = "there is no " + kind_ + " '" + gltf::printable(name) + "'";
+    if (names_.empty()) return text + ", nor any other";
+    if (const std::string_view near = nearest(name); !near.empty())
+        text += "; did you mean '" + gltf::printable(near) + "'?";
+    else
+        text += ".";
+    text += " There " + std::string(names_.size() == 1 ? "is: " : "are: ");
+    for (size_t i = 0; i < std::min(names_.size(), kShown); ++i) text += (i ? ", " : "") + gltf::printable(names_[i]);
+    if (names_.size() > kShown) text += ", … (" + std::to_string(names_.size()) + ")";
+    return text;
+}
+
+}  // namespace throng

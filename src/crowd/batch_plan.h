@@ -1,0 +1,81 @@
+// What batches of a group have. Each stage adds its buffers (BatchPlan), then so many instances form a batch as the
+// device's limits allow, and the buffers are made.
+#pragma once
+
+#include "crowd/batch.h"
+#include "gpu/upload.h"
+
+#include <functional>
+
+namespace throng {
+
+class BatchPlan {
+public:
+    using Make = std::function<Buffer(Uploads& uploads, const std::string& what, uint64_t instance_count)>;
+
+    explicit BatchPlan(const Group& group) : group_(group) {}
+
+    // Contents are undefined. `instance_bytes`: of one instance.
+    void add_storage(uint32_t number, uint64_t instance_bytes);
+    // Read by gpu/table.glsl, as T.
+    template <class T>
+    void add_table(uint32_t number, uint64_t count_of_instance = 1) {
+        add(number, count_of_instance * sizeof(T), [=](Uploads& uploads, const std::string& what, uint64_t n) {
+            return make_table<T>(uploads.gpu(), what, n * count_of_instance);
+        });
+    }
+    // A buffer that begins with `of_instance` once for each instance.
+    template <class T>
+    void add_filled(uint32_t number, std::vector<T> of_instance) {
+        const uint64_t instance_bytes = of_instance.size() * sizeof(T);
+        add(number, instance_bytes, [=](Uploads& uploads, const std::string& what, uint64_t n) {
+            return upload(uploads, what, repeat(of_instance, n));
+        });
+    }
+    // The same, as a table of words that kernels also write.
+    template <class T>
+    void add_filled_table(uint32_t number, std::vector<T> of_instance) {
+        const uint64_t instance_bytes = of_instance.size() * sizeof(T);
+        add(number, instance_bytes, [=](Uploads& uploads, const std::string& what, uint64_t n) {
+            return upload_writable_table(uploads, what, as_words(repeat(of_instance, n)));
+        });
+    }
+    void add(uint32_t number, uint64_t instance_bytes, Make make);
+    // Keeps batches small enough for a buffer that they do not own but share, as the arena of the staged update: of
+    // such a buffer, an instance takes this much.
+    void limit(uint64_t instance_bytes) { largest_bytes_ = std::max(largest_bytes_, instance_bytes); }
+
+    const Group& group() const { return group_; }
+    // What an instance takes of all buffers together.
+    uint64_t instance_bytes() const;
+    // What an instance takes of the buffer that it takes most of: this decides how many make a batch.
+    uint64_t largest_bytes() const { return largest_bytes_; }
+    // Makes the buffers of a batch, for as many instances as it has.
+    void make(Uploads& uploads, Batch& batch) const;
+
+private:
+    struct Entry {
+        uint32_t number = 0;
+        uint64_t instance_bytes = 0;
+        Make make;
+    };
+    template <class T>
+    static std::vector<T> repeat(const std::vector<T>& of_instance, uint64_t count) {
+        std::vector<T> all;
+        all.reserve(of_instance.size() * count);
+        for (uint64_t i = 0; i < count; ++i) all.insert(all.end(), of_instance.begin(), of_instance.end());
+        return all;
+    }
+
+    const Group& group_;
+    std::vector<Entry> entries_;
+    uint64_t largest_bytes_ = 0;
+};
+
+// What the poses of CrowdGroup::pose_capacity take.
+uint64_t pose_bytes(const CrowdSettings& settings);
+
+// Results of either update: skin matrices, model matrices and sockets.
+void plan_matrices(BatchPlan& plan, const CrowdSettings& settings);
+
+}  // namespace throng

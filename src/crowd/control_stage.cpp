@@ -1,0 +1,95 @@
+#include "crowd/control_stage.h"
+
+#include "base/failure.h"
+#include "control/control.h"
+#include "control/control_reference.h"
+#include "control/playback.h"
+#include "gpu/barrier.h"
+
+#include <algorithm>
+
+namespace throng {
+namespace {
+
+bool blends(const io::InstancePlayback& playback) { return playback.weight > 0 && playback.weight < 1; }
+
+}  // namespace
+
+void ControlStage::plan(BatchPlan& plan) {
+    if (plan.group().controller) return;
+    plan.add_storage(io::kPlaybacksBuffer, sizeof(io::InstancePlayback));
+    plan.add_storage(io::kCursorsBuffer, sizeof(io::InstanceCursor));
+}
+
+ControlStage::ControlStage(const std::shared_ptr<Gpu>& gpu, const std::vector<Group>& groups,
+                           std::vector<Batch>& batches, uint32_t instance_count)
+    : gpu_(*gpu), groups_(groups), batches_(batches), member_of_batch_(batches.size(), kNone) {
+    playbacks_.reserve(instance_count);
+    for (uint32_t i = 0; i < batches_.size(); ++i) {
+        const Batch& batch = batches_[i];
+        const Group& group = groups_[batch.group];
+        const auto rest = static_cast<uint32_t>(group.clip_durations_s.size());
+        const io::SlotPlayback rest_slot{.clip = rest, .loop = 0, .time_s = 0, .speed = 0};
+        playbacks_.insert(playbacks_.end(), batch.instance_count, {rest_slot, rest_slot, 1});
+        if (group.controller) continue;
+        if (!kernel_) kernel_ = control_kernel(gpu);
+        member_of_batch_[i] = static_cast<uint32_t>(members_.size());
+        members_.push_back({.batch = i, .blending_count = 0, .bindings = kernel_->bind(batch.table(group, {}))});
+    }
+    dirty_.add(0, instance_count);
+}
+
+io::InstancePlayback ControlStage::checked(uint32_t instance, const Playback& playback) const {
+    const std::string place = "playback of instance " + std::to_string(instance);
+    const Group& group = groups_[batches_[batch_index_of(batches_, instance)].group];
+    if (group.controller)
+        throw Failure(ErrorCode::kInvalidArgument, place, "it has a controller: use play() or its parameters");
+    const auto& durations_s = group.clip_durations_s;
+    const auto clip_count = static_cast<uint32_t>(durations_s.size());
+    check_playback(playback, clip_count, place);
+    // Wrapped in double precision here, so that a late time costs no digits on the GPU.
+    const auto slot = [&](const ClipPlayback& from) {
+        if (from.clip == kNone) return io::SlotPlayback{.clip = clip_count, .loop = 0, .time_s = 0, .speed = 0};
+        const double time_s = local_time_reference(from.time_s, durations_s[from.clip], from.loop);
+        return io::SlotPlayback{
+            .clip = from.clip, .loop = from.loop ? 1u : 0u, .time_s = static_cast<float>(time_s), .speed = from.speed};
+    };
+    return {slot(playback.first), slot(playback.second), playback.weight};
+}
+
+void ControlStage::set(uint32_t first_instance, std::span<const Playback> playback) {
+    std::vector<io::InstancePlayback> all;
+    all.reserve(playback.size());
+    for (uint32_t i = 0; i < playback.size(); ++i) all.push_back(checked(first_instance + i, playback[i]));
+    for (uint32_t i = 0; i < all.size(); ++i) {
+        io::InstancePlayback& known = playbacks_[first_instance + i];
+        if (const bool before = blends(known), after = blends(all[i]); before != after)
+            members_[member_of_batch_[batch_index_of(batches_, first_instance + i)]].blending_count += after ? 1u : ~0u;
+        known = all[i];
+    }
+    dirty_.add(first_instance, static_cast<uint32_t>(playback.size()));
+}
+
+void ControlStage::begin(const Update& update) {
+    for (const Member& member : members_) batches_[member.batch].blends = member.blending_count > 0;
+    for_each_part(batches_, dirty_.take(), [&](const Batch& batch, uint32_t first, uint32_t count) {
+        if (batch[io::kPlaybacksBuffer].handle())
+            record_update(gpu_, update.commands, batch[io::kPlaybacksBuffer], first - batch.first_instance,
+                          std::span<const io::InstancePlayback>(playbacks_).subspan(first, count));
+    });
+}
+
+void ControlStage::record(const Update& update) {
+    if (members_.empty()) return;
+    for (const Member& member : members_) {
+        const Batch& batch = batches_[member.batch];
+        kernel_->dispatch_invocations(
+            update.commands, member.bindings,
+            io::ControlPush{batch.instance_count, groups_[batch.group].joint_count, update.time_step_s},
+            batch.instance_count);
+    }
+    memory_barrier(gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    update.end_stage("control");
+}
+
+}  // namespace throng

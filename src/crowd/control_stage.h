@@ -1,0 +1,43 @@
+// The control stage of groups without a controller: clips and times that the application sets -> cursors.
+#pragma once
+
+#include "control/control_io.h"
+#include "crowd/batch_plan.h"
+#include "crowd/dirty_ranges.h"
+#include "crowd/stage.h"
+
+namespace throng {
+
+class ControlStage : public Stage {
+public:
+    static void plan(BatchPlan& plan);
+    // Serves the batches whose group has no controller; keeps references to both lists.
+    ControlStage(const std::shared_ptr<Gpu>& gpu, const std::vector<Group>& groups, std::vector<Batch>& batches,
+                 uint32_t instance_count);
+
+    // As Crowd::set_playback().
+    void set(uint32_t first_instance, std::span<const Playback> playback);
+
+    void begin(const Update& update) override;
+    void record(const Update& update) override;
+    void discard() override { dirty_.put_back(); }
+
+private:
+    struct Member {
+        uint32_t batch = 0;
+        uint32_t blending_count = 0;  // instances in which both clips have weight, as last set
+        Bindings bindings;
+    };
+    io::InstancePlayback checked(uint32_t instance, const Playback& playback) const;
+
+    const Gpu& gpu_;
+    const std::vector<Group>& groups_;
+    std::vector<Batch>& batches_;
+    std::optional<Kernel> kernel_;
+    std::vector<Member> members_;
+    std::vector<uint32_t> member_of_batch_;
+    std::vector<io::InstancePlayback> playbacks_;  // [instance_count], as last set
+    DirtyRanges dirty_;
+};
+
+}  // namespace throng

@@ -1,0 +1,34 @@
+// Where instances stand, as the application says.
+#pragma once
+
+#include "crowd/batch_plan.h"
+#include "crowd/dirty_ranges.h"
+#include "crowd/stage.h"
+
+namespace throng {
+
+// Nothing has moved it yet.
+io::RootState standing_at(const Affine& world_from_model);
+
+class PlacementStage : public Stage {
+public:
+    static void plan(BatchPlan& plan) { plan.add_table<Affine>(io::kPlacementsBuffer); }
+    // Keeps a reference to the batches.
+    PlacementStage(const std::shared_ptr<Gpu>& gpu, const std::vector<Batch>& batches, uint32_t instance_count);
+
+    // Throws kInvalidArgument where a number is not finite.
+    void set(uint32_t first_instance, std::span<const Affine> world_from_model);
+    const std::vector<Affine>& all() const { return placements_; }
+
+    void begin(const Update& update) override;
+    void discard() override { dirty_.put_back(); }
+    uint32_t end_count() const override { return 0; }
+
+private:
+    const Gpu& gpu_;
+    const std::vector<Batch>& batches_;
+    std::vector<Affine> placements_;  // [instance_count], as last set
+    DirtyRanges dirty_;
+};
+
+}  // namespace throng

@@ -1,0 +1,66 @@
+#include "crowd/terrain_stage.h"
+
+#include "base/failure.h"
+#include "gpu/barrier.h"
+
+#include <cmath>
+
+namespace throng {
+namespace {
+
+constexpr uint32_t kTerrainSpirv[] = {
+#include "steer/terrain.comp.inc"
+};
+
+}  // namespace
+
+void check_terrain(const CrowdSettings& settings) {
+    for (const CrowdGroup& group : settings.groups)
+        if (group.on_terrain && !settings.terrain)
+            throw Failure(ErrorCode::kInvalidArgument, group.character->name + ": on_terrain",
+                          "CrowdSettings::terrain is not set");
+    if (!settings.terrain) return;
+    const Terrain& terrain = *settings.terrain;
+    const auto refuse = [](const std::string& what) {
+        throw Failure(ErrorCode::kInvalidArgument, "crowd: terrain", what);
+    };
+    if (terrain.columns == 0 || terrain.rows == 0 || terrain.heights.size() != uint64_t{terrain.columns} * terrain.rows)
+        refuse(std::to_string(terrain.heights.size()) + " heights of " + std::to_string(terrain.columns) +
+               " columns and " + std::to_string(terrain.rows) + " rows");
+    if (!std::isfinite(terrain.x) || !std::isfinite(terrain.z) || !std::isnormal(terrain.spacing) ||
+        !(terrain.spacing > 0) || !std::isnormal(1 / terrain.spacing))
+        refuse("x, z and spacing must be finite, and spacing above 0");
+    for (const float height : terrain.heights)
+        if (!std::isfinite(height)) refuse("a height is not finite");
+}
+
+TerrainStage::TerrainStage(Uploads& uploads, const CrowdSettings& settings, const std::vector<Group>& groups,
+                           const std::vector<Batch>& batches)
+    : gpu_(*uploads.gpu()), batches_(batches) {
+    const Terrain& terrain = *settings.terrain;
+    heights_ = upload(uploads, "heights of the terrain", terrain.heights);
+    kernel_ = Kernel(uploads.gpu(), {.name = "terrain", .spirv = kTerrainSpirv});
+    push_ = {.instance_count = 0,
+             .columns = terrain.columns,
+             .rows = terrain.rows,
+             .x = terrain.x,
+             .z = terrain.z,
+             .inverse_spacing = 1 / terrain.spacing};
+    for (uint32_t i = 0; i < batches_.size(); ++i)
+        if (const Batch& batch = batches_[i]; settings.groups[batch.group].on_terrain)
+            members_.push_back(
+                {i, kernel_.bind(batch.table(groups[batch.group], {}).set({{io::kHeightsBuffer, heights_}}))});
+}
+
+void TerrainStage::record(const Update& update) {
+    if (members_.empty()) return;
+    for (const Member& member : members_) {
+        io::TerrainPush push = push_;
+        push.instance_count = batches_[member.batch].instance_count;
+        kernel_.dispatch_invocations(update.commands, member.bindings, push, push.instance_count);
+    }
+    memory_barrier(gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    update.end_stage("terrain");
+}
+
+}  // namespace throng

@@ -1,0 +1,40 @@
+// The terrain stage of crowds with CrowdSettings::terrain: instances of groups that stand on it are put there.
+#pragma once
+
+#include "crowd/batch_plan.h"
+#include "crowd/stage.h"
+#include "gpu/kernel.h"
+#include "steer/terrain_io.h"
+
+namespace throng {
+
+// Throws kInvalidArgument where CrowdSettings::terrain is not a grid of finite heights, or is missing and a group has
+// CrowdGroup::on_terrain.
+void check_terrain(const CrowdSettings& settings);
+
+class TerrainStage : public Stage {
+public:
+    // Serves the batches whose group has CrowdGroup::on_terrain; keeps a reference to the list. Throws kInvalidArgument
+    // where the terrain is none.
+    TerrainStage(Uploads& uploads, const CrowdSettings& settings, const std::vector<Group>& groups,
+                 const std::vector<Batch>& batches);
+
+    // Behind all that moves placements; what follows sees where instances stand.
+    void record(const Update& update) override;
+    uint64_t size_bytes() const override { return heights_.size_bytes(); }
+
+private:
+    struct Member {
+        uint32_t batch = 0;
+        Bindings bindings;
+    };
+
+    const Gpu& gpu_;
+    const std::vector<Batch>& batches_;
+    Buffer heights_;
+    Kernel kernel_;
+    io::TerrainPush push_{};
+    std::vector<Member> members_;
+};
+
+}  // namespace throng

@@ -1,0 +1,89 @@
+#include "gpu/memory.h"
+
+#include "base/failure.h"
+#include "gpu/free_ranges.h"
+#include "gpu/gpu.h"
+
+#include <algorithm>
+
+namespace throng {
+
+struct MemoryBlock {
+    MemoryBlock(const Gpu& gpu_in, uint32_t type_in, VkDeviceSize size)
+        : gpu(gpu_in), type(type_in), size_bytes(size), free(size) {}
+    ~MemoryBlock() { gpu.vk.vkFreeMemory(gpu.device, memory, nullptr); }
+    MemoryBlock(const MemoryBlock&) = delete;
+
+    const Gpu& gpu;
+    uint32_t type;
+    VkDeviceSize size_bytes;
+    VkDeviceMemory memory = VK_NULL_HANDLE;
+    std::byte* mapped = nullptr;
+    FreeRanges free;
+};
+
+MemoryBlocks::MemoryBlocks(const Gpu& gpu) : gpu_(gpu) {}
+MemoryBlocks::~MemoryBlocks() = default;
+
+MemoryPart MemoryBlocks::take(uint32_t memory_type, VkDeviceSize size_bytes, VkDeviceSize alignment) {
+    const std::lock_guard lock(mutex_);
+    Blocks& blocks = blocks_[memory_type];
+    const auto part_of = [&](MemoryBlock& block, VkDeviceSize offset) {
+        return MemoryPart{&block, block.memory, offset, size_bytes, block.mapped ? block.mapped + offset : nullptr};
+    };
+    for (const auto& block : blocks)
+        if (const auto offset = block->free.take(size_bytes, alignment)) return part_of(*block, *offset);
+    const VkDeviceSize shared_bytes = block_bytes(memory_type, size_bytes);
+    try {
+        blocks.push_back(make_block(memory_type, shared_bytes));
+    } catch (const Failure& failure) {
+        // Where little is left, what is asked for may still fit.
+        if (failure.error.code != ErrorCode::kOutOfMemory || shared_bytes == size_bytes) throw;
+        blocks.push_back(make_block(memory_type, size_bytes));
+    }
+    return part_of(*blocks.back(), *blocks.back()->free.take(size_bytes, alignment));
+}
+
+VkDeviceSize MemoryBlocks::block_bytes(uint32_t memory_type, VkDeviceSize size_bytes) const {
+    constexpr VkDeviceSize kPartOfHeap = 16;
+    VkDeviceSize before_bytes = 0;
+    for (const auto& block : blocks_[memory_type]) before_bytes += block->size_bytes;
+    const VkMemoryType& type = gpu_.memory_properties.memoryTypes[memory_type];
+    const VkDeviceSize most_bytes = std::min<VkDeviceSize>(
+        {kLargestBlock_bytes, gpu_.max_allocation_bytes,
+         gpu_.memory_properties.memoryHeaps[type.heapIndex].size / kPartOfHeap});
+    return std::max(size_bytes, std::min(std::max(before_bytes, kSmallestBlock_bytes), most_bytes));
+}
+
+std::unique_ptr<MemoryBlock> MemoryBlocks::make_block(uint32_t memory_type, VkDeviceSize size_bytes) const {
+    constexpr VkMemoryPropertyFlags kMappable = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
+                                                VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    auto block = std::make_unique<MemoryBlock>(gpu_, memory_type, size_bytes);
+    VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    allocate.allocationSize = size_bytes;
+    allocate.memoryTypeIndex = memory_type;
+    check(gpu_.vk.vkAllocateMemory(gpu_.device, &allocate, nullptr, &block->memory), "vkAllocateMemory");
+    ++gpu_.counts.allocations;
+    if ((gpu_.memory_properties.memoryTypes[memory_type].propertyFlags & kMappable) != kMappable) return block;
+    void* pointer = nullptr;
+    // Where it cannot be mapped, the GPU can still use it.
+    if (gpu_.vk.vkMapMemory(gpu_.device, block->memory, 0, VK_WHOLE_SIZE, 0, &pointer) == VK_SUCCESS)
+        block->mapped = static_cast<std::byte*>(pointer);
+    return block;
+}
+
+void MemoryBlocks::give_back(const MemoryPart& part) noexcept {
+    const std::lock_guard lock(mutex_);
+    part.block->free.give_back(part.offset_bytes, part.size_bytes);
+    if (part.block->free.all_free())
+        std::erase_if(blocks_[part.block->type], [&](const auto& block) { return block.get() == part.block; });
+}
+
+size_t MemoryBlocks::block_count() const {
+    const std::lock_guard lock(mutex_);
+    size_t count = 0;
+    for (const Blocks& blocks : blocks_) count += blocks.size();
+    return count;
+}
+
+}  // namespace throng

@@ -1,0 +1,47 @@
+// What the driver remembers of the pipelines that it compiled, kept in a file from one start to the next.
+#pragma once
+
+#include "gpu/vulkan.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+namespace throng {
+
+class Gpu;
+
+// No failure of it is one of throng's: where the file is missing, damaged or another driver's, the cache begins empty,
+// and where it cannot be written, it is not kept.
+class PipelineCache {
+public:
+    PipelineCache(const Gpu& gpu, std::filesystem::path file);
+    // Writes the file as a whole, where the driver remembers something that it did not say.
+    ~PipelineCache();
+    PipelineCache(const PipelineCache&) = delete;
+    PipelineCache& operator=(const PipelineCache&) = delete;
+
+    VkPipelineCache handle() const { return cache_; }
+    size_t loaded_bytes() const { return loaded_.size(); }
+
+private:
+    bool create();  // with what was loaded
+    void save() const;
+
+    const Gpu& gpu_;
+    std::filesystem::path file_;
+    std::vector<std::byte> loaded_;  // the driver's data, as the file had it
+    VkPipelineCache cache_ = VK_NULL_HANDLE;
+};
+
+// In throng's cache folder, a file a device and driver; empty where there is no folder.
+std::filesystem::path pipeline_cache_file(const VkPhysicalDeviceProperties& device);
+
+// The file: a head that finds damage, for drivers trust what they are given, then the driver's data.
+std::vector<std::byte> pipeline_cache_bytes(std::span<const std::byte> data);
+// The data of a file that is whole, and this device's and driver's; else none.
+std::vector<std::byte> pipeline_cache_data(std::span<const std::byte> file, const VkPhysicalDeviceProperties& device);
+
+}  // namespace throng

@@ -1,0 +1,34 @@
+#include "gpu/shared_kernels.h"
+
+namespace throng {
+
+SharedKernels::Shared SharedKernels::find(const Key& key) {
+    const std::lock_guard lock(mutex_);
+    const auto found = by_key_.find(key);
+    Shared shared = found != by_key_.end() ? found->second.lock() : nullptr;
+    if (shared) keep(shared);
+    return shared;
+}
+
+SharedKernels::Shared SharedKernels::add(Key key, const Shared& made) {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(by_key_, [](const auto& entry) { return entry.second.expired(); });
+    const auto entry = by_key_.try_emplace(std::move(key), made).first;
+    Shared shared = entry->second.lock();
+    if (!shared) entry->second = shared = made;
+    keep(shared);
+    return shared;
+}
+
+void SharedKernels::keep(const Shared& used) {
+    std::erase(kept_, used);
+    kept_.push_back(used);
+    while (kept_.size() > kept_count_) kept_.pop_front();
+}
+
+void SharedKernels::clear() {
+    const std::lock_guard lock(mutex_);
+    kept_.clear();
+}
+
+}  // namespace throng

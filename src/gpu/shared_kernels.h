@@ -1,0 +1,44 @@
+// Compute pipelines that are made once a device and shared.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace throng {
+
+struct CompiledKernel;  // gpu/kernel.cpp
+
+// Finds a pipeline that is in use by the code and the settings that it was made of. Thread-safe.
+class SharedKernels {
+public:
+    // Everything that the pipeline depends on.
+    using Key = std::vector<uint32_t>;
+    using Shared = std::shared_ptr<const CompiledKernel>;
+
+    // How many pipelines are kept after their last user is gone, so that a crowd that is made anew, a little changed,
+    // compiles little.
+    static constexpr size_t kKept = 64;
+    // `kept` is 0 for devices of the application, which it may destroy before this object.
+    explicit SharedKernels(size_t kept) : kept_count_(kept) {}
+
+    // Null where there is none.
+    Shared find(const Key& key);
+    // Returns the one to use: that of another thread, where it was faster.
+    Shared add(Key key, const Shared& made);
+    void clear();
+
+private:
+    void keep(const Shared& used);
+
+    std::mutex mutex_;
+    std::map<Key, std::weak_ptr<const CompiledKernel>> by_key_;
+    size_t kept_count_;
+    std::deque<Shared> kept_;  // the one asked for last is the last
+};
+
+}  // namespace throng

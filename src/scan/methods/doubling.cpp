@@ -1,0 +1,39 @@
+#include "scan/doubling_table.h"
+#include "scan/scan_table.h"
+
+namespace throng {
+namespace {
+
+ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
+    DoublingTable table = doubling_table(rig.parents);
+    // GLSL has no empty arrays
+    const uint32_t rounds = table.round_count, shared_joints = rounds > 1 ? rig.joint_count() : 1;
+    const bool fits = uint64_t{shared_joints} * kDoublingBytesPerJoint <= limits.shared_memory_bytes;
+    ScanPlan plan{.workgroup_size = strided_workgroup_size(rig.joint_count(), limits), .on_chip = fits};
+    const bool reloads = rig.joint_count() > plan.workgroup_size;
+    plan.constants = {fits ? shared_joints : 1u, fits ? 1u : 0u, reloads ? 1u : 0u, rounds};
+
+    ScanCounter counter(plan.workgroup_size, limits.subgroup_size);
+    for (uint32_t round = 0; round < rounds; ++round) {
+        if (round > 0) counter.barrier();
+        count_doubling_round(table, round, rig.joint_count(), reloads, fits && round + 1 == rounds, counter);
+    }
+    counter.shared_bytes(fits ? uint64_t{shared_joints} * kDoublingBytesPerJoint : 0);
+    plan.counts = counter.counts();
+    plan.links = std::move(table.links);
+    return plan;
+}
+
+}  // namespace
+
+ScanMethod doubling() {
+    return {.name = "doubling",
+            .order = 30,
+            .summary = "one thread per joint, ancestors twice as far up each round",
+            .source = "Hillis and Steele, CACM 1986 (the paper's Algorithm 2)",
+            .origin = ScanOrigin::kPaper,
+            .lane_choices = no_lane_choice,
+            .plan = plan};
+}
+
+}  // namespace throng

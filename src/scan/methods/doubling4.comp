@@ -1,0 +1,68 @@
+#version 460
+// doubling4: doubling with three ancestors a round: each joint multiplies its product by those of the ancestors once,
+//   twice and three times as far up, which is four times as far as in the round before.
+// Source: doubling; more links followed between two barriers, as in higher-radix parallel scans (Merrill and Grimshaw,
+//   Parallel Scan for Stream Architectures, 2009).
+// Difference: on a tree an ancestor's own link leads to the next one, so that a round's table has a word a joint.
+// Input: local[instance][joint], parent_from_joint, affine 3x4. Output: model[instance][joint], model_from_joint.
+// Needs: 96 bytes of shared memory a joint where they fit, else model and scratch hold what shared memory would; any
+//   joint count.
+// Cost: longest thread 3 ceil(log4(levels)) multiplications, ceil(log4(levels)) - 1 barriers: half of doubling's, for
+//   half as many multiplications more.
+// Wins: where barriers are dear beside multiplications.
+// Loses: against doubling, where they are not.
+// Measured: docs/scan.md#doubling4
+// Methods: doubling4
+// Fused: doubling4
+#define SCAN_EXCHANGE coherent
+#define SCAN_SHARES
+#include "scan/scan.glsl"
+
+layout(constant_id = 1) const uint kSharedJoints = 1;  // joints that shared memory holds
+layout(constant_id = 2) const bool kInShared = true;   // false: the character does not fit it
+layout(constant_id = 3) const uint kRounds = 1;
+
+const uint kNoAncestor = ~0u;
+
+shared StoredAffine shared_products[2 * kSharedJoints];  // [slot][joint]
+
+// Rounds take turns with two slots, so that none is read and written between two barriers. Without shared memory the
+// last round's slot is model.
+uint slot_of(uint round) { return (kRounds - 1 - round) % 2; }
+
+// As the round finds it.
+Affine load_product(uint instance, uint joint, uint round) {
+    if (round == 0) return load_local(instance, joint);
+    const uint slot = slot_of(round - 1);
+    if (kInShared) return unpack(shared_products[slot * kSharedJoints + joint]);
+    if (slot == 0) return unpack(model[at(instance, joint)]);
+    return unpack(scratch[at(instance, joint)]);
+}
+
+void store_product(uint instance, uint joint, uint round, Affine product) {
+    if (round + 1 == kRounds)
+        store_model(instance, joint, product);
+    else if (kInShared)
+        shared_products[slot_of(round) * kSharedJoints + joint] = pack(product);
+    else if (slot_of(round) == 0)
+        model[at(instance, joint)] = pack(product);
+    else
+        scratch[at(instance, joint)] = pack(product);
+}
+
+void scan() {
+    const uint instance = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x, lanes = gl_WorkGroupSize.x;
+    for (uint round = 0; round < kRounds; ++round) {
+        if (round > 0) scan_barrier(!kInShared);
+        const uint links = round * push.joint_count;
+        for (uint joint = lane; joint < push.joint_count; joint += lanes) {
+            Affine product = load_product(instance, joint, round);
+            uint ancestor = link(links + joint);
+            for (uint i = 0; i < 3 && ancestor != kNoAncestor; ++i) {
+                product = affine_multiply(load_product(instance, ancestor, round), product);
+                ancestor = link(links + ancestor);
+            }
+            store_product(instance, joint, round, product);
+        }
+    }
+}

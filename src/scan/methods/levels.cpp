@@ -1,0 +1,71 @@
+#include "scan/scan_table.h"
+
+#include <algorithm>
+
+namespace throng {
+namespace {
+
+constexpr uint32_t kBytesPerJoint = 96;  // two affines
+
+ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
+    std::vector<bool> has_child(rig.joint_count());
+    for (const uint32_t parent : rig.parents)
+        if (parent != kNone) has_child[parent] = true;
+    std::vector<std::vector<uint32_t>> levels(rig.level_count);  // those with children first
+    for (const bool with_children : {true, false})
+        for (uint32_t joint = 0; joint < rig.joint_count(); ++joint)
+            if (has_child[joint] == with_children) levels[rig.depths[joint] - 1].push_back(joint);
+
+    std::vector<uint32_t> parent_counts, position(rig.joint_count());
+    uint32_t widest = 0;
+    for (const auto& level : levels) {
+        for (uint32_t i = 0; i < level.size(); ++i) position[level[i]] = i;
+        parent_counts.push_back(static_cast<uint32_t>(
+            std::count_if(level.begin(), level.end(), [&](uint32_t joint) { return has_child[joint]; })));
+        widest = std::max(widest, static_cast<uint32_t>(level.size()));
+    }
+    // GLSL has no empty arrays
+    const uint32_t shared_joints = std::max(*std::max_element(parent_counts.begin(), parent_counts.end()), 1u);
+    const bool fits = uint64_t{shared_joints} * kBytesPerJoint <= limits.shared_memory_bytes;
+
+    ScanPlan plan{
+        .workgroup_size = strided_workgroup_size(widest, limits), .links = {rig.level_count}, .on_chip = fits};
+    plan.constants = {fits ? shared_joints : 1u, fits ? 1u : 0u};
+    uint32_t first = 0;
+    for (uint32_t level = 0; level < rig.level_count; ++level) {
+        plan.links.insert(plan.links.end(), {first, first + parent_counts[level]});
+        first += static_cast<uint32_t>(levels[level].size());
+    }
+    plan.links.push_back(first);
+    for (const auto& level : levels)
+        for (const uint32_t joint : level) {
+            const uint32_t parent = rig.parents[joint];
+            plan.links.push_back(joint | (parent == kNone ? 0 : fits ? position[parent] : parent) << 16);
+        }
+
+    ScanCounter counter(plan.workgroup_size, limits.subgroup_size);
+    for (uint32_t level = 0; level < rig.level_count; ++level) {
+        if (level > 0) counter.barrier();
+        const size_t count = levels[level].size();
+        std::vector<uint32_t> moves(count, 2);
+        if (fits) std::fill_n(moves.begin(), parent_counts[level], 3u);
+        counter.phase(std::vector<uint32_t>(count, level > 0 ? 1 : 0), moves);
+    }
+    counter.shared_bytes(fits ? uint64_t{shared_joints} * kBytesPerJoint : 0);
+    plan.counts = counter.counts();
+    return plan;
+}
+
+}  // namespace
+
+ScanMethod levels() {
+    return {.name = "levels",
+            .order = 60,
+            .summary = "level after level, a barrier between two",
+            .source = "common practice on GPUs",
+            .origin = ScanOrigin::kBaseline,
+            .lane_choices = no_lane_choice,
+            .plan = plan};
+}
+
+}  // namespace throng

@@ -1,0 +1,45 @@
+#version 460
+// subgroup: fragments within a subgroup, without barriers; a subgroup holds one character or several small ones.
+// Source: fragments; the exchange of registers by shuffles as in warp scans (Harris and Garland, GPU Computing Gems
+//   Jade, 2012).
+// Difference: as in fragments. With one lane a character it is a serial walk that reads no parent back.
+// Input: local[instance][joint], parent_from_joint, affine 3x4. Output: model[instance][joint], model_from_joint.
+//   subgroup_quaternion reads similarities.
+// Needs: shuffles; lanes a power of two, at most the smallest subgroup; shared memory for the slots; any joint count.
+// Cost: as fragments; no barrier.
+// Wins: GPUs; software devices with fewer characters than lanes.
+// Loses: where the driver's shuffles are slow.
+// Measured: docs/scan.md#subgroup
+// Methods: subgroup subgroup_quaternion
+// Fused: subgroup subgroup_quaternion
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+#include "scan/scan.glsl"
+#include "scan/pieces.glsl"
+
+// Of another invocation of the subgroup.
+Transform shuffled(Transform t, uint source) {
+#ifdef SCAN_QUATERNION
+    return Similarity(subgroupShuffle(t.rotation, source), subgroupShuffle(t.translation_scale, source));
+#else
+    return Affine(subgroupShuffle(t.row0, source), subgroupShuffle(t.row1, source), subgroupShuffle(t.row2, source));
+#endif
+}
+
+void scan() {
+    const uint invocation = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID, lane = invocation % kLanes;
+    const uint instance = gl_WorkGroupID.x * (gl_WorkGroupSize.x / kLanes) + invocation / kLanes;
+    const bool exists = instance < instance_count();  // the same for all lanes of a character
+
+    Transform prefix = kIdentityTransform;
+    if (exists) prefix = path_product(instance, lane);
+    const uint rounds = link(kRounds);
+    for (uint round = 0; round < rounds; ++round) {
+        const uint ancestor = ancestor_lane(lane, round);
+        uint source = gl_SubgroupInvocationID;
+        if (ancestor != kIdle) source += ancestor - lane;
+        const Transform above = shuffled(prefix, source);
+        if (ancestor != kIdle) prefix = multiply(above, prefix);
+    }
+    if (exists) walk_piece(instance, lane, invocation, prefix);
+}

@@ -1,0 +1,29 @@
+#version 460
+// terrain: instances stand on the ground: world y of their placements becomes that of the terrain below them. One
+//   invocation per instance. Cost: 48 bytes of a placement and four heights read, 16 bytes written.
+#include "gpu/buffers_io.h"
+#include "steer/terrain_io.h"
+
+layout(local_size_x = kTerrainWorkgroupSize) in;
+// world_from_model, three rows each
+layout(set = 0, binding = kPlacementsBuffer, std430) buffer Placements { vec4 placements[]; };
+layout(set = 0, binding = kHeightsBuffer, std430) readonly buffer Heights { float heights[]; };
+layout(push_constant) uniform Push { TerrainPush push; };
+
+// Bilinear between four points; beyond the edges as at the nearest one.
+float height_at(vec2 place) {
+    const vec2 last = vec2(push.columns - 1, push.rows - 1);
+    const vec2 at = clamp((place - vec2(push.x, push.z)) * push.inverse_spacing, vec2(0), last);
+    const vec2 share = fract(at);
+    const uvec2 end = uvec2(push.columns - 1, push.rows - 1);  // floats may round it up
+    const uvec2 l = min(uvec2(at), end), h = min(l + 1, end);
+    return mix(mix(heights[l.y * push.columns + l.x], heights[l.y * push.columns + h.x], share.x),
+               mix(heights[h.y * push.columns + l.x], heights[h.y * push.columns + h.x], share.x), share.y);
+}
+
+void main() {
+    const uint instance = gl_GlobalInvocationID.x;
+    if (instance >= push.instance_count) return;
+    const vec2 place = vec2(placements[3 * instance].w, placements[3 * instance + 2].w);
+    placements[3 * instance + 1].w = height_at(place);
+}

@@ -1,0 +1,12 @@
+#include "tests/shared.h"
+
+#include <cstdlib>
+
+namespace throng {
+
+std::filesystem::path shared_folder(const std::string& name) {
+    const char* elsewhere = std::getenv("THRONG_SHARED");
+    return std::filesystem::path(elsewhere ? elsewhere : THRONG_SHARED_DIR) / name;
+}
+
+}  // namespace throng

@@ -1,0 +1,92 @@
+// Instances stand on the ground: against a scalar form in double precision.
+#include "crowd/crowd_state.h"
+#include "tests/crowd_cases.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace throng::test {
+namespace {
+
+float between(Random& random, double least, double most) {
+    return static_cast<float>(least + (most - least) * random.unit());
+}
+
+double height_reference(const Terrain& terrain, double x, double z) {
+    const auto split = [&](double place, double first, uint32_t count) {
+        const double at = std::clamp((place - first) / double{terrain.spacing}, 0.0, count - 1.0);
+        const auto low = static_cast<uint32_t>(at);
+        return std::tuple{low, std::min(low + 1, count - 1), at - low};
+    };
+    const auto [left, right, along_x] = split(x, terrain.x, terrain.columns);
+    const auto [near, far, along_z] = split(z, terrain.z, terrain.rows);
+    const auto height = [&](uint32_t row, uint32_t column) {
+        return double{terrain.heights[row * terrain.columns + column]};
+    };
+    return (1 - along_z) * ((1 - along_x) * height(near, left) + along_x * height(near, right)) +
+           along_z * ((1 - along_x) * height(far, left) + along_x * height(far, right));
+}
+
+Terrain make_terrain(uint32_t columns, uint32_t rows, Random& random) {
+    Terrain terrain{.x = -30, .z = 12, .spacing = 2.5f, .columns = columns, .rows = rows};
+    for (uint32_t i = 0; i < columns * rows; ++i) terrain.heights.push_back(between(random, 0, 20));
+    return terrain;
+}
+
+TEST(Terrain, InstancesStandOnIt) {
+    const Character character = make_character({.joint_count = 5});
+    Random random(7);
+    for (const auto& [columns, rows] : {std::pair{30u, 20u}, {1u, 9u}, {4u, 1u}, {1u, 1u}}) {
+        const Terrain terrain = make_terrain(columns, rows, random);
+        Crowd crowd = create({.groups = {{.character = &character, .instance_count = 200, .on_terrain = true},
+                                         {.character = &character, .instance_count = 3}},
+                              .terrain = terrain});
+        std::vector<Affine> placements(203);
+        for (Affine& placement : placements)
+            for (size_t row = 0; row < 3; ++row) placement.row[row][3] = between(random, -60, 60);
+        ASSERT_TRUE(crowd.set_placement(0, placements));
+        ASSERT_TRUE(crowd.update(0.1f));
+        std::vector<Affine> placed;
+        for (const Batch& batch : crowd.state().batches) {
+            const auto some = download<Affine>(test_device().gpu(), batch[io::kPlacementsBuffer]);
+            placed.insert(placed.end(), some.begin(), some.begin() + batch.instance_count);
+        }
+        ASSERT_EQ(placed.size(), placements.size());
+        for (size_t i = 0; i < placed.size(); ++i) {
+            const double wanted = i < 200 ? height_reference(terrain, placements[i].row[0][3], placements[i].row[2][3])
+                                          : double{placements[i].row[1][3]};
+            EXPECT_NEAR(placed[i].row[1][3], wanted, 2e-4) << i << " of " << columns << " x " << rows;
+            placed[i].row[1][3] = placements[i].row[1][3];
+            EXPECT_EQ(placed[i].row, placements[i].row) << "nothing else moves";
+        }
+    }
+}
+
+TEST(Terrain, WrongOnesAreRefused) {
+    const Character character = make_character({.joint_count = 2});
+    CrowdSettings settings{.groups = {{.character = &character, .instance_count = 1, .on_terrain = true}}};
+    const auto message = [&] {
+        const auto crowd = Crowd::create(test_device(), settings);
+        return crowd ? std::string() : crowd.error().text();
+    };
+    EXPECT_NE(message().find("CrowdSettings::terrain is not set"), std::string::npos) << message();
+    settings.terrain = Terrain{.columns = 2, .rows = 2, .heights = {1, 2, 3}};
+    EXPECT_NE(message().find("3 heights of 2 columns and 2 rows"), std::string::npos) << message();
+    settings.terrain->heights.push_back(4);
+    EXPECT_EQ(message(), "");
+    for (const float spacing : {0.0f, -1.0f, NAN, INFINITY, 1e-40f}) {
+        settings.terrain->spacing = spacing;
+        EXPECT_NE(message().find("spacing"), std::string::npos) << spacing;
+    }
+    settings.terrain->spacing = 1;
+    settings.terrain->heights[2] = NAN;
+    EXPECT_NE(message().find("a height is not finite"), std::string::npos) << message();
+    settings.terrain = Terrain{.columns = 5, .rows = 0};
+    EXPECT_NE(message().find("0 heights of 5 columns and 0 rows"), std::string::npos) << message();
+    settings.terrain = Terrain{};
+    EXPECT_NE(message().find("0 heights of 0 columns"), std::string::npos) << message();
+}
+
+}  // namespace
+}  // namespace throng::test

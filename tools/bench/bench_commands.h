@@ -1,0 +1,21 @@
+// The commands of `throng-bench`.
+#pragma once
+
+#include "tools/cli/options.h"
+
+namespace throng::tools {
+
+// Each adds one subcommand, which runs when it is parsed.
+void add_bench(Command app);
+void add_tune(Command app);
+
+// Of `bench`.
+void add_bench_frame(Command bench);
+void add_bench_control(Command bench);
+void add_bench_view(Command bench);
+void add_bench_scan(Command bench);
+void add_bench_baselines(Command bench);
+void add_bench_report(Command bench);
+void add_bench_diagrams(Command bench);
+
+}  // namespace throng::tools

@@ -1,0 +1,140 @@
+// throng bench view: what an update for a view leaves out, and gains.
+#include "bench/view_bench.h"
+#include "tools/creatures/creature.h"
+#include "tools/bench/bench_commands.h"
+#include "tools/cli/command.h"
+#include "tools/scene/camera_path.h"
+#include "tools/scene/scatter.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+#include <filesystem>
+
+namespace throng::tools {
+namespace {
+
+struct ViewOptions {
+    std::string file, size = "1280x720", device;
+    uint32_t count = 100'000, joints = 64, levels = 16, faces = 500, samples = 15;
+    uint64_t seed = 1;
+    float detail_pixels = 1, full_rate_pixels = 100;
+    CameraOptions camera{.path = "low"};
+    CompileSettings compile;
+    bool json = false;
+};
+
+void print_row(const nlohmann::json& record) {
+    std::printf("%-18s ", record["variant"].get<std::string>().c_str());
+    if (record.contains("obstacle")) {
+        std::printf("not measured: %s\n", record["obstacle"].get<std::string>().c_str());
+        return;
+    }
+    if (record.contains("wrong")) {
+        std::printf("WRONG, not timed: it is %s of the size off, and %s pixels\n", record["max_error"].dump().c_str(),
+                    record.value("max_pixels", nlohmann::json()).dump().c_str());
+        return;
+    }
+    const nlohmann::json& ms = record["ms"];
+    std::printf("%9.3f %9.3f -%8.3f ", ms["median"].get<double>(), ms["p5"].get<double>(), ms["p95"].get<double>());
+    if (record.contains("times_faster"))
+        std::printf("%7.2f ", record["times_faster"].get<double>());
+    else
+        std::printf("%7s ", "");  // everything was not measured
+    const nlohmann::json stages = record.value("stages", nlohmann::json::object());
+    for (const auto& [stage, stage_ms] : stages.items())
+        std::printf(" %s %.2f,", stage.c_str(), stage_ms.get<double>());
+    std::printf(" drawn");
+    for (const nlohmann::json& count : record["drawn"]) std::printf(" %u", count.get<uint32_t>());
+    std::printf(", error %.1e", record["max_error"].get<double>());
+    if (record.contains("max_pixels")) std::printf(" and %.2f pixels", record["max_pixels"].get<double>());
+    std::printf("\n");
+}
+
+void run_view(const ViewOptions& options) {
+    const Device device = open_device(options.device);
+    const RendererSettings size = parse_size(options.size);
+    print_progress("compiling");
+    const Character character = options.file.empty()
+                                    ? unwrap(compile_character(unwrap(make_creature({.joint_count = options.joints,
+                                                                                     .level_count = options.levels,
+                                                                                     .face_count = options.faces,
+                                                                                     .seed = options.seed})),
+                                                               options.compile))
+                                    : unwrap(load_character(options.file, options.compile));
+    const Scatter field = scatter({&character, 1}, {.counts = {options.count}, .seed = options.seed});
+    const std::string configuration = std::to_string(options.count) + " x " +
+                                      (options.file.empty() ? std::to_string(options.joints) + " joints"
+                                                            : std::filesystem::path(options.file).filename().string());
+    const auto view = [&](const Bounds& bounds) {
+        const CameraSubject subject{.bounds = bounds,
+                                    .aspect_ratio = static_cast<float>(size.width) / static_cast<float>(size.height),
+                                    .world_from_model = field.placement.front(),
+                                    .model_bounds = {character.bounds_min, character.bounds_max}};
+        return unwrap(view_of(make_camera_path(options.camera).at(0, subject), size.width, size.height, bounds,
+                              {.detail_pixels = options.detail_pixels, .full_rate_pixels = options.full_rate_pixels}));
+    };
+    const std::vector<nlohmann::json> records = bench::measure_view(device,
+                                                                    {.configuration = configuration,
+                                                                     .character = &character,
+                                                                     .playback = field.playback,
+                                                                     .placement = field.placement,
+                                                                     .view_of = view},
+                                                                    options.samples, print_progress);
+    print_progress("");
+    if (!options.json)
+        std::printf(
+            "%s, driver %s: %s; medians of %u updates\n%-18s %9s %19s %7s  stages, characters drawn of each level of "
+            "detail\n",
+            device.info().name.c_str(), device.info().driver.c_str(), configuration.c_str(), options.samples, "variant",
+            "ms", "5 % - 95 %", "faster");
+    bool any_wrong = false;
+    for (const nlohmann::json& record : records) {
+        if (options.json)
+            print_json(record);
+        else
+            print_row(record);
+        any_wrong = any_wrong || record.contains("wrong");
+    }
+    if (any_wrong) throw CommandError("an update is wrong");
+}
+
+}  // namespace
+
+void add_bench_view(Command bench) {
+    Command command = bench.add_subcommand("view",
+                                           "updates of what a camera sees: culled, with fewer joints, less often where "
+                                           "small; checked, then timed beside an update of everything");
+    auto options = std::make_shared<ViewOptions>();
+    Option file = command.add_option("file", options->file,
+                                     "a glTF 2.0 or .throng file (default: a generated creature)");
+    command.add_option("--count", options->count, "characters").check(range(1u, 10'000'000u)).capture_default_str();
+    command.add_option("--joints", options->joints, "of the generated creature").excludes(file).capture_default_str();
+    command.add_option("--levels", options->levels, "of the generated creature").excludes(file).capture_default_str();
+    command.add_option("--faces", options->faces, "of the generated creature").excludes(file).capture_default_str();
+    command.add_option("--size", options->size, "of the picture that the camera takes").capture_default_str();
+    add_camera_options(command, options->camera);
+    command
+        .add_option("--detail-pixels", options->detail_pixels,
+                    "pixels by which coarser levels of detail, and their joints, may be off")
+        .check(finite())
+        .check(range(0.01, 1000.0))
+        .capture_default_str();
+    command
+        .add_option("--full-rate", options->full_rate_pixels,
+                    "pixels: smaller characters are animated less often, in the last variant")
+        .check(finite())
+        .check(range(0.0, 1e30))
+        .capture_default_str();
+    command.add_option("--samples", options->samples, "updates timed").check(range(1u, 100'000u)).capture_default_str();
+    add_error_option(command, options->compile);
+    command.add_option("--seed", options->seed, "of creature, clips, times and blends").capture_default_str();
+    command.add_flag("--json", options->json, "a JSON record a line; its commit is taken from THRONG_COMMIT");
+    add_device_option(command, options->device);
+    command.footer(
+        "Examples:\n  throng bench view\n  throng bench view fox.glb --count 10000 --camera orbit\n  throng bench view "
+        "--json > view.jsonl");
+    command.callback([options] { run_view(*options); });
+}
+
+}  // namespace throng::tools

@@ -1,0 +1,68 @@
+#include "bench/record.h"
+#include "bench/scan_tune.h"
+#include "tools/cli/command.h"
+#include "tools/cli/program.h"
+#include "tools/bench/bench_commands.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+
+namespace throng::tools {
+namespace {
+
+struct TuneOptions {
+    std::string device;
+    bool quick = false, dry_run = false, json = false;
+};
+
+void run_tune(const TuneOptions& options) {
+    const Device device = open_device(options.device);
+    const Gpu& gpu = *device.gpu();
+    const std::filesystem::path file = scan_costs_file(gpu);
+    if (file.empty() && !options.dry_run)
+        throw CommandError(
+            "neither XDG_CACHE_HOME nor HOME is set: there is no cache folder to keep the costs in (--dry-run prints "
+            "them)");
+    std::error_code error;
+    // Said before the work
+    if (!options.dry_run && !std::filesystem::create_directories(file.parent_path(), error) && error)
+        throw CommandError(file.parent_path().string() + ": cannot be made: " + error.message());
+    const ScanLimits limits = scan_limits(gpu);
+    const std::vector<bench::ScanObservation> observations = bench::observe_scans(device.gpu(), options.quick,
+                                                                                  print_progress);
+    print_progress("");
+    const ScanCosts start = built_in_scan_costs(gpu);
+    ScanCosts costs = bench::fit_scan_costs(observations, limits, start);
+    costs.origin = "measured by throng tune, " + bench::where_and_when(device.info())["date"].get<std::string>();
+    if (options.json)
+        print_json(nlohmann::json::parse(to_json(costs)));
+    else
+        std::printf("%s, driver %s: %zu scans measured\n%s", device.info().name.c_str(), device.info().driver.c_str(),
+                    observations.size(), to_json(costs).c_str());
+    if (!options.json)
+        std::printf(
+            "on these scans predictions are off by a factor of %.2f (median); with the built-in costs by %.2f\n",
+            bench::typical_factor(observations, limits, costs), bench::typical_factor(observations, limits, start));
+    if (options.dry_run) return;
+    const std::string text = to_json(costs);
+    write_file(file, std::as_bytes(std::span(text)));
+    if (!options.json) std::printf("kept in %s\n", file.c_str());
+}
+
+}  // namespace
+
+void add_tune(Command app) {
+    Command command = app.add_subcommand(kTune.command, kTune.description);
+    auto options = std::make_shared<TuneOptions>();
+    add_device_option(command, options->device);
+    command.add_flag("--quick", options->quick, "fewer and smaller scans: seconds, and less sure");
+    command.add_flag("--dry-run", options->dry_run, "print the costs, and keep nothing");
+    command.add_flag("--json", options->json, "the costs as JSON");
+    command.footer(
+        "Takes about a minute. The costs are kept in $XDG_CACHE_HOME/throng or ~/.cache/throng, a file a device.\n"
+        "Examples:\n  throng tune\n  throng tune --device cpu --dry-run");
+    command.callback([options] { run_tune(*options); });
+}
+
+}  // namespace throng::tools

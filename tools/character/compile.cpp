@@ -1,0 +1,104 @@
+#include "tools/cli/command.h"
+#include "tools/cli/inputs.h"
+#include "tools/commands.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+
+namespace throng::tools {
+namespace {
+
+struct CompileOptions {
+    std::string file, out;
+    CompileSettings settings;
+    bool json = false;
+};
+
+Character compile(const CompileOptions& options) {
+    keep_inputs({options.file}, {options.out});
+    if (is_compiled_file(options.file)) {
+        unwrap(load_character(options.file));  // a damaged one says so
+        throw CommandError(options.file + " is compiled already; give its source, a glTF file");
+    }
+    // It may be another file's.
+    std::error_code unknown;
+    if (std::filesystem::exists(options.out, unknown) && !is_compiled_file(options.out))
+        throw CommandError(options.out +
+                           " is there, and not a compiled character; give --out another name, or remove it");
+    print_progress("reading " + options.file);
+    const Asset asset = unwrap(load_asset(options.file));
+    print_progress("compiling " + options.file);
+    Character character = unwrap(compile_character(asset, options.settings));
+    print_warnings(character.warnings);
+    print_progress("writing " + options.out);
+    unwrap(save_character(character, options.out));
+    print_progress("");
+    return character;
+}
+
+nlohmann::json to_json(const CompileOptions& options, const Character& character, uint64_t bytes) {
+    const ClipTotals totals(character);
+    nlohmann::json clips = nlohmann::json::array();
+    for (const Clip& clip : character.clips)
+        clips.push_back({{"name", clip.name},
+                         {"rows", clip.row_count},
+                         {"bytes", clip.size_bytes},
+                         {"raw_bytes", clip.raw_size_bytes},
+                         {"error_percent", clip.error * 100}});
+    return {{"file", options.file},
+            {"out", options.out},
+            {"bytes", bytes},
+            {"joints", character.rig.joint_count()},
+            {"packed", character.packed},
+            {"error_bound_percent", options.settings.error * 100},
+            {"error_percent", totals.error * 100},
+            {"clip_bytes", totals.size_bytes},
+            {"clip_raw_bytes", totals.raw_size_bytes},
+            {"ratio", totals.ratio()},
+            {"clips", clips},
+            {"warnings", character.warnings}};
+}
+
+void print_text(const CompileOptions& options, const Character& character, uint64_t bytes) {
+    const ClipTotals totals(character);
+    std::printf("%s: %llu bytes, of %s\n", options.out.c_str(), static_cast<unsigned long long>(bytes),
+                options.file.c_str());
+    std::printf("  clips      %zu, %.1f KiB: %.1f times smaller than %.1f KiB of raw floats\n", character.clips.size(),
+                static_cast<double>(totals.size_bytes) / 1024, totals.ratio(),
+                static_cast<double>(totals.raw_size_bytes) / 1024);
+    if (character.packed)
+        std::printf("  error      at most %.2g %% of the character's size, measured at the skin; %.4g %% allowed\n",
+                    totals.error * 100, options.settings.error * 100);
+    else
+        std::printf("  error      none: exact keys\n");
+}
+
+void run_compile(const CompileOptions& options) {
+    const Character character = compile(options);
+    const uint64_t bytes = std::filesystem::file_size(options.out);
+    if (options.json)
+        print_json(to_json(options, character, bytes));
+    else
+        print_text(options, character, bytes);
+}
+
+}  // namespace
+
+void add_compile(Command app) {
+    Command command = app.add_subcommand(
+        "compile", "compress a .glb or .gltf file's clips, and write what the GPU reads, to be loaded at once");
+    auto options = std::make_shared<CompileOptions>();
+    command.add_option("file", options->file, "a glTF 2.0 file").required();
+    add_out_option(command, options->out, "the .throng file to write; every command takes it in place of its source");
+    add_error_option(command, options->settings);
+    add_root_motion_option(command, options->settings);
+    command.add_flag("--json", options->json, "as JSON");
+    command.footer(
+        "Examples:\n  throng compile fox.glb -o fox.throng\n  throng compile fox.glb -o fox.throng --error 0.1\n"
+        "  throng compile fox.glb -o fox.throng --error exact --json | jq .ratio\n"
+        "  throng compile fox.glb -o fox.throng --root-motion hips\n  throng info fox.throng");
+    command.callback([options] { run_compile(*options); });
+}
+
+}  // namespace throng::tools

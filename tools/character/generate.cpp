@@ -1,0 +1,50 @@
+#include "tools/cli/command.h"
+#include "tools/creatures/creature.h"
+#include "tools/creatures/glb_writer.h"
+#include "tools/commands.h"
+
+#include <cstdio>
+
+namespace throng::tools {
+namespace {
+
+struct GenerateOptions {
+    std::string kind = "dragon", out;
+    std::optional<uint32_t> joints, levels, faces;  // else what suits the kind
+    uint64_t seed = 1;
+};
+
+void run_generate(const GenerateOptions& options) {
+    CreatureSettings settings = creature_settings(unwrap(creature_kind(options.kind)));
+    settings.joint_count = options.joints.value_or(settings.joint_count);
+    settings.level_count = options.levels.value_or(settings.level_count);
+    settings.face_count = options.faces.value_or(settings.face_count);
+    settings.seed = options.seed;
+    const Asset asset = unwrap(make_creature(settings));
+    const std::vector<std::byte> bytes = unwrap(write_glb(asset));
+    write_file(options.out, bytes);
+    std::printf("%s: %u joints, %u levels, %zu faces, %zu clips, %zu bytes\n", options.out.c_str(),
+                settings.joint_count, settings.level_count, asset.meshes[0].primitives[0].indices.size() / 3,
+                asset.clips.size(), bytes.size());
+}
+
+}  // namespace
+
+void add_generate(Command app) {
+    Command command = app.add_subcommand("generate", "make a skinned, animated creature of any size");
+    auto options = std::make_shared<GenerateOptions>();
+    command.add_option("kind", options->kind, "dragon, willow, walker or centipede").capture_default_str();
+    command.add_option("--joints", options->joints, "joints, exactly (default: 300, 240, 160 and 1,000, by kind)");
+    command.add_option("--levels", options->levels,
+                       "joints on the longest path from the root, exactly (default: 60, 30, 40 and 330)");
+    command.add_option("--faces", options->faces, "triangles, about (default: 1,500, 3,000, 2,500 and 3,000)");
+    command.add_option("--seed", options->seed, "proportions, colours and phases").capture_default_str();
+    add_out_option(command, options->out, "the .glb file to write");
+    command.footer(
+        "Examples:\n  throng generate --out dragon.glb\n  throng generate willow --seed 7 --out willow.glb\n"
+        "  throng generate walker --joints 300 --levels 120 --faces 3000 --out deep.glb\n  throng generate centipede "
+        "--out centipede.glb");
+    command.callback([options] { run_generate(*options); });
+}
+
+}  // namespace throng::tools

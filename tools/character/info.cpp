@@ -1,0 +1,238 @@
+#include "tools/cli/command.h"
+#include "tools/commands.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <span>
+
+namespace throng::tools {
+namespace {
+
+// Device memory that one more instance costs: its state, placement, cursors and skin matrices (the arena is shared).
+uint64_t instance_bytes(const Character& character) {
+    return 36 + 36 + sizeof(Affine) + character.palette.size() * sizeof(Affine) +
+           (character.morphs.empty() ? 0 : kActiveMorphLimit * 8);
+}
+
+uint64_t face_count(const Character& character) { return character.indices.size() / 3; }
+
+// Of a coarser level, 1 and on.
+struct Detail {
+    uint64_t faces = 0;
+    uint32_t joints = 0;
+    double error_percent = 0;  // of the size
+};
+
+std::vector<Detail> details_of(const Character& character) {
+    std::vector<Detail> details;
+    const size_t sections = character.sections.size();
+    for (uint32_t level = 1; level <= character.details.size(); ++level) {
+        Detail& detail = details.emplace_back();
+        for (const IndexRange& range : std::span(character.detail_ranges).subspan((level - 1) * sections, sections))
+            detail.faces += range.index_count / 3;
+        const auto moves = [level](uint32_t coarsest) { return coarsest >= level; };
+        detail.joints = character.joint_details.empty()
+                            ? character.rig.joint_count()
+                            : static_cast<uint32_t>(std::ranges::count_if(character.joint_details, moves));
+        detail.error_percent = 100 * double{character.details[level - 1].error} / character.size;
+    }
+    return details;
+}
+
+uint32_t largest_influence_count(const Character& character) {
+    uint32_t sets = 0;
+    for (const MeshSection& section : character.sections)
+        if (section.skin != kNone) sets = std::max(sets, section.influence_sets);
+    return sets * 4;
+}
+
+uint64_t morphed_vertex_count(const Character& character) {
+    return static_cast<uint64_t>(
+        std::ranges::count_if(character.vertices, [](const Vertex& vertex) { return vertex.first_delta > 0; }));
+}
+
+size_t morphing_clip_count(const Character& character) {
+    size_t count = 0;
+    for (size_t clip = 0; clip < character.clips.size(); ++clip) {
+        const auto tracks =
+            std::span(character.morph_tracks).subspan(clip * character.morphs.size(), character.morphs.size());
+        if (std::ranges::any_of(tracks, [](uint32_t word) { return word != kNone; })) ++count;
+    }
+    return count;
+}
+
+uint64_t morph_bytes(const Character& character) {
+    return character.morph_deltas.size() * sizeof(MorphDelta) +
+           (character.morph_tracks.size() + character.morph_times_s.size() + character.morph_values.size()) * 4;
+}
+
+// How many times smaller than 10 floats a joint and row, and the error where there is one.
+std::string compression_text(uint64_t size_bytes, uint64_t raw_size_bytes, double error, bool packed) {
+    char text[64];
+    const double ratio = static_cast<double>(raw_size_bytes) / static_cast<double>(size_bytes);
+    if (packed)
+        std::snprintf(text, sizeof(text), "%8.1f KiB  %5.1f : 1  %8.5f %%", static_cast<double>(size_bytes) / 1024,
+                      ratio, error * 100);
+    else
+        std::snprintf(text, sizeof(text), "%8.1f KiB  %5.1f : 1  exact", static_cast<double>(size_bytes) / 1024, ratio);
+    return text;
+}
+
+nlohmann::json to_json(const Character& character) {
+    nlohmann::json clips = nlohmann::json::array(), skins = nlohmann::json::array();
+    for (const Clip& clip : character.clips) {
+        clips.push_back({{"name", clip.name},
+                         {"duration_s", clip.duration_s},
+                         {"channels", clip.channel_count},
+                         {"rows", clip.row_count},
+                         {"animated_tracks", clip.animated_track_count},
+                         {"source_keys", clip.source_key_count},
+                         {"refined_rows", clip.refined_row_count},
+                         {"dropped_rows", clip.dropped_row_count},
+                         {"bytes", clip.size_bytes},
+                         {"raw_bytes", clip.raw_size_bytes},
+                         {"error_percent", clip.error * 100}});
+        if (clip.root_row_count == 0) continue;
+        const Cycle cycle(character, clip);
+        clips.back()["root_motion"] = {
+            {"rows", clip.root_row_count}, {"x", cycle.x}, {"z", cycle.z}, {"turn_degrees", cycle.turn_degrees}};
+    }
+    for (const Skin& skin : character.skins) skins.push_back({{"name", skin.name}, {"joints", skin.joint_count}});
+    nlohmann::json morphs = nlohmann::json::array(), details = nlohmann::json::array();
+    for (const Detail& detail : details_of(character))
+        details.push_back(
+            {{"faces", detail.faces}, {"joints", detail.joints}, {"error_percent", detail.error_percent}});
+    for (const Morph& morph : character.morphs)
+        morphs.push_back({{"name", morph.name}, {"node", morph.node}, {"weight", morph.default_weight}});
+    const Rig& rig = character.rig;
+    const ClipTotals totals(character);
+    return {{"file", character.name},
+            {"joints", rig.joint_count()},
+            {"levels", rig.level_count},
+            {"mean_depth", rig.mean_depth},
+            {"leaves", rig.leaf_count},
+            {"uniform_scale", rig.uniform_scale},
+            {"skins", skins},
+            {"palette_entries", character.palette.size()},
+            {"clips", clips},
+            {"packed", character.packed},
+            {"clip_bytes", totals.size_bytes},
+            {"clip_raw_bytes", totals.raw_size_bytes},
+            {"error_percent", totals.error * 100},
+            {"vertices", character.vertices.size()},
+            {"faces", face_count(character)},
+            {"sections", character.sections.size()},
+            {"details", details},
+            {"materials", character.materials.size()},
+            {"influences", largest_influence_count(character)},
+            {"morph_targets", morphs},
+            {"size", character.size},
+            {"bytes_per_character", morph_bytes(character) + character.keys.size() * 16 + character.words.size() * 4 +
+                                        character.times_s.size() * 4 + character.root_rows.size() * 16 +
+                                        character.tracks.size() * sizeof(JointTracks)},
+            {"bytes_per_instance", instance_bytes(character)},
+            {"warnings", character.warnings}};
+}
+
+void print_text(const Character& character) {
+    const Rig& rig = character.rig;
+    std::printf("%s\n", character.name.c_str());
+    std::printf("  rig        %u joints, %u levels, mean depth %.1f, %u leaves%s\n", rig.joint_count(), rig.level_count,
+                rig.mean_depth, rig.leaf_count, rig.uniform_scale ? ", uniform scale" : "");
+    for (size_t i = 0; i < character.skins.size(); ++i)
+        std::printf("  skin %-5zu %u joints  %s\n", i, character.skins[i].joint_count, character.skins[i].name.c_str());
+    std::printf("  mesh       %zu vertices, %llu faces, %zu sections, %zu materials, up to %u influences a vertex\n",
+                character.vertices.size(), static_cast<unsigned long long>(face_count(character)),
+                character.sections.size(), character.materials.size(), largest_influence_count(character));
+    const std::vector<Detail> details = details_of(character);
+    for (size_t i = 0; i < details.size(); ++i)
+        std::printf("  detail %-3zu %llu faces, %u joints, off by up to %.2f %% of the size\n", i + 1,
+                    static_cast<unsigned long long>(details[i].faces), details[i].joints, details[i].error_percent);
+    if (!character.morphs.empty())
+        std::printf("  morphs     %zu targets, of %zu vertices; animated in %zu of %zu clips\n",
+                    character.morphs.size(), morphed_vertex_count(character), morphing_clip_count(character),
+                    character.clips.size());
+    std::printf("  memory     %zu skin matrices: %llu bytes an instance\n", character.palette.size(),
+                static_cast<unsigned long long>(instance_bytes(character)));
+    for (size_t i = 0; i < character.clips.size(); ++i) {
+        const Clip& clip = character.clips[i];
+        std::printf("  clip %-5zu %7.3f s  %4u channels  %5u rows x %4u tracks  %s  %s", i,
+                    static_cast<double>(clip.duration_s), clip.channel_count, clip.row_count, clip.animated_track_count,
+                    compression_text(clip.size_bytes, clip.raw_size_bytes, clip.error, character.packed).c_str(),
+                    clip.name.c_str());
+        if (clip.refined_row_count > 0)
+            std::printf("  (%u rows added for cubic tracks%s)", clip.refined_row_count,
+                        clip.root_row_count > 0 ? " or root motion" : "");
+        if (clip.dropped_row_count > 0) std::printf("  (%u rows left out)", clip.dropped_row_count);
+        std::printf("\n");
+        if (clip.root_row_count > 0) {
+            const Cycle cycle(character, clip);
+            // No -0
+            const auto rounded = [](double value, double unit) { return std::round(value / unit) * unit + 0.0; };
+            std::printf("    moves    %.3f m a cycle, to x %.3f, z %.3f, and turns by %.1f degrees\n",
+                        std::hypot(cycle.x, cycle.z), rounded(cycle.x, 1e-3), rounded(cycle.z, 1e-3),
+                        rounded(cycle.turn_degrees, 0.1));
+        }
+    }
+    if (!character.clips.empty()) {
+        const ClipTotals totals(character);
+        std::printf("  all clips  %s\n",
+                    compression_text(totals.size_bytes, totals.raw_size_bytes, totals.error, character.packed).c_str());
+    }
+    for (const std::string& warning : character.warnings) std::printf("  warning    %s\n", warning.c_str());
+}
+
+struct InfoOptions {
+    std::string file, device;
+    uint32_t count = 10'000;
+    bool json = false;
+    CompileSettings compile{.levels_of_detail = false};
+};
+
+void run_info(const InfoOptions& options) {
+    const Character character = unwrap(load_character(options.file, options.compile));
+    nlohmann::json json = options.json ? to_json(character) : nlohmann::json();
+    if (!options.json) print_text(character);
+    // The file is of interest without a device too; one that was asked for must be there.
+    const Result<Device> device = Device::create({.select = options.device});
+    if (!device && !options.device.empty()) throw CommandError(device.error().text());
+    if (device) {
+        const ScanAdvice advice = unwrap(advise_scan(*device, character.rig, options.count));
+        if (options.json)
+            json["scan"] = {{"method", advice.method},
+                            {"reason", advice.reason},
+                            {"characters", options.count},
+                            {"device", device->info().name}};
+        else
+            std::printf("  scan       %s on %s: %s\n", advice.method.c_str(), device->info().name.c_str(),
+                        advice.reason.c_str());
+    }
+    if (options.json) print_json(json);
+}
+
+}  // namespace
+
+void add_info(Command app) {
+    Command command = app.add_subcommand(
+        "info", "what is in a .glb, .gltf or .throng file, what it costs, and how a crowd of it would be scanned");
+    auto options = std::make_shared<InfoOptions>();
+    command.add_option("file", options->file, "a glTF 2.0 file, or one that 'throng compile' wrote").required();
+    command.add_option("--count", options->count, "characters of the crowd for which a scan method is chosen")
+        .check(range(1u, 10'000'000u))
+        .capture_default_str();
+    add_error_option(command, options->compile);
+    add_root_motion_option(command, options->compile);
+    add_device_option(command, options->device);
+    command.add_flag("--details", options->compile.levels_of_detail,
+                     "make levels of detail, as 'compile' does, and print them (those of a compiled file always are)");
+    command.add_flag("--json", options->json, "as JSON");
+    command.footer(
+        "Examples:\n  throng info fox.glb\n  throng info fox.glb --count 100\n  throng info fox.glb --root-motion "
+        "hips\n  throng info fox.glb --details\n  throng info fox.glb --json | jq .clips");
+    command.callback([options] { run_info(*options); });
+}
+
+}  // namespace throng::tools

@@ -1,0 +1,19 @@
+// Another program as a child process.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace throng {
+
+struct ChildOutput {
+    std::string output, errors;
+    int status = 0;  // 0: it ended well
+    enum class Start { kStarted, kMissing, kRefused } start = Start::kStarted;
+};
+
+// Runs a program found by its name, with `input` at its standard input, to its end. Throws kFile where there is no room
+// for a temporary file.
+ChildOutput run_child_program(std::vector<std::string> name_and_arguments, const std::string& input);
+
+}  // namespace throng

@@ -1,0 +1,105 @@
+#include "tools/cli/command.h"
+
+#include "base/replace_file.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <unistd.h>
+
+namespace throng::tools {
+
+std::optional<uint32_t> parse_number(std::string_view text) {
+    uint32_t number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    return error == std::errc{} && end == text.data() + text.size() ? std::optional(number) : std::nullopt;
+}
+
+RendererSettings parse_size(const std::string& text) {
+    const size_t x = std::min(text.find('x'), text.size());
+    const auto width = parse_number(text.substr(0, x)),
+               height = parse_number(text.substr(std::min(x + 1, text.size())));
+    if (!width || !height || *width == 0 || *height == 0)
+        throw CommandError("--size " + text + ": give it as WIDTHxHEIGHT, for example 1920x1080");
+    return {.width = *width, .height = *height};
+}
+
+Device open_device(const std::string& select) { return unwrap(Device::create({.select = select})); }
+
+std::string keys_text(const Character& character) {
+    if (!character.packed) return "exact";
+    std::array<char, 32> percent;
+    std::snprintf(percent.data(), percent.size(), "%.2g %%", ClipTotals(character).error * 100);
+    return percent.data();
+}
+
+std::vector<Character> load_characters(const std::vector<std::string>& files, const CompileSettings& settings) {
+    std::vector<Character> characters;
+    for (const std::string& file : files) {
+        print_progress("reading " + file);
+        characters.push_back(unwrap(load_character(file, settings)));
+        print_warnings(characters.back().warnings);
+    }
+    print_progress("");
+    return characters;
+}
+
+Cycle::Cycle(const Character& character, const Clip& clip) {
+    const auto& last = character.root_rows[clip.first_root_row + clip.root_row_count - 1];
+    x = last[0];
+    z = last[1];
+    turn_degrees = std::atan2(last[3], last[2]) * 180 / 3.14159265358979323846;
+}
+
+ClipTotals::ClipTotals(const Character& character) {
+    for (const Clip& clip : character.clips) {
+        size_bytes += clip.size_bytes;
+        raw_size_bytes += clip.raw_size_bytes;
+        error = std::max(error, clip.error);
+    }
+}
+
+double ClipTotals::ratio() const {
+    return size_bytes == 0 ? 1 : static_cast<double>(raw_size_bytes) / static_cast<double>(size_bytes);
+}
+
+uint32_t find_clip(const Character& character, const std::string& name_or_index) {
+    const uint32_t named = character.find_clip(name_or_index);
+    if (named != kNone) return named;
+    if (const auto index = parse_number(name_or_index); index && *index < character.clips.size()) return *index;
+
+    constexpr size_t kShown = 20;
+    std::string names;
+    for (size_t i = 0; i < std::min(character.clips.size(), kShown); ++i)
+        names += (i ? ", " : "") + std::to_string(i) + " '" + character.clips[i].name + "'";
+    if (character.clips.size() > kShown) names += ", …";
+    throw CommandError(character.name + ": no clip '" + name_or_index + "'; " +
+                       (names.empty() ? "the file has none" : "there are: " + names));
+}
+
+void print_warnings(const std::vector<std::string>& warnings) {
+    print_progress("");
+    for (const std::string& warning : warnings) std::cerr << "throng: warning: " << warning << "\n";
+}
+
+void print_progress(const std::string& text) {
+    if (isatty(STDERR_FILENO)) std::cerr << "\r\033[K" << text << std::flush;
+}
+
+void print_json(const nlohmann::json& json) {
+    std::cout << json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+}
+
+void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+    try {
+        replace_file(path, bytes);
+    } catch (const Failure& failure) {
+        throw CommandError(failure.what());
+    }
+}
+
+}  // namespace throng::tools

@@ -1,0 +1,73 @@
+#include "tools/cli/inputs.h"
+
+#include "import/container.h"
+#include "import/uri.h"
+#include "tools/cli/command.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <sys/stat.h>
+
+namespace throng::tools {
+namespace {
+
+struct FileOnDisk {
+    dev_t device;
+    ino_t number;
+    std::string name;  // as a message gives it
+
+    bool is(const FileOnDisk& other) const { return device == other.device && number == other.number; }
+};
+
+// Nothing where there is no file.
+std::optional<FileOnDisk> on_disk(const std::filesystem::path& path, const std::string& name) {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0) return std::nullopt;
+    return FileOnDisk{status.st_dev, status.st_ino, name};
+}
+
+// The files that a glTF file names. Of any other file none, and of a broken one what can be found: who reads it says
+// what is wrong.
+std::vector<FileOnDisk> side_files(const std::string& file) {
+    std::vector<FileOnDisk> found;
+    const std::filesystem::path path = file, folder = path.has_parent_path() ? path.parent_path() : ".";
+    const auto add_all = [&] {
+        gltf::Warnings unsaid(file);
+        gltf::Budget budget;
+        const std::vector<std::byte> bytes = gltf::read_file(path, gltf::kFileLimitBytes, file);
+        const gltf::Json json = gltf::parse_json(gltf::open_container(bytes, unsaid).json, budget);
+        for (const char* list : {"buffers", "images"})
+            for (const gltf::Json& item : json.value(list, gltf::Json::array())) {
+                if (!item.is_object() || !item.contains("uri") || !item["uri"].is_string()) continue;
+                const std::string uri = item["uri"].get<std::string>();
+                if (gltf::is_data_uri(uri)) continue;
+                const auto named = as_result([&] { return gltf::resolve_side_file(uri, folder, file); });
+                if (!named) continue;  // another one may be there
+                if (auto side_file = on_disk(*named, uri + " of " + file)) found.push_back(std::move(*side_file));
+            }
+    };
+    (void)as_result(add_all);
+    return found;
+}
+
+}  // namespace
+
+void keep_inputs(const std::vector<std::string>& inputs, const std::vector<std::filesystem::path>& outs) {
+    std::vector<FileOnDisk> there;
+    for (const std::filesystem::path& out : outs)
+        if (auto file = on_disk(out, out.string())) there.push_back(std::move(*file));
+    if (there.empty()) return;
+    const auto keep = [&](const FileOnDisk& input) {
+        const auto out = std::ranges::find_if(there, [&](const FileOnDisk& file) { return file.is(input); });
+        if (out == there.end()) return;
+        throw CommandError(out->name + ": would be written over " + input.name +
+                           ", which this command reads; give another name");
+    };
+    for (const std::string& input : inputs) {
+        if (const auto file = on_disk(input, input)) keep(*file);
+        std::ranges::for_each(side_files(input), keep);
+    }
+}
+
+}  // namespace throng::tools

@@ -1,0 +1,216 @@
+#include "tools/cli/options.h"
+
+#include "tools/cli/command.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <unistd.h>
+
+namespace throng::tools {
+
+Check::Check(std::function<std::string(const std::string& text)> what_is_wrong, std::string values)
+    : Check(CLI::Validator([check = std::move(what_is_wrong)](std::string& text) { return check(text); },
+                           std::move(values))) {}
+
+Check::Check(const CLI::Validator& validator) : validator_(std::make_shared<const CLI::Validator>(validator)) {}
+
+Check range(uint32_t least, uint32_t most) { return Check(CLI::Range(least, most)); }
+Check range(double least, double most) { return Check(CLI::Range(least, most)); }
+Check is_member(const std::vector<std::string>& names) { return Check(CLI::IsMember(names)); }
+Check existing_folder() { return Check(CLI::ExistingDirectory); }
+
+Check finite() {
+    return Check([](const std::string& text) {
+        return std::isfinite(std::strtof(text.c_str(), nullptr)) ? std::string() : text + " is not a finite number";
+    });
+}
+
+Check scan_name(const std::vector<std::string>& others) {
+    std::vector<std::string> names = others;
+    for (const ScanMethodInfo& method : scan_methods()) names.push_back(method.name);
+    std::string list;
+    for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+    return Check(
+        [names, list](const std::string& text) {
+            const bool known = std::find(names.begin(), names.end(), text.substr(0, text.find(':'))) != names.end();
+            return known ? std::string() : "'" + text + "' is no scan method; the methods are: " + list;
+        },
+        "METHOD[:LANES]:{" + list + "}");
+}
+
+Check writable_file() {
+    return Check([](const std::string& text) -> std::string {
+        const std::filesystem::path path = text, folder = path.has_parent_path() ? path.parent_path() : ".";
+        std::error_code error;
+        const auto type = std::filesystem::status(path, error).type();
+        if (access(folder.c_str(), W_OK) != 0) return text + " cannot be written: is its folder there?";
+        if (type == std::filesystem::file_type::not_found || type == std::filesystem::file_type::regular) return {};
+        return text + " is there, and not a plain file";
+    });
+}
+
+Option Option::required() {
+    option_->required();
+    return *this;
+}
+Option Option::check(const Check& check) {
+    option_->check(check.validator());
+    return *this;
+}
+Option Option::delimiter(char between) {
+    option_->delimiter(between);
+    return *this;
+}
+Option Option::expected(int count) {
+    option_->expected(count);
+    return *this;
+}
+Option Option::needs(Option other) {
+    option_->needs(other.option_);
+    return *this;
+}
+Option Option::excludes(Option other) {
+    option_->excludes(other.option_);
+    return *this;
+}
+Option Option::hide() {
+    option_->group("");
+    return *this;
+}
+Option Option::capture_default_str() {
+    option_->capture_default_str();
+    return *this;
+}
+Option Option::default_str(const std::string& text) {
+    option_->default_str(text);
+    return *this;
+}
+bool Option::empty() const { return option_->empty(); }
+
+Command Command::add_subcommand(const std::string& name, const std::string& description) {
+    return Command(*app_->add_subcommand(name, description));
+}
+
+void Command::require_subcommand(const std::string& names) {
+    app_->require_subcommand(0, 1);  // none is said below: with 1, a misspelt one would not be named
+    app_->callback([app = app_, names] {
+        if (app->get_subcommands().empty()) throw CLI::RequiredError("A command: " + names);
+    });
+}
+
+bool Command::has_subcommand() const { return !app_->get_subcommands().empty(); }
+
+template <class T>
+Option Command::add_option(const std::string& names, T& value, const std::string& description) {
+    return Option(app_->add_option(names, value, description));
+}
+template Option Command::add_option(const std::string&, std::string&, const std::string&);
+template Option Command::add_option(const std::string&, uint32_t&, const std::string&);
+template Option Command::add_option(const std::string&, uint64_t&, const std::string&);
+template Option Command::add_option(const std::string&, float&, const std::string&);
+template Option Command::add_option(const std::string&, double&, const std::string&);
+template Option Command::add_option(const std::string&, std::optional<uint32_t>&, const std::string&);
+template Option Command::add_option(const std::string&, std::optional<uint64_t>&, const std::string&);
+template Option Command::add_option(const std::string&, std::vector<std::string>&, const std::string&);
+template Option Command::add_option(const std::string&, std::vector<uint32_t>&, const std::string&);
+template Option Command::add_option(const std::string&, std::vector<float>&, const std::string&);
+template Option Command::add_option(const std::string&, std::vector<double>&, const std::string&);
+
+Option Command::add_flag(const std::string& names, bool& value, const std::string& description) {
+    return Option(app_->add_flag(names, value, description));
+}
+
+Option Command::add_numbered(const std::string& names, const std::function<void(const int&)>& set,
+                             const std::map<std::string, int>& numbers, const std::string& description) {
+    CLI::Option* option = app_->add_option_function<int>(names, set, description);
+    return Option(option->transform(CLI::CheckedTransformer(numbers))->type_name("ENUM"));
+}
+
+void Command::footer(const std::string& text) { app_->footer(text); }
+void Command::callback(std::function<void()> run) { app_->callback(std::move(run)); }
+
+void run_command_line(int argc, char** argv, void (*add_commands)(Command app)) {
+    CLI::App app{"throng: GPU skeletal animation for crowds"};
+    app.name("throng");
+    app.set_version_flag("--version", THRONG_VERSION);
+    app.require_subcommand(0, 1);  // none is said below: with 1, a misspelt one would not be named
+    app.footer("'throng COMMAND --help' has examples. Exit code: 0 done, 1 failed, more than 1 a wrong option.");
+    add_commands(Command(app));
+    try {
+        app.parse(argc, argv);
+        if (app.get_subcommands().empty()) throw CLI::RequiredError("A command");
+    } catch (const CLI::Success& help_or_version) {
+        app.exit(help_or_version);  // prints it
+    } catch (const CLI::ParseError& error) {
+        throw UsageError(error.what());
+    }
+}
+
+void add_device_option(Command command, std::string& select) {
+    command.add_option("--device", select,
+                       "a device's number, 'cpu', or a part of its name (default: a hardware GPU if there is one)");
+}
+
+void add_path_option(Command command, UpdatePath& path) {
+    command.add_choice<UpdatePath>(
+        "--path", path, {{"auto", UpdatePath::kAuto}, {"fused", UpdatePath::kFused}, {"staged", UpdatePath::kStaged}},
+        "fused: sample, blend, scan and bind in one pass; staged: one after another; auto: fused where it applies");
+}
+
+void add_scan_option(Command command, std::string& scan) {
+    command.add_option("--scan", scan, "method of the Hierarchy-Scan, and its invocations a character")
+        .check(scan_name({"auto"}))
+        .capture_default_str();
+}
+
+void add_error_option(Command command, CompileSettings& settings) {
+    constexpr double kLeast_percent = 1e-4, kMost_percent = 10;
+    const auto check = [](const std::string& text) -> std::string {
+        char* end = nullptr;
+        const double percent = std::strtod(text.c_str(), &end);
+        const bool is_number = end != text.c_str() && *end == '\0';
+        if (text == "exact" || (is_number && percent >= kLeast_percent && percent <= kMost_percent)) return {};
+        return "'" + text + "' is neither 'exact' nor a percentage from 0.0001 to 10";
+    };
+    const auto set = [&settings](const std::string& text) {
+        settings.error = text == "exact" ? 0 : std::strtod(text.c_str(), nullptr) / 100;
+    };
+    char by_default[16] = "exact";
+    if (settings.error > 0) std::snprintf(by_default, sizeof(by_default), "%g", settings.error * 100);
+    CLI::App& app = command.app();
+    app.add_option_function<std::string>("--error", set,
+                                         "how far compressed clips may displace the skin, in percent of the "
+                                         "character's size; 'exact': not compressed")
+        ->check(CLI::Validator(check, "PERCENT|exact"))
+        ->default_str(by_default);
+    app.parse_complete_callback([&app] {
+        const auto refuse_compiled = [&](const char* name, const std::string& what) {
+            const CLI::Option* option = app.get_option_no_throw(name);
+            if (!option || option->count() == 0) return;
+            for (const CLI::Option* files : app.get_options([](const CLI::Option* of) { return of->get_positional(); }))
+                for (const std::string& file : files->results())
+                    if (is_compiled_file(file))
+                        throw CommandError(file + " is compiled already, " + what + ": leave " + name +
+                                           " out, or give its source");
+        };
+        refuse_compiled("--error", "within an error of its own");
+        refuse_compiled("--root-motion", "with its own root motion or none");
+    });
+}
+
+void add_root_motion_option(Command command, CompileSettings& settings) {
+    command.app()
+        .add_option("--root-motion", settings.root_motion_joint,
+                    "a joint whose way over the ground is taken out of the clips, for characters with a controller to "
+                    "move by")
+        ->type_name("JOINT");
+}
+
+void add_out_option(Command command, std::string& out, const std::string& description) {
+    command.add_option("-o,--out", out, description).required().check(writable_file());
+}
+
+}  // namespace throng::tools

@@ -1,0 +1,139 @@
+// What a command says of its options. CLI11 reads them, in options.cpp alone: a file that includes it takes 5 s
+// longer to compile.
+#pragma once
+
+#include <throng/character.h>
+#include <throng/crowd.h>
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+class Validator;
+}  // namespace CLI
+
+namespace throng::tools {
+
+// Of the text of an option, before it is taken.
+class Check {
+public:
+    // `what_is_wrong` returns nothing where the text is right. `values` is what help calls them.
+    explicit Check(std::function<std::string(const std::string& text)> what_is_wrong, std::string values = {});
+    explicit Check(const CLI::Validator& validator);
+    const CLI::Validator& validator() const { return *validator_; }
+
+private:
+    std::shared_ptr<const CLI::Validator> validator_;
+};
+
+// From `least` to `most`.
+Check range(uint32_t least, uint32_t most);
+Check range(double least, double most);
+Check is_member(const std::vector<std::string>& names);
+Check existing_folder();
+// For options in seconds: "nan" and "inf" would be taken for numbers otherwise.
+Check finite();
+// A name of scan_methods(), with invocations a character or without, or one of `others`.
+Check scan_name(const std::vector<std::string>& others);
+// For files to write. Said before the work is done: the folder must be there and writable, and what stands there
+// already a plain file.
+Check writable_file();
+
+// One that a command has; each function returns the option itself.
+class Option {
+public:
+    explicit Option(CLI::Option* option) : option_(option) {}
+
+    Option required();
+    Option check(const Check& check);
+    Option delimiter(char between);
+    Option expected(int count);
+    Option needs(Option other);
+    Option excludes(Option other);
+    // From help.
+    Option hide();
+    // What help says of an option that is not given: the value that its variable has now, or this.
+    Option capture_default_str();
+    Option default_str(const std::string& text);
+
+    bool empty() const;  // not given
+
+private:
+    CLI::Option* option_;
+};
+
+class Command {
+public:
+    explicit Command(CLI::App& app) : app_(&app) {}
+
+    Command add_subcommand(const std::string& name, const std::string& description);
+    // One of its subcommands must be given; `names` is what a message calls them.
+    void require_subcommand(const std::string& names);
+    bool has_subcommand() const;  // was given
+
+    // Without dashes, names an argument. `value` must live until the command has run; its types are in options.cpp.
+    template <class T>
+    Option add_option(const std::string& names, T& value, const std::string& description);
+    Option add_flag(const std::string& names, bool& value, const std::string& description);
+    // One of the names, or its number.
+    template <class Enum>
+    Option add_choice(const std::string& names, Enum& value, const std::map<std::string, Enum>& choices,
+                      const std::string& description) {
+        std::map<std::string, int> numbers;
+        std::string by_default;
+        for (const auto& [name, choice] : choices) {
+            numbers[name] = static_cast<int>(choice);
+            if (choice == value) by_default = name;
+        }
+        const auto set = [&value](int number) { value = static_cast<Enum>(number); };
+        return add_numbered(names, set, numbers, description).default_str(by_default);
+    }
+    void footer(const std::string& text);
+    // What it does once all is parsed.
+    void callback(std::function<void()> run);
+
+    CLI::App& app() const { return *app_; }
+
+private:
+    Option add_numbered(const std::string& names, const std::function<void(const int&)>& set,
+                        const std::map<std::string, int>& numbers, const std::string& description);
+
+    CLI::App* app_;
+};
+
+// The command line is not as it should be.
+struct UsageError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+// Runs the command that the words name, of those that `add_commands` adds; or prints help. Throws UsageError, and what
+// that command throws.
+void run_command_line(int argc, char** argv, void (*add_commands)(Command app));
+
+// --device, for every command that uses one.
+void add_device_option(Command command, std::string& select);
+
+// --scan
+void add_scan_option(Command command, std::string& scan);
+
+// --path; the value that `path` has is the default.
+void add_path_option(Command command, UpdatePath& path);
+
+// --error: PERCENT of the character's size, or 'exact'. Refused with a compiled file, which has its own.
+void add_error_option(Command command, CompileSettings& settings);
+
+// --root-motion: JOINT. Added beside --error, and refused as that is.
+void add_root_motion_option(Command command, CompileSettings& settings);
+
+// -o and --out, required.
+void add_out_option(Command command, std::string& out, const std::string& description);
+
+}  // namespace throng::tools

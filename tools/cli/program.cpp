@@ -1,0 +1,41 @@
+#include "tools/cli/program.h"
+
+#include "tools/cli/command.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <iostream>
+
+namespace throng::tools {
+
+void become(const OwnProgram& program, char** argv) {
+    std::error_code failure;
+    const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", failure);
+    const std::string path = self.parent_path() / program.program;
+    if (!failure) ::execv(path.c_str(), argv);
+    throw CommandError(std::string(program.command) + ": " + path + " cannot be started: " +
+                       std::strerror(failure ? failure.value() : errno) + ". './run build' makes it");
+}
+
+int run_program(int argc, char** argv, void (*run)(int argc, char** argv)) {
+    try {
+        run(argc, argv);
+    } catch (const UsageError& error) {
+        std::cerr << "throng: " << error.what() << " (throng --help)\n";
+        return 2;
+    } catch (const std::exception& error) {
+        print_progress("");
+        std::cerr << "throng: " << error.what() << "\n";
+        return 1;
+    }
+    std::cout.flush();
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return 0;
+    std::cerr << "throng: standard output: cannot be written\n";
+    return 1;
+}
+
+}  // namespace throng::tools

@@ -1,0 +1,24 @@
+// What the programs of the command line share: `throng`, and those beside it that have some of its commands.
+#pragma once
+
+#include "tools/cli/options.h"
+
+namespace throng::tools {
+
+// A command that is a program of its own, so that who only draws has to build neither benchmarks nor a viewer.
+struct OwnProgram {
+    const char *command, *program, *description;
+};
+inline constexpr OwnProgram kBench{"bench", "throng-bench",
+                                   "milliseconds per stage, checked against the reference first"},
+    kTune{"tune", "throng-bench", "measure what scans cost on this device, for --scan auto to choose by"},
+    kView{"view", "throng-view",
+          "a window with a crowd of one or several files: fly through it, change it, look at one; keys by ?"};
+
+// Becomes the program, which lies beside this one. Returns only by CommandError, where it cannot.
+[[noreturn]] void become(const OwnProgram& program, char** argv);
+
+// Returns the exit code of main(). `run` may throw; what it says goes to stderr, in a line.
+int run_program(int argc, char** argv, void (*run)(int argc, char** argv));
+
+}  // namespace throng::tools

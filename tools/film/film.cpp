@@ -1,0 +1,201 @@
+// A frame depends on its number alone: whichever are drawn, all characters take the same steps from the first frame on,
+// for in steps that show nothing they only go on in time. So a film may be interrupted, and shared among machines,
+// without a byte of difference.
+#include "tools/film/film.h"
+
+#include "tools/film/encode.h"
+#include "tools/film/film_frames.h"
+#include "tools/cli/inputs.h"
+
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+
+namespace throng::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Which frames, and where they lie.
+struct FilmPlan {
+    explicit FilmPlan(const RenderOptions& options);
+
+    RendererSettings size;
+    FrameRange range;
+    Shard shard;
+    bool is_film;     // an .mp4
+    fs::path folder;  // of its frames
+    FrameFiles files;
+};
+
+FilmPlan::FilmPlan(const RenderOptions& options)
+    : size(parse_size(options.size)),
+      range(parse_frames(options.frames)),
+      shard(parse_shard(options.shard)),
+      is_film(options.out.ends_with(".mp4")),
+      folder(options.out + ".frames"),
+      files(is_film ? folder / "%06d.png" : fs::path(options.out)) {
+    if (is_film && (size.width % 2 != 0 || size.height % 2 != 0))
+        throw CommandError("--size " + options.size + ": an .mp4 needs an even width and height");
+}
+
+// The film, its frames of any shard, and their settings.
+std::vector<fs::path> outs_of(const RenderOptions& options, const FilmPlan& plan) {
+    std::vector<fs::path> outs{plan.files.settings_path()};
+    if (plan.is_film) outs.push_back(options.out);
+    for (uint32_t frame = plan.range.first; frame < plan.range.end; ++frame) outs.push_back(plan.files.path(frame));
+    return outs;
+}
+
+// FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo): of a file that may have changed since the last run.
+std::string content_hash(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) throw CommandError(path + ": cannot be read");
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (std::istreambuf_iterator<char> byte(file), end; byte != end; ++byte)
+        hash = (hash ^ static_cast<uint8_t>(*byte)) * 0x100000001b3u;
+    char text[17];
+    std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(hash));
+    return text;
+}
+
+// All that a frame depends on, but for the device.
+nlohmann::json settings_of(const RenderOptions& options) {
+    const SceneOptions& scene = options.scene;
+    nlohmann::json files = nlohmann::json::array(), controllers = files;
+    for (const std::string& file : scene.files)
+        files.push_back({fs::path(file).filename().string(), content_hash(file)});
+    for (const std::string& controller : controller_files(scene))
+        controllers.push_back(controller.empty() ? "" : content_hash(controller));
+    return {{"throng", THRONG_VERSION},
+            {"files", files},
+            {"controllers", controllers},
+            {"count", scene.count},
+            {"counts", scene.counts},
+            {"sizes", scene.sizes},
+            {"placement", static_cast<int>(scene.formation)},
+            {"spacing", scene.spacing},
+            {"seed", scene.seed},
+            {"steer", scene.steer},
+            {"scan", scene.scan},
+            {"error", scene.compile.error},
+            {"camera", options.camera.path},
+            {"eye", options.camera.eye},
+            {"target", options.camera.target},
+            {"size", options.size},
+            {"time", options.time_s},
+            {"fps", options.fps},
+            {"skinning", static_cast<int>(options.skin_blend)},
+            {"skin-once", options.skins_once},
+            {"detail-pixels", options.detail_pixels},
+            {"everything", options.everything},
+            {"skeletons", options.skeletons},
+            {"bounds", options.bounds}};
+}
+
+// What was chosen for each file: another device, or costs that `throng tune` has measured, may choose otherwise, which
+// rounds otherwise.
+nlohmann::json updates_of(const Crowd& crowd, size_t file_count) {
+    nlohmann::json updates = nlohmann::json::array();
+    for (uint32_t group = 0; group < file_count; ++group)
+        updates.push_back((crowd.path(group)->is_fused ? "fused, " : "staged, ") + crowd.path(group)->scan.method);
+    return updates;
+}
+
+struct Film {
+    std::vector<FrameTimes> frames;  // that were drawn
+    std::vector<uint32_t> drawn;     // in the last of them, of each level of detail
+};
+
+std::string duration_text(double seconds) {
+    const auto whole = static_cast<uint64_t>(seconds);
+    if (whole < 100) return std::to_string(whole) + " s";
+    if (whole < 100 * 60) return std::to_string(whole / 60) + " min";
+    return std::to_string(whole / 3600) + " h " + std::to_string(whole / 60 % 60) + " min";
+}
+
+Film draw_frames(const Device& device, const RenderOptions& options, const FilmPlan& plan,
+                 const std::vector<uint32_t>& frames, nlohmann::json settings) {
+    Shot shot(device, options);
+    settings["updates"] = updates_of(shot.crowd(), options.scene.files.size());
+    if (plan.is_film) fs::create_directory(plan.folder);
+    plan.files.keep_settings(settings);
+    Film film;
+    uint32_t next = 0;  // frame that all have yet to step to
+    const auto step_to = [&](uint32_t frame) { return frame == 0 ? options.time_s : 1 / options.fps; };
+    const auto start = std::chrono::steady_clock::now();
+    for (const uint32_t frame : frames) {
+        for (; next < frame; ++next) shot.skip(step_to(next));
+        const RenderResult result = shot.draw(step_to(next), options.time_s + next / options.fps);
+        ++next;
+        unwrap(write_png(plan.files.path(frame), result.picture));
+        if (film.frames.empty()) print_warnings(result.warnings);
+        film.frames.push_back(shot.times());
+        const double passed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        const size_t done = film.frames.size();
+        print_progress("frame " + std::to_string(done) + " of " + std::to_string(frames.size()) + ", " +
+                       duration_text(passed_s / static_cast<double>(done) * static_cast<double>(frames.size() - done)) +
+                       " left");
+    }
+    film.drawn = shot.count_drawn();
+    print_progress("");
+    return film;
+}
+
+void print_film(const RenderOptions& options, const std::string& device, const Film& film, size_t asked) {
+    const size_t rendered = film.frames.size();
+    const FrameTimes times = median_of(film.frames);
+    if (options.json)
+        return print_json({{"out", options.out},
+                           {"device", device},
+                           {"frames", asked},
+                           {"rendered", rendered},
+                           {"kept", asked - rendered},
+                           {"drawn", film.drawn},
+                           {"stages_ms", to_json(times)}});
+    std::printf("%s: %zu frames, %zu of them new\n", options.out.c_str(), asked, rendered);
+    if (rendered == 0) return;
+    std::printf("  medians of a frame on %s:\n", device.c_str());
+    print_times(times);
+    std::printf("  the last:\n");
+    print_drawn(film.drawn);
+}
+
+void encode(const RenderOptions& options, const FilmPlan& plan) {
+    print_progress("encoding " + options.out);
+    encode_film({plan.folder, plan.range.first, plan.range.end - plan.range.first, options.fps}, options.out);
+    for (uint32_t frame = plan.range.first; frame < plan.range.end; ++frame) fs::remove(plan.files.path(frame));
+    const auto files_left = std::distance(fs::directory_iterator(plan.folder), fs::directory_iterator());
+    if (files_left == 1) fs::remove_all(plan.folder);  // the settings alone
+    print_progress("");
+}
+
+}  // namespace
+
+void render_film(const RenderOptions& options) {
+    const FilmPlan plan(options);
+    keep_inputs(input_files(options.scene), outs_of(options, plan));
+    const bool encodes = plan.is_film && plan.shard.count == 1;
+    if (encodes) check_ffmpeg();
+    nlohmann::json settings = settings_of(options);
+    plan.files.check_settings(settings);
+    const std::vector<uint32_t> frames = plan.files.missing(plan.range, plan.shard, plan.size.width, plan.size.height);
+    Film film;
+    std::string device_name;
+    if (!frames.empty()) {
+        const Device device = open_device(options.device);
+        device_name = device.info().name;
+        settings["device"] = device_name + ", " + device.info().driver;
+        plan.files.check_settings(settings);
+        film = draw_frames(device, options, plan, frames, settings);
+    }
+    if (encodes) encode(options, plan);
+    uint32_t asked = 0;
+    for (uint32_t frame = plan.range.first; frame < plan.range.end; ++frame)
+        asked += frame % plan.shard.count == plan.shard.index;
+    print_film(options, device_name, film, asked);
+}
+
+}  // namespace throng::tools

@@ -1,0 +1,136 @@
+#include "tools/film/film_frames.h"
+
+#include "base/replace_file.h"
+#include "tools/cli/command.h"
+
+#include <nlohmann/json.hpp>
+
+#define STB_IMAGE_STATIC
+#define STB_IMAGE_IMPLEMENTATION
+#define STBI_ONLY_PNG
+#define STBI_NO_STDIO
+#include <stb/stb_image.h>
+
+#include <fstream>
+#include <memory>
+
+namespace throng::tools {
+namespace {
+
+constexpr uint32_t kMostFrames = 1'000'000;
+
+std::optional<std::string> content(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) return std::nullopt;
+    return std::string{std::istreambuf_iterator<char>(file), {}};
+}
+
+bool is_whole(const std::filesystem::path& path, uint32_t width, uint32_t height) {
+    const std::optional<std::string> bytes = content(path);
+    if (!bytes) return false;
+    int picture_width = 0, picture_height = 0, channels = 0;
+    const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(
+        stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(bytes->data()), static_cast<int>(bytes->size()),
+                              &picture_width, &picture_height, &channels, 4),
+        stbi_image_free);
+    return pixels && static_cast<uint32_t>(picture_width) == width && static_cast<uint32_t>(picture_height) == height;
+}
+
+}  // namespace
+
+FrameRange parse_frames(const std::string& text) {
+    const size_t colon = std::min(text.find(':'), text.size());
+    const auto first = parse_number(text.substr(0, colon)),
+               end = parse_number(text.substr(std::min(colon + 1, text.size())));
+    if (!first || !end || *first >= *end || *end > kMostFrames)
+        throw CommandError("--frames " + text +
+                           ": give it as FIRST:END, for example 0:240 for frames 0 to 239; at most to frame " +
+                           std::to_string(kMostFrames));
+    return {*first, *end};
+}
+
+Shard parse_shard(const std::string& text) {
+    if (text.empty()) return {};
+    const size_t slash = std::min(text.find('/'), text.size());
+    const auto index = parse_number(text.substr(0, slash)),
+               count = parse_number(text.substr(std::min(slash + 1, text.size())));
+    if (!index || !count || *index >= *count)
+        throw CommandError("--shard " + text + ": give it as I/N with I from 0 to N - 1, for example 0/4 to 3/4");
+    return {*index, *count};
+}
+
+FrameFiles::FrameFiles(const std::filesystem::path& pattern) : folder_(pattern.parent_path()) {
+    const std::string name = pattern.filename().string();
+    const size_t percent = name.find('%'), d = name.find('d', std::min(percent, name.size()));
+    const auto wrong = [&] {
+        return CommandError("--out " + pattern.string() +
+                            ": with --frames, give a film.mp4, or numbered pictures such as frame_%04d.png");
+    };
+    if (percent == std::string::npos || d == std::string::npos || !name.ends_with(".png") ||
+        name.find('%', percent + 1) != std::string::npos)
+        throw wrong();
+    const std::string digits = name.substr(percent + 1, d - percent - 1);
+    if (!digits.empty()) {
+        const auto number = parse_number(digits);
+        if (digits[0] != '0' || !number || *number > 9) throw wrong();
+        digits_ = *number;
+    }
+    before_ = name.substr(0, percent);
+    after_ = name.substr(d + 1);
+}
+
+std::filesystem::path FrameFiles::path(uint32_t frame) const {
+    const std::string number = std::to_string(frame);
+    return folder_ / (before_ + std::string(digits_ - std::min(digits_, number.size()), '0') + number + after_);
+}
+
+std::filesystem::path FrameFiles::settings_path() const {
+    return folder_ / (before_ + "settings" + after_.substr(0, after_.size() - 4) + ".json");
+}
+
+std::filesystem::path FrameFiles::some_frame() const {
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.empty() ? "." : folder_, error)) {
+        const std::string name = entry.path().filename().string();
+        if (name.size() <= before_.size() + after_.size() || !name.starts_with(before_) || !name.ends_with(after_))
+            continue;
+        if (parse_number(std::string_view(name).substr(before_.size(), name.size() - before_.size() - after_.size())))
+            return folder_ / name;
+    }
+    return {};
+}
+
+void FrameFiles::check_settings(const nlohmann::json& settings) const {
+    const std::string place = settings_path().string(), advice = "; remove it and the frames, or give another --out";
+    const std::optional<std::string> text = content(settings_path());
+    if (!text) {
+        const std::filesystem::path frame = some_frame();
+        if (frame.empty()) return;
+        throw CommandError(frame.string() + " is there, but not " + place +
+                           ", which says what it was made with; remove the frames, or give another --out");
+    }
+    const nlohmann::json there = nlohmann::json::parse(*text, nullptr, false);
+    for (const auto& [name, value] : settings.items()) {
+        const nlohmann::json found = there.is_object() && there.contains(name) ? there[name] : nlohmann::json();
+        if (found != value)
+            throw CommandError(place + ": the frames beside it were made with " + name + " " + found.dump() + ", not " +
+                               value.dump() + advice);
+    }
+}
+
+void FrameFiles::keep_settings(const nlohmann::json& settings) const {
+    check_settings(settings);
+    const std::string text = settings.dump(2) + "\n";
+    unwrap(as_result([&] { create_file(settings_path(), std::as_bytes(std::span(text))); }));
+    check_settings(settings);
+}
+
+std::vector<uint32_t> FrameFiles::missing(const FrameRange& range, const Shard& shard, uint32_t width,
+                                          uint32_t height) const {
+    std::vector<uint32_t> frames;
+    for (uint32_t frame = range.first; frame < range.end; ++frame)
+        if (frame % shard.count == shard.index && !is_whole(path(frame), width, height)) frames.push_back(frame);
+    return frames;
+}
+
+}  // namespace throng::tools

@@ -1,0 +1,111 @@
+#include "tools/film/film.h"
+#include "tools/cli/inputs.h"
+#include "tools/commands.h"
+#include "tools/film/shot.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+
+namespace throng::tools {
+namespace {
+
+void print_times(const RenderOptions& options, const Device& device, Shot& shot) {
+    const std::string scan = shot.crowd().path(0)->scan.method;
+    const uint32_t count = shot.crowd().instance_count();
+    if (options.json)
+        return print_json({{"out", options.out},
+                           {"device", device.info().name},
+                           {"driver", device.info().driver},
+                           {"count", count},
+                           {"drawn", shot.count_drawn()},
+                           {"scan", scan},
+                           {"stages_ms", to_json(shot.times())}});
+    std::printf("%s: %u characters on %s, scan by %s\n", options.out.c_str(), count, device.info().name.c_str(),
+                scan.c_str());
+    print_drawn(shot.count_drawn());
+    print_times(shot.times());
+}
+
+void run_render(const RenderOptions& options) {
+    if (!options.frames.empty()) return render_film(options);
+    if (options.out.ends_with(".mp4"))
+        throw CommandError("--out " + options.out + ": a film needs --frames, for example 0:240");
+    keep_inputs(input_files(options.scene), {options.out});
+    const Device device = open_device(options.device);
+    Shot shot(device, options);
+    print_progress("drawing");
+    const RenderResult result = shot.draw(options.time_s, options.time_s);
+    unwrap(write_png(options.out, result.picture));
+    print_progress("");
+    print_warnings(result.warnings);
+    print_times(options, device, shot);
+}
+
+}  // namespace
+
+void add_render(Command app) {
+    Command command = app.add_subcommand("render", "draw a crowd of one or several files to a picture or a film");
+    auto options = std::make_shared<RenderOptions>();
+    add_scene_options(command, options->scene);
+    command.add_option("--size", options->size, "of the picture").capture_default_str();
+    command
+        .add_option("--time", options->time_s, "seconds after the start; every character starts at a time of its own")
+        .check(finite())
+        .capture_default_str();
+    add_camera_options(command, options->camera);
+    command.add_flag("--steer", options->scene.steer,
+                     "characters walk, each to the place of another of its kind, and out of each other's way; a "
+                     "controller's parameter \"speed\" is told how fast. Wants --spacing 2 or more");
+    Option frames = command.add_option(
+        "--frames", options->frames, "FIRST:END: a film, of frames FIRST to END - 1; frame 0 is the picture at --time");
+    command.add_option("--fps", options->fps, "frames a second")
+        .needs(frames)
+        .check(finite())
+        .check(range(0.1, 1000.0))
+        .capture_default_str();
+    command
+        .add_option("--shard", options->shard,
+                    "I/N: only the frames whose number divided by N leaves I; the same bytes as without")
+        .needs(frames);
+    add_out_option(command, options->out,
+                   "the .png file to write; with --frames a film.mp4, or pictures such as frame_%04d.png. Whole frames "
+                   "of an interrupted run are kept (those of an .mp4 in a folder .mp4.frames, "
+                   "until the film is there)");
+    add_device_option(command, options->device);
+    Option detail = command
+                        .add_option(
+                            "--detail-pixels", options->detail_pixels,
+                            "pixels of the picture by which coarser levels of detail may be off where they are drawn")
+                        .check(finite())
+                        .check(range(0.01, 1000.0))
+                        .capture_default_str();
+    command
+        .add_flag("--everything", options->everything,
+                  "animate and draw all, at full detail, also what the picture does not show")
+        .excludes(detail);
+    const std::map<std::string, SkinBlend> blends{{"linear", SkinBlend::kLinear},
+                                                  {"dual-quaternion", SkinBlend::kDualQuaternion}};
+    command.add_choice("--skinning", options->skin_blend, blends,
+                       "linear, or dual-quaternion: joints that twist keep their girth");
+    command.add_flag("--skin-once", options->skins_once,
+                     "skin vertices once a frame, in compute, not once for the shadows and once for the picture");
+    command.add_flag("--skeletons", options->skeletons,
+                     "a line from each joint to its parent, over everything, coloured by level");
+    command.add_flag("--bounds", options->bounds, "the boxes that culling goes by");
+    command.add_flag("--json", options->json, "print the stage times as JSON");
+    command.footer(
+        "Examples:\n  throng render fox.glb --out fox.png\n  throng render fox.glb knight.glb --count 1000 --size "
+        "1280x720 --time 2 --seed 3 --out crowd.png\n"
+        "  throng render walker.glb --count 500 --placement disc --camera orbit:seconds=10 --frames 0:300 --out "
+        "orbit.mp4\n"
+        "  throng render walker.glb --count 60 --spacing 2.5 --steer --controller walker_steer.json --eye 0,14,12 "
+        "--target 0,0,0 --frames 0:600 --out walk.mp4\n"
+        "  throng render dragon.glb walker.glb --sizes 4,1.8 --counts 20,900 --controller walker.glb=walker.json "
+        "--camera follow:character=17 --frames 0:240 --shard 0/4 --out frame_%04d.png");
+    command.callback([options] { run_render(*options); });
+}
+
+}  // namespace throng::tools

@@ -1,0 +1,50 @@
+// A scene, its camera and its renderer: what 'throng render' makes a picture or a film of.
+#pragma once
+
+#include "tools/scene/camera_path.h"
+#include "tools/scene/crowd_scene.h"
+#include "tools/film/frame_times.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace throng::tools {
+
+struct RenderOptions {
+    SceneOptions scene;
+    CameraOptions camera;
+    std::string size = "1920x1080", out, device;
+    double time_s = 0;          // of the first picture
+    std::string frames, shard;  // empty: one picture; all frames
+    double fps = 30;
+    float detail_pixels = 1;
+    SkinBlend skin_blend = SkinBlend::kLinear;
+    bool skins_once = false, everything = false, skeletons = false, bounds = false, json = false;
+};
+
+class Shot {
+public:
+    Shot(const Device& device, const RenderOptions& options);
+
+    // All go on by `step_s`, and are drawn as the camera sees them at `time_s`; or are not.
+    RenderResult draw(double step_s, double time_s);
+    void skip(double step_s);
+
+    const Crowd& crowd() const { return scene_.crowd(); }
+    // By the last draw(): of each level of detail, the finest first; of a crowd that does not cull, all.
+    std::vector<uint32_t> count_drawn();
+    FrameTimes times() const;  // of the last draw()
+
+private:
+    RendererSettings size_;
+    CameraPath path_;
+    CrowdScene scene_;
+    Renderer renderer_;
+    bool culls_;
+    // A character that updates may move: each step is two updates then, one that moves it and one of no time, for what
+    // the camera then sees
+    bool follows_;
+};
+
+}  // namespace throng::tools

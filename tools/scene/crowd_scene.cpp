@@ -1,0 +1,191 @@
+#include "tools/scene/crowd_scene.h"
+
+#include "tools/scene/agents.h"
+#include "tools/cli/options.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <span>
+
+namespace throng::tools {
+namespace {
+
+constexpr uint32_t kMostCharacters = 10'000'000;
+
+void check_lengths(const SceneOptions& options) {
+    const size_t files = options.files.size();
+    const auto check = [&](const char* name, size_t given) {
+        if (given != 0 && given != files)
+            throw CommandError(std::string(name) + ": " + std::to_string(given) + " numbers for " +
+                               std::to_string(files) + " files; give one for each");
+    };
+    check("--counts", options.counts.size());
+    check("--sizes", options.sizes.size());
+    const uint64_t sum = std::accumulate(options.counts.begin(), options.counts.end(), uint64_t{0});
+    if (!options.counts.empty() && (sum == 0 || sum > kMostCharacters))
+        throw CommandError("--counts: " + std::to_string(sum) + " characters in all; give from 1 to 10000000");
+}
+
+}  // namespace
+
+void add_scene_options(Command app, SceneOptions& options) {
+    const std::map<std::string, Formation> formations{{"grid", Formation::kGrid},
+                                                      {"disc", Formation::kDisc},
+                                                      {"path", Formation::kPath},
+                                                      {"random", Formation::kRandom}};
+    app.add_option("files", options.files,
+                   "glTF 2.0 or .throng files; several are mixed, scaled to one size unless --sizes says otherwise")
+        .required();
+    Option count = app.add_option("--count", options.count, "characters in all")
+                       .check(range(1u, kMostCharacters))
+                       .capture_default_str();
+    app.add_option("--counts", options.counts,
+                   "characters of each file, comma-separated (default: --count, dealt out evenly)")
+        .delimiter(',')
+        .excludes(count);
+    app.add_option(
+           "--sizes", options.sizes,
+           "height of each file's character, metres, comma-separated; then each takes only the room that it needs")
+        .delimiter(',')
+        .check(finite())
+        .check(range(0.001, 100000.0));
+    app.add_choice("--placement", options.formation, formations,
+                   "grid, disc (facing outwards), path (a parade) or random (but apart)");
+    app.add_option("--spacing", options.spacing, "room for each character, in its own width")
+        .check(finite())
+        .check(range(0.1, 100.0))
+        .capture_default_str();
+    app.add_option("--controller", options.controllers,
+                   "a controller's .json for all files, or FILE=CONTROLLER.json for one; characters are told "
+                   "parameters at random. Without one, each blends two clips");
+    app.add_option("--seed", options.seed, "of clips, times, blends, places and what controllers are told")
+        .capture_default_str();
+    add_scan_option(app, options.scan);
+    add_error_option(app, options.compile);
+}
+
+std::vector<std::string> controller_files(const SceneOptions& options) {
+    std::vector<std::string> of_files(options.files.size());
+    for (const std::string& given : options.controllers) {
+        const size_t equals = given.find('=');
+        if (equals == std::string::npos) {
+            std::ranges::fill(of_files, given);
+            continue;
+        }
+        const auto file = std::ranges::find(options.files, given.substr(0, equals));
+        if (file == options.files.end())
+            throw CommandError("--controller " + given + ": '" + given.substr(0, equals) + "' is none of the files");
+        of_files[static_cast<size_t>(file - options.files.begin())] = given.substr(equals + 1);
+    }
+    return of_files;
+}
+
+std::vector<std::string> input_files(const SceneOptions& options) {
+    std::vector<std::string> files = options.files;
+    for (const std::string& controller : controller_files(options)) files.push_back(controller);
+    return files;
+}
+
+SceneCast::SceneCast(const SceneOptions& options) {
+    check_lengths(options);
+    const std::vector<std::string> controller_of = controller_files(options);
+    characters = load_characters(options.files, options.compile);
+    controllers.resize(characters.size());
+    for (size_t k = 0; k < characters.size(); ++k) {
+        if (controller_of[k].empty()) continue;
+        controllers[k] = unwrap(load_controller(controller_of[k]));
+        unwrap(check_controller(*controllers[k], characters[k]));
+    }
+}
+
+CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdSettings settings)
+    : culls_(settings.culls) {
+    const SceneCast cast(options);
+    const std::vector<Character>& characters = cast.characters;
+    Scatter field = scatter(characters,
+                            {options.counts.empty() ? deal_out(options.count, characters.size()) : options.counts,
+                             options.sizes, options.formation, options.spacing, options.seed});
+    for (size_t k = 0; k < characters.size(); ++k) {
+        kinds_.push_back({field.groups[k].instance_count, {characters[k].bounds_min, characters[k].bounds_max}});
+        if (options.steer)
+            field.groups[k].steering = steering_of(characters[k], cast.controllers[k] ? &*cast.controllers[k] : nullptr,
+                                                   field.scales[k]);
+        if (!cast.controllers[k]) continue;
+        field.groups[k].controller = &*cast.controllers[k];
+        has_controllers_ = true;
+    }
+    print_progress("placing " + std::to_string(field.placement.size()) + " characters");
+    settings.groups = field.groups;
+    settings.scan = options.scan;
+    crowd_.emplace(unwrap(Crowd::create(device, settings)));
+    director_.emplace(field.groups, options.seed);
+    uint32_t first = 0;
+    for (const CrowdGroup& group : field.groups) {
+        if (!group.controller)
+            unwrap(crowd_->set_playback(first, std::span(field.playback).subspan(first, group.instance_count)));
+        first += group.instance_count;
+    }
+    unwrap(crowd_->set_placement(0, field.placement));
+    if (options.steer) destinations_ = each_others_places(field.groups, field.placement, options.seed);
+    placement_ = std::move(field.placement);
+    bounds_ = world_bounds(*crowd_);
+    follow(0);
+}
+
+void CrowdScene::follow(uint32_t character) {
+    if (character >= placement_.size())
+        throw CommandError("character " + std::to_string(character) + " cannot be followed: there are " +
+                           std::to_string(placement_.size()) + ", from 0 on");
+    world_from_followed_ = placement_[character];
+    uint32_t end = 0;
+    followed_bounds_ = std::ranges::find_if(kinds_, [&](const Kind& kind) {
+                           return character < (end += kind.count);
+                       })->model_bounds;
+    if (may_move()) unwrap(crowd_->watch({&character, 1}));
+}
+
+CameraSubject CrowdScene::subject(float aspect_ratio) const {
+    return {bounds_, aspect_ratio, world_from_followed_, followed_bounds_};
+}
+
+void CrowdScene::start() {
+    print_progress("preparing");
+    unwrap(crowd_->update(0));
+    constexpr int kSteps = 120;
+    for (int i = 0; has_controllers_ && i < kSteps; ++i) step_unseen(0.1f);
+    if (!destinations_.empty()) unwrap(crowd_->set_destination(0, destinations_));
+}
+
+void CrowdScene::step(float step_s, const std::function<void(float part_s)>& update_shown) {
+    constexpr float kMost_s = 0.05f;
+    const float parts = destinations_.empty() ? 1 : std::max(std::ceil(step_s / kMost_s), 1.0f);
+    const float part_s = step_s / parts;
+    for (float k = 1; k <= parts; ++k) {
+        director_->direct(*crowd_, part_s);
+        if (k < parts)
+            update_unseen(part_s);
+        else
+            update_shown(part_s);
+        take_feedback();
+    }
+}
+
+void CrowdScene::step_unseen(float step_s) {
+    step(step_s, [this](float part_s) { update_unseen(part_s); });
+}
+
+// A crowd that culls is shown to a view of nothing.
+void CrowdScene::update_unseen(float step_s) {
+    // W is -1 everywhere
+    static constexpr CrowdView kNothing{.clip_from_world = {{{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, -1}}}};
+    unwrap(crowd_->update(step_s, culls_ ? &kNothing : nullptr));
+}
+
+void CrowdScene::take_feedback() {
+    for (const Feedback& feedback : unwrap(crowd_->feedback()))
+        for (const WatchedInstance& watched : feedback.watched) world_from_followed_ = watched.world_from_model;
+}
+
+}  // namespace throng::tools

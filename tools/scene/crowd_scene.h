@@ -1,0 +1,96 @@
+// A crowd from files and options: who stands where and does what, for commands that show one.
+#pragma once
+
+#include "tools/scene/camera_path.h"
+#include "tools/cli/command.h"
+#include "tools/scene/director.h"
+#include "tools/scene/scatter.h"
+
+#include <throng/throng.h>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace throng::tools {
+
+struct SceneOptions {
+    std::vector<std::string> files;
+    std::vector<std::string> controllers;  // "CONTROLLER.json" for all files, or "FILE=CONTROLLER.json"
+    CompileSettings compile;
+    std::string scan = "auto";
+    uint32_t count = 1;
+    std::vector<uint32_t> counts;  // [files], or none: `count` is dealt out evenly
+    std::vector<double> sizes;     // [files], or none
+    Formation formation = Formation::kGrid;
+    double spacing = 1;
+    uint64_t seed = 1;
+    bool steer = false;
+};
+
+// The files, and all options of a scene. Wrong numbers of counts and sizes are said by the parser.
+class Command;
+void add_scene_options(Command app, SceneOptions& options);
+
+// The controller of each file, [files], or an empty name. Throws CommandError.
+std::vector<std::string> controller_files(const SceneOptions& options);
+
+// The files and their controllers: what a scene is read from.
+std::vector<std::string> input_files(const SceneOptions& options);
+
+// Reads the files, with progress and warnings on stderr, and the controllers that they are to have. Throws
+// CommandError, also where counts or sizes do not fit the files.
+struct SceneCast {
+    explicit SceneCast(const SceneOptions& options);
+
+    std::vector<Character> characters;                   // [files]
+    std::vector<std::optional<Controller>> controllers;  // [files]
+};
+
+class CrowdScene {
+public:
+    // `settings` without groups and scan. Throws CommandError, as SceneCast does.
+    CrowdScene(const Device& device, const SceneOptions& options, CrowdSettings settings);
+
+    Crowd& crowd() { return *crowd_; }
+    const Crowd& crowd() const { return *crowd_; }
+
+    // Whether updates may move characters: controllers by root motion, or steering.
+    bool may_move() const { return has_controllers_ || !destinations_.empty(); }
+    // From now on subject() has this character, by its place in the crowd. Throws CommandError where there is none.
+    void follow(uint32_t character);
+    // As the last update left it.
+    CameraSubject subject(float aspect_ratio) const;
+
+    // Compiles what updates need, and lets characters with controllers live for 12 s, or they would be in step; with
+    // --steer all then set out. The first step follows.
+    void start();
+    // Tells controllers something, then an update, by someone else, as a renderer that animates and draws at once; and
+    // takes what comes back of it. With --steer in parts of at most 1/20 s, so that agents see each other in time, of
+    // which the last is shown.
+    void step(float step_s, const std::function<void(float part_s)>& update_shown);
+    // The same, but nothing is animated. All go on in time, and are in the state that a step that is shown would have
+    // left them in.
+    void step_unseen(float step_s);
+
+private:
+    struct Kind {
+        uint32_t count;
+        Bounds model_bounds;
+    };
+    void update_unseen(float step_s);
+    void take_feedback();
+
+    std::optional<Crowd> crowd_;
+    std::optional<Director> director_;
+    std::vector<Kind> kinds_;                // [files]
+    std::vector<Affine> placement_;          // [characters], as they were placed
+    Bounds bounds_;                          // of the crowd in its first places
+    std::vector<Vec3<float>> destinations_;  // [characters], with --steer
+    Affine world_from_followed_;
+    Bounds followed_bounds_;
+    bool culls_ = false, has_controllers_ = false;
+};
+
+}  // namespace throng::tools
