@@ -1,10 +1,10 @@
 #version 460
 // copy: the same bytes as a scan of 3x4 matrices, 48 read and 48 written a joint, and nothing else: the floor under
-// every method. Neighbouring invocations copy neighbouring rows, which is what a GPU likes best; GPU_WIDE is what a
+// every method. Neighbouring invocations copy neighbouring rows, which is what a GPU likes best; GPU_SOFTWARE is what a
 // software device likes best.
 #include "gpu/stored.glsl"
 
-#ifdef GPU_WIDE
+#ifdef GPU_SOFTWARE
 #define Row u64vec2
 #else
 #define Row vec4

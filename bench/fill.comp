@@ -1,10 +1,10 @@
 #version 460
 // fill: writes as many bytes as an update's skin matrices have, and reads nothing: the floor under every update.
-// Neighbouring invocations write neighbouring rows, which is what a GPU likes best; GPU_WIDE is what a software device
-// likes best.
+// Neighbouring invocations write neighbouring rows, which is what a GPU likes best; GPU_SOFTWARE is what a software
+// device likes best.
 #include "gpu/stored.glsl"
 
-#ifdef GPU_WIDE
+#ifdef GPU_SOFTWARE
 #define Row u64vec2
 #else
 #define Row uvec4

@@ -177,14 +177,15 @@ private:
     void add_copy() {
         Floor floor{
             .record = {{"variant", "copy as staged"}, {"path", "copy"}, {"bytes", bytes_of(entrants_.front())}}};
-        if (const std::string obstacle = crowds_.memory_obstacle(2 * crowds_.arena_buffer_bytes(*frame_.character));
-            obstacle.empty()) {
+        if (const std::string unsupported_reason = crowds_.memory_unsupported_reason(
+                2 * crowds_.arena_buffer_bytes(*frame_.character));
+            unsupported_reason.empty()) {
             const auto copy = std::make_shared<CopyFloor>(device_.gpu(), bytes_of(entrants_.front()),
                                                           crowds_.arena_buffer_bytes(*frame_.character));
             floor.record["by"] = copy->choose(clock_);
             floor.work = [copy](VkCommandBuffer commands) { copy->record(commands); };
         } else {
-            floor.record["obstacle"] = obstacle;
+            floor.record["unsupported_reason"] = unsupported_reason;
         }
         floors_.push_back(std::move(floor));
     }
@@ -226,7 +227,7 @@ private:
                        {"keys", variant.exact_keys ? "exact" : frame_.keys},
                        {"bytes", bytes_of(entrant)}});
         if (!entrant.crowd()) {
-            record["obstacle"] = entrant.made->obstacle;
+            record["unsupported_reason"] = entrant.made->unsupported_reason;
             return record;
         }
         record["scan"] = entrant.crowd()->path(0)->scan.method;

@@ -10,19 +10,19 @@ namespace throng::bench {
 std::shared_ptr<const FrameCrowd> FrameCrowds::get(const FrameCrowdKey& key) {
     for (const auto& there : crowds_)
         if (there->key == key) return there;
-    FrameCrowd made{.key = key, .crowd = nullptr, .obstacle = memory_obstacle(needed_bytes(key))};
-    if (made.obstacle.empty()) {
+    FrameCrowd made{.key = key, .crowd = nullptr, .unsupported_reason = memory_unsupported_reason(needed_bytes(key))};
+    if (made.unsupported_reason.empty()) {
         Result<Crowd> crowd = Crowd::create(
             device_, {.groups = {{key.character, instance_count_}}, .path = key.path, .skin_format = key.format});
         if (crowd)
             made.crowd = std::make_unique<Crowd>(std::move(*crowd));
         else
-            made.obstacle = crowd.error().text();
+            made.unsupported_reason = crowd.error().text();
     }
     return crowds_.emplace_back(std::make_shared<const FrameCrowd>(std::move(made)));
 }
 
-std::string FrameCrowds::memory_obstacle(uint64_t needed_bytes) const {
+std::string FrameCrowds::memory_unsupported_reason(uint64_t needed_bytes) const {
     const uint64_t heap_bytes = device_.gpu()->largest_heap_bytes();
     uint64_t held_bytes = 0;
     for (const auto& there : crowds_)

@@ -20,7 +20,7 @@ struct FrameCrowdKey {
 struct FrameCrowd {
     FrameCrowdKey key;
     std::unique_ptr<Crowd> crowd;  // none where `obstacle` says why
-    std::string obstacle;
+    std::string unsupported_reason;
 };
 
 class FrameCrowds {
@@ -32,7 +32,7 @@ public:
 
     // Why so much does not fit the device's memory beside these crowds; empty where it does. A driver that gives more
     // than it has, as lavapipe does, would swap or be killed.
-    std::string memory_obstacle(uint64_t needed_bytes) const;
+    std::string memory_unsupported_reason(uint64_t needed_bytes) const;
 
     // Of one of the staged update's intermediates.
     uint64_t arena_buffer_bytes(const Character& character) const;

@@ -10,14 +10,14 @@ namespace {
 constexpr uint32_t kFillPlain[] = {
 #include "bench/fill.inc"
 };
-constexpr uint32_t kFillWide[] = {
-#include "bench/fill.wide.inc"
+constexpr uint32_t kFillSoftware[] = {
+#include "bench/fill.software.inc"
 };
 constexpr uint32_t kCopyPlain[] = {
 #include "bench/copy.inc"
 };
-constexpr uint32_t kCopyWide[] = {
-#include "bench/copy.wide.inc"
+constexpr uint32_t kCopySoftware[] = {
+#include "bench/copy.software.inc"
 };
 
 constexpr uint32_t kRow_bytes = 16;
@@ -25,9 +25,9 @@ constexpr uint32_t kRow_bytes = 16;
 constexpr uint32_t kWorkgroupSize = 256, kRowsPerInvocation = 4;
 
 Kernel row_kernel(const std::shared_ptr<Gpu>& gpu, std::string_view name, std::span<const uint32_t> plain,
-                  std::span<const uint32_t> wide) {
+                  std::span<const uint32_t> software) {
     return Kernel(gpu, {.name = name,
-                        .spirv = gpu->prefers_wide_words() ? wide : plain,
+                        .spirv = gpu->uses_software_kernels() ? software : plain,
                         .workgroup_size = kWorkgroupSize,
                         .constants = {kRowsPerInvocation}});
 }
@@ -42,7 +42,7 @@ void dispatch_rows(VkCommandBuffer commands, const Kernel& kernel, const Binding
 }  // namespace
 
 FillFloor::FillFloor(const std::shared_ptr<Gpu>& gpu, const Crowd& crowd, SkinFormat format)
-    : gpu_(gpu), kernel_(row_kernel(gpu, "fill", kFillPlain, kFillWide)) {
+    : gpu_(gpu), kernel_(row_kernel(gpu, "fill", kFillPlain, kFillSoftware)) {
     for (const OutputBlock& block : crowd.outputs()) {
         const uint64_t size_bytes = uint64_t{block.instance_count} * block.palette_count * skin_format_bytes(format);
         if (size_bytes < kRow_bytes) continue;
@@ -68,7 +68,7 @@ void FillFloor::record_transfer(VkCommandBuffer commands) const {
 }
 
 CopyFloor::CopyFloor(std::shared_ptr<Gpu> gpu, uint64_t moved_bytes, uint64_t buffer_bytes)
-    : gpu_(std::move(gpu)), kernel_(row_kernel(gpu_, "copy", kCopyPlain, kCopyWide)) {
+    : gpu_(std::move(gpu)), kernel_(row_kernel(gpu_, "copy", kCopyPlain, kCopySoftware)) {
     for (Buffer& buffer : buffers_)
         buffer = Buffer(gpu_, "bytes to copy", buffer_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     for (size_t from = 0; from < buffers_.size(); ++from)

@@ -30,8 +30,8 @@ std::string td(const std::string& content) { return "<td>" + content + "</td>"; 
 
 std::string why_untimed(const Json& record) {
     if (flag(record, "wrong")) return "<span class=\"bad\">wrong result, not timed</span>";
-    const std::string obstacle = text(record, "obstacle");
-    return obstacle.empty() ? "not timed" : "not measured: " + escape(obstacle);
+    const std::string unsupported_reason = text(record, "unsupported_reason");
+    return unsupported_reason.empty() ? "not timed" : "not measured: " + escape(unsupported_reason);
 }
 
 std::string stages_of(const Json& record) {

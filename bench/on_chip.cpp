@@ -36,8 +36,9 @@ uint64_t loop_iterations(const ScanPlan& plan, const ScanRig& rig, uint64_t repe
 
 // Empty where the method runs on-chip, beside the local transforms of the workgroup's characters in the same shared
 // memory.
-std::string obstacle_of(const ScanPlan& plan, const ScanMethod& method, const ScanRig& rig, const ScanLimits& limits) {
-    if (!plan.obstacle.empty()) return plan.obstacle;
+std::string unsupported_reason_of(const ScanPlan& plan, const ScanMethod& method, const ScanRig& rig,
+                                  const ScanLimits& limits) {
+    if (!plan.unsupported_reason.empty()) return plan.unsupported_reason;
     if (!plan.on_chip) return "its transforms pass through memory";
     if (loop_iterations(plan, rig, 2) > limits.loop_iterations)
         return "two repeats exceed the device's loop iterations";
@@ -48,13 +49,14 @@ std::string obstacle_of(const ScanPlan& plan, const ScanMethod& method, const Sc
            std::to_string(limits.shared_memory_bytes);
 }
 
-std::string obstacle_of(const Entrant& entrant, const ScanRig& rig, const ScanLimits& limits) {
-    std::string obstacle;
+std::string unsupported_reason_of(const Entrant& entrant, const ScanRig& rig, const ScanLimits& limits) {
+    std::string unsupported_reason;
     for (const ScanChoice& choice : entrant.choices) {
-        obstacle = obstacle_of(plan_scan(*choice.method, rig, limits, choice.lanes), *choice.method, rig, limits);
-        if (obstacle.empty()) break;
+        unsupported_reason = unsupported_reason_of(plan_scan(*choice.method, rig, limits, choice.threads),
+                                                   *choice.method, rig, limits);
+        if (unsupported_reason.empty()) break;
     }
-    return obstacle;
+    return unsupported_reason;
 }
 
 // The most joints, up to the cell's, with which every entrant fits that fits with the fewest; the same for all, to
@@ -69,12 +71,12 @@ uint32_t common_joint_count(const ScanCell& cell, std::span<const Entrant> entra
     const ScanRig smallest = rig_of(fitting);
     std::vector<Entrant> able;
     for (const Entrant& entrant : entrants)
-        if (obstacle_of(entrant, smallest, limits).empty()) able.push_back(entrant);
+        if (unsupported_reason_of(entrant, smallest, limits).empty()) able.push_back(entrant);
     while (fitting + 1 < too_many) {
         const uint32_t middle = fitting + (too_many - fitting) / 2;
         const ScanRig rig = rig_of(middle);
         const bool fits = std::all_of(able.begin(), able.end(), [&](const Entrant& entrant) {
-            return obstacle_of(entrant, rig, limits).empty();
+            return unsupported_reason_of(entrant, rig, limits).empty();
         });
         (fits ? fitting : too_many) = middle;
     }
@@ -150,7 +152,7 @@ private:
         constants.insert(constants.end(),
                          {barriers_twice, plan_.instances_per_workgroup, on_chip_transforms(plan_, rig_)});
         return Kernel(gpu_, {.name = choice_.method->name,
-                             .spirv = gpu_->prefers_wide_words() ? shaders.wide : shaders.plain,
+                             .spirv = gpu_->uses_software_kernels() ? shaders.software : shaders.plain,
                              .workgroup_size = plan_.workgroup_size,
                              .constants = std::move(constants),
                              .full_subgroups = plan_.full_subgroups});
@@ -177,7 +179,7 @@ private:
 };
 
 struct Checked {
-    std::string obstacle;
+    std::string unsupported_reason;
     double max_error = 0;
     std::optional<OnChipRunner> runner;
     std::vector<double> ns, barriers_twice_ns;  // a joint
@@ -194,9 +196,10 @@ Checked check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entr
     Checked checked;
     double best_ns = std::numeric_limits<double>::infinity();
     for (const ScanChoice& choice : entrant.choices) {
-        ScanPlan plan = plan_scan(*choice.method, rig, scan_limits(*gpu), choice.lanes);
-        if (const std::string obstacle = obstacle_of(plan, *choice.method, rig, scan_limits(*gpu)); !obstacle.empty()) {
-            checked.obstacle = obstacle;
+        ScanPlan plan = plan_scan(*choice.method, rig, scan_limits(*gpu), choice.threads);
+        if (const std::string unsupported_reason = unsupported_reason_of(plan, *choice.method, rig, scan_limits(*gpu));
+            !unsupported_reason.empty()) {
+            checked.unsupported_reason = unsupported_reason;
             continue;
         }
         OnChipRunner runner(gpu, clock, choice, std::move(plan), rig, character_count, pose);
@@ -221,7 +224,7 @@ nlohmann::json record_of(const Entrant& entrant, const Checked& checked, const n
     nlohmann::json record = cell_record;
     record["method"] = entrant.name;
     if (!checked.runner) {
-        record["obstacle"] = checked.obstacle;
+        record["unsupported_reason"] = checked.unsupported_reason;
         return record;
     }
     add_choice(record, checked.runner->choice(), checked.runner->plan().counts);

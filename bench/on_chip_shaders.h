@@ -10,7 +10,7 @@ namespace throng::bench {
 
 struct OnChipShaders {
     std::string_view name;
-    std::span<const uint32_t> plain, wide;  // the second with GPU_WIDE
+    std::span<const uint32_t> plain, software;  // the second with GPU_SOFTWARE
 };
 
 // The shaders of the scan method called `name`. Throws kInvalidArgument where no method is called so.

@@ -92,20 +92,20 @@ std::string label(const ScanCell& cell) {
     return std::to_string(cell.characters) + " x " + std::to_string(cell.joints) + " joints, " + levels;
 }
 
-// "name" with all the lanes that the device allows, or "name:lanes".
+// "name" with all the threads that the device allows, or "name:threads".
 Entrant entrant(const std::string& text, const ScanLimits& limits) {
     const auto [method, wanted] = parse_scan_request(text);
-    std::vector<uint32_t> lanes = method->lane_choices(limits);
+    std::vector<uint32_t> threads = method->thread_choices(limits);
     if (wanted) {
-        const bool is_choice = std::find(lanes.begin(), lanes.end(), *wanted) != lanes.end();
+        const bool is_choice = std::find(threads.begin(), threads.end(), *wanted) != threads.end();
         if (!is_choice)
             refuse("scan method '" + text + "'",
-                   plan_scan(*method, ScanRig(std::vector{kNone}, true), limits, *wanted).obstacle);
-        lanes = {*wanted};
+                   plan_scan(*method, ScanRig(std::vector{kNone}, true), limits, *wanted).unsupported_reason);
+        threads = {*wanted};
     }
-    if (lanes.empty()) lanes = {0};  // plan_scan() says why not
+    if (threads.empty()) threads = {0};  // plan_scan() says why not
     Entrant out{.name = std::string(method->name)};
-    for (const uint32_t count : lanes) out.choices.push_back({method, count});
+    for (const uint32_t count : threads) out.choices.push_back({method, count});
     return out;
 }
 
@@ -120,7 +120,7 @@ std::vector<Entrant> entrants_of(const ScanBenchSettings& settings, const ScanLi
 constexpr const char* kAuto = "auto";
 
 bool is_choice(const nlohmann::json& record, const ScanChoice& choice) {
-    return record.value("method", "") == choice.method->name && record.value("lanes", 0u) == choice.lanes &&
+    return record.value("method", "") == choice.method->name && record.value("threads", 0u) == choice.threads &&
            record.contains("median_ms");
 }
 
@@ -131,8 +131,8 @@ std::vector<nlohmann::json> measure_with_planner(const std::shared_ptr<Gpu>& gpu
                                                  const Progress& progress) {
     const ScanChoice chosen =
         choose_scan(kAuto, cell.rig(), cell.characters, scan_limits(*gpu), scan_costs(*gpu)).choice;
-    // Of a method with a choice of lanes only the fastest ones have a row.
-    const bool has_row = chosen.lanes == 0 &&
+    // Of a method with a choice of threads only the fastest ones have a row.
+    const bool has_row = chosen.threads == 0 &&
                          std::any_of(entrants.begin(), entrants.end(), [&](const Entrant& entrant) {
                              return entrant.choices.front().method == chosen.method;
                          });

@@ -15,7 +15,7 @@ std::vector<std::string> scan_experiments();
 std::vector<std::string> default_scan_experiments();
 
 struct ScanBenchSettings {
-    // Names of scan_methods(), "name:lanes" to fix the invocations a character; empty: all
+    // Names of scan_methods(), "name:threads" to fix the invocations a character; empty: all
     std::vector<std::string> methods;
     std::vector<std::string> experiments = default_scan_experiments();
     // Of the experiments "levels" and "on_chip".

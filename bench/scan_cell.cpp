@@ -22,7 +22,7 @@ nlohmann::json describe_cell(const ScanCell& cell, const ScanRig& rig, const Dev
 }
 
 void add_choice(nlohmann::json& record, const ScanChoice& choice, const ScanCounts& counts) {
-    record.update({{"lanes", choice.lanes},
+    record.update({{"threads", choice.threads},
                    {"multiplications", counts.multiplications},
                    {"longest_thread", counts.longest_thread},
                    {"barriers", counts.barriers},

@@ -26,7 +26,7 @@ struct PlannedObservation {
 std::vector<PlannedObservation> plan_all(std::span<const ScanObservation> observations, const ScanLimits& limits) {
     std::vector<PlannedObservation> planned;
     for (const ScanObservation& o : observations)
-        planned.push_back({&o, plan_scan(*o.choice.method, o.rig, limits, o.choice.lanes)});
+        planned.push_back({&o, plan_scan(*o.choice.method, o.rig, limits, o.choice.threads)});
     return planned;
 }
 

@@ -15,8 +15,8 @@ namespace {
 constexpr uint32_t kCopyPlain[] = {
 #include "bench/copy.inc"
 };
-constexpr uint32_t kCopyWide[] = {
-#include "bench/copy.wide.inc"
+constexpr uint32_t kCopySoftware[] = {
+#include "bench/copy.software.inc"
 };
 
 // A method's kernel, bound to each batch.
@@ -38,7 +38,7 @@ struct Runner {
 
 // An entrant after its check.
 struct Checked {
-    std::string obstacle;
+    std::string unsupported_reason;
     double max_error = 0;
     std::optional<Runner> runner;
     std::vector<double> times_ms;
@@ -50,7 +50,7 @@ class CopyRunner {
 public:
     CopyRunner(const std::shared_ptr<Gpu>& gpu, ScanCrowd& crowd)
         : kernel_(gpu, {.name = "copy",
-                        .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kCopyWide) : kCopyPlain,
+                        .spirv = gpu->uses_software_kernels() ? std::span<const uint32_t>(kCopySoftware) : kCopyPlain,
                         .workgroup_size = 64,
                         .constants = {kRowsPerInvocation}}) {
         for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch)
@@ -74,7 +74,7 @@ private:
 // The kernel of the choice that is fastest here, compiled and warm; none where no choice applies, and `obstacle` says
 // why.
 std::optional<Runner> fastest(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant,
-                              const ScanRig& rig, ScanCrowd& crowd, std::string& obstacle) {
+                              const ScanRig& rig, ScanCrowd& crowd, std::string& unsupported_reason) {
     // A software device's time is proportional to the characters, where they are many: some of them will tell.
     constexpr uint32_t kMany = 4'000, kPart = 8, kRuns = 3;
     const uint32_t part = gpu->is_cpu() && crowd.instance_count() >= kMany ? kPart : 1;
@@ -88,8 +88,8 @@ std::optional<Runner> fastest(const std::shared_ptr<Gpu>& gpu, const GpuClock& c
     std::optional<Runner> best;
     double best_ms = std::numeric_limits<double>::infinity();
     for (const ScanChoice& choice : entrant.choices) {
-        obstacle = plan_scan(*choice.method, rig, scan_limits(*gpu), choice.lanes).obstacle;
-        if (!obstacle.empty()) continue;
+        unsupported_reason = plan_scan(*choice.method, rig, scan_limits(*gpu), choice.threads).unsupported_reason;
+        if (!unsupported_reason.empty()) continue;
         Runner runner(gpu, choice, rig, crowd);
         // The first run compiles
         clock.time_ms([&](VkCommandBuffer commands) { runner.stage.record(commands, runner.bindings[0], 1); });
@@ -104,7 +104,7 @@ std::optional<Runner> fastest(const std::shared_ptr<Gpu>& gpu, const GpuClock& c
 Checked check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant, const ScanRig& rig,
               ScanCrowd& crowd) {
     Checked checked;
-    checked.runner = fastest(gpu, clock, entrant, rig, crowd, checked.obstacle);
+    checked.runner = fastest(gpu, clock, entrant, rig, crowd, checked.unsupported_reason);
     if (!checked.runner) return checked;
     crowd.poison();
     clock.time_ms([&](VkCommandBuffer commands) { checked.runner->record(commands, crowd); });
@@ -117,7 +117,7 @@ nlohmann::json record_of(const Entrant& entrant, const Checked& checked, const n
     nlohmann::json record = cell_record;
     record["method"] = entrant.name;
     if (!checked.runner) {
-        record["obstacle"] = checked.obstacle;
+        record["unsupported_reason"] = checked.unsupported_reason;
         return record;
     }
     const ScanStage& stage = checked.runner->stage;

@@ -7,7 +7,7 @@
 
 namespace throng::bench {
 
-// Times every method with every number of lanes on rigs and crowds of several sizes; `quick`: on few. Throws as
+// Times every method with every number of threads on rigs and crowds of several sizes; `quick`: on few. Throws as
 // measure_scans() does.
 std::vector<ScanObservation> observe_scans(const std::shared_ptr<Gpu>& gpu, bool quick, const Progress& progress);
 

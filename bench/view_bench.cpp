@@ -35,7 +35,7 @@ constexpr uint32_t kChecked = 16;  // characters of each level of detail
 struct Entrant {
     const Variant* variant = nullptr;
     std::optional<Crowd> crowd;
-    std::string obstacle;
+    std::string unsupported_reason;
     std::vector<uint32_t> drawn;  // of each level of detail
     double max_error = 0, max_pixels = 0;
     std::vector<double> total_ms;
@@ -57,7 +57,7 @@ public:
                                                 .skips_updates = variant.skips_updates,
                                                 .reduces_joints = variant.reduces_joints});
             if (!made) {
-                entrant.obstacle = made.error().text();
+                entrant.unsupported_reason = made.error().text();
                 continue;
             }
             entrant.crowd = std::move(*made);
@@ -67,7 +67,7 @@ public:
             for (uint32_t i = 0; i < kSettling; ++i) update(entrant, 0);
             compare(entrant);
             if (!entrant.drawn.empty()) continue;
-            entrant.obstacle = "the camera sees none of the characters";  // so nothing has been checked
+            entrant.unsupported_reason = "the camera sees none of the characters";  // so nothing has been checked
             entrant.crowd.reset();
         }
     }
@@ -90,7 +90,7 @@ public:
 private:
     // Fewer joints may move a vertex by no more than the level of detail is off.
     bool is_wrong(const Entrant& entrant) const {
-        return !(entrant.max_error <= kSkinErrorBound && entrant.max_pixels <= view_->detail_pixels);
+        return !(entrant.max_error <= kSkinErrorBound && entrant.max_pixels <= view_->lod_pixels);
     }
 
     uint32_t count() const { return static_cast<uint32_t>(seen_.playback.size()); }
@@ -110,8 +110,8 @@ private:
     // these take vertices away, as the view sees it.
     void compare(Entrant& entrant) const {
         std::vector<DrawnInstance> drawn = drawn_by(entrant);
-        std::ranges::stable_sort(drawn, {}, &DrawnInstance::detail);  // large crowds are listed batch by batch
-        entrant.drawn = tools::count_by_detail(drawn);
+        std::ranges::stable_sort(drawn, {}, &DrawnInstance::lod);  // large crowds are listed batch by batch
+        entrant.drawn = tools::count_by_lod(drawn);
         auto first = drawn.begin();
         for (const uint32_t of_level : entrant.drawn) {
             const uint32_t checked = std::min(kChecked, of_level);
@@ -122,7 +122,7 @@ private:
 
     void compare(Entrant& entrant, const DrawnInstance& one) const {
         const ReferencePose pose = value_of(reference_pose(*seen_.character, seen_.playback[one.instance]));
-        if (entrant.variant->reduces_joints && one.detail > 0)
+        if (entrant.variant->reduces_joints && one.lod > 0)
             entrant.max_pixels = std::max(entrant.max_pixels, pixels_off(*entrant.crowd, one.instance, pose));
         else
             entrant.max_error = std::max(entrant.max_error,
@@ -165,14 +165,14 @@ private:
                        {"joints", rig.joint_count()},
                        {"levels", rig.level_count}});
         if (!entrant.crowd) {
-            record["obstacle"] = entrant.obstacle;
+            record["unsupported_reason"] = entrant.unsupported_reason;
             return record;
         }
         record.update({{"path", entrant.crowd->path(0)->is_fused ? "fused" : "staged"},
                        {"drawn", entrant.drawn},
                        {"memory_bytes", entrant.crowd->size_bytes()},
                        {"max_error", entrant.max_error}});
-        if (entrant.variant->culls) record["detail_pixels"] = view_->detail_pixels;
+        if (entrant.variant->culls) record["lod_pixels"] = view_->lod_pixels;
         if (entrant.variant->reduces_joints) record["max_pixels"] = entrant.max_pixels;
         if (entrant.variant->skips_updates) record["full_rate_pixels"] = view_->full_rate_pixels;
         if (is_wrong(entrant)) record["wrong"] = true;

@@ -35,7 +35,7 @@ TEST(Baseline, TheTableHasBoth) {
         EXPECT_FALSE(baseline.summary.empty());
         EXPECT_FALSE(baseline.source.empty());
         EXPECT_FALSE(baseline.plain.empty());
-        EXPECT_FALSE(baseline.wide.empty());
+        EXPECT_FALSE(baseline.software.empty());
     }
     EXPECT_EQ(names, (std::set<std::string_view>{"baked", "flattened"}));
 }
@@ -113,7 +113,7 @@ TEST(Baseline, TheKernelFollowsTheDefinition) {
         for (const Baseline& baseline : baselines()) {
             const Character stored = baseline.bake(character, {});
             Baseline plain = baseline;
-            plain.wide = plain.plain;
+            plain.software = plain.plain;
             for (const Baseline& variant : {baseline, plain}) {
                 const BaselineCrowd crowd(test_gpu(), variant, stored, playbacks);
                 crowd.update_ms(0);

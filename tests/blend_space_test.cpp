@@ -304,7 +304,7 @@ TEST(ControllerTables, AreTheStructsAsWords) {
     EXPECT_EQ(tables.layout.parameter_count, 3u);
     EXPECT_EQ(tables.initial_parameters, (std::vector<float>{0.5f, 0, 0}));
     EXPECT_EQ(tables.masks.size(), 12u);
-    EXPECT_EQ(tables.voice_limit, 1u + 3 * 3 + 3);
+    EXPECT_EQ(tables.active_clip_limit, 1u + 3 * 3 + 3);
     EXPECT_EQ(tables.initial_layers[1].mask, 1u);
     EXPECT_EQ(tables.initial_layers[1].weight, 0.75f);
 

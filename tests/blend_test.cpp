@@ -40,7 +40,7 @@ std::vector<Affine> run_blend(const std::vector<float>& weights, const std::vect
                                {io::kFirstPosesBuffer, first_poses},
                                {io::kSecondPosesBuffer, second_poses},
                                {io::kLocalBuffer, local},
-                               {io::kPosedBuffer, Guarded<uint32_t>({})},
+                               {io::kPoseOverridesBuffer, Guarded<uint32_t>({})},
                                {io::kSetPosesBuffer, first_poses}},
                    io::BlendPush{joint_count}, static_cast<uint32_t>(weights.size()));
     EXPECT_TRUE(same_bits(first_poses.read(), first) && same_bits(second_poses.read(), second))
@@ -71,7 +71,7 @@ TEST(Blend, SimilaritiesAreTheSameTransforms) {
                                {io::kFirstPosesBuffer, first_poses},
                                {io::kSecondPosesBuffer, second_poses},
                                {io::kLocalBuffer, local},
-                               {io::kPosedBuffer, Guarded<uint32_t>({})},
+                               {io::kPoseOverridesBuffer, Guarded<uint32_t>({})},
                                {io::kSetPosesBuffer, first_poses}},
                    io::BlendPush{kJoints}, static_cast<uint32_t>(weights.size()));
     const std::vector<io::vec4> rows = local.read();

@@ -127,8 +127,8 @@ bool same(const Rig& a, const Rig& b) {
 
 void expect_same(const Character& a, const Character& b) {
     const auto& [name, rig, clips, times_s, packed, keys, words, root_rows, tracks, skins, palette, vertices,
-                 influences, indices, sections, details, detail_ranges, detail_indices, joint_details, materials,
-                 images, bounds_min, bounds_max, size, morphs, morph_deltas, morph_tracks, morph_times_s, morph_values,
+                 influences, indices, sections, lods, lod_ranges, lod_indices, joint_lods, materials, images,
+                 bounds_min, bounds_max, size, morphs, morph_deltas, morph_tracks, morph_times_s, morph_values,
                  warnings] = a;
     EXPECT_TRUE(same(name, b.name));
     EXPECT_TRUE(same(rig, b.rig));
@@ -145,10 +145,10 @@ void expect_same(const Character& a, const Character& b) {
     EXPECT_TRUE(same(influences, b.influences));
     EXPECT_TRUE(same(indices, b.indices));
     EXPECT_TRUE(same(sections, b.sections));
-    EXPECT_TRUE(same(details, b.details));
-    EXPECT_TRUE(same(detail_ranges, b.detail_ranges));
-    EXPECT_TRUE(same(detail_indices, b.detail_indices));
-    EXPECT_TRUE(same(joint_details, b.joint_details));
+    EXPECT_TRUE(same(lods, b.lods));
+    EXPECT_TRUE(same(lod_ranges, b.lod_ranges));
+    EXPECT_TRUE(same(lod_indices, b.lod_indices));
+    EXPECT_TRUE(same(joint_lods, b.joint_lods));
     EXPECT_TRUE(same(materials, b.materials));
     EXPECT_TRUE(same(images, b.images));
     EXPECT_TRUE(same(bounds_min, b.bounds_min));
@@ -508,7 +508,7 @@ TEST(CharacterFile, ACraftedTableIsRefused) {
                  [](Forged& f) {
                      f.entry(S::kMorphValues).element_count -= 1, f.entry(S::kMorphValues).size_bytes -= sizeof(float);
                  },
-                 "details"},
+                 "lods"},
                 {"padding that is not zero",
                  [](Forged& f) {
                      f.bytes()[f.entry(S::kImages).offset_bytes + f.entry(S::kImages).size_bytes] = std::byte{1};

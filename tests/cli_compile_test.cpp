@@ -28,7 +28,7 @@ TEST_F(CliCompile, WhatIsWrittenGivesWhatItsSourceGives) {
     for (const std::string error : {"0.01", "0.5", "exact"}) {
         const Outcome run = run_tool({"compile", source(), "-o", compiled, "--error", error});
         ASSERT_TRUE(run.succeeded()) << run;
-        EXPECT_EQ(json_of({"info", compiled}), json_of({"info", source(), "--error", error, "--details"}));
+        EXPECT_EQ(json_of({"info", compiled}), json_of({"info", source(), "--error", error, "--lods"}));
         for (const std::vector<std::string>& of : std::vector<std::vector<std::string>>{
                  {"--reference"},
                  {},

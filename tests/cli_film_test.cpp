@@ -150,7 +150,7 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
         {"--camera", {"fit", "camera"}},
         {"--fps", {"2", "fps 1.0, not 2.0"}},
         {"--skinning", {"dual-quaternion", "skinning"}},
-        {"--detail-pixels", {"2", "detail-pixels 1.0, not 2.0"}}};
+        {"--lod-pixels", {"2", "lod-pixels 1.0, not 2.0"}}};
     for (const auto& [option, other] : others)
         EXPECT_TRUE(film_with(out, option, other.first).refused(other.second)) << option;
     const std::vector<std::string> flags{"everything", "skeletons", "bounds", "steer", "skin-once"};

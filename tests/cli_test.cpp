@@ -88,7 +88,7 @@ TEST_F(Cli, HelpHasExamples) {
 }
 
 TEST_F(Cli, InfoCountsExactly) {
-    const Json info = json_of({"info", creature(), "--details"});
+    const Json info = json_of({"info", creature(), "--lods"});
     EXPECT_EQ(info["file"], "creature.glb");
     EXPECT_EQ(info["joints"], kJoints);
     EXPECT_EQ(info["levels"], kLevels);
@@ -109,14 +109,14 @@ TEST_F(Cli, InfoCountsExactly) {
         clip_bytes += clip["bytes"].get<uint64_t>();
         raw_bytes += clip["raw_bytes"].get<uint64_t>();
     }
-    ASSERT_GE(info["details"].size(), 2u);
+    ASSERT_GE(info["lods"].size(), 2u);
     Json finer{{"faces", info["faces"]}, {"joints", kJoints}, {"error_percent", 0}};
-    for (const Json& detail : info["details"]) {
-        EXPECT_LT(detail["faces"], finer["faces"]);
-        EXPECT_LE(detail["joints"], finer["joints"]);
-        EXPECT_GE(detail["error_percent"], finer["error_percent"]);
-        EXPECT_GT(detail["error_percent"], 0);
-        finer = detail;
+    for (const Json& lod : info["lods"]) {
+        EXPECT_LT(lod["faces"], finer["faces"]);
+        EXPECT_LE(lod["joints"], finer["joints"]);
+        EXPECT_GE(lod["error_percent"], finer["error_percent"]);
+        EXPECT_GT(lod["error_percent"], 0);
+        finer = lod;
     }
     EXPECT_EQ(info["packed"], true);
     EXPECT_EQ(info["clip_bytes"], clip_bytes);
@@ -139,7 +139,7 @@ TEST_F(Cli, InfoCountsExactly) {
 
     const Outcome text = run_tool({"info", creature()});
     EXPECT_TRUE(text.succeeded()) << text;
-    EXPECT_EQ(text.out.find("detail "), std::string::npos) << text;
+    EXPECT_EQ(text.out.find("lod "), std::string::npos) << text;
     for (const std::string& part :
          {std::string("40 joints, 12 levels"), std::string("idle"), std::string("walk"), std::string("fly"),
           std::to_string(info["bytes_per_instance"].get<int>()) + " bytes an instance",
@@ -149,16 +149,16 @@ TEST_F(Cli, InfoCountsExactly) {
 
 // They take longest of all, and are made where they are asked for.
 TEST_F(Cli, InfoMakesLevelsOfDetailOnRequest) {
-    Json with = json_of({"info", creature(), "--details"}), without = json_of({"info", creature()});
-    EXPECT_FALSE(with["details"].empty());
-    EXPECT_TRUE(without["details"].is_array() && without["details"].empty());
-    with.erase("details"), without.erase("details");
+    Json with = json_of({"info", creature(), "--lods"}), without = json_of({"info", creature()});
+    EXPECT_FALSE(with["lods"].empty());
+    EXPECT_TRUE(without["lods"].is_array() && without["lods"].empty());
+    with.erase("lods"), without.erase("lods");
     EXPECT_EQ(with, without) << "all else is the same";
-    const Outcome text = run_tool({"info", creature(), "--details"});
-    EXPECT_NE(text.out.find("detail 1"), std::string::npos) << text;
+    const Outcome text = run_tool({"info", creature(), "--lods"});
+    EXPECT_NE(text.out.find("lod 1"), std::string::npos) << text;
     const std::string compiled = file("detailed.throng");
     ASSERT_TRUE(run_tool({"compile", creature(), "-o", compiled}).succeeded());
-    EXPECT_FALSE(json_of({"info", compiled})["details"].empty()) << "those of a compiled file are there";
+    EXPECT_FALSE(json_of({"info", compiled})["lods"].empty()) << "those of a compiled file are there";
     fs::remove(compiled);
 }
 
@@ -277,8 +277,8 @@ TEST_F(Cli, RenderWritesAPictureOfTheAskedSize) {
         colors.insert({picture.rgba[i], picture.rgba[i + 1], picture.rgba[i + 2], picture.rgba[i + 3]});
     EXPECT_GT(colors.size(), 100u);
 
-    const Json coarse = Json::parse(render("coarse.png", "1", {"--json", "--detail-pixels", "1000"}).out),
-               fine = Json::parse(render("fine.png", "1", {"--json", "--detail-pixels", "0.01"}).out);
+    const Json coarse = Json::parse(render("coarse.png", "1", {"--json", "--lod-pixels", "1000"}).out),
+               fine = Json::parse(render("fine.png", "1", {"--json", "--lod-pixels", "0.01"}).out);
     EXPECT_GT(coarse["drawn"].size(), 1u);
     EXPECT_LT(coarse["drawn"][0], 9) << "who stands far enough from the eye is drawn coarser";
     EXPECT_EQ(fine["drawn"], Json::array({9}));
@@ -417,9 +417,9 @@ TEST_F(Cli, BenchScanHasARecordForEachMethodAndCase) {
         std::set<std::string> wanted{"bench",      "experiment", "method",        "shape",      "seed",
                                      "characters", "joints",     "levels",        "mean_depth", "leaves",
                                      "device",     "driver",     "subgroup_size", "commit",     "date"};
-        if (!record.contains("obstacle")) {
-            wanted.merge(std::set<std::string>{"lanes", "multiplications", "longest_thread", "barriers", "shared_bytes",
-                                               "max_error", "samples"});
+        if (!record.contains("unsupported_reason")) {
+            wanted.merge(std::set<std::string>{"threads", "multiplications", "longest_thread", "barriers",
+                                               "shared_bytes", "max_error", "samples"});
             if (on_chip)
                 wanted.merge(std::set<std::string>{"workgroup_size", "on_chip_ns_per_joint", "on_chip_p5",
                                                    "on_chip_p95", "barrier_share"});
@@ -429,7 +429,7 @@ TEST_F(Cli, BenchScanHasARecordForEachMethodAndCase) {
             EXPECT_LE(record["max_error"], 1e-5);
             EXPECT_EQ(record["samples"], 2);
         } else {
-            wanted.insert("obstacle");
+            wanted.insert("unsupported_reason");
         }
         if (record["method"] == "auto") wanted.insert("chosen");
         EXPECT_EQ(keys(record), wanted);
@@ -476,11 +476,11 @@ TEST_F(Cli, BenchFrameHasARecordForEachVariantOfEachConfiguration) {
         else
             wanted.merge(std::set<std::string>{"clips", "keys"});
         if (!is_copy) wanted.insert("skin_format");
-        if (record.contains("obstacle"))
-            wanted.insert("obstacle");
+        if (record.contains("unsupported_reason"))
+            wanted.insert("unsupported_reason");
         else
             wanted.merge(std::set<std::string>{"samples", "host_samples", "ms", "ns_per_joint", "gb_per_s"});
-        if (!is_floor && !record.contains("obstacle"))
+        if (!is_floor && !record.contains("unsupported_reason"))
             wanted.merge(std::set<std::string>{"scan", "max_error", "stages", "times_fill_floor"});
         EXPECT_EQ(keys(record), wanted) << line;
         EXPECT_EQ(record["bench"], "frame");
@@ -525,7 +525,7 @@ TEST_F(Cli, BenchViewTellsWhatLeavingOutGains) {
                                      "levels", "drawn",         "memory_bytes", "max_error", "samples",       "ms",
                                      "stages", "times_faster",  "device",       "driver",    "subgroup_size", "commit",
                                      "date"};
-        if (record["variant"] != "everything") wanted.insert("detail_pixels");
+        if (record["variant"] != "everything") wanted.insert("lod_pixels");
         if (record.contains("max_pixels")) wanted.insert("max_pixels");
         if (record.contains("full_rate_pixels")) wanted.insert("full_rate_pixels");
         EXPECT_EQ(keys(record), wanted);

@@ -18,9 +18,9 @@ using namespace test;
 constexpr uint32_t kJointCount = 7;  // of the tables that the cursors point into
 
 // Clips' time axes, and the rest pose's as the crowd makes it.
-struct Axes {
+struct Timelines {
     std::vector<float> times_s{0};  // the rest pose's row; the clips' follow
-    std::vector<io::ClipAxis> clips;
+    std::vector<io::ClipTimeline> clips;
 
     void add(const std::vector<float>& axis_s, float duration_s, uint32_t row_stride) {
         clips.push_back({static_cast<uint32_t>(times_s.size()), static_cast<uint32_t>(axis_s.size()), row_stride,
@@ -28,7 +28,7 @@ struct Axes {
         times_s.insert(times_s.end(), axis_s.begin(), axis_s.end());
     }
     std::vector<uint32_t> words() const {
-        std::vector<uint32_t> out(clips.size() * io::kAxisWords);
+        std::vector<uint32_t> out(clips.size() * io::kTimelineWords);
         std::memcpy(out.data(), clips.data(), out.size() * sizeof(uint32_t));
         return out;
     }
@@ -37,54 +37,54 @@ struct Axes {
     }
 };
 
-Axes make_axes() {
-    Axes axes;
+Timelines make_timelines() {
+    Timelines timelines;
     Random random(1);
     std::vector<float> uniform_s, uneven_s{0};
     for (int i = 0; i <= 32; ++i) uniform_s.push_back(static_cast<float>(i) / 32);
     for (int i = 0; i < 100; ++i)
         uneven_s.push_back(uneven_s.back() + static_cast<float>(random.chance(0.2) ? random.between(0.1, 0.5)
                                                                                    : random.between(0.001, 0.01)));
-    axes.add(uniform_s, 1, 11);
-    axes.add(uneven_s, uneven_s.back(), 3);
-    axes.add({0.5f, 0.75f, 1.5f}, 2, 5);  // starts late, ends early
-    axes.add({0}, 0, 0);                  // no duration
-    axes.add({0.3f}, 0.3f, 2);            // one row
-    axes.add({0, 600}, 600, 1);           // ten minutes
-    axes.clips.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .duration_s = 0});
-    return axes;
+    timelines.add(uniform_s, 1, 11);
+    timelines.add(uneven_s, uneven_s.back(), 3);
+    timelines.add({0.5f, 0.75f, 1.5f}, 2, 5);  // starts late, ends early
+    timelines.add({0}, 0, 0);                  // no duration
+    timelines.add({0.3f}, 0.3f, 2);            // one row
+    timelines.add({0, 600}, 600, 1);           // ten minutes
+    timelines.clips.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .duration_s = 0});
+    return timelines;
 }
 
-void check_cursor(const Axes& axes, const io::SlotPlayback& slot, const io::SlotCursor& cursor) {
-    const io::ClipAxis& axis = axes.clips[slot.clip];
-    const std::span<const float> times_s = axes.times_of(slot.clip);
+void check_cursor(const Timelines& timelines, const io::SlotPlayback& slot, const io::SlotCursor& cursor) {
+    const io::ClipTimeline& timeline = timelines.clips[slot.clip];
+    const std::span<const float> times_s = timelines.times_of(slot.clip);
     const RowCursor wanted = find_rows_reference(times_s, slot.time_s);
     EXPECT_EQ(cursor.first_track, slot.clip * kJointCount);
-    ASSERT_EQ(cursor.earlier, axis.first_row + wanted.earlier * axis.row_stride)
+    ASSERT_EQ(cursor.earlier, timeline.first_row + wanted.earlier * timeline.row_stride)
         << "clip " << slot.clip << " at " << slot.time_s << " s";
     if (cursor.fraction > 0) {
-        EXPECT_EQ(cursor.later, axis.first_row + wanted.later * axis.row_stride);
+        EXPECT_EQ(cursor.later, timeline.first_row + wanted.later * timeline.row_stride);
     } else {  // any row, as it has no part in the value
-        EXPECT_LE(cursor.later, axis.first_row + (axis.row_count - 1) * axis.row_stride);
+        EXPECT_LE(cursor.later, timeline.first_row + (timeline.row_count - 1) * timeline.row_stride);
     }
     EXPECT_NEAR(cursor.fraction, wanted.fraction, 1e-6) << "clip " << slot.clip << " at " << slot.time_s << " s";
 }
 
 class Runner {
 public:
-    Runner(const Axes& axes, std::vector<io::InstancePlayback> playbacks)
+    Runner(const Timelines& timelines, std::vector<io::InstancePlayback> playbacks)
         : kernel_(control_kernel(test_gpu())),
           count_(static_cast<uint32_t>(playbacks.size())),
           state(std::move(playbacks)),
           playbacks_(state),
-          axes_(axes.words()),
-          times_(axes.times_s),
+          timelines_(timelines.words()),
+          times_(timelines.times_s),
           cursors_(poison<io::InstanceCursor>(count_)) {}
 
     void step(float time_step_s) {
         run_invocations(kernel_,
                         BufferTable{{io::kPlaybacksBuffer, playbacks_},
-                                    {io::kTimelineBuffer, axes_},
+                                    {io::kTimelineBuffer, timelines_},
                                     {io::kTimesBuffer, times_},
                                     {io::kCursorsBuffer, cursors_}},
                         io::ControlPush{count_, kJointCount, time_step_s}, count_);
@@ -102,26 +102,26 @@ public:
 
 private:
     Guarded<io::InstancePlayback> playbacks_;
-    Guarded<uint32_t> axes_;
+    Guarded<uint32_t> timelines_;
     Guarded<float> times_;
     Guarded<io::InstanceCursor> cursors_;
 };
 
 TEST(Control, FollowsTheReferenceOverManySteps) {
-    const Axes axes = make_axes();
+    const Timelines timelines = make_timelines();
     Random random(2);
     std::vector<io::InstancePlayback> playbacks;
     for (int i = 0; i < 1000; ++i) {
         const auto slot = [&] {
-            const uint32_t clip = random.below(static_cast<uint32_t>(axes.clips.size()));
+            const uint32_t clip = random.below(static_cast<uint32_t>(timelines.clips.size()));
             return io::SlotPlayback{.clip = clip,
                                     .loop = random.below(2),
-                                    .time_s = static_cast<float>(random.unit()) * axes.clips[clip].duration_s,
+                                    .time_s = static_cast<float>(random.unit()) * timelines.clips[clip].duration_s,
                                     .speed = static_cast<float>(random.between(-2, 2))};
         };
         playbacks.push_back({slot(), slot(), static_cast<float>(random.unit())});
     }
-    Runner runner(axes, playbacks);
+    Runner runner(timelines, playbacks);
     double worst_s = 0;
     size_t wraps = 0;
     for (int step = 0; step < 200; ++step) {
@@ -131,7 +131,7 @@ TEST(Control, FollowsTheReferenceOverManySteps) {
         for (size_t i = 0; i < before.size(); ++i) {
             const auto check = [&](const io::SlotPlayback& was, const io::SlotPlayback& is,
                                    const io::SlotCursor& cursor) {
-                const double duration_s = axes.clips[was.clip].duration_s;
+                const double duration_s = timelines.clips[was.clip].duration_s;
                 EXPECT_EQ(is.clip, was.clip);
                 EXPECT_EQ(is.loop, was.loop);
                 EXPECT_EQ(is.speed, was.speed);
@@ -147,7 +147,7 @@ TEST(Control, FollowsTheReferenceOverManySteps) {
                 EXPECT_LE(difference_s, std::max(1e-6, rounding_s))
                     << "clip " << was.clip << ", from " << was.time_s << " by " << step_s << " x " << was.speed;
                 if (duration_s < 10) worst_s = std::max(worst_s, difference_s);
-                check_cursor(axes, is, cursor);
+                check_cursor(timelines, is, cursor);
             };
             check(before[i].first, runner.state[i].first, runner.cursors[i].first);
             check(before[i].second, runner.state[i].second, runner.cursors[i].second);
@@ -162,25 +162,25 @@ TEST(Control, FollowsTheReferenceOverManySteps) {
 }
 
 TEST(Control, FindsTheRowsAtAndAroundEveryKey) {
-    const Axes axes = make_axes();
+    const Timelines timelines = make_timelines();
     std::vector<io::InstancePlayback> playbacks;
     const auto add = [&](uint32_t clip, float time_s) {
         for (const uint32_t loop : {0u, 1u})
             playbacks.push_back({{clip, loop, time_s, 0}, {clip, 1 - loop, time_s, 0}, 0.5f});
     };
-    for (uint32_t clip = 0; clip < axes.clips.size(); ++clip) {
-        for (const float time_s : axes.times_of(clip))
+    for (uint32_t clip = 0; clip < timelines.clips.size(); ++clip) {
+        for (const float time_s : timelines.times_of(clip))
             for (const float at_s : {time_s, std::nextafter(time_s, -1.0f), std::nextafter(time_s, 1e9f)})
                 add(clip, at_s);
-        for (const float time_s : {0.0f, axes.clips[clip].duration_s, -1.0f, 1e4f}) add(clip, time_s);
+        for (const float time_s : {0.0f, timelines.clips[clip].duration_s, -1.0f, 1e4f}) add(clip, time_s);
     }
-    Runner runner(axes, playbacks);
+    Runner runner(timelines, playbacks);
     runner.step(0);
     for (size_t i = 0; i < playbacks.size(); ++i) {
-        check_cursor(axes, runner.state[i].first, runner.cursors[i].first);
-        check_cursor(axes, runner.state[i].second, runner.cursors[i].second);
+        check_cursor(timelines, runner.state[i].first, runner.cursors[i].first);
+        check_cursor(timelines, runner.state[i].second, runner.cursors[i].second);
         const io::SlotPlayback& was = playbacks[i].first;
-        const float duration_s = axes.clips[was.clip].duration_s;
+        const float duration_s = timelines.clips[was.clip].duration_s;
         if (was.loop && was.time_s == duration_s) {
             EXPECT_EQ(runner.state[i].first.time_s, 0) << "t = D wraps to 0";
         }
@@ -191,34 +191,34 @@ TEST(Control, FindsTheRowsAtAndAroundEveryKey) {
             EXPECT_EQ(runner.state[i].first.time_s, was.time_s);
         }
     }
-    std::printf("  %zu instances on and beside the keys of %zu axes\n", playbacks.size(), axes.clips.size());
+    std::printf("  %zu instances on and beside the keys of %zu axes\n", playbacks.size(), timelines.clips.size());
 }
 
 // Speeds and steps are finite, but their product need not be: the time stays within the clip, and comes back.
 TEST(Control, AnOverflowStaysInTheClip) {
-    const Axes axes = make_axes();
-    Runner runner(axes,
+    const Timelines timelines = make_timelines();
+    Runner runner(timelines,
                   {{{0, 1, 0.5f, 3e38f}, {0, 0, 0.5f, 3e38f}, 1}, {{1, 1, 0.5f, -3e38f}, {1, 0, 0.5f, -3e38f}, 1}});
     for (const float step_s : {1000.0f, -1000.0f, 1e-39f}) {
         runner.step(step_s);
         for (size_t i = 0; i < 2; ++i)
             for (const io::SlotPlayback& slot : {runner.state[i].first, runner.state[i].second}) {
                 EXPECT_GE(slot.time_s, 0) << slot.time_s;
-                EXPECT_LE(slot.time_s, axes.clips[slot.clip].duration_s);
+                EXPECT_LE(slot.time_s, timelines.clips[slot.clip].duration_s);
             }
-        check_cursor(axes, runner.state[0].first, runner.cursors[0].first);
-        check_cursor(axes, runner.state[1].second, runner.cursors[1].second);
+        check_cursor(timelines, runner.state[0].first, runner.cursors[0].first);
+        check_cursor(timelines, runner.state[1].second, runner.cursors[1].second);
     }
 }
 
 // A workgroup has room for 64 instances; the guard words behind the one would show the others.
 TEST(Control, OneInstanceIsOneInstance) {
-    const Axes axes = make_axes();
-    Runner runner(axes, {{{0, 1, 0.25f, 1}, {6, 0, 0, 0}, 1}});
+    const Timelines timelines = make_timelines();
+    Runner runner(timelines, {{{0, 1, 0.25f, 1}, {6, 0, 0, 0}, 1}});
     runner.step(0.5f);
     EXPECT_EQ(runner.state[0].first.time_s, 0.75f);
-    check_cursor(axes, runner.state[0].first, runner.cursors[0].first);
-    check_cursor(axes, runner.state[0].second, runner.cursors[0].second);
+    check_cursor(timelines, runner.state[0].first, runner.cursors[0].first);
+    check_cursor(timelines, runner.state[0].second, runner.cursors[0].second);
 }
 
 TEST(Control, TheReferenceWrapsAndClamps) {

@@ -29,32 +29,32 @@ public:
           count_(count),
           joint_count_(character.rig.joint_count()),
           tables_(made_.words),
-          axes_(axis_words(character)),
+          timelines_(timeline_words(character)),
           times_(character.times_s),
           root_rows_(std::vector<io::vec4>{{0, 0, 1, 0}}),
           layers_(as_words(repeated(made_.initial_layers))),
           parameters_(repeated(made_.initial_parameters)),
-          voices_(poison<io::Voice>(count * size_t{made_.voice_limit})),
-          voice_times_(poison<float>(count * size_t{made_.voice_limit})),
+          active_clips_(poison<io::ActiveClip>(count * size_t{made_.active_clip_limit})),
+          active_clip_times_(poison<float>(count * size_t{made_.active_clip_limit})),
           events_(poison<uint32_t>(sizeof(io::EventHead) / 4 + kEventCapacity * sizeof(io::EventRecord) / 4)),
           roots_(std::vector<io::RootState>(count)),
           placements_(std::vector<Affine>(count)),
           inertias_(std::vector<io::InstanceInertia>(count)),
           commands_(std::vector<io::ControlCommand>(count * size_t{kCommandsEach})),
           controller_bindings_(controller_.bind(BufferTable{{io::kControllerBuffer, tables_},
-                                                            {io::kTimelineBuffer, axes_},
+                                                            {io::kTimelineBuffer, timelines_},
                                                             {io::kTimesBuffer, times_},
                                                             {io::kRootRowsBuffer, root_rows_},
                                                             {io::kLayersBuffer, layers_},
                                                             {io::kParametersBuffer, parameters_},
-                                                            {io::kVoicesBuffer, voices_},
+                                                            {io::kActiveClipsBuffer, active_clips_},
                                                             {io::kEventsBuffer, events_},
                                                             {io::kRootsBuffer, roots_},
                                                             {io::kPlacementsBuffer, placements_},
                                                             {io::kInertiasBuffer, inertias_},
                                                             {io::kLayersBeforeBuffer, layers_},
                                                             {io::kParametersBeforeBuffer, parameters_},
-                                                            {io::kVoiceTimesBuffer, voice_times_}})),
+                                                            {io::kActiveClipTimesBuffer, active_clip_times_}})),
           command_bindings_(command_.bind(BufferTable{
               {io::kCommandsBuffer, commands_}, {io::kLayersBuffer, layers_}, {io::kParametersBuffer, parameters_}})) {}
 
@@ -74,7 +74,7 @@ public:
                     command_count);
             memory_barrier(gpu, buffer, kShaderWrite, kShaderRead | kShaderWrite);
             controller_.dispatch_invocations(buffer, controller_bindings_,
-                                             io::ControllerPush{count_, 1000, joint_count_, made_.voice_limit,
+                                             io::ControllerPush{count_, 1000, joint_count_, made_.active_clip_limit,
                                                                 kEventCapacity, time_step_s, io::kPushTellsTimes},
                                              count_);
         });
@@ -86,8 +86,8 @@ public:
         return states;
     }
     std::vector<float> parameters() const { return parameters_.read(); }
-    std::vector<io::Voice> voices() const { return voices_.read(); }
-    std::vector<float> voice_times() const { return voice_times_.read(); }
+    std::vector<io::ActiveClip> active_clips() const { return active_clips_.read(); }
+    std::vector<float> active_clip_times() const { return active_clip_times_.read(); }
     EventBlock events() const {
         const std::vector<uint32_t> words = events_.read();
         EventBlock block;
@@ -101,12 +101,12 @@ public:
     const ControllerTables& made() const { return made_; }
 
 private:
-    static std::vector<uint32_t> axis_words(const Character& character) {
-        std::vector<io::ClipAxis> axes;
+    static std::vector<uint32_t> timeline_words(const Character& character) {
+        std::vector<io::ClipTimeline> timelines;
         for (const Clip& clip : character.clips)
-            axes.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});
-        axes.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0});
-        return as_words(axes);
+            timelines.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});
+        timelines.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0});
+        return as_words(timelines);
     }
     template <class T>
     std::vector<T> repeated(const std::vector<T>& one) const {
@@ -118,13 +118,13 @@ private:
     ControllerTables made_;
     uint32_t count_, joint_count_;
     Kernel controller_ = controller_kernel(test_gpu()), command_ = command_kernel(test_gpu());
-    Guarded<uint32_t> tables_, axes_;
+    Guarded<uint32_t> tables_, timelines_;
     Guarded<float> times_;
     Guarded<io::vec4> root_rows_;
     Guarded<uint32_t> layers_;
     Guarded<float> parameters_;
-    Guarded<io::Voice> voices_;
-    Guarded<float> voice_times_;
+    Guarded<io::ActiveClip> active_clips_;
+    Guarded<float> active_clip_times_;
     Guarded<uint32_t> events_;
     Guarded<io::RootState> roots_;
     Guarded<Affine> placements_;
@@ -177,9 +177,9 @@ void expect_layers(std::span<const io::LayerState> device, std::span<const io::L
 }
 
 // Rows may be neighbours where a time falls on a key: what counts is the time that they stand for.
-void expect_voices(std::span<const io::Voice> device, std::span<const ControllerVoice> reference,
-                   const Character& character) {
-    const std::vector<io::Voice> wanted = to_io(reference, character);
+void expect_active_clips(std::span<const io::ActiveClip> device, std::span<const ControllerActiveClip> reference,
+                         const Character& character) {
+    const std::vector<io::ActiveClip> wanted = to_io(reference, character);
     for (size_t i = 0; i < wanted.size(); ++i) {
         ASSERT_EQ(device[i].first_track, wanted[i].first_track) << "voice " << i;
         ASSERT_EQ(device[i].flags, wanted[i].flags) << "voice " << i;
@@ -225,8 +225,8 @@ void follow(const Controller& controller, uint32_t instance_count, uint32_t upda
         for (const io::ControlCommand& command : commands) references[command.instance].apply(command);
         const std::vector<io::LayerState> layers = kernels.layers();
         const std::vector<float> parameters = kernels.parameters();
-        const std::vector<io::Voice> voices = kernels.voices();
-        const std::vector<float> voice_times = kernels.voice_times();
+        const std::vector<io::ActiveClip> active_clips = kernels.active_clips();
+        const std::vector<float> active_clip_times = kernels.active_clip_times();
         const EventBlock events = kernels.events();
         std::map<EventKey, std::vector<double>> wanted_events;
         for (uint32_t i = 0; i < instance_count && !::testing::Test::HasFailure(); ++i) {
@@ -234,10 +234,13 @@ void follow(const Controller& controller, uint32_t instance_count, uint32_t upda
             expect_layers(std::span(layers).subspan(i * layer_count, layer_count), references[i].layers);
             EXPECT_TRUE(std::equal(references[i].parameters.begin(), references[i].parameters.end(),
                                    parameters.begin() + static_cast<ptrdiff_t>(i * parameter_count)));
-            expect_voices(std::span(voices).subspan(i * size_t{kernels.made().voice_limit}, kernels.made().voice_limit),
-                          wanted.voices, character);
-            for (size_t k = 0; k < wanted.voices.size(); ++k)
-                EXPECT_NEAR(voice_times[i * size_t{kernels.made().voice_limit} + k], wanted.voices[k].time_s, 1e-5)
+            expect_active_clips(
+                std::span(active_clips)
+                    .subspan(i * size_t{kernels.made().active_clip_limit}, kernels.made().active_clip_limit),
+                wanted.active_clips, character);
+            for (size_t k = 0; k < wanted.active_clips.size(); ++k)
+                EXPECT_NEAR(active_clip_times[i * size_t{kernels.made().active_clip_limit} + k],
+                            wanted.active_clips[k].time_s, 1e-5)
                     << "of voice " << k;
             for (const ControllerEventAt& event : wanted.events)
                 wanted_events[{1000 + i, event.layer, event.event}].push_back(event.time_s);

@@ -47,8 +47,8 @@ public:
     // Of the clips in the last update; clip_count is the rest pose.
     std::vector<float> weights(uint32_t layer = 0) const {
         std::vector<float> sums(character.clips.size(), 0.0f);
-        for (const ControllerVoice& voice : last.voices)
-            if (voice.layer == layer) sums[voice.clip] += voice.weight;
+        for (const ControllerActiveClip& active_clip : last.active_clips)
+            if (active_clip.layer == layer) sums[active_clip.clip] += active_clip.weight;
         return sums;
     }
     // "step step land@0.5"

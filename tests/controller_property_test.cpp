@@ -50,7 +50,7 @@ void count(EventCounts& counts, const Instance& instance) {
 
 TEST(AnyController, HowTimeIsDividedIntoStepsChangesNoEvent) {
     Random random(4);
-    size_t total = 0, voices = 0;
+    size_t total = 0, active_clips = 0;
     for (int round = 0; round < 300; ++round) {
         const Exact exact = random_controller(random);
         Instance whole(exact.controller, exact.durations_s), divided(exact.controller, exact.durations_s);
@@ -70,13 +70,13 @@ TEST(AnyController, HowTimeIsDividedIntoStepsChangesNoEvent) {
             }
             for (uint32_t layer = 0; layer < exact.controller.layers.size(); ++layer)
                 ASSERT_EQ(whole.leading(layer).phase, divided.leading(layer).phase);
-            voices = std::max(voices, whole.last.voices.size());
+            active_clips = std::max(active_clips, whole.last.active_clips.size());
         }
         ASSERT_EQ(of_whole, of_divided) << "round " << round;
         for (const auto& [event, times] : of_whole) total += times;
     }
     EXPECT_GT(total, 50'000u);
-    std::printf("  300 controllers, %zu events, at most %zu voices\n", total, voices);
+    std::printf("  300 controllers, %zu events, at most %zu voices\n", total, active_clips);
 }
 
 TEST(AnyController, AsManyEventsAsLoops) {
@@ -102,8 +102,8 @@ TEST(AnyController, AsManyEventsAsLoops) {
     }
 }
 
-// Any controller, any step: weights of a layer sum to 1, no more voices than the tables promise, and the state stays a
-// state.
+// Any controller, any step: weights of a layer sum to 1, no more active clips than the tables promise, and the state
+// stays a state.
 TEST(AnyController, WhateverHappensLayersAreWhole) {
     Random random(6);
     size_t most = 0, taken = 0;
@@ -125,18 +125,18 @@ TEST(AnyController, WhateverHappensLayersAreWhole) {
                      .interrupts = random.chance(0.7)});
         }
         Instance instance(exact.controller, exact.durations_s);
-        const uint32_t limit = make_controller_tables(instance.controller, instance.character).voice_limit;
+        const uint32_t limit = make_controller_tables(instance.controller, instance.character).active_clip_limit;
         for (int step = 0; step < 200; ++step) {
             instance.set(random.chance(0.5) ? "x" : "y", static_cast<float>(random.between(-0.5, 1.5)));
             instance.update(static_cast<float>(random.between(-0.01, 0.1)));
-            ASSERT_LE(instance.last.voices.size(), limit);
-            most = std::max(most, instance.last.voices.size());
+            ASSERT_LE(instance.last.active_clips.size(), limit);
+            most = std::max(most, instance.last.active_clips.size());
             for (uint32_t layer = 0; layer < exact.controller.layers.size(); ++layer) {
                 double sum = 0;
-                for (const ControllerVoice& voice : instance.last.voices)
-                    if (voice.layer == layer) {
-                        ASSERT_GT(voice.weight, 0);
-                        sum += voice.weight;
+                for (const ControllerActiveClip& active_clip : instance.last.active_clips)
+                    if (active_clip.layer == layer) {
+                        ASSERT_GT(active_clip.weight, 0);
+                        sum += active_clip.weight;
                     }
                 ASSERT_NEAR(sum, 1, 1e-4);
                 taken += instance.reference.layers[layer].taken != io::kAbsent;

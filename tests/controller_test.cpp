@@ -44,7 +44,7 @@ TEST(Controller, FadesAreLinearInTimeAndEased) {
     instance.set("go", 1);
     instance.update(0.25f);
     EXPECT_EQ(instance.weights(), (std::vector<float>{1 - 0.15625f, 0.15625f, 0}));  // 0.25^2 (3 - 0.5)
-    EXPECT_EQ(instance.last.voices[0].clip, 1u) << "the newest first";
+    EXPECT_EQ(instance.last.active_clips[0].clip, 1u) << "the newest first";
     EXPECT_EQ(instance.leading().phase, kQuarter / 2) << "what begins has all of the step: 0.25 of 2 s";
     EXPECT_EQ(instance.reference.layers[0].plays[1].phase, kQuarter + kQuarter / 2) << "what fades out goes on";
     instance.update(0.25f);
@@ -379,30 +379,30 @@ TEST(Controller, AClipWithoutDurationStands) {
         instance.update(10);
         EXPECT_EQ(instance.events(), "");
         EXPECT_EQ(instance.leading().phase, 0u);
-        EXPECT_EQ(instance.last.voices[0].time_s, 0);
+        EXPECT_EQ(instance.last.active_clips[0].time_s, 0);
     }
 }
 
 TEST(Controller, DirectLayersPlayWhatTheyAreTold) {
     Instance instance(direct_layers(2));
     instance.update(1);
-    ASSERT_EQ(instance.last.voices.size(), 1u) << "the rest pose";
-    EXPECT_EQ(instance.last.voices[0].clip, 3u);
+    ASSERT_EQ(instance.last.active_clips.size(), 1u) << "the rest pose";
+    EXPECT_EQ(instance.last.active_clips[0].clip, 3u);
     instance.play(1, 1, 0.5f, true, kQuarter);
     instance.update(1);  // nothing lies below, so no fade
     EXPECT_EQ(instance.weights(), (std::vector<float>{0, 1, 0}));
     EXPECT_EQ(instance.leading().fade, 1);
     EXPECT_EQ(instance.leading().phase, kHalf);
-    EXPECT_EQ(instance.last.voices[0].time_s, 1);
+    EXPECT_EQ(instance.last.active_clips[0].time_s, 1);
     instance.play(3, 2);
     instance.update(0.25f);
-    ASSERT_EQ(instance.last.voices.size(), 2u);
-    EXPECT_EQ(instance.last.voices[0].clip, 3u);
-    EXPECT_EQ(instance.last.voices[0].weight, 0.5f);
+    ASSERT_EQ(instance.last.active_clips.size(), 2u);
+    EXPECT_EQ(instance.last.active_clips[0].clip, 3u);
+    EXPECT_EQ(instance.last.active_clips[0].weight, 0.5f);
     instance.play(0, 0, -1, false, io::kLastPhase, 1);
     instance.update(0.25f);
     EXPECT_EQ(instance.leading(1).phase, io::kLastPhase - kQuarter);
-    EXPECT_EQ(instance.last.voices.back().layer, 1u);
+    EXPECT_EQ(instance.last.active_clips.back().layer, 1u);
 }
 
 TEST(Controller, WeightsOfLayersGoToTheirGoals) {
@@ -422,11 +422,11 @@ TEST(Controller, WeightsOfLayersGoToTheirGoals) {
     const auto expect = [&](float time_step_s, float weight) {
         instance.update(time_step_s);
         if (weight > 0) {
-            EXPECT_EQ(instance.last.voices.back().layer_weight, weight);
+            EXPECT_EQ(instance.last.active_clips.back().layer_weight, weight);
         } else {
-            EXPECT_EQ(instance.last.voices.back().layer, io::kAbsent);
+            EXPECT_EQ(instance.last.active_clips.back().layer, io::kAbsent);
         }
-        EXPECT_EQ(instance.last.voices.size(), weight > 0 && weight < 1 ? 2u : 1u)
+        EXPECT_EQ(instance.last.active_clips.size(), weight > 0 && weight < 1 ? 2u : 1u)
             << "the rest pose where it does not cover all";
     };
     expect(1, 1);
@@ -446,10 +446,10 @@ TEST(Controller, WeightsOfLayersGoToTheirGoals) {
     EXPECT_EQ(instance.leading().phase, kQuarter) << "time goes on unseen: 5.25 s so far";
     aim(1, 0, io::kModeAdditive);
     instance.update(0);
-    EXPECT_EQ(instance.last.voices.size(), 2u) << "an additive layer needs something below";
+    EXPECT_EQ(instance.last.active_clips.size(), 2u) << "an additive layer needs something below";
     aim(1, 0, io::kModeOverride, 0);
     instance.update(0);
-    EXPECT_EQ(instance.last.voices.size(), 2u) << "so does a masked one";
+    EXPECT_EQ(instance.last.active_clips.size(), 2u) << "so does a masked one";
 }
 
 // Clip a walks 2 m along z in a cycle of 1 s, b turns by a quarter on the spot in 2 s, c stays.
@@ -487,7 +487,7 @@ TEST(Controller, TheLowestLayerMovesItsCharacter) {
     expect(1, 0, 0, 0);
 }
 
-TEST(Controller, VoicesAsTheStagesReadThem) {
+TEST(Controller, ActiveClipsAsTheStagesReadThem) {
     Controller controller = direct_layers(2, {{"none", {}}, {"some", {}}});
     controller.layers[1].mode = LayerMode::kAdditive;
     controller.layers[1].mask = "some";
@@ -496,21 +496,22 @@ TEST(Controller, VoicesAsTheStagesReadThem) {
     instance.play(2, 1);
     instance.play(1, 0, 1, true, 0, 1);
     instance.update(0.75f);
-    const std::vector<io::Voice> voices = to_io(instance.last.voices, instance.character);
-    ASSERT_EQ(voices.size(), 3u);
-    EXPECT_EQ(voices[0].flags, io::kVoiceBeginsLayer);
-    EXPECT_EQ(voices[1].flags, io::kVoiceEndsLayer);
-    EXPECT_EQ(voices[2].flags, io::kVoiceBeginsLayer | io::kVoiceEndsLayer | io::kVoiceEnds | io::kVoiceAdditive |
-                                   io::kVoiceMasked | 1u << io::kVoiceMaskShift);
+    const std::vector<io::ActiveClip> active_clips = to_io(instance.last.active_clips, instance.character);
+    ASSERT_EQ(active_clips.size(), 3u);
+    EXPECT_EQ(active_clips[0].flags, io::kActiveClipBeginsLayer);
+    EXPECT_EQ(active_clips[1].flags, io::kActiveClipEndsLayer);
+    EXPECT_EQ(active_clips[2].flags, io::kActiveClipBeginsLayer | io::kActiveClipEndsLayer | io::kActiveClipEnds |
+                                         io::kActiveClipAdditive | io::kActiveClipMasked |
+                                         1u << io::kActiveClipMaskShift);
     for (size_t i = 0; i < 3; ++i) {
-        const Clip& clip = instance.character.clips[instance.last.voices[i].clip];
+        const Clip& clip = instance.character.clips[instance.last.active_clips[i].clip];
         const RowCursor rows = find_rows_reference(
             std::span(instance.character.times_s).subspan(clip.first_time, clip.row_count), 0.75);
-        EXPECT_EQ(voices[i].first_track, instance.last.voices[i].clip * 4);
-        EXPECT_EQ(voices[i].earlier, clip.first_row + rows.earlier * clip.row_stride);
-        EXPECT_EQ(voices[i].later, clip.first_row + rows.later * clip.row_stride);
-        EXPECT_NEAR(voices[i].fraction, rows.fraction, 1e-5);
-        EXPECT_EQ(voices[i].reference_row, clip.first_row);
+        EXPECT_EQ(active_clips[i].first_track, instance.last.active_clips[i].clip * 4);
+        EXPECT_EQ(active_clips[i].earlier, clip.first_row + rows.earlier * clip.row_stride);
+        EXPECT_EQ(active_clips[i].later, clip.first_row + rows.later * clip.row_stride);
+        EXPECT_NEAR(active_clips[i].fraction, rows.fraction, 1e-5);
+        EXPECT_EQ(active_clips[i].reference_row, clip.first_row);
     }
 }
 

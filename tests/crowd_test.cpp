@@ -155,12 +155,12 @@ TEST(Crowd, TheLargestCharacterWorksWithEveryScan) {
                                      .path = UpdatePath::kStaged,
                                      .scan = std::string(method.name),
                                      .keep_model_matrices = true};
-        const std::vector<uint32_t> lanes = method.lane_choices(scan_limits(*test_device().gpu()));
+        const std::vector<uint32_t> threads = method.thread_choices(scan_limits(*test_device().gpu()));
         const bool applies = method.layout == ScanLayout::kCharacterMajor &&
-                             std::any_of(lanes.begin(), lanes.end(), [&](uint32_t choice) {
+                             std::any_of(threads.begin(), threads.end(), [&](uint32_t choice) {
                                  return plan_scan(method, ScanRig(large.rig.parents, true),
                                                   scan_limits(*test_device().gpu()), choice)
-                                     .obstacle.empty();
+                                     .unsupported_reason.empty();
                              });
         if (!applies) {
             const Result<Crowd> refused = Crowd::create(test_device(), settings);

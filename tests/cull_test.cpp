@@ -17,7 +17,7 @@ namespace {
 constexpr uint32_t kWidth = 160, kHeight = 120;
 constexpr uint32_t kUnseen = ~0u;
 
-Character creature_with_details() {
+Character creature_with_lods() {
     return *compile_character(*make_creature({.joint_count = 40, .level_count = 12, .face_count = 800}));
 }
 
@@ -41,10 +41,10 @@ Camera random_camera(Random& random, double extent) {
 }
 
 TEST(Cull, ListsWhatTheReferenceSees) {
-    const Character character = creature_with_details();
-    ASSERT_GE(character.details.size(), 2u);
+    const Character character = creature_with_lods();
+    ASSERT_GE(character.lods.size(), 2u);
     uint32_t compared = 0, seen_in_all = 0;
-    std::map<uint32_t, uint32_t> of_details;
+    std::map<uint32_t, uint32_t> of_lods;
     for (const uint32_t count : {1u, 63u, 64u, 65u, 1000u, 5000u}) {
         Random random(count);
         const double extent = 200;
@@ -58,18 +58,18 @@ TEST(Cull, ListsWhatTheReferenceSees) {
             CrowdView view = *view_of(random_camera(random, extent), kWidth, kHeight, {});
             view.shadow = random.vector(20).as<float>();
             if (round % 3 > 0) view.ground = static_cast<float>(random.between(-0.3, 0.3) * extent);
-            view.detail_pixels = static_cast<float>(random.between(0.1, 3));
+            view.lod_pixels = static_cast<float>(random.between(0.1, 3));
             ASSERT_TRUE(crowd.update(0.01f, &view));
             const io::CullView planes = cull_view_of(&view, 0);
             const std::vector<DrawnInstance> drawn = drawn_of(crowd);
-            std::vector<uint32_t> details(count, kUnseen);
+            std::vector<uint32_t> lods(count, kUnseen);
             for (size_t i = 0; i < drawn.size(); ++i) {
                 ASSERT_LT(drawn[i].instance, count);
-                ASSERT_EQ(details[drawn[i].instance], kUnseen) << "listed twice";
-                details[drawn[i].instance] = drawn[i].detail;
+                ASSERT_EQ(lods[drawn[i].instance], kUnseen) << "listed twice";
+                lods[drawn[i].instance] = drawn[i].lod;
                 if (i == 0) continue;
-                EXPECT_TRUE(drawn[i - 1].detail < drawn[i].detail ||
-                            (drawn[i - 1].detail == drawn[i].detail && drawn[i - 1].instance < drawn[i].instance))
+                EXPECT_TRUE(drawn[i - 1].lod < drawn[i].lod ||
+                            (drawn[i - 1].lod == drawn[i].lod && drawn[i - 1].instance < drawn[i].instance))
                     << "in order";
             }
             for (uint32_t i = 0; i < count; ++i) {
@@ -77,42 +77,42 @@ TEST(Cull, ListsWhatTheReferenceSees) {
                 const AffineT<double> place = places[i].as<double>();
                 const double reach = seen_by(planes, place, box);
                 if (std::abs(reach) < kRounding * extent) continue;
-                ASSERT_EQ(details[i] != kUnseen, reach > 0) << "instance " << i;
+                ASSERT_EQ(lods[i] != kUnseen, reach > 0) << "instance " << i;
                 ++compared;
                 if (reach < 0) continue;
                 ++seen_in_all;
-                ++of_details[details[i]];
-                ASSERT_LE(details[i], character.details.size());
-                const auto spare_of = [&](uint32_t detail) {
-                    return spare_of_detail(planes, place, box, character.details[detail - 1].error);
+                ++of_lods[lods[i]];
+                ASSERT_LE(lods[i], character.lods.size());
+                const auto spare_of = [&](uint32_t lod) {
+                    return spare_of_lod(planes, place, box, character.lods[lod - 1].error);
                 };
-                ASSERT_TRUE(details[i] == 0 || spare_of(details[i]) >= -kRounding * extent) << "too coarse";
-                ASSERT_TRUE(details[i] == character.details.size() || spare_of(details[i] + 1) <= kRounding * extent)
+                ASSERT_TRUE(lods[i] == 0 || spare_of(lods[i]) >= -kRounding * extent) << "too coarse";
+                ASSERT_TRUE(lods[i] == character.lods.size() || spare_of(lods[i] + 1) <= kRounding * extent)
                     << "too fine";
             }
             const auto draws = download<io::DrawCommand>(
                 test_gpu(), BufferRange(crowd.outputs()[0].draw_buffer, 0,
-                                        group.sections.size() * io::kDetailLevels * sizeof(io::DrawCommand)));
+                                        group.sections.size() * io::kLodCount * sizeof(io::DrawCommand)));
             for (size_t k = 0; k < draws.size(); ++k) {
-                const uint32_t detail = k % io::kDetailLevels;
-                EXPECT_EQ(draws[k].instance_count, std::ranges::count(details, detail));
-                EXPECT_EQ(draws[k].index_count > 0, detail <= character.details.size());
+                const uint32_t lod = k % io::kLodCount;
+                EXPECT_EQ(draws[k].instance_count, std::ranges::count(lods, lod));
+                EXPECT_EQ(draws[k].index_count > 0, lod <= character.lods.size());
             }
         }
     }
     EXPECT_GT(seen_in_all, compared / 20);
     EXPECT_LT(seen_in_all, compared * 19 / 20);
-    EXPECT_GE(of_details.size(), 3u);
+    EXPECT_GE(of_lods.size(), 3u);
     std::printf("  %u instances compared, %u seen\n", compared, seen_in_all);
 }
 
 TEST(Cull, WithoutAViewAllAreListedInFullDetail) {
-    const Character character = creature_with_details();
+    const Character character = creature_with_lods();
     Crowd crowd = create({.groups = {{&character, 70}, {&character, 5}}, .culls = true});
     ASSERT_TRUE(crowd.update(0.1f));
     const std::vector<DrawnInstance> drawn = drawn_of(crowd);
     ASSERT_EQ(drawn.size(), 75u);
-    for (uint32_t i = 0; i < drawn.size(); ++i) EXPECT_TRUE(drawn[i].instance == i && drawn[i].detail == 0) << i;
+    for (uint32_t i = 0; i < drawn.size(); ++i) EXPECT_TRUE(drawn[i].instance == i && drawn[i].lod == 0) << i;
 }
 
 // Those that are seen have the bits that they have without a view; the others keep what they had; and all go on in
@@ -176,7 +176,7 @@ TEST(Cull, TiledMethodsAnimateTheListToo) {
 }
 
 TEST(Cull, BatchesChangeNothing) {
-    const Character character = creature_with_details();
+    const Character character = creature_with_lods();
     const CrowdSettings settings{.groups = {{&character, 10}}, .culls = true};
     Crowd whole = create(settings);
     Result<Crowd> parts = Crowd::create(device_of_workgroups(3), settings);
@@ -187,9 +187,9 @@ TEST(Cull, BatchesChangeNothing) {
     const CrowdView view = *view_of({.eye = {0, 10, 40}, .target = {5, 0, 0}}, kWidth, kHeight, {});
     for (Crowd* crowd : {&whole, &*parts}) ASSERT_TRUE(crowd->set_placement(0, places) && crowd->update(0, &view));
     const auto sorted = [](Crowd& crowd) {
-        std::map<uint32_t, uint32_t> details;
-        for (const DrawnInstance& one : drawn_of(crowd)) details[one.instance] = one.detail;
-        return details;
+        std::map<uint32_t, uint32_t> lods;
+        for (const DrawnInstance& one : drawn_of(crowd)) lods[one.instance] = one.lod;
+        return lods;
     };
     EXPECT_EQ(sorted(whole), sorted(*parts));
     EXPECT_FALSE(sorted(whole).empty());
@@ -199,7 +199,7 @@ TEST(Cull, BatchesChangeNothing) {
 // than a pixel.
 TEST(Cull, PicturesAreThoseOfEverything) {
     constexpr uint32_t kCount = 150;
-    const Character character = creature_with_details();
+    const Character character = creature_with_lods();
     Random random(11);
     const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
     std::vector<Affine> places;
@@ -222,7 +222,7 @@ TEST(Cull, PicturesAreThoseOfEverything) {
                             .target = Vec3<double>{20 * std::sin(turn + 2), 0, 20 * std::cos(turn + 2)}.as<float>()};
         CrowdView view = *view_of(camera, kWidth, kHeight, world_bounds(viewed));
         const bool exact = frame % 2 == 0;  // full detail
-        if (exact) view.detail_pixels = 1e-20f;
+        if (exact) view.lod_pixels = 1e-20f;
         ASSERT_TRUE(viewed.update(0.05f, &view) && whole.update(0.05f));
         drawn += drawn_of(viewed).size();
         const Picture a = of_viewed->render(viewed, camera)->picture, b = of_whole->render(whole, camera)->picture;
@@ -250,7 +250,7 @@ TEST(Cull, WrongViewsAreRefused) {
     const float kInfinity = std::numeric_limits<float>::infinity();
     for (const auto spoil : std::initializer_list<void (*)(CrowdView&)>{
              [](CrowdView& v) { v.clip_from_world[1][2] = NAN; }, [](CrowdView& v) { v.eye.y = NAN; },
-             [](CrowdView& v) { v.pixels = 0; }, [](CrowdView& v) { v.detail_pixels = -1; },
+             [](CrowdView& v) { v.pixels = 0; }, [](CrowdView& v) { v.lod_pixels = -1; },
              [](CrowdView& v) { v.shadow.x = NAN; }, [](CrowdView& v) { v.ground = NAN; },
              [](CrowdView& v) { v.full_rate_pixels = std::numeric_limits<float>::infinity(); },
              [](CrowdView& v) { v.budget_ms = -1; }}) {
@@ -282,22 +282,22 @@ TEST(Cull, ARefusedUpdateTakesNothingUp) {
 
 // Positions are read by the joints that the level has which is drawn.
 TEST(Cull, PositionsAreThoseOfTheLevel) {
-    const Character character = creature_with_details();
+    const Character character = creature_with_lods();
     Crowd crowd = create(
         {.groups = {{&character, 1}}, .path = UpdatePath::kFused, .culls = true, .reduces_joints = true});
     ASSERT_GT(crowd.state().groups[0].fused.size(), 1u);
     const Playback playback{.first = {.clip = 0, .time_s = 0.4}};
     ASSERT_TRUE(crowd.set_playback(0, {&playback, 1}));
     CrowdView view = *view_of({.eye = {0, 0, 3 * character.size}, .target = {0, 0, 0}}, kWidth, kHeight, {});
-    view.detail_pixels = 1e9f;
+    view.lod_pixels = 1e9f;
     ASSERT_TRUE(crowd.update(0, &view));
-    const uint32_t detail = drawn_of(crowd).at(0).detail;
-    ASSERT_GT(detail, 0u);
+    const uint32_t lod = drawn_of(crowd).at(0).lod;
+    ASSERT_GT(lod, 0u);
     const std::vector<Vec3<float>> got = *crowd.read_positions(0);
     const std::vector<Vec3<double>> all = reference_positions(character, *reference_pose(character, playback));
     double worst = 0;
     for (size_t v = 0; v < got.size(); ++v) worst = std::max(worst, length(got[v].as<double>() - all[v]));
-    EXPECT_LE(worst, 1.01 * double{character.details[detail - 1].error} + 1e-5 * double{character.size});
+    EXPECT_LE(worst, 1.01 * double{character.lods[lod - 1].error} + 1e-5 * double{character.size});
 }
 
 }  // namespace

@@ -68,12 +68,12 @@ TEST(Diagram, StepsAreMultiplicationsOfNeighboursInTheTree) {
 TEST(Diagram, CountsAreThePlans) {
     for (const FlowMethod& method : flow_methods())
         for (const ScanRig& rig : rigs())
-            for (const uint32_t lanes : {16u, 32u}) {
+            for (const uint32_t threads : {16u, 32u}) {
                 const ScanMethod& row = *find_scan_method(method.name);
-                const bool has_lanes = row.lane_choices(kLimits).front() != 0;
-                const ScanPlan plan = plan_scan(row, rig, kLimits, has_lanes ? lanes : 0);
-                ASSERT_EQ(plan.obstacle, "");
-                const Flow flow = method.simulate(rig, {.lanes = lanes});
+                const bool has_threads = row.thread_choices(kLimits).front() != 0;
+                const ScanPlan plan = plan_scan(row, rig, kLimits, has_threads ? threads : 0);
+                ASSERT_EQ(plan.unsupported_reason, "");
+                const Flow flow = method.simulate(rig, {.threads = threads});
                 SCOPED_TRACE(std::string(method.name) + ", " + std::to_string(rig.joint_count()) + " joints, " +
                              std::to_string(rig.level_count) + " levels");
                 EXPECT_EQ(flow.steps.size(), plan.counts.multiplications);

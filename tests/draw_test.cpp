@@ -493,8 +493,8 @@ TEST(Renderer, RefusesWrongOptions) {
     const float infinity = std::numeric_limits<float>::infinity();
     for (const DrawOptions& options :
          {DrawOptions{.exposure = 0}, DrawOptions{.exposure = infinity}, DrawOptions{.to_sun = {1, 0.04f, 0}},
-          DrawOptions{.to_sun = {0, 0, 0}}, DrawOptions{.to_sun = {0, infinity, 0}}, DrawOptions{.detail_pixels = 0},
-          DrawOptions{.detail_pixels = infinity}, DrawOptions{.full_rate_pixels = -1},
+          DrawOptions{.to_sun = {0, 0, 0}}, DrawOptions{.to_sun = {0, infinity, 0}}, DrawOptions{.lod_pixels = 0},
+          DrawOptions{.lod_pixels = infinity}, DrawOptions{.full_rate_pixels = -1},
           DrawOptions{.full_rate_pixels = infinity}, DrawOptions{.budget_ms = -1}}) {
         const Result<void> result = renderer.set_options(options);
         ASSERT_FALSE(result);

@@ -163,7 +163,8 @@ TEST(FrameBench, SaysWhatDoesNotApply) {
     Character character = creature();
     for (float& element : character.palette[3].joint_from_bind.row[0]) element *= 2;  // no similarity any more
     const std::map<std::string, Json> records = measure(character, nullptr, 1);
-    EXPECT_NE(records.at("fused, 32 bytes")["obstacle"].get<std::string>().find("palette entry 3"), std::string::npos)
+    EXPECT_NE(records.at("fused, 32 bytes")["unsupported_reason"].get<std::string>().find("palette entry 3"),
+              std::string::npos)
         << records.at("fused, 32 bytes");
     EXPECT_FALSE(records.at("fused, 32 bytes").contains("ms"));
     EXPECT_FALSE(records.contains("fill, 32 bytes"));
@@ -176,11 +177,11 @@ TEST(FrameBench, CrowdsAreSharedAndRefusedBeforeMemoryEnds) {
     const FrameCrowdKey key{&character, UpdatePath::kFused, SkinFormat::kAffine};
     EXPECT_EQ(crowds.get(key), crowds.get(key));
     EXPECT_NE(crowds.get(key), crowds.get({&character, UpdatePath::kStaged, SkinFormat::kAffine}));
-    EXPECT_EQ(crowds.memory_obstacle(1), "");
-    EXPECT_NE(crowds.memory_obstacle(uint64_t{1} << 50).find("1073741824 MiB do not fit"), std::string::npos);
+    EXPECT_EQ(crowds.memory_unsupported_reason(1), "");
+    EXPECT_NE(crowds.memory_unsupported_reason(uint64_t{1} << 50).find("1073741824 MiB do not fit"), std::string::npos);
     FrameCrowds many(test_device(), 2'000'000'000);
     EXPECT_EQ(many.get(key)->crowd, nullptr);
-    EXPECT_NE(many.get(key)->obstacle.find("do not fit"), std::string::npos);
+    EXPECT_NE(many.get(key)->unsupported_reason.find("do not fit"), std::string::npos);
 }
 
 TEST(FrameBench, FillsWriteEveryRow) {
@@ -265,7 +266,7 @@ TEST(FrameBench, TheReportHasASectionOfIt) {
     records[0]["host_samples"] = 0;
     records[4]["wrong"] = true;
     records[4].erase("ms");
-    records[5]["obstacle"] = "<a joint>";
+    records[5]["unsupported_reason"] = "<a joint>";
     records[5].erase("ms");
     const std::string html = scan_report(records);
     EXPECT_EQ(count_of(html, "<svg"), 1u);

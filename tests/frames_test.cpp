@@ -119,7 +119,7 @@ public:
 
     void expect_same(const std::string& where) {
         EXPECT_TRUE(same_bits(skins_of(crowds[0]), skins_of(crowds[1]))) << where;
-        const auto drawn = [](const DrawnInstance& one) { return std::pair(one.instance, one.detail); };
+        const auto drawn = [](const DrawnInstance& one) { return std::pair(one.instance, one.lod); };
         const std::vector<DrawnInstance> all[2] = {drawn_of(crowds[0]), drawn_of(crowds[1])};
         EXPECT_TRUE(std::ranges::equal(all[0], all[1], {}, drawn, drawn)) << where;
         const std::vector<Feedback> told[2] = {*crowds[0].feedback(), *crowds[1].feedback()};

@@ -38,20 +38,21 @@ TEST(Fused, EveryMethodFollowsTheReference) {
             for (const Character& character : {make_character(asset), packed_character(asset)}) {
                 Random random(joint_count);
                 const std::vector<Playback> playbacks = random_playbacks(random, character, 19);
-                std::vector<uint32_t> lane_choices = method.lane_choices(limits);
-                if (character.packed) lane_choices.resize(1);  // which keys are read does not depend on the lanes
-                for (const uint32_t lanes : lane_choices) {
-                    const ScanChoice choice{&method, lanes};
+                std::vector<uint32_t> thread_choices = method.thread_choices(limits);
+                if (character.packed) thread_choices.resize(1);  // which keys are read does not depend on the lanes
+                for (const uint32_t threads : thread_choices) {
+                    const ScanChoice choice{&method, threads};
                     const CrowdSettings settings{.groups = {{&character, 19}},
                                                  .path = UpdatePath::kFused,
                                                  .scan = name_of(choice),
                                                  .keep_model_matrices = true};
                     const FusedPlan plan = plan_fused(choice, FusedRig(character), limits);
-                    if (!plan.obstacle.empty()) {
+                    if (!plan.unsupported_reason.empty()) {
                         const Result<Crowd> crowd = Crowd::create(test_device(), settings);
                         ASSERT_FALSE(crowd);
                         EXPECT_EQ(crowd.error().code, ErrorCode::kUnsupported);
-                        EXPECT_NE(crowd.error().text().find(plan.obstacle), std::string::npos) << crowd.error().text();
+                        EXPECT_NE(crowd.error().text().find(plan.unsupported_reason), std::string::npos)
+                            << crowd.error().text();
                         ++refused;
                         continue;
                     }
@@ -82,7 +83,8 @@ TEST(Fused, AnyNumberOfInstances) {
     for (const char* scan : {"serial", "subgroup:1", "subgroup:8", "fragments"}) {
         if (const std::string wanted = scan; wanted.find(':') != std::string::npos) {
             const ScanRequest request = parse_scan_request(wanted);
-            if (!plan_fused({request.method, *request.lanes}, FusedRig(character), limits).obstacle.empty()) continue;
+            if (!plan_fused({request.method, *request.threads}, FusedRig(character), limits).unsupported_reason.empty())
+                continue;
         }
         ++scan_count;
         for (const uint32_t count : {1u, 2u, 3u, 7u, 8u, 9u, 15u, 16u, 17u, 100u}) {
@@ -115,7 +117,7 @@ TEST(Fused, JointsThatOnlyTurn) {
             const Result<Character> character = compile_character(asset, compile);
             ASSERT_TRUE(character) << character.error().text();
             const FusedPlan plan = plan_fused(serial, FusedRig(*character), scan_limits(*test_gpu()));
-            ASSERT_EQ(plan.obstacle, "");
+            ASSERT_EQ(plan.unsupported_reason, "");
             uint32_t fixed = 0, free = 0;
             for (uint32_t segment = 0; segment < plan.scan.links[io::kSegmentCount]; ++segment) {
                 fixed += plan.scan.links[io::kFirstSegment + 2 * segment];
@@ -202,7 +204,7 @@ TEST(Fused, SimilaritiesAreRefusedWhereTheyCannotHoldTheMatrices) {
         EXPECT_EQ(crowd.error().code, ErrorCode::kUnsupported);
         EXPECT_NE(crowd.error().text().find("32-byte skin matrices"), std::string::npos) << crowd.error().text();
     }
-    EXPECT_NE(skin_format_obstacle(SkinFormat::kSimilarity, sheared).find("entry 3"), std::string::npos);
+    EXPECT_NE(skin_format_unsupported_reason(SkinFormat::kSimilarity, sheared).find("entry 3"), std::string::npos);
 }
 
 // Mirrors and turns about every axis, so that each component is the largest once.
@@ -251,7 +253,7 @@ TEST(Fused, PreviousMatricesAreThoseOfTheUpdateBefore) {
     EXPECT_FALSE(create({.groups = {{&character, 1}}}).outputs()[0].previous_skin_buffer);
 }
 
-TEST(Fused, LanesThatAMethodDoesNotHaveAreRefusedOnEveryPath) {
+TEST(Fused, ThreadsThatAMethodDoesNotHaveAreRefusedOnEveryPath) {
     const Character character = small_character();
     for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kFused, UpdatePath::kStaged})
         for (const char* scan : {"serial:7", "subgroup:3"}) {
@@ -290,11 +292,12 @@ TEST(Fused, AGpuTakesTheFirstMethodThatFits) {
         const FusedPlan plan = choose_fused(FusedRig(character_of(c.joint_count, c.scale_spread)), kHardware);
         const std::string where = std::to_string(c.joint_count) + " joints, scale spread " +
                                   std::to_string(c.scale_spread);
-        EXPECT_EQ(plan.obstacle.empty() ? name_of(plan.choice) : "", c.wanted) << where << ": " << plan.obstacle;
-        if (!plan.obstacle.empty()) {
-            EXPECT_NE(plan.obstacle.find("49152"), std::string::npos) << plan.obstacle;
+        EXPECT_EQ(plan.unsupported_reason.empty() ? name_of(plan.choice) : "", c.wanted)
+            << where << ": " << plan.unsupported_reason;
+        if (!plan.unsupported_reason.empty()) {
+            EXPECT_NE(plan.unsupported_reason.find("49152"), std::string::npos) << plan.unsupported_reason;
         }
-        if (plan.obstacle.empty()) {
+        if (plan.unsupported_reason.empty()) {
             EXPECT_EQ(plan.tile_transforms, plan.scan.instances_per_workgroup * c.joint_count) << where;
         }
     }
@@ -306,9 +309,11 @@ TEST(Fused, SharedMemoryIsTheTileAndTheMethodsOwn) {
     for (const char* name : {"doubling", "levels", "blocks64", "compressed"}) {
         ScanLimits limits = kHardware;
         limits.shared_memory_bytes = 48 + 96;
-        EXPECT_EQ(plan_fused({find_scan_method(name), 0}, rig, limits).obstacle, "") << name;
+        EXPECT_EQ(plan_fused({find_scan_method(name), 0}, rig, limits).unsupported_reason, "") << name;
         --limits.shared_memory_bytes;
-        EXPECT_NE(plan_fused({find_scan_method(name), 0}, rig, limits).obstacle.find("143"), std::string::npos) << name;
+        EXPECT_NE(plan_fused({find_scan_method(name), 0}, rig, limits).unsupported_reason.find("143"),
+                  std::string::npos)
+            << name;
     }
 }
 
@@ -318,10 +323,10 @@ TEST(Fused, TooFewStorageBuffersAreAnObstacle) {
     const auto needed = static_cast<uint32_t>(read_spirv(scan_shaders("subgroup").fused).bindings.size());
     EXPECT_GE(needed, 10u);
     limits.storage_buffers = needed;
-    EXPECT_EQ(choose_fused(FusedRig(character), limits).obstacle, "");
+    EXPECT_EQ(choose_fused(FusedRig(character), limits).unsupported_reason, "");
     --limits.storage_buffers;
     EXPECT_EQ(
-        choose_fused(FusedRig(character), limits).obstacle,
+        choose_fused(FusedRig(character), limits).unsupported_reason,
         std::to_string(needed) + " storage buffers in one kernel exceed the device's " + std::to_string(needed - 1));
 
     const Device device = another_device();
@@ -348,7 +353,7 @@ TEST(Fused, TablesAreNamedWhereTheDeviceCannotReadThem) {
     const uint64_t keys = character.keys.size();
     Result<Device> device = Device::create({.select = test_device().info().name});
     ASSERT_TRUE(device) << device.error().text();
-    if (!device->gpu()->prefers_wide_words()) GTEST_SKIP() << "tables are storage buffers here";
+    if (!device->gpu()->uses_software_kernels()) GTEST_SKIP() << "tables are storage buffers here";
     VkPhysicalDeviceLimits& limits = device->gpu()->properties.limits;
     limits.maxStorageBufferRange = static_cast<uint32_t>(keys * 16 - 16);  // which does not limit tables
     Result<Crowd> crowd = Crowd::create(*device, {.groups = {{&character, 1}}});
@@ -376,10 +381,10 @@ TEST(Fused, WhatDoesNotFitIsStagedUnlessAskedFor) {
                                             .key_count = 2});
     const ScanLimits limits = scan_limits(*test_gpu());
     const FusedPlan plan = choose_fused(FusedRig(large), limits);
-    ASSERT_FALSE(plan.obstacle.empty());
+    ASSERT_FALSE(plan.unsupported_reason.empty());
     const Crowd crowd = create({.groups = {{&large, 2}}});
     EXPECT_FALSE(crowd.path(0)->is_fused);
-    EXPECT_NE(crowd.path(0)->reason.find(plan.obstacle), std::string::npos) << crowd.path(0)->reason;
+    EXPECT_NE(crowd.path(0)->reason.find(plan.unsupported_reason), std::string::npos) << crowd.path(0)->reason;
     const Result<Crowd> refused = Crowd::create(test_device(), {.groups = {{&large, 2}}, .path = UpdatePath::kFused});
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kUnsupported);

@@ -162,8 +162,8 @@ TEST(Gpu, SpirvTellsWhatAShaderNeeds) {
            {io::kTracksBuffer, io::kKeysBuffer, io::kWordsBuffer, io::kCursorsBuffer, io::kSampledPosesBuffer},
            sizeof(io::SamplePush), io::kSampleWorkgroupSize);
     expect("blend", kBlendSpirv,
-           {io::kSetPosesBuffer, io::kCursorsBuffer, io::kPosedBuffer, io::kFirstPosesBuffer, io::kSecondPosesBuffer,
-            io::kLocalBuffer},
+           {io::kSetPosesBuffer, io::kCursorsBuffer, io::kPoseOverridesBuffer, io::kFirstPosesBuffer,
+            io::kSecondPosesBuffer, io::kLocalBuffer},
            sizeof(io::BlendPush), io::kBlendWorkgroupSize);
     expect("bind", kBindSpirv, {io::kPaletteJointsBuffer, io::kJointFromBindBuffer, io::kModelBuffer, io::kSkinBuffer},
            sizeof(io::BindPush), io::kBindWorkgroupSize);
@@ -175,7 +175,7 @@ TEST(Gpu, SpirvTellsWhatAShaderNeeds) {
     for (const ScanMethod& method : scan_table()) {
         const ScanShaders& shaders = scan_shaders(method.name);
         const bench::OnChipShaders& on_chip = bench::on_chip_shaders(method.name);
-        for (const auto& spirv : {shaders.plain, shaders.wide, on_chip.plain, on_chip.wide}) {
+        for (const auto& spirv : {shaders.plain, shaders.software, on_chip.plain, on_chip.software}) {
             const std::vector<uint32_t> bindings = storage_bindings(read_spirv(spirv)),
                                         all{io::kScanLinksBuffer, io::kLocalBuffer, io::kModelBuffer,
                                             io::kScratchBuffer};

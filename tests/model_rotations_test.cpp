@@ -1,5 +1,5 @@
 // Layers that blend rotations in model space: the reference against what it promises, crowds against the reference.
-#include "blend/voices_reference.h"
+#include "blend/active_clips_reference.h"
 #include "tests/crowd_cases.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ double difference(const Quaternion<double>& a, const Quaternion<double>& b) {
 }
 
 ReferenceLayer layer_of(const Trs<double>& pose, double weight, bool in_model_space) {
-    return {.weight = weight, .voices = {{.pose = pose, .first = {}}}, .in_model_space = in_model_space};
+    return {.weight = weight, .active_clips = {{.pose = pose, .first = {}}}, .in_model_space = in_model_space};
 }
 
 // A chain of random poses with random weights, some of them 0 or 1.
@@ -39,7 +39,8 @@ TEST(ModelRotations, TheReferenceBlendsWhatTheRotationsAreInTheModel) {
         chain.push_back(joint_reference(std::vector{layer_of(a, 1, false), layer_of(b, weight, true)},
                                         chain.empty() ? nullptr : &chain.back()));
         const Trs<double>& got = chain.back().pose;
-        const Trs<double> in_parent = voices_reference(std::vector{layer_of(a, 1, false), layer_of(b, weight, false)});
+        const Trs<double> in_parent = active_clips_reference(
+            std::vector{layer_of(a, 1, false), layer_of(b, weight, false)});
         EXPECT_EQ(got.translation, in_parent.translation);
         EXPECT_EQ(got.scale, in_parent.scale);
         below = below * a.rotation;
@@ -62,9 +63,9 @@ TEST(ModelRotations, TheLowestLayerIsTheSameInEitherSpace) {
     Random random(2);
     const Trs<double> parent = random.trs(1, 0.2), pose = random.trs(1, 0.2);
     const ReferenceJoint above = joint_reference(std::vector{layer_of(parent, 1, true)}, nullptr);
-    EXPECT_EQ(above.pose.rotation, voices_reference(std::vector{layer_of(parent, 1, false)}).rotation);
+    EXPECT_EQ(above.pose.rotation, active_clips_reference(std::vector{layer_of(parent, 1, false)}).rotation);
     EXPECT_EQ(joint_reference(std::vector{layer_of(pose, 1, true)}, &above).pose.rotation,
-              voices_reference(std::vector{layer_of(pose, 1, false)}).rotation);
+              active_clips_reference(std::vector{layer_of(pose, 1, false)}).rotation);
 }
 
 // A chain: hips, spine, head, and something that hangs from it and has no part in the aim; one clip turns the hips by a

@@ -26,12 +26,12 @@ struct Instance {
 };
 
 std::vector<MorphLayer> layers_of(const Character& character, const Playback& playback) {
-    const auto voice = [&](const ClipPlayback& slot, double weight) {
-        return MorphVoice{slot.clip == kNone ? static_cast<uint32_t>(character.clips.size()) : slot.clip, slot.time_s,
-                          weight};
+    const auto active_clip = [&](const ClipPlayback& slot, double weight) {
+        return MorphActiveClip{slot.clip == kNone ? static_cast<uint32_t>(character.clips.size()) : slot.clip,
+                               slot.time_s, weight};
     };
-    return {{.voices = {voice(playback.first, double{playback.weight}),
-                        voice(playback.second, 1 - double{playback.weight})}}};
+    return {{.active_clips = {active_clip(playback.first, double{playback.weight}),
+                              active_clip(playback.second, 1 - double{playback.weight})}}};
 }
 
 class Stage {
@@ -54,49 +54,49 @@ public:
     }
 
     std::vector<std::vector<io::ActiveMorph>> run_layers(const std::vector<std::vector<MorphLayer>>& instances,
-                                                         uint32_t voice_limit = 16) const {
-        std::vector<io::Voice> voices(instances.size() * voice_limit);
-        std::vector<float> times_s(voices.size(), 0.5f);
+                                                         uint32_t active_clip_limit = 16) const {
+        std::vector<io::ActiveClip> active_clips(instances.size() * active_clip_limit);
+        std::vector<float> times_s(active_clips.size(), 0.5f);
         for (size_t i = 0; i < instances.size(); ++i) {
-            size_t at = i * voice_limit;
+            size_t at = i * active_clip_limit;
             for (const MorphLayer& layer : instances[i]) {
-                for (const MorphVoice& voice : layer.voices) {
-                    times_s[at] = static_cast<float>(voice.time_s);
-                    voices[at++] = {.first_track = voice.clip * character_.rig.joint_count(),
-                                    .earlier = 0,
-                                    .later = 0,
-                                    .fraction = 0,
-                                    .weight = static_cast<float>(voice.weight),
-                                    .layer_weight = static_cast<float>(layer.weight),
-                                    .reference_row = 0,
-                                    .flags = layer.is_additive ? io::kVoiceAdditive : 0};
+                for (const MorphActiveClip& active_clip : layer.active_clips) {
+                    times_s[at] = static_cast<float>(active_clip.time_s);
+                    active_clips[at++] = {.first_track = active_clip.clip * character_.rig.joint_count(),
+                                          .earlier = 0,
+                                          .later = 0,
+                                          .fraction = 0,
+                                          .weight = static_cast<float>(active_clip.weight),
+                                          .layer_weight = static_cast<float>(layer.weight),
+                                          .reference_row = 0,
+                                          .flags = layer.is_additive ? io::kActiveClipAdditive : 0};
                 }
-                voices[at - layer.voices.size()].flags |= io::kVoiceBeginsLayer;
-                voices[at - 1].flags |= io::kVoiceEndsLayer;
+                active_clips[at - layer.active_clips.size()].flags |= io::kActiveClipBeginsLayer;
+                active_clips[at - 1].flags |= io::kActiveClipEndsLayer;
             }
-            voices[at - 1].flags |= io::kVoiceEnds;
+            active_clips[at - 1].flags |= io::kActiveClipEnds;
         }
-        const Guarded<io::Voice> buffer(voices);
+        const Guarded<io::ActiveClip> buffer(active_clips);
         const Guarded<float> time_buffer(times_s);
-        return run(time_buffer, buffer, time_buffer, static_cast<uint32_t>(instances.size()), voice_limit);
+        return run(time_buffer, buffer, time_buffer, static_cast<uint32_t>(instances.size()), active_clip_limit);
     }
 
 private:
-    std::vector<std::vector<io::ActiveMorph>> run(const BufferRange& playbacks, const BufferRange& voices,
+    std::vector<std::vector<io::ActiveMorph>> run(const BufferRange& playbacks, const BufferRange& active_clips,
                                                   const BufferRange& times, uint32_t count,
-                                                  uint32_t voice_limit) const {
+                                                  uint32_t active_clip_limit) const {
         const Guarded<io::ActiveMorph> active(poison<io::ActiveMorph>(count * size_t{io::kActiveMorphs}));
-        run_invocations(morph_kernel(test_gpu(), voice_limit > 0),
+        run_invocations(morph_kernel(test_gpu(), active_clip_limit > 0),
                         BufferTable{{io::kPlaybacksBuffer, playbacks},
-                                    {io::kVoicesBuffer, voices},
-                                    {io::kVoiceTimesBuffer, times},
+                                    {io::kActiveClipsBuffer, active_clips},
+                                    {io::kActiveClipTimesBuffer, times},
                                     {io::kMorphTimelineBuffer, tables_[io::kMorphTimelineBuffer]},
                                     {io::kMorphTimesBuffer, tables_[io::kMorphTimesBuffer]},
                                     {io::kMorphTracksBuffer, tables_[io::kMorphTracksBuffer]},
                                     {io::kMorphValuesBuffer, tables_[io::kMorphValuesBuffer]},
                                     {io::kActiveMorphsBuffer, active}},
                         io::MorphPush{count, static_cast<uint32_t>(character_.morphs.size()),
-                                      character_.rig.joint_count(), voice_limit},
+                                      character_.rig.joint_count(), active_clip_limit},
                         count);
         const std::vector<io::ActiveMorph> all = active.read();
         std::vector<std::vector<io::ActiveMorph>> out;
@@ -173,18 +173,18 @@ TEST(Morph, LayersFollowTheReference) {
                 MorphLayer& layer = layers.emplace_back(
                     MorphLayer{.is_additive = random.chance(0.4),
                                .weight = random.chance(0.3) ? 1 : as_float(random.unit()),
-                               .voices = {}});
+                               .active_clips = {}});
                 double rest = 1;
                 for (uint32_t v = 1 + random.below(4); v > 0; --v) {
                     const double weight = v == 1 ? rest : as_float(rest * random.unit());
-                    layer.voices.push_back({random.below(static_cast<uint32_t>(character.clips.size() + 1)),
-                                            as_float(random.between(0, 3)), as_float(weight)});
+                    layer.active_clips.push_back({random.below(static_cast<uint32_t>(character.clips.size() + 1)),
+                                                  as_float(random.between(0, 3)), as_float(weight)});
                     rest -= weight;
                 }
             }
         }
-        for (const uint32_t voice_limit : {16u, 19u}) {
-            const auto got = stage.run_layers(instances, voice_limit);
+        for (const uint32_t active_clip_limit : {16u, 19u}) {
+            const auto got = stage.run_layers(instances, active_clip_limit);
             for (size_t i = 0; i < instances.size(); ++i)
                 worst = std::max(worst, compare(got[i], morphs_reference(character, instances[i])));
         }
@@ -206,17 +206,18 @@ TEST(Morph, LayersKeepTheRules) {
     const auto expect = [](const std::vector<double>& got, const std::vector<double>& wanted) {
         for (size_t i = 0; i < wanted.size(); ++i) EXPECT_NEAR(got[i], wanted[i], 1e-6) << "morph " << i;
     };
-    const MorphVoice at_half{.clip = 0, .time_s = 0.5}, still{.clip = 1, .time_s = 0.3}, rest{.clip = 2};
-    expect(weights({{.voices = {rest}}}), {0, 0.5, 0});
-    expect(weights({{.voices = {still}}}), {0, 0.5, 0});
-    expect(weights({{.voices = {at_half}}}), {0.6, 0.5, 0.4});
+    const MorphActiveClip at_half{.clip = 0, .time_s = 0.5}, still{.clip = 1, .time_s = 0.3}, rest{.clip = 2};
+    expect(weights({{.active_clips = {rest}}}), {0, 0.5, 0});
+    expect(weights({{.active_clips = {still}}}), {0, 0.5, 0});
+    expect(weights({{.active_clips = {at_half}}}), {0.6, 0.5, 0.4});
     // What a clip does not animate counts with the default weight
-    expect(weights({{.voices = {{0, 1, 0.25}, {1, 0, 0.75}}}}), {0.25, 0.625, 0.1});
-    // A layer leaves what none of its voices animates
-    expect(weights({{.voices = {{0, 1, 1}}}, {.weight = 0.5, .voices = {still}}}), {1, 1, 0.4});
-    expect(weights({{.voices = {{0, 1, 1}}}, {.weight = 0.5, .voices = {{0, 0, 1}}}}), {0.6, 0.5, 0.4});
-    expect(weights({{.voices = {rest}}, {.is_additive = true, .weight = 0.5, .voices = {{0, 1, 1}}}}), {0.4, 1, 0});
-    expect(weights({{.voices = {rest}}, {.is_additive = true, .voices = {still}}}), {0, 0.5, 0});
+    expect(weights({{.active_clips = {{0, 1, 0.25}, {1, 0, 0.75}}}}), {0.25, 0.625, 0.1});
+    // A layer leaves what none of its active clips animates
+    expect(weights({{.active_clips = {{0, 1, 1}}}, {.weight = 0.5, .active_clips = {still}}}), {1, 1, 0.4});
+    expect(weights({{.active_clips = {{0, 1, 1}}}, {.weight = 0.5, .active_clips = {{0, 0, 1}}}}), {0.6, 0.5, 0.4});
+    expect(weights({{.active_clips = {rest}}, {.is_additive = true, .weight = 0.5, .active_clips = {{0, 1, 1}}}}),
+           {0.4, 1, 0});
+    expect(weights({{.active_clips = {rest}}, {.is_additive = true, .active_clips = {still}}}), {0, 0.5, 0});
 }
 
 TEST(Morph, TheEightLargestAreShown) {

@@ -232,11 +232,11 @@ TEST(Occlusion, ATexelAroundABoxCountsToo) {
     EXPECT_GT(hidden, kCount * kSize / 2);
 }
 
-Character at_full_detail(Character character) {
-    character.details.clear();
-    character.detail_ranges.clear();
-    character.detail_indices.clear();
-    character.joint_details.clear();
+Character at_full_lod(Character character) {
+    character.lods.clear();
+    character.lod_ranges.clear();
+    character.lod_indices.clear();
+    character.joint_lods.clear();
     return character;
 }
 
@@ -268,7 +268,7 @@ Character block_of(Character character) {
 // entirely, to the pixel, shadows included. Every tenth view stays for three frames, of which the last hides most.
 void expect_nothing_lost(uint32_t view_count, bool skins_once) {
     constexpr uint32_t kCount = 40, kBlocks = 10;
-    const Character character = at_full_detail(
+    const Character character = at_full_lod(
                         *compile_character(*make_creature({.joint_count = 20, .level_count = 6, .face_count = 100}))),
                     block = block_of(character);
     Random random(21);

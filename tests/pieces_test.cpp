@@ -72,18 +72,18 @@ TEST(Pieces, AChainIsCutEvenlyAndAStarToo) {
 TEST(Pieces, TheTableLeadsEachWalkToItsParents) {
     for (const RigShape shape :
          {RigShape::kChain, RigShape::kStar, RigShape::kComb, RigShape::kBinary, RigShape::kRandom, RigShape::kBushy}) {
-        constexpr uint32_t kLanes = 16;
+        constexpr uint32_t kThreads = 16;
         const ScanRig rig(make_parents(shape, 500));
-        const PieceTable table = piece_table(rig, kLanes, kRowsOfAffine);
+        const PieceTable table = piece_table(rig, kThreads, kRowsOfAffine);
         ASSERT_EQ(table.links.size(),
-                  io::kFirstRow + (table.path_row_count + table.round_count + table.walk_row_count) * kLanes);
+                  io::kFirstRow + (table.path_row_count + table.round_count + table.walk_row_count) * kThreads);
         std::vector<uint32_t> seen(rig.joint_count());
-        for (uint32_t lane = 0; lane < kLanes; ++lane) {
+        for (uint32_t thread = 0; thread < kThreads; ++thread) {
             std::vector<uint32_t> slots(table.slot_count, kNone);
             uint32_t last = kNone, attachment = kNone;
             for (uint32_t row = 0; row < table.walk_row_count; ++row) {
                 const uint32_t word =
-                    table.links[io::kFirstRow + (table.path_row_count + table.round_count + row) * kLanes + lane];
+                    table.links[io::kFirstRow + (table.path_row_count + table.round_count + row) * kThreads + thread];
                 if (word == io::kIdle) break;
                 const uint32_t joint = word & io::kWalkJointMask,
                                source = word >> io::kWalkParentShift & io::kWalkFieldMask,
@@ -110,10 +110,10 @@ TEST(Pieces, DoLittleMoreThanOneMultiplicationAJoint) {
         const PieceTable table = piece_table(rig, 32, kRowsOfAffine);
         std::printf("  %-7s %3u levels: %llu multiplications, %u on the longest lane, %u slots\n",
                     std::string(name_of(shape)).c_str(), rig.level_count,
-                    static_cast<unsigned long long>(table.multiplications), table.longest_lane, table.slot_count);
+                    static_cast<unsigned long long>(table.multiplications), table.longest_thread, table.slot_count);
         EXPECT_GE(table.multiplications, 300u);
         EXPECT_LE(table.multiplications, 750u);
-        EXPECT_LE(table.longest_lane, 40u);
+        EXPECT_LE(table.longest_thread, 40u);
     }
     EXPECT_EQ(piece_table(ScanRig(make_parents(RigShape::kRandom, 300)), 1, kRowsOfAffine).multiplications, 300u)
         << "a single piece has no path and no rounds";

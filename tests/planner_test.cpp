@@ -90,9 +90,9 @@ TEST(Planner, TakesWhatIsAskedFor) {
     const ScanRig rig = random_rig(100, false);
     EXPECT_EQ(name_of(choose_scan("compressed", rig, 10, kSoftware, kSoftwareCosts).choice), "compressed");
     EXPECT_EQ(name_of(choose_scan("subgroup:4", rig, 10, kSoftware, kSoftwareCosts).choice), "subgroup:4");
-    EXPECT_EQ(choose_scan("subgroup", rig, 100'000, kSoftware, kSoftwareCosts).choice.lanes, 1u)
+    EXPECT_EQ(choose_scan("subgroup", rig, 100'000, kSoftware, kSoftwareCosts).choice.threads, 1u)
         << "without lanes, the fastest ones";
-    EXPECT_EQ(choose_scan("subgroup", rig, 1, kSoftware, kSoftwareCosts).choice.lanes, 8u);
+    EXPECT_EQ(choose_scan("subgroup", rig, 1, kSoftware, kSoftwareCosts).choice.threads, 8u);
 }
 
 TEST(Planner, RefusesWhatDoesNotExistOrApply) {

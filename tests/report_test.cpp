@@ -28,7 +28,7 @@ const std::vector<std::string> kMethods{"gateau2012_walk", "compressed",    "ser
 
 Json record(const std::string& experiment, const std::string& method, double levels, double ms) {
     return {{"bench", "scan"},       {"experiment", experiment},
-            {"method", method},      {"lanes", 32},
+            {"method", method},      {"threads", 32},
             {"shape", "random"},     {"seed", 1},
             {"joints", 300},         {"characters", 10'000},
             {"levels", levels},      {"mean_depth", 9.46},
@@ -93,7 +93,7 @@ TEST(Report, TakesNoTextForMarkupOrForACommand) {
             r["shape"] = evil;
             r["method"] = r["method"].get<std::string>() + evil;
             r["on_chip_ns_per_joint"] = 1;
-            r["obstacle"] = evil;
+            r["unsupported_reason"] = evil;
         }
         const std::string html = scan_report(records), plot = scan_levels_plot(records);
         EXPECT_EQ(count_of(html, "<script>"), 1u) << evil;  // the page's own
@@ -108,7 +108,7 @@ TEST(Report, SaysWhyAMethodIsNotTimed) {
     std::vector<Json> records{record("levels", "serial", 15, 60), record("levels", "fragments", 15, 60),
                               record("levels", "compressed", 15, 20)};
     records[1].erase("median_ms");
-    records[1]["obstacle"] = "1,000 joints are too many";
+    records[1]["unsupported_reason"] = "1,000 joints are too many";
     records[2]["wrong"] = true;
     const std::string html = scan_report(records);
     EXPECT_NE(html.find("does not apply: 1,000 joints are too many"), std::string::npos);

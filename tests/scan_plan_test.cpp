@@ -19,9 +19,9 @@ using namespace test;
 constexpr ScanLimits kSmallGpu{
     .shared_memory_bytes = 32768, .workgroup_size = 1024, .subgroup_size = 8, .shuffle = true, .is_cpu = true};
 
-ScanCounts counts_of(std::string_view name, const ScanRig& rig, uint32_t lanes = 0) {
-    const ScanPlan plan = plan_scan(*find_scan_method(name), rig, kSmallGpu, lanes);
-    EXPECT_EQ(plan.obstacle, "") << name;
+ScanCounts counts_of(std::string_view name, const ScanRig& rig, uint32_t threads = 0) {
+    const ScanPlan plan = plan_scan(*find_scan_method(name), rig, kSmallGpu, threads);
+    EXPECT_EQ(plan.unsupported_reason, "") << name;
     return plan.counts;
 }
 
@@ -103,11 +103,11 @@ TEST(ScanPlan, CountsArePlausible) {
         const auto least = static_cast<uint64_t>(
             std::count_if(rig.parents.begin(), rig.parents.end(), [](uint32_t parent) { return parent != kNone; }));
         for (const ScanMethod& method : scan_table()) {
-            for (const uint32_t lanes : method.lane_choices(kSmallGpu)) {
-                const ScanPlan plan = plan_scan(method, rig, kSmallGpu, lanes);
-                if (!plan.obstacle.empty()) continue;
+            for (const uint32_t threads : method.thread_choices(kSmallGpu)) {
+                const ScanPlan plan = plan_scan(method, rig, kSmallGpu, threads);
+                if (!plan.unsupported_reason.empty()) continue;
                 const ScanCounts& counts = plan.counts;
-                const std::string where = std::string(method.name) + ":" + std::to_string(lanes) + ", " +
+                const std::string where = std::string(method.name) + ":" + std::to_string(threads) + ", " +
                                           std::string(name_of(shape));
                 EXPECT_GE(counts.multiplications, least) << where;
                 EXPECT_LE(counts.multiplications, rig.joint_count() * uint64_t{rig.level_count}) << where;
@@ -125,16 +125,17 @@ TEST(ScanPlan, APlanNamesItsObstacle) {
     const ScanRig uniform(make_parents(RigShape::kBinary, 30), true),
         stretched(make_parents(RigShape::kBinary, 30), false);
     for (const ScanMethod& method : scan_table()) {
-        const std::vector<uint32_t> choices = method.lane_choices(kSmallGpu);
+        const std::vector<uint32_t> choices = method.thread_choices(kSmallGpu);
         ASSERT_FALSE(choices.empty()) << method.name;
-        EXPECT_EQ(plan_scan(method, uniform, kSmallGpu, choices[0]).obstacle, "") << method.name;
-        const std::string scale = plan_scan(method, stretched, kSmallGpu, choices[0]).obstacle;
+        EXPECT_EQ(plan_scan(method, uniform, kSmallGpu, choices[0]).unsupported_reason, "") << method.name;
+        const std::string scale = plan_scan(method, stretched, kSmallGpu, choices[0]).unsupported_reason;
         EXPECT_EQ(scale.find("scale") != std::string::npos, method.format == ScanFormat::kSimilarity)
             << method.name << ": " << scale;
-        EXPECT_NE(plan_scan(method, uniform, kSmallGpu, 7).obstacle.find("7 invocations"), std::string::npos)
+        EXPECT_NE(plan_scan(method, uniform, kSmallGpu, 7).unsupported_reason.find("7 invocations"), std::string::npos)
             << method.name;
-        EXPECT_EQ(lanes_obstacle(method, kSmallGpu, choices[0]), "") << method.name;
-        EXPECT_NE(lanes_obstacle(method, kSmallGpu, 7).find("7 invocations"), std::string::npos) << method.name;
+        EXPECT_EQ(threads_unsupported_reason(method, kSmallGpu, choices[0]), "") << method.name;
+        EXPECT_NE(threads_unsupported_reason(method, kSmallGpu, 7).find("7 invocations"), std::string::npos)
+            << method.name;
     }
 }
 
@@ -159,9 +160,9 @@ TEST(ScanPlan, TooManyLoopIterationsAreAnObstacle) {
     ScanLimits limits = kSmallGpu;
     limits.loop_iterations = 65535;
     const ScanRig chain(make_parents(RigShape::kChain, 65535));
-    const std::string obstacle = plan_scan(*find_scan_method("serial"), chain, limits, 0).obstacle;
-    EXPECT_EQ(obstacle, "65538 loop iterations of an invocation exceed the device's 65535");
-    EXPECT_EQ(plan_scan(*find_scan_method("doubling"), chain, limits, 0).obstacle, "");
+    const std::string unsupported_reason = plan_scan(*find_scan_method("serial"), chain, limits, 0).unsupported_reason;
+    EXPECT_EQ(unsupported_reason, "65538 loop iterations of an invocation exceed the device's 65535");
+    EXPECT_EQ(plan_scan(*find_scan_method("doubling"), chain, limits, 0).unsupported_reason, "");
     EXPECT_EQ(counts_of("gateau2012_walk", ScanRig(make_parents(RigShape::kChain, 33))).loop_iterations, 32u + 2 + 1);
     // Of 256 invocations the sixth subgroup has joints 40 to 47, then 296 to 299.
     EXPECT_EQ(counts_of("gateau2012_walk", ScanRig(make_parents(RigShape::kChain, 300))).loop_iterations,

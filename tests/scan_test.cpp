@@ -164,7 +164,7 @@ size_t count_different(const std::vector<Affine>& got, const std::vector<AffineT
 ScanLimits device_limits() { return scan_limits(*test_gpu()); }
 
 std::string place(const ScanChoice& choice, RigShape shape, uint32_t joint_count, uint32_t instance_count) {
-    return std::string(choice.method->name) + ", " + std::to_string(choice.lanes) + " lanes, " +
+    return std::string(choice.method->name) + ", " + std::to_string(choice.threads) + " lanes, " +
            std::string(name_of(shape)) + " of " + std::to_string(joint_count) + " joints, " +
            std::to_string(instance_count) + " instances";
 }
@@ -176,9 +176,9 @@ public:
         ++rows_[method.name].cases;
         rows_[method.name].matrices += matrices;
     }
-    void skipped(const ScanMethod& method, const std::string& obstacle) {
+    void skipped(const ScanMethod& method, const std::string& unsupported_reason) {
         ++rows_[method.name].skips;
-        rows_[method.name].obstacle = obstacle;
+        rows_[method.name].unsupported_reason = unsupported_reason;
     }
     size_t cases(const ScanMethod& method) { return rows_[method.name].cases; }
     void print() {
@@ -186,7 +186,7 @@ public:
             const Row& row = rows_[method.name];
             std::printf("  %-22s %5zu cases, %9zu matrices, equal bit for bit", std::string(method.name).c_str(),
                         row.cases, row.matrices);
-            if (row.skips > 0) std::printf("; %zu do not apply: %s", row.skips, row.obstacle.c_str());
+            if (row.skips > 0) std::printf("; %zu do not apply: %s", row.skips, row.unsupported_reason.c_str());
             std::printf("\n");
         }
     }
@@ -194,18 +194,19 @@ public:
 private:
     struct Row {
         size_t cases = 0, matrices = 0, skips = 0;
-        std::string obstacle;
+        std::string unsupported_reason;
     };
     std::map<std::string_view, Row> rows_;
 };
 
 // A method may refuse a rig of many thousand joints for its loop iterations or for the paths of its leaves, and lanes
 // for too little shared memory; nothing else is an excuse.
-void expect_excusable(const std::string& obstacle, const ScanChoice& choice, const ScanRig& rig,
+void expect_excusable(const std::string& unsupported_reason, const ScanChoice& choice, const ScanRig& rig,
                       const ScanLimits& limits, const std::string& where) {
-    if (obstacle.find("loop iterations") != std::string::npos) {
-        EXPECT_GT(uint64_t{rig.joint_count()} * rig.level_count, limits.loop_iterations) << where << ": " << obstacle;
-        EXPECT_GT(rig.joint_count(), 2000u) << where << ": " << obstacle;
+    if (unsupported_reason.find("loop iterations") != std::string::npos) {
+        EXPECT_GT(uint64_t{rig.joint_count()} * rig.level_count, limits.loop_iterations)
+            << where << ": " << unsupported_reason;
+        EXPECT_GT(rig.joint_count(), 2000u) << where << ": " << unsupported_reason;
         return;
     }
     uint64_t path_words = 0;
@@ -214,20 +215,20 @@ void expect_excusable(const std::string& obstacle, const ScanChoice& choice, con
         if (parent != kNone) has_child[parent] = true;
     for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) path_words += has_child[joint] ? 0 : rig.depths[joint];
     if (choice.method->name == "kandar2024_leaves") {
-        EXPECT_GT(path_words + 3 * rig.leaf_count + 1, uint64_t{16} << 20) << where << ": " << obstacle;
+        EXPECT_GT(path_words + 3 * rig.leaf_count + 1, uint64_t{16} << 20) << where << ": " << unsupported_reason;
     } else {
-        EXPECT_GT(choice.lanes, 0u) << where << ": " << obstacle;
-        EXPECT_NE(obstacle.find("shared memory"), std::string::npos) << where << ": " << obstacle;
+        EXPECT_GT(choice.threads, 0u) << where << ": " << unsupported_reason;
+        EXPECT_NE(unsupported_reason.find("shared memory"), std::string::npos) << where << ": " << unsupported_reason;
     }
 }
 
 // One choice on one rig; false where a number differs.
 bool is_exact(Tally& tally, const ScanChoice& choice, const RigCrowd& crowd, const ScanLimits& limits,
               std::span<const uint32_t> instance_counts, const std::string& where) {
-    const ScanPlan plan = plan_scan(*choice.method, crowd.rig, limits, choice.lanes);
-    if (!plan.obstacle.empty()) {
-        expect_excusable(plan.obstacle, choice, crowd.rig, limits, where);
-        tally.skipped(*choice.method, plan.obstacle);
+    const ScanPlan plan = plan_scan(*choice.method, crowd.rig, limits, choice.threads);
+    if (!plan.unsupported_reason.empty()) {
+        expect_excusable(plan.unsupported_reason, choice, crowd.rig, limits, where);
+        tally.skipped(*choice.method, plan.unsupported_reason);
         return true;
     }
     EXPECT_LE(uint64_t{plan.counts.shared_bytes} * plan.instances_per_workgroup, limits.shared_memory_bytes) << where;
@@ -254,7 +255,7 @@ TEST(Scan, EveryMethodIsExact) {
                                            kInstanceCounts[1]);
             const ExactCrowds crowds(make_parents(shape, joint_count, seed), most, random);
             for (const ScanMethod& method : scan_table()) {
-                const ScanChoice choice{&method, method.lane_choices(limits).at(0)};
+                const ScanChoice choice{&method, method.thread_choices(limits).at(0)};
                 ASSERT_TRUE(is_exact(tally, choice, crowds.of(method), limits, kInstanceCounts,
                                      place(choice, shape, joint_count, most)));
             }
@@ -265,7 +266,7 @@ TEST(Scan, EveryMethodIsExact) {
         EXPECT_EQ(tally.cases(method), kJointCounts.size() * kRigShapes.size() * kInstanceCounts.size()) << method.name;
 }
 
-TEST(Scan, EveryNumberOfLanesIsExact) {
+TEST(Scan, EveryNumberOfThreadsIsExact) {
     Tally tally;
     uint64_t seed = 1000;
     const ScanLimits limits = device_limits();
@@ -274,9 +275,9 @@ TEST(Scan, EveryNumberOfLanesIsExact) {
             Random random(++seed);
             const ExactCrowds crowds(make_parents(shape, joint_count, seed), 37, random);
             for (const ScanMethod& method : scan_table()) {
-                for (const uint32_t lanes : method.lane_choices(limits)) {
-                    if (lanes == method.lane_choices(limits)[0]) continue;
-                    const ScanChoice choice{&method, lanes};
+                for (const uint32_t threads : method.thread_choices(limits)) {
+                    if (threads == method.thread_choices(limits)[0]) continue;
+                    const ScanChoice choice{&method, threads};
                     ASSERT_TRUE(is_exact(tally, choice, crowds.of(method), limits, std::array{1u, 37u},
                                          place(choice, shape, joint_count, 37)));
                 }
@@ -299,9 +300,9 @@ TEST(Scan, EveryMethodIsExactForTheLargestRigs) {
         Random random(c.joint_count);
         const ExactCrowds crowds(make_parents(c.shape, c.joint_count, 7), c.instance_count, random);
         for (const ScanMethod& method : scan_table()) {
-            const std::vector<uint32_t> choices = method.lane_choices(limits);
-            for (const uint32_t lanes : std::set{choices.front(), choices.back()}) {
-                const ScanChoice choice{&method, lanes};
+            const std::vector<uint32_t> choices = method.thread_choices(limits);
+            for (const uint32_t threads : std::set{choices.front(), choices.back()}) {
+                const ScanChoice choice{&method, threads};
                 is_exact(tally, choice, crowds.of(method), limits, std::array{c.instance_count},
                          place(choice, c.shape, c.joint_count, c.instance_count));
             }
@@ -331,9 +332,9 @@ TEST(Scan, EveryMethodIsExactWithinLowerLimits) {
                 Random random(joint_count);
                 const ExactCrowds crowds(make_parents(shape, joint_count, joint_count), 19, random);
                 for (const ScanMethod& method : scan_table()) {
-                    const std::vector<uint32_t> choices = method.lane_choices(limits);
+                    const std::vector<uint32_t> choices = method.thread_choices(limits);
                     if (choices.empty()) {
-                        tally.skipped(method, plan_scan(method, crowds.of(method).rig, limits, 0).obstacle);
+                        tally.skipped(method, plan_scan(method, crowds.of(method).rig, limits, 0).unsupported_reason);
                         continue;
                     }
                     const ScanChoice choice{&method, choices[0]};
@@ -358,7 +359,7 @@ TEST(Scan, EveryMethodIsExactWithNarrowWords) {
         bool had = std::exchange(test_gpu()->has_int64, false);
         ~WithoutInt64() { test_gpu()->has_int64 = had; }
     } without_int64;
-    ASSERT_FALSE(test_gpu()->prefers_wide_words());
+    ASSERT_FALSE(test_gpu()->uses_software_kernels());
     Tally tally;
     const ScanLimits limits = device_limits();
     for (const uint32_t joint_count : {9u, 300u}) {
@@ -366,7 +367,7 @@ TEST(Scan, EveryMethodIsExactWithNarrowWords) {
             Random random(joint_count);
             const ExactCrowds crowds(make_parents(shape, joint_count, 5), 19, random);
             for (const ScanMethod& method : scan_table()) {
-                const ScanChoice choice{&method, method.lane_choices(limits).at(0)};
+                const ScanChoice choice{&method, method.thread_choices(limits).at(0)};
                 ASSERT_TRUE(is_exact(tally, choice, crowds.of(method), limits, std::array{19u},
                                      place(choice, shape, joint_count, 19)));
             }
@@ -385,9 +386,9 @@ TEST(Scan, EveryOnChipVariantIsExact) {
         Random random(11);
         const ExactCrowds one(make_parents(shape, kJoints, 3), 1, random);
         for (const ScanMethod& method : scan_table()) {
-            for (const uint32_t lanes : method.lane_choices(limits)) {
+            for (const uint32_t threads : method.thread_choices(limits)) {
                 RigCrowd crowd = one.of(method);
-                ScanPlan plan = plan_scan(method, crowd.rig, limits, lanes);
+                ScanPlan plan = plan_scan(method, crowd.rig, limits, threads);
                 const uint64_t shared_bytes = uint64_t{plan.counts.shared_bytes} * plan.instances_per_workgroup +
                                               plan.instances_per_workgroup * kJoints * crowd.rows_per_joint * 16;
                 if (!plan.on_chip || shared_bytes > limits.shared_memory_bytes) {
@@ -406,8 +407,8 @@ TEST(Scan, EveryOnChipVariantIsExact) {
                 plan.constants.insert(plan.constants.end(),
                                       {1, plan.instances_per_workgroup, plan.instances_per_workgroup * kJoints});
                 const bench::OnChipShaders& shaders = bench::on_chip_shaders(method.name);
-                for (const auto& spirv : {shaders.plain, shaders.wide}) {
-                    if (spirv.data() == shaders.wide.data() && !test_gpu()->has_int64) continue;
+                for (const auto& spirv : {shaders.plain, shaders.software}) {
+                    if (spirv.data() == shaders.software.data() && !test_gpu()->has_int64) continue;
                     const Kernel kernel(test_gpu(), {.name = method.name,
                                                      .spirv = spirv,
                                                      .workgroup_size = plan.workgroup_size,
@@ -417,7 +418,7 @@ TEST(Scan, EveryOnChipVariantIsExact) {
                     run_workgroups(kernel, run.buffers(links), io::ScanPush{kJoints, kInstances, kRepeats}, workgroups);
                     const std::vector<Affine> model = run.result();
                     ASSERT_EQ(count_different(model, crowd.wanted), 0u)
-                        << place({&method, lanes}, shape, kJoints, kInstances);
+                        << place({&method, threads}, shape, kJoints, kInstances);
                     tally.compared(method, model.size());
                 }
             }
@@ -447,7 +448,7 @@ TEST(Scan, EveryMethodRoundsLittle) {
                 double size = 1;
                 for (const auto& m : crowd.wanted)
                     size = std::max({size, std::abs(m.row[0][3]), std::abs(m.row[1][3]), std::abs(m.row[2][3])});
-                const ScanChoice choice{&method, method.lane_choices(limits).at(0)};
+                const ScanChoice choice{&method, method.thread_choices(limits).at(0)};
                 const std::vector<Affine> model = run_scan(ScanStage(test_gpu(), choice, crowd.rig, limits), crowd, 5);
                 double error = 0;
                 for (size_t i = 0; i < model.size(); ++i)

@@ -64,7 +64,7 @@ TEST(SkinStage, WithoutAViewAllIsSkinned) {
 TEST(SkinStage, WithAViewWhatItListsIsSkinned) {
     const Character character = *compile_character(
         *make_creature({.joint_count = 40, .level_count = 12, .face_count = 800}));
-    ASSERT_GE(character.details.size(), 2u);
+    ASSERT_GE(character.lods.size(), 2u);
     constexpr uint32_t kCount = 200;
     Random random(5);
     Crowd crowd = create({.groups = {{&character, kCount}}, .culls = true, .reduces_joints = true, .skins_once = true});
@@ -77,40 +77,40 @@ TEST(SkinStage, WithAViewWhatItListsIsSkinned) {
     ASSERT_TRUE(crowd.set_playback(0, random_playbacks(random, character, kCount)));
     CrowdView view = *view_of({.eye = {0, character.size, 0}, .target = {0, 0, -10 * character.size}}, kWidth, kHeight,
                               {});
-    view.detail_pixels = 0.5f;
+    view.lod_pixels = 0.5f;
     ASSERT_TRUE(crowd.update(0.1f, &view));
     std::vector<std::vector<SkinnedVertex>> before;
     for (uint32_t i = 0; i < kCount; ++i) before.push_back(skinned_of(crowd, i));
     ASSERT_TRUE(crowd.update(0.1f, &view));
-    std::set<uint32_t> details;
-    std::vector<uint32_t> detail_of(kCount, kNone);
+    std::set<uint32_t> lods;
+    std::vector<uint32_t> lod_of(kCount, kNone);
     for (const DrawnInstance& drawn : drawn_of(crowd)) {
-        detail_of[drawn.instance] = drawn.detail;
-        details.insert(drawn.detail);
+        lod_of[drawn.instance] = drawn.lod;
+        lods.insert(drawn.lod);
     }
-    EXPECT_GE(details.size(), 3u);
+    EXPECT_GE(lods.size(), 3u);
     uint32_t left_alone = 0;
     double worst = 0;
     for (uint32_t i = 0; i < kCount; ++i) {
         const std::vector<SkinnedVertex> got = skinned_of(crowd, i);
-        if (detail_of[i] == kNone) {
+        if (lod_of[i] == kNone) {
             EXPECT_TRUE(same_bits(got, before[i])) << "instance " << i;
             ++left_alone;
             continue;
         }
         std::vector<uint32_t> indices = character.indices;
-        if (const uint32_t detail = detail_of[i]; detail > 0) {
+        if (const uint32_t lod = lod_of[i]; lod > 0) {
             ASSERT_EQ(character.sections.size(), 1u);
-            const IndexRange& range = character.detail_ranges[detail - 1];
-            indices.assign(character.detail_indices.begin() + range.first_index,
-                           character.detail_indices.begin() + range.first_index + range.index_count);
+            const IndexRange& range = character.lod_ranges[lod - 1];
+            indices.assign(character.lod_indices.begin() + range.first_index,
+                           character.lod_indices.begin() + range.first_index + range.index_count);
         }
         Character reduced = character;
-        reduced.influences = influences_of_detail(character, detail_of[i]);
+        reduced.influences = influences_of_lod(character, lod_of[i]);
         const std::vector<Affine> read = *crowd.read_skin_matrices(i);
         std::vector<AffineT<double>> matrices;
         for (const Affine& matrix : read) matrices.push_back(matrix.as<double>());
-        const std::vector<Vec3<double>> wanted = skin_reference(detail_of[i] > 0 ? reduced : character, matrices);
+        const std::vector<Vec3<double>> wanted = skin_reference(lod_of[i] > 0 ? reduced : character, matrices);
         for (const uint32_t v : indices)
             worst = std::max(worst, length(got[v].position.as<double>() - wanted[v]) / double{character.size});
     }

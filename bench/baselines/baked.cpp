@@ -11,8 +11,8 @@ namespace {
 constexpr uint32_t kPlain[] = {
 #include "bench/baked.inc"
 };
-constexpr uint32_t kWide[] = {
-#include "bench/baked.wide.inc"
+constexpr uint32_t kSoftware[] = {
+#include "bench/baked.software.inc"
 };
 
 using Matrices = std::vector<AffineT<double>>;
@@ -105,7 +105,7 @@ Baseline baked() {
             .bake = bake,
             .skin_matrices = skin_matrices,
             .plain = kPlain,
-            .wide = kWide};
+            .software = kSoftware};
 }
 
 void check_key_bytes(const Character& character, std::string_view method, uint64_t key_bytes,

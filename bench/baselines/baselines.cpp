@@ -43,22 +43,23 @@ BaselineCrowd::BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline,
       palette_count_(static_cast<uint32_t>(baked.palette.size())),
       tracks_per_clip_(static_cast<uint32_t>(baked.tracks.size() / (baked.clips.size() + 1))),
       control_(control_kernel(gpu_)),
-      kernel_(gpu_, {.name = baseline.name, .spirv = gpu_->prefers_wide_words() ? baseline.wide : baseline.plain}),
+      kernel_(gpu_,
+              {.name = baseline.name, .spirv = gpu_->uses_software_kernels() ? baseline.software : baseline.plain}),
       clock_(gpu_) {
-    std::vector<io::ClipAxis> axes;
+    std::vector<io::ClipTimeline> timelines;
     for (const Clip& clip : baked.clips)
-        axes.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});
+        timelines.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});
     // The rest pose
-    axes.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0});
+    timelines.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0});
     std::vector<uint32_t> joints;
     std::vector<Affine> binds;
     for (const PaletteEntry& entry : baked.palette) {
         joints.push_back(entry.joint);
         binds.push_back(entry.joint_from_bind);
     }
-    std::vector<uint32_t> axis_words(axes.size() * io::kAxisWords);
-    std::memcpy(axis_words.data(), axes.data(), axis_words.size() * sizeof(uint32_t));
-    axes_ = upload_table(gpu_, "clip axes", axis_words);
+    std::vector<uint32_t> timeline_words(timelines.size() * io::kTimelineWords);
+    std::memcpy(timeline_words.data(), timelines.data(), timeline_words.size() * sizeof(uint32_t));
+    timelines_ = upload_table(gpu_, "clip timelines", timeline_words);
     times_ = upload_table(gpu_, "key times", baked.times_s);
     tracks_ = upload_rows(gpu_, "tracks", baked.tracks);
     keys_ = upload_rows(gpu_, baked.name + ": keys", baked.keys);
@@ -82,7 +83,7 @@ BaselineCrowd::BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline,
                                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
         batch.skin = Buffer(gpu_, "skin matrices", members.size() * instance_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
         batch.control_bindings = control_.bind(BufferTable{{io::kPlaybacksBuffer, batch.playbacks},
-                                                           {io::kTimelineBuffer, axes_},
+                                                           {io::kTimelineBuffer, timelines_},
                                                            {io::kTimesBuffer, times_},
                                                            {io::kCursorsBuffer, batch.cursors}});
         batch.baseline_bindings = kernel_.bind({{io::kCursorsBuffer, batch.cursors},

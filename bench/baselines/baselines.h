@@ -25,7 +25,7 @@ struct Baseline {
     Character (*bake)(const Character& character, const BakeSettings& settings);
     // The definition: model_from_bind of each palette entry, in double precision, from what bake() made.
     std::vector<AffineT<double>> (*skin_matrices)(const Character& baked, const Playback& playback);
-    std::span<const uint32_t> plain, wide;  // SPIR-V
+    std::span<const uint32_t> plain, software;  // SPIR-V
 };
 
 // One row each; defined in bench/baselines/<name>.cpp.
@@ -58,7 +58,7 @@ private:
     std::shared_ptr<Gpu> gpu_;
     uint32_t palette_count_ = 0, tracks_per_clip_ = 0;
     Kernel control_, kernel_;
-    Buffer axes_, times_, tracks_, keys_, palette_joints_, joint_from_bind_;
+    Buffer timelines_, times_, tracks_, keys_, palette_joints_, joint_from_bind_;
     std::vector<Batch> batches_;
     GpuClock clock_;
 };

@@ -12,8 +12,8 @@ namespace {
 constexpr uint32_t kPlain[] = {
 #include "bench/flattened.inc"
 };
-constexpr uint32_t kWide[] = {
-#include "bench/flattened.wide.inc"
+constexpr uint32_t kSoftware[] = {
+#include "bench/flattened.software.inc"
 };
 
 using Key = std::array<float, 4>;
@@ -117,7 +117,7 @@ Baseline flattened() {
             .bake = bake,
             .skin_matrices = skin_matrices,
             .plain = kPlain,
-            .wide = kWide};
+            .software = kSoftware};
 }
 
 }  // namespace throng::bench

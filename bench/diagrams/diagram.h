@@ -15,6 +15,6 @@ std::vector<Diagram> scan_diagrams();
 
 // What the pictures show: 16 joints in 8 levels, blocks and strides scaled down with them.
 ScanRig diagram_rig();
-inline constexpr FlowSettings kDiagramSettings{.block = 8, .stride = 3, .lanes = 4};
+inline constexpr FlowSettings kDiagramSettings{.block = 8, .stride = 3, .threads = 4};
 
 }  // namespace throng::bench

@@ -221,8 +221,8 @@ Flow serial(const ScanRig& rig, const FlowSettings&) {
     return run.take();
 }
 
-Flow pieces(const ScanRig& rig, uint32_t lanes, FlowBoundary between_rounds) {
-    const PieceCut cut = cut_into_pieces(rig, lanes);
+Flow pieces(const ScanRig& rig, uint32_t threads, FlowBoundary between_rounds) {
+    const PieceCut cut = cut_into_pieces(rig, threads);
     const auto piece_count = static_cast<uint32_t>(cut.pieces.size());
     Simulation run(rig);
     run.phase("paths from piece\nto piece");
@@ -271,10 +271,10 @@ Flow pieces(const ScanRig& rig, uint32_t lanes, FlowBoundary between_rounds) {
 }
 
 Flow fragments(const ScanRig& rig, const FlowSettings& settings) {
-    return pieces(rig, settings.lanes, FlowBoundary::kBarrier);
+    return pieces(rig, settings.threads, FlowBoundary::kBarrier);
 }
 Flow subgroup(const ScanRig& rig, const FlowSettings& settings) {
-    return pieces(rig, settings.lanes, FlowBoundary::kShuffle);
+    return pieces(rig, settings.threads, FlowBoundary::kShuffle);
 }
 
 constexpr std::array kMethods{

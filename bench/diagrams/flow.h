@@ -44,7 +44,7 @@ struct Flow {
 
 struct FlowSettings {
     uint32_t block = 64, stride = 8;  // of blocks64 and compressed
-    uint32_t lanes = 32;              // of fragments and subgroup
+    uint32_t threads = 32;            // of fragments and subgroup
 };
 
 struct FlowMethod {

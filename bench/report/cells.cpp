@@ -45,8 +45,9 @@ Cells latest_cells(std::span<const Json> records, const char* bench, const char*
 }
 
 Cells scan_cells(std::span<const Json> records) {
-    return latest_cells(records, "scan", "method",
-                        {"device", "driver", "experiment", "lanes", "shape", "seed", "characters", "joints", "levels"});
+    return latest_cells(
+        records, "scan", "method",
+        {"device", "driver", "experiment", "threads", "shape", "seed", "characters", "joints", "levels"});
 }
 
 Cells having(const Cells& cells, const char* field, const std::string& value) {

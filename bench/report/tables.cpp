@@ -44,8 +44,8 @@ double least(const Cells& cells, const char* field) {
 // An obstacle or a wrong result stands where the times would.
 std::string why_untimed(const Json& cell) {
     if (flag(cell, "wrong")) return "<span class=\"bad\">wrong result, not timed</span>";
-    const std::string obstacle = text(cell, "obstacle");
-    return obstacle.empty() ? "not timed" : "does not apply: " + escape(obstacle);
+    const std::string unsupported_reason = text(cell, "unsupported_reason");
+    return unsupported_reason.empty() ? "not timed" : "does not apply: " + escape(unsupported_reason);
 }
 
 std::string percent(double share) { return std::isnan(share) ? "–" : whole(100 * share) + " %"; }
@@ -73,12 +73,12 @@ std::string case_table(const Cells& cells) {
     for (const Json* pointer : by_rank(cells)) {
         const Json& cell = *pointer;
         const std::string chosen = text(cell, "chosen");
-        const double lanes = number(cell, "lanes"), ms = number(cell, "median_ms");
+        const double threads = number(cell, "threads"), ms = number(cell, "median_ms");
         const bool best = ms == best_ms && text(cell, "method") != kPlanner;
         rows += "<tr>" +
                 td(method_name(text(cell, "method")) +
                    (chosen.empty() ? "" : " <small>→ " + escape(chosen) + "</small>")) +
-                td(lanes > 0 ? whole(lanes) : "–");
+                td(threads > 0 ? whole(threads) : "–");
         if (std::isnan(ms) || flag(cell, "wrong")) {
             rows += "<td class=\"note\" colspan=\"8\">" + why_untimed(cell) + "</td></tr>\n";
             continue;
@@ -89,7 +89,7 @@ std::string case_table(const Cells& cells) {
                 td(whole(number(cell, "barriers"))) + td(size(number(cell, "shared_bytes"))) +
                 td(digits(number(cell, "max_error"))) + "</tr>\n";
     }
-    return table(heads({"method", "lanes", "ms", "p5–p95", "× copy", "multipli&shy;cations", "longest<br>thread",
+    return table(heads({"method", "threads", "ms", "p5–p95", "× copy", "multipli&shy;cations", "longest<br>thread",
                         "barriers", "shared<br>bytes", "error"}),
                  rows);
 }

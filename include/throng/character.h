@@ -166,16 +166,16 @@ struct MeshSection {
 };
 
 // A coarser mesh of the same vertices. Level 0 is the sections' own; these are 1 and on.
-struct DetailLevel {
+struct Lod {
     // How far a vertex of level 0 lies from the surface of this one at most, model space, where that has the joints
-    // that joint_details gives it: in the rest pose and in poses of clips that the compiler has looked at. Compiled
+    // that joint_lods gives it: in the rest pose and in poses of clips that the compiler has looked at. Compiled
     // levels have more than 0. Not less than that of the level before.
     float error = 0;
 };
 struct IndexRange {
     uint32_t first_index = 0, index_count = 0;
 };
-inline constexpr uint32_t kDetailLimit = 3;
+inline constexpr uint32_t kLodLimit = 3;
 
 struct Character {
     std::string name{};
@@ -195,14 +195,14 @@ struct Character {
     std::vector<Influences> influences{};
     std::vector<uint32_t> indices{};  // relative to the section's first vertex
     std::vector<MeshSection> sections{};
-    std::vector<DetailLevel> details{};       // at most kDetailLimit
-    std::vector<IndexRange> detail_ranges{};  // [details][sections], of detail_indices
-    std::vector<uint32_t> detail_indices{};   // relative to the section's first vertex
+    std::vector<Lod> lods{};               // at most kLodLimit
+    std::vector<IndexRange> lod_ranges{};  // [details][sections], of lod_indices
+    std::vector<uint32_t> lod_indices{};   // relative to the section's first vertex
     // [joint_count], or empty, as of a character without clips, of which nothing is known: the coarsest level of detail
     // in which the joint moves by itself, not above its parent's. In coarser ones its skin matrices are those of the
     // next joint above it that does, as if the joints between them were in the bind pose: in the rest pose and in poses
     // of all clips that displaces vertices by no more than a third of the level's error.
-    std::vector<uint32_t> joint_details{};
+    std::vector<uint32_t> joint_lods{};
     std::vector<AssetMaterial> materials{};
     std::vector<AssetImage> images{};
     Vec3<float> bounds_min{}, bounds_max{};  // of the mesh in the rest pose, model space
@@ -230,9 +230,9 @@ struct CompileSettings {
     // and kept as Character::root_rows, for instances with a controller to move by. Empty: none. Joints above it must
     // not be animated.
     std::string root_motion_joint{};
-    // Whether Character::details and what belongs to them are made. Without them CrowdSettings::culls draws the finest
+    // Whether Character::lods and what belongs to them are made. Without them CrowdSettings::culls draws the finest
     // mesh wherever a character stands, and reduces_joints leaves out none; all else is the same.
-    bool levels_of_detail = true;
+    bool lods = true;
 };
 inline const CompileSettings kExact{.error = 0};
 
@@ -249,8 +249,8 @@ Result<Character> compile_character(const Asset& asset, const CompileSettings& s
 bool is_compiled_file(const std::filesystem::path& path);
 
 // Character::influences as a coarser level of detail has them: those of joints that do not move in it are their
-// ancestor's that does, by Character::joint_details. The same where that is empty.
-std::vector<Influences> influences_of_detail(const Character& character, uint32_t detail);
+// ancestor's that does, by Character::joint_lods. The same where that is empty.
+std::vector<Influences> influences_of_lod(const Character& character, uint32_t lod);
 
 // load_asset() and compile_character() in one. A file that save_character() wrote, known by its first bytes, is read as
 // it is: the settings are not used then.

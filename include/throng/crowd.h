@@ -163,9 +163,9 @@ struct CrowdView {
     // That a length of 1 takes at a distance of 1: the picture's height / (2 tan(half the vertical field of view))
     float pixels = 1000;
     // A coarser level of detail is drawn where its surfaces lie within so many pixels of the finest one's in the rest
-    // pose and in clips (DetailLevel::error), as long as they are in the middle of the picture, which stretches towards
+    // pose and in clips (Lod::error), as long as they are in the middle of the picture, which stretches towards
     // its edges
-    float detail_pixels = 1;
+    float lod_pixels = 1;
     // What is drawn throws its shadow as far as this, world space: so what is outside but throws one inside is drawn
     // too
     Vec3<float> shadow{};
@@ -196,7 +196,7 @@ struct DepthImage {
 
 // An instance that is drawn, and its level of detail: 0 is the finest.
 struct DrawnInstance {
-    uint32_t instance = 0, detail = 0;
+    uint32_t instance = 0, lod = 0;
 };
 
 struct CrowdSettings {
@@ -214,7 +214,7 @@ struct CrowdSettings {
     // evenly from one pose to the next (kept model matrices do not: they are those of the next). Doubles the memory of
     // skin matrices.
     bool skips_updates = false;
-    // Coarser levels of detail have fewer joints (Character::joint_details), with culls: their skin matrices are
+    // Coarser levels of detail have fewer joints (Character::joint_lods), with culls: their skin matrices are
     // written only for these, and only the influences of their level refer to no others. Kept model matrices likewise.
     // Not of groups with CrowdGroup::pose_capacity.
     bool reduces_joints = false;
@@ -286,11 +286,12 @@ struct OutputBlock {
 };
 
 // The stages of an update in their order, as they are timed. "fused" is sample, blend, scan and bind of the groups that
-// are updated in one pass. "pace" takes the matrices of what is not animated in this update towards their next pose.
-// "terrain" is that of CrowdSettings::terrain, and "skin" that of CrowdSettings::skins_once. "blend" has the weights of
-// morphs too.
-inline constexpr std::array<const char*, 12> kStageNames{"control",    "steer", "terrain", "cull",  "sample", "blend",
-                                                         "procedural", "scan",  "bind",    "fused", "pace",   "skin"};
+// are updated in one pass. "update_rate" takes the matrices of what is not animated in this update towards their next
+// pose. "terrain" is that of CrowdSettings::terrain, and "skin" that of CrowdSettings::skins_once. "blend" has the
+// weights of morphs too.
+inline constexpr std::array<const char*, 12> kStageNames{"control", "steer", "terrain",     "cull",
+                                                         "sample",  "blend", "procedural",  "scan",
+                                                         "bind",    "fused", "update_rate", "skin"};
 
 // The index of a stage's name in kStageNames, or kStageNames.size() where no stage is called so.
 constexpr size_t index_of_stage(std::string_view name) {

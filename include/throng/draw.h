@@ -44,7 +44,7 @@ struct DrawOptions {
     bool occlusion = false;
     // Of crowds that cull, in render_frame(), record() and view_of(): by which a coarser level of detail may be off;
     // above 0
-    float detail_pixels = 1;
+    float lod_pixels = 1;
     float full_rate_pixels = 0, budget_ms = 0;  // of crowds that skip updates, likewise: as CrowdView has them
     bool fog = true;                            // the ground and what is far away fade into the horizon
     float exposure = 1;                         // all light is multiplied by it; above 0
@@ -102,7 +102,7 @@ public:
     // Errors: kInvalidArgument (empty), kLimit (names the device's limit); then it keeps its size.
     Result<void> resize(uint32_t width, uint32_t height);
 
-    // From the next frame on. Errors: kInvalidArgument (exposure, sun, detail_pixels, full_rate_pixels, budget_ms).
+    // From the next frame on. Errors: kInvalidArgument (exposure, sun, lod_pixels, full_rate_pixels, budget_ms).
     Result<void> set_options(const DrawOptions& options);
     const DrawOptions& options() const;
 

@@ -6,15 +6,15 @@ namespace {
 constexpr uint32_t kPlain[] = {
 #include "bind/bind.comp.inc"
 };
-constexpr uint32_t kWide[] = {
-#include "bind/bind.wide.inc"
+constexpr uint32_t kSoftware[] = {
+#include "bind/bind.software.inc"
 };
 
 }  // namespace
 
 Kernel bind_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format) {
     return Kernel(gpu, {.name = "bind",
-                        .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWide) : kPlain,
+                        .spirv = gpu->uses_software_kernels() ? std::span<const uint32_t>(kSoftware) : kPlain,
                         .constants = {static_cast<uint32_t>(format)}});
 }
 

@@ -48,7 +48,7 @@ bool is_similarity(const Affine& m) {
 }
 
 // Why skin matrices are not all a rotation, a translation and a uniform scale, "which is all that" something can do.
-std::string similarity_obstacle(const Character& character, const std::string& which_is_all_that) {
+std::string similarity_unsupported_reason(const Character& character, const std::string& which_is_all_that) {
     if (!character.rig.uniform_scale)
         return "a joint is scaled differently along x, y and z; rotation, translation and one scale is all that " +
                which_is_all_that;
@@ -65,15 +65,15 @@ uint32_t skin_format_bytes(SkinFormat format) {
     return format == SkinFormat::kAffine ? 48 : format == SkinFormat::kHalfAffine ? 24 : 32;
 }
 
-std::string skin_format_obstacle(SkinFormat format, const Character& character) {
+std::string skin_format_unsupported_reason(SkinFormat format, const Character& character) {
     return format == SkinFormat::kSimilarity
-               ? similarity_obstacle(character, "32-byte skin matrices can hold; use another format")
+               ? similarity_unsupported_reason(character, "32-byte skin matrices can hold; use another format")
                : "";
 }
 
-std::string skin_blend_obstacle(SkinBlend blend, const Character& character) {
+std::string skin_blend_unsupported_reason(SkinBlend blend, const Character& character) {
     return blend == SkinBlend::kDualQuaternion
-               ? similarity_obstacle(character, "dual quaternions can blend; use the linear blend")
+               ? similarity_unsupported_reason(character, "dual quaternions can blend; use the linear blend")
                : "";
 }
 

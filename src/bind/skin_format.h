@@ -12,10 +12,10 @@
 namespace throng {
 
 // Why a character's skin matrices cannot be stored in this format; empty where they can.
-std::string skin_format_obstacle(SkinFormat format, const Character& character);
+std::string skin_format_unsupported_reason(SkinFormat format, const Character& character);
 
 // Why its vertices cannot be blended so; likewise.
-std::string skin_blend_obstacle(SkinBlend blend, const Character& character);
+std::string skin_blend_unsupported_reason(SkinBlend blend, const Character& character);
 
 // Of matrices read back: whole ones.
 std::vector<Affine> unpack_skin(SkinFormat format, std::span<const std::byte> bytes);

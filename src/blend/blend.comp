@@ -11,15 +11,15 @@ layout(set = 0, binding = kCursorsBuffer, std430) readonly buffer Cursors { Inst
 layout(set = 0, binding = kFirstPosesBuffer, std430) readonly buffer FirstPoses { JointPose first_poses[]; };
 layout(set = 0, binding = kSecondPosesBuffer, std430) readonly buffer SecondPoses { JointPose second_poses[]; };
 layout(set = 0, binding = kLocalBuffer, std430) writeonly buffer Local { vec4 local[]; };
-TABLE_OF_WORDS(kPosedBuffer, Posed, posed);
+TABLE_OF_WORDS(kPoseOverridesBuffer, PoseOverrides, pose_overrides);
 TABLE_OF_ROWS(kSetPosesBuffer, Poses, poses);
 layout(constant_id = 1) const bool kSimilarity = false;
-layout(constant_id = 2) const bool kPosed = false;
+layout(constant_id = 2) const bool kPoseOverrides = false;
 layout(push_constant) uniform Push { BlendPush push; };
 
 uint rig_joint_count() { return push.joint_count; }
 #include "blend/local.glsl"
-#include "blend/posed.glsl"
+#include "blend/pose_override.glsl"
 
 void main() {
     const uint instance = gl_WorkGroupID.x;
@@ -33,7 +33,7 @@ void main() {
             pose = second_poses[i];
         else
             pose = blend_joint(first_poses[i], second_poses[i], weight);
-        if (kPosed) pose = posed_pose(instance, joint, pose);
+        if (kPoseOverrides) pose = overridden_pose(instance, joint, pose);
         store_local(i, pose);
     }
 }

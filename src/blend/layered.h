@@ -1,5 +1,5 @@
-// The layered stage: the voices of each instance -> its local transforms; sample and blend in one, for characters that
-// play in layers.
+// The layered stage: the active clips of each instance -> its local transforms; sample and blend in one, for characters
+// that play in layers.
 #pragma once
 
 #include "blend/blend.h"
@@ -11,12 +11,12 @@
 namespace throng {
 
 // Dispatched with io::LayeredPush, a workgroup per instance. All up to `words` are tables
-// (gpu/table.glsl); that of the voices, which a kernel writes, is made by make_table().
+// (gpu/table.glsl); that of the active clips, which a kernel writes, is made by make_table().
 struct LayeredSettings {
     bool packed = false;  // Character::packed
     BlendOutput output = BlendOutput::kAffine;
     bool inertial = false;
-    bool posed = false;  // poses may be set
+    bool pose_overrides = false;  // poses may be set
     // Layers blend rotations in model space: an invocation per instance, and record_layered_in_order()
     bool in_order = false;
 

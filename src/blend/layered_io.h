@@ -8,14 +8,14 @@ THRONG_IO_CONSTANT kLayeredWorkgroupSize = 64;
 
 struct LayeredPush {
     uint joint_count;
-    uint voice_limit;  // voices kept for each instance
+    uint active_clip_limit;  // active clips kept for each instance
 };
 
 // Of the joints first_joint to joint_end - 1.
 struct LayeredInOrderPush {
     uint instance_count;
     uint joint_count;
-    uint voice_limit;
+    uint active_clip_limit;
     uint first_joint, joint_end;
 };
 

@@ -2,7 +2,7 @@
 // per bone, "Mesh Space Rotation Blend". Difference from it: none known; at joints without weight the local rotation of
 // what lies below stays there too. The includer declares the table `parents` (TABLE_OF_WORDS, [joint], kAbsent: none),
 // the buffer `rotations` (ModelRotations[layer in model space][joint][instance]) and `push`; it takes the joints of an
-// instance in order, parents first. Defined by voices_reference.h.
+// instance in order, parents first. Defined by active_clips_reference.h.
 #include "blend/blend.glsl"
 #include "blend/layered_io.h"
 #include "control/controller_io.h"

@@ -6,8 +6,8 @@
 #include "compile/file/character_layout.h"
 #include "compile/clip/clip.h"
 #include "compile/clip/clip_bounds.h"
-#include "compile/mesh/detail.h"
-#include "compile/rig/joint_detail.h"
+#include "compile/mesh/lod.h"
+#include "compile/rig/joint_lod.h"
 #include "compile/mesh/mesh.h"
 #include "compile/mesh/morph.h"
 #include "compile/clip/pack.h"
@@ -76,9 +76,9 @@ Result<Character> compile_character(const Asset& asset, const CompileSettings& s
             if (settings.error > 0) pack_clips(character, settings.error);
             character.rig.uniform_scale = has_uniform_scale(character);
             compile_morph_tracks(asset, character);
-            if (settings.levels_of_detail) {
-                make_details(character);
-                make_joint_details(character);
+            if (settings.lods) {
+                make_lods(character);
+                make_joint_lods(character);
             }
             measure_clips(character);
             file::visit_strings(character, [](std::string& text) { text = gltf::printable(text, std::string::npos); });

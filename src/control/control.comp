@@ -7,7 +7,7 @@
 
 layout(local_size_x = kControlWorkgroupSize) in;
 layout(set = 0, binding = kPlaybacksBuffer, std430) buffer Playbacks { InstancePlayback playbacks[]; };
-TABLE_OF_WORDS(kTimelineBuffer, Axes, axes);
+TABLE_OF_WORDS(kTimelineBuffer, Timelines, timelines);
 TABLE_OF_WORDS(kTimesBuffer, Times, times);
 layout(set = 0, binding = kCursorsBuffer, std430) writeonly buffer Cursors { InstanceCursor cursors[]; };
 layout(push_constant) uniform Push { ControlPush push; };
@@ -15,9 +15,9 @@ layout(push_constant) uniform Push { ControlPush push; };
 #include "control/control.glsl"
 
 SlotCursor advance(inout SlotPlayback slot) {
-    const ClipAxis axis = load_axis(slot.clip);
-    slot.time_s = local_time(slot.time_s + push.time_step_s * slot.speed, axis.duration_s, slot.loop != 0);
-    SlotCursor cursor = find_rows(axis, slot.time_s);
+    const ClipTimeline timeline = load_timeline(slot.clip);
+    slot.time_s = local_time(slot.time_s + push.time_step_s * slot.speed, timeline.duration_s, slot.loop != 0);
+    SlotCursor cursor = find_rows(timeline, slot.time_s);
     cursor.first_track = slot.clip * push.joint_count;
     return cursor;
 }

@@ -6,15 +6,15 @@ namespace {
 constexpr uint32_t kPlain[] = {
 #include "control/control.comp.inc"
 };
-constexpr uint32_t kWide[] = {
-#include "control/control.wide.inc"
+constexpr uint32_t kSoftware[] = {
+#include "control/control.software.inc"
 };
 
 }  // namespace
 
 Kernel control_kernel(const std::shared_ptr<Gpu>& gpu) {
-    return Kernel(gpu,
-                  {.name = "control", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWide) : kPlain});
+    return Kernel(gpu, {.name = "control",
+                        .spirv = gpu->uses_software_kernels() ? std::span<const uint32_t>(kSoftware) : kPlain});
 }
 
 }  // namespace throng

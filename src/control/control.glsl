@@ -1,10 +1,10 @@
 // Playback state -> time -> rows of keys. The includer declares the tables `axes` and `times`, words both.
 #include "control/control_io.h"
 
-ClipAxis load_axis(uint clip) {
-    const uint w = kAxisWords * clip;
-    return ClipAxis(WORD_AT(axes, w), WORD_AT(axes, w + 1), WORD_AT(axes, w + 2), WORD_AT(axes, w + 3),
-                    uintBitsToFloat(WORD_AT(axes, w + 4)));
+ClipTimeline load_timeline(uint clip) {
+    const uint w = kTimelineWords * clip;
+    return ClipTimeline(WORD_AT(timelines, w), WORD_AT(timelines, w + 1), WORD_AT(timelines, w + 2),
+                        WORD_AT(timelines, w + 3), uintBitsToFloat(WORD_AT(timelines, w + 4)));
 }
 
 float time_at(uint index) { return uintBitsToFloat(WORD_AT(times, index)); }
@@ -21,17 +21,17 @@ float local_time(float time_s, float duration_s, bool loop) {
 
 // The rows around time_s: the last one at or before it and the next; before the first and after the last, that row
 // alone.
-SlotCursor find_rows(ClipAxis axis, float time_s) {
-    uint low = 0, high = axis.row_count;  // times[low] <= time_s < times[high], but for the ends
+SlotCursor find_rows(ClipTimeline timeline, float time_s) {
+    uint low = 0, high = timeline.row_count;  // times[low] <= time_s < times[high], but for the ends
     do {  // not while: a software device would go round once more; a single row may be looked at
         const uint middle = (low + high) / 2;
-        if (time_at(axis.first_time + middle) <= time_s)
+        if (time_at(timeline.first_time + middle) <= time_s)
             low = middle;
         else
             high = middle;
     } while (high - low > 1);
-    const uint earlier = axis.first_row + low * axis.row_stride;
-    if (low + 1 >= axis.row_count) return SlotCursor(0, earlier, earlier, 0);
-    const float from_s = time_at(axis.first_time + low), to_s = time_at(axis.first_time + low + 1);
-    return SlotCursor(0, earlier, earlier + axis.row_stride, clamp((time_s - from_s) / (to_s - from_s), 0, 1));
+    const uint earlier = timeline.first_row + low * timeline.row_stride;
+    if (low + 1 >= timeline.row_count) return SlotCursor(0, earlier, earlier, 0);
+    const float from_s = time_at(timeline.first_time + low), to_s = time_at(timeline.first_time + low + 1);
+    return SlotCursor(0, earlier, earlier + timeline.row_stride, clamp((time_s - from_s) / (to_s - from_s), 0, 1));
 }

@@ -20,8 +20,8 @@ struct InstancePlayback {
 };
 
 // The time axis of a clip: as many words of a table as it has members.
-THRONG_IO_CONSTANT kAxisWords = 5;
-struct ClipAxis {
+THRONG_IO_CONSTANT kTimelineWords = 5;
+struct ClipTimeline {
     uint first_time;  // index into times
     uint row_count;   // >= 1
     uint row_stride;  // from one row of keys to the next

@@ -10,15 +10,15 @@
 
 layout(local_size_x = kControllerWorkgroupSize) in;
 TABLE_OF_WORDS(kControllerBuffer, Tables, tables);
-TABLE_OF_WORDS(kTimelineBuffer, Axes, axes);
+TABLE_OF_WORDS(kTimelineBuffer, Timelines, timelines);
 TABLE_OF_WORDS(kTimesBuffer, Times, times);
 TABLE_OF_ROWS(kRootRowsBuffer, RootRows, root_rows);
 layout(set = 0, binding = kLayersBuffer, std430) buffer Layers { LayerState layers[]; };  // [instance][layer]
 layout(set = 0, binding = kParametersBuffer, std430) buffer Parameters {
     float parameters[];
 };  // [instance][parameter]
-// [instance][voice_limit], four pairs of words each
-layout(set = 0, binding = kVoicesBuffer, std430) writeonly buffer Voices { StoredPair voices[]; };
+// [instance][active_clip_limit], four pairs of words each
+layout(set = 0, binding = kActiveClipsBuffer, std430) writeonly buffer ActiveClips { StoredPair active_clips[]; };
 layout(set = 0, binding = kEventsBuffer, std430) buffer Events {
     EventHead event_head;
     EventRecord events[];
@@ -30,9 +30,9 @@ layout(set = 0, binding = kPlacementsBuffer, std430) writeonly buffer Placements
 TABLE_OF_WORDS(kLayersBeforeBuffer, LayersBefore, layers_before);
 TABLE_OF_WORDS(kParametersBeforeBuffer, ParametersBefore, parameters_before);  // faster as tables
 layout(set = 0, binding = kInertiasBuffer, std430) buffer Inertias { InstanceInertia inertias[]; };
-layout(set = 0, binding = kVoiceTimesBuffer, std430) writeonly buffer VoiceTimes {
-    float voice_times[];
-};  // [instance][voice_limit]
+layout(set = 0, binding = kActiveClipTimesBuffer, std430) writeonly buffer ActiveClipTimes {
+    float active_clip_times[];
+};  // [instance][active_clip_limit]
 layout(push_constant) uniform Push { ControllerPush push; };
 
 uint instance, first_parameter;
@@ -69,7 +69,7 @@ LayerState load_layer_state(uint index) {
 #include "control/plays.glsl"
 #include "control/inertia_clock.glsl"
 #include "control/root_motion.glsl"
-#include "control/voices.glsl"
+#include "control/active_clips.glsl"
 #include "control/events.glsl"
 
 // A layer's weight; a direct one's goes towards its goal.
@@ -98,7 +98,7 @@ void add_clips(LayerState state, ControlLayer layer, ClipMix mixes[kStackSize], 
         const uint bit = findLSB(heard), k = bit / 3, point = bit % 3;
         const float weight = product(weights[k], mixes[k].weights[point]);
         heard &= heard - 1;
-        add_voice(mixes[k].clips[point], steps[k].after, weight, heard == 0);
+        add_active_clip(mixes[k].clips[point], steps[k].after, weight, heard == 0);
         if (moves) add_move(load_clip(mixes[k].clips[point]), steps[k], weight);
     } while (heard != 0);
 }
@@ -177,14 +177,14 @@ void main() {
     if (instance >= push.instance_count) return;
     layout_of_group = load_layout();
     first_parameter = instance * layout_of_group.parameter_count;
-    begin_voices();
+    begin_active_clips();
     begin_move();
     begin_inertia();
     uint index = 0;
     do update_layer(index);
     while (++index < layout_of_group.layer_count);
     reset_triggers();
-    end_voices();
+    end_active_clips();
     end_move();
     end_inertia();
 }

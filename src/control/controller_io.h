@@ -12,7 +12,7 @@ THRONG_IO_CONSTANT kStackSize = 3;            // plays that a layer cross-fades 
 THRONG_IO_CONSTANT kAbsent = 0xFFFFFFFFu;     // no parameter, mask, sync group or state
 THRONG_IO_CONSTANT kLastPhase = 0xFFFFFFFFu;  // the end of what does not loop
 
-// One clip, beside its ClipAxis.
+// One clip, beside its ClipTimeline.
 struct ControlClip {
     float rate;  // 1 / duration, per second; 0 where it has none
     uint first_event, event_count;
@@ -119,24 +119,24 @@ struct LayerState {
     float inertial_rate;  // direct layers: of an inertial play since the last update, 1 / seconds; 0: none
 };
 
-// One clip as part of an instance's pose: 32 bytes, two rows of a table. Voices of a layer follow each other; their
-// weights sum to 1.
-struct Voice {
+// One clip as part of an instance's pose: 32 bytes, two rows of a table. Active clips of a layer follow each other;
+// their weights sum to 1.
+struct ActiveClip {
     uint first_track;     // index into tracks
     uint earlier, later;  // as in SlotCursor
     float fraction;
     float weight;        // within its layer, > 0
-    float layer_weight;  // 0..1, the same in all voices of a layer
+    float layer_weight;  // 0..1, the same in all active clips of a layer
     uint reference_row;  // first row of the clip, from which additive differences are taken
-    uint flags;          // kVoice…, and the mask's index above kVoiceMaskShift
+    uint flags;          // kActiveClip…, and the mask's index above kActiveClipMaskShift
 };
-THRONG_IO_CONSTANT kVoiceBeginsLayer = 1;
-THRONG_IO_CONSTANT kVoiceEndsLayer = 2;
-THRONG_IO_CONSTANT kVoiceEnds = 4;  // the instance's last
-THRONG_IO_CONSTANT kVoiceAdditive = 8;
-THRONG_IO_CONSTANT kVoiceMasked = 16;
-THRONG_IO_CONSTANT kVoiceModelRotations = 32;  // of an override: rotations are blended in model space
-THRONG_IO_CONSTANT kVoiceMaskShift = 8;
+THRONG_IO_CONSTANT kActiveClipBeginsLayer = 1;
+THRONG_IO_CONSTANT kActiveClipEndsLayer = 2;
+THRONG_IO_CONSTANT kActiveClipEnds = 4;  // the instance's last
+THRONG_IO_CONSTANT kActiveClipAdditive = 8;
+THRONG_IO_CONSTANT kActiveClipMasked = 16;
+THRONG_IO_CONSTANT kActiveClipModelRotations = 32;  // of an override: rotations are blended in model space
+THRONG_IO_CONSTANT kActiveClipMaskShift = 8;
 
 // An instance's inertial transition, for the blend stage.
 struct InstanceInertia {
@@ -189,15 +189,15 @@ struct ControllerPush {
     uint instance_count;
     uint first_instance;  // of the crowd
     uint joint_count;
-    uint voice_limit;     // voices kept for each instance
-    uint event_capacity;  // records that fit
+    uint active_clip_limit;  // active clips kept for each instance
+    uint event_capacity;     // records that fit
     float time_step_s;
     uint flags;
 };
 THRONG_IO_CONSTANT kPushHasRootMotion = 1;
 THRONG_IO_CONSTANT kPushIsInertial = 4;       // the group has inertial transitions
 THRONG_IO_CONSTANT kPushMovesPlacements = 2;  // it is applied, not only reported
-THRONG_IO_CONSTANT kPushTellsTimes = 8;       // of voices, for the morph stage
+THRONG_IO_CONSTANT kPushTellsTimes = 8;       // of active clips, for the morph stage
 
 struct CommandPush {
     uint command_count;

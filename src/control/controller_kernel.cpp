@@ -6,8 +6,8 @@ namespace {
 constexpr uint32_t kController[] = {
 #include "control/controller.comp.inc"
 };
-constexpr uint32_t kControllerWide[] = {
-#include "control/controller.wide.inc"
+constexpr uint32_t kControllerSoftware[] = {
+#include "control/controller.software.inc"
 };
 constexpr uint32_t kCommands[] = {
 #include "control/commands.comp.inc"
@@ -16,8 +16,9 @@ constexpr uint32_t kCommands[] = {
 }  // namespace
 
 Kernel controller_kernel(const std::shared_ptr<Gpu>& gpu) {
-    return Kernel(gpu, {.name = "controller",
-                        .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kControllerWide) : kController});
+    return Kernel(
+        gpu, {.name = "controller",
+              .spirv = gpu->uses_software_kernels() ? std::span<const uint32_t>(kControllerSoftware) : kController});
 }
 
 Kernel command_kernel(const std::shared_ptr<Gpu>& gpu) { return Kernel(gpu, {.name = "commands", .spirv = kCommands}); }

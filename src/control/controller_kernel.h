@@ -1,4 +1,4 @@
-// The controller stage: parameters and layers of each instance -> the voices of its pose, events and root motion
+// The controller stage: parameters and layers of each instance -> the active clips of its pose, events and root motion
 // (docs/controller.md).
 #pragma once
 

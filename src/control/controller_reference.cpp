@@ -60,7 +60,7 @@ ControllerUpdate ControllerReference::update(float time_step_s) {
     ControllerUpdate update{.move = {.cos = 0}};  // a sum so far
     for (uint32_t index = 0; index < layers.size(); ++index) update_layer(index, time_step_s, update);
     reset_triggers();
-    if (update.voices.empty()) add_rest_pose(update.voices);
+    if (update.active_clips.empty()) add_rest_pose(update.active_clips);
     update.move = turned_to_length_one(update.move);
     return update;
 }
@@ -155,7 +155,7 @@ void ControllerReference::update_layer(uint32_t index, float time_step_s, Contro
         }
         if (k == 0) leading = step;
         if (layer_weight <= 0) continue;
-        add_voices(index, layer_weight, state.plays[k], mixes[k], weights[k], update);
+        add_active_clips(index, layer_weight, state.plays[k], mixes[k], weights[k], update);
         if (index == 0)
             for (const MixedClip& mixed : mixes[k].clips)
                 add_weighted(update.move, move_between(root_rows(mixed.clip), step.before, step.after, step.crossed),
@@ -169,16 +169,16 @@ void ControllerReference::update_layer(uint32_t index, float time_step_s, Contro
 }
 
 // Step 9.
-void ControllerReference::add_voices(uint32_t index, float layer_weight, const io::LayerPlay& play,
-                                     const MixedClips& mix, float play_weight, ControllerUpdate& update) const {
+void ControllerReference::add_active_clips(uint32_t index, float layer_weight, const io::LayerPlay& play,
+                                           const MixedClips& mix, float play_weight, ControllerUpdate& update) const {
     const io::LayerState& state = layers[index];
     const bool covers_all = layer_weight >= 1 && state.mode == io::kModeOverride && state.mask == io::kAbsent;
     for (const MixedClip& mixed : mix.clips) {
         const float weight = play_weight * mixed.weight;
         if (weight <= 0) continue;
-        if (update.voices.empty() && !covers_all) add_rest_pose(update.voices);
+        if (update.active_clips.empty() && !covers_all) add_rest_pose(update.active_clips);
         const double duration_s = mixed.clip < character_.clips.size() ? character_.clips[mixed.clip].duration_s : 0;
-        update.voices.push_back(
+        update.active_clips.push_back(
             {.clip = mixed.clip,
              .phase = play.phase,
              .time_s = play.phase * 0x1p-32 * duration_s,
@@ -191,8 +191,8 @@ void ControllerReference::add_voices(uint32_t index, float layer_weight, const i
     }
 }
 
-void ControllerReference::add_rest_pose(std::vector<ControllerVoice>& voices) const {
-    voices.push_back({.clip = static_cast<uint32_t>(character_.clips.size())});
+void ControllerReference::add_rest_pose(std::vector<ControllerActiveClip>& active_clips) const {
+    active_clips.push_back({.clip = static_cast<uint32_t>(character_.clips.size())});
 }
 
 // Of the transitions taken in this update.
@@ -210,31 +210,33 @@ RootRows ControllerReference::root_rows(uint32_t clip) const {
     return RootRows(character_.root_rows).subspan(arrays_.clips[clip].first_root, arrays_.clips[clip].root_count);
 }
 
-std::vector<io::Voice> to_io(std::span<const ControllerVoice> voices, const Character& character) {
-    std::vector<io::Voice> out;
-    for (size_t i = 0; i < voices.size(); ++i) {
-        const ControllerVoice& voice = voices[i];
+std::vector<io::ActiveClip> to_io(std::span<const ControllerActiveClip> active_clips, const Character& character) {
+    std::vector<io::ActiveClip> out;
+    for (size_t i = 0; i < active_clips.size(); ++i) {
+        const ControllerActiveClip& active_clip = active_clips[i];
         const Clip rest_pose{.row_count = 1};
-        const Clip& clip = voice.clip < character.clips.size() ? character.clips[voice.clip] : rest_pose;
+        const Clip& clip = active_clip.clip < character.clips.size() ? character.clips[active_clip.clip] : rest_pose;
         // The time as the kernel has it, in float, so that both find the same rows.
-        const float time_s = (static_cast<float>(voice.phase) * 0x1p-32f) * clip.duration_s;
+        const float time_s = (static_cast<float>(active_clip.phase) * 0x1p-32f) * clip.duration_s;
         const RowCursor rows = find_rows_reference(
             std::span(character.times_s)
                 .subspan(clip.first_time, std::min<size_t>(clip.row_count, character.times_s.size() - clip.first_time)),
             time_s);
         const auto row = [&](uint32_t index) { return clip.first_row + index * clip.row_stride; };
-        uint32_t flags = voice.mode == io::kModeAdditive ? io::kVoiceAdditive : 0;
-        if (voice.model_rotations) flags |= io::kVoiceModelRotations;
-        if (voice.mask != io::kAbsent) flags |= io::kVoiceMasked | voice.mask << io::kVoiceMaskShift;
-        if (i == 0 || voices[i - 1].layer != voice.layer) flags |= io::kVoiceBeginsLayer;
-        if (i + 1 == voices.size() || voices[i + 1].layer != voice.layer) flags |= io::kVoiceEndsLayer;
-        if (i + 1 == voices.size()) flags |= io::kVoiceEnds;
-        out.push_back({.first_track = voice.clip * character.rig.joint_count(),
+        uint32_t flags = active_clip.mode == io::kModeAdditive ? io::kActiveClipAdditive : 0;
+        if (active_clip.model_rotations) flags |= io::kActiveClipModelRotations;
+        if (active_clip.mask != io::kAbsent)
+            flags |= io::kActiveClipMasked | active_clip.mask << io::kActiveClipMaskShift;
+        if (i == 0 || active_clips[i - 1].layer != active_clip.layer) flags |= io::kActiveClipBeginsLayer;
+        if (i + 1 == active_clips.size() || active_clips[i + 1].layer != active_clip.layer)
+            flags |= io::kActiveClipEndsLayer;
+        if (i + 1 == active_clips.size()) flags |= io::kActiveClipEnds;
+        out.push_back({.first_track = active_clip.clip * character.rig.joint_count(),
                        .earlier = row(rows.earlier),
                        .later = row(rows.later),
                        .fraction = static_cast<float>(rows.fraction),
-                       .weight = voice.weight,
-                       .layer_weight = voice.layer_weight,
+                       .weight = active_clip.weight,
+                       .layer_weight = active_clip.layer_weight,
                        .reference_row = clip.first_row,
                        .flags = flags});
     }

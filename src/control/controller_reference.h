@@ -14,7 +14,7 @@
 namespace throng {
 
 // One clip as part of the instance's pose.
-struct ControllerVoice {
+struct ControllerActiveClip {
     uint32_t clip = 0;  // clip_count: the rest pose
     uint32_t phase = 0;
     double time_s = 0;
@@ -33,10 +33,10 @@ struct ControllerEventAt {
 };
 
 struct ControllerUpdate {
-    std::vector<ControllerVoice> voices;    // lowest layer first; at least one
-    std::vector<ControllerEventAt> events;  // of each layer in the order in which they happened
-    GroundMove move;                        // in model space before the update
-    float inertial_s = 0;                   // how long an inertial transition takes that begins; 0: none does
+    std::vector<ControllerActiveClip> active_clips;  // lowest layer first; at least one
+    std::vector<ControllerEventAt> events;           // of each layer in the order in which they happened
+    GroundMove move;                                 // in model space before the update
+    float inertial_s = 0;                            // how long an inertial transition takes that begins; 0: none does
 };
 
 class ControllerReference {
@@ -59,9 +59,9 @@ private:
     void follow_transitions(const io::ControlLayer& layer, io::LayerState& state) const;
     float advance_weight(const io::ControlLayer& layer, io::LayerState& state, float time_step_s) const;
     void update_layer(uint32_t index, float time_step_s, ControllerUpdate& update);
-    void add_voices(uint32_t index, float layer_weight, const io::LayerPlay& play, const MixedClips& mix,
-                    float play_weight, ControllerUpdate& update) const;
-    void add_rest_pose(std::vector<ControllerVoice>& voices) const;
+    void add_active_clips(uint32_t index, float layer_weight, const io::LayerPlay& play, const MixedClips& mix,
+                          float play_weight, ControllerUpdate& update) const;
+    void add_rest_pose(std::vector<ControllerActiveClip>& active_clips) const;
     void reset_triggers();
     RootRows root_rows(uint32_t clip) const;
 
@@ -69,7 +69,7 @@ private:
     ControllerArrays arrays_;
 };
 
-// The voices of an instance as the sample and blend stages read them.
-std::vector<io::Voice> to_io(std::span<const ControllerVoice> voices, const Character& character);
+// The active clips of an instance as the sample and blend stages read them.
+std::vector<io::ActiveClip> to_io(std::span<const ControllerActiveClip> active_clips, const Character& character);
 
 }  // namespace throng

@@ -16,7 +16,7 @@ struct ControllerTables {
     std::vector<float> masks;                    // [mask_count][joint_count], 0..1
     std::vector<float> initial_parameters;       // [parameter_count]
     std::vector<io::LayerState> initial_layers;  // [layer_count]
-    uint32_t voice_limit = 1;                    // the most voices that an instance can have
+    uint32_t active_clip_limit = 1;              // the most active clips that an instance can have
 };
 
 // Throws what check_controller() finds.

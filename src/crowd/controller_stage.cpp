@@ -24,8 +24,9 @@ void ControllerStage::plan(BatchPlan& plan) {
                   sizeof(io::LayerPlay) == io::kLayerPlayWords * sizeof(uint32_t));
     plan.add_filled_table(io::kLayersBuffer, controller.initial_layers);
     plan.add_filled_table(io::kParametersBuffer, controller.initial_parameters);
-    plan.add_table<io::Voice>(io::kVoicesBuffer, controller.voice_limit);
-    if (group.morph_count > 0) plan.add_storage(io::kVoiceTimesBuffer, controller.voice_limit * sizeof(float));
+    plan.add_table<io::ActiveClip>(io::kActiveClipsBuffer, controller.active_clip_limit);
+    if (group.morph_count > 0)
+        plan.add_storage(io::kActiveClipTimesBuffer, controller.active_clip_limit * sizeof(float));
     if (controller.is_inertial) {
         plan.add_filled(io::kInertiasBuffer, std::vector<io::InstanceInertia>(1));
         plan.add_storage(io::kInertiaStatesBuffer, group.joint_count * sizeof(io::InertiaState));
@@ -118,20 +119,21 @@ void ControllerStage::record(const Update& update) {
         const Batch& batch = batches_[member.batch];
         const Group& group = groups_[batch.group];
         const uint32_t inertia_flags = group.controller->is_inertial ? io::kPushIsInertial : 0;
-        const uint32_t morph_flags = batch[io::kVoiceTimesBuffer].handle() ? io::kPushTellsTimes : 0;
+        const uint32_t morph_flags = batch[io::kActiveClipTimesBuffer].handle() ? io::kPushTellsTimes : 0;
         const uint32_t root_flags = batch[io::kRootsBuffer].handle()
                                         ? io::kPushHasRootMotion |
                                               (group.controller->moves_placements ? io::kPushMovesPlacements : 0)
                                         : 0;
-        controller_kernel_.dispatch_invocations(update.commands, member.controller,
-                                                io::ControllerPush{.instance_count = batch.instance_count,
-                                                                   .first_instance = batch.first_instance,
-                                                                   .joint_count = group.joint_count,
-                                                                   .voice_limit = group.controller->voice_limit,
-                                                                   .event_capacity = feedback_->event_capacity(),
-                                                                   .time_step_s = update.time_step_s,
-                                                                   .flags = root_flags | inertia_flags | morph_flags},
-                                                batch.instance_count);
+        controller_kernel_.dispatch_invocations(
+            update.commands, member.controller,
+            io::ControllerPush{.instance_count = batch.instance_count,
+                               .first_instance = batch.first_instance,
+                               .joint_count = group.joint_count,
+                               .active_clip_limit = group.controller->active_clip_limit,
+                               .event_capacity = feedback_->event_capacity(),
+                               .time_step_s = update.time_step_s,
+                               .flags = root_flags | inertia_flags | morph_flags},
+            batch.instance_count);
     }
     memory_barrier(*gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
     update.end_stage("control");

@@ -1,5 +1,5 @@
-// The control stage of groups with a controller: commands of the CPU, then parameters and layers -> voices, events and
-// root motion.
+// The control stage of groups with a controller: commands of the CPU, then parameters and layers -> active clips,
+// events and root motion.
 #pragma once
 
 #include "crowd/batch_plan.h"

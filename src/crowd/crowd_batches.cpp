@@ -25,17 +25,17 @@ uint64_t pose_bytes(const CrowdSettings& settings) {
 
 void plan_matrices(BatchPlan& plan, const CrowdSettings& settings) {
     const Group& group = plan.group();
-    // The pace stage reads skin matrices as rows of 16 bytes.
+    // The update_rate stage reads skin matrices as rows of 16 bytes.
     const auto add_skin = [&](uint32_t number) {
         const uint64_t bytes = uint64_t{std::max(group.palette_count, 1u)} * skin_format_bytes(settings.skin_format);
-        if (!group.is_paced(settings)) return plan.add_storage(number, bytes);
+        if (!group.skips_updates(settings)) return plan.add_storage(number, bytes);
         plan.add(number, bytes, [=](Uploads& uploads, const std::string& what, uint64_t n) {
             return make_table_bytes(uploads.gpu(), what, (n * bytes + 15) / 16 * 16, 16);
         });
     };
     add_skin(io::kSkinBuffer);
     if (settings.keep_previous_matrices) add_skin(io::kPreviousSkinBuffer);
-    if (settings.skips_updates && group.is_paced(settings)) add_skin(io::kSkinAheadBuffer);
+    if (settings.skips_updates && group.skips_updates(settings)) add_skin(io::kSkinTargetBuffer);
     if (group.sockets) plan.add_storage(io::kSocketsBuffer, group.socket_count() * kMatrix_bytes);
     if (settings.keep_model_matrices) plan.add_storage(io::kModelBuffer, group.joint_count * kMatrix_bytes);
 }
@@ -58,10 +58,12 @@ void CrowdState::check_groups(const CrowdSettings& settings) const {
 void CrowdState::make_groups(Uploads& uploads, const CrowdSettings& settings) {
     groups.reserve(settings.groups.size());
     for (const CrowdGroup& group : settings.groups) {
-        if (const std::string obstacle = skin_format_obstacle(skin_format, *group.character); !obstacle.empty())
-            throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin format", obstacle);
-        if (const std::string obstacle = skin_blend_obstacle(skin_blend, *group.character); !obstacle.empty())
-            throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin blend", obstacle);
+        if (const std::string unsupported_reason = skin_format_unsupported_reason(skin_format, *group.character);
+            !unsupported_reason.empty())
+            throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin format", unsupported_reason);
+        if (const std::string unsupported_reason = skin_blend_unsupported_reason(skin_blend, *group.character);
+            !unsupported_reason.empty())
+            throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin blend", unsupported_reason);
         groups.emplace_back(uploads, group, choose_path(*gpu, settings, group), settings);
     }
 }

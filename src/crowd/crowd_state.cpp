@@ -54,7 +54,7 @@ void CrowdState::make_stages(Uploads& uploads, const CrowdSettings& settings) {
     add_stage<MorphStage>(gpu, groups, batches);
     procedural = add_stage<ProceduralStage>(gpu, groups, batches);
     add_stage<FusedUpdate>(gpu, groups, batches, settings);
-    add_stage<PaceStage>(gpu, groups, batches, settings);
+    add_stage<UpdateRateStage>(gpu, groups, batches, settings);
     staged = add_stage<StagedUpdate>(gpu, groups, batches, skin_format, *procedural);
     if (settings.skins_once) add_stage<SkinStage>(gpu, groups, batches, settings);
 }
@@ -82,7 +82,7 @@ Update CrowdState::update_of(VkCommandBuffer commands, float time_step_s, const 
 void CrowdState::record(VkCommandBuffer commands, float time_step_s, const CrowdView* view) {
     if (view && !cull) throw Failure(ErrorCode::kInvalidArgument, "view", "CrowdSettings::culls is not set");
     if (!std::isfinite(time_step_s)) throw Failure(ErrorCode::kInvalidArgument, "time step", "must be finite");
-    const io::CullView seen = cull_view_of(view, paced_full_rate_pixels(view));
+    const io::CullView seen = cull_view_of(view, budgeted_full_rate_pixels(view));
     constexpr Access kConsumers = kShaderRead | kVertexRead | kTransferRead | kIndirectRead;
     // Whoever reads the last update's results must be done.
     memory_barrier(*gpu, commands, kConsumers | kShaderWrite | kTransferWrite,
@@ -127,18 +127,18 @@ void CrowdState::discard_last_record() {
 
 // Raised by what the last update took more than the budget, at most by half, and lowered more slowly, so that it
 // settles.
-float CrowdState::paced_full_rate_pixels(const CrowdView* view) {
+float CrowdState::budgeted_full_rate_pixels(const CrowdView* view) {
     if (!view) return 0;
     if (!(view->budget_ms > 0) || !timer) return view->full_rate_pixels;
     constexpr float kSlack = 0.9f, kMost = 1e6f;
     if (const std::optional<StageTimes> times = timer->take_newest()) {
         const auto load = static_cast<float>(times->total()) / view->budget_ms;
-        pace_ = std::clamp(load > 1        ? pace_ * std::min(load, 1.5f)
-                           : load < kSlack ? pace_ * 0.95f
-                                           : pace_,
-                           1.0f, kMost);
+        full_rate_factor_ = std::clamp(load > 1        ? full_rate_factor_ * std::min(load, 1.5f)
+                                       : load < kSlack ? full_rate_factor_ * 0.95f
+                                                       : full_rate_factor_,
+                                       1.0f, kMost);
     }
-    return pace_ > 1 ? std::max(view->full_rate_pixels, 1.0f) * pace_ : view->full_rate_pixels;
+    return full_rate_factor_ > 1 ? std::max(view->full_rate_pixels, 1.0f) * full_rate_factor_ : view->full_rate_pixels;
 }
 
 // What was current becomes previous.

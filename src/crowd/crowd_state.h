@@ -9,7 +9,7 @@
 #include "crowd/cull_stage.h"
 #include "crowd/fused_update.h"
 #include "crowd/morph_stage.h"
-#include "crowd/pace_stage.h"
+#include "crowd/update_rate_stage.h"
 #include "crowd/placement_stage.h"
 #include "crowd/pose_stage.h"
 #include "crowd/procedural_stage.h"
@@ -86,7 +86,7 @@ private:
     T* add_stage(Arguments&&... arguments);
     Update update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const;
     void take_turns();
-    float paced_full_rate_pixels(const CrowdView* view);
+    float budgeted_full_rate_pixels(const CrowdView* view);
     void send(uint32_t instance, io::ControlCommand command);
     const Batch& batch_of_agent(uint32_t instance) const;
     const GroupController& controller_of(uint32_t instance, const char* what) const;
@@ -98,9 +98,9 @@ private:
 
     std::optional<Kernel> skin_kernel_;  // made when positions are first read back
     bool has_updated_ = false;
-    bool had_updated_ = false;  // before the last record()
-    bool can_discard_ = false;  // the last record() has not been discarded
-    float pace_ = 1;            // what the budget makes of CrowdView::full_rate_pixels, as a factor
+    bool had_updated_ = false;    // before the last record()
+    bool can_discard_ = false;    // the last record() has not been discarded
+    float full_rate_factor_ = 1;  // what the budget makes of CrowdView::full_rate_pixels, as a factor
     std::vector<Watched> watched_;
     uint32_t watch_capacity_ = 0;
 };

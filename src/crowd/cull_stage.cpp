@@ -27,8 +27,8 @@ io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
     const Vec3<float>&eye = view->eye, &shadow = view->shadow;
     if (!std::isfinite(length(eye)) || !std::isfinite(length(shadow)) || !std::isfinite(view->ground))
         throw Failure(ErrorCode::kInvalidArgument, "view", "eye, shadow and ground must be finite");
-    if (!(view->pixels > 0) || !(view->detail_pixels > 0))
-        throw Failure(ErrorCode::kInvalidArgument, "view", "pixels and detail_pixels must be above 0");
+    if (!(view->pixels > 0) || !(view->lod_pixels > 0))
+        throw Failure(ErrorCode::kInvalidArgument, "view", "pixels and lod_pixels must be above 0");
     if (!(full_rate_pixels >= 0 && full_rate_pixels <= kMost) || !(view->budget_ms >= 0))
         throw Failure(ErrorCode::kInvalidArgument, "view",
                       "full_rate_pixels and budget_ms must not be negative, and the first is at most 1e30");
@@ -42,7 +42,7 @@ io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
                             plane(1, 1, -1), plane(0, 2, 1),  plane(1, 2, -1)};
     std::ranges::copy(planes, seen.planes);
     for (size_t r = 0; r < 4; ++r) seen.clip_from_world[r] = {rows[r][0], rows[r][1], rows[r][2], rows[r][3]};
-    seen.eye = {eye.x, eye.y, eye.z, std::min(view->pixels / view->detail_pixels, kMost)};
+    seen.eye = {eye.x, eye.y, eye.z, std::min(view->pixels / view->lod_pixels, kMost)};
     seen.shadow = {shadow.x, shadow.y, shadow.z,
                    full_rate_pixels > 0
                        ? std::clamp(view->pixels / full_rate_pixels, std::numeric_limits<float>::min(), kMost)
@@ -71,10 +71,9 @@ void CullStage::plan(BatchPlan& plan) {
     });
     std::vector<io::DrawCommand> draws;
     for (size_t section = 0; section < group.sections.size(); ++section)
-        for (size_t detail = 0; detail < io::kDetailLevels; ++detail) {
-            const IndexRange range = detail <= group.details.size()
-                                         ? group.detail_ranges[detail * group.sections.size() + section]
-                                         : IndexRange();
+        for (size_t lod = 0; lod < io::kLodCount; ++lod) {
+            const IndexRange range = lod <= group.lods.size() ? group.lod_ranges[lod * group.sections.size() + section]
+                                                              : IndexRange();
             draws.push_back({.index_count = range.index_count,
                              .instance_count = 0,
                              .first_index = range.first_index,
@@ -131,14 +130,14 @@ io::CullPush CullStage::push_of(const Batch& batch) const {
     const Group& group = groups_[batch.group];
     const Vec3<float> centre = (group.posed_min + group.posed_max) * 0.5f,
                       half = (group.posed_max - group.posed_min) * 0.5f;
-    std::array<float, io::kDetailLevels> errors{};
-    std::ranges::transform(group.details, errors.begin() + 1, &DetailLevel::error);
+    std::array<float, io::kLodCount> errors{};
+    std::ranges::transform(group.lods, errors.begin() + 1, &Lod::error);
     const bool is_listed = group.animates_drawn_only();
     return {.centre = {centre.x, centre.y, centre.z, 0},
             .half_extent = {half.x, half.y, half.z, 0},
-            .detail_errors = {errors[0], errors[1], errors[2], errors[3]},
+            .lod_errors = {errors[0], errors[1], errors[2], errors[3]},
             .instance_count = batch.instance_count,
-            .detail_count = static_cast<uint32_t>(1 + group.details.size()),
+            .lod_count = static_cast<uint32_t>(1 + group.lods.size()),
             .joint_set_count = std::max(1u, static_cast<uint32_t>(group.fused.size())),
             .keeps_previous = is_listed && keeps_previous_,
             .may_skip = is_listed && may_skip_};
@@ -215,10 +214,10 @@ std::vector<DrawnInstance> CullStage::read(uint32_t batch_index) const {
     const Batch& batch = batches_[batch_index];
     const std::vector<uint32_t> list = download<uint32_t>(gpu_, batch[io::kListBuffer]);
     std::vector<DrawnInstance> drawn;
-    for (uint32_t detail = 0; detail < io::kDetailLevels; ++detail) {
-        const uint32_t end = detail + 1 < io::kDetailLevels ? list[io::kListBegins + detail + 1] : list[io::kListCount];
-        for (uint32_t i = list[io::kListBegins + detail]; i < end; ++i)
-            drawn.push_back({batch.first_instance + list[io::kFirstListed + i], detail});
+    for (uint32_t lod = 0; lod < io::kLodCount; ++lod) {
+        const uint32_t end = lod + 1 < io::kLodCount ? list[io::kListBegins + lod + 1] : list[io::kListCount];
+        for (uint32_t i = list[io::kListBegins + lod]; i < end; ++i)
+            drawn.push_back({batch.first_instance + list[io::kFirstListed + i], lod});
     }
     return drawn;
 }

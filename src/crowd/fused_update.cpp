@@ -37,7 +37,7 @@ FusedUpdate::Kernels FusedUpdate::make_kernels(const Group& group, size_t set, c
                              .layered = group.controller.has_value(),
                              .socket_count = group.socket_count(),
                              .inertial = group.controller && group.controller->is_inertial,
-                             .posed = group.pose_capacity > 0,
+                             .pose_overrides = group.pose_capacity > 0,
                              .listed = is_listed(group),
                              .some_joints = set > 0});
     };
@@ -58,7 +58,7 @@ void FusedUpdate::bind(Member& member) const {
         };
         for (size_t k = 0; k < batch.skins.size(); ++k)
             if (batch.skins[k].handle()) bindings.skins[k] = bound(batch.skins[k]);
-        if (batch[io::kSkinAheadBuffer].handle()) bindings.ahead = bound(batch[io::kSkinAheadBuffer]);
+        if (batch[io::kSkinTargetBuffer].handle()) bindings.target = bound(batch[io::kSkinTargetBuffer]);
     }
 }
 
@@ -102,14 +102,14 @@ void FusedUpdate::record_set(VkCommandBuffer commands, const Member& member, uin
                        .instance_count = batch.instance_count,
                        .palette_count = group.palette_count,
                        .rest_track = static_cast<uint32_t>(group.clip_durations_s.size()) * group.joint_count,
-                       .voice_limit = group.controller ? group.controller->voice_limit : 0};
+                       .active_clip_limit = group.controller ? group.controller->active_clip_limit : 0};
     if (!is_listed(group)) return record_fused(commands, kernel, bindings.skins[batch.current_skin], joints.plan, push);
     push.section = io::kAnimated + set;
     kernel.dispatch_indirect(commands, bindings.skins[batch.current_skin], push, batch[io::kDispatchesBuffer],
                              push.section);
-    if (!batch[io::kSkinAheadBuffer].handle()) return;
+    if (!batch[io::kSkinTargetBuffer].handle()) return;
     push.section = io::kAnimatedAhead + set;
-    kernel.dispatch_indirect(commands, bindings.ahead, push, batch[io::kDispatchesBuffer], push.section);
+    kernel.dispatch_indirect(commands, bindings.target, push, batch[io::kDispatchesBuffer], push.section);
 }
 
 // From model to world space, in place.

@@ -25,7 +25,7 @@ private:
     };
     struct SetBindings {
         std::array<Bindings, 2> skins;  // one for each of the batch's skin buffers
-        Bindings ahead;                 // where instances are animated ahead
+        Bindings target;                // where instances are animated ahead
     };
     struct Member {
         uint32_t batch = 0;

@@ -23,13 +23,13 @@ static_assert(sizeof(io::VertexRows) == sizeof(Vertex));
 constexpr size_t kSocketLimit = 64;  // as include/throng/crowd.h says
 
 // One axis per clip, and the rest pose's: a single row at time 0. As words.
-std::vector<uint32_t> clip_axes(const Character& character) {
-    static_assert(sizeof(io::ClipAxis) == io::kAxisWords * sizeof(uint32_t));
-    std::vector<io::ClipAxis> axes;
+std::vector<uint32_t> clip_timelines(const Character& character) {
+    static_assert(sizeof(io::ClipTimeline) == io::kTimelineWords * sizeof(uint32_t));
+    std::vector<io::ClipTimeline> timelines;
     for (const Clip& clip : character.clips)
-        axes.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});
-    axes.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0});
-    return as_words(axes);
+        timelines.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});
+    timelines.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0});
+    return as_words(timelines);
 }
 
 // A packed track is read as two rows, also where the second is left out: the last one too.
@@ -56,7 +56,7 @@ GroupController::GroupController(Uploads& uploads, const Controller& controller,
       mask_count(static_cast<uint32_t>(controller.masks.size())),
       moves_placements(moves) {
     const ControllerTables made = make_controller_tables(controller, character);
-    voice_limit = made.voice_limit;
+    active_clip_limit = made.active_clip_limit;
     initial_layers = made.initial_layers;
     initial_parameters = made.initial_parameters;
     layer_kinds = throng::layer_kinds(controller);
@@ -81,7 +81,7 @@ Group::Group(Uploads& uploads, const CrowdGroup& group, const PathChoice& choice
     bound_poses(*group.character, settings.skin_blend);
     if (settings.culls && settings.reduces_joints && pose_capacity == 0 && animates_drawn_only())
         reduce_joints(uploads, *group.character);
-    if (is_paced(settings)) make_palette_by_set(uploads, *group.character);
+    if (skips_updates(settings)) make_palette_by_set(uploads, *group.character);
     make_skin_tables(uploads, *group.character);
     if (pose_capacity > 0)
         buffers[io::kSetPosesBuffer] = make_table<io::JointPose>(
@@ -117,7 +117,7 @@ Group::Group(Uploads& uploads, const Character& character, const PathChoice& cho
         binds.push_back(entry.joint_from_bind);
     }
     for (const Clip& clip : character.clips) clip_durations_s.push_back(clip.duration_s);
-    buffers[io::kTimelineBuffer] = upload_table(uploads, name + ": clip axes", clip_axes(character));
+    buffers[io::kTimelineBuffer] = upload_table(uploads, name + ": clip timelines", clip_timelines(character));
     buffers[io::kTimesBuffer] = upload_table(uploads, name + ": key times", character.times_s);
     buffers[io::kRootRowsBuffer] = upload_table(uploads, name + ": root motion", readable_root_rows(character));
     buffers[io::kTracksBuffer] = upload_table(uploads, name + ": tracks", character.tracks);
@@ -130,41 +130,41 @@ Group::Group(Uploads& uploads, const Character& character, const PathChoice& cho
     influence_count = static_cast<uint32_t>(character.influences.size());
     morph_count = static_cast<uint32_t>(character.morphs.size());
     if (morph_count > 0) upload_morph_tables(uploads, character, buffers);
-    make_details(uploads, character);
+    make_lods(uploads, character);
 }
 
 // Indices of all levels of detail, one after the other.
-void Group::make_details(Uploads& uploads, const Character& character) {
-    for (const MeshSection& section : sections) detail_ranges.push_back({section.first_index, section.index_count});
+void Group::make_lods(Uploads& uploads, const Character& character) {
+    for (const MeshSection& section : sections) lod_ranges.push_back({section.first_index, section.index_count});
     const auto first = static_cast<uint32_t>(character.indices.size());
-    for (const IndexRange& range : character.detail_ranges)
-        detail_ranges.push_back({first + range.first_index, range.index_count});
-    details = character.details;
+    for (const IndexRange& range : character.lod_ranges)
+        lod_ranges.push_back({first + range.first_index, range.index_count});
+    lods = character.lods;
     std::vector<uint32_t> all = character.indices;
-    all.insert(all.end(), character.detail_indices.begin(), character.detail_indices.end());
+    all.insert(all.end(), character.lod_indices.begin(), character.lod_indices.end());
     indices = upload(uploads, name + ": indices", all, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
 }
 
 // The sets of joints of coarser levels, as far as the method of the finest goes about them, and the influences that
 // refer to no others.
 void Group::reduce_joints(Uploads& uploads, const Character& character) {
-    if (character.joint_details.empty()) return;
+    if (character.joint_lods.empty()) return;
     std::vector<Influences> all = character.influences;
-    for (uint32_t detail = 1; detail <= details.size(); ++detail) {
-        const FusedRig rig(character, detail);
+    for (uint32_t lod = 1; lod <= lods.size(); ++lod) {
+        const FusedRig rig(character, lod);
         FusedPlan plan = plan_fused(fused[0].plan.choice, rig, scan_limits(*uploads.gpu()));
-        if (!plan.obstacle.empty()) break;
+        if (!plan.unsupported_reason.empty()) break;
         Buffers tables = upload_fused_tables(uploads, character, rig, plan);
         fused.push_back({rig.rig.joint_count(), std::move(plan), std::move(tables)});
-        const std::vector<Influences> of_detail = influences_of_detail(character, detail);
-        all.insert(all.end(), of_detail.begin(), of_detail.end());
+        const std::vector<Influences> of_lod = influences_of_lod(character, lod);
+        all.insert(all.end(), of_lod.begin(), of_lod.end());
     }
     buffers[io::kInfluencesBuffer] = upload(uploads, name + ": influences", all);
 }
 
 void Group::make_palette_by_set(Uploads& uploads, const Character& character) {
     const auto coarsest_set = [&](uint32_t entry) {
-        return fused.size() > 1 ? character.joint_details[character.palette[entry].joint] : 0;
+        return fused.size() > 1 ? character.joint_lods[character.palette[entry].joint] : 0;
     };
     std::vector<uint32_t> entries(palette_count);
     std::iota(entries.begin(), entries.end(), 0u);
@@ -177,8 +177,8 @@ void Group::make_palette_by_set(Uploads& uploads, const Character& character) {
 
 void Group::make_skin_tables(Uploads& uploads, const Character& character) {
     std::vector<uint32_t> influence_offsets;
-    for (uint32_t detail = 0; detail <= details.size(); ++detail)
-        influence_offsets.push_back(influence_set_of(detail) * influence_count);
+    for (uint32_t lod = 0; lod <= lods.size(); ++lod)
+        influence_offsets.push_back(influence_set_of(lod) * influence_count);
     upload_skin_tables(uploads, character, influence_offsets, buffers);
 }
 

@@ -31,7 +31,7 @@ struct GroupController {
     GroupController(Uploads& uploads, const Controller& controller, const Character& character, bool moves_placements,
                     Buffers& buffers);
 
-    uint32_t layer_count = 0, parameter_count = 0, mask_count = 0, voice_limit = 0;
+    uint32_t layer_count = 0, parameter_count = 0, mask_count = 0, active_clip_limit = 0;
     bool moves_placements = false;
     bool is_inertial = false;            // has inertial transitions or plays
     uint32_t model_layer_count = 0;      // layers that blend rotations in model space
@@ -66,8 +66,8 @@ struct Group {
     std::vector<AssetImage> images;
     Vec3<float> bounds_min, bounds_max;
     Vec3<float> posed_min, posed_max;  // cull: of all poses
-    std::vector<DetailLevel> details;
-    std::vector<IndexRange> detail_ranges;  // [1 + details][sections], of indices
+    std::vector<Lod> lods;
+    std::vector<IndexRange> lod_ranges;  // [1 + details][sections], of indices
 
     Buffers buffers;  // what kernels read of the character, and of what the group's settings ask for
     Buffer indices;   // draw: of all levels of detail
@@ -82,8 +82,8 @@ struct Group {
     std::optional<ScanStage> scan;  // where staged
     // Where fused: all joints; then, with CrowdSettings::reduces_joints, those of each coarser level of detail
     std::vector<FusedJoints> fused;
-    std::array<uint32_t, io::kDetailLevels> set_entry_counts{};  // [fused], palette entries of each set of joints
-    bool uniform_scale = false;                                  // Rig::uniform_scale
+    std::array<uint32_t, io::kLodCount> set_entry_counts{};  // [fused], palette entries of each set of joints
+    bool uniform_scale = false;                              // Rig::uniform_scale
     uint32_t pose_capacity = 0;
     uint32_t influence_count = 0;  // of one set of joints; those of each set lie one after another
     uint32_t morph_count = 0;
@@ -93,12 +93,12 @@ struct Group {
     // upon the one before.
     bool animates_drawn_only() const { return !fused.empty() && !sockets && !(controller && controller->is_inertial); }
     // Matrices that outlive an update.
-    bool is_paced(const CrowdSettings& settings) const {
+    bool skips_updates(const CrowdSettings& settings) const {
         return settings.culls && animates_drawn_only() && (settings.keep_previous_matrices || settings.skips_updates);
     }
     // Of a level of detail: the set of joints that it has, and of influences that refer to no others.
-    uint32_t influence_set_of(uint32_t detail) const {
-        return fused.size() > 1 ? std::min(detail, static_cast<uint32_t>(fused.size()) - 1) : 0;
+    uint32_t influence_set_of(uint32_t lod) const {
+        return fused.size() > 1 ? std::min(lod, static_cast<uint32_t>(fused.size()) - 1) : 0;
     }
     bool has_root_motion() const { return controller && buffers[io::kRootRowsBuffer].size_bytes() > sizeof(io::vec4); }
     uint32_t socket_flags() const { return socket_space == SocketSpace::kWorld ? io::kSocketsToWorld : 0; }
@@ -108,7 +108,7 @@ struct Group {
 
 private:
     void make_procedural(Uploads& uploads, const ProceduralRules& rules, const Character& character);
-    void make_details(Uploads& uploads, const Character& character);
+    void make_lods(Uploads& uploads, const Character& character);
     void reduce_joints(Uploads& uploads, const Character& character);
     void make_palette_by_set(Uploads& uploads, const Character& character);
     void make_skin_tables(Uploads& uploads, const Character& character);

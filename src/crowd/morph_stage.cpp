@@ -25,7 +25,7 @@ void MorphStage::record(const Update& update) {
         const Batch& batch = batches_[member.batch];
         const Group& group = groups_[batch.group];
         const io::MorphPush push{batch.instance_count, group.morph_count, group.joint_count,
-                                 group.controller ? group.controller->voice_limit : 0};
+                                 group.controller ? group.controller->active_clip_limit : 0};
         kernel_of(group).dispatch_invocations(update.commands, member.bindings, push, batch.instance_count);
     }
     update.end_stage("blend");

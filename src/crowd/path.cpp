@@ -9,11 +9,11 @@ namespace {
 // A method by name, with the lanes asked for or the first ones that apply.
 FusedPlan plan_named(const std::string& wanted, const FusedRig& rig, const ScanLimits& limits) {
     const ScanRequest request = parse_scan_request(wanted);
-    if (request.lanes) return plan_fused({request.method, *request.lanes}, rig, limits);
-    FusedPlan plan{.obstacle = wanted + " does not apply on this device"};
-    for (const uint32_t lanes : request.method->lane_choices(limits)) {
-        plan = plan_fused({request.method, lanes}, rig, limits);
-        if (plan.obstacle.empty()) break;
+    if (request.threads) return plan_fused({request.method, *request.threads}, rig, limits);
+    FusedPlan plan{.unsupported_reason = wanted + " does not apply on this device"};
+    for (const uint32_t threads : request.method->thread_choices(limits)) {
+        plan = plan_fused({request.method, threads}, rig, limits);
+        if (plan.unsupported_reason.empty()) break;
     }
     return plan;
 }
@@ -33,15 +33,15 @@ PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
     const Character& character = *group.character;
     const ScanLimits limits = scan_limits(gpu);
     const bool any_scan = settings.scan == "auto";
-    std::string obstacle = "asked for";
+    std::string unsupported_reason = "asked for";
     if (const std::string reason = staged_only(group); settings.path != UpdatePath::kStaged && !reason.empty()) {
         if (settings.path == UpdatePath::kFused)
             throw Failure(ErrorCode::kUnsupported, character.name + ": fused update", reason);
-        obstacle = reason;
+        unsupported_reason = reason;
     } else if (settings.path != UpdatePath::kStaged) {
         const FusedRig rig(character);
         FusedPlan plan = any_scan ? choose_fused(rig, limits) : plan_named(settings.scan, rig, limits);
-        if (plan.obstacle.empty()) {
+        if (plan.unsupported_reason.empty()) {
             const ScanChoice scan = plan.choice;
             return {.fused = std::move(plan),
                     .scan = scan,
@@ -49,13 +49,16 @@ PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
                     .path_reason = "fused: all stages in one pass"};
         }
         if (settings.path == UpdatePath::kFused)
-            throw Failure(ErrorCode::kUnsupported, character.name + ": fused update", plan.obstacle);
-        obstacle = plan.obstacle;
+            throw Failure(ErrorCode::kUnsupported, character.name + ": fused update", plan.unsupported_reason);
+        unsupported_reason = plan.unsupported_reason;
     }
     const ExplainedChoice staged = choose_scan(settings.scan,
                                                ScanRig(character.rig.parents, character.rig.uniform_scale),
                                                group.instance_count, limits, scan_costs(gpu));
-    return {.fused = {}, .scan = staged.choice, .scan_reason = staged.reason, .path_reason = "staged: " + obstacle};
+    return {.fused = {},
+            .scan = staged.choice,
+            .scan_reason = staged.reason,
+            .path_reason = "staged: " + unsupported_reason};
 }
 
 }  // namespace throng

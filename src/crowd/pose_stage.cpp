@@ -16,9 +16,10 @@ io::JointPose to_io(const Trs<double>& pose) {
 
 void PoseStage::plan(BatchPlan& plan) {
     if (plan.group().pose_capacity == 0) return;
-    plan.add(io::kPosedBuffer, sizeof(io::InstancePose), [](Uploads& uploads, const std::string& what, uint64_t n) {
-        return upload_table(uploads, what, as_words(std::vector<io::InstancePose>(n)));
-    });
+    plan.add(io::kPoseOverridesBuffer, sizeof(io::InstancePose),
+             [](Uploads& uploads, const std::string& what, uint64_t n) {
+                 return upload_table(uploads, what, as_words(std::vector<io::InstancePose>(n)));
+             });
 }
 
 PoseStage::PoseStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches)
@@ -28,11 +29,11 @@ PoseStage::PoseStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
 }
 
 // With a slot, given where the instance has none yet.
-PoseStage::Posed& PoseStage::posed_at(uint32_t batch, uint32_t instance, const std::string& place) {
-    std::map<uint32_t, Posed>& posed = of_batches_[batch].posed;
-    if (const auto found = posed.find(instance); found != posed.end()) return found->second;
+PoseStage::Override& PoseStage::override_at(uint32_t batch, uint32_t instance, const std::string& place) {
+    std::map<uint32_t, Override>& overrides = of_batches_[batch].overrides;
+    if (const auto found = overrides.find(instance); found != overrides.end()) return found->second;
     const uint32_t slot = take_slot(batch, place);
-    return posed[instance] = {.slot = slot, .fade = {}, .before = {}};
+    return overrides[instance] = {.slot = slot, .fade = {}, .before = {}};
 }
 
 uint32_t PoseStage::take_slot(uint32_t batch, const std::string& place) {
@@ -57,9 +58,10 @@ uint32_t PoseStage::take_slot(uint32_t batch, const std::string& place) {
 bool PoseStage::take_back_slot(uint32_t group) {
     for (uint32_t i = 0; i < of_batches_.size(); ++i) {
         if (batches_[i].group != group) continue;
-        std::map<uint32_t, Posed>& posed = of_batches_[i].posed;
-        const PosedAt gone = std::ranges::find_if(posed, [](const auto& one) { return one.second.fade.is_gone(); });
-        if (gone == posed.end()) continue;
+        std::map<uint32_t, Override>& overrides = of_batches_[i].overrides;
+        const OverrideAt gone = std::ranges::find_if(overrides,
+                                                     [](const auto& one) { return one.second.fade.is_gone(); });
+        if (gone == overrides.end()) continue;
         erase(i, gone);
         return true;
     }
@@ -67,9 +69,9 @@ bool PoseStage::take_back_slot(uint32_t group) {
 }
 
 // Returns the next one.
-PoseStage::PosedAt PoseStage::erase(uint32_t batch, PosedAt at) {
+PoseStage::OverrideAt PoseStage::erase(uint32_t batch, OverrideAt at) {
     of_groups_[batches_[batch].group].free_slots.push_back(at->second.slot);
-    return of_batches_[batch].posed.erase(at);
+    return of_batches_[batch].overrides.erase(at);
 }
 
 void PoseStage::set(uint32_t batch, uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s,
@@ -78,29 +80,29 @@ void PoseStage::set(uint32_t batch, uint32_t instance, std::span<const Trs<float
     check_fade(fade_s, place);
     const std::vector<Trs<double>> pose = checked_pose(parent_from_joint, group.joint_count, group.uniform_scale,
                                                        place);
-    Posed& posed = posed_at(batch, instance, place);
-    for (PoseFade* fade : {&posed.fade, &posed.before}) fade->set(fade_s);
+    Override& pose_override = override_at(batch, instance, place);
+    for (PoseFade* fade : {&pose_override.fade, &pose_override.before}) fade->set(fade_s);
     GroupPoses& poses = of_groups_[batches_[batch].group];
-    std::ranges::transform(pose, poses.poses.begin() + static_cast<ptrdiff_t>(uint64_t{posed.slot} * group.joint_count),
-                           to_io);
-    poses.changed.add(posed.slot, 1);
+    std::ranges::transform(
+        pose, poses.poses.begin() + static_cast<ptrdiff_t>(uint64_t{pose_override.slot} * group.joint_count), to_io);
+    poses.changed.add(pose_override.slot, 1);
 }
 
 void PoseStage::clear(uint32_t batch, uint32_t instance, float fade_s, const std::string& place) {
     check_fade(fade_s, place);
-    const PosedAt found = of_batches_[batch].posed.find(instance);
-    if (found == of_batches_[batch].posed.end()) return;
-    Posed& posed = found->second;
-    for (PoseFade* fade : {&posed.fade, &posed.before}) fade->clear(fade_s);
+    const OverrideAt found = of_batches_[batch].overrides.find(instance);
+    if (found == of_batches_[batch].overrides.end()) return;
+    Override& pose_override = found->second;
+    for (PoseFade* fade : {&pose_override.fade, &pose_override.before}) fade->clear(fade_s);
     follow(batch, found);
-    if (posed.fade.is_gone() && posed.before.is_gone()) erase(batch, found);
+    if (pose_override.fade.is_gone() && pose_override.before.is_gone()) erase(batch, found);
 }
 
 // What the device is to know of an instance.
-void PoseStage::follow(uint32_t batch, PosedAt at) {
+void PoseStage::follow(uint32_t batch, OverrideAt at) {
     BatchPoses& poses = of_batches_[batch];
-    const auto& [instance, posed] = *at;
-    const io::InstancePose now{.slot = posed.slot, .weight = posed.fade.weight()};
+    const auto& [instance, pose_override] = *at;
+    const io::InstancePose now{.slot = pose_override.slot, .weight = pose_override.fade.weight()};
     io::InstancePose& known = poses.instances[instance];
     if (known.slot != now.slot || known.weight != now.weight) poses.changed.add(instance, 1);
     known = now;
@@ -110,18 +112,18 @@ void PoseStage::follow(uint32_t batch, PosedAt at) {
 void PoseStage::begin(const Update& update) {
     for (uint32_t i = 0; i < of_batches_.size(); ++i) {
         BatchPoses& batch = of_batches_[i];
-        for (PosedAt at = batch.posed.begin(); at != batch.posed.end();) {
-            Posed& posed = at->second;
-            if (posed.fade.is_gone()) {
+        for (OverrideAt at = batch.overrides.begin(); at != batch.overrides.end();) {
+            Override& pose_override = at->second;
+            if (pose_override.fade.is_gone()) {
                 at = erase(i, at);
                 continue;
             }
-            posed.before = posed.fade;
-            posed.fade.advance(update.time_step_s);
+            pose_override.before = pose_override.fade;
+            pose_override.fade.advance(update.time_step_s);
             follow(i, at);
             ++at;
         }
-        upload_changes(update.commands, batches_[i][io::kPosedBuffer], batch.changed, batch.instances, 1);
+        upload_changes(update.commands, batches_[i][io::kPoseOverridesBuffer], batch.changed, batch.instances, 1);
     }
     for (size_t i = 0; i < of_groups_.size(); ++i)
         upload_changes(update.commands, groups_[i][io::kSetPosesBuffer], of_groups_[i].changed, of_groups_[i].poses,
@@ -132,7 +134,7 @@ void PoseStage::discard() {
     for (uint32_t i = 0; i < of_batches_.size(); ++i) {
         BatchPoses& batch = of_batches_[i];
         batch.changed.put_back();
-        for (PosedAt at = batch.posed.begin(); at != batch.posed.end(); ++at) {
+        for (OverrideAt at = batch.overrides.begin(); at != batch.overrides.end(); ++at) {
             at->second.fade = at->second.before;
             follow(i, at);
         }

@@ -2,8 +2,8 @@
 // command buffer, as far as they changed.
 #pragma once
 
-#include "blend/posed.h"
-#include "blend/posed_io.h"
+#include "blend/pose_override.h"
+#include "blend/pose_override_io.h"
 #include "crowd/batch_plan.h"
 #include "crowd/dirty_ranges.h"
 #include "crowd/stage.h"
@@ -31,7 +31,7 @@ public:
     uint32_t end_count() const override { return 0; }
 
 private:
-    struct Posed {
+    struct Override {
         uint32_t slot = 0;
         PoseFade fade;
         PoseFade before;  // what it would be without the last begin()
@@ -40,21 +40,21 @@ private:
         // [instance_count], as the device has them, or will have by the next begin(); empty where there is no room for
         // poses
         std::vector<io::InstancePose> instances;
-        std::map<uint32_t, Posed> posed;  // those that have a slot
-        DirtyRanges changed;              // of instances
+        std::map<uint32_t, Override> overrides;  // those that have a slot
+        DirtyRanges changed;                     // of instances
     };
     struct GroupPoses {
         std::vector<uint32_t> free_slots;
         std::vector<io::JointPose> poses;  // [slots ever used][joint_count]
         DirtyRanges changed;               // of slots
     };
-    using PosedAt = std::map<uint32_t, Posed>::iterator;
+    using OverrideAt = std::map<uint32_t, Override>::iterator;
 
-    Posed& posed_at(uint32_t batch, uint32_t instance, const std::string& place);
+    Override& override_at(uint32_t batch, uint32_t instance, const std::string& place);
     uint32_t take_slot(uint32_t batch, const std::string& place);
     bool take_back_slot(uint32_t group);
-    PosedAt erase(uint32_t batch, PosedAt at);
-    void follow(uint32_t batch, PosedAt at);
+    OverrideAt erase(uint32_t batch, OverrideAt at);
+    void follow(uint32_t batch, OverrideAt at);
     template <class T>
     void upload_changes(VkCommandBuffer commands, const Buffer& buffer, DirtyRanges& changed,
                         const std::vector<T>& items, uint64_t item_size) const;

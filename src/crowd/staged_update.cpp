@@ -45,7 +45,7 @@ StagedUpdate::StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& g
         std::optional<Kernel>& sample = group.packed ? sample_packed_ : sample_exact_;
         if (!sample) sample = sample_kernel(gpu_, group.packed);
         std::optional<Kernel>& blend = blend_[group.takes_similarities()][group.pose_capacity > 0];
-        if (!blend) blend = blend_kernel(gpu_, {.output = output, .posed = group.pose_capacity > 0});
+        if (!blend) blend = blend_kernel(gpu_, {.output = output, .pose_overrides = group.pose_capacity > 0});
     }
     bind_ = bind_kernel(gpu_, skin_format);
     make_waves();
@@ -117,21 +117,22 @@ LayeredSettings StagedUpdate::layered_settings(const Group& group) {
     return {.packed = group.packed,
             .output = group.takes_similarities() ? BlendOutput::kSimilarity : BlendOutput::kAffine,
             .inertial = group.controller->is_inertial,
-            .posed = group.pose_capacity > 0,
+            .pose_overrides = group.pose_capacity > 0,
             .in_order = group.controller->model_layer_count > 0};
 }
 
 void StagedUpdate::record_layered(VkCommandBuffer commands, const Member& member, uint32_t instance_count,
                                   const Group& group) const {
-    const uint32_t voice_limit = group.controller->voice_limit;
+    const uint32_t active_clip_limit = group.controller->active_clip_limit;
     if (group.controller->model_layer_count > 0)
-        record_layered_in_order(
-            *gpu_, commands, layered_of(group), member.layered,
-            {.instance_count = instance_count, .joint_count = group.joint_count, .voice_limit = voice_limit},
-            scan_limits(*gpu_).loop_iterations);
+        record_layered_in_order(*gpu_, commands, layered_of(group), member.layered,
+                                {.instance_count = instance_count,
+                                 .joint_count = group.joint_count,
+                                 .active_clip_limit = active_clip_limit},
+                                scan_limits(*gpu_).loop_iterations);
     else
-        layered_of(group).dispatch_workgroups(commands, member.layered, io::LayeredPush{group.joint_count, voice_limit},
-                                              instance_count);
+        layered_of(group).dispatch_workgroups(commands, member.layered,
+                                              io::LayeredPush{group.joint_count, active_clip_limit}, instance_count);
 }
 
 void StagedUpdate::record(const Update& update) {

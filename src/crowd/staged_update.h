@@ -64,7 +64,7 @@ private:
     std::vector<Member> members_;
     std::vector<Wave> waves_;
     std::optional<Kernel> sample_exact_, sample_packed_;  // those that the groups need
-    std::optional<Kernel> blend_[2][2];                   // [similarities][posed]
+    std::optional<Kernel> blend_[2][2];                   // [similarities][pose_overrides]
     std::map<LayeredSettings, Kernel> layered_;
     std::optional<Kernel> bind_, sockets_;
     // The arena, 48 bytes a joint each; second_poses serves the scan as scratch once blended

@@ -12,11 +12,11 @@ void count_begin() {
 }
 
 void count(uint verdict) {
-    if ((verdict & kVerdictDrawn) != 0) atomicAdd(found[verdict & kVerdictDetailMask], 1);
+    if ((verdict & kVerdictDrawn) != 0) atomicAdd(found[verdict & kVerdictLodMask], 1);
     if ((verdict & kVerdictAnimated) != 0)
-        atomicAdd(found[kDetailLevels + (verdict >> kVerdictSectionShift & kVerdictSectionMask)], 1);
-    if ((verdict & kVerdictGoesOn) != 0) atomicAdd(found[kDetailLevels + kGoingOn], 1);
-    if ((verdict & kVerdictAppears) != 0) atomicAdd(found[kDetailLevels + kAppearing], 1);
+        atomicAdd(found[kLodCount + (verdict >> kVerdictSectionShift & kVerdictSectionMask)], 1);
+    if ((verdict & kVerdictGoesOn) != 0) atomicAdd(found[kLodCount + kGoingOn], 1);
+    if ((verdict & kVerdictAppears) != 0) atomicAdd(found[kLodCount + kAppearing], 1);
 }
 
 void count_end() {

@@ -6,8 +6,8 @@ namespace {
 constexpr uint32_t kCull[] = {
 #include "cull/cull.comp.inc"
 };
-constexpr uint32_t kWideCull[] = {
-#include "cull/cull.wide.inc"
+constexpr uint32_t kSoftwareCull[] = {
+#include "cull/cull.software.inc"
 };
 constexpr uint32_t kOffsets[] = {
 #include "cull/offsets.comp.inc"
@@ -18,8 +18,8 @@ constexpr uint32_t kList[] = {
 constexpr uint32_t kReveal[] = {
 #include "cull/reveal.comp.inc"
 };
-constexpr uint32_t kWideReveal[] = {
-#include "cull/reveal.wide.inc"
+constexpr uint32_t kSoftwareReveal[] = {
+#include "cull/reveal.software.inc"
 };
 constexpr uint32_t kPyramid[] = {
 #include "cull/pyramid.comp.inc"
@@ -28,11 +28,12 @@ constexpr uint32_t kPyramid[] = {
 }  // namespace
 
 CullKernels::CullKernels(const std::shared_ptr<Gpu>& gpu)
-    : cull(gpu, {.name = "cull", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWideCull) : kCull}),
+    : cull(gpu,
+           {.name = "cull", .spirv = gpu->uses_software_kernels() ? std::span<const uint32_t>(kSoftwareCull) : kCull}),
       offsets(gpu, {.name = "offsets", .spirv = kOffsets}),
       list(gpu, {.name = "list", .spirv = kList}),
-      reveal(gpu,
-             {.name = "reveal", .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWideReveal) : kReveal}),
+      reveal(gpu, {.name = "reveal",
+                   .spirv = gpu->uses_software_kernels() ? std::span<const uint32_t>(kSoftwareReveal) : kReveal}),
       pyramid(gpu, {.name = "pyramid", .spirv = kPyramid}) {}
 
 }  // namespace throng

@@ -61,11 +61,11 @@ float distance_to_box(CullView view, Affine world_from_model, vec3 centre, vec3 
 }
 
 // The coarsest level whose error the view does not see; errors do not fall from level to level.
-uint detail_of(CullView view, float distance_to_it, float scale, vec4 detail_errors, uint detail_count) {
-    uint detail = 0;
-    for (uint k = 1; k < kDetailLevels; ++k)
-        if (k < detail_count && detail_errors[k] * scale * view.eye.w <= distance_to_it) detail = k;
-    return detail;
+uint lod_of(CullView view, float distance_to_it, float scale, vec4 lod_errors, uint lod_count) {
+    uint lod = 0;
+    for (uint k = 1; k < kLodCount; ++k)
+        if (k < lod_count && lod_errors[k] * scale * view.eye.w <= distance_to_it) lod = k;
+    return lod;
 }
 
 // Of how many updates one animates it: 1, 2, 4 or 8, so that it moves by about the same number of pixels between two of
@@ -82,16 +82,16 @@ uint period_of(CullView view, float distance_to_it, float scale, vec3 half_exten
 uint verdict_of(CullView view, CullPush push, Affine world_from_model, uint instance, inout uint state) {
     const float distance_to_it = distance_to_box(view, world_from_model, push.centre.xyz, push.half_extent.xyz),
                 scale = largest_scale(world_from_model);
-    const uint detail = detail_of(view, distance_to_it, scale, push.detail_errors, push.detail_count);
+    const uint lod = lod_of(view, distance_to_it, scale, push.lod_errors, push.lod_count);
     const uint period = push.may_skip != 0 ? period_of(view, distance_to_it, scale, push.half_extent.xyz) : 1;
     const bool was_drawn = (state & kStateDrawn) != 0;
-    const uint joint_set = min(detail, push.joint_set_count - 1), last_set = state >> kStateSetShift;
+    const uint joint_set = min(lod, push.joint_set_count - 1), last_set = state >> kStateSetShift;
     const bool has_joints = was_drawn && joint_set >= last_set;  // coarser sets are parts of finer ones
     const bool is_due = !has_joints || ((view.update_number + instance) & (period - 1)) == 0;  // staggered
     const bool is_at_once = is_due && (!has_joints || period == 1);
     uint left = was_drawn ? state >> kStateLeftShift & kStateLeftMask : 0;
     if (is_due) left = is_at_once ? 0 : period;
-    uint verdict = kVerdictInView | kVerdictDrawn | detail;
+    uint verdict = kVerdictInView | kVerdictDrawn | lod;
     if (is_due)
         verdict |= kVerdictAnimated | (joint_set + (is_at_once ? kAnimated : kAnimatedAhead)) << kVerdictSectionShift;
     if (!is_at_once && (left > 0 || push.keeps_previous != 0)) verdict |= kVerdictGoesOn;

@@ -5,7 +5,7 @@
 THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kCullWorkgroupSize = 64;
-THRONG_IO_CONSTANT kDetailLevels = 4;    // levels of detail of a character; 0 is the finest
+THRONG_IO_CONSTANT kLodCount = 4;        // levels of detail of a character; 0 is the finest
 THRONG_IO_CONSTANT kMostPeriodLog2 = 3;  // what is smallest is animated in every eighth update
 
 // The list of a batch: how many instances are drawn; where those of each level begin behind kFirstListed; then the
@@ -31,7 +31,7 @@ THRONG_IO_CONSTANT kFirstWork = 20;
 THRONG_IO_CONSTANT kMostWorkOfInstance = 2;  // sections that an instance is in at most
 
 // A verdict on an instance, for one update.
-THRONG_IO_CONSTANT kVerdictDetailMask = 3u;
+THRONG_IO_CONSTANT kVerdictLodMask = 3u;
 THRONG_IO_CONSTANT kVerdictInView = 4u;
 THRONG_IO_CONSTANT kVerdictDrawn = 8u;
 THRONG_IO_CONSTANT kVerdictAnimated = 16u;  // in the section of the next three bits
@@ -68,9 +68,9 @@ struct CullView {
 struct CullPush {
     vec4 centre;  // of the box that holds all of a character's poses, model space
     vec4 half_extent;
-    vec4 detail_errors;  // model space: how far a level is off
+    vec4 lod_errors;  // model space: how far a level is off
     uint instance_count;
-    uint detail_count;
+    uint lod_count;
     uint joint_set_count;  // level k has the joints of set min(k, joint_set_count - 1)
     uint keeps_previous;   // skin matrices of the update before
     uint may_skip;         // not animated in every update

@@ -43,8 +43,8 @@ double seen_by(const io::CullView& view, const AffineT<double>& world_from_model
     return least;
 }
 
-double spare_of_detail(const io::CullView& view, const AffineT<double>& world_from_model, const CullBox& box,
-                       double detail_error) {
+double spare_of_lod(const io::CullView& view, const AffineT<double>& world_from_model, const CullBox& box,
+                    double lod_error) {
     double scale = 0;
     for (size_t a = 0; a < 3; ++a) {
         double sum = 0;
@@ -53,7 +53,7 @@ double spare_of_detail(const io::CullView& view, const AffineT<double>& world_fr
     }
     const double distance = length(transform_point(world_from_model, box.centre) - xyz(view.eye)) -
                             scale * length(box.half_extent);
-    return distance - detail_error * scale * view.eye.w;
+    return distance - lod_error * scale * view.eye.w;
 }
 
 }  // namespace throng

@@ -22,7 +22,7 @@ double seen_by(const io::CullView& view, const AffineT<double>& world_from_model
 
 // By how much a level's error stays below what the view sees, in world space: it is fine enough where that is not
 // negative.
-double spare_of_detail(const io::CullView& view, const AffineT<double>& world_from_model, const CullBox& box,
-                       double detail_error);
+double spare_of_lod(const io::CullView& view, const AffineT<double>& world_from_model, const CullBox& box,
+                    double lod_error);
 
 }  // namespace throng

@@ -17,11 +17,11 @@ shared uvec4 ranks[2][kCullWorkgroupSize];
 void main() {
     const uint invocation = gl_LocalInvocationID.x, instance = gl_GlobalInvocationID.x;
     const uint verdict = instance < push.instance_count ? verdicts[instance] : 0;
-    const uint detail = verdict & kVerdictDetailMask, section = verdict >> kVerdictSectionShift & kVerdictSectionMask;
+    const uint lod = verdict & kVerdictLodMask, section = verdict >> kVerdictSectionShift & kVerdictSectionMask;
     const bool is_drawn = (verdict & kVerdictDrawn) != 0, is_animated = (verdict & kVerdictAnimated) != 0,
                goes_on = (verdict & kVerdictGoesOn) != 0, appears = (verdict & kVerdictAppears) != 0;
     const uint of_section = is_animated ? 1u << 8 * (section % 4) : 0;
-    uvec4 rank = uvec4(is_drawn ? 1u << 8 * detail : 0, section < 4 ? of_section : 0, section < 4 ? 0 : of_section,
+    uvec4 rank = uvec4(is_drawn ? 1u << 8 * lod : 0, section < 4 ? of_section : 0, section < 4 ? 0 : of_section,
                        (goes_on ? 1u : 0u) | (appears ? 256u : 0u));
     uint from = 0;
     ranks[from][invocation] = rank;
@@ -33,10 +33,10 @@ void main() {
         barrier();
     }
     const uint first = gl_WorkGroupID.x * kCounters;
-    if (is_drawn) list[offsets[first + detail] + bitfieldExtract(rank.x, int(8 * detail), 8) - 1] = instance;
+    if (is_drawn) list[offsets[first + lod] + bitfieldExtract(rank.x, int(8 * lod), 8) - 1] = instance;
     if (is_animated)
-        work[offsets[first + kDetailLevels + section] +
+        work[offsets[first + kLodCount + section] +
              bitfieldExtract(section < 4 ? rank.y : rank.z, int(8 * (section % 4)), 8) - 1] = instance;
-    if (goes_on) work[offsets[first + kDetailLevels + kGoingOn] + (rank.w & 255u) - 1] = instance;
-    if (appears) work[offsets[first + kDetailLevels + kAppearing] + (rank.w >> 8) - 1] = instance;
+    if (goes_on) work[offsets[first + kLodCount + kGoingOn] + (rank.w & 255u) - 1] = instance;
+    if (appears) work[offsets[first + kLodCount + kAppearing] + (rank.w >> 8) - 1] = instance;
 }

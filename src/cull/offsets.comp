@@ -11,7 +11,7 @@ layout(set = 0, binding = kListBuffer, std430) writeonly buffer List { uint list
 layout(set = 0, binding = kWorkBuffer, std430) writeonly buffer Work { uint work[]; };
 // [kWorkSections + 1] of three words
 layout(set = 0, binding = kDispatchesBuffer, std430) writeonly buffer Dispatches { uint dispatches[]; };
-layout(set = 0, binding = kDrawsBuffer, std430) buffer Draws { DrawCommand draws[]; };  // [section][kDetailLevels]
+layout(set = 0, binding = kDrawsBuffer, std430) buffer Draws { DrawCommand draws[]; };  // [section][kLodCount]
 layout(push_constant) uniform Push { OffsetsPush push; };
 
 const uint kFours = kCounters / 4;
@@ -42,9 +42,9 @@ void main() {
     }
     barrier();
     if (invocation < kCounters) {
-        const bool is_drawn = invocation < kDetailLevels;
+        const bool is_drawn = invocation < kLodCount;
         uint at = is_drawn ? kFirstListed : kFirstWork;
-        for (uint i = is_drawn ? 0 : kDetailLevels; i < invocation; ++i) at += totals[i];
+        for (uint i = is_drawn ? 0 : kLodCount; i < invocation; ++i) at += totals[i];
         begins[invocation] = at;
     }
     barrier();
@@ -57,17 +57,16 @@ void main() {
             at += count;
         }
     }
-    for (uint i = invocation; i < push.section_count * kDetailLevels; i += kCullWorkgroupSize)
-        draws[i].instance_count = totals[i % kDetailLevels];
-    if (invocation < kDetailLevels) list[kListBegins + invocation] = begins[invocation] - kFirstListed;
+    for (uint i = invocation; i < push.section_count * kLodCount; i += kCullWorkgroupSize)
+        draws[i].instance_count = totals[i % kLodCount];
+    if (invocation < kLodCount) list[kListBegins + invocation] = begins[invocation] - kFirstListed;
     const uint drawn_count = totals[0] + totals[1] + totals[2] + totals[3];
     if (invocation == 0) list[kListCount] = drawn_count;
     if (invocation == kWorkSections) set_dispatch(kWorkSections, drawn_count);
     if (invocation >= kWorkSections) return;
-    const uint count = totals[kDetailLevels + invocation];
-    const uint instances_of_workgroup = invocation < kGoingOn ? push.instances_of_workgroup[invocation % kDetailLevels]
-                                                              : 1;
-    work[2 * invocation] = begins[kDetailLevels + invocation];
+    const uint count = totals[kLodCount + invocation];
+    const uint instances_of_workgroup = invocation < kGoingOn ? push.instances_of_workgroup[invocation % kLodCount] : 1;
+    work[2 * invocation] = begins[kLodCount + invocation];
     work[2 * invocation + 1] = count;
     set_dispatch(invocation, (count + instances_of_workgroup - 1) / instances_of_workgroup);
 }

@@ -21,7 +21,7 @@ void main() {
     if (instance < push.cull.instance_count) {
         const CullView view = load_view();
         const Affine placement = AFFINE_AT(placement_rows, instance);
-        uint verdict = verdicts[instance] & (kVerdictDetailMask | kVerdictInView | kVerdictDrawn),
+        uint verdict = verdicts[instance] & (kVerdictLodMask | kVerdictInView | kVerdictDrawn),
              state = states[instance];
         const bool hidden = (verdict & kVerdictInView) == 0 ||
                             is_hidden(view, placement, push.cull.centre.xyz, push.cull.half_extent.xyz);

@@ -76,8 +76,8 @@ Bounds posed_bounds(const CrowdState& crowd) { return bounds_of(crowd, &Group::p
 const DrawOptions& checked(const DrawOptions& options) {
     if (!(options.exposure > 0 && std::isfinite(options.exposure)))
         throw Failure(ErrorCode::kInvalidArgument, "draw options", "exposure must be finite and above 0");
-    if (!(options.detail_pixels > 0 && std::isfinite(options.detail_pixels)))
-        throw Failure(ErrorCode::kInvalidArgument, "draw options", "detail_pixels must be finite and above 0");
+    if (!(options.lod_pixels > 0 && std::isfinite(options.lod_pixels)))
+        throw Failure(ErrorCode::kInvalidArgument, "draw options", "lod_pixels must be finite and above 0");
     if (!(options.full_rate_pixels >= 0 && options.full_rate_pixels <= 1e30f) || !(options.budget_ms >= 0))
         throw Failure(ErrorCode::kInvalidArgument, "draw options",
                       "full_rate_pixels and budget_ms must not be negative, and the first is at most 1e30");
@@ -104,7 +104,7 @@ CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, c
     return {.clip_from_world = view.clip_from_world,
             .eye = camera.eye,
             .pixels = static_cast<float>(height) / (2 * view.half_height),
-            .detail_pixels = options.detail_pixels,
+            .lod_pixels = options.lod_pixels,
             .shadow = to_sun * -reach,
             .ground = bounds.min.y - kDeepest * extent,
             .full_rate_pixels = options.full_rate_pixels,

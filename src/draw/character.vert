@@ -57,7 +57,7 @@ ModelVertex model_vertex(uint instance, VertexRows vertex) {
 }
 
 void main() {
-    const uint instance = kListed ? list[kFirstListed + list[kListBegins + push.detail] + gl_InstanceIndex]
+    const uint instance = kListed ? list[kFirstListed + list[kListBegins + push.lod] + gl_InstanceIndex]
                                   : gl_InstanceIndex;
     const VertexRows vertex = vertices[push.first_vertex + gl_VertexIndex];
     const ModelVertex model = model_vertex(instance, vertex);

@@ -82,13 +82,13 @@ void draw_crowd(VkCommandBuffer commands, const CrowdState& crowd, const CrowdBi
                 vk.vkCmdDrawIndexed(commands, section.index_count, batch.instance_count, section.first_index, 0, 0);
                 continue;
             }
-            for (push.detail = 0; push.detail <= group.details.size(); ++push.detail) {
+            for (push.lod = 0; push.lod <= group.lods.size(); ++push.lod) {
                 push.first_influences = section.first_influences +
-                                        group.influence_set_of(push.detail) * group.influence_count;
+                                        group.influence_set_of(push.lod) * group.influence_count;
                 set_push();
                 vk.vkCmdDrawIndexedIndirect(commands, batch[io::kDrawsBuffer].handle(),
-                                            (section_index * io::kDetailLevels + push.detail) * sizeof(io::DrawCommand),
-                                            1, sizeof(io::DrawCommand));
+                                            (section_index * io::kLodCount + push.lod) * sizeof(io::DrawCommand), 1,
+                                            sizeof(io::DrawCommand));
             }
         }
     }

@@ -37,7 +37,7 @@ struct DrawPush {
     float alpha_cutoff;  // fragments below it are left out, in the pipeline that discards
     uint double_sided;
     uint first_morph, morph_count;  // of the section; count 0: none
-    uint detail;                    // the level of detail that is drawn, where instances are listed
+    uint lod;                       // the level of detail that is drawn, where instances are listed
     float metallic, roughness;
     float normal_scale;  // 0: there is no normal map
     uint vertex_count;   // of the character

@@ -14,29 +14,29 @@ uint64_t transform_bytes(const ScanMethod& method) { return method.format == Sca
 // The method's own plan in the shared memory that the tile leaves.
 ScanPlan plan_tiled(const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits) {
     const ScanMethod& method = *choice.method;
-    const ScanPlan alone = plan_scan(method, rig, limits, choice.lanes);
-    if (!alone.obstacle.empty()) return alone;
+    const ScanPlan alone = plan_scan(method, rig, limits, choice.threads);
+    if (!alone.unsupported_reason.empty()) return alone;
     const uint64_t tile_bytes = uint64_t{alone.instances_per_workgroup} * rig.joint_count() * transform_bytes(method);
     const std::string tile = std::to_string(tile_bytes) + " bytes of shared memory for local transforms";
     if (tile_bytes > limits.shared_memory_bytes)
-        return {.obstacle = tile + " exceed the device's " + std::to_string(limits.shared_memory_bytes)};
+        return {.unsupported_reason = tile + " exceed the device's " + std::to_string(limits.shared_memory_bytes)};
     ScanLimits rest = limits;
     rest.shared_memory_bytes -= static_cast<uint32_t>(tile_bytes);
-    ScanPlan plan = plan_scan(method, rig, rest, choice.lanes);
-    if (!plan.obstacle.empty() || !plan.on_chip)
-        return {.obstacle = tile + " and those that " + std::string(method.name) + " needs exceed the device's " +
-                            std::to_string(limits.shared_memory_bytes)};
+    ScanPlan plan = plan_scan(method, rig, rest, choice.threads);
+    if (!plan.unsupported_reason.empty() || !plan.on_chip)
+        return {.unsupported_reason = tile + " and those that " + std::string(method.name) +
+                                      " needs exceed the device's " + std::to_string(limits.shared_memory_bytes)};
     return plan;
 }
 
 }  // namespace
 
-FusedRig::FusedRig(const Character& character, uint32_t detail) {
+FusedRig::FusedRig(const Character& character, uint32_t lod) {
     const uint32_t joint_count = character.rig.joint_count();
     const std::vector<bool> fixed_of_rig = fixed_joints(character);
     std::vector<uint32_t> parents, numbers(joint_count, kNone);
     for (uint32_t joint = 0; joint < joint_count; ++joint) {
-        if (detail > 0 && character.joint_details[joint] < detail) continue;
+        if (lod > 0 && character.joint_lods[joint] < lod) continue;
         numbers[joint] = static_cast<uint32_t>(rig_joints.size());
         const uint32_t parent = character.rig.parents[joint];
         parents.push_back(parent == kNone ? kNone : numbers[parent]);
@@ -54,48 +54,52 @@ FusedRig::FusedRig(const Character& character, uint32_t detail) {
 
 FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLimits& limits) {
     const ScanMethod& method = *choice.method;
-    if (std::string obstacle = lanes_obstacle(method, limits, choice.lanes); !obstacle.empty())
-        return {.obstacle = std::move(obstacle)};
+    if (std::string unsupported_reason = threads_unsupported_reason(method, limits, choice.threads);
+        !unsupported_reason.empty())
+        return {.unsupported_reason = std::move(unsupported_reason)};
     const std::span<const uint32_t> shader = scan_shaders(method.name).fused;
-    if (shader.empty()) return {.obstacle = std::string(method.name) + " has no fused form"};
+    if (shader.empty()) return {.unsupported_reason = std::string(method.name) + " has no fused form"};
     // On a software device tables are texels, and fewer storage buffers are bound: none has too few of them.
     const std::vector<BindingInfo> bindings = read_spirv(shader).bindings;
     if (bindings.size() > limits.storage_buffers)
-        return {.obstacle = std::to_string(bindings.size()) + " storage buffers in one kernel exceed the device's " +
-                            std::to_string(limits.storage_buffers)};
+        return {.unsupported_reason = std::to_string(bindings.size()) +
+                                      " storage buffers in one kernel exceed the device's " +
+                                      std::to_string(limits.storage_buffers)};
     const bool serial = method.name == "serial";
     FusedPlan plan{
-        .obstacle = {},
+        .unsupported_reason = {},
         .choice = choice,
         .scan = serial ? plan_fused_serial(rig.rig, rig.fixed, limits) : plan_tiled(choice, rig.rig, limits)};
-    plan.obstacle = plan.scan.obstacle;
+    plan.unsupported_reason = plan.scan.unsupported_reason;
     plan.tile_transforms = serial ? 0 : plan.scan.instances_per_workgroup * rig.rig.joint_count();
     plan.one_bind = rig.most_binds <= 1;
     const uint64_t iterations = plan.scan.counts.loop_iterations + 2 * uint64_t{rig.rig.joint_count()} +
                                 rig.palette_count;
-    if (plan.obstacle.empty() && iterations > limits.loop_iterations)
-        plan.obstacle = "up to " + std::to_string(iterations) + " loop iterations exceed the device's " +
-                        std::to_string(limits.loop_iterations);
+    if (plan.unsupported_reason.empty() && iterations > limits.loop_iterations)
+        plan.unsupported_reason = "up to " + std::to_string(iterations) + " loop iterations exceed the device's " +
+                                  std::to_string(limits.loop_iterations);
     return plan;
 }
 
 FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits) {
     std::vector<ScanChoice> choices;
-    const auto add = [&](std::string_view name, uint32_t lanes) { choices.push_back({find_scan_method(name), lanes}); };
+    const auto add = [&](std::string_view name, uint32_t threads) {
+        choices.push_back({find_scan_method(name), threads});
+    };
     if (limits.is_cpu) {
         add("serial", 0);
     } else {
         // A subgroup a character, no barrier but the one after the tile; similarities need less shared memory. See
         // docs/performance.md.
-        const uint32_t lanes = std::min(32u, limits.subgroup_size);
-        add("subgroup_quaternion", lanes);
-        add("subgroup", lanes);
+        const uint32_t threads = std::min(32u, limits.subgroup_size);
+        add("subgroup_quaternion", threads);
+        add("subgroup", threads);
         add("fragments", 32);
     }
     FusedPlan plan;
     for (const ScanChoice& choice : choices) {
         plan = plan_fused(choice, rig, limits);
-        if (plan.obstacle.empty()) break;
+        if (plan.unsupported_reason.empty()) break;
     }
     return plan;
 }
@@ -125,12 +129,13 @@ Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, cons
     const uint32_t tile_instances = plan.tile_transforms > 0 ? plan.scan.instances_per_workgroup : 1;
     std::vector<uint32_t> constants = plan.scan.constants;
     constants.resize(io::kMethodConstants);
-    constants.insert(constants.end(), {settings.packed, settings.blends, settings.keeps_model,
-                                       static_cast<uint32_t>(settings.skin_format), plan.one_bind, tile_instances,
-                                       std::max(plan.tile_transforms, 1u), settings.layered, settings.socket_count,
-                                       settings.inertial, settings.posed, settings.listed, settings.some_joints});
+    constants.insert(
+        constants.end(),
+        {settings.packed, settings.blends, settings.keeps_model, static_cast<uint32_t>(settings.skin_format),
+         plan.one_bind, tile_instances, std::max(plan.tile_transforms, 1u), settings.layered, settings.socket_count,
+         settings.inertial, settings.pose_overrides, settings.listed, settings.some_joints});
     return Kernel(gpu, {.name = "fused",
-                        .spirv = gpu->prefers_wide_words() ? shaders.fused_wide : shaders.fused,
+                        .spirv = gpu->uses_software_kernels() ? shaders.fused_software : shaders.fused,
                         .workgroup_size = plan.scan.workgroup_size,
                         .constants = std::move(constants),
                         .full_subgroups = plan.scan.full_subgroups});

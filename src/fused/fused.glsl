@@ -26,13 +26,13 @@ TABLE_OF_WORDS(kBindRangesBuffer, BindRanges, bind_ranges);
 TABLE_OF_WORDS(kBindEntriesBuffer, BindEntries, bind_entries);  // palette entries, sorted by joint
 TABLE_OF_ROWS(kBindsBuffer, Binds, binds);                      // their inverse binds, three rows each
 layout(set = 0, binding = kModelBuffer, std430) buffer Model { StoredAffine model[]; };
-TABLE_OF_ROWS(kVoicesBuffer, Voices, voices);  // of layers, in place of cursors
+TABLE_OF_ROWS(kActiveClipsBuffer, ActiveClips, active_clips);  // of layers, in place of cursors
 TABLE_OF_WORDS(kMasksBuffer, Masks, masks);
 TABLE_OF_WORDS(kSocketSlotsBuffer, SocketSlots, socket_slots);  // [joint_count]: 1 + the joint's place in sockets, or 0
 layout(set = 0, binding = kSocketsBuffer, std430) writeonly buffer Sockets { StoredAffine sockets[]; };
 layout(set = 0, binding = kInertiasBuffer, std430) readonly buffer Inertias { InstanceInertia inertias[]; };
 layout(set = 0, binding = kInertiaStatesBuffer, std430) buffer InertiaStates { InertiaState inertia_states[]; };
-TABLE_OF_WORDS(kPosedBuffer, Posed, posed);
+TABLE_OF_WORDS(kPoseOverridesBuffer, PoseOverrides, pose_overrides);
 TABLE_OF_ROWS(kSetPosesBuffer, Poses, poses);
 TABLE_OF_WORDS(kWorkBuffer, Work, work);                       // of listed instances (cull/cull_io.h)
 TABLE_OF_WORDS(kAnimatedJointsBuffer, RigJoints, rig_joints);  // of a part of the joints: their numbers in the rig
@@ -45,12 +45,12 @@ layout(constant_id = 11) const uint kSkinFormat = kSkinAffine;
 layout(constant_id = 12) const bool kOneBind = false;     // no joint has two palette entries
 layout(constant_id = 13) const uint kTileInstances = 1;   // of a workgroup
 layout(constant_id = 14) const uint kTileTransforms = 1;  // of all of them
-layout(constant_id = 15) const bool kLayered = false;     // instances play voices in layers, not two clips
+layout(constant_id = 15) const bool kLayered = false;     // instances play active clips in layers, not two clips
 layout(constant_id = 16) const uint kSocketCount = 0;
-layout(constant_id = 17) const bool kInertial = false;    // of layers
-layout(constant_id = 18) const bool kPosed = false;       // poses may be set
-layout(constant_id = 19) const bool kListed = false;      // only listed instances are animated
-layout(constant_id = 20) const bool kSomeJoints = false;  // not all joints are
+layout(constant_id = 17) const bool kInertial = false;       // of layers
+layout(constant_id = 18) const bool kPoseOverrides = false;  // poses may be set
+layout(constant_id = 19) const bool kListed = false;         // only listed instances are animated
+layout(constant_id = 20) const bool kSomeJoints = false;     // not all joints are
 layout(push_constant) uniform Push { FusedPush push; };
 
 #define SKIN_SET 0
@@ -59,8 +59,8 @@ layout(push_constant) uniform Push { FusedPush push; };
 uint rig_joint_count() { return push.rig_joint_count; }
 #include "bind/skin_format.glsl"
 #include "blend/inertial.glsl"
-#include "blend/posed.glsl"
-#include "blend/voices.glsl"
+#include "blend/pose_override.glsl"
+#include "blend/active_clips.glsl"
 #include "sample/sample.glsl"
 
 uint link(uint index) { return WORD_AT(link_words, index); }
@@ -87,8 +87,8 @@ SlotCursor only_slot(InstanceCursor cursor) {
 uvec4 tracks_of(SlotCursor slot, uint joint) { return ROW_AT(tracks, slot.first_track + joint); }
 
 JointPose animated_pose(uint instance, InstanceCursor cursor, uint joint) {
-    if (kInertial) return inertial_pose(instance, at(instance, joint), voices_pose(instance, joint));
-    if (kLayered) return voices_pose(instance, joint);
+    if (kInertial) return inertial_pose(instance, at(instance, joint), active_clips_pose(instance, joint));
+    if (kLayered) return active_clips_pose(instance, joint);
     if (!kBlends) {
         const SlotCursor slot = only_slot(cursor);
         return sample_joint(tracks_of(slot, joint), slot);
@@ -109,7 +109,7 @@ JointPose animated_pose_of_fixed(uint instance, InstanceCursor cursor, uint join
     pose.translation = uintBitsToFloat(ROW_AT(keys, rest.y));
     pose.scale = uintBitsToFloat(ROW_AT(keys, rest.z));
     if (kLayered) {
-        pose.rotation = voices_rotation(instance, joint);
+        pose.rotation = active_clips_rotation(instance, joint);
         return pose;
     }
     if (!kBlends) {
@@ -132,14 +132,14 @@ JointPose animated_pose_of_fixed(uint instance, InstanceCursor cursor, uint join
 JointPose local_pose(uint instance, InstanceCursor cursor, uint walked_joint) {
     const uint joint = rig_joint(walked_joint);
     const JointPose pose = animated_pose(instance, cursor, joint);
-    if (kPosed) return posed_pose(instance, joint, pose);
+    if (kPoseOverrides) return overridden_pose(instance, joint, pose);
     return pose;
 }
 
 JointPose local_pose_of_fixed(uint instance, InstanceCursor cursor, uint walked_joint) {
     const uint joint = rig_joint(walked_joint);
     const JointPose pose = animated_pose_of_fixed(instance, cursor, joint);
-    if (kPosed) return posed_pose(instance, joint, pose);
+    if (kPoseOverrides) return overridden_pose(instance, joint, pose);
     return pose;
 }
 

@@ -16,17 +16,17 @@ struct FusedSettings {
     bool blends = true;   // false: no instance has two clips with weight
     bool keeps_model = false;
     SkinFormat skin_format = SkinFormat::kAffine;
-    bool layered = false;  // instances play voices, not the two clips of cursors
+    bool layered = false;  // instances play active clips, not the two clips of cursors
     uint32_t socket_count = 0;
-    bool inertial = false;     // layered, with inertial transitions
-    bool posed = false;        // poses may be set
-    bool listed = false;       // only instances of a section of the work are animated
-    bool some_joints = false;  // not all joints are
+    bool inertial = false;        // layered, with inertial transitions
+    bool pose_overrides = false;  // poses may be set
+    bool listed = false;          // only instances of a section of the work are animated
+    bool some_joints = false;     // not all joints are
 };
 
 // What of a character decides how it is fused: of all its joints, or of those of a coarser level of detail.
 struct FusedRig {
-    explicit FusedRig(const Character& character, uint32_t detail = 0);
+    explicit FusedRig(const Character& character, uint32_t lod = 0);
 
     ScanRig rig;
     std::vector<uint32_t> rig_joints;  // [joint_count], the character's
@@ -37,7 +37,7 @@ struct FusedRig {
 
 // How a scan method goes about a character in one pass.
 struct FusedPlan {
-    std::string obstacle;  // why it does not; empty where it does
+    std::string unsupported_reason;  // why it does not; empty where it does
     ScanChoice choice;
     ScanPlan scan;
     uint32_t tile_transforms = 0;  // local transforms that pass through shared memory together; 0: none do

@@ -15,9 +15,9 @@ struct FusedPush {
     uint rig_joint_count;  // that there are
     uint instance_count;
     uint palette_count;
-    uint rest_track;   // of the rest pose in `tracks`: clip_count * rig_joint_count
-    uint voice_limit;  // of layers: voices kept for each instance
-    uint section;      // of the work (cull/cull_io.h), where instances are listed
+    uint rest_track;         // of the rest pose in `tracks`: clip_count * rig_joint_count
+    uint active_clip_limit;  // of layers: active clips kept for each instance
+    uint section;            // of the work (cull/cull_io.h), where instances are listed
 };
 
 THRONG_IO_END

@@ -9,7 +9,7 @@
 namespace throng {
 
 VkBufferUsageFlags table_usage(const Gpu& gpu, std::string_view what, uint64_t size_bytes, uint32_t texel_bytes) {
-    if (!gpu.prefers_wide_words()) return VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    if (!gpu.uses_software_kernels()) return VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
     const uint64_t count = size_bytes / texel_bytes, limit = gpu.properties.limits.maxTexelBufferElements;
     if (count > limit)
         throw Failure(ErrorCode::kLimit, std::string(what),

@@ -54,7 +54,7 @@ public:
     bool is_cpu() const { return properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
     bool has_graphics() const { return (queue_flags & VK_QUEUE_GRAPHICS_BIT) != 0; }
     // Whether transforms should move as 64-bit words (gpu/stored.glsl).
-    bool prefers_wide_words() const { return is_cpu() && has_int64; }
+    bool uses_software_kernels() const { return is_cpu() && has_int64; }
     uint64_t largest_heap_bytes() const;
     bool has_timestamps() const { return timestamp_valid_bits != 0 && properties.limits.timestampPeriod > 0; }
 

@@ -1,10 +1,10 @@
 // Transforms as they lie in memory. A software device pays for each load and store, not for each byte (lavapipe loops
-// over the invocations for every scalar): GPU_WIDE moves them as 64-bit words, half as many. Needs shaderInt64.
+// over the invocations for every scalar): GPU_SOFTWARE moves them as 64-bit words, half as many. Needs shaderInt64.
 #ifndef THRONG_GPU_STORED_GLSL
 #define THRONG_GPU_STORED_GLSL
 #include "gpu/similarity.glsl"
 
-#ifdef GPU_WIDE
+#ifdef GPU_SOFTWARE
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
 struct StoredAffine {

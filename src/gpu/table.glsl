@@ -1,10 +1,10 @@
-// Read-only tables. GPUs read them as storage buffers. A software device (GPU_WIDE) reads them as uniform texel
+// Read-only tables. GPUs read them as storage buffers. A software device (GPU_SOFTWARE) reads them as uniform texel
 // buffers: lavapipe checks and branches for every lane and word of a storage buffer and gathers texels without, which
 // is 10 to 30 times as fast (docs/performance.md). On the host they are made by upload_table().
 #ifndef THRONG_GPU_TABLE_GLSL
 #define THRONG_GPU_TABLE_GLSL
 
-#ifdef GPU_WIDE
+#ifdef GPU_SOFTWARE
 #define TABLE_OF_WORDS(number, block, name) layout(set = 0, binding = number) uniform usamplerBuffer name
 #define TABLE_OF_ROWS(number, block, name) layout(set = 0, binding = number) uniform usamplerBuffer name
 #define WORD_AT(name, index) texelFetch(name, int(index)).x

@@ -9,9 +9,11 @@
 
 layout(local_size_x = kMorphWorkgroupSize) in;
 layout(set = 0, binding = kPlaybacksBuffer, std430) readonly buffer Playbacks { InstancePlayback playbacks[]; };
-TABLE_OF_ROWS(kVoicesBuffer, Voices, voices);
-layout(set = 0, binding = kVoiceTimesBuffer, std430) readonly buffer VoiceTimes { float voice_times[]; };
-TABLE_OF_WORDS(kMorphTimelineBuffer, Axes, axes);
+TABLE_OF_ROWS(kActiveClipsBuffer, ActiveClips, active_clips);
+layout(set = 0, binding = kActiveClipTimesBuffer, std430) readonly buffer ActiveClipTimes {
+    float active_clip_times[];
+};
+TABLE_OF_WORDS(kMorphTimelineBuffer, Timelines, timelines);
 TABLE_OF_WORDS(kMorphTimesBuffer, Times, times);
 TABLE_OF_ROWS(kMorphTracksBuffer, Tracks, tracks);
 TABLE_OF_WORDS(kMorphValuesBuffer, Values, values);
@@ -30,7 +32,7 @@ void main() {
     for (uint quad = 0; quad < quad_count(); ++quad) {
         vec4 weights;
         if (kLayered)
-            weights = weights_of_voices(instance, quad);
+            weights = weights_of_active_clips(instance, quad);
         else
             weights = weights_of_two(playbacks[instance], rows, quad);
         for (uint i = 0; i < min(push.morph_count - 4 * quad, 4); ++i) consider(4 * quad + i, weights[i]);

@@ -8,8 +8,8 @@ namespace {
 constexpr uint32_t kPlain[] = {
 #include "morph/morph.comp.inc"
 };
-constexpr uint32_t kWide[] = {
-#include "morph/morph.wide.inc"
+constexpr uint32_t kSoftware[] = {
+#include "morph/morph.software.inc"
 };
 
 static_assert(io::kMorphNormalStepBits == std::bit_cast<uint32_t>(kMorphNormalStep) &&
@@ -21,19 +21,20 @@ static_assert(sizeof(io::ActiveMorph) == 8);
 
 uint32_t up_to_four(size_t count) { return static_cast<uint32_t>((count + 3) / 4 * 4); }
 
-std::vector<uint32_t> axes_of(const Character& character) {
+std::vector<uint32_t> timelines_of(const Character& character) {
     // Of no meaning: all weights that the clip animates are constant
-    constexpr io::ClipAxis kNoRows{.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0};
-    std::vector<io::ClipAxis> axes;
+    constexpr io::ClipTimeline kNoRows{
+        .first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0};
+    std::vector<io::ClipTimeline> timelines;
     for (const Clip& clip : character.clips)
-        axes.push_back(clip.morph_row_count == 0 ? kNoRows
-                                                 : io::ClipAxis{.first_time = clip.first_morph_time,
-                                                                .row_count = clip.morph_row_count,
-                                                                .row_stride = clip.morph_row_stride,
-                                                                .first_row = 0,
-                                                                .duration_s = clip.duration_s});
-    axes.push_back(kNoRows);  // the rest pose
-    return as_words(axes);
+        timelines.push_back(clip.morph_row_count == 0 ? kNoRows
+                                                      : io::ClipTimeline{.first_time = clip.first_morph_time,
+                                                                         .row_count = clip.morph_row_count,
+                                                                         .row_stride = clip.morph_row_stride,
+                                                                         .first_row = 0,
+                                                                         .duration_s = clip.duration_s});
+    timelines.push_back(kNoRows);  // the rest pose
+    return as_words(timelines);
 }
 
 // Rows of four; positions behind the default weights.
@@ -60,7 +61,7 @@ std::vector<float> values_of(const Character& character) {
 
 void upload_morph_tables(Uploads& uploads, const Character& character, Buffers& buffers) {
     const std::string& name = character.name;
-    buffers[io::kMorphTimelineBuffer] = upload_table(uploads, name + ": morph axes", axes_of(character));
+    buffers[io::kMorphTimelineBuffer] = upload_table(uploads, name + ": morph timelines", timelines_of(character));
     buffers[io::kMorphTimesBuffer] = upload_table(uploads, name + ": morph times", character.morph_times_s);
     buffers[io::kMorphTracksBuffer] = upload_table(uploads, name + ": morph tracks", tracks_of(character));
     buffers[io::kMorphValuesBuffer] = upload_table(uploads, name + ": morph weights", values_of(character));
@@ -69,7 +70,7 @@ void upload_morph_tables(Uploads& uploads, const Character& character, Buffers& 
 
 Kernel morph_kernel(const std::shared_ptr<Gpu>& gpu, bool layered) {
     return Kernel(gpu, {.name = "morph",
-                        .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWide) : kPlain,
+                        .spirv = gpu->uses_software_kernels() ? std::span<const uint32_t>(kSoftware) : kPlain,
                         .constants = {layered}});
 }
 

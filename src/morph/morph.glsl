@@ -1,7 +1,7 @@
 // Clips and their times -> weights of morphs -> the largest of them; defined by morph_reference.h. The includer
 // declares the tables `axes`, `times`, `tracks` (rows: four morphs each, [clip][quad]) and `values` (the default
-// weights first), and for layers `voices` and `voice_times` ([instance][push.voice_limit]). Morphs go by fours, a quad;
-// layers look a clip's rows up once for each.
+// weights first), and for layers `active_clips` and `active_clip_times` ([instance][push.active_clip_limit]). Morphs go
+// by fours, a quad; layers look a clip's rows up once for each.
 #include "control/control.glsl"
 #include "control/controller_io.h"
 #include "morph/morph_io.h"
@@ -16,7 +16,7 @@ vec4 default_weights(uint quad) {
 
 const SlotCursor kFirstRow = SlotCursor(0, 0, 0, 0);
 
-SlotCursor morph_rows(uint clip, float time_s) { return find_rows(load_axis(clip), time_s); }
+SlotCursor morph_rows(uint clip, float time_s) { return find_rows(load_timeline(clip), time_s); }
 
 float sample_weight(uint track, SlotCursor rows, float untouched) {
     if (track == kMorphUntouched) return untouched;
@@ -56,31 +56,31 @@ vec4 weights_of_two(InstancePlayback playback, RowsOfTwo rows, uint quad) {
 
 // ---- Layers
 
-vec4 weights_of_voices(uint instance, uint quad) {
+vec4 weights_of_active_clips(uint instance, uint quad) {
     const vec4 defaults = default_weights(quad);
     vec4 result = defaults, sum = vec4(0);
-    bvec4 is_touched = bvec4(false);  // by a voice of the layer
-    uint index = instance * push.voice_limit;
-    const uint end = index + push.voice_limit;
+    bvec4 is_touched = bvec4(false);  // by an active clip of the layer
+    uint index = instance * push.active_clip_limit;
+    const uint end = index + push.active_clip_limit;
     for (;;) {
-        const uvec4 a = ROW_AT(voices, 2 * index), b = ROW_AT(voices, 2 * index + 1);
+        const uvec4 a = ROW_AT(active_clips, 2 * index), b = ROW_AT(active_clips, 2 * index + 1);
         const uint clip = a.x / push.joint_count, flags = b.w;
         const float weight = uintBitsToFloat(b.x), layer_weight = uintBitsToFloat(b.y);
-        const bool is_additive = (flags & kVoiceAdditive) != 0;
+        const bool is_additive = (flags & kActiveClipAdditive) != 0;
         const uvec4 quad_tracks = quad_tracks_of(clip, quad);
-        const vec4 value = sample_weights(quad_tracks, morph_rows(clip, voice_times[index]), defaults);
+        const vec4 value = sample_weights(quad_tracks, morph_rows(clip, active_clip_times[index]), defaults);
         vec4 from = defaults;
         if (is_additive) from = sample_weights(quad_tracks, kFirstRow, defaults);
         sum += weight * (value - from);
         is_touched = bvec4(uvec4(is_touched) | uvec4(notEqual(quad_tracks, uvec4(kMorphUntouched))));
-        if ((flags & kVoiceEndsLayer) != 0) {
+        if ((flags & kActiveClipEndsLayer) != 0) {
             result = is_additive ? result + layer_weight * sum
                                  : mix(result, mix(result, defaults + sum, layer_weight), is_touched);
             sum = vec4(0);
             is_touched = bvec4(false);
         }
         ++index;
-        if (index == end || (flags & kVoiceEnds) != 0) break;
+        if (index == end || (flags & kActiveClipEnds) != 0) break;
     }
     return result;
 }

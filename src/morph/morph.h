@@ -15,7 +15,7 @@ namespace throng {
 // character that has at least one morph: rows of tracks and values are rounded up to fours.
 void upload_morph_tables(Uploads& uploads, const Character& character, Buffers& buffers);
 
-// Dispatched with io::MorphPush, an invocation per instance; `layered`: of voices, else of two clips.
+// Dispatched with io::MorphPush, an invocation per instance; `layered`: of active clips, else of two clips.
 Kernel morph_kernel(const std::shared_ptr<Gpu>& gpu, bool layered);
 
 }  // namespace throng

@@ -26,8 +26,8 @@ THRONG_IO_CONSTANT kMorphPositionMask = 0x3FFFFFFFu;
 struct MorphPush {
     uint instance_count;
     uint morph_count;
-    uint joint_count;  // of layers: a voice's clip is its first track by this
-    uint voice_limit;  // of layers: voices kept for each instance
+    uint joint_count;        // of layers: an active clip's clip is its first track by this
+    uint active_clip_limit;  // of layers: active clips kept for each instance
 };
 
 THRONG_IO_END

@@ -12,12 +12,14 @@ double layer_on(const Character& character, const MorphLayer& layer, uint32_t mo
     const double otherwise = double{character.morphs[morph].default_weight};
     double sum = 0;
     bool is_touched = false;
-    for (const MorphVoice& voice : layer.voices) {
-        const std::optional<double> weight = morph_weight_reference(character, voice.clip, morph, voice.time_s);
+    for (const MorphActiveClip& active_clip : layer.active_clips) {
+        const std::optional<double> weight = morph_weight_reference(character, active_clip.clip, morph,
+                                                                    active_clip.time_s);
         if (!weight) continue;
         is_touched = true;
-        sum += voice.weight *
-               (*weight - (layer.is_additive ? *morph_weight_reference(character, voice.clip, morph, 0) : otherwise));
+        sum += active_clip.weight *
+               (*weight -
+                (layer.is_additive ? *morph_weight_reference(character, active_clip.clip, morph, 0) : otherwise));
     }
     if (layer.is_additive) return below + layer.weight * sum;
     return is_touched ? below + layer.weight * (otherwise + sum - below) : below;

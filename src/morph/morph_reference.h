@@ -10,7 +10,7 @@
 namespace throng {
 
 // A clip as part of an instance's morphs.
-struct MorphVoice {
+struct MorphActiveClip {
     uint32_t clip = 0;  // clip_count: the rest pose
     double time_s = 0;
     double weight = 1;  // those of a layer sum to 1
@@ -19,7 +19,7 @@ struct MorphVoice {
 struct MorphLayer {
     bool is_additive = false;
     double weight = 1;
-    std::vector<MorphVoice> voices;
+    std::vector<MorphActiveClip> active_clips;
 };
 
 // The weight that a clip gives a morph; none where it does not animate it. Before the first row and after the last,
@@ -28,8 +28,8 @@ std::optional<double> morph_weight_reference(const Character& character, uint32_
 
 // The weight of every morph, [morph]. Layers lie on the default weights, the lowest first. A clip that does not animate
 // a morph counts with its default weight. An override layer goes from what lies below to the weighted sum of its
-// voices, by its weight; of morphs that none of its voices animates it leaves what lies below. An additive layer adds,
-// by its weight, the weighted sum of the differences from the clips' first rows.
+// active clips, by its weight; of morphs that none of its active clips animates it leaves what lies below. An additive
+// layer adds, by its weight, the weighted sum of the differences from the clips' first rows.
 std::vector<double> morphs_reference(const Character& character, std::span<const MorphLayer> layers);
 
 // A morph with its weight.

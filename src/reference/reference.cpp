@@ -20,7 +20,7 @@ std::vector<Trs<double>> sample(const Character& character, const ClipPlayback& 
                             local_time_reference(slot.time_s, character.clips[slot.clip].duration_s, slot.loop));
 }
 
-MorphVoice morph_voice(const Character& character, const ClipPlayback& slot, double weight) {
+MorphActiveClip morph_active_clip(const Character& character, const ClipPlayback& slot, double weight) {
     if (slot.clip == kNone) return {.clip = static_cast<uint32_t>(character.clips.size()), .weight = weight};
     return {slot.clip, local_time_reference(slot.time_s, character.clips[slot.clip].duration_s, slot.loop), weight};
 }
@@ -53,8 +53,9 @@ Result<ReferencePose> reference_pose(const Character& character, const Playback&
         }
         ReferencePose out = pose_from_local(character, pose);
         out.morph_weights = morphs_reference(
-            character, {{{.voices = {morph_voice(character, playback.first, double{playback.weight}),
-                                     morph_voice(character, playback.second, 1 - double{playback.weight})}}}});
+            character,
+            {{{.active_clips = {morph_active_clip(character, playback.first, double{playback.weight}),
+                                morph_active_clip(character, playback.second, 1 - double{playback.weight})}}}});
         return out;
     });
 }

@@ -2,8 +2,8 @@
 #include "base/failure.h"
 #include "blend/blend_reference.h"
 #include "blend/inertia_reference.h"
-#include "blend/posed.h"
-#include "blend/voices_reference.h"
+#include "blend/pose_override.h"
+#include "blend/active_clips_reference.h"
 #include "control/controller_reference.h"
 #include "controller/joint_mask.h"
 #include "control/layer_commands.h"
@@ -25,19 +25,19 @@ struct ReferenceCharacter::State {
         if (moved_by) rules.emplace(*moved_by, of);
         for (const Clip& clip : of.clips) clip_durations_s.push_back(clip.duration_s);
         for (const JointMask& mask : by.masks) masks.push_back(mask_weights(mask, of.rig));
-        last.voices.push_back({.clip = static_cast<uint32_t>(of.clips.size())});
+        last.active_clips.push_back({.clip = static_cast<uint32_t>(of.clips.size())});
     }
 
-    std::vector<Trs<double>> poses_of(const ControllerVoice& voice) const {
-        return sample_reference(character, voice.clip, voice.time_s);
+    std::vector<Trs<double>> poses_of(const ControllerActiveClip& active_clip) const {
+        return sample_reference(character, active_clip.clip, active_clip.time_s);
     }
-    // What an additive voice is compared with.
-    std::vector<Trs<double>> first_poses_of(const ControllerVoice& voice) const {
-        if (voice.mode != io::kModeAdditive) return std::vector<Trs<double>>(character.rig.joint_count());
-        const double first_s = voice.clip < character.clips.size()
-                                   ? double{character.times_s[character.clips[voice.clip].first_time]}
+    // What an additive active clip is compared with.
+    std::vector<Trs<double>> first_poses_of(const ControllerActiveClip& active_clip) const {
+        if (active_clip.mode != io::kModeAdditive) return std::vector<Trs<double>>(character.rig.joint_count());
+        const double first_s = active_clip.clip < character.clips.size()
+                                   ? double{character.times_s[character.clips[active_clip.clip].first_time]}
                                    : 0;
-        return sample_reference(character, voice.clip, first_s);
+        return sample_reference(character, active_clip.clip, first_s);
     }
 
     std::vector<Trs<double>> mix() const;
@@ -59,8 +59,8 @@ struct ReferenceCharacter::State {
     double step_s = 0;                      // between these two
     std::vector<ReferenceInertia> offsets;  // [joint]
     double elapsed_s = 0, duration_s = 0;
-    std::vector<Trs<double>> posed;  // [joint], as last set; before that empty
-    PoseFade fade;                   // of these
+    std::vector<Trs<double>> pose_overrides;  // [joint], as last set; before that empty
+    PoseFade fade;                            // of these
     std::optional<ProceduralReference> rules;
     WindClock wind;
     std::vector<Trs<double>> moved;  // [joint], by the rules in the last update
@@ -69,25 +69,26 @@ struct ReferenceCharacter::State {
     uint32_t instance = 0;
 };
 
-// What the voices make of each joint.
+// What the active clips make of each joint.
 std::vector<Trs<double>> ReferenceCharacter::State::mix() const {
     std::vector<std::vector<Trs<double>>> poses, first_poses;
-    for (const ControllerVoice& voice : last.voices) {
-        poses.push_back(poses_of(voice));
-        first_poses.push_back(first_poses_of(voice));
+    for (const ControllerActiveClip& active_clip : last.active_clips) {
+        poses.push_back(poses_of(active_clip));
+        first_poses.push_back(first_poses_of(active_clip));
     }
     std::vector<ReferenceJoint> joints;
     for (uint32_t joint = 0; joint < character.rig.joint_count(); ++joint) {
         std::vector<ReferenceLayer> layers;
-        for (size_t i = 0; i < last.voices.size(); ++i) {
-            const ControllerVoice& voice = last.voices[i];
-            if (i == 0 || last.voices[i - 1].layer != voice.layer)
-                layers.push_back({.is_additive = voice.mode == io::kModeAdditive,
-                                  .weight = voice.layer_weight *
-                                            (voice.mask == io::kAbsent ? 1.0 : double{masks[voice.mask][joint]}),
-                                  .voices = {},
-                                  .in_model_space = voice.model_rotations});
-            layers.back().voices.push_back({poses[i][joint], first_poses[i][joint], voice.weight});
+        for (size_t i = 0; i < last.active_clips.size(); ++i) {
+            const ControllerActiveClip& active_clip = last.active_clips[i];
+            if (i == 0 || last.active_clips[i - 1].layer != active_clip.layer)
+                layers.push_back(
+                    {.is_additive = active_clip.mode == io::kModeAdditive,
+                     .weight = active_clip.layer_weight *
+                               (active_clip.mask == io::kAbsent ? 1.0 : double{masks[active_clip.mask][joint]}),
+                     .active_clips = {},
+                     .in_model_space = active_clip.model_rotations});
+            layers.back().active_clips.push_back({poses[i][joint], first_poses[i][joint], active_clip.weight});
         }
         const uint32_t parent = character.rig.parents[joint];
         joints.push_back(joint_reference(layers, parent == kNone ? nullptr : &joints[parent]));
@@ -100,22 +101,23 @@ std::vector<Trs<double>> ReferenceCharacter::State::mix() const {
 // The pose that was set, over the animated one.
 std::vector<Trs<double>> ReferenceCharacter::State::pose_over(std::vector<Trs<double>> animated) const {
     const double weight = fade.weight();
-    if (weight >= 1) return posed;
+    if (weight >= 1) return pose_overrides;
     if (weight > 0)
         for (size_t joint = 0; joint < animated.size(); ++joint)
-            animated[joint] = blend_reference(posed[joint], animated[joint], weight);
+            animated[joint] = blend_reference(pose_overrides[joint], animated[joint], weight);
     return animated;
 }
 
 // Step 12 of docs/controller.md.
 std::vector<double> ReferenceCharacter::State::mix_morphs() const {
     std::vector<MorphLayer> layers;
-    for (size_t i = 0; i < last.voices.size(); ++i) {
-        const ControllerVoice& voice = last.voices[i];
-        if (i == 0 || last.voices[i - 1].layer != voice.layer)
-            layers.push_back(
-                {.is_additive = voice.mode == io::kModeAdditive, .weight = voice.layer_weight, .voices = {}});
-        layers.back().voices.push_back({voice.clip, voice.time_s, voice.weight});
+    for (size_t i = 0; i < last.active_clips.size(); ++i) {
+        const ControllerActiveClip& active_clip = last.active_clips[i];
+        if (i == 0 || last.active_clips[i - 1].layer != active_clip.layer)
+            layers.push_back({.is_additive = active_clip.mode == io::kModeAdditive,
+                              .weight = active_clip.layer_weight,
+                              .active_clips = {}});
+        layers.back().active_clips.push_back({active_clip.clip, active_clip.time_s, active_clip.weight});
     }
     return morphs_reference(character, layers);
 }
@@ -183,8 +185,8 @@ Result<void> ReferenceCharacter::set_parameters(uint32_t parameter, std::span<co
 Result<void> ReferenceCharacter::set_pose(std::span<const Trs<float>> parent_from_joint, float fade_s) {
     return as_result([&] {
         check_fade(fade_s, "pose");
-        state_->posed = checked_pose(parent_from_joint, state_->character.rig.joint_count(),
-                                     state_->character.rig.uniform_scale, "pose");
+        state_->pose_overrides = checked_pose(parent_from_joint, state_->character.rig.joint_count(),
+                                              state_->character.rig.uniform_scale, "pose");
         state_->fade.set(fade_s);
     });
 }

@@ -6,15 +6,15 @@ namespace {
 constexpr uint32_t kPlain[] = {
 #include "sample/sample.comp.inc"
 };
-constexpr uint32_t kWide[] = {
-#include "sample/sample.wide.inc"
+constexpr uint32_t kSoftware[] = {
+#include "sample/sample.software.inc"
 };
 
 }  // namespace
 
 Kernel sample_kernel(const std::shared_ptr<Gpu>& gpu, bool packed) {
     return Kernel(gpu, {.name = "sample",
-                        .spirv = gpu->prefers_wide_words() ? std::span<const uint32_t>(kWide) : kPlain,
+                        .spirv = gpu->uses_software_kernels() ? std::span<const uint32_t>(kSoftware) : kPlain,
                         .constants = {packed ? 1u : 0u}});
 }
 

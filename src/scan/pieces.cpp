@@ -122,12 +122,13 @@ std::vector<uint32_t> walk_words(const ScanRig& rig, const Piece& piece, const s
     return words;
 }
 
-// Rows of a word for each lane from a list for each lane.
-void append_rows(std::vector<uint32_t>& links, const std::vector<std::vector<uint32_t>>& of_lane, uint32_t lanes,
+// Rows of a word for each thread from a list for each thread.
+void append_rows(std::vector<uint32_t>& links, const std::vector<std::vector<uint32_t>>& of_thread, uint32_t threads,
                  uint32_t row_count) {
     for (uint32_t row = 0; row < row_count; ++row)
-        for (uint32_t lane = 0; lane < lanes; ++lane)
-            links.push_back(lane < of_lane.size() && row < of_lane[lane].size() ? of_lane[lane][row] : io::kIdle);
+        for (uint32_t thread = 0; thread < threads; ++thread)
+            links.push_back(thread < of_thread.size() && row < of_thread[thread].size() ? of_thread[thread][row]
+                                                                                        : io::kIdle);
 }
 
 uint32_t longest(const std::vector<std::vector<uint32_t>>& lists) {
@@ -152,8 +153,8 @@ PieceCut cut_into_pieces(const ScanRig& rig, uint32_t most_pieces) {
     return pieces_from(rig, children, tops_of_pieces(rig, children, high));
 }
 
-PieceTable piece_table(const ScanRig& rig, uint32_t lanes, double rows_of_local) {
-    const PieceCut cut = cut_into_pieces(rig, lanes);
+PieceTable piece_table(const ScanRig& rig, uint32_t threads, double rows_of_local) {
+    const PieceCut cut = cut_into_pieces(rig, threads);
     PieceTable table;
     std::vector<uint32_t> children_inside(rig.joint_count());
     for (uint32_t joint = 0; joint < rig.joint_count(); ++joint)
@@ -187,18 +188,18 @@ PieceTable piece_table(const ScanRig& rig, uint32_t lanes, double rows_of_local)
     table.round_count = longest(ancestors);
     table.walk_row_count = longest(walks);
     table.links = {table.path_row_count, table.round_count, table.walk_row_count};
-    append_rows(table.links, paths, lanes, table.path_row_count);
-    append_rows(table.links, ancestors, lanes, table.round_count);
-    append_rows(table.links, walks, lanes, table.walk_row_count);
+    append_rows(table.links, paths, threads, table.path_row_count);
+    append_rows(table.links, ancestors, threads, table.round_count);
+    append_rows(table.links, walks, threads, table.walk_row_count);
 
     table.multiplications = rig.joint_count();
     for (size_t p = 0; p < paths.size(); ++p)
         table.multiplications += (paths[p].empty() ? 0 : paths[p].size() - 1) + ancestors[p].size();
     const uint32_t path_steps = table.path_row_count > 0 ? table.path_row_count - 1 : 0;
-    table.longest_lane = path_steps + table.round_count + table.walk_row_count;
-    table.longest_lane_rows = table.path_row_count * (kRowsOfLink + rows_of_local) +
-                              table.round_count * (kRowsOfLink + 2 * rows_of_local) +
-                              table.walk_row_count * (kRowsOfLink + rows_of_local + kRowsOfAffine);
+    table.longest_thread = path_steps + table.round_count + table.walk_row_count;
+    table.longest_thread_rows = table.path_row_count * (kRowsOfLink + rows_of_local) +
+                                table.round_count * (kRowsOfLink + 2 * rows_of_local) +
+                                table.walk_row_count * (kRowsOfLink + rows_of_local + kRowsOfAffine);
     return table;
 }
 

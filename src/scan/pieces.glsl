@@ -2,18 +2,18 @@
 // prefixes are combined.
 #include "scan/pieces_io.h"
 
-layout(constant_id = 1) const uint kLanes = 1;  // pieces, and invocations of a character
+layout(constant_id = 1) const uint kThreads = 1;  // pieces, and invocations of a character
 
 #include "scan/slots.glsl"
 
 // The product from the top of the attachment's piece down to the attachment.
-Transform path_product(uint instance, uint lane) {
+Transform path_product(uint instance, uint thread) {
     Transform product = kIdentityTransform;
     const uint rows = link(kPathRows);
-    uint word = kFirstRow + lane;
+    uint word = kFirstRow + thread;
     if (rows > 0 && link(word) != kIdle) product = load_local(instance, link(word));
     for (uint row = 1; row < rows; ++row) {
-        word += kLanes;
+        word += kThreads;
         const uint joint = link(word);
         if (joint == kIdle) break;
         product = multiply(product, load_local(instance, joint));
@@ -21,12 +21,14 @@ Transform path_product(uint instance, uint lane) {
     return product;
 }
 
-uint ancestor_lane(uint lane, uint round) { return link(kFirstRow + (link(kPathRows) + round) * kLanes + lane); }
+uint ancestor_thread(uint thread, uint round) {
+    return link(kFirstRow + (link(kPathRows) + round) * kThreads + thread);
+}
 
 // Multiplies `prefix`, the attachment's model transform, down the piece.
-void walk_piece(uint instance, uint lane, uint invocation, Transform prefix) {
+void walk_piece(uint instance, uint thread, uint invocation, Transform prefix) {
     const uint rows = link(kWalkRows);
-    uint word = kFirstRow + (link(kPathRows) + link(kRounds)) * kLanes + lane;
+    uint word = kFirstRow + (link(kPathRows) + link(kRounds)) * kThreads + thread;
     Transform last = prefix;
     for (uint row = 0; row < rows; ++row) {
         const uint step = link(word);
@@ -38,6 +40,6 @@ void walk_piece(uint instance, uint lane, uint invocation, Transform prefix) {
         last = multiply(last, load_local(instance, joint));
         store_model(instance, joint, last);
         store_slot(keep - 1, invocation, last);
-        word += kLanes;
+        word += kThreads;
     }
 }

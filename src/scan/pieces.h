@@ -21,19 +21,21 @@ struct PieceCut {
 // The largest piece is as small as a greedy cut from the leaves up allows.
 PieceCut cut_into_pieces(const ScanRig& rig, uint32_t most_pieces);
 
-// A cut as tables for the shader (src/scan/pieces.glsl), `lanes` words a row: paths, then ancestors, then walks.
+// A cut as tables for the shader (src/scan/pieces.glsl), `threads` words a row: paths, then ancestors, then walks.
 struct PieceTable {
     std::vector<uint32_t> links;
-    uint32_t slot_count = 0;  // transforms that a lane keeps for later children
+    uint32_t slot_count = 0;  // transforms that a thread keeps for later children
     uint32_t path_row_count = 0, round_count = 0, walk_row_count = 0;
-    uint64_t multiplications = 0;  // of all lanes
-    uint32_t longest_lane = 0;     // multiplications of a lane that has the longest path, rounds and walk
+    uint64_t multiplications = 0;  // of all threads
+    uint32_t longest_thread = 0;   // multiplications of a thread that has the longest path, rounds and walk
     uint64_t loop_iterations() const { return uint64_t{path_row_count} + round_count + walk_row_count + 3; }
-    double longest_lane_rows = 0;  // that it loads and stores, as ScanCounts::issue_rows has them
+    double longest_thread_rows = 0;  // that it loads and stores, as ScanCounts::issue_rows has them
     // A software device runs both sides of a branch: a step of a walk that uses no slot costs it about a row all the
     // same.
-    double rows_on(const ScanLimits& limits) const { return longest_lane_rows + (limits.is_cpu ? walk_row_count : 0); }
+    double rows_on(const ScanLimits& limits) const {
+        return longest_thread_rows + (limits.is_cpu ? walk_row_count : 0);
+    }
 };
-PieceTable piece_table(const ScanRig& rig, uint32_t lanes, double rows_of_local);
+PieceTable piece_table(const ScanRig& rig, uint32_t threads, double rows_of_local);
 
 }  // namespace throng

@@ -4,9 +4,9 @@
 #include "scan/scan_io.h"
 THRONG_IO_BEGIN
 
-// links[]: three counts of rows, then the rows, a word for each lane.
+// links[]: three counts of rows, then the rows, a word for each thread.
 THRONG_IO_CONSTANT kPathRows = 0;  // the joints from the top of the attachment's piece down to the attachment
-THRONG_IO_CONSTANT kRounds = 1;    // row r: the lane of the 2^r-th piece above
+THRONG_IO_CONSTANT kRounds = 1;    // row r: the thread of the 2^r-th piece above
 THRONG_IO_CONSTANT kWalkRows = 2;  // the joints of the piece: kWalk words
 THRONG_IO_CONSTANT kFirstRow = 3;
 THRONG_IO_CONSTANT kIdle = 0xFFFFFFFFu;  // in any row: nothing (more) to do

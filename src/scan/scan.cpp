@@ -26,16 +26,17 @@ ScanLimits scan_limits(const Gpu& gpu) {
 ScanStage::ScanStage(Uploads& uploads, const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits)
     : choice_(choice), joint_count_(rig.joint_count()) {
     const ScanMethod& method = *choice.method;
-    ScanPlan plan = plan_scan(method, rig, limits, choice.lanes);
-    if (!plan.obstacle.empty())
-        throw Failure(ErrorCode::kUnsupported, "scan method '" + std::string(method.name) + "'", plan.obstacle);
+    ScanPlan plan = plan_scan(method, rig, limits, choice.threads);
+    if (!plan.unsupported_reason.empty())
+        throw Failure(ErrorCode::kUnsupported, "scan method '" + std::string(method.name) + "'",
+                      plan.unsupported_reason);
     counts_ = plan.counts;
     instances_per_workgroup_ = plan.instances_per_workgroup;
     links_ = upload(uploads, "scan links", plan.links);
     const ScanShaders& shaders = scan_shaders(method.name);
     const std::shared_ptr<Gpu>& gpu = uploads.gpu();
     kernel_ = Kernel(gpu, {.name = method.name,
-                           .spirv = gpu->prefers_wide_words() ? shaders.wide : shaders.plain,
+                           .spirv = gpu->uses_software_kernels() ? shaders.software : shaders.plain,
                            .workgroup_size = plan.workgroup_size,
                            .constants = std::move(plan.constants),
                            .full_subgroups = plan.full_subgroups});

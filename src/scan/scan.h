@@ -11,10 +11,10 @@ namespace throng {
 // [instance_count][joint_count] each, but for links and ScanLayout::kTransposed.
 ScanLimits scan_limits(const Gpu& gpu);
 
-// What to run: a method, and its invocations a character: one of lane_choices().
+// What to run: a method, and its invocations a character: one of thread_choices().
 struct ScanChoice {
     const ScanMethod* method = nullptr;
-    uint32_t lanes = 0;
+    uint32_t threads = 0;
 };
 
 class ScanStage {

@@ -13,7 +13,7 @@ namespace throng {
 struct ScanCosts {
     double launch_ms = 0;           // of a dispatch, whatever it does
     double row_ns = 0;              // a subgroup loads or stores 16 bytes an invocation
-    double scattered_rows = 1;      // times as much where the rows of its lanes lie far apart
+    double scattered_rows = 1;      // times as much where the rows of its threads lie far apart
     double multiplication_ns = 0;   // a subgroup multiplies two transforms
     double barrier_ns = 0;          // a subgroup waits at a barrier
     double workgroup_ns = 0;        // a workgroup starts and ends

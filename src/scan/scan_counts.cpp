@@ -5,9 +5,9 @@
 
 namespace throng {
 
-ScanCounter::ScanCounter(uint32_t lanes, uint32_t subgroup_size)
-    : lanes_(lanes), subgroup_size_(std::max(subgroup_size, 1u)) {
-    loop_iterations_.resize((lanes_ + subgroup_size_ - 1) / subgroup_size_);
+ScanCounter::ScanCounter(uint32_t threads, uint32_t subgroup_size)
+    : threads_(threads), subgroup_size_(std::max(subgroup_size, 1u)) {
+    loop_iterations_.resize((threads_ + subgroup_size_ - 1) / subgroup_size_);
 }
 
 void ScanCounter::phase(std::span<const uint32_t> multiplications, uint32_t fixed_moves) {
@@ -16,11 +16,11 @@ void ScanCounter::phase(std::span<const uint32_t> multiplications, uint32_t fixe
 
 void ScanCounter::phase(std::span<const uint32_t> multiplications, std::span<const uint32_t> moves) {
     counts_.multiplications += std::accumulate(multiplications.begin(), multiplications.end(), uint64_t{0});
-    std::vector<uint32_t> per_lane(std::min<size_t>(lanes_, multiplications.size()));
-    for (size_t item = 0; item < multiplications.size(); ++item) per_lane[item % lanes_] += multiplications[item];
-    if (!per_lane.empty()) counts_.longest_thread += *std::max_element(per_lane.begin(), per_lane.end());
-    for (size_t stride = 0; stride < multiplications.size(); stride += lanes_) {
-        const size_t end = std::min<size_t>(stride + lanes_, multiplications.size());
+    std::vector<uint32_t> per_thread(std::min<size_t>(threads_, multiplications.size()));
+    for (size_t item = 0; item < multiplications.size(); ++item) per_thread[item % threads_] += multiplications[item];
+    if (!per_thread.empty()) counts_.longest_thread += *std::max_element(per_thread.begin(), per_thread.end());
+    for (size_t stride = 0; stride < multiplications.size(); stride += threads_) {
+        const size_t end = std::min<size_t>(stride + threads_, multiplications.size());
         for (size_t first = stride; first < end; first += subgroup_size_) {
             const auto largest = [&](std::span<const uint32_t> values) {
                 const auto of_subgroup = values.subspan(first, std::min<size_t>(subgroup_size_, end - first));

@@ -23,11 +23,11 @@ struct ScanCounts {
 
 inline constexpr double kRowsOfAffine = 3, kRowsOfSimilarity = 2, kRowsOfLink = 0.5;
 
-// Adds up phases. A phase hands items (joints, leaves, pieces) to `lanes` invocations in strides; items of one stride
+// Adds up phases. A phase hands items (joints, leaves, pieces) to `threads` invocations in strides; items of one stride
 // and one subgroup run side by side, as long as the longest of them.
 class ScanCounter {
 public:
-    ScanCounter(uint32_t lanes, uint32_t subgroup_size);
+    ScanCounter(uint32_t threads, uint32_t subgroup_size);
 
     // multiplications[item], each with a link followed and an operand loaded; besides, an item moves moves[item]
     // transforms.
@@ -38,7 +38,7 @@ public:
     const ScanCounts& counts() const { return counts_; }
 
 private:
-    uint32_t lanes_, subgroup_size_;
+    uint32_t threads_, subgroup_size_;
     std::vector<uint64_t> loop_iterations_;  // [subgroup]
     ScanCounts counts_;
 };

@@ -22,14 +22,14 @@ std::string join_names() {
     return names;
 }
 
-// Of one method, with each number of lanes that applies.
+// Of one method, with each number of threads that applies.
 std::vector<ScanPrediction> predict_method(const ScanMethod& method, const ScanRig& rig, uint32_t instance_count,
                                            const ScanLimits& limits, const ScanCosts& costs) {
     std::vector<ScanPrediction> out;
-    for (const uint32_t lanes : method.lane_choices(limits)) {
-        const ScanPlan plan = plan_scan(method, rig, limits, lanes);
-        if (plan.obstacle.empty())
-            out.push_back({{&method, lanes}, predict_ms(plan, rig, method, instance_count, limits, costs)});
+    for (const uint32_t threads : method.thread_choices(limits)) {
+        const ScanPlan plan = plan_scan(method, rig, limits, threads);
+        if (plan.unsupported_reason.empty())
+            out.push_back({{&method, threads}, predict_ms(plan, rig, method, instance_count, limits, costs)});
     }
     return out;
 }
@@ -48,12 +48,12 @@ ScanRequest parse_scan_request(const std::string& wanted) {
     if (!request.method) throw Failure(ErrorCode::kInvalidArgument, place, "unknown; the methods are: " + join_names());
     if (colon == std::string::npos) return request;
     const char *first = wanted.data() + colon + 1, *end = wanted.data() + wanted.size();
-    uint32_t lanes = 0;
-    const auto [stop, error] = std::from_chars(first, end, lanes);
+    uint32_t threads = 0;
+    const auto [stop, error] = std::from_chars(first, end, threads);
     if (error != std::errc() || stop != end)
         throw Failure(ErrorCode::kInvalidArgument, place,
                       "behind the colon stands the number of invocations a character");
-    request.lanes = lanes;
+    request.threads = threads;
     return request;
 }
 
@@ -93,7 +93,7 @@ std::vector<ScanPrediction> predict_scans(const ScanRig& rig, uint32_t instance_
 }
 
 std::string name_of(const ScanChoice& choice) {
-    return std::string(choice.method->name) + (choice.lanes == 0 ? "" : ":" + std::to_string(choice.lanes));
+    return std::string(choice.method->name) + (choice.threads == 0 ? "" : ":" + std::to_string(choice.threads));
 }
 
 ExplainedChoice choose_scan(const std::string& wanted, const ScanRig& rig, uint32_t instance_count,
@@ -102,19 +102,19 @@ ExplainedChoice choose_scan(const std::string& wanted, const ScanRig& rig, uint3
                                 " joints, " + std::to_string(rig.level_count) + " levels";
     if (wanted != "auto") {
         const ScanRequest request = parse_scan_request(wanted);
-        ScanChoice choice{request.method, request.lanes.value_or(0)};
+        ScanChoice choice{request.method, request.threads.value_or(0)};
         if (choice.method->layout != ScanLayout::kCharacterMajor)
             throw Failure(
                 ErrorCode::kUnsupported, "scan method '" + wanted + "'",
                 "works on transposed poses, which no other stage writes; it runs in 'throng bench scan' only");
-        if (!request.lanes) {
+        if (!request.threads) {
             std::vector<ScanPrediction> of_method = predict_method(*choice.method, rig, instance_count, limits, costs);
             sort_fastest_first(of_method);
             if (!of_method.empty()) choice = of_method.front().choice;
         }
-        const ScanPlan plan = plan_scan(*choice.method, rig, limits, choice.lanes);
-        if (!plan.obstacle.empty())
-            throw Failure(ErrorCode::kUnsupported, "scan method '" + wanted + "'", plan.obstacle);
+        const ScanPlan plan = plan_scan(*choice.method, rig, limits, choice.threads);
+        if (!plan.unsupported_reason.empty())
+            throw Failure(ErrorCode::kUnsupported, "scan method '" + wanted + "'", plan.unsupported_reason);
         return {choice, "asked for; predicted " +
                             milliseconds_text(predict_ms(plan, rig, *choice.method, instance_count, limits, costs)) +
                             " for " + subject};

@@ -1,5 +1,5 @@
-// Chooses a scan method and its lanes from the skeleton, the number of characters and the device, by a cost model: the
-// time is a launch, plus the longest of what the units issue, what latency leaves unhidden, and what memory moves.
+// Chooses a scan method and its threads from the skeleton, the number of characters and the device, by a cost model:
+// the time is a launch, plus the longest of what the units issue, what latency leaves unhidden, and what memory moves.
 #pragma once
 
 #include "scan/scan.h"
@@ -19,7 +19,7 @@ struct ScanPrediction {
 double predict_ms(const ScanPlan& plan, const ScanRig& rig, const ScanMethod& method, uint32_t instance_count,
                   const ScanLimits& limits, const ScanCosts& costs);
 
-// Every method that can stand in the pipeline (character-major) and applies, with each number of lanes; the fastest
+// Every method that can stand in the pipeline (character-major) and applies, with each number of threads; the fastest
 // first.
 std::vector<ScanPrediction> predict_scans(const ScanRig& rig, uint32_t instance_count, const ScanLimits& limits,
                                           const ScanCosts& costs);
@@ -31,7 +31,7 @@ std::string name_of(const ScanChoice& choice);
 // number.
 struct ScanRequest {
     const ScanMethod* method = nullptr;
-    std::optional<uint32_t> lanes;
+    std::optional<uint32_t> threads;
 };
 ScanRequest parse_scan_request(const std::string& wanted);
 

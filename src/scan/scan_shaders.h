@@ -10,9 +10,9 @@ namespace throng {
 struct ScanShaders {
     std::string_view name;
     std::span<const uint32_t> plain;
-    std::span<const uint32_t> wide;  // GPU_WIDE
+    std::span<const uint32_t> software;  // GPU_SOFTWARE
     // SCAN_FUSED, all but serial's FUSED_TILED; empty where the method has no such form
-    std::span<const uint32_t> fused, fused_wide;
+    std::span<const uint32_t> fused, fused_software;
 };
 
 // Of the method with this name. Throws kInvalidArgument where the build has none.

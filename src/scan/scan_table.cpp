@@ -25,25 +25,27 @@ const ScanMethod* find_scan_method(std::string_view name) {
     return found == methods.end() ? nullptr : &*found;
 }
 
-std::string lanes_obstacle(const ScanMethod& method, const ScanLimits& limits, uint32_t lanes) {
-    const std::vector<uint32_t> choices = method.lane_choices(limits);
+std::string threads_unsupported_reason(const ScanMethod& method, const ScanLimits& limits, uint32_t threads) {
+    const std::vector<uint32_t> choices = method.thread_choices(limits);
     if (choices.empty()) return "the device's subgroups or workgroups do not suffice";
-    if (std::find(choices.begin(), choices.end(), lanes) != choices.end()) return {};
+    if (std::find(choices.begin(), choices.end(), threads) != choices.end()) return {};
     std::string text;
     for (const uint32_t choice : choices) text += (text.empty() ? "" : ", ") + std::to_string(choice);
-    return std::to_string(lanes) + " invocations a character is not among its choices here (" + text + ")";
+    return std::to_string(threads) + " invocations a character is not among its choices here (" + text + ")";
 }
 
-ScanPlan plan_scan(const ScanMethod& method, const ScanRig& rig, const ScanLimits& limits, uint32_t lanes) {
+ScanPlan plan_scan(const ScanMethod& method, const ScanRig& rig, const ScanLimits& limits, uint32_t threads) {
     if (method.format == ScanFormat::kSimilarity && !rig.uniform_scale)
-        return {.obstacle = "a joint of the rig has a scale that differs between axes"};
-    if (std::string obstacle = lanes_obstacle(method, limits, lanes); !obstacle.empty())
-        return {.obstacle = std::move(obstacle)};
-    ScanPlan plan = method.plan(rig, limits, lanes);
+        return {.unsupported_reason = "a joint of the rig has a scale that differs between axes"};
+    if (std::string unsupported_reason = threads_unsupported_reason(method, limits, threads);
+        !unsupported_reason.empty())
+        return {.unsupported_reason = std::move(unsupported_reason)};
+    ScanPlan plan = method.plan(rig, limits, threads);
     const uint64_t iterations = plan.counts.loop_iterations;
     if (iterations <= limits.loop_iterations) return plan;
-    return {.obstacle = std::to_string(iterations) + " loop iterations of an invocation exceed the device's " +
-                        std::to_string(limits.loop_iterations)};
+    return {.unsupported_reason = std::to_string(iterations) +
+                                  " loop iterations of an invocation exceed the device's " +
+                                  std::to_string(limits.loop_iterations)};
 }
 
 uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits) {
@@ -52,7 +54,7 @@ uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits) 
     return std::min(std::clamp((joint_count + step - 1) / step * step, step, kLargest), limits.workgroup_size);
 }
 
-std::vector<uint32_t> no_lane_choice(const ScanLimits&) { return {0}; }
+std::vector<uint32_t> no_thread_choice(const ScanLimits&) { return {0}; }
 
 std::vector<ScanMethodInfo> scan_methods() {
     std::vector<ScanMethodInfo> methods;

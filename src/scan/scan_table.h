@@ -26,7 +26,7 @@ struct ScanLimits {
 
 // How a method goes about one skeleton on one device.
 struct ScanPlan {
-    std::string obstacle;  // why it does not apply; empty where it does
+    std::string unsupported_reason;  // why it does not apply; empty where it does
     uint32_t workgroup_size = 0;
     uint32_t instances_per_workgroup = 1;
     std::vector<uint32_t> constants = {};  // specialization constants 1, 2, …, at most 7
@@ -52,9 +52,9 @@ struct ScanMethod {
     ScanLayout layout = ScanLayout::kCharacterMajor;
     ScanFormat format = ScanFormat::kAffine;  // kSimilarity: for rigs of uniform scale only
     // Invocations per character that the method can be told to use, best guess first; {0}: it is not a choice.
-    std::vector<uint32_t> (*lane_choices)(const ScanLimits& limits);
-    // Any joint count from 1 to 65,535; `lanes` is one of lane_choices().
-    ScanPlan (*plan)(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes);
+    std::vector<uint32_t> (*thread_choices)(const ScanLimits& limits);
+    // Any joint count from 1 to 65,535; `threads` is one of thread_choices().
+    ScanPlan (*plan)(const ScanRig& rig, const ScanLimits& limits, uint32_t threads);
 };
 
 std::span<const ScanMethod> scan_table();
@@ -63,14 +63,14 @@ std::span<const ScanMethod> scan_table();
 const ScanMethod* find_scan_method(std::string_view name);
 
 // Why the method cannot use so many invocations a character; empty where it can.
-std::string lanes_obstacle(const ScanMethod& method, const ScanLimits& limits, uint32_t lanes);
+std::string threads_unsupported_reason(const ScanMethod& method, const ScanLimits& limits, uint32_t threads);
 
-// The plan, or why there is none: also where the rig's scales or the lanes do not fit the method.
-ScanPlan plan_scan(const ScanMethod& method, const ScanRig& rig, const ScanLimits& limits, uint32_t lanes);
+// The plan, or why there is none: also where the rig's scales or the threads do not fit the method.
+ScanPlan plan_scan(const ScanMethod& method, const ScanRig& rig, const ScanLimits& limits, uint32_t threads);
 
 // As many invocations as joints, in steps of 32 or the subgroup's size, at most 256: more lower the occupancy of GPUs.
 uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits);
 
-std::vector<uint32_t> no_lane_choice(const ScanLimits& limits);
+std::vector<uint32_t> no_thread_choice(const ScanLimits& limits);
 
 }  // namespace throng

@@ -45,9 +45,9 @@ ScanPlan plan_fused_serial(const ScanRig& rig, const std::vector<bool>& fixed, c
     const uint32_t shared_bytes = limits.is_cpu ? 0 : plan.constants[1] * 48;
     plan.counts.shared_bytes = shared_bytes;
     if (shared_bytes > limits.shared_memory_bytes)
-        plan.obstacle = std::to_string(shared_bytes) +
-                        " bytes of shared memory for waiting parents exceed the device's " +
-                        std::to_string(limits.shared_memory_bytes);
+        plan.unsupported_reason = std::to_string(shared_bytes) +
+                                  " bytes of shared memory for waiting parents exceed the device's " +
+                                  std::to_string(limits.shared_memory_bytes);
     return plan;
 }
 

@@ -1,7 +1,7 @@
 // Where a walk keeps the transforms of parents with a child still to come.
 layout(constant_id = 2) const uint kSlotTransforms = 1;  // slots of the whole workgroup
 
-#ifdef GPU_WIDE
+#ifdef GPU_SOFTWARE
 // A software device has no fast shared memory; a register a slot costs it a select each.
 Transform slots[kSlotTransforms / gl_WorkGroupSize.x];
 Transform load_slot(uint slot, uint invocation, Transform otherwise) {

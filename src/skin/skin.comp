@@ -34,18 +34,18 @@ layout(push_constant) uniform Push { SkinPush push; };
 #include "morph/apply.glsl"
 
 // Of the n-th that is listed.
-uint detail_of(uint n) {
-    uint detail = 0;
-    for (uint k = 1; k < kDetailLevels; ++k)
-        if (n >= list[kListBegins + k]) detail = k;
-    return detail;
+uint lod_of(uint n) {
+    uint lod = 0;
+    for (uint k = 1; k < kLodCount; ++k)
+        if (n >= list[kListBegins + k]) lod = k;
+    return lod;
 }
 
 void main() {
     const uint n = gl_WorkGroupID.x;
     const uint instance = kListed ? list[kFirstListed + n] : push.first_instance + n;
     if (kListed && push.only_animated != 0 && (verdicts[instance] & kVerdictAnimated) == 0) return;
-    const uint first_section = kListed ? detail_of(n) * push.section_count : 0;
+    const uint first_section = kListed ? lod_of(n) * push.section_count : 0;
     const uint first_written = (kListed ? instance : n) * push.vertex_count;
     for (uint s = 0; s < push.section_count; ++s) {
         const SkinSection section = sections[first_section + s];

@@ -33,18 +33,18 @@ void upload_skin_tables(Uploads& uploads, const Character& character, std::span<
                         Buffers& buffers) {
     std::vector<io::SkinSection> all_sections;
     std::vector<uint32_t> all_vertices;
-    for (size_t detail = 0; detail < influence_offsets.size(); ++detail) {
+    for (size_t lod = 0; lod < influence_offsets.size(); ++lod) {
         for (size_t s = 0; s < character.sections.size(); ++s) {
             const MeshSection& section = character.sections[s];
             std::vector<uint32_t> listed;
-            if (detail == 0) {
+            if (lod == 0) {
                 listed = all_of(section.vertex_count);
             } else {
-                const IndexRange& range = character.detail_ranges[(detail - 1) * character.sections.size() + s];
-                listed = vertices_of(std::span(character.detail_indices).subspan(range.first_index, range.index_count));
+                const IndexRange& range = character.lod_ranges[(lod - 1) * character.sections.size() + s];
+                listed = vertices_of(std::span(character.lod_indices).subspan(range.first_index, range.index_count));
             }
             all_sections.push_back({.first_vertex = section.first_vertex,
-                                    .first_influences = section.first_influences + influence_offsets[detail],
+                                    .first_influences = section.first_influences + influence_offsets[lod],
                                     .influence_sets = section.influence_sets,
                                     .first_morph = section.first_morph,
                                     .morph_count = section.morph_count,

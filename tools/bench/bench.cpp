@@ -62,7 +62,7 @@ nlohmann::json run_case(const Device& device, const std::vector<Character>& char
     print_progress(scan + ": checking");
     Result<Crowd> created = Crowd::create(device, {.groups = field.groups, .path = options.path, .scan = scan});
     if (!created && created.error().code == ErrorCode::kUnsupported && options.scan == "all")
-        return {{"bench", "update"}, {"scan", scan}, {"obstacle", created.error().message}};
+        return {{"bench", "update"}, {"scan", scan}, {"unsupported_reason", created.error().message}};
     Crowd crowd = unwrap(std::move(created));
     unwrap(crowd.set_playback(0, field.playback));
     unwrap(crowd.update(0));
@@ -112,9 +112,9 @@ nlohmann::json run_case(const Device& device, const std::vector<Character>& char
 }
 
 void print_row(const nlohmann::json& record) {
-    if (record.contains("obstacle")) {
+    if (record.contains("unsupported_reason")) {
         std::printf("%-18s does not apply: %s\n", record["scan"].get<std::string>().c_str(),
-                    record["obstacle"].get<std::string>().c_str());
+                    record["unsupported_reason"].get<std::string>().c_str());
         return;
     }
     std::printf("%-18s %-6s", record["scan"].get<std::string>().c_str(), record["path"].get<std::string>().c_str());

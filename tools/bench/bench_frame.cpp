@@ -54,8 +54,8 @@ void print_table(std::span<const nlohmann::json> records) {
                 "x fill", "error");
     for (const nlohmann::json& record : records) {
         std::printf("%-18s ", word(record, "variant").c_str());
-        if (record.contains("obstacle")) {
-            std::printf("not measured: %s\n", word(record, "obstacle").c_str());
+        if (record.contains("unsupported_reason")) {
+            std::printf("not measured: %s\n", word(record, "unsupported_reason").c_str());
             continue;
         }
         if (record.contains("wrong")) {

@@ -31,21 +31,21 @@ void print_cell(std::span<const nlohmann::json> records) {
                 on_chip ? "on-chip, without memory" : "from memory to memory", count(first, "characters"),
                 count(first, "joints"), first.at("shape").get<std::string>().c_str(), count(first, "levels"),
                 real(first, "mean_depth"), count(first, "leaves"));
-    std::printf("%-22s %5s %9s %19s %8s %15s %7s %8s %9s\n", "method", "lanes", on_chip ? "ns/joint" : "ms",
+    std::printf("%-22s %5s %9s %19s %8s %15s %7s %8s %9s\n", "method", "threads", on_chip ? "ns/joint" : "ms",
                 "5 % - 95 %", on_chip ? "barriers" : "x copy", "multiplications", "longest", "barriers", "error");
     for (const nlohmann::json& record : records) {
         const std::string chosen = record.value("chosen", std::string());
         std::printf("%-22s ",
                     chosen.empty() ? record.at("method").get<std::string>().c_str() : ("auto: " + chosen).c_str());
-        if (record.contains("obstacle")) {
-            std::printf("does not apply: %s\n", record.at("obstacle").get<std::string>().c_str());
+        if (record.contains("unsupported_reason")) {
+            std::printf("does not apply: %s\n", record.at("unsupported_reason").get<std::string>().c_str());
             continue;
         }
         if (record.contains("wrong")) {
             std::printf("WRONG, not timed: it is %s off\n", record.at("max_error").dump().c_str());
             continue;
         }
-        const uint64_t lanes = count(record, "lanes");
+        const uint64_t lanes = count(record, "threads");
         std::printf("%5s %9.3f %9.3f -%8.3f ", lanes ? std::to_string(lanes).c_str() : "",
                     real(record, on_chip ? "on_chip_ns_per_joint" : "median_ms"),
                     real(record, on_chip ? "on_chip_p5" : "p5_ms"), real(record, on_chip ? "on_chip_p95" : "p95_ms"));

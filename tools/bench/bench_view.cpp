@@ -18,7 +18,7 @@ struct ViewOptions {
     std::string file, size = "1280x720", device;
     uint32_t count = 100'000, joints = 64, levels = 16, faces = 500, samples = 15;
     uint64_t seed = 1;
-    float detail_pixels = 1, full_rate_pixels = 100;
+    float lod_pixels = 1, full_rate_pixels = 100;
     CameraOptions camera{.path = "low"};
     CompileSettings compile;
     bool json = false;
@@ -26,8 +26,8 @@ struct ViewOptions {
 
 void print_row(const nlohmann::json& record) {
     std::printf("%-18s ", record["variant"].get<std::string>().c_str());
-    if (record.contains("obstacle")) {
-        std::printf("not measured: %s\n", record["obstacle"].get<std::string>().c_str());
+    if (record.contains("unsupported_reason")) {
+        std::printf("not measured: %s\n", record["unsupported_reason"].get<std::string>().c_str());
         return;
     }
     if (record.contains("wrong")) {
@@ -72,7 +72,7 @@ void run_view(const ViewOptions& options) {
                                     .world_from_model = field.placement.front(),
                                     .model_bounds = {character.bounds_min, character.bounds_max}};
         return unwrap(view_of(make_camera_path(options.camera).at(0, subject), size.width, size.height, bounds,
-                              {.detail_pixels = options.detail_pixels, .full_rate_pixels = options.full_rate_pixels}));
+                              {.lod_pixels = options.lod_pixels, .full_rate_pixels = options.full_rate_pixels}));
     };
     const std::vector<nlohmann::json> records = bench::measure_view(device,
                                                                     {.configuration = configuration,
@@ -115,7 +115,7 @@ void add_bench_view(Command bench) {
     command.add_option("--size", options->size, "of the picture that the camera takes").capture_default_str();
     add_camera_options(command, options->camera);
     command
-        .add_option("--detail-pixels", options->detail_pixels,
+        .add_option("--lod-pixels", options->lod_pixels,
                     "pixels by which coarser levels of detail, and their joints, may be off")
         .check(finite())
         .check(range(0.01, 1000.0))

@@ -20,26 +20,26 @@ uint64_t instance_bytes(const Character& character) {
 uint64_t face_count(const Character& character) { return character.indices.size() / 3; }
 
 // Of a coarser level, 1 and on.
-struct Detail {
+struct Lod {
     uint64_t faces = 0;
     uint32_t joints = 0;
     double error_percent = 0;  // of the size
 };
 
-std::vector<Detail> details_of(const Character& character) {
-    std::vector<Detail> details;
+std::vector<Lod> lods_of(const Character& character) {
+    std::vector<Lod> lods;
     const size_t sections = character.sections.size();
-    for (uint32_t level = 1; level <= character.details.size(); ++level) {
-        Detail& detail = details.emplace_back();
-        for (const IndexRange& range : std::span(character.detail_ranges).subspan((level - 1) * sections, sections))
-            detail.faces += range.index_count / 3;
+    for (uint32_t level = 1; level <= character.lods.size(); ++level) {
+        Lod& lod = lods.emplace_back();
+        for (const IndexRange& range : std::span(character.lod_ranges).subspan((level - 1) * sections, sections))
+            lod.faces += range.index_count / 3;
         const auto moves = [level](uint32_t coarsest) { return coarsest >= level; };
-        detail.joints = character.joint_details.empty()
-                            ? character.rig.joint_count()
-                            : static_cast<uint32_t>(std::ranges::count_if(character.joint_details, moves));
-        detail.error_percent = 100 * double{character.details[level - 1].error} / character.size;
+        lod.joints = character.joint_lods.empty()
+                         ? character.rig.joint_count()
+                         : static_cast<uint32_t>(std::ranges::count_if(character.joint_lods, moves));
+        lod.error_percent = 100 * double{character.lods[level - 1].error} / character.size;
     }
-    return details;
+    return lods;
 }
 
 uint32_t largest_influence_count(const Character& character) {
@@ -101,10 +101,9 @@ nlohmann::json to_json(const Character& character) {
             {"rows", clip.root_row_count}, {"x", cycle.x}, {"z", cycle.z}, {"turn_degrees", cycle.turn_degrees}};
     }
     for (const Skin& skin : character.skins) skins.push_back({{"name", skin.name}, {"joints", skin.joint_count}});
-    nlohmann::json morphs = nlohmann::json::array(), details = nlohmann::json::array();
-    for (const Detail& detail : details_of(character))
-        details.push_back(
-            {{"faces", detail.faces}, {"joints", detail.joints}, {"error_percent", detail.error_percent}});
+    nlohmann::json morphs = nlohmann::json::array(), lods = nlohmann::json::array();
+    for (const Lod& lod : lods_of(character))
+        lods.push_back({{"faces", lod.faces}, {"joints", lod.joints}, {"error_percent", lod.error_percent}});
     for (const Morph& morph : character.morphs)
         morphs.push_back({{"name", morph.name}, {"node", morph.node}, {"weight", morph.default_weight}});
     const Rig& rig = character.rig;
@@ -125,7 +124,7 @@ nlohmann::json to_json(const Character& character) {
             {"vertices", character.vertices.size()},
             {"faces", face_count(character)},
             {"sections", character.sections.size()},
-            {"details", details},
+            {"lods", lods},
             {"materials", character.materials.size()},
             {"influences", largest_influence_count(character)},
             {"morph_targets", morphs},
@@ -147,10 +146,10 @@ void print_text(const Character& character) {
     std::printf("  mesh       %zu vertices, %llu faces, %zu sections, %zu materials, up to %u influences a vertex\n",
                 character.vertices.size(), static_cast<unsigned long long>(face_count(character)),
                 character.sections.size(), character.materials.size(), largest_influence_count(character));
-    const std::vector<Detail> details = details_of(character);
-    for (size_t i = 0; i < details.size(); ++i)
-        std::printf("  detail %-3zu %llu faces, %u joints, off by up to %.2f %% of the size\n", i + 1,
-                    static_cast<unsigned long long>(details[i].faces), details[i].joints, details[i].error_percent);
+    const std::vector<Lod> lods = lods_of(character);
+    for (size_t i = 0; i < lods.size(); ++i)
+        std::printf("  lod %-3zu %llu faces, %u joints, off by up to %.2f %% of the size\n", i + 1,
+                    static_cast<unsigned long long>(lods[i].faces), lods[i].joints, lods[i].error_percent);
     if (!character.morphs.empty())
         std::printf("  morphs     %zu targets, of %zu vertices; animated in %zu of %zu clips\n",
                     character.morphs.size(), morphed_vertex_count(character), morphing_clip_count(character),
@@ -189,7 +188,7 @@ struct InfoOptions {
     std::string file, device;
     uint32_t count = 10'000;
     bool json = false;
-    CompileSettings compile{.levels_of_detail = false};
+    CompileSettings compile{.lods = false};
 };
 
 void run_info(const InfoOptions& options) {
@@ -226,12 +225,12 @@ void add_info(Command app) {
     add_error_option(command, options->compile);
     add_root_motion_option(command, options->compile);
     add_device_option(command, options->device);
-    command.add_flag("--details", options->compile.levels_of_detail,
+    command.add_flag("--lods", options->compile.lods,
                      "make levels of detail, as 'compile' does, and print them (those of a compiled file always are)");
     command.add_flag("--json", options->json, "as JSON");
     command.footer(
         "Examples:\n  throng info fox.glb\n  throng info fox.glb --count 100\n  throng info fox.glb --root-motion "
-        "hips\n  throng info fox.glb --details\n  throng info fox.glb --json | jq .clips");
+        "hips\n  throng info fox.glb --lods\n  throng info fox.glb --json | jq .clips");
     command.callback([options] { run_info(*options); });
 }
 

@@ -13,7 +13,7 @@ struct PoseOptions {
     std::string file, clip, blend, scan = "auto", vertices = "0", device;
     double time_s = 0, blend_time_s = 0, weight = 0.5;
     bool loop = false, reference = false, json = false;
-    CompileSettings compile{.error = 0, .levels_of_detail = false};
+    CompileSettings compile{.error = 0, .lods = false};
 };
 
 // What either way of computing gives: the GPU's floats or the reference's doubles.

@@ -10,11 +10,11 @@
 namespace throng::tools {
 
 // Characters of each level of detail, the finest first.
-inline std::vector<uint32_t> count_by_detail(std::span<const DrawnInstance> drawn) {
+inline std::vector<uint32_t> count_by_lod(std::span<const DrawnInstance> drawn) {
     std::vector<uint32_t> counts;
     for (const DrawnInstance& one : drawn) {
-        counts.resize(std::max<size_t>(counts.size(), one.detail + 1));
-        ++counts[one.detail];
+        counts.resize(std::max<size_t>(counts.size(), one.lod + 1));
+        ++counts[one.lod];
     }
     return counts;
 }

@@ -142,7 +142,7 @@ public:
         add_limbs(Part::kTail, fading(colors_.leg, colors_.foot), 4, 5);
         add_limbs(Part::kLeg, fading(colors_.leg, colors_.foot), 4, 4);
         add_plates();
-        add_details();
+        add_lods();
         return std::move(pieces_);
     }
 
@@ -200,7 +200,7 @@ private:
         }
     }
 
-    void add_details() {
+    void add_lods() {
         const Vec front = body_.chains[0].outline.at(0).center;
         for (const double side : kSides) {
             const auto at = [&](double x, double y, double z) { return front + Vec{side * x, y, z}; };

@@ -89,7 +89,7 @@ nlohmann::json settings_of(const RenderOptions& options) {
             {"fps", options.fps},
             {"skinning", static_cast<int>(options.skin_blend)},
             {"skin-once", options.skins_once},
-            {"detail-pixels", options.detail_pixels},
+            {"lod-pixels", options.lod_pixels},
             {"everything", options.everything},
             {"skeletons", options.skeletons},
             {"bounds", options.bounds}};

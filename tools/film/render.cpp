@@ -75,17 +75,17 @@ void add_render(Command app) {
                    "of an interrupted run are kept (those of an .mp4 in a folder .mp4.frames, "
                    "until the film is there)");
     add_device_option(command, options->device);
-    Option detail = command
-                        .add_option(
-                            "--detail-pixels", options->detail_pixels,
-                            "pixels of the picture by which coarser levels of detail may be off where they are drawn")
-                        .check(finite())
-                        .check(range(0.01, 1000.0))
-                        .capture_default_str();
+    Option lod = command
+                     .add_option(
+                         "--lod-pixels", options->lod_pixels,
+                         "pixels of the picture by which coarser levels of detail may be off where they are drawn")
+                     .check(finite())
+                     .check(range(0.01, 1000.0))
+                     .capture_default_str();
     command
         .add_flag("--everything", options->everything,
                   "animate and draw all, at full detail, also what the picture does not show")
-        .excludes(detail);
+        .excludes(lod);
     const std::map<std::string, SkinBlend> blends{{"linear", SkinBlend::kLinear},
                                                   {"dual-quaternion", SkinBlend::kDualQuaternion}};
     command.add_choice("--skinning", options->skin_blend, blends,

@@ -27,7 +27,7 @@ Shot::Shot(const Device& device, const RenderOptions& options)
       culls_(!options.everything),
       follows_(path_.follows() && scene_.may_move()) {
     unwrap(renderer_.set_options(
-        {.detail_pixels = options.detail_pixels, .skeletons = options.skeletons, .bounds = options.bounds}));
+        {.lod_pixels = options.lod_pixels, .skeletons = options.skeletons, .bounds = options.bounds}));
     scene_.follow(path_.followed_character());
     scene_.start();
 }
@@ -49,7 +49,7 @@ RenderResult Shot::draw(double step_s, double time_s) {
 
 std::vector<uint32_t> Shot::count_drawn() {
     if (!culls_) return {crowd().instance_count()};
-    return count_by_detail(unwrap(scene_.crowd().read_drawn()));
+    return count_by_lod(unwrap(scene_.crowd().read_drawn()));
 }
 
 FrameTimes Shot::times() const {

@@ -18,7 +18,7 @@ struct RenderOptions {
     double time_s = 0;          // of the first picture
     std::string frames, shard;  // empty: one picture; all frames
     double fps = 30;
-    float detail_pixels = 1;
+    float lod_pixels = 1;
     SkinBlend skin_blend = SkinBlend::kLinear;
     bool skins_once = false, everything = false, skeletons = false, bounds = false, json = false;
 };

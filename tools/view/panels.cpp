@@ -141,7 +141,7 @@ void update_section(State& state, Scene& scene) {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("culling and levels of detail");
     if (!state.wanted.culls) return;
     begin_row("detail");
-    ImGui::SliderFloat("##detail", &state.drawing.detail_pixels, 0.25f, 16, "off by %.2f pixels",
+    ImGui::SliderFloat("##detail", &state.drawing.lod_pixels, 0.25f, 16, "off by %.2f pixels",
                        ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
     ImGui::Checkbox("not who is hidden behind others", &state.drawing.occlusion);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("by the depths of the last frame; pays where large ones hide many");

@@ -229,7 +229,7 @@ void Viewer::measure() {
     constexpr uint64_t kEvery = 15;  // frames: it waits for the device
     if (!scene_.settings().culls) return measured_.drawn.assign(1, scene_.settings().count);
     if (frame_ % kEvery != 0) return;
-    measured_.drawn = tools::count_by_detail(unwrap(scene_.crowd().read_drawn()));
+    measured_.drawn = tools::count_by_lod(unwrap(scene_.crowd().read_drawn()));
 }
 
 void Viewer::save_shot() {

@@ -2,7 +2,7 @@
 
 #include "base/failure.h"
 #include "compile/file/character_layout.h"
-#include "compile/rig/joint_detail.h"
+#include "compile/rig/joint_lod.h"
 #include "compile/limits.h"
 #include "compile/clip/packed_track.h"
 #include "compile/rig/rig.h"
@@ -47,8 +47,8 @@ public:
         if (c_.rig.uniform_scale && !has_uniform_scale(c_)) fail("rig", "its scales are not uniform, which it claims");
         check_palette();
         check_mesh();
-        check_details();
-        check_joint_details();
+        check_lods();
+        check_joint_lods();
         check_morphs();
         check_morph_times();
         check_morph_tracks();
@@ -292,53 +292,51 @@ private:
         }
     }
 
-    void check_details() const {
-        if (c_.details.size() > kDetailLimit) exceeds("details", c_.details.size(), " of them", kDetailLimit);
-        const uint64_t range_count = c_.details.size() * uint64_t{c_.sections.size()};
-        if (c_.detail_ranges.size() != range_count)
-            fail("detail ranges", "are " + text(c_.detail_ranges.size()) + ", not " + text(range_count));
-        for (size_t level = 0; level < c_.details.size(); ++level)
-            if (!(c_.details[level].error >= (level > 0 ? c_.details[level - 1].error : 0)) ||
-                !std::isfinite(c_.details[level].error))
-                fail(at("details", level), "its error is less than that of the level before, or not finite");
+    void check_lods() const {
+        if (c_.lods.size() > kLodLimit) exceeds("lods", c_.lods.size(), " of them", kLodLimit);
+        const uint64_t range_count = c_.lods.size() * uint64_t{c_.sections.size()};
+        if (c_.lod_ranges.size() != range_count)
+            fail("lod ranges", "are " + text(c_.lod_ranges.size()) + ", not " + text(range_count));
+        for (size_t level = 0; level < c_.lods.size(); ++level)
+            if (!(c_.lods[level].error >= (level > 0 ? c_.lods[level - 1].error : 0)) ||
+                !std::isfinite(c_.lods[level].error))
+                fail(at("lods", level), "its error is less than that of the level before, or not finite");
         uint64_t next = 0;
-        for (size_t i = 0; i < c_.detail_ranges.size(); ++i) {
-            const IndexRange& range = c_.detail_ranges[i];
+        for (size_t i = 0; i < c_.lod_ranges.size(); ++i) {
+            const IndexRange& range = c_.lod_ranges[i];
             const uint32_t vertex_count = c_.sections[i % c_.sections.size()].vertex_count;
             if (range.first_index != next)
-                fail(at("detail ranges", i), "begins at index " + text(range.first_index) + ", not " + text(next));
+                fail(at("lod ranges", i), "begins at index " + text(range.first_index) + ", not " + text(next));
             next += range.index_count;
-            if (next > c_.detail_indices.size())
-                fail(at("detail ranges", i), "ends at index " + text(next) + " of " + text(c_.detail_indices.size()));
+            if (next > c_.lod_indices.size())
+                fail(at("lod ranges", i), "ends at index " + text(next) + " of " + text(c_.lod_indices.size()));
             if (range.index_count % 3 != 0)
-                fail(at("detail ranges", i), text(range.index_count) + " indices make no triangles");
+                fail(at("lod ranges", i), text(range.index_count) + " indices make no triangles");
             for (size_t k = range.first_index; k < next; ++k)
-                if (c_.detail_indices[k] >= vertex_count)
-                    fail(at("detail indices", k),
-                         text(c_.detail_indices[k]) + " of " + text(vertex_count) + " vertices");
+                if (c_.lod_indices[k] >= vertex_count)
+                    fail(at("lod indices", k), text(c_.lod_indices[k]) + " of " + text(vertex_count) + " vertices");
         }
-        if (next != c_.detail_indices.size())
-            fail("detail indices", "are " + text(c_.detail_indices.size()) + ", and the ranges have " + text(next));
+        if (next != c_.lod_indices.size())
+            fail("lod indices", "are " + text(c_.lod_indices.size()) + ", and the ranges have " + text(next));
     }
 
     // After palette and skins.
-    void check_joint_details() const {
-        const std::vector<uint32_t>& details = c_.joint_details;
-        if (details.empty()) return;
-        if (details.size() != c_.rig.joint_count())
-            fail("joint details", "are " + text(details.size()) + ", not " + text(c_.rig.joint_count()));
-        for (size_t joint = 0; joint < details.size(); ++joint) {
-            if (details[joint] > c_.details.size())
-                fail(at("joint details", joint), "level " + text(details[joint]) + " of " + text(c_.details.size()));
+    void check_joint_lods() const {
+        const std::vector<uint32_t>& lods = c_.joint_lods;
+        if (lods.empty()) return;
+        if (lods.size() != c_.rig.joint_count())
+            fail("joint lods", "are " + text(lods.size()) + ", not " + text(c_.rig.joint_count()));
+        for (size_t joint = 0; joint < lods.size(); ++joint) {
+            if (lods[joint] > c_.lods.size())
+                fail(at("joint lods", joint), "level " + text(lods[joint]) + " of " + text(c_.lods.size()));
             const uint32_t parent = c_.rig.parents[joint];
-            if (parent == kNone ? details[joint] < c_.details.size() : details[joint] > details[parent])
-                fail(at("joint details", joint), "it moves where its parent does not, or rests without one");
+            if (parent == kNone ? lods[joint] < c_.lods.size() : lods[joint] > lods[parent])
+                fail(at("joint lods", joint), "it moves where its parent does not, or rests without one");
         }
-        for (uint32_t detail = 1; detail <= c_.details.size(); ++detail)
-            for (const uint32_t entry : entries_of_detail(c_, detail))
+        for (uint32_t lod = 1; lod <= c_.lods.size(); ++lod)
+            for (const uint32_t entry : entries_of_lod(c_, lod))
                 if (entry == kNone)
-                    fail("joint details",
-                         "level " + text(detail) + " leaves a palette entry without one that stands for it");
+                    fail("joint lods", "level " + text(lod) + " leaves a palette entry without one that stands for it");
     }
 
     void check_morphs() const {

@@ -67,10 +67,10 @@ enum class SectionId : uint32_t {
     kMorphTracks,
     kMorphTimes,
     kMorphValues,  // as the Character has them
-    kDetails,
-    kDetailRanges,
-    kDetailIndices,
-    kJointDetails,
+    kLods,
+    kLodRanges,
+    kLodIndices,
+    kJointLods,
 };
 
 struct ScalarsRecord {
@@ -123,7 +123,7 @@ static_assert(sizeof(MorphRecord) == 12);
 
 // Of what is stored as the Character has it.
 static_assert(sizeof(Trs<float>) == 40 && sizeof(JointTracks) == 16 && sizeof(PaletteEntry) == 52 &&
-              sizeof(MeshSection) == 52 && sizeof(DetailLevel) == 4 && sizeof(IndexRange) == 8);
+              sizeof(MeshSection) == 52 && sizeof(Lod) == 4 && sizeof(IndexRange) == 8);
 
 struct SectionKind {
     std::string_view name;
@@ -155,11 +155,11 @@ inline constexpr std::array<SectionKind, 30> kSections{{{"scalars", sizeof(Scala
                                                         {"morph tracks", 4},
                                                         {"morph times", 4},
                                                         {"morph values", 4},
-                                                        {"details", sizeof(DetailLevel)},
-                                                        {"detail ranges", sizeof(IndexRange)},
-                                                        {"detail indices", 4},
-                                                        {"joint details", 4}}};
-static_assert(kSections.size() == static_cast<size_t>(SectionId::kJointDetails) + 1);
+                                                        {"lods", sizeof(Lod)},
+                                                        {"lod ranges", sizeof(IndexRange)},
+                                                        {"lod indices", 4},
+                                                        {"joint lods", 4}}};
+static_assert(kSections.size() == static_cast<size_t>(SectionId::kJointLods) + 1);
 
 constexpr uint64_t aligned(uint64_t offset_bytes) {
     return (offset_bytes + kAlignment_bytes - 1) / kAlignment_bytes * kAlignment_bytes;
@@ -189,10 +189,10 @@ void visit_later_arrays(C& character, const Visit& visit) {
     visit(SectionId::kMorphTracks, character.morph_tracks);
     visit(SectionId::kMorphTimes, character.morph_times_s);
     visit(SectionId::kMorphValues, character.morph_values);
-    visit(SectionId::kDetails, character.details);
-    visit(SectionId::kDetailRanges, character.detail_ranges);
-    visit(SectionId::kDetailIndices, character.detail_indices);
-    visit(SectionId::kJointDetails, character.joint_details);
+    visit(SectionId::kLods, character.lods);
+    visit(SectionId::kLodRanges, character.lod_ranges);
+    visit(SectionId::kLodIndices, character.lod_indices);
+    visit(SectionId::kJointLods, character.joint_lods);
 }
 
 // Calls visit(string) for each string, in the order in which they follow one another in the section of text.

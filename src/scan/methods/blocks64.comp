@@ -25,16 +25,16 @@
 uint outside(uint joint) { return link(kRounds * push.joint_count + joint); }
 
 void scan() {
-    const uint instance = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x, lanes = gl_WorkGroupSize.x;
+    const uint instance = gl_WorkGroupID.x, thread = gl_LocalInvocationID.x, threads = gl_WorkGroupSize.x;
     Affine product = kIdentity;
-    for (uint joint = lane; joint < push.joint_count; joint += lanes) {
+    for (uint joint = thread; joint < push.joint_count; joint += threads) {
         const uint word = doubling_word(0, joint);
         product = first_product(instance, joint, word);
         store_product(instance, joint, (word & kDoublingToLast) != 0, product);
     }
     scan_barrier(!kInShared);
     for (uint round = 1; round < kRounds; ++round) {
-        for (uint joint = lane; joint < push.joint_count; joint += lanes) {
+        for (uint joint = thread; joint < push.joint_count; joint += threads) {
             const uint word = doubling_word(round, joint);
             if (word == kDoublingDone) continue;
             product = next_product(instance, joint, word, product);
@@ -44,7 +44,7 @@ void scan() {
     }
 
     // From block to block.
-    for (uint joint = lane; joint < push.joint_count; joint += lanes) {
+    for (uint joint = thread; joint < push.joint_count; joint += threads) {
         if (kReload) product = load_product(instance, joint, true);
         for (uint ancestor = outside(joint); ancestor != kScanNoJoint; ancestor = outside(ancestor))
             product = affine_multiply(load_product(instance, ancestor, true), product);

@@ -45,7 +45,7 @@ ScanMethod blocks64() {
             .summary = "blocks of 64 joints, doubling inside a block, then hops between blocks",
             .source = "the paper's Algorithm 3",
             .origin = ScanOrigin::kPaper,
-            .lane_choices = no_lane_choice,
+            .thread_choices = no_thread_choice,
             .plan = plan};
 }
 

@@ -39,10 +39,10 @@ Affine load_block(uint instance, uint joint) {
 }
 
 void scan() {
-    const uint instance = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x, lanes = gl_WorkGroupSize.x;
+    const uint instance = gl_WorkGroupID.x, thread = gl_LocalInvocationID.x, threads = gl_WorkGroupSize.x;
 
     // The joint and its nearest seven ancestors inside the block.
-    for (uint joint = lane; joint < push.joint_count; joint += lanes) {
+    for (uint joint = thread; joint < push.joint_count; joint += threads) {
         Affine product = load_local(instance, joint);
         const uint outside = link(joint, kOutside);
         uint ancestor = link(joint, kParent);
@@ -58,7 +58,7 @@ void scan() {
     scan_barrier(!kInShared);
 
     // Strides of eight, up to the block's edge.
-    for (uint joint = lane; joint < push.joint_count; joint += lanes) {
+    for (uint joint = thread; joint < push.joint_count; joint += threads) {
         Affine product = load_stride(instance, joint);
         for (uint ancestor = link(joint, kEighth); ancestor != kScanNoJoint; ancestor = link(ancestor, kEighth))
             product = affine_multiply(load_stride(instance, ancestor), product);
@@ -70,7 +70,7 @@ void scan() {
     scan_barrier(!kInShared);
 
     // From block to block.
-    for (uint joint = lane; joint < push.joint_count; joint += lanes) {
+    for (uint joint = thread; joint < push.joint_count; joint += threads) {
         Affine product = load_block(instance, joint);
         for (uint ancestor = link(joint, kOutside); ancestor != kScanNoJoint; ancestor = link(ancestor, kOutside))
             product = affine_multiply(load_block(instance, ancestor), product);

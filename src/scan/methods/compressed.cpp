@@ -44,7 +44,7 @@ ScanMethod compressed() {
             .summary = "blocks of 64 joints, two strides of 8 inside a block, then hops between blocks",
             .source = "the paper's final method (Algorithm 4)",
             .origin = ScanOrigin::kPaper,
-            .lane_choices = no_lane_choice,
+            .thread_choices = no_thread_choice,
             .plan = plan};
 }
 

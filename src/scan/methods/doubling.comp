@@ -23,9 +23,9 @@
 #include "scan/doubling.glsl"
 
 void scan() {
-    const uint instance = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x, lanes = gl_WorkGroupSize.x;
+    const uint instance = gl_WorkGroupID.x, thread = gl_LocalInvocationID.x, threads = gl_WorkGroupSize.x;
     Affine product = kIdentity;
-    for (uint joint = lane; joint < push.joint_count; joint += lanes) {
+    for (uint joint = thread; joint < push.joint_count; joint += threads) {
         const uint word = doubling_word(0, joint);
         product = first_product(instance, joint, word);
         if (kInShared && kRounds == 1)
@@ -36,7 +36,7 @@ void scan() {
     const uint rounds_in_slots = kInShared ? kRounds - 1 : kRounds;  // without shared memory the last slot is model
     for (uint round = 1; round < rounds_in_slots; ++round) {
         scan_barrier(!kInShared);
-        for (uint joint = lane; joint < push.joint_count; joint += lanes) {
+        for (uint joint = thread; joint < push.joint_count; joint += threads) {
             const uint word = doubling_word(round, joint);
             if (word == kDoublingDone) continue;
             product = next_product(instance, joint, word, product);
@@ -45,7 +45,7 @@ void scan() {
     }
     if (!kInShared || kRounds == 1) return;
     scan_barrier(false);
-    for (uint joint = lane; joint < push.joint_count; joint += lanes) {
+    for (uint joint = thread; joint < push.joint_count; joint += threads) {
         const uint word = doubling_word(kRounds - 1, joint);
         if (word != kDoublingDone)
             product = next_product(instance, joint, word, product);

@@ -32,7 +32,7 @@ ScanMethod doubling() {
             .summary = "one thread per joint, ancestors twice as far up each round",
             .source = "Hillis and Steele, CACM 1986 (the paper's Algorithm 2)",
             .origin = ScanOrigin::kPaper,
-            .lane_choices = no_lane_choice,
+            .thread_choices = no_thread_choice,
             .plan = plan};
 }
 

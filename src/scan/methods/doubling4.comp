@@ -51,11 +51,11 @@ void store_product(uint instance, uint joint, uint round, Affine product) {
 }
 
 void scan() {
-    const uint instance = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x, lanes = gl_WorkGroupSize.x;
+    const uint instance = gl_WorkGroupID.x, thread = gl_LocalInvocationID.x, threads = gl_WorkGroupSize.x;
     for (uint round = 0; round < kRounds; ++round) {
         if (round > 0) scan_barrier(!kInShared);
         const uint links = round * push.joint_count;
-        for (uint joint = lane; joint < push.joint_count; joint += lanes) {
+        for (uint joint = thread; joint < push.joint_count; joint += threads) {
             Affine product = load_product(instance, joint, round);
             uint ancestor = link(links + joint);
             for (uint i = 0; i < 3 && ancestor != kNoAncestor; ++i) {

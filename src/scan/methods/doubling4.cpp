@@ -52,7 +52,7 @@ ScanMethod doubling4() {
             .order = 130,
             .summary = "doubling, with three ancestors a round: half as many barriers",
             .source = "doubling; higher-radix scans (Merrill and Grimshaw 2009)",
-            .lane_choices = no_lane_choice,
+            .thread_choices = no_thread_choice,
             .plan = plan};
 }
 

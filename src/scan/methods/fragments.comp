@@ -21,18 +21,18 @@
 #include "scan/scan.glsl"
 #include "scan/pieces.glsl"
 
-shared StoredTransform prefixes[2 * kLanes];
+shared StoredTransform prefixes[2 * kThreads];
 
 void scan() {
-    const uint instance = gl_WorkGroupID.x, lane = gl_LocalInvocationID.x;
-    Transform prefix = path_product(instance, lane);
+    const uint instance = gl_WorkGroupID.x, thread = gl_LocalInvocationID.x;
+    Transform prefix = path_product(instance, thread);
     const uint rounds = link(kRounds);
     for (uint round = 0; round < rounds; ++round) {
-        const uint half_first = (round & 1) * kLanes;  // the other half may still be read
-        prefixes[half_first + lane] = pack(prefix);
+        const uint half_first = (round & 1) * kThreads;  // the other half may still be read
+        prefixes[half_first + thread] = pack(prefix);
         scan_barrier(false);
-        const uint ancestor = ancestor_lane(lane, round);
+        const uint ancestor = ancestor_thread(thread, round);
         if (ancestor != kIdle) prefix = multiply(unpack(prefixes[half_first + ancestor]), prefix);
     }
-    walk_piece(instance, lane, lane, prefix);
+    walk_piece(instance, thread, thread, prefix);
 }

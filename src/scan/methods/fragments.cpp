@@ -8,29 +8,31 @@ namespace {
 
 constexpr uint32_t kTransform_bytes = 48;
 
-std::vector<uint32_t> lane_choices(const ScanLimits& limits) {
+std::vector<uint32_t> thread_choices(const ScanLimits& limits) {
     std::vector<uint32_t> choices;
-    for (const uint32_t lanes : {32u, 16u, 64u, 128u, 256u})
-        if (lanes <= limits.workgroup_size) choices.push_back(lanes);
+    for (const uint32_t threads : {32u, 16u, 64u, 128u, 256u})
+        if (threads <= limits.workgroup_size) choices.push_back(threads);
     return choices;
 }
 
-ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes) {
-    PieceTable table = piece_table(rig, lanes, kRowsOfAffine);
-    const uint32_t slots = std::max(table.slot_count, 1u), shared_transforms = (slots + 2) * lanes;
+ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t threads) {
+    PieceTable table = piece_table(rig, threads, kRowsOfAffine);
+    const uint32_t slots = std::max(table.slot_count, 1u), shared_transforms = (slots + 2) * threads;
     const uint32_t shared_bytes = shared_transforms * kTransform_bytes;
     if (shared_bytes > limits.shared_memory_bytes)
-        return {.obstacle = std::to_string(shared_bytes) +
-                            " bytes of shared memory for the pieces exceed the device's " +
-                            std::to_string(limits.shared_memory_bytes)};
-    ScanPlan plan{
-        .workgroup_size = lanes, .constants = {lanes, slots * lanes}, .links = std::move(table.links), .on_chip = true};
-    const double subgroups = std::max(1.0, static_cast<double>(lanes) / limits.subgroup_size);
+        return {.unsupported_reason = std::to_string(shared_bytes) +
+                                      " bytes of shared memory for the pieces exceed the device's " +
+                                      std::to_string(limits.shared_memory_bytes)};
+    ScanPlan plan{.workgroup_size = threads,
+                  .constants = {threads, slots * threads},
+                  .links = std::move(table.links),
+                  .on_chip = true};
+    const double subgroups = std::max(1.0, static_cast<double>(threads) / limits.subgroup_size);
     plan.counts = {.multiplications = table.multiplications,
-                   .longest_thread = table.longest_lane,
+                   .longest_thread = table.longest_thread,
                    .barriers = table.round_count,
                    .shared_bytes = shared_bytes,
-                   .issue_steps = table.longest_lane * subgroups,
+                   .issue_steps = table.longest_thread * subgroups,
                    .loop_iterations = table.loop_iterations(),
                    .scattered = true,
                    .issue_rows = table.rows_on(limits) * subgroups};
@@ -46,7 +48,7 @@ ScanMethod fragments() {
         .summary =
             "a connected piece of the skeleton per thread, a small scan over the pieces, one multiplication per joint",
         .source = "the work-efficient scan (Blelloch 1990; Harris et al. 2007) carried over to trees",
-        .lane_choices = lane_choices,
+        .thread_choices = thread_choices,
         .plan = plan};
 }
 

@@ -22,7 +22,7 @@ ScanMethod gateau2012_walk() {
             .summary = "one thread per joint walks up to the root",
             .source = "Gateau, Massive Crowds on GPU, GTC 2012 (the paper's Algorithm 1)",
             .origin = ScanOrigin::kPaper,
-            .lane_choices = no_lane_choice,
+            .thread_choices = no_thread_choice,
             .plan = plan};
 }
 

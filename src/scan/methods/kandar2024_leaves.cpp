@@ -14,8 +14,8 @@ uint32_t characters_per_workgroup(uint32_t leaf_count, uint32_t subgroup_size, u
     double best_share = 0;
     for (uint32_t characters = 1; characters * leaf_count <= largest; ++characters) {
         const uint32_t busy = characters * leaf_count,
-                       lanes = (busy + subgroup_size - 1) / subgroup_size * subgroup_size;
-        const double share = lanes <= largest ? static_cast<double>(busy) / lanes : 0;
+                       threads = (busy + subgroup_size - 1) / subgroup_size * subgroup_size;
+        const double share = threads <= largest ? static_cast<double>(busy) / threads : 0;
         if (share <= best_share) continue;
         best = characters;
         best_share = share;
@@ -36,8 +36,8 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
         word_count += 3 + rig.depths[joint];
     }
     if (word_count > kMostWords)
-        return {.obstacle = "the paths of its leaves take " + std::to_string(word_count) + " words, more than " +
-                            std::to_string(kMostWords)};
+        return {.unsupported_reason = "the paths of its leaves take " + std::to_string(word_count) +
+                                      " words, more than " + std::to_string(kMostWords)};
     const auto leaf_count = static_cast<uint32_t>(leaves.size());
 
     ScanPlan plan{.links = {leaf_count}, .on_chip = true};
@@ -90,7 +90,7 @@ ScanMethod kandar2024_leaves() {
             .summary = "one thread per leaf walks down from the root",
             .source = "Kandar 2024, as the paper describes it",
             .origin = ScanOrigin::kPaper,
-            .lane_choices = no_lane_choice,
+            .thread_choices = no_thread_choice,
             .plan = plan};
 }
 

@@ -64,7 +64,7 @@ ScanMethod levels() {
             .summary = "level after level, a barrier between two",
             .source = "common practice on GPUs",
             .origin = ScanOrigin::kBaseline,
-            .lane_choices = no_lane_choice,
+            .thread_choices = no_thread_choice,
             .plan = plan};
 }
 

@@ -46,7 +46,7 @@ ScanMethod serial() {
             .summary = "one thread per character, joints in order",
             .source = "common practice on CPUs (ozz-animation)",
             .origin = ScanOrigin::kBaseline,
-            .lane_choices = no_lane_choice,
+            .thread_choices = no_thread_choice,
             .plan = plan_affine};
 }
 

@@ -27,15 +27,15 @@ Transform shuffled(Transform t, uint source) {
 }
 
 void scan() {
-    const uint invocation = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID, lane = invocation % kLanes;
-    const uint instance = gl_WorkGroupID.x * (gl_WorkGroupSize.x / kLanes) + invocation / kLanes;
+    const uint invocation = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID, lane = invocation % kThreads;
+    const uint instance = gl_WorkGroupID.x * (gl_WorkGroupSize.x / kThreads) + invocation / kThreads;
     const bool exists = instance < instance_count();  // the same for all lanes of a character
 
     Transform prefix = kIdentityTransform;
     if (exists) prefix = path_product(instance, lane);
     const uint rounds = link(kRounds);
     for (uint round = 0; round < rounds; ++round) {
-        const uint ancestor = ancestor_lane(lane, round);
+        const uint ancestor = ancestor_thread(lane, round);
         uint source = gl_SubgroupInvocationID;
         if (ancestor != kIdle) source += ancestor - lane;
         const Transform above = shuffled(prefix, source);

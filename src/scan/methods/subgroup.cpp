@@ -10,46 +10,46 @@ namespace {
 uint32_t workgroup_size(const ScanLimits& limits) { return limits.is_cpu ? limits.subgroup_size : 64; }
 
 // A character on a software device's whole subgroup at most; on a GPU the whole one is the best guess.
-std::vector<uint32_t> lane_choices(const ScanLimits& limits) {
+std::vector<uint32_t> thread_choices(const ScanLimits& limits) {
     std::vector<uint32_t> choices;
     if (!limits.shuffle) return choices;
-    for (uint32_t lanes = 1; lanes <= std::min(limits.subgroup_size, workgroup_size(limits)); lanes *= 2)
-        choices.push_back(lanes);
+    for (uint32_t threads = 1; threads <= std::min(limits.subgroup_size, workgroup_size(limits)); threads *= 2)
+        choices.push_back(threads);
     if (!limits.is_cpu) std::reverse(choices.begin(), choices.end());
     return choices;
 }
 
-ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes, double rows_of_local) {
-    PieceTable table = piece_table(rig, lanes, rows_of_local);
+ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t threads, double rows_of_local) {
+    PieceTable table = piece_table(rig, threads, rows_of_local);
     const uint32_t invocations = workgroup_size(limits), slots = std::max(table.slot_count, 1u);
     const auto transform_bytes = static_cast<uint32_t>(16 * rows_of_local);
     const uint32_t shared_bytes = slots * invocations * transform_bytes;
     if (shared_bytes > limits.shared_memory_bytes)
-        return {.obstacle = std::to_string(shared_bytes) +
-                            " bytes of shared memory for waiting parents exceed the device's " +
-                            std::to_string(limits.shared_memory_bytes)};
+        return {.unsupported_reason = std::to_string(shared_bytes) +
+                                      " bytes of shared memory for waiting parents exceed the device's " +
+                                      std::to_string(limits.shared_memory_bytes)};
     ScanPlan plan{.workgroup_size = invocations,
-                  .instances_per_workgroup = invocations / lanes,
-                  .constants = {lanes, slots * invocations},
+                  .instances_per_workgroup = invocations / threads,
+                  .constants = {threads, slots * invocations},
                   .links = std::move(table.links),
                   .full_subgroups = true,
                   .on_chip = true};
-    const double subgroups = static_cast<double>(lanes) / limits.subgroup_size;
+    const double subgroups = static_cast<double>(threads) / limits.subgroup_size;
     plan.counts = {.multiplications = table.multiplications,
-                   .longest_thread = table.longest_lane,
-                   .shared_bytes = slots * lanes * transform_bytes,
-                   .issue_steps = table.longest_lane * subgroups,
+                   .longest_thread = table.longest_thread,
+                   .shared_bytes = slots * threads * transform_bytes,
+                   .issue_steps = table.longest_thread * subgroups,
                    .loop_iterations = table.loop_iterations(),
                    .scattered = true,
                    .issue_rows = table.rows_on(limits) * subgroups};
     return plan;
 }
 
-ScanPlan plan_affine(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes) {
-    return plan_with(rig, limits, lanes, kRowsOfAffine);
+ScanPlan plan_affine(const ScanRig& rig, const ScanLimits& limits, uint32_t threads) {
+    return plan_with(rig, limits, threads, kRowsOfAffine);
 }
-ScanPlan plan_similarity(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes) {
-    return plan_with(rig, limits, lanes, kRowsOfSimilarity);
+ScanPlan plan_similarity(const ScanRig& rig, const ScanLimits& limits, uint32_t threads) {
+    return plan_with(rig, limits, threads, kRowsOfSimilarity);
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ ScanMethod subgroup() {
         .order = 110,
         .summary = "fragments inside a subgroup, by shuffles and without barriers; several small characters share one",
         .source = "fragments; warp scans (Harris and Garland 2012)",
-        .lane_choices = lane_choices,
+        .thread_choices = thread_choices,
         .plan = plan_affine};
 }
 

@@ -3,7 +3,7 @@
 #include "cull/cull_reference.h"
 #include "crowd/stage_timer.h"
 #include "crowd/cull_stage.h"
-#include "pace/pace_reference.h"
+#include "update_rate/update_rate_reference.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
 
@@ -30,7 +30,7 @@ std::vector<Affine> rows_of(uint32_t count, double size) {
 CrowdView view_along(float full_rate_pixels) {
     CrowdView view = *view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}, .vertical_field_of_view_rad = 1.5f}, kWidth,
                               kHeight, {});
-    view.detail_pixels = 1e-20f;
+    view.lod_pixels = 1e-20f;
     view.full_rate_pixels = full_rate_pixels;
     return view;
 }
@@ -63,7 +63,7 @@ uint32_t animated_in_last_update(Crowd& crowd) {
 }
 
 // Against a crowd that is animated entirely in each update, and the reference's way between its poses.
-void expect_paced(const CrowdGroup& group, SkinFormat format, bool keeps_previous, double bound) {
+void expect_interpolated(const CrowdGroup& group, SkinFormat format, bool keeps_previous, double bound) {
     constexpr uint32_t kCount = 40, kUpdates = 26;
     CrowdGroup copied = group;
     copied.instance_count = kCount;
@@ -73,18 +73,18 @@ void expect_paced(const CrowdGroup& group, SkinFormat format, bool keeps_previou
                                  .keep_previous_matrices = keeps_previous,
                                  .culls = true,
                                  .skips_updates = true};
-    Crowd paced = create(settings),
+    Crowd skipping = create(settings),
           whole = create({.groups = {copied}, .path = UpdatePath::kFused, .skin_format = format});
-    const Group& of = paced.state().groups[0];
+    const Group& of = skipping.state().groups[0];
     const std::vector<Affine> places = rows_of(kCount, length(of.posed_max - of.posed_min));
     Random random(4);
     const std::vector<Playback> playbacks = random_playbacks(random, *group.character, kCount);
-    for (Crowd* crowd : {&paced, &whole})
+    for (Crowd* crowd : {&skipping, &whole})
         ASSERT_TRUE(crowd->set_placement(0, places) && (group.controller || crowd->set_playback(0, playbacks)));
     const CrowdView near = view_along(40),
                     away = *view_of({.eye = {0, 0, 10}, .target = {0, 0, 90}}, kWidth, kHeight, {});
     struct Way {
-        std::vector<Affine> shown, ahead;
+        std::vector<Affine> shown, target;
         uint32_t left = 0;
         bool was_drawn = false;
     };
@@ -94,11 +94,11 @@ void expect_paced(const CrowdGroup& group, SkinFormat format, bool keeps_previou
     for (uint32_t update = 0; update < kUpdates; ++update) {
         const bool looks_away = update == 11 || update == 12;
         std::vector<std::vector<Affine>> before;
-        for (uint32_t i = 0; i < kCount && keeps_previous; ++i) before.push_back(*paced.read_skin_matrices(i));
-        const Result<void> updated = paced.update(0.02f, looks_away ? &away : &near);
+        for (uint32_t i = 0; i < kCount && keeps_previous; ++i) before.push_back(*skipping.read_skin_matrices(i));
+        const Result<void> updated = skipping.update(0.02f, looks_away ? &away : &near);
         ASSERT_TRUE(updated) << updated.error().text();
         ASSERT_TRUE(whole.update(0.02f));
-        EXPECT_EQ(drawn_of(paced).size(), looks_away ? 0u : kCount);
+        EXPECT_EQ(drawn_of(skipping).size(), looks_away ? 0u : kCount);
         for (uint32_t i = 0; i < kCount; ++i) {
             SCOPED_TRACE("instance " + std::to_string(i) + ", update " + std::to_string(update));
             Way& way = ways[i];
@@ -108,53 +108,54 @@ void expect_paced(const CrowdGroup& group, SkinFormat format, bool keeps_previou
             const uint32_t period = expected_period(near, places[i], of);
             if (period == 0) continue;
             ++of_period[period];
-            const std::vector<Affine> got = *paced.read_skin_matrices(i), animated = *whole.read_skin_matrices(i);
+            const std::vector<Affine> got = *skipping.read_skin_matrices(i), animated = *whole.read_skin_matrices(i);
             if (!was_drawn || period == 1) {
                 EXPECT_TRUE(same_bits(got, animated)) << "at once";
                 way.shown = animated;
                 way.left = 0;
             } else {
                 if ((update + i) % period == 0) {
-                    way.ahead = animated;
+                    way.target = animated;
                     way.left = period;
                 }
                 for (size_t entry = 0; entry < got.size() && way.left > 0; ++entry) {
-                    const AffineT<double> wanted = pace_reference(way.shown[entry].as<double>(),
-                                                                  way.ahead[entry].as<double>(), way.left);
+                    const AffineT<double> wanted = update_rate_reference(way.shown[entry].as<double>(),
+                                                                         way.target[entry].as<double>(), way.left);
                     for (size_t row = 0; row < 3; ++row)
                         for (size_t column = 0; column < 4; ++column)
                             ASSERT_NEAR(got[entry].row[row][column], wanted.row[row][column],
                                         bound * group.character->size);
                 }
                 EXPECT_TRUE(way.left != 0 || same_bits(got, way.shown)) << "waits";
-                EXPECT_TRUE(way.left != 1 || same_bits(got, way.ahead)) << "arrives";
+                EXPECT_TRUE(way.left != 1 || same_bits(got, way.target)) << "arrives";
                 between += way.left > 1;
                 if (way.left > 0) --way.left;
                 way.shown = got;
             }
-            EXPECT_TRUE(!keeps_previous || same_bits(previous_of(paced, i), was_drawn ? before[i] : got)) << "previous";
+            EXPECT_TRUE(!keeps_previous || same_bits(previous_of(skipping, i), was_drawn ? before[i] : got))
+                << "previous";
         }
     }
     for (const uint32_t period : {1u, 2u, 4u, 8u}) EXPECT_GE(of_period[period], 20u) << "of period " << period;
     EXPECT_GT(between, 100u);
 }
 
-TEST(Pace, MatricesGoEvenlyToThePoseAhead) {
+TEST(UpdateRate, MatricesGoEvenlyToThePoseAhead) {
     const Character character = small_character();
     const Controller direct = direct_layers(2);
-    expect_paced({.character = &character}, SkinFormat::kAffine, false, 1e-5);
-    expect_paced({.character = &character}, SkinFormat::kAffine, true, 1e-5);
-    expect_paced({.character = &character, .controller = &direct}, SkinFormat::kAffine, false, 1e-5);
-    expect_paced({.character = &character}, SkinFormat::kHalfAffine, false, 1e-2);
+    expect_interpolated({.character = &character}, SkinFormat::kAffine, false, 1e-5);
+    expect_interpolated({.character = &character}, SkinFormat::kAffine, true, 1e-5);
+    expect_interpolated({.character = &character, .controller = &direct}, SkinFormat::kAffine, false, 1e-5);
+    expect_interpolated({.character = &character}, SkinFormat::kHalfAffine, false, 1e-2);
 }
 
-TEST(Pace, SimilaritiesTurnOnTheShortestPath) {
+TEST(UpdateRate, SimilaritiesTurnOnTheShortestPath) {
     const Character character = creature(24, 8);
     ASSERT_TRUE(character.rig.uniform_scale);
-    expect_paced({.character = &character}, SkinFormat::kSimilarity, false, 0.05);
+    expect_interpolated({.character = &character}, SkinFormat::kSimilarity, false, 0.05);
 }
 
-TEST(Pace, TheCostIsEven) {
+TEST(UpdateRate, TheCostIsEven) {
     constexpr uint32_t kCount = 4000;
     const Character character = small_character();
     Crowd crowd = create(
@@ -174,7 +175,7 @@ TEST(Pace, TheCostIsEven) {
 }
 
 // Nothing is ever within a budget of next to nothing, and always within one without end.
-TEST(Pace, ABudgetLetsMoreAndMoreWait) {
+TEST(UpdateRate, ABudgetLetsMoreAndMoreWait) {
     constexpr uint32_t kCount = 640;
     const Character character = small_character();
     Crowd crowd = create(
@@ -197,10 +198,10 @@ TEST(Pace, ABudgetLetsMoreAndMoreWait) {
     EXPECT_EQ(updated(0), kCount) << "no budget";
 }
 
-TEST(Pace, CoarserLevelsHaveFewerJoints) {
+TEST(UpdateRate, CoarserLevelsHaveFewerJoints) {
     const Character character = *compile_character(
         *make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}), {.error = 0});
-    ASSERT_GE(character.details.size(), 2u);
+    ASSERT_GE(character.lods.size(), 2u);
     constexpr uint32_t kCount = 48;
     Crowd reduced = create(
               {.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true, .reduces_joints = true}),
@@ -211,16 +212,16 @@ TEST(Pace, CoarserLevelsHaveFewerJoints) {
     for (Crowd* crowd : {&reduced, &whole})
         ASSERT_TRUE(crowd->set_placement(0, places) && crowd->set_playback(0, playbacks));
     CrowdView view = view_along(0);
-    view.detail_pixels = 0.2f;
+    view.lod_pixels = 0.2f;
     ASSERT_TRUE(reduced.update(0.1f, &view) && whole.update(0.1f));
     std::array<uint32_t, 4> compared{}, drawn{};
     for (const DrawnInstance& one : drawn_of(reduced)) {
-        ++drawn[one.detail];
+        ++drawn[one.lod];
         const std::vector<Affine> got = *reduced.read_skin_matrices(one.instance),
                                   wanted = *whole.read_skin_matrices(one.instance);
         for (size_t entry = 0; entry < got.size(); ++entry) {
-            if (one.detail > 0 && character.joint_details[character.palette[entry].joint] < one.detail) continue;
-            ++compared[one.detail];
+            if (one.lod > 0 && character.joint_lods[character.palette[entry].joint] < one.lod) continue;
+            ++compared[one.lod];
             for (size_t row = 0; row < 3; ++row)
                 for (size_t column = 0; column < 4; ++column)
                     ASSERT_NEAR(got[entry].row[row][column], wanted[entry].row[row][column], 2e-6 * character.size)
@@ -229,25 +230,24 @@ TEST(Pace, CoarserLevelsHaveFewerJoints) {
     }
     const std::vector<uint32_t> work = download<uint32_t>(test_gpu(), reduced.state().batches[0][io::kWorkBuffer]);
     const std::vector<FusedJoints>& sets = reduced.state().groups[0].fused;
-    ASSERT_EQ(sets.size(), 1 + character.details.size());
-    for (size_t detail = 0; detail < sets.size(); ++detail) {
-        EXPECT_GT(compared[detail], 0u) << "level " << detail;
-        EXPECT_EQ(work[2 * detail + 1], drawn[detail])
-            << "animated with no more joints than level " << detail << " has";
-        std::printf("  level %zu: %u joints\n", detail, sets[detail].joint_count);
-        EXPECT_TRUE(detail == 0 || sets[detail].joint_count <= sets[detail - 1].joint_count);
+    ASSERT_EQ(sets.size(), 1 + character.lods.size());
+    for (size_t lod = 0; lod < sets.size(); ++lod) {
+        EXPECT_GT(compared[lod], 0u) << "level " << lod;
+        EXPECT_EQ(work[2 * lod + 1], drawn[lod]) << "animated with no more joints than level " << lod << " has";
+        std::printf("  level %zu: %u joints\n", lod, sets[lod].joint_count);
+        EXPECT_TRUE(lod == 0 || sets[lod].joint_count <= sets[lod - 1].joint_count);
     }
     EXPECT_LT(sets.back().joint_count, character.rig.joint_count() / 2);
-    Crowd posed = create({.groups = {{.character = &character, .instance_count = 1, .pose_capacity = 1}},
-                          .path = UpdatePath::kFused,
-                          .culls = true,
-                          .reduces_joints = true});
-    EXPECT_EQ(posed.state().groups[0].fused.size(), 1u) << "poses from outside may move any joint";
+    Crowd overridden = create({.groups = {{.character = &character, .instance_count = 1, .pose_capacity = 1}},
+                               .path = UpdatePath::kFused,
+                               .culls = true,
+                               .reduces_joints = true});
+    EXPECT_EQ(overridden.state().groups[0].fused.size(), 1u) << "poses from outside may move any joint";
 }
 
 // Matrices of joints that only the finer level has were not animated before: they do not wait for their turn, and have
 // not moved.
-TEST(Pace, AFinerLevelIsAnimatedAtOnce) {
+TEST(UpdateRate, AFinerLevelIsAnimatedAtOnce) {
     const Character character = *compile_character(
         *make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}), {.error = 0});
     constexpr uint32_t kCount = 8;
@@ -264,10 +264,10 @@ TEST(Pace, AFinerLevelIsAnimatedAtOnce) {
                                      to_affine(Trs<double>{.translation = {0, 0, -20.0 * character.size}}).as<float>());
     for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_placement(0, places) && one->set_playback(0, playbacks));
     CrowdView view = view_along(1e6f);  // every eighth update
-    for (const float detail_pixels : {1e6f, 1e6f, 1e6f, 1e-20f}) {
-        view.detail_pixels = detail_pixels;
+    for (const float lod_pixels : {1e6f, 1e6f, 1e6f, 1e-20f}) {
+        view.lod_pixels = lod_pixels;
         ASSERT_TRUE(crowd.update(0.05f, &view) && whole.update(0.05f));
-        for (const DrawnInstance& one : drawn_of(crowd)) EXPECT_EQ(one.detail == 0, detail_pixels < 1);
+        for (const DrawnInstance& one : drawn_of(crowd)) EXPECT_EQ(one.lod == 0, lod_pixels < 1);
     }
     for (uint32_t i = 0; i < kCount; ++i) {
         EXPECT_TRUE(same_bits(*crowd.read_skin_matrices(i), *whole.read_skin_matrices(i))) << "instance " << i;
@@ -278,7 +278,7 @@ TEST(Pace, AFinerLevelIsAnimatedAtOnce) {
 }
 
 // Of coarser levels the matrices of their joints go on, wherever these lie in the palette, and arrive.
-TEST(Pace, FewerJointsGoOnToo) {
+TEST(UpdateRate, FewerJointsGoOnToo) {
     const Character character = *compile_character(
         *make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}), {.error = 0});
     constexpr uint32_t kCount = 8;
@@ -295,7 +295,7 @@ TEST(Pace, FewerJointsGoOnToo) {
             kCount, to_affine(Trs<double>{.translation = {0, 0, -20.0 * character.size}}).as<float>());
         for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_placement(0, places));
         CrowdView view = view_along(1e6f);  // every eighth update
-        view.detail_pixels = 1e6f;
+        view.lod_pixels = 1e6f;
         // A pose at once, and then the way to another.
         for (const uint32_t updates : {1u, 17u}) {
             const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
@@ -304,12 +304,12 @@ TEST(Pace, FewerJointsGoOnToo) {
             ASSERT_TRUE(whole.update(0));
             uint32_t compared = 0, left_out = 0;
             for (const DrawnInstance& one : drawn_of(crowd)) {
-                ASSERT_EQ(one.detail, character.details.size());
+                ASSERT_EQ(one.lod, character.lods.size());
                 const std::vector<Affine> got = *crowd.read_skin_matrices(one.instance),
                                           wanted = *whole.read_skin_matrices(one.instance),
                                           before = keeps_previous ? previous_of(crowd, one.instance) : got;
                 for (size_t entry = 0; entry < got.size(); ++entry) {
-                    if (character.joint_details[character.palette[entry].joint] < one.detail) {
+                    if (character.joint_lods[character.palette[entry].joint] < one.lod) {
                         ++left_out;
                         continue;
                     }
@@ -332,7 +332,7 @@ TEST(Pace, FewerJointsGoOnToo) {
 }
 
 // Times of updates that are under way are those of the newest that has finished, once each.
-TEST(Pace, TimesComeLateAndOnce) {
+TEST(UpdateRate, TimesComeLateAndOnce) {
     if (!test_gpu()->has_timestamps()) GTEST_SKIP() << "the queue has no timestamps";
     StageTimer timer(test_gpu(), 2);
     EXPECT_FALSE(timer.take_newest());

@@ -1,4 +1,4 @@
-#include "compile/rig/joint_detail.h"
+#include "compile/rig/joint_lod.h"
 
 #include "bind/bind_reference.h"
 #include "compile/mesh/influence_boxes.h"
@@ -141,11 +141,11 @@ private:
 
 }  // namespace
 
-std::vector<uint32_t> entries_of_detail(const Character& character, uint32_t detail) {
+std::vector<uint32_t> entries_of_lod(const Character& character, uint32_t lod) {
     const EntryTable entries(character);
     std::vector<uint32_t> moving(character.rig.joint_count());  // the joint, or the nearest above that moves
     for (uint32_t joint = 0; joint < moving.size(); ++joint) {
-        const bool moves = character.joint_details.empty() || character.joint_details[joint] >= detail;
+        const bool moves = character.joint_lods.empty() || character.joint_lods[joint] >= lod;
         const uint32_t parent = character.rig.parents[joint];
         moving[joint] = moves || parent == kNone ? joint : moving[parent];
     }
@@ -157,34 +157,34 @@ std::vector<uint32_t> entries_of_detail(const Character& character, uint32_t det
     return out;
 }
 
-std::vector<Influences> influences_of_detail(const Character& character, uint32_t detail) {
-    const std::vector<uint32_t> entries = entries_of_detail(character, detail);
+std::vector<Influences> influences_of_lod(const Character& character, uint32_t lod) {
+    const std::vector<uint32_t> entries = entries_of_lod(character, lod);
     std::vector<Influences> out = character.influences;
     for (Influences& influences : out)
         for (uint16_t& entry : influences.entries) entry = static_cast<uint16_t>(entries[entry]);
     return out;
 }
 
-void make_joint_details(Character& character) {
-    character.joint_details.clear();
-    if (character.details.empty() || character.clips.empty()) return;
+void make_joint_lods(Character& character) {
+    character.joint_lods.clear();
+    if (character.lods.empty() || character.clips.empty()) return;
     const JointDisplacements displacements(character);
-    character.joint_details.resize(character.rig.joint_count());
-    for (uint32_t level = 1; level <= character.details.size(); ++level) {
-        DetailLevel& detail = character.details[level - 1];
-        const double most = kShare * double{detail.error};
+    character.joint_lods.resize(character.rig.joint_count());
+    for (uint32_t level = 1; level <= character.lods.size(); ++level) {
+        Lod& lod = character.lods[level - 1];
+        const double most = kShare * double{lod.error};
         double furthest = 0;  // of joints that do not move
-        for (uint32_t joint = 0; joint < character.joint_details.size(); ++joint) {
+        for (uint32_t joint = 0; joint < character.joint_lods.size(); ++joint) {
             const uint32_t parent = character.rig.parents[joint];
-            if (parent != kNone && character.joint_details[parent] < level) continue;
+            if (parent != kNone && character.joint_lods[parent] < level) continue;
             if (displacements.of(joint) <= most)
                 furthest = std::max(furthest, displacements.of(joint));
             else
-                character.joint_details[joint] = level;
+                character.joint_lods[joint] = level;
         }
-        detail.error += static_cast<float>(furthest);
+        lod.error += static_cast<float>(furthest);
         // Joints that do not move with those above them may displace by less than on their own
-        if (level > 1) detail.error = std::max(detail.error, character.details[level - 2].error);
+        if (level > 1) lod.error = std::max(lod.error, character.lods[level - 2].error);
     }
 }
 

@@ -1,6 +1,6 @@
 // Poses that the application sets, over animated ones, against the reference.
 #include "blend/blend_reference.h"
-#include "blend/posed.h"
+#include "blend/pose_override.h"
 #include "reference/reference.h"
 #include "sample/sample_reference.h"
 #include "tests/crowd_cases.h"
@@ -32,68 +32,69 @@ std::vector<Trs<float>> bent(Random& random, const Character& character) {
 
 // Of the update path that the settings ask for, and the same without room for poses.
 struct Twins {
-    Crowd posed, plain;
+    Crowd overridden, plain;
 
     explicit Twins(CrowdSettings settings, uint32_t capacity)
-        : posed(create(with(settings, capacity))), plain(create(settings)) {}
+        : overridden(create(with(settings, capacity))), plain(create(settings)) {}
     static CrowdSettings with(CrowdSettings settings, uint32_t capacity) {
         for (CrowdGroup& group : settings.groups) group.pose_capacity = capacity;
         return settings;
     }
     bool are_the_same(uint32_t instance) {
-        return same_bits(*posed.read_skin_matrices(instance), *plain.read_skin_matrices(instance));
+        return same_bits(*overridden.read_skin_matrices(instance), *plain.read_skin_matrices(instance));
     }
 };
 
 // Set, replaced and cleared at random, with and without fades, among others that are never posed.
 void follow(UpdatePath path, const char* name, double error) {
-    constexpr uint32_t kInstances = 30, kPosed = 12, kUpdates = 60;
+    constexpr uint32_t kInstances = 30, kOverridden = 12, kUpdates = 60;
     const Character character = creature(60, 15, error);
     const Controller controller = example(name);
     Twins crowds({.groups = {{.character = &character, .instance_count = kInstances, .controller = &controller}},
                   .path = path,
                   .keep_model_matrices = true},
-                 kPosed);
+                 kOverridden);
     std::vector<ReferenceCharacter> wanted = references(character, controller, kInstances);
     Random random(23);
     double worst = 0;
     for (uint32_t update = 0; update < kUpdates; ++update) {
         for (uint32_t i = 0; i < kInstances; ++i) {
             const auto [parameter, value] = random_change(random, controller);
-            for (Crowd* crowd : {&crowds.posed, &crowds.plain}) ASSERT_TRUE(crowd->set_parameters(i, parameter, value));
+            for (Crowd* crowd : {&crowds.overridden, &crowds.plain})
+                ASSERT_TRUE(crowd->set_parameters(i, parameter, value));
             ASSERT_TRUE(wanted[i].set_parameters(parameter, value));
         }
-        for (uint32_t i = 0; i < kPosed; ++i) {
+        for (uint32_t i = 0; i < kOverridden; ++i) {
             const float fade_s = random.chance(0.3) ? 0 : static_cast<float>(random.between(0, 0.6));
             if (random.chance(0.3)) {
                 const std::vector<Trs<float>> pose = bent(random, character);
-                ASSERT_TRUE(crowds.posed.set_pose(i, pose, fade_s));
+                ASSERT_TRUE(crowds.overridden.set_pose(i, pose, fade_s));
                 ASSERT_TRUE(wanted[i].set_pose(pose, fade_s));
             }
             if (random.chance(0.15)) {
-                ASSERT_TRUE(crowds.posed.clear_pose(i, fade_s));
+                ASSERT_TRUE(crowds.overridden.clear_pose(i, fade_s));
                 ASSERT_TRUE(wanted[i].clear_pose(fade_s));
             }
         }
         const float step_s = random.chance(0.1) ? -0.01f : static_cast<float>(random.between(0, 0.1));
-        for (Crowd* crowd : {&crowds.posed, &crowds.plain}) ASSERT_TRUE(crowd->update(step_s));
+        for (Crowd* crowd : {&crowds.overridden, &crowds.plain}) ASSERT_TRUE(crowd->update(step_s));
         for (ReferenceCharacter& one : wanted) ASSERT_TRUE(one.update(step_s));
         if (update % 5 != 4) continue;
         for (uint32_t i = 0; i < kInstances; ++i)
-            worst = std::max(worst, model_error(crowds.posed, i, wanted[i].pose(), character.size));
-        for (uint32_t i = kPosed; i < kInstances; ++i) EXPECT_TRUE(crowds.are_the_same(i)) << "instance " << i;
+            worst = std::max(worst, model_error(crowds.overridden, i, wanted[i].pose(), character.size));
+        for (uint32_t i = kOverridden; i < kInstances; ++i) EXPECT_TRUE(crowds.are_the_same(i)) << "instance " << i;
     }
     EXPECT_LE(worst, 1e-4);
     std::printf("  %s, %s: largest error %.1e of the size\n", name, path == UpdatePath::kFused ? "fused" : "staged",
                 worst);
 }
 
-TEST(Posed, ControllersFollowTheReferenceFused) {
+TEST(PoseOverride, ControllersFollowTheReferenceFused) {
     follow(UpdatePath::kFused, "walker", 1e-4);
     follow(UpdatePath::kFused, "dragon", 0);
 }
 
-TEST(Posed, ControllersFollowTheReferenceStaged) {
+TEST(PoseOverride, ControllersFollowTheReferenceStaged) {
     follow(UpdatePath::kStaged, "walker", 0);
     follow(UpdatePath::kStaged, "dragon", 1e-4);
 }
@@ -165,7 +166,7 @@ void expect_blended(UpdatePath path, const std::string& scan, SkinFormat format,
                 crowd->path(1)->is_fused ? "fused" : "staged", crowd->outputs().size(), worst);
 }
 
-TEST(Posed, TwoClipsFollowTheReference) {
+TEST(PoseOverride, TwoClipsFollowTheReference) {
     expect_blended(UpdatePath::kAuto, "auto", SkinFormat::kAffine, kAnyNumber);
     expect_blended(UpdatePath::kAuto, "auto", SkinFormat::kAffine, 25);
     expect_blended(UpdatePath::kStaged, "auto", SkinFormat::kAffine, 25);
@@ -175,7 +176,7 @@ TEST(Posed, TwoClipsFollowTheReference) {
 }
 
 // Whatever plays below, the same pose is the same to the bit.
-TEST(Posed, FullWeightIsThePoseAndNoneIsTheAnimation) {
+TEST(PoseOverride, FullWeightIsThePoseAndNoneIsTheAnimation) {
     const Character character = creature(60);
     const Controller controller = example("walker");
     Random random(3);
@@ -186,14 +187,14 @@ TEST(Posed, FullWeightIsThePoseAndNoneIsTheAnimation) {
                       .path = path},
                      4);
         const std::vector<Playback> playbacks = random_playbacks(random, character, 4);
-        for (Crowd* crowd : {&crowds.posed, &crowds.plain}) {
+        for (Crowd* crowd : {&crowds.overridden, &crowds.plain}) {
             ASSERT_TRUE(crowd->set_playback(0, playbacks));
             ASSERT_TRUE(crowd->set_parameters(6, 0, std::array{1.0f}));
         }
         const auto update = [&](float step_s) {
-            for (Crowd* crowd : {&crowds.posed, &crowds.plain}) ASSERT_TRUE(crowd->update(step_s));
+            for (Crowd* crowd : {&crowds.overridden, &crowds.plain}) ASSERT_TRUE(crowd->update(step_s));
         };
-        for (const uint32_t i : {0u, 2u, 3u, 4u, 6u}) ASSERT_TRUE(crowds.posed.set_pose(i, pose, 0.25f));
+        for (const uint32_t i : {0u, 2u, 3u, 4u, 6u}) ASSERT_TRUE(crowds.overridden.set_pose(i, pose, 0.25f));
         update(0);
         for (uint32_t i = 0; i < 8; ++i)
             EXPECT_TRUE(crowds.are_the_same(i)) << "a fade that has not begun, instance " << i;
@@ -201,9 +202,10 @@ TEST(Posed, FullWeightIsThePoseAndNoneIsTheAnimation) {
         for (const uint32_t i : {0u, 4u, 6u}) EXPECT_FALSE(crowds.are_the_same(i)) << i;
         update(0.2f);
         for (const uint32_t i : {2u, 3u, 4u, 6u})
-            EXPECT_TRUE(same_bits(*crowds.posed.read_skin_matrices(i), *crowds.posed.read_skin_matrices(0))) << i;
+            EXPECT_TRUE(same_bits(*crowds.overridden.read_skin_matrices(i), *crowds.overridden.read_skin_matrices(0)))
+                << i;
         for (const uint32_t i : {1u, 5u, 7u}) EXPECT_TRUE(crowds.are_the_same(i)) << i;
-        for (const uint32_t i : {0u, 2u, 3u, 4u, 6u}) ASSERT_TRUE(crowds.posed.clear_pose(i, 0.1f));
+        for (const uint32_t i : {0u, 2u, 3u, 4u, 6u}) ASSERT_TRUE(crowds.overridden.clear_pose(i, 0.1f));
         update(0.05f);
         EXPECT_FALSE(crowds.are_the_same(0));
         update(0.06f);
@@ -211,7 +213,7 @@ TEST(Posed, FullWeightIsThePoseAndNoneIsTheAnimation) {
     }
 }
 
-TEST(Posed, FadesAreEasedAndTurnBackWhereTheyAre) {
+TEST(PoseOverride, FadesAreEasedAndTurnBackWhereTheyAre) {
     PoseFade fade;
     fade.advance(1);
     EXPECT_EQ(fade.weight(), 0);
@@ -241,7 +243,7 @@ TEST(Posed, FadesAreEasedAndTurnBackWhereTheyAre) {
     EXPECT_EQ(fade.weight(), 0);
 }
 
-TEST(Posed, RoomForPosesIsFreeWhenTheyHaveFadedOut) {
+TEST(PoseOverride, RoomForPosesIsFreeWhenTheyHaveFadedOut) {
     const Character character = creature(20);
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = 5},
                                      {.character = &character, .instance_count = 5, .pose_capacity = 2}}});
@@ -272,7 +274,7 @@ TEST(Posed, RoomForPosesIsFreeWhenTheyHaveFadedOut) {
     ASSERT_TRUE(crowd.update(0.1f));
 }
 
-TEST(Posed, WrongPosesAreRefusedAndChangeNothing) {
+TEST(PoseOverride, WrongPosesAreRefusedAndChangeNothing) {
     const Character character = creature(20), stretched = make_character({.joint_count = 20});
     ASSERT_TRUE(character.rig.uniform_scale);
     ASSERT_FALSE(stretched.rig.uniform_scale);

@@ -1,4 +1,4 @@
-#include "blend/voices_reference.h"
+#include "blend/active_clips_reference.h"
 
 #include "blend/blend_reference.h"
 
@@ -17,12 +17,12 @@ double ratio(double to, double from) { return std::abs(from) < kNoScale ? 1 : to
 
 Trs<double> sum_of(const ReferenceLayer& layer) {
     Trs<double> sum{.rotation = {0, 0, 0, 0}, .translation = {}, .scale = {0, 0, 0}}, part;
-    for (const ReferenceVoice& voice : layer.voices) {
-        part = layer.is_additive ? pose_difference_reference(voice.pose, voice.first) : voice.pose;
+    for (const ReferenceActiveClip& active_clip : layer.active_clips) {
+        part = layer.is_additive ? pose_difference_reference(active_clip.pose, active_clip.first) : active_clip.pose;
         const bool is_far_side = !layer.is_additive && dot(part.rotation, sum.rotation) < 0;
-        sum.rotation = sum.rotation + (is_far_side ? -part.rotation : part.rotation) * voice.weight;
-        sum.translation = sum.translation + part.translation * voice.weight;
-        sum.scale = sum.scale + part.scale * voice.weight;
+        sum.rotation = sum.rotation + (is_far_side ? -part.rotation : part.rotation) * active_clip.weight;
+        sum.translation = sum.translation + part.translation * active_clip.weight;
+        sum.scale = sum.scale + part.scale * active_clip.weight;
     }
     const bool has_direction = std::sqrt(dot(sum.rotation, sum.rotation)) >= kCancelled;
     sum.rotation = has_direction ? normalized(sum.rotation) : part.rotation;
@@ -45,7 +45,9 @@ Trs<double> pose_difference_reference(const Trs<double>& to, const Trs<double>& 
             {ratio(to.scale.x, from.scale.x), ratio(to.scale.y, from.scale.y), ratio(to.scale.z, from.scale.z)}};
 }
 
-Trs<double> voices_reference(std::span<const ReferenceLayer> layers) { return joint_reference(layers, nullptr).pose; }
+Trs<double> active_clips_reference(std::span<const ReferenceLayer> layers) {
+    return joint_reference(layers, nullptr).pose;
+}
 
 ReferenceJoint joint_reference(std::span<const ReferenceLayer> layers, const ReferenceJoint* parent) {
     ReferenceJoint joint{.pose = {}, .rotations = std::vector<ReferenceRotations>(layers.size())};

@@ -1,26 +1,26 @@
 #version 460
-// pace: takes the skin matrices of instances that are not animated in this update towards those of the pose that they
-// were animated ahead to; defined by pace_reference.h. One workgroup per instance. Cost: 100 bytes read and 48 written
-// for each affine matrix of the joints that the instance's level of detail has.
+// update_rate: takes the skin matrices of instances that are not animated in this update towards those of the pose that
+// they were animated ahead to; defined by update_rate_reference.h. One workgroup per instance. Cost: 100 bytes read and
+// 48 written for each affine matrix of the joints that the instance's level of detail has.
 #include "gpu/buffers_io.h"
 #include "cull/cull_io.h"
 #include "bind/bind_io.h"
 #include "gpu/stored.glsl"
 #include "gpu/table.glsl"
-#include "pace/pace_io.h"
+#include "update_rate/update_rate_io.h"
 
-layout(local_size_x = kPaceWorkgroupSize) in;
+layout(local_size_x = kUpdateRateWorkgroupSize) in;
 TABLE_OF_WORDS(kWorkBuffer, Work, work);
 layout(set = 0, binding = kStatesBuffer, std430) readonly buffer States { uint states[]; };
 // [instance][row]: rows of four floats, or of four halves, two in one of these. Where previous matrices are not kept,
 // current is previous.
 TABLE_OF_ROWS(kPreviousSkinBuffer, Previous, previous_rows);
-TABLE_OF_ROWS(kSkinAheadBuffer, Ahead, ahead_rows);
+TABLE_OF_ROWS(kSkinTargetBuffer, Target, target_rows);
 layout(set = 0, binding = kSkinBuffer, std430) writeonly buffer CurrentRows { StoredRow current_rows[]; };
 layout(set = 0, binding = kSkinBuffer, std430) writeonly buffer CurrentHalves { StoredPair current_halves[]; };
 TABLE_OF_WORDS(kPaletteBySetBuffer, Entries, entries);
 layout(constant_id = 1) const uint kSkinFormat = kSkinAffine;
-layout(push_constant) uniform Push { PacePush push; };
+layout(push_constant) uniform Push { UpdateRatePush push; };
 
 vec4 floats(uvec4 two, uint at) {
     const uvec2 pair = (at & 1) != 0 ? two.zw : two.xy;
@@ -28,11 +28,11 @@ vec4 floats(uvec4 two, uint at) {
 }
 
 // `step`: 0 stays, 1 arrives; what it does not go to may hold anything.
-vec4 went_on(vec4 previous, vec4 ahead, uint step, bool is_rotation) {
+vec4 went_on(vec4 previous, vec4 target, uint step, bool is_rotation) {
     if (step == 0) return previous;
-    if (step == 1) return ahead;
-    const float side = is_rotation && dot(previous, ahead) < 0 ? -1 : 1;
-    const vec4 row = previous + (side * ahead - previous) / float(step);
+    if (step == 1) return target;
+    const float side = is_rotation && dot(previous, target) < 0 ? -1 : 1;
+    const vec4 row = previous + (side * target - previous) / float(step);
     return is_rotation ? row * inversesqrt(dot(row, row)) : row;
 }
 
@@ -41,15 +41,15 @@ void main() {
     const uint step = push.section == kGoingOn ? states[instance] >> kStateStepShift & kStateStepMask : 0;
     const uint rows = kSkinFormat == kSkinSimilarity ? 2 : 3;  // of a matrix
     const uint row_count = push.entry_counts[states[instance] >> kStateSetShift] * rows;
-    for (uint i = gl_LocalInvocationID.x; i < row_count; i += kPaceWorkgroupSize) {
+    for (uint i = gl_LocalInvocationID.x; i < row_count; i += kUpdateRateWorkgroupSize) {
         const uint row = i % rows, at = (instance * push.palette_count + WORD_AT(entries, i / rows)) * rows + row;
         if (kSkinFormat == kSkinHalfAffine) {
             const vec4 halves = went_on(floats(ROW_AT(previous_rows, at / 2), at),
-                                        floats(ROW_AT(ahead_rows, at / 2), at), step, false);
+                                        floats(ROW_AT(target_rows, at / 2), at), step, false);
             current_halves[at] = pack(uvec2(packHalf2x16(halves.xy), packHalf2x16(halves.zw)));
         } else {
             current_rows[at] = pack(went_on(uintBitsToFloat(ROW_AT(previous_rows, at)),
-                                            uintBitsToFloat(ROW_AT(ahead_rows, at)), step,
+                                            uintBitsToFloat(ROW_AT(target_rows, at)), step,
                                             kSkinFormat == kSkinSimilarity && row == 0));
         }
     }

@@ -1,13 +1,13 @@
-#include "pace/pace_reference.h"
+#include "update_rate/update_rate_reference.h"
 
 namespace throng {
 
-AffineT<double> pace_reference(const AffineT<double>& previous, const AffineT<double>& ahead, uint32_t step) {
+AffineT<double> update_rate_reference(const AffineT<double>& previous, const AffineT<double>& target, uint32_t step) {
     AffineT<double> out;
     for (size_t row = 0; row < 3; ++row)
         for (size_t column = 0; column < 4; ++column)
             out.row[row][column] = previous.row[row][column] +
-                                   (ahead.row[row][column] - previous.row[row][column]) / step;
+                                   (target.row[row][column] - previous.row[row][column]) / step;
     return out;
 }
 

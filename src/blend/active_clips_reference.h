@@ -1,4 +1,4 @@
-// The definition of poses made of layers of voices.
+// The definition of poses made of layers of active clips.
 #pragma once
 
 #include <throng/transform.h>
@@ -9,7 +9,7 @@
 namespace throng {
 
 // One clip as part of a joint's pose.
-struct ReferenceVoice {
+struct ReferenceActiveClip {
     Trs<double> pose;
     Trs<double> first;  // in the clip's first row; of additive layers only
     double weight = 1;  // those of a layer sum to 1
@@ -18,7 +18,7 @@ struct ReferenceVoice {
 struct ReferenceLayer {
     bool is_additive = false;
     double weight = 1;  // at this joint: the layer's times the mask's. The lowest layer counts as 1.
-    std::vector<ReferenceVoice> voices;
+    std::vector<ReferenceActiveClip> active_clips;
     bool in_model_space = false;  // of an override: its rotations are blended as they stand in the model
 };
 
@@ -26,10 +26,10 @@ struct ReferenceLayer {
 // where there is none).
 Trs<double> pose_difference_reference(const Trs<double>& to, const Trs<double>& from);
 
-// parent_from_joint of a joint, from its layers, the lowest first. An override layer is the weighted sum of its voices,
-// blended over what lies below; an additive one the weighted sum of their differences from their first rows, applied to
-// it. Where rotations cancel each other, the layer turns as its last voice does.
-Trs<double> voices_reference(std::span<const ReferenceLayer> layers);
+// parent_from_joint of a joint, from its layers, the lowest first. An override layer is the weighted sum of its active
+// clips, blended over what lies below; an additive one the weighted sum of their differences from their first rows,
+// applied to it. Where rotations cancel each other, the layer turns as its last active clip does.
+Trs<double> active_clips_reference(std::span<const ReferenceLayer> layers);
 
 // Rotations of model_from_joint, scales ignored: of what lies below a layer, of the layer's own pose, and of what comes
 // of both.

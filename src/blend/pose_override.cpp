@@ -1,4 +1,4 @@
-#include "blend/posed.h"
+#include "blend/pose_override.h"
 
 #include "base/failure.h"
 

@@ -1,7 +1,7 @@
-// Poses made of layers of voices, against the reference.
+// Poses made of layers of active clips, against the reference.
 #include "blend/blend_reference.h"
 #include "blend/layered.h"
-#include "blend/voices_reference.h"
+#include "blend/active_clips_reference.h"
 #include "control/control_reference.h"
 #include "sample/sample_reference.h"
 #include "tests/kernel_runner.h"
@@ -44,46 +44,47 @@ double rounded_time(const Character& character, const Part& part, const RowCurso
 }
 
 struct Rows {
-    io::Voice voice{};
+    io::ActiveClip active_clip{};
     double time_s = 0, first_s = 0;
 };
 
 Rows rows_of(const Character& character, const Part& part) {
-    Rows out{.voice = {.first_track = part.clip * character.rig.joint_count(),
-                       .earlier = 0,
-                       .later = 0,
-                       .fraction = 0,
-                       .weight = part.weight,
-                       .layer_weight = 1,
-                       .reference_row = 0,
-                       .flags = 0}};
+    Rows out{.active_clip = {.first_track = part.clip * character.rig.joint_count(),
+                             .earlier = 0,
+                             .later = 0,
+                             .fraction = 0,
+                             .weight = part.weight,
+                             .layer_weight = 1,
+                             .reference_row = 0,
+                             .flags = 0}};
     if (part.clip == character.clips.size()) return out;
     const Clip& clip = character.clips[part.clip];
     const RowCursor rows = find_rows_reference(std::span(character.times_s).subspan(clip.first_time, clip.row_count),
                                                part.time_s);
-    out.voice.earlier = clip.first_row + rows.earlier * clip.row_stride;
-    out.voice.later = clip.first_row + rows.later * clip.row_stride;
-    out.voice.fraction = static_cast<float>(rows.fraction);
-    out.voice.reference_row = clip.first_row;
+    out.active_clip.earlier = clip.first_row + rows.earlier * clip.row_stride;
+    out.active_clip.later = clip.first_row + rows.later * clip.row_stride;
+    out.active_clip.fraction = static_cast<float>(rows.fraction);
+    out.active_clip.reference_row = clip.first_row;
     out.time_s = rounded_time(character, part, rows);
     out.first_s = character.times_s[clip.first_time];
     return out;
 }
 
-std::vector<io::Voice> voices_of(const Character& character, const Layers& layers) {
-    std::vector<io::Voice> out;
+std::vector<io::ActiveClip> active_clips_of(const Character& character, const Layers& layers) {
+    std::vector<io::ActiveClip> out;
     for (const Layer& layer : layers) {
         for (size_t i = 0; i < layer.parts.size(); ++i) {
-            io::Voice voice = rows_of(character, layer.parts[i]).voice;
-            voice.layer_weight = layer.weight;
-            if (i == 0) voice.flags |= io::kVoiceBeginsLayer;
-            if (i + 1 == layer.parts.size()) voice.flags |= io::kVoiceEndsLayer;
-            if (layer.is_additive) voice.flags |= io::kVoiceAdditive;
-            if (layer.mask != kNoMask) voice.flags |= io::kVoiceMasked | layer.mask << io::kVoiceMaskShift;
-            out.push_back(voice);
+            io::ActiveClip active_clip = rows_of(character, layer.parts[i]).active_clip;
+            active_clip.layer_weight = layer.weight;
+            if (i == 0) active_clip.flags |= io::kActiveClipBeginsLayer;
+            if (i + 1 == layer.parts.size()) active_clip.flags |= io::kActiveClipEndsLayer;
+            if (layer.is_additive) active_clip.flags |= io::kActiveClipAdditive;
+            if (layer.mask != kNoMask)
+                active_clip.flags |= io::kActiveClipMasked | layer.mask << io::kActiveClipMaskShift;
+            out.push_back(active_clip);
         }
     }
-    out.back().flags |= io::kVoiceEnds;
+    out.back().flags |= io::kActiveClipEnds;
     return out;
 }
 
@@ -101,31 +102,32 @@ public:
     const Character& character() const { return character_; }
     uint32_t joint_count() const { return character_.rig.joint_count(); }
 
-    // Behind an instance's voices lie others, which would change its pose if they were read.
-    std::vector<io::Voice> voices(const std::vector<Layers>& instances, uint32_t voice_limit) const {
-        io::Voice other = rows_of(character_, {.clip = 0, .time_s = 0.9}).voice;
-        other.flags = io::kVoiceBeginsLayer | io::kVoiceEndsLayer;
-        std::vector<io::Voice> out(instances.size() * voice_limit, other);
+    // Behind an instance's active clips lie others, which would change its pose if they were read.
+    std::vector<io::ActiveClip> active_clips(const std::vector<Layers>& instances, uint32_t active_clip_limit) const {
+        io::ActiveClip other = rows_of(character_, {.clip = 0, .time_s = 0.9}).active_clip;
+        other.flags = io::kActiveClipBeginsLayer | io::kActiveClipEndsLayer;
+        std::vector<io::ActiveClip> out(instances.size() * active_clip_limit, other);
         for (size_t i = 0; i < instances.size(); ++i)
-            std::ranges::copy(voices_of(character_, instances[i]),
-                              out.begin() + static_cast<ptrdiff_t>(i * voice_limit));
+            std::ranges::copy(active_clips_of(character_, instances[i]),
+                              out.begin() + static_cast<ptrdiff_t>(i * active_clip_limit));
         return out;
     }
 
     template <class Local = Affine>
-    std::vector<Local> run(const std::vector<io::Voice>& voices, uint32_t voice_limit) const {
-        const Guarded<io::Voice> voice_buffer(voices);
-        std::vector<Local> local = run<Local>(BufferRange(voice_buffer), voices.size() / voice_limit, voice_limit);
-        EXPECT_TRUE(same_bits(voice_buffer.read(), voices)) << "the stage wrote its input";
+    std::vector<Local> run(const std::vector<io::ActiveClip>& active_clips, uint32_t active_clip_limit) const {
+        const Guarded<io::ActiveClip> active_clip_buffer(active_clips);
+        std::vector<Local> local = run<Local>(BufferRange(active_clip_buffer), active_clips.size() / active_clip_limit,
+                                              active_clip_limit);
+        EXPECT_TRUE(same_bits(active_clip_buffer.read(), active_clips)) << "the stage wrote its input";
         return local;
     }
     template <class Local = Affine>
-    std::vector<Local> run(const BufferRange& voices, size_t count, uint32_t voice_limit) const {
+    std::vector<Local> run(const BufferRange& active_clips, size_t count, uint32_t active_clip_limit) const {
         constexpr BlendOutput kOutput = sizeof(Local) == sizeof(Affine) ? BlendOutput::kAffine
                                                                         : BlendOutput::kSimilarity;
         const Guarded<Local> local(poison<Local>(count * joint_count()));
         run_workgroups(layered_kernel(test_gpu(), {.packed = character_.packed, .output = kOutput}),
-                       BufferTable{{io::kVoicesBuffer, voices},
+                       BufferTable{{io::kActiveClipsBuffer, active_clips},
                                    {io::kMasksBuffer, mask_buffer_},
                                    {io::kTracksBuffer, tracks_},
                                    {io::kKeysBuffer, keys_},
@@ -133,13 +135,13 @@ public:
                                    {io::kLocalBuffer, local},
                                    {io::kInertiasBuffer, local},
                                    {io::kInertiaStatesBuffer, local},
-                                   {io::kPosedBuffer, words_},
+                                   {io::kPoseOverridesBuffer, words_},
                                    {io::kSetPosesBuffer, keys_}},
-                       io::LayeredPush{joint_count(), voice_limit}, static_cast<uint32_t>(count));
+                       io::LayeredPush{joint_count(), active_clip_limit}, static_cast<uint32_t>(count));
         return local.read();
     }
-    std::vector<Affine> run(const std::vector<Layers>& instances, uint32_t voice_limit = 12) const {
-        return run(voices(instances, voice_limit), voice_limit);
+    std::vector<Affine> run(const std::vector<Layers>& instances, uint32_t active_clip_limit = 12) const {
+        return run(active_clips(instances, active_clip_limit), active_clip_limit);
     }
 
     // What the reference takes, for each joint.
@@ -157,7 +159,7 @@ public:
                 const std::vector<Trs<double>> pose = sample_reference(character_, part.clip, rows.time_s),
                                                first = sample_reference(character_, part.clip, rows.first_s);
                 for (uint32_t joint = 0; joint < joint_count(); ++joint)
-                    out[joint].back().voices.push_back({pose[joint], first[joint], part.weight});
+                    out[joint].back().active_clips.push_back({pose[joint], first[joint], part.weight});
             }
         }
         return out;
@@ -181,9 +183,9 @@ std::vector<float> make_masks(uint32_t joint_count) {
     return out;
 }
 
-Layers random_layers(Random& random, const Character& character, uint32_t voice_count) {
+Layers random_layers(Random& random, const Character& character, uint32_t active_clip_count) {
     Layers out;
-    const uint32_t layer_count = 1 + random.below(std::min(voice_count, 4u));
+    const uint32_t layer_count = 1 + random.below(std::min(active_clip_count, 4u));
     for (uint32_t i = 0; i < layer_count; ++i) {
         const bool is_lowest = i == 0;
         Layer layer{.is_additive = !is_lowest && random.chance(0.5),
@@ -191,8 +193,8 @@ Layers random_layers(Random& random, const Character& character, uint32_t voice_
                     .mask = is_lowest ? kNoMask : std::array{kNoMask, 0u, 1u}[random.below(3)],
                     .parts = {}};
         const uint32_t rest = layer_count - 1 - i,
-                       part_count = rest == 0 ? voice_count : 1 + random.below(voice_count - rest);
-        voice_count -= part_count;
+                       part_count = rest == 0 ? active_clip_count : 1 + random.below(active_clip_count - rest);
+        active_clip_count -= part_count;
         double sum = 0;
         for (uint32_t k = 0; k < part_count; ++k) {
             const uint32_t clip = random.below(static_cast<uint32_t>(character.clips.size() + 1));
@@ -224,8 +226,9 @@ double amplification(const std::vector<ReferenceLayer>& layers, const Trs<double
     for (int draw = 0; draw < 4; ++draw) {
         std::vector<ReferenceLayer> others = layers;
         for (ReferenceLayer& layer : others)
-            for (ReferenceVoice& voice : layer.voices) voice.pose = moved(voice.pose), voice.first = moved(voice.first);
-        worst = std::max(worst, error_of(to_affine(voices_reference(others)).as<float>(), result) / kError);
+            for (ReferenceActiveClip& active_clip : layer.active_clips)
+                active_clip.pose = moved(active_clip.pose), active_clip.first = moved(active_clip.first);
+        worst = std::max(worst, error_of(to_affine(active_clips_reference(others)).as<float>(), result) / kError);
     }
     return worst;
 }
@@ -234,15 +237,15 @@ void expect_reference(Character character) {
     const Stage stage(std::move(character), make_masks(character.rig.joint_count()));
     Random random(stage.joint_count());
     std::vector<Layers> instances;
-    for (uint32_t voice_count = 1; voice_count <= 10; ++voice_count)
-        for (int i = 0; i < 4; ++i) instances.push_back(random_layers(random, stage.character(), voice_count));
+    for (uint32_t active_clip_count = 1; active_clip_count <= 10; ++active_clip_count)
+        for (int i = 0; i < 4; ++i) instances.push_back(random_layers(random, stage.character(), active_clip_count));
     const std::vector<Affine> local = stage.run(instances, 11);
     double worst = 0;
     size_t undecided = 0;
     for (size_t i = 0; i < instances.size(); ++i) {
         const std::vector<std::vector<ReferenceLayer>> layers = stage.reference_layers(instances[i]);
         for (size_t joint = 0; joint < stage.joint_count(); ++joint) {
-            const Trs<double> wanted = voices_reference(layers[joint]);
+            const Trs<double> wanted = active_clips_reference(layers[joint]);
             const double factor = amplification(layers[joint], wanted, random);
             if (factor > 100) {
                 ++undecided;
@@ -258,7 +261,7 @@ void expect_reference(Character character) {
                 stage.character().packed ? "packed" : "exact", instances.size(), worst, undecided, local.size());
 }
 
-TEST(Voices, FollowTheReference) {
+TEST(ActiveClips, FollowTheReference) {
     for (const uint32_t joint_count : {1u, 63u, 65u, 300u}) {
         const AssetSettings settings{
             .joint_count = joint_count, .seed = joint_count, .clip_count = 4, .cubic = joint_count == 65};
@@ -269,17 +272,17 @@ TEST(Voices, FollowTheReference) {
     }
 }
 
-TEST(Voices, AreSimilaritiesWhereScaleIsUniform) {
+TEST(ActiveClips, AreSimilaritiesWhereScaleIsUniform) {
     const Stage stage(make_character({.joint_count = 70, .scale_spread = 0}), make_masks(70));
     Random random(7);
     std::vector<Layers> instances;
     for (int i = 0; i < 20; ++i) instances.push_back(random_layers(random, stage.character(), 6));
-    const std::vector<io::Voice> voices = stage.voices(instances, 6);
-    const std::vector<Affine> affines = stage.run(voices, 6);
+    const std::vector<io::ActiveClip> active_clips = stage.active_clips(instances, 6);
+    const std::vector<Affine> affines = stage.run(active_clips, 6);
     struct Similarity {
         io::vec4 rotation, translation_scale;
     };
-    const std::vector<Similarity> similarities = stage.run<Similarity>(voices, 6);
+    const std::vector<Similarity> similarities = stage.run<Similarity>(active_clips, 6);
     for (size_t i = 0; i < affines.size(); ++i) {
         const auto& [q, t] = similarities[i];
         EXPECT_LE(matrix_error(to_affine(Trs<float>{{q.x, q.y, q.z, q.w}, {t.x, t.y, t.z}, {t.w, t.w, t.w}}),
@@ -289,16 +292,16 @@ TEST(Voices, AreSimilaritiesWhereScaleIsUniform) {
 }
 
 // Two clips that fade into each other are what the blend stage makes of them.
-TEST(Voices, TwoInOneLayerAreABlend) {
+TEST(ActiveClips, TwoInOneLayerAreABlend) {
     const Stage stage(make_character({.joint_count = 70}));
     for (const float weight : {0.25f, 0.5f, 0.9f}) {
         const Layers layers{{.parts = {{0, 0.4, weight}, {1, 1.3, 1 - weight}}}};
         const std::vector<Affine> local = stage.run({layers});
         const std::vector<std::vector<ReferenceLayer>> references = stage.reference_layers(layers);
         for (size_t joint = 0; joint < stage.joint_count(); ++joint) {
-            const std::vector<ReferenceVoice>& voices = references[joint][0].voices;
-            const Trs<double> wanted = blend_reference(voices[0].pose, voices[1].pose, weight),
-                              got = voices_reference(references[joint]);
+            const std::vector<ReferenceActiveClip>& active_clips = references[joint][0].active_clips;
+            const Trs<double> wanted = blend_reference(active_clips[0].pose, active_clips[1].pose, weight),
+                              got = active_clips_reference(references[joint]);
             EXPECT_LE(error_of(to_affine(got).as<float>(), wanted), 1e-7);  // float's rounding
             EXPECT_LE(error_of(local[joint], wanted), kBound);
         }
@@ -306,7 +309,7 @@ TEST(Voices, TwoInOneLayerAreABlend) {
 }
 
 // A layer without weight at a joint leaves what lies below to the bit; one of weight 1 covers it to the bit.
-TEST(Voices, WeightsOfNothingAndOfOneAreExact) {
+TEST(ActiveClips, WeightsOfNothingAndOfOneAreExact) {
     const Stage stage(make_character({.joint_count = 65, .clip_count = 4}), make_masks(65));
     const Layer base{.parts = {{0, 0.3, 0.5f}, {1, 0.2, 0.5f}}}, wave{.parts = {{2, 0.7, 0.25f}, {3, 0.1, 0.75f}}};
     const auto with = [](Layer layer, bool is_additive, float weight, uint32_t mask) {
@@ -346,7 +349,7 @@ TEST(Voices, WeightsOfNothingAndOfOneAreExact) {
 }
 
 // A clip's difference from its first row is nothing in its first row: rounding, and no more.
-TEST(Voices, AFirstRowAddsNothing) {
+TEST(ActiveClips, AFirstRowAddsNothing) {
     const Stage stage(make_character({.joint_count = 65, .clip_count = 4}));
     const Layer base{.parts = {{0, 0.3}}};
     const std::vector<Affine> local = stage.run({{base},
@@ -382,7 +385,7 @@ Character two_row_clips(const std::vector<std::array<Trs<float>, 2>>& clips) {
 }
 
 // Half turns this way and that, half each, add to no rotation at all: the last one has its way.
-TEST(Voices, RotationsThatCancel) {
+TEST(ActiveClips, RotationsThatCancel) {
     const Trs<float> still{}, half{.rotation = {1, 0, 0, 0}, .translation = {1, 0, 0}},
         other_half{.rotation = {-1, 0, 0, 0}, .translation = {3, 0, 0}};
     const Stage stage(two_row_clips({{still, half}, {still, other_half}, {still, still}}));
@@ -398,14 +401,15 @@ TEST(Voices, RotationsThatCancel) {
         const Trs<double> wanted{.rotation = axis_angle(Vec3<double>{1, 0, 0}, angles_rad[i]),
                                  .translation = {i == 1 ? 1.0 : 2.0, 0, 0}};
         EXPECT_LE(error_of(local[i], wanted), kBound) << "instance " << i;
-        EXPECT_LE(error_of(to_affine(voices_reference(stage.reference_layers(instances[i])[0])).as<float>(), wanted),
-                  1e-7)
+        EXPECT_LE(
+            error_of(to_affine(active_clips_reference(stage.reference_layers(instances[i])[0])).as<float>(), wanted),
+            1e-7)
             << "the reference, instance " << i;
     }
 }
 
 // A scale that begins at nothing has no ratio, and is left alone.
-TEST(Voices, ScalesFromNothingAddNothing) {
+TEST(ActiveClips, ScalesFromNothingAddNothing) {
     const Stage stage(two_row_clips(
         {{Trs<float>{.scale = {1, 2, 4}}, {}}, {Trs<float>{.scale = {0, 1, 2}}, Trs<float>{.scale = {5, 3, 1}}}}));
     const std::vector<Affine> local = stage.run({{{.parts = {{0, 0}}}, {.is_additive = true, .parts = {{1, 1}}}}});
@@ -413,46 +417,46 @@ TEST(Voices, ScalesFromNothingAddNothing) {
 }
 
 // The reference against hand-made numbers.
-TEST(Voices, TheReferenceAddsInTheSpaceOfTheParent) {
+TEST(ActiveClips, TheReferenceAddsInTheSpaceOfTheParent) {
     const auto about_z = [](double angle_rad) { return axis_angle(Vec3<double>{0, 0, 1}, angle_rad); };
-    const ReferenceVoice base{.pose = {about_z(0.3), {1, 0, 0}, {1, 2, 1}}, .first = {}};
-    const ReferenceVoice lean{.pose = {-about_z(0.9), {0, 5, 0}, {2, 2, 3}},
-                              .first = {about_z(0.5), {0, 3, 0}, {1, 4, 3}}};
-    const Trs<double> half = voices_reference(
-        std::vector<ReferenceLayer>{{.voices = {base}}, {.is_additive = true, .weight = 0.5, .voices = {lean}}});
+    const ReferenceActiveClip base{.pose = {about_z(0.3), {1, 0, 0}, {1, 2, 1}}, .first = {}};
+    const ReferenceActiveClip lean{.pose = {-about_z(0.9), {0, 5, 0}, {2, 2, 3}},
+                                   .first = {about_z(0.5), {0, 3, 0}, {1, 4, 3}}};
+    const Trs<double> half = active_clips_reference(std::vector<ReferenceLayer>{
+        {.active_clips = {base}}, {.is_additive = true, .weight = 0.5, .active_clips = {lean}}});
     EXPECT_NEAR(std::abs(dot(half.rotation, about_z(0.5))), 1, 1e-12);
     EXPECT_LE(length(half.translation - Vec3<double>{1, 1, 0}) + length(half.scale - Vec3<double>{1.5, 1.5, 1}), 1e-12);
 
     // From the left: first the pose below, then the difference.
     const Quaternion<double> x = axis_angle(Vec3<double>{1, 0, 0}, 1.0);
-    const Trs<double> turned = voices_reference(std::vector<ReferenceLayer>{
-        {.voices = {{.pose = {x, {}, {1, 1, 1}}, .first = {}}}}, {.is_additive = true, .voices = {lean}}});
+    const Trs<double> turned = active_clips_reference(std::vector<ReferenceLayer>{
+        {.active_clips = {{.pose = {x, {}, {1, 1, 1}}, .first = {}}}}, {.is_additive = true, .active_clips = {lean}}});
     EXPECT_NEAR(std::abs(dot(turned.rotation, about_z(0.4) * x)), 1, 1e-12);
 }
 
 // A list that fills its room ends there, whatever its flags say.
-TEST(Voices, AListEndsWithItsRoom) {
+TEST(ActiveClips, AListEndsWithItsRoom) {
     const Stage stage(make_character({.joint_count = 65}));
     std::vector<Layers> instances;
     for (const double time_s : {0.1, 0.3, 0.5})
         instances.push_back({{.parts = {{0, time_s, 0.5f}, {1, 0.4, 0.5f}}}, {.weight = 0.5f, .parts = {{2, time_s}}}});
-    std::vector<io::Voice> voices = stage.voices(instances, 3);
-    const std::vector<Affine> wanted = stage.run(voices, 3);
-    for (io::Voice& voice : voices) voice.flags &= ~io::kVoiceEnds;
-    EXPECT_TRUE(same_bits(stage.run(voices, 3), wanted));
+    std::vector<io::ActiveClip> active_clips = stage.active_clips(instances, 3);
+    const std::vector<Affine> wanted = stage.run(active_clips, 3);
+    for (io::ActiveClip& active_clip : active_clips) active_clip.flags &= ~io::kActiveClipEnds;
+    EXPECT_TRUE(same_bits(stage.run(active_clips, 3), wanted));
     EXPECT_TRUE(same_bits(stage.run(instances, 9), wanted)) << "room to spare";
 }
 
-TEST(Voices, AreReadFromATableThatTheDeviceWrote) {
+TEST(ActiveClips, AreReadFromATableThatTheDeviceWrote) {
     const Stage stage(make_character({.joint_count = 65}), make_masks(65));
     Random random(5);
-    const std::vector<io::Voice> voices = stage.voices(
+    const std::vector<io::ActiveClip> active_clips = stage.active_clips(
         {random_layers(random, stage.character(), 5), random_layers(random, stage.character(), 8)}, 8);
-    const Buffer table = make_table<io::Voice>(test_gpu(), "voices", voices.size());
+    const Buffer table = make_table<io::ActiveClip>(test_gpu(), "voices", active_clips.size());
     test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
-        test_gpu()->vk.vkCmdUpdateBuffer(commands, table.handle(), 0, table.size_bytes(), voices.data());
+        test_gpu()->vk.vkCmdUpdateBuffer(commands, table.handle(), 0, table.size_bytes(), active_clips.data());
     });
-    EXPECT_TRUE(same_bits(stage.run(BufferRange(table), 2, 8), stage.run(voices, 8)));
+    EXPECT_TRUE(same_bits(stage.run(BufferRange(table), 2, 8), stage.run(active_clips, 8)));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "compile/mesh/detail.h"
+#include "compile/mesh/lod.h"
 
 #include "bind/bind_reference.h"
 #include "compile/clip/sampled_poses.h"
@@ -25,7 +25,7 @@ constexpr float kLeastError = 1e-6f;   // of the character's size, which roundin
 
 // In model space.
 std::vector<Vec3<float>> positions_in(const Character& character, const SampledPose& pose) {
-    const std::vector<MorphLayer> layers{{.voices = {{.clip = pose.clip, .time_s = pose.time_s}}}};
+    const std::vector<MorphLayer> layers{{.active_clips = {{.clip = pose.clip, .time_s = pose.time_s}}}};
     const std::vector<WeightedMorph> morphs = active_morphs_reference(morphs_reference(character, layers));
     std::vector<Vec3<float>> positions;
     for (const Vec3<double>& p :
@@ -153,9 +153,9 @@ private:
 };
 using CoarseLevel = std::vector<CoarseSection>;  // [sections]
 
-class DetailMaker {
+class LodMaker {
 public:
-    explicit DetailMaker(Character& character) : character_(character), levels_(kDetailLimit) {
+    explicit LodMaker(Character& character) : character_(character), levels_(kLodLimit) {
         const SampledPose rest{.clip = static_cast<uint32_t>(character.clips.size())};
         const std::vector<Vec3<float>> positions = positions_in(character, rest);
         for (const MeshSection& section : character.sections)
@@ -198,7 +198,7 @@ private:
 };
 
 // As long as triangles become markedly fewer.
-void DetailMaker::keep_levels() {
+void LodMaker::keep_levels() {
     size_t count_before = character_.indices.size();
     float error = kLeastError * character_.size;
     for (const CoarseLevel& level : levels_) {
@@ -210,20 +210,19 @@ void DetailMaker::keep_levels() {
         for (const CoarseSection& section : level) {
             const Coarse& coarse = section.best();
             error = std::max(error, coarse.error);
-            character_.detail_ranges.push_back({static_cast<uint32_t>(character_.detail_indices.size()),
-                                                static_cast<uint32_t>(coarse.indices.size())});
-            character_.detail_indices.insert(character_.detail_indices.end(), coarse.indices.begin(),
-                                             coarse.indices.end());
+            character_.lod_ranges.push_back(
+                {static_cast<uint32_t>(character_.lod_indices.size()), static_cast<uint32_t>(coarse.indices.size())});
+            character_.lod_indices.insert(character_.lod_indices.end(), coarse.indices.begin(), coarse.indices.end());
         }
-        character_.details.push_back({error});
+        character_.lods.push_back({error});
     }
 }
 
 }  // namespace
 
-uint64_t make_details(Character& character) {
+uint64_t make_lods(Character& character) {
     if (character.indices.size() <= kFewest) return 0;
-    DetailMaker maker(character);
+    LodMaker maker(character);
     for (const SampledPose& pose : sampled_poses(character, kPoses)) maker.measure_in(pose);
     maker.keep_levels();
     return maker.steps();

@@ -1,7 +1,7 @@
 // What compile_character() adds for the draw: coarser meshes, and how far clips take the mesh.
 #include "compile/file/character_file.h"
-#include "compile/mesh/detail.h"
-#include "compile/rig/joint_detail.h"
+#include "compile/mesh/lod.h"
+#include "compile/rig/joint_lod.h"
 #include "compile/mesh/triangle_index.h"
 #include "reference/reference.h"
 #include "skin/skin_reference.h"
@@ -16,7 +16,7 @@
 namespace throng::test {
 namespace {
 
-Character detailed() {
+Character with_lods() {
     return *compile_character(*make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500}));
 }
 
@@ -55,18 +55,18 @@ std::vector<Triangle> triangles_of(std::span<const uint32_t> indices, std::span<
 // one's triangles, in their middles and those of their edges, from the finest.
 double furthest_from_level(const Character& character, size_t level, const ReferencePose& pose) {
     Character reduced = character;
-    reduced.influences = influences_of_detail(character, static_cast<uint32_t>(level + 1));
+    reduced.influences = influences_of_lod(character, static_cast<uint32_t>(level + 1));
     const std::vector<Vec3<double>> fine = reference_positions(character, pose),
                                     coarse = reference_positions(reduced, pose);
     double furthest = 0;
     for (size_t i = 0; i < character.sections.size(); ++i) {
         const MeshSection& section = character.sections[i];
-        const IndexRange& range = character.detail_ranges[level * character.sections.size() + i];
+        const IndexRange& range = character.lod_ranges[level * character.sections.size() + i];
         const auto of_section = [&](std::span<const Vec3<double>> all) {
             return all.subspan(section.first_vertex, section.vertex_count);
         };
         const std::vector<Triangle> coarse_mesh = triangles_of(
-            std::span(character.detail_indices).subspan(range.first_index, range.index_count), of_section(coarse));
+            std::span(character.lod_indices).subspan(range.first_index, range.index_count), of_section(coarse));
         const std::vector<Triangle> fine_mesh = triangles_of(
             std::span(character.indices).subspan(section.first_index, section.index_count), of_section(fine));
         for (const Vec3<double>& vertex : of_section(fine))
@@ -113,10 +113,10 @@ Asset make_strip() {
 }
 
 // In the rest pose, and at random times of clips, which are not those that the compiler has looked at.
-TEST(Detail, LevelsHaveFewerTrianglesWithinTheirErrors) {
-    for (const Character& character : {detailed(), *compile_character(make_strip())}) {
-        ASSERT_GE(character.details.size(), 2u);
-        ASSERT_EQ(character.detail_ranges.size(), character.details.size() * character.sections.size());
+TEST(Lod, LevelsHaveFewerTrianglesWithinTheirErrors) {
+    for (const Character& character : {with_lods(), *compile_character(make_strip())}) {
+        ASSERT_GE(character.lods.size(), 2u);
+        ASSERT_EQ(character.lod_ranges.size(), character.lods.size() * character.sections.size());
         Random random(7);
         std::vector<ReferencePose> poses{*reference_pose(character, {})};
         for (int i = 0; i < 8; ++i) {
@@ -125,19 +125,19 @@ TEST(Detail, LevelsHaveFewerTrianglesWithinTheirErrors) {
                 character, {.first = {.clip = clip, .time_s = random.between(0, character.clips[clip].duration_s)}}));
         }
         size_t before = character.indices.size();
-        for (size_t level = 0; level < character.details.size(); ++level) {
+        for (size_t level = 0; level < character.lods.size(); ++level) {
             size_t count = 0;
             for (size_t i = 0; i < character.sections.size(); ++i) {
-                const IndexRange& range = character.detail_ranges[level * character.sections.size() + i];
+                const IndexRange& range = character.lod_ranges[level * character.sections.size() + i];
                 count += range.index_count;
                 ASSERT_EQ(range.index_count % 3, 0u);
                 for (uint32_t k = 0; k < range.index_count; ++k)
-                    ASSERT_LT(character.detail_indices[range.first_index + k], character.sections[i].vertex_count);
+                    ASSERT_LT(character.lod_indices[range.first_index + k], character.sections[i].vertex_count);
             }
             EXPECT_LE(count, before * 4 / 5);
             before = count;
-            const double error = character.details[level].error;
-            EXPECT_GE(error, level > 0 ? character.details[level - 1].error : 1e-7 * character.size);
+            const double error = character.lods[level].error;
+            EXPECT_GE(error, level > 0 ? character.lods[level - 1].error : 1e-7 * character.size);
             double furthest = 0;
             for (const ReferencePose& pose : poses)
                 furthest = std::max(furthest, furthest_from_level(character, level, pose));
@@ -151,13 +151,13 @@ TEST(Detail, LevelsHaveFewerTrianglesWithinTheirErrors) {
     }
 }
 
-TEST(Detail, WithoutClipsNoJointIsLeftOut) {
+TEST(Lod, WithoutClipsNoJointIsLeftOut) {
     Asset asset = make_strip();
     asset.clips.clear();
     const Character character = *compile_character(asset);
-    ASSERT_FALSE(character.details.empty());
-    EXPECT_TRUE(character.joint_details.empty());
-    EXPECT_GT(character.details[0].error, 0) << "or it would be drawn where there is no view";
+    ASSERT_FALSE(character.lods.empty());
+    EXPECT_TRUE(character.joint_lods.empty());
+    EXPECT_GT(character.lods[0].error, 0) << "or it would be drawn where there is no view";
 }
 
 // Of a chain of joints at rest, of which the last has a vertex, only one moves, by so much.
@@ -176,25 +176,25 @@ Character chain_with_one_that_moves(uint32_t joint_count, uint32_t mover, float 
     character.vertices.resize(1);
     character.influences = {{.weights = {1, 0, 0, 0}, .entries = {static_cast<uint16_t>(joint_count - 1)}}};
     character.sections = {{.vertex_count = 1}};
-    character.details = {{1}, {10}};
+    character.lods = {{1}, {10}};
     return character;
 }
 
-TEST(Detail, JointsOfDeepChainsAreWeighedInOneWalk) {
+TEST(Lod, JointsOfDeepChainsAreWeighedInOneWalk) {
     constexpr uint32_t kJoints = 20'000;
     Character far = chain_with_one_that_moves(kJoints, kJoints - 1, 4),
               near = chain_with_one_that_moves(kJoints, kJoints - 1, 0.25f),
               middle = chain_with_one_that_moves(kJoints, kJoints / 2, 4);
-    make_joint_details(far);
-    EXPECT_EQ(std::ranges::count(far.joint_details, 1u), kJoints - 1) << "in the second level none but the root moves";
-    EXPECT_EQ(far.joint_details[0], 2u);
-    EXPECT_EQ(far.details[0].error, 1);
-    EXPECT_EQ(far.details[1].error, 14) << "that of the surface, and of the joint that does not move";
-    make_joint_details(near);
-    EXPECT_EQ(std::ranges::count(near.joint_details, 0u), kJoints - 1);
-    EXPECT_EQ(near.details[0].error, 1.25f);
-    make_joint_details(middle);
-    EXPECT_EQ(std::ranges::count(middle.joint_details, 1u), kJoints / 2) << "those below it rest";
+    make_joint_lods(far);
+    EXPECT_EQ(std::ranges::count(far.joint_lods, 1u), kJoints - 1) << "in the second level none but the root moves";
+    EXPECT_EQ(far.joint_lods[0], 2u);
+    EXPECT_EQ(far.lods[0].error, 1);
+    EXPECT_EQ(far.lods[1].error, 14) << "that of the surface, and of the joint that does not move";
+    make_joint_lods(near);
+    EXPECT_EQ(std::ranges::count(near.joint_lods, 0u), kJoints - 1);
+    EXPECT_EQ(near.lods[0].error, 1.25f);
+    make_joint_lods(middle);
+    EXPECT_EQ(std::ranges::count(middle.joint_lods, 1u), kJoints / 2) << "those below it rest";
 }
 
 // Each triangle has vertices of its own, at places that they share: nothing can be collapsed.
@@ -213,23 +213,23 @@ AssetPrimitive in_pieces(const AssetPrimitive& whole) {
     return pieces;
 }
 
-TEST(Detail, WhatIsInPiecesHasLevelsToo) {
+TEST(Lod, WhatIsInPiecesHasLevelsToo) {
     Asset asset = make_strip();
     asset.meshes[0].primitives[0] = in_pieces(asset.meshes[0].primitives[0]);
     const Character character = *compile_character(asset);
     ASSERT_EQ(character.indices.size(), 256u * 3);
-    ASSERT_GE(character.details.size(), 2u);
-    EXPECT_LE(character.detail_ranges[0].index_count, 256u * 3 * 2 / 5);
+    ASSERT_GE(character.lods.size(), 2u);
+    EXPECT_LE(character.lod_ranges[0].index_count, 256u * 3 * 2 / 5);
     const ReferencePose rest = *reference_pose(character, {});
-    for (size_t level = 0; level < character.details.size(); ++level) {
-        EXPECT_LE(furthest_from_level(character, level, rest), 1.01 * character.details[level].error);
-        EXPECT_LT(character.details[level].error, 0.2f * character.size);
+    for (size_t level = 0; level < character.lods.size(); ++level) {
+        EXPECT_LE(furthest_from_level(character, level, rest), 1.01 * character.lods[level].error);
+        EXPECT_LT(character.lods[level].error, 0.2f * character.size);
     }
 }
 
 // Two strips side by side at rest, which a clip takes apart: a triangle of a cluster of both is as wide as they are
 // apart.
-TEST(Detail, WhatMovesApartIsNotJoinedUnseen) {
+TEST(Lod, WhatMovesApartIsNotJoinedUnseen) {
     Asset asset = make_strip();
     AssetPrimitive& both = asset.meshes[0].primitives[0];
     const size_t count = both.positions.size(), index_count = both.indices.size();
@@ -248,9 +248,9 @@ TEST(Detail, WhatMovesApartIsNotJoinedUnseen) {
              {.node = 1, .target = TrackTarget::kTranslation, .times_s = {0, 1}, .values = {1, 0, 0, 1, 3, 0}}}}};
     const Character character = *compile_character(asset);
     const ReferencePose apart = *reference_pose(character, {.first = {.clip = 0, .time_s = 0.9}});
-    ASSERT_FALSE(character.details.empty());
-    for (size_t level = 0; level < character.details.size(); ++level)
-        EXPECT_LE(furthest_from_level(character, level, apart), 1.1 * character.details[level].error)
+    ASSERT_FALSE(character.lods.empty());
+    for (size_t level = 0; level < character.lods.size(); ++level)
+        EXPECT_LE(furthest_from_level(character, level, apart), 1.1 * character.lods[level].error)
             << "level " << level + 1;
 }
 
@@ -288,17 +288,17 @@ double furthest_place(std::span<const Vec3<float>> places, const TriangleIndex& 
     return std::sqrt(furthest);
 }
 
-TEST(Detail, LargeMeshesAreMeasuredAtEveryVertex) {
+TEST(Lod, LargeMeshesAreMeasuredAtEveryVertex) {
     const Character character = *compile_character(make_rock(), kExact);
     ASSERT_EQ(character.indices.size(), 45'000u * 3);
-    ASSERT_EQ(character.details.size(), kDetailLimit);
+    ASSERT_EQ(character.lods.size(), kLodLimit);
     std::vector<Vec3<float>> positions;
     for (const Vec3<double>& p : reference_positions(character, *reference_pose(character, {})))
         positions.push_back(p.as<float>());
     const TriangleIndex fine(character.indices, positions);
-    for (size_t level = 0; level < kDetailLimit; ++level) {
-        const IndexRange& range = character.detail_ranges[level];
-        const auto indices = std::span(character.detail_indices).subspan(range.first_index, range.index_count);
+    for (size_t level = 0; level < kLodLimit; ++level) {
+        const IndexRange& range = character.lod_ranges[level];
+        const auto indices = std::span(character.lod_indices).subspan(range.first_index, range.index_count);
         std::vector<Vec3<float>> middles;
         for (size_t k = 0; k < indices.size(); k += 3) {
             const Vec3<float>&a = positions[indices[k]], &b = positions[indices[k + 1]], &c = positions[indices[k + 2]];
@@ -306,20 +306,20 @@ TEST(Detail, LargeMeshesAreMeasuredAtEveryVertex) {
         }
         const TriangleIndex coarse(indices, positions);
         const double furthest = std::max(furthest_place(positions, coarse), furthest_place(middles, fine));
-        EXPECT_LE(furthest, double{character.details[level].error}) << "level " << level + 1;
-        EXPECT_GE(furthest, 0.999 * double{character.details[level].error}) << "level " << level + 1;
+        EXPECT_LE(furthest, double{character.lods[level].error}) << "level " << level + 1;
+        EXPECT_GE(furthest, 0.999 * double{character.lods[level].error}) << "level " << level + 1;
     }
 }
 
 // Twice the triangles are twice the work, and some for each level of the index.
-TEST(Detail, WorkGrowsNoFasterThanTheMesh) {
+TEST(Lod, WorkGrowsNoFasterThanTheMesh) {
     std::vector<double> steps_per_face;
     for (const uint32_t faces : {12'500u, 100'000u}) {
         const Asset asset = *make_creature({.joint_count = 60, .level_count = 15, .face_count = faces});
-        Character character = *compile_character(asset, {.error = 0, .levels_of_detail = false});
+        Character character = *compile_character(asset, {.error = 0, .lods = false});
         EXPECT_NEAR(static_cast<double>(character.indices.size()) / 3, faces, 0.01 * faces);
-        steps_per_face.push_back(static_cast<double>(make_details(character)) / faces);
-        EXPECT_EQ(character.details.size(), kDetailLimit);
+        steps_per_face.push_back(static_cast<double>(make_lods(character)) / faces);
+        EXPECT_EQ(character.lods.size(), kLodLimit);
         std::printf("  %u faces: %.0f boxes and triangles looked at for each, in 9 poses\n", faces,
                     steps_per_face.back());
     }
@@ -327,13 +327,13 @@ TEST(Detail, WorkGrowsNoFasterThanTheMesh) {
     EXPECT_LE(steps_per_face[1], 1.5 * steps_per_face[0]);
 }
 
-TEST(Detail, AreLeftOutWhereNotWanted) {
+TEST(Lod, AreLeftOutWhereNotWanted) {
     const Asset asset = *make_creature({.joint_count = 60, .level_count = 15, .face_count = 1500});
     Character with = *compile_character(asset);
-    const Character without = *compile_character(asset, {.levels_of_detail = false});
-    ASSERT_FALSE(with.details.empty());
-    EXPECT_TRUE(without.details.empty());
-    with.details.clear(), with.detail_ranges.clear(), with.detail_indices.clear(), with.joint_details.clear();
+    const Character without = *compile_character(asset, {.lods = false});
+    ASSERT_FALSE(with.lods.empty());
+    EXPECT_TRUE(without.lods.empty());
+    with.lods.clear(), with.lod_ranges.clear(), with.lod_indices.clear(), with.joint_lods.clear();
     const std::string path = testing::TempDir() + "/without_details.throng";
     const auto bytes_of = [&](const Character& character) {
         EXPECT_TRUE(save_character(character, path));
@@ -343,16 +343,16 @@ TEST(Detail, AreLeftOutWhereNotWanted) {
     std::filesystem::remove(path);
 }
 
-TEST(Detail, SmallMeshesHaveNone) {
-    EXPECT_TRUE(make_character({.joint_count = 5, .vertex_count = 12}).details.empty());
-    EXPECT_TRUE(make_character({.joint_count = 5, .vertex_count = 0}).details.empty());
+TEST(Lod, SmallMeshesHaveNone) {
+    EXPECT_TRUE(make_character({.joint_count = 5, .vertex_count = 12}).lods.empty());
+    EXPECT_TRUE(make_character({.joint_count = 5, .vertex_count = 0}).lods.empty());
 }
 
 // Vertices at random times, also of a clip's last row, lie within its bounds.
-TEST(Detail, BoundsOfClipsHoldTheirPoses) {
+TEST(Lod, BoundsOfClipsHoldTheirPoses) {
     Random random(2);
     for (const Character& character :
-         {detailed(), make_character({.joint_count = 30, .seed = 3, .cubic = true, .morph_count = 4})}) {
+         {with_lods(), make_character({.joint_count = 30, .seed = 3, .cubic = true, .morph_count = 4})}) {
         for (uint32_t clip = 0; clip < character.clips.size(); ++clip) {
             const Vec3<double> low = character.clips[clip].bounds_min.as<double>(),
                                high = character.clips[clip].bounds_max.as<double>();
@@ -375,25 +375,25 @@ TEST(Detail, BoundsOfClipsHoldTheirPoses) {
 
 // Skinned by the joints of a level alone, a vertex stays within a third of the level's error of where it is with all of
 // them, in the rest pose and at random times of clips.
-TEST(Detail, JointsOfALevelAreEnoughForIt) {
-    const Character character = detailed();
+TEST(Lod, JointsOfALevelAreEnoughForIt) {
+    const Character character = with_lods();
     const uint32_t joint_count = character.rig.joint_count();
-    ASSERT_EQ(character.joint_details.size(), joint_count);
+    ASSERT_EQ(character.joint_lods.size(), joint_count);
     Random random(5);
     uint32_t count_before = joint_count;
-    for (uint32_t detail = 1; detail <= character.details.size(); ++detail) {
+    for (uint32_t lod = 1; lod <= character.lods.size(); ++lod) {
         Character reduced = character;
-        reduced.influences = influences_of_detail(character, detail);
+        reduced.influences = influences_of_lod(character, lod);
         uint32_t count = 0;
         for (uint32_t joint = 0; joint < joint_count; ++joint) {
             const uint32_t parent = character.rig.parents[joint];
-            ASSERT_LE(character.joint_details[joint],
-                      parent == kNone ? character.details.size() : character.joint_details[parent]);
-            count += character.joint_details[joint] >= detail;
+            ASSERT_LE(character.joint_lods[joint],
+                      parent == kNone ? character.lods.size() : character.joint_lods[parent]);
+            count += character.joint_lods[joint] >= lod;
         }
         for (const Influences& influences : reduced.influences)
             for (const uint16_t entry : influences.entries)
-                ASSERT_GE(character.joint_details[character.palette[entry].joint], detail);
+                ASSERT_GE(character.joint_lods[character.palette[entry].joint], lod);
         double furthest = 0;
         for (int i = 0; i < 30; ++i) {
             const uint32_t clip = random.below(static_cast<uint32_t>(character.clips.size()));
@@ -405,33 +405,32 @@ TEST(Detail, JointsOfALevelAreEnoughForIt) {
             for (size_t vertex = 0; vertex < all.size(); ++vertex)
                 furthest = std::max(furthest, length(all[vertex] - some[vertex]));
         }
-        EXPECT_LE(furthest, 1.1 / 3 * character.details[detail - 1].error);
+        EXPECT_LE(furthest, 1.1 / 3 * character.lods[lod - 1].error);
         EXPECT_LT(count, count_before);
-        std::printf("  level %u: %u of %u joints, a vertex moves by %.1e of the size; the mesh by %.1e\n", detail,
-                    count, joint_count, furthest / character.size,
-                    character.details[detail - 1].error / character.size);
+        std::printf("  level %u: %u of %u joints, a vertex moves by %.1e of the size; the mesh by %.1e\n", lod, count,
+                    joint_count, furthest / character.size, character.lods[lod - 1].error / character.size);
         count_before = count;
     }
-    EXPECT_EQ(influences_of_detail(character, 0).size(), character.influences.size());
+    EXPECT_EQ(influences_of_lod(character, 0).size(), character.influences.size());
 }
 
-TEST(Detail, CraftedLevelsAreRefused) {
-    const Character sound = detailed();
+TEST(Lod, CraftedLevelsAreRefused) {
+    const Character sound = with_lods();
     const std::vector<std::pair<void (*)(Character&), const char*>> wrong{
-        {[](Character& c) { c.details[1].error = c.details[0].error / 2; }, "details[1]"},
-        {[](Character& c) { c.details[0].error = std::numeric_limits<float>::quiet_NaN(); }, "details[0]"},
-        {[](Character& c) { c.details.resize(kDetailLimit + 1); }, "the limit is 3"},
-        {[](Character& c) { c.detail_ranges.pop_back(); }, "detail ranges"},
-        {[](Character& c) { c.detail_ranges[0].first_index = 3; }, "detail ranges[0]"},
-        {[](Character& c) { c.detail_ranges.back().index_count += 3; }, "of " /* those that are there */},
-        {[](Character& c) { c.detail_ranges.back().index_count -= 1; }, "triangles"},
-        {[](Character& c) { c.detail_indices.push_back(0); }, "detail indices"},
-        {[](Character& c) { c.detail_indices[5] = 0xFFFFFFFFu; }, "detail indices[5]"},
-        {[](Character& c) { c.joint_details.pop_back(); }, "joint details"},
-        {[](Character& c) { c.joint_details[0] = 0; }, "joint details[0]"},
-        {[](Character& c) { c.joint_details[3] = kDetailLimit + 1; }, "joint details[3]"},
+        {[](Character& c) { c.lods[1].error = c.lods[0].error / 2; }, "lods[1]"},
+        {[](Character& c) { c.lods[0].error = std::numeric_limits<float>::quiet_NaN(); }, "lods[0]"},
+        {[](Character& c) { c.lods.resize(kLodLimit + 1); }, "the limit is 3"},
+        {[](Character& c) { c.lod_ranges.pop_back(); }, "lod ranges"},
+        {[](Character& c) { c.lod_ranges[0].first_index = 3; }, "lod ranges[0]"},
+        {[](Character& c) { c.lod_ranges.back().index_count += 3; }, "of " /* those that are there */},
+        {[](Character& c) { c.lod_ranges.back().index_count -= 1; }, "triangles"},
+        {[](Character& c) { c.lod_indices.push_back(0); }, "lod indices"},
+        {[](Character& c) { c.lod_indices[5] = 0xFFFFFFFFu; }, "lod indices[5]"},
+        {[](Character& c) { c.joint_lods.pop_back(); }, "joint lods"},
+        {[](Character& c) { c.joint_lods[0] = 0; }, "joint lods[0]"},
+        {[](Character& c) { c.joint_lods[3] = kLodLimit + 1; }, "joint lods[3]"},
         {[](Character& c) {
-             c.skins.back().joint_count -= 1, std::fill(c.joint_details.begin() + 1, c.joint_details.end(), 0);
+             c.skins.back().joint_count -= 1, std::fill(c.joint_lods.begin() + 1, c.joint_lods.end(), 0);
          },
          "stands for it"},
         {[](Character& c) { c.clips[0].bounds_max.y = std::numeric_limits<float>::infinity(); }, "bounds"},

@@ -1,13 +1,13 @@
 // Poses that the application set. Shared by C++ and GLSL.
-#ifndef THRONG_POSED_IO_H
-#define THRONG_POSED_IO_H
+#ifndef THRONG_POSE_OVERRIDE_IO_H
+#define THRONG_POSE_OVERRIDE_IO_H
 #include "gpu/shader_types.h"
 THRONG_IO_BEGIN
 
 // Of an instance, read as words of a table.
 struct InstancePose {
     uint slot;     // of its pose in poses[slot][joint]; of no meaning where the weight is 0
-    float weight;  // 0: as it is animated, 1: as posed
+    float weight;  // 0: as it is animated, 1: as it was set
 };
 
 THRONG_IO_END

@@ -1,5 +1,5 @@
-// The pace stage of crowds whose skin matrices outlive an update: of instances that are not animated in all of them,
-// and of those that are drawn anew where previous matrices are kept.
+// The update_rate stage of crowds whose skin matrices outlive an update: of instances that are not animated in all of
+// them, and of those that are drawn anew where previous matrices are kept.
 #pragma once
 
 #include "crowd/batch_plan.h"
@@ -7,11 +7,11 @@
 
 namespace throng {
 
-class PaceStage : public Stage {
+class UpdateRateStage : public Stage {
 public:
     // Of those batches whose group is animated only where drawn; keeps references to both.
-    PaceStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
-              const CrowdSettings& settings);
+    UpdateRateStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
+                    const CrowdSettings& settings);
 
     // Behind the fused update.
     void record(const Update& update) override;

@@ -1,16 +1,17 @@
-// The voices of an instance -> the pose of one joint. Included by the staged kernel and by the fused one; defined by
-// voices_reference.h. The includer declares the tables `tracks`, `keys` and `words` as for sample/sample.glsl, `voices`
-// (TABLE_OF_ROWS, two rows a Voice: [instance][push.voice_limit]) and `masks` (TABLE_OF_WORDS, floats:
-// [mask][rig_joint_count()]), `push` and the constant kPacked.
+// The active clips of an instance -> the pose of one joint. Included by the staged kernel and by the fused one; defined
+// by active_clips_reference.h. The includer declares the tables `tracks`, `keys` and `words` as for sample/sample.glsl,
+// `active_clips` (TABLE_OF_ROWS, two rows a ActiveClip: [instance][push.active_clip_limit]) and `masks`
+// (TABLE_OF_WORDS, floats: [mask][rig_joint_count()]), `push` and the constant kPacked.
 //
-// Layers lie on each other from the lowest up. A layer's pose is the weighted sum of its voices: rotations each in the
-// hemisphere of the sum so far, normalised at the end. Source of the sum and its limits: Gramkow, On Averaging
+// Layers lie on each other from the lowest up. A layer's pose is the weighted sum of its active clips: rotations each
+// in the hemisphere of the sum so far, normalised at the end. Source of the sum and its limits: Gramkow, On Averaging
 // Rotations, IJCV 42, 2001. An additive layer sums differences from the first rows of its clips; a difference from the
-// identity is the pose itself, so both go one way. With VOICES_IN_ORDER the includer has blend/model_rotations.glsl,
-// and layers may blend their rotations in model space; elsewhere there are none that do.
+// identity is the pose itself, so both go one way. With ACTIVE_CLIPS_IN_ORDER the includer has
+// blend/model_rotations.glsl, and layers may blend their rotations in model space; elsewhere there are none that do.
 //
-// The loop samples once a round, which keeps the code small and the registers few: an additive voice takes two rounds,
-// its reference first. It ends at its bottom, since a software device runs all that lies behind a break once more.
+// The loop samples once a round, which keeps the code small and the registers few: an additive active clip takes two
+// rounds, its reference first. It ends at its bottom, since a software device runs all that lies behind a break once
+// more.
 #include "blend/blend.glsl"
 #include "control/controller_io.h"
 #include "sample/sample.glsl"
@@ -21,25 +22,25 @@ const JointPose kEmptySum = JointPose(vec4(0), vec4(0), vec4(0));
 const float kCancelled = 1e-12;
 const float kNoScale = 1e-8;  // a scale below it has no ratio
 
-Voice voice_at(uint index) {
-    const uvec4 a = ROW_AT(voices, 2 * index), b = ROW_AT(voices, 2 * index + 1);
-    return Voice(a.x, a.y, a.z, uintBitsToFloat(a.w), uintBitsToFloat(b.x), uintBitsToFloat(b.y), b.z, b.w);
+ActiveClip active_clip_at(uint index) {
+    const uvec4 a = ROW_AT(active_clips, 2 * index), b = ROW_AT(active_clips, 2 * index + 1);
+    return ActiveClip(a.x, a.y, a.z, uintBitsToFloat(a.w), uintBitsToFloat(b.x), uintBitsToFloat(b.y), b.z, b.w);
 }
 
-// Of the voice's layer at this joint.
-float layer_weight(Voice voice, uint joint) {
-    const bool is_masked = (voice.flags & kVoiceMasked) != 0;
+// Of the active clip's layer at this joint.
+float layer_weight(ActiveClip active_clip, uint joint) {
+    const bool is_masked = (active_clip.flags & kActiveClipMasked) != 0;
     const float mask = uintBitsToFloat(
-        WORD_AT(masks, is_masked ? (voice.flags >> kVoiceMaskShift) * rig_joint_count() + joint : 0));
-    return is_masked ? voice.layer_weight * mask : voice.layer_weight;
+        WORD_AT(masks, is_masked ? (active_clip.flags >> kActiveClipMaskShift) * rig_joint_count() + joint : 0));
+    return is_masked ? active_clip.layer_weight * mask : active_clip.layer_weight;
 }
 
 // Where only the rotation is asked for, the rest is the identity's.
-JointPose sample_voice(Voice voice, uint joint, bool at_reference, bool only_rotation) {
-    const SlotCursor cursor = SlotCursor(voice.first_track, at_reference ? voice.reference_row : voice.earlier,
-                                         at_reference ? voice.reference_row : voice.later,
-                                         at_reference ? 0 : voice.fraction);
-    const uvec4 joint_tracks = ROW_AT(tracks, voice.first_track + joint);
+JointPose sample_active_clip(ActiveClip active_clip, uint joint, bool at_reference, bool only_rotation) {
+    const SlotCursor cursor = SlotCursor(
+        active_clip.first_track, at_reference ? active_clip.reference_row : active_clip.earlier,
+        at_reference ? active_clip.reference_row : active_clip.later, at_reference ? 0 : active_clip.fraction);
+    const uvec4 joint_tracks = ROW_AT(tracks, active_clip.first_track + joint);
     if (only_rotation)
         return JointPose(sample_rotation(joint_tracks.x, cursor), kIdentityPose.translation, kIdentityPose.scale);
     return sample_joint(joint_tracks, cursor);
@@ -54,7 +55,7 @@ JointPose pose_difference(JointPose to, JointPose from) {
 }
 
 // A difference turns the shorter way, so that its sum does not depend on the order.
-JointPose add_voice(JointPose sum, JointPose part, float weight, bool is_additive) {
+JointPose add_active_clip(JointPose sum, JointPose part, float weight, bool is_additive) {
     const vec4 side = is_additive ? kIdentityPose.rotation : sum.rotation;
     return JointPose(sum.rotation + part.rotation * (dot(part.rotation, side) < 0 ? -weight : weight),
                      sum.translation + part.translation * weight, sum.scale + part.scale * weight);
@@ -71,37 +72,39 @@ JointPose apply_layer(JointPose layer, JointPose below, float weight, bool is_ad
                      below.scale * part.scale);
 }
 
-JointPose mix_voices(uint instance, uint joint, bool only_rotation) {
-    uint index = instance * push.voice_limit;
-    const uint end = index + push.voice_limit;  // kVoiceEnds comes before, but where the control stage has not run yet
+JointPose mix_active_clips(uint instance, uint joint, bool only_rotation) {
+    uint index = instance * push.active_clip_limit;
+    const uint end =
+        index + push.active_clip_limit;  // kActiveClipEnds comes before, but where the control stage has not run yet
     JointPose result = kIdentityPose, sum = kEmptySum, from = kIdentityPose;
     bool is_lowest = true, is_reference = false;
-#ifdef VOICES_IN_ORDER
+#ifdef ACTIVE_CLIPS_IN_ORDER
     uint model_layer = 0;
 #endif
     for (;;) {
-        const Voice voice = voice_at(index);
-        const bool is_additive = (voice.flags & kVoiceAdditive) != 0, ends_layer = (voice.flags & kVoiceEndsLayer) != 0;
-        const float weight = is_lowest ? 1 : layer_weight(voice, joint);  // the lowest layer covers
+        const ActiveClip active_clip = active_clip_at(index);
+        const bool is_additive = (active_clip.flags & kActiveClipAdditive) != 0,
+                   ends_layer = (active_clip.flags & kActiveClipEndsLayer) != 0;
+        const float weight = is_lowest ? 1 : layer_weight(active_clip, joint);  // the lowest layer covers
         is_reference = is_additive && !is_reference;
-#ifdef VOICES_IN_ORDER
+#ifdef ACTIVE_CLIPS_IN_ORDER
         // The lowest layer's rotations are the same in either space
-        const bool in_model_space = !is_lowest && (voice.flags & kVoiceModelRotations) != 0;
+        const bool in_model_space = !is_lowest && (active_clip.flags & kActiveClipModelRotations) != 0;
 #else
         const bool in_model_space = false;
 #endif
         if (weight > 0 || in_model_space) {
-            const JointPose pose = sample_voice(voice, joint, is_reference, only_rotation);
+            const JointPose pose = sample_active_clip(active_clip, joint, is_reference, only_rotation);
             if (is_reference) {
                 from = pose;
             } else {
                 const JointPose part = pose_difference(pose, from);
-                sum = add_voice(sum, part, voice.weight, is_additive);
+                sum = add_active_clip(sum, part, active_clip.weight, is_additive);
                 from = kIdentityPose;
                 if (ends_layer) {
                     const float square = dot(sum.rotation, sum.rotation);
                     sum.rotation = square < kCancelled ? part.rotation : sum.rotation * inversesqrt(square);
-#ifdef VOICES_IN_ORDER
+#ifdef ACTIVE_CLIPS_IN_ORDER
                     if (in_model_space)
                         result = apply_in_model_space(instance, joint, model_layer++, sum, result, weight);
                     else
@@ -115,12 +118,12 @@ JointPose mix_voices(uint instance, uint joint, bool only_rotation) {
             is_lowest = is_lowest && !ends_layer;
             ++index;
         }
-        if (!is_reference && (index == end || (voice.flags & kVoiceEnds) != 0)) break;
+        if (!is_reference && (index == end || (active_clip.flags & kActiveClipEnds) != 0)) break;
     }
     return result;
 }
 
-JointPose voices_pose(uint instance, uint joint) { return mix_voices(instance, joint, false); }
+JointPose active_clips_pose(uint instance, uint joint) { return mix_active_clips(instance, joint, false); }
 
 // Of a joint whose translation and scale are the same in all clips.
-vec4 voices_rotation(uint instance, uint joint) { return mix_voices(instance, joint, true).rotation; }
+vec4 active_clips_rotation(uint instance, uint joint) { return mix_active_clips(instance, joint, true).rotation; }

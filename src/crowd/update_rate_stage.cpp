@@ -1,24 +1,25 @@
-#include "crowd/pace_stage.h"
+#include "crowd/update_rate_stage.h"
 
 #include "cull/cull_io.h"
 #include "gpu/barrier.h"
-#include "pace/pace.h"
+#include "update_rate/update_rate.h"
 
 namespace throng {
 
-PaceStage::PaceStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
-                     const CrowdSettings& settings)
+UpdateRateStage::UpdateRateStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
+                                 const std::vector<Batch>& batches, const CrowdSettings& settings)
     : gpu_(std::move(gpu)), groups_(groups), batches_(batches), keeps_previous_(settings.keep_previous_matrices) {
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
-        if (!groups_[batch.group].is_paced(settings)) continue;
-        if (!kernel_) kernel_ = pace_kernel(gpu_, settings.skin_format);
+        if (!groups_[batch.group].skips_updates(settings)) continue;
+        if (!kernel_) kernel_ = update_rate_kernel(gpu_, settings.skin_format);
         Member& member = members_.emplace_back(Member{.batch = i, .to_current = {}, .to_previous = {}});
         for (size_t k = 0; k < (keeps_previous_ ? 2 : 1); ++k) {
             const Buffer& current = batch.skins[k];
             const Buffer& previous = keeps_previous_ ? batch.skins[1 - k] : current;
             const BufferTable table = batch.table(groups_[batch.group], {})
-                                          .set({{io::kSkinAheadBuffer, batch[io::kSkinAheadBuffer].or_else(current)}});
+                                          .set(
+                                              {{io::kSkinTargetBuffer, batch[io::kSkinTargetBuffer].or_else(current)}});
             member.to_current[k] = kernel_->bind(
                 table.with({{io::kPreviousSkinBuffer, previous}, {io::kSkinBuffer, current}}));
             if (keeps_previous_)
@@ -28,18 +29,18 @@ PaceStage::PaceStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
     }
 }
 
-void PaceStage::record(const Update& update) {
+void UpdateRateStage::record(const Update& update) {
     if (members_.empty()) return;
     const auto record_section = [&](uint32_t section, std::array<Bindings, 2> Member::*bindings) {
         for (const Member& member : members_) {
             const Batch& batch = batches_[member.batch];
             const Group& group = groups_[batch.group];
             const auto [set0, set1, set2, set3] = group.set_entry_counts;
-            const io::PacePush push{.section = section,
-                                    .palette_count = group.palette_count,
-                                    .unused0 = 0,
-                                    .unused1 = 0,
-                                    .entry_counts = {set0, set1, set2, set3}};
+            const io::UpdateRatePush push{.section = section,
+                                          .palette_count = group.palette_count,
+                                          .unused0 = 0,
+                                          .unused1 = 0,
+                                          .entry_counts = {set0, set1, set2, set3}};
             kernel_->dispatch_indirect(update.commands, (member.*bindings)[batch.current_skin], push,
                                        batch[io::kDispatchesBuffer], section);
         }
@@ -47,7 +48,7 @@ void PaceStage::record(const Update& update) {
     };
     record_section(io::kGoingOn, &Member::to_current);
     if (keeps_previous_) record_section(io::kAppearing, &Member::to_previous);
-    update.end_stage("pace");
+    update.end_stage("update_rate");
 }
 
 }  // namespace throng

@@ -1,4 +1,4 @@
-// The way of skin matrices to a pose that is animated ahead of time: the definition of the pace stage, in double
+// The way of skin matrices to a pose that is animated ahead of time: the definition of the update_rate stage, in double
 // precision.
 #pragma once
 
@@ -11,7 +11,7 @@ namespace throng {
 // A matrix `step` updates before it is to arrive: the same part of what is left in each update, 1 / step; of 1, it
 // arrives. Linearly; in crowds of similarities rotations are normalised on the shortest path, which differs from it by
 // what nobody sees in so small a character.
-AffineT<double> pace_reference(const AffineT<double>& previous, const AffineT<double>& ahead, uint32_t step);
+AffineT<double> update_rate_reference(const AffineT<double>& previous, const AffineT<double>& target, uint32_t step);
 
 // Of how many updates an instance of such a size on the screen, in pixels, is animated in one.
 uint32_t period_reference(double size_pixels, double full_rate_pixels);

@@ -1,0 +1,16 @@
+// The pose that the application set for an instance, over the animated one, by its weight. The includer declares the
+// tables `pose_overrides` (TABLE_OF_WORDS, two words an InstancePose: [instance]) and `poses` (TABLE_OF_ROWS, three
+// rows a JointPose: [slot][rig_joint_count()]), and that function. Defined by blend_reference.h. At the weights 0 and 1
+// it is the animated pose, or the one that was set, to the bit.
+#include "blend/blend.glsl"
+#include "blend/pose_override_io.h"
+
+JointPose overridden_pose(uint instance, uint joint, JointPose animated) {
+    const float weight = uintBitsToFloat(WORD_AT(pose_overrides, 2 * instance + 1));
+    if (weight <= 0) return animated;
+    const uint row = 3 * (WORD_AT(pose_overrides, 2 * instance) * rig_joint_count() + joint);
+    const JointPose pose = JointPose(uintBitsToFloat(ROW_AT(poses, row)), uintBitsToFloat(ROW_AT(poses, row + 1)),
+                                     uintBitsToFloat(ROW_AT(poses, row + 2)));
+    if (weight >= 1) return pose;
+    return blend_joint(pose, animated, weight);
+}

@@ -1,0 +1,14 @@
+// The update_rate stage: skin matrices between two updates of an instance that is not animated in all of them.
+#pragma once
+
+#include "gpu/kernel.h"
+#include "update_rate/update_rate_io.h"
+
+#include <throng/crowd.h>
+
+namespace throng {
+
+// Dispatched with io::UpdateRatePush, a workgroup for each instance of the section.
+Kernel update_rate_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format);
+
+}  // namespace throng
