@@ -97,7 +97,7 @@ struct Clip {
     // weights that it animates are constant.
     uint32_t first_morph_time = 0, morph_row_count = 0;
     uint32_t morph_row_stride = 0;  // from one row to the next in Character::morph_values
-    // Of the mesh at all times of the clip (morphs at weight 1 included), model space
+    // Box around the mesh at all times of the clip (morphs at weight 1 included), model space
     Vec3<float> bounds_min{}, bounds_max{};
 };
 

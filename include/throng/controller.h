@@ -84,15 +84,15 @@ struct ControllerTransition {
 
 enum class LayerMode { kOverride, kAdditive };
 
-// Without states: plays what Crowd::play() says.
+// A layer without states plays what Crowd::play() says.
 struct ControllerLayer {
     std::string name{};
     LayerMode mode = LayerMode::kOverride;
-    // Of a layer without states: Crowd::play() may ask for inertial fades, for which each instance keeps 144 bytes a
+    // In a layer without states, Crowd::play() may ask for inertial fades, for which each instance keeps 144 bytes a
     // joint
     bool inertial_plays = false;
-    // Of kOverride: rotations are blended as they stand in the model, not in their parents (docs/controller.md); such
-    // groups are updated in stages
+    // In a layer of mode kOverride, rotations are blended as they stand in the model, not in their parents
+    // (docs/controller.md); such groups are updated in stages
     bool model_space_rotations = false;
     std::string mask{};  // empty: all joints
     float weight = 1;

@@ -70,7 +70,7 @@ struct LayerBlend {
     uint32_t mask = kNone;  // index of Controller::masks; kNone: all joints
 };
 
-// Of what is written of sockets: model_from_joint, or world_from_joint by the instance's placement.
+// What the outputs of sockets hold: model_from_joint, or world_from_joint by the instance's placement.
 enum class SocketSpace { kModel, kWorld };
 
 // How characters find their way over the ground, the plane of world x and z, y up: agents, that walk to their
@@ -82,8 +82,8 @@ struct Steering {
     float radius = 0.3f;
     float speed = 1.4f;  // world units a second, at most
     float turn = 3;      // radians a second, at most
-    // Of the controller: is told in each update how fast the agent wants to walk, in units of its model space a second;
-    // 0: it stands
+    // Parameter of the controller that is told in each update how fast the agent wants to walk, in units of its model
+    // space a second; 0: it stands
     uint32_t speed_parameter = kNone;
 };
 
@@ -131,7 +131,7 @@ struct GroupPath {
     ScanAdvice scan{};      // the scan method in use, also where "auto" chose it, and why
 };
 
-// Of skin matrices in OutputBlock::skin_buffer.
+// How OutputBlock::skin_buffer stores a skin matrix.
 enum class SkinFormat {
     kAffine,  // 48 bytes: three rows of four floats
     // 24 bytes: three rows of four half floats; each within 2^-10 of its value or 2^-24, whichever is larger; beyond
@@ -228,60 +228,74 @@ struct CrowdSettings {
     uint32_t watch_capacity = 64;     // instances that watch() takes
 };
 
-// Of OutputBlock::skinned_buffer.
+// A vertex in OutputBlock::skinned_buffer.
 struct SkinnedVertex {
     Vec3<float> position{};
     uint32_t normal_octahedral = 0;  // of length 1, as Vertex's
 };
 
-// Skin matrices of consecutive instances of one group, in one buffer: [instance_count][palette_count] in
-// CrowdSettings::skin_format, model space: skinned position = matrix * bind position. `previous_skin_buffer` likewise
-// holds those of the update before, where CrowdSettings::keep_previous_matrices is set; the two change places with
-// every record(). `model_buffer` holds model_from_joint, Affine[instance_count][joint_count], where
-// CrowdSettings::keep_model_matrices is set. `placement_buffer` holds world_from_model, Affine[instance_count].
-// `socket_buffer`, where the group has sockets, holds Affine[instance_count][socket_count], in
-// CrowdGroup::socket_space. `parameter_buffer`, where the group has a controller, holds
-// float[instance_count][parameter_count] and may be written by the application's own shaders or copies between two
-// updates. `root_buffer`, where the group has a controller and its character root motion, holds
-// float4[instance_count][5], of which the first is the last update's move over the ground: x, z, cosine and sine of the
-// turn about +y, in the character's space before it. `target_buffer`, where the group has procedural rules with
-// targets, holds float4[instance_count][target_count], a place of the world and in w the weight, and may be written
-// likewise. `destination_buffer`, where the group steers, holds float4[instance_count], a place of the world and in w
-// whether the agent has a destination (1 or 0), and may be written likewise. `morph_buffer`, where the character has
-// morphs, holds what each instance shows of them, {uint32_t morph; float weight;}[instance_count][kActiveMorphLimit],
-// the largest weight by magnitude first, weight 0 where there are fewer: bind position += weight * MorphDelta, before
-// skinning. `list_buffer`, where CrowdSettings::culls, holds uint32_t[5 + instance_count]: how many instances are
-// drawn, where those of each of four levels of detail begin behind the fifth word, then their numbers in the block,
-// level by level, ascending; and `draw_buffer` VkDrawIndexedIndirectCommand[section_count][4], whose n-th instance is
-// the n-th of its level in the list. `skinned_buffer`, where CrowdSettings::skins_once, holds
-// SkinnedVertex[instance_count][vertex_count], morphed and skinned, model space, in the order of Character::vertices;
-// of instances that are listed, those vertices that their level of detail has. Instances that are not in the list keep
-// the matrices of the last update that drew them (where previous ones are kept, in turns those of the last two); in one
-// that draws them anew, the previous ones are those of the update itself. A block's buffers fit the device's
-// storage-buffer range; offsets are 0. Valid once the recorded commands have run, until the next record() runs; written
-// by compute shaders, and made visible by record() to later compute, vertex and transfer reads on the same queue.
+// Results of consecutive instances of one group. Each buffer holds one entry after the other from offset 0, in the
+// shape that stands beside it; VK_NULL_HANDLE where the crowd does not have it. Buffers fit the device's storage-buffer
+// range. Valid once the recorded commands have run, until the next record() runs: written by compute shaders, and made
+// visible by record() to later compute, vertex, indirect and transfer reads on the same queue.
+//
+// Where CrowdSettings::culls, instances that are not listed keep the matrices of the last update that drew them (with
+// previous ones, which take turns, those of the last two); in an update that draws them anew, the previous matrices are
+// those of that update.
 struct OutputBlock {
     uint32_t group = 0;
     uint32_t first_instance = 0;  // of the crowd
     uint32_t instance_count = 0;
     uint32_t palette_count = 0;
     uint32_t joint_count = 0;
+
+    // Skin matrices, [instance_count][palette_count] in CrowdSettings::skin_format, model space: skinned position =
+    // matrix * bind position.
     VkBuffer skin_buffer = VK_NULL_HANDLE;
+    // Those of the update before, with CrowdSettings::keep_previous_matrices; changes places with skin_buffer in every
+    // record().
     VkBuffer previous_skin_buffer = VK_NULL_HANDLE;
+    // model_from_joint, Affine[instance_count][joint_count], with CrowdSettings::keep_model_matrices.
     VkBuffer model_buffer = VK_NULL_HANDLE;
+    // world_from_model, Affine[instance_count].
     VkBuffer placement_buffer = VK_NULL_HANDLE;
+
     uint32_t socket_count = 0;
+    // Transforms of CrowdGroup::sockets, Affine[instance_count][socket_count] in CrowdGroup::socket_space.
     VkBuffer socket_buffer = VK_NULL_HANDLE;
+
     uint32_t parameter_count = 0;
+    // Parameters of the controller, float[instance_count][parameter_count]. Between two updates the application's own
+    // shaders or copies may write it.
     VkBuffer parameter_buffer = VK_NULL_HANDLE;
+    // Root motion of a group with a controller, float4[instance_count][5], of which the first is the last update's move
+    // over the ground: x, z, then cosine and sine of the turn about +y, in the character's space before it.
     VkBuffer root_buffer = VK_NULL_HANDLE;
+
     uint32_t target_count = 0;
+    // Targets of procedural rules, float4[instance_count][target_count]: a place in world space, and its weight in w.
+    // May be written like the parameters.
     VkBuffer target_buffer = VK_NULL_HANDLE;
+    // Destinations of agents, float4[instance_count]: a place in world space, and in w whether the agent has one (1 or
+    // 0). May be written like the parameters.
     VkBuffer destination_buffer = VK_NULL_HANDLE;
+
+    // Morphs that each instance shows, {uint32_t morph; float weight;}[instance_count][kActiveMorphLimit], the largest
+    // weight by magnitude first, weight 0 where there are fewer. Before skinning: bind position += weight * MorphDelta.
     VkBuffer morph_buffer = VK_NULL_HANDLE;
+
+    // Instances that are drawn, uint32_t[5 + instance_count], with CrowdSettings::culls: their number, where those of
+    // each of four levels of detail begin behind the fifth word, then their numbers in the block, level by level,
+    // ascending.
     VkBuffer list_buffer = VK_NULL_HANDLE;
+    // Draw calls, VkDrawIndexedIndirectCommand[section_count][4 levels of detail], with CrowdSettings::culls; the n-th
+    // instance of a call is the n-th of its level in the list.
     VkBuffer draw_buffer = VK_NULL_HANDLE;
+
     uint32_t vertex_count = 0;
+    // Morphed and skinned vertices, SkinnedVertex[instance_count][vertex_count], model space, in the order of
+    // Character::vertices, with CrowdSettings::skins_once; where the crowd culls, only those that the listed instances
+    // have in their level of detail.
     VkBuffer skinned_buffer = VK_NULL_HANDLE;
 };
 
@@ -379,22 +393,23 @@ public:
     Result<void> set_playback(uint32_t first_instance, std::span<const Playback> playback);
     Result<void> set_placement(uint32_t first_instance, std::span<const Affine> world_from_model);
 
-    // Of instances whose group has a controller; taken up by the next record(), in the order of the calls. 32 bytes are
-    // uploaded for each, and applied on the GPU. Parameters: their numbers from `parameter` on, for one instance.
+    // For an instance whose group has a controller; taken up by the next record(), in the order of the calls. 32 bytes
+    // are uploaded for each, and applied on the GPU. set_parameters() sets one parameter after the other, from
+    // `parameter` on.
     // Errors: kInvalidArgument (no controller, layer with states, or without inertial plays, clip, mask or parameter
     // out of range, value not finite, negative fade, weight outside 0..1).
     Result<void> play(uint32_t instance, uint32_t layer, const LayerPlayback& playback);
     Result<void> set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend);
     Result<void> set_parameters(uint32_t instance, uint32_t parameter, std::span<const float> values);
 
-    // Of the procedural rules, from the next record() on. Until it is set a target has weight 0, and does nothing.
-    // Errors: kInvalidArgument (no such instance or target, value not finite, weight outside 0..1; wind: velocity
-    // beyond 1e6, gust outside 0..1, wavelength below 1e-6).
+    // Input of the procedural rules, from the next record() on. Until it is set a target has weight 0, and does
+    // nothing. Errors: kInvalidArgument (no such instance or target, value not finite, weight outside 0..1; wind:
+    // velocity beyond 1e6, gust outside 0..1, wavelength below 1e-6).
     Result<void> set_target(uint32_t instance, uint32_t target, const Vec3<float>& world_place, float weight);
     Result<void> set_wind(const Wind& wind);
-    // Of agents (CrowdGroup::steering), from the next record() on: where they walk, each to one of the places, of which
-    // the height does not matter; an agent stands where it is as long as it has no destination, and others keep away
-    // from it. It arrives within its radius; then it stands, and goes back when it has been pushed away by twice that.
+    // Where agents (CrowdGroup::steering) walk from the next record() on, each to one of the places, whose height does
+    // not matter; an agent stands where it is as long as it has no destination, and others keep away from it. It
+    // arrives within its radius; then it stands, and goes back when it has been pushed away by twice that.
     // 16 bytes are uploaded for each. Errors: kInvalidArgument (instance out of range, its group has no steering, place
     // not finite).
     Result<void> set_destination(uint32_t first_instance, std::span<const Vec3<float>> world_places);
@@ -452,8 +467,8 @@ public:
     Result<void> update(float time_step_s, const CrowdView* view = nullptr);
 
     std::span<const OutputBlock> outputs() const;
-    // Of the newest update that has finished, of the last four. Errors: kInvalidArgument where timestamps are off or
-    // nothing has run yet.
+    // Times of the newest of the last four updates that has finished. Errors: kInvalidArgument where timestamps are off
+    // or nothing has run yet.
     Result<StageTimes> stage_times() const;
 
     // Copies of one instance's results; they submit and wait. Shapes: [palette_count], [joint_count], [vertex_count].

@@ -39,13 +39,13 @@ Camera fit_camera(const Bounds& bounds, float aspect_ratio);
 // How pictures look; may change from frame to frame.
 struct DrawOptions {
     bool shadows = true;
-    // Of crowds that cull, render_frame() and record() leave out who is hidden behind others, which takes one more
-    // pass, the depths of those that were visible in the last frame: pays where some are large and hide many.
+    // render_frame() and record() leave out characters hidden behind others, in crowds that cull. Takes one more pass,
+    // the depths of those that were visible in the last frame: pays where some are large and hide many.
     bool occlusion = false;
-    // Of crowds that cull, in render_frame(), record() and view_of(): by which a coarser level of detail may be off;
+    // Pixels by which a coarser level of detail may be off, in crowds that cull (render_frame(), record(), view_of());
     // above 0
     float lod_pixels = 1;
-    float full_rate_pixels = 0, budget_ms = 0;  // of crowds that skip updates, likewise: as CrowdView has them
+    float full_rate_pixels = 0, budget_ms = 0;  // CrowdView's, for crowds that skip updates
     bool fog = true;                            // the ground and what is far away fade into the horizon
     float exposure = 1;                         // all light is multiplied by it; above 0
     Vec3<float> to_sun{-0.45f, 0.85f, 0.5f};    // world space, of any length; y at least a twentieth of it

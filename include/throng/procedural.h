@@ -14,8 +14,8 @@ namespace throng {
 // the one before. Lengths and places are in units of the world. Rules move what was posed, by clips, layers or
 // Crowd::set_pose().
 
-// Of a whole crowd; Crowd::set_wind(). Without velocity there is none. Speed and gust may change in each update; where
-// the direction or the wavelength changes, gusts are suddenly elsewhere.
+// The wind that blows over a whole crowd; Crowd::set_wind(). Without velocity there is none. Speed and gust may change
+// in each update; where the direction or the wavelength changes, gusts are suddenly elsewhere.
 struct Wind {
     Vec3<float> velocity{};  // units a second, world; at most 1e6
     float gust = 0.4f;       // how much of the speed comes and goes, 0..1

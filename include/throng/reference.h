@@ -51,8 +51,8 @@ public:
 
     // After the last update (before the first: the rest pose).
     ReferencePose pose() const;
-    // Of the last update; their instance is 0. `move` is root motion: world_from_model * move is where a character that
-    // stood at world_from_model stands now.
+    // What happened in the last update; the instance of its events is 0. `move` is root motion: world_from_model * move
+    // is where a character that stood at world_from_model stands now.
     std::span<const CharacterEvent> events() const;
     AffineT<double> move() const;
     std::span<const float> parameters() const;

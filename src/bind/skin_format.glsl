@@ -47,7 +47,7 @@ Affine load_skin(uint index) {
     return unpack(skin_affines[index]);
 }
 
-// Of a matrix that is one.
+// The similarity that a matrix is.
 Similarity load_skin_similarity(uint index) {
     if (kSkinFormat == kSkinSimilarity) return unpack(skin_similarities[index]);
     return similarity_from_affine(load_skin(index));

@@ -17,7 +17,7 @@ std::string skin_format_unsupported_reason(SkinFormat format, const Character& c
 // Why its vertices cannot be blended so; likewise.
 std::string skin_blend_unsupported_reason(SkinBlend blend, const Character& character);
 
-// Of matrices read back: whole ones.
+// Whole matrices of those read back.
 std::vector<Affine> unpack_skin(SkinFormat format, std::span<const std::byte> bytes);
 
 }  // namespace throng

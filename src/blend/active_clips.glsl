@@ -27,7 +27,7 @@ ActiveClip active_clip_at(uint index) {
     return ActiveClip(a.x, a.y, a.z, uintBitsToFloat(a.w), uintBitsToFloat(b.x), uintBitsToFloat(b.y), b.z, b.w);
 }
 
-// Of the active clip's layer at this joint.
+// Weight of the active clip's layer at this joint.
 float layer_weight(ActiveClip active_clip, uint joint) {
     const bool is_masked = (active_clip.flags & kActiveClipMasked) != 0;
     const float mask = uintBitsToFloat(

@@ -13,7 +13,7 @@ class BatchPlan {
 public:
     using Make = std::function<Buffer(Uploads& uploads, const std::string& what, uint64_t instance_count)>;
 
-    explicit BatchPlan(const Group& group) : group_(group) {}
+    BatchPlan(const Group& group, const CrowdSettings& settings) : group_(group), settings_(settings) {}
 
     // Contents are undefined. `instance_bytes`: of one instance.
     void add_storage(uint32_t number, uint64_t instance_bytes);
@@ -46,6 +46,7 @@ public:
     void limit(uint64_t instance_bytes) { largest_bytes_ = std::max(largest_bytes_, instance_bytes); }
 
     const Group& group() const { return group_; }
+    const CrowdSettings& settings() const { return settings_; }
     // What an instance takes of all buffers together.
     uint64_t instance_bytes() const;
     // What an instance takes of the buffer that it takes most of: this decides how many make a batch.
@@ -68,14 +69,12 @@ private:
     }
 
     const Group& group_;
+    const CrowdSettings& settings_;
     std::vector<Entry> entries_;
     uint64_t largest_bytes_ = 0;
 };
 
 // What the poses of CrowdGroup::pose_capacity take.
 uint64_t pose_bytes(const CrowdSettings& settings);
-
-// Results of either update: skin matrices, model matrices and sockets.
-void plan_matrices(BatchPlan& plan, const CrowdSettings& settings);
 
 }  // namespace throng

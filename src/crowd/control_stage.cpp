@@ -4,7 +4,6 @@
 #include "control/control.h"
 #include "control/control_reference.h"
 #include "control/playback.h"
-#include "gpu/barrier.h"
 
 #include <algorithm>
 
@@ -21,22 +20,20 @@ void ControlStage::plan(BatchPlan& plan) {
     plan.add_storage(io::kCursorsBuffer, sizeof(io::InstanceCursor));
 }
 
-ControlStage::ControlStage(const std::shared_ptr<Gpu>& gpu, const std::vector<Group>& groups,
-                           std::vector<Batch>& batches, uint32_t instance_count)
-    : gpu_(*gpu), groups_(groups), batches_(batches), member_of_batch_(batches.size(), kNone) {
-    playbacks_.reserve(instance_count);
+ControlStage::ControlStage(const StageContext& context) : Stage(context), member_of_batch_(batches_.size(), kNone) {
+    playbacks_.reserve(context.instance_count);
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
-        const Group& group = groups_[batch.group];
+        const Group& group = group_of(batch);
         const auto rest = static_cast<uint32_t>(group.clip_durations_s.size());
         const io::SlotPlayback rest_slot{.clip = rest, .loop = 0, .time_s = 0, .speed = 0};
         playbacks_.insert(playbacks_.end(), batch.instance_count, {rest_slot, rest_slot, 1});
         if (group.controller) continue;
-        if (!kernel_) kernel_ = control_kernel(gpu);
+        if (!kernel_) kernel_ = control_kernel(gpu_);
         member_of_batch_[i] = static_cast<uint32_t>(members_.size());
         members_.push_back({.batch = i, .blending_count = 0, .bindings = kernel_->bind(batch.table(group, {}))});
     }
-    dirty_.add(0, instance_count);
+    dirty_.add(0, context.instance_count);
 }
 
 io::InstancePlayback ControlStage::checked(uint32_t instance, const Playback& playback) const {
@@ -74,7 +71,7 @@ void ControlStage::begin(const Update& update) {
     for (const Member& member : members_) batches_[member.batch].blends = member.blending_count > 0;
     for_each_part(batches_, dirty_.take(), [&](const Batch& batch, uint32_t first, uint32_t count) {
         if (batch[io::kPlaybacksBuffer].handle())
-            record_update(gpu_, update.commands, batch[io::kPlaybacksBuffer], first - batch.first_instance,
+            record_update(*gpu_, update.commands, batch[io::kPlaybacksBuffer], first - batch.first_instance,
                           std::span<const io::InstancePlayback>(playbacks_).subspan(first, count));
     });
 }
@@ -85,10 +82,10 @@ void ControlStage::record(const Update& update) {
         const Batch& batch = batches_[member.batch];
         kernel_->dispatch_invocations(
             update.commands, member.bindings,
-            io::ControlPush{batch.instance_count, groups_[batch.group].joint_count, update.time_step_s},
+            io::ControlPush{batch.instance_count, group_of(batch).joint_count, update.time_step_s},
             batch.instance_count);
     }
-    memory_barrier(gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    separate_kernels(update.commands);
     update.end_stage("control");
 }
 

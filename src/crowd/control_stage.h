@@ -11,9 +11,8 @@ namespace throng {
 class ControlStage : public Stage {
 public:
     static void plan(BatchPlan& plan);
-    // Serves the batches whose group has no controller; keeps references to both lists.
-    ControlStage(const std::shared_ptr<Gpu>& gpu, const std::vector<Group>& groups, std::vector<Batch>& batches,
-                 uint32_t instance_count);
+    // Serves the batches whose group has no controller.
+    explicit ControlStage(const StageContext& context);
 
     // As Crowd::set_playback().
     void set(uint32_t first_instance, std::span<const Playback> playback);
@@ -30,9 +29,6 @@ private:
     };
     io::InstancePlayback checked(uint32_t instance, const Playback& playback) const;
 
-    const Gpu& gpu_;
-    const std::vector<Group>& groups_;
-    std::vector<Batch>& batches_;
     std::optional<Kernel> kernel_;
     std::vector<Member> members_;
     std::vector<uint32_t> member_of_batch_;

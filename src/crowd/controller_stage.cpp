@@ -37,16 +37,11 @@ void ControllerStage::plan(BatchPlan& plan) {
     if (group.has_root_motion()) plan.add_filled(io::kRootsBuffer, std::vector{standing_at(Affine{})});
 }
 
-ControllerStage::ControllerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
-                                 const std::vector<Batch>& batches, const FeedbackRing* feedback)
-    : gpu_(std::move(gpu)),
-      groups_(groups),
-      batches_(batches),
-      member_of_batch_(batches.size(), kNone),
-      feedback_(feedback) {
+ControllerStage::ControllerStage(const StageContext& context)
+    : Stage(context), member_of_batch_(batches_.size(), kNone), feedback_(context.feedback) {
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
-        const Group& group = groups_[batch.group];
+        const Group& group = group_of(batch);
         if (!group.controller) continue;
         if (members_.empty()) {
             command_kernel_ = command_kernel(gpu_);
@@ -68,7 +63,7 @@ void ControllerStage::add(uint32_t batch, const io::ControlCommand& command) {
 
 void ControllerStage::make_uploads(Member& member) {
     const Batch& batch = batches_[member.batch];
-    member.uploaded = Buffer(gpu_, groups_[batch.group].name + ": commands", kRound * sizeof(io::ControlCommand),
+    member.uploaded = Buffer(gpu_, group_of(batch).name + ": commands", kRound * sizeof(io::ControlCommand),
                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     member.commands = command_kernel_.bind({{io::kCommandsBuffer, member.uploaded},
                                             {io::kLayersBuffer, batch[io::kLayersBuffer]},
@@ -92,7 +87,7 @@ bool ControllerStage::record_round(VkCommandBuffer commands, size_t first) {
     memory_barrier(*gpu_, commands, kTransferWrite, kShaderRead | kShaderWrite);
     for (const Member& member : members_) {
         const auto count = static_cast<uint32_t>(count_of(member));
-        const GroupController& controller = *groups_[batches_[member.batch].group].controller;
+        const GroupController& controller = *group_of(batches_[member.batch]).controller;
         if (count > 0)
             command_kernel_.dispatch_invocations(
                 commands, member.commands, io::CommandPush{count, controller.layer_count, controller.parameter_count},
@@ -117,7 +112,7 @@ void ControllerStage::record(const Update& update) {
     if (members_.empty()) return;
     for (const Member& member : members_) {
         const Batch& batch = batches_[member.batch];
-        const Group& group = groups_[batch.group];
+        const Group& group = group_of(batch);
         const uint32_t inertia_flags = group.controller->is_inertial ? io::kPushIsInertial : 0;
         const uint32_t morph_flags = batch[io::kActiveClipTimesBuffer].handle() ? io::kPushTellsTimes : 0;
         const uint32_t root_flags = batch[io::kRootsBuffer].handle()
@@ -135,7 +130,7 @@ void ControllerStage::record(const Update& update) {
                                .flags = root_flags | inertia_flags | morph_flags},
             batch.instance_count);
     }
-    memory_barrier(*gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    separate_kernels(update.commands);
     update.end_stage("control");
 }
 

@@ -13,10 +13,8 @@ namespace throng {
 class ControllerStage : public Stage {
 public:
     static void plan(BatchPlan& plan);
-    // Of those batches whose group has a controller; keeps references to all. Events go to the feedback, which is there
-    // where a group has a controller.
-    ControllerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
-                    const FeedbackRing* feedback);
+    // Serves the batches whose group has a controller. Events go to the feedback, which is there where a group has one.
+    explicit ControllerStage(const StageContext& context);
 
     // Queues what the next begin() hands to the GPU; `command.instance` is of the batch.
     void add(uint32_t batch, const io::ControlCommand& command);
@@ -37,9 +35,6 @@ private:
     void make_uploads(Member& member);
     bool record_round(VkCommandBuffer commands, size_t first);
 
-    std::shared_ptr<Gpu> gpu_;
-    const std::vector<Group>& groups_;
-    const std::vector<Batch>& batches_;
     Kernel command_kernel_, controller_kernel_;
     std::vector<Member> members_;
     std::vector<uint32_t> member_of_batch_;

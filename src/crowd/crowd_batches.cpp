@@ -23,23 +23,6 @@ uint64_t pose_bytes(const CrowdSettings& settings) {
     return sum;
 }
 
-void plan_matrices(BatchPlan& plan, const CrowdSettings& settings) {
-    const Group& group = plan.group();
-    // The update_rate stage reads skin matrices as rows of 16 bytes.
-    const auto add_skin = [&](uint32_t number) {
-        const uint64_t bytes = uint64_t{std::max(group.palette_count, 1u)} * skin_format_bytes(settings.skin_format);
-        if (!group.skips_updates(settings)) return plan.add_storage(number, bytes);
-        plan.add(number, bytes, [=](Uploads& uploads, const std::string& what, uint64_t n) {
-            return make_table_bytes(uploads.gpu(), what, (n * bytes + 15) / 16 * 16, 16);
-        });
-    };
-    add_skin(io::kSkinBuffer);
-    if (settings.keep_previous_matrices) add_skin(io::kPreviousSkinBuffer);
-    if (settings.skips_updates && group.skips_updates(settings)) add_skin(io::kSkinTargetBuffer);
-    if (group.sockets) plan.add_storage(io::kSocketsBuffer, group.socket_count() * kMatrix_bytes);
-    if (settings.keep_model_matrices) plan.add_storage(io::kModelBuffer, group.joint_count * kMatrix_bytes);
-}
-
 void CrowdState::check_groups(const CrowdSettings& settings) const {
     uint64_t total = 0;
     for (const CrowdGroup& group : settings.groups) {

@@ -9,6 +9,28 @@
 #include <utility>
 
 namespace throng {
+namespace {
+
+struct StageKind {
+    bool (*is_needed)(const CrowdSettings&);
+    void (*plan)(BatchPlan&);
+    std::unique_ptr<Stage> (*make)(const StageContext&);
+};
+
+template <class T>
+constexpr StageKind kind_of() {
+    return {T::is_needed, T::plan,
+            [](const StageContext& context) -> std::unique_ptr<Stage> { return std::make_unique<T>(context); }};
+}
+
+// An update, in its order.
+constexpr std::array kStages{kind_of<PlacementStage>(), kind_of<ControlStage>(),    kind_of<ControllerStage>(),
+                             kind_of<SteerStage>(),     kind_of<TerrainStage>(),    kind_of<CullStage>(),
+                             kind_of<PoseStage>(),      kind_of<MorphStage>(),      kind_of<ProceduralStage>(),
+                             kind_of<FusedUpdate>(),    kind_of<UpdateRateStage>(), kind_of<StagedUpdate>(),
+                             kind_of<SkinStage>()};
+
+}  // namespace
 
 CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& settings)
     : gpu(std::move(gpu_in)),
@@ -34,45 +56,31 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     timer = std::make_unique<StageTimer>(gpu, end_count);
 }
 
-template <class T, class... Arguments>
-T* CrowdState::add_stage(Arguments&&... arguments) {
-    auto stage = std::make_unique<T>(std::forward<Arguments>(arguments)...);
-    T* const added = stage.get();
-    stages.push_back(std::move(stage));
-    return added;
-}
-
-// The update's sentence.
-void CrowdState::make_stages(Uploads& uploads, const CrowdSettings& settings) {
-    placements = add_stage<PlacementStage>(gpu, batches, instance_count);
-    control = add_stage<ControlStage>(gpu, groups, batches, instance_count);
-    controllers = add_stage<ControllerStage>(gpu, groups, batches, feedback ? &*feedback : nullptr);
-    steer = add_stage<SteerStage>(gpu, groups, batches);
-    if (settings.terrain) add_stage<TerrainStage>(uploads, settings, groups, batches);
-    if (settings.culls) cull = add_stage<CullStage>(uploads, groups, batches, settings);
-    poses = add_stage<PoseStage>(gpu, groups, batches);
-    add_stage<MorphStage>(gpu, groups, batches);
-    procedural = add_stage<ProceduralStage>(gpu, groups, batches);
-    add_stage<FusedUpdate>(gpu, groups, batches, settings);
-    add_stage<UpdateRateStage>(gpu, groups, batches, settings);
-    staged = add_stage<StagedUpdate>(gpu, groups, batches, skin_format, *procedural);
-    if (settings.skins_once) add_stage<SkinStage>(gpu, groups, batches, settings);
-}
-
 BatchPlan CrowdState::plan_batches(const Group& group, const CrowdSettings& settings) const {
-    BatchPlan plan(group);
-    PlacementStage::plan(plan);
-    ControlStage::plan(plan);
-    ControllerStage::plan(plan);
-    SteerStage::plan(plan);
-    if (settings.culls) CullStage::plan(plan);
-    PoseStage::plan(plan);
-    MorphStage::plan(plan);
-    ProceduralStage::plan(plan);
-    StagedUpdate::plan(plan);
-    if (settings.skins_once) SkinStage::plan(plan);
-    plan_matrices(plan, settings);
+    BatchPlan plan(group, settings);
+    for (const StageKind& kind : kStages)
+        if (kind.is_needed(settings)) kind.plan(plan);
     return plan;
+}
+
+void CrowdState::make_stages(Uploads& uploads, const CrowdSettings& settings) {
+    const StageContext context{.uploads = uploads,
+                               .settings = settings,
+                               .groups = groups,
+                               .batches = batches,
+                               .instance_count = instance_count,
+                               .feedback = feedback ? &*feedback : nullptr,
+                               .before = stages};
+    for (const StageKind& kind : kStages)
+        if (kind.is_needed(settings)) stages.push_back(kind.make(context));
+    placements = find_stage<PlacementStage>(stages);
+    control = find_stage<ControlStage>(stages);
+    controllers = find_stage<ControllerStage>(stages);
+    steer = find_stage<SteerStage>(stages);
+    cull = find_stage<CullStage>(stages);
+    poses = find_stage<PoseStage>(stages);
+    procedural = find_stage<ProceduralStage>(stages);
+    staged = find_stage<StagedUpdate>(stages);
 }
 
 Update CrowdState::update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const {

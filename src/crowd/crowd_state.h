@@ -62,13 +62,13 @@ struct CrowdState {
     std::unique_ptr<StageTimer> timer;
     std::optional<FeedbackRing> feedback;
 
-    // In the order of an update; those below are among them.
+    // In the order of an update; those below are among them, null where the crowd does not need them.
     std::vector<std::unique_ptr<Stage>> stages;
     PlacementStage* placements = nullptr;
     ControlStage* control = nullptr;
     ControllerStage* controllers = nullptr;
     SteerStage* steer = nullptr;
-    CullStage* cull = nullptr;  // where CrowdSettings::culls
+    CullStage* cull = nullptr;
     PoseStage* poses = nullptr;
     ProceduralStage* procedural = nullptr;
     StagedUpdate* staged = nullptr;
@@ -82,8 +82,6 @@ private:
     void add_output(const Batch& batch);
     void make_feedback(const CrowdSettings& settings);
     void make_stages(Uploads& uploads, const CrowdSettings& settings);
-    template <class T, class... Arguments>
-    T* add_stage(Arguments&&... arguments);
     Update update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const;
     void take_turns();
     float budgeted_full_rate_pixels(const CrowdView* view);

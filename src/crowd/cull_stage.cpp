@@ -91,15 +91,12 @@ void CullStage::plan(BatchPlan& plan) {
              commands(std::vector<VkDispatchIndirectCommand>(io::kWorkSections + 1, {0, 1, 1})));
 }
 
-CullStage::CullStage(Uploads& uploads, const std::vector<Group>& groups, const std::vector<Batch>& batches,
-                     const CrowdSettings& settings)
-    : gpu_(uploads.gpu()),
-      groups_(groups),
-      batches_(batches),
-      keeps_previous_(settings.keep_previous_matrices),
-      may_skip_(settings.skips_updates),
+CullStage::CullStage(const StageContext& context)
+    : Stage(context),
+      keeps_previous_(context.settings.keep_previous_matrices),
+      may_skip_(context.settings.skips_updates),
       kernels_(gpu_),
-      view_(upload_table(uploads, "view", std::vector{cull_view_of(nullptr, 0)})) {
+      view_(upload_table(context.uploads, "view", std::vector{cull_view_of(nullptr, 0)})) {
     for (size_t i = 0; i < batches_.size(); ++i) {
         Member& member = members_.emplace_back();
         member.cull = kernels_.cull.bind(table_of(i));
@@ -110,7 +107,7 @@ CullStage::CullStage(Uploads& uploads, const std::vector<Group>& groups, const s
 
 BufferTable CullStage::table_of(size_t index) const {
     const Batch& batch = batches_[index];
-    return batch.table(groups_[batch.group], {}).set({{io::kViewBuffer, view_}});
+    return batch.table(group_of(batch), {}).set({{io::kViewBuffer, view_}});
 }
 
 void CullStage::begin(const Update& update) {
@@ -127,7 +124,7 @@ void CullStage::discard() {
 }
 
 io::CullPush CullStage::push_of(const Batch& batch) const {
-    const Group& group = groups_[batch.group];
+    const Group& group = group_of(batch);
     const Vec3<float> centre = (group.posed_min + group.posed_max) * 0.5f,
                       half = (group.posed_max - group.posed_min) * 0.5f;
     std::array<float, io::kLodCount> errors{};
@@ -160,7 +157,7 @@ void CullStage::record(const Update& update) {
 void CullStage::record_lists(const Update& update) const {
     for_each_batch(update.commands, [&](size_t i) {
         const Batch& batch = batches_[i];
-        const Group& group = groups_[batch.group];
+        const Group& group = group_of(batch);
         io::OffsetsPush push{.workgroup_count = workgroups_of(batch.instance_count),
                              .section_count = static_cast<uint32_t>(group.sections.size()),
                              .instances_of_workgroup = {1, 1, 1, 1}};

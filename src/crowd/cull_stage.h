@@ -17,11 +17,10 @@ io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels);
 
 class CullStage : public Stage {
 public:
+    static bool is_needed(const CrowdSettings& settings) { return settings.culls; }
     // The list and the work of a batch, and the commands that animate and draw it; nothing is listed yet.
     static void plan(BatchPlan& plan);
-    // Of all batches, which have a list; keeps references to both.
-    CullStage(Uploads& uploads, const std::vector<Group>& groups, const std::vector<Batch>& batches,
-              const CrowdSettings& settings);
+    explicit CullStage(const StageContext& context);
 
     void begin(const Update& update) override;
     void record(const Update& update) override;
@@ -49,9 +48,6 @@ private:
     BufferTable table_of(size_t index) const;
     const Reveal& reveal_for(const DepthImage& depths);
 
-    std::shared_ptr<Gpu> gpu_;
-    const std::vector<Group>& groups_;
-    const std::vector<Batch>& batches_;
     bool keeps_previous_, may_skip_;
     CullKernels kernels_;
     Buffer view_;

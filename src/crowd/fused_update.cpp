@@ -2,22 +2,38 @@
 
 #include "bind/sockets.h"
 #include "cull/cull_io.h"
-#include "gpu/barrier.h"
 
 #include <algorithm>
 
 namespace throng {
 
-FusedUpdate::FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
-                         const CrowdSettings& settings)
-    : gpu_(std::move(gpu)), groups_(groups), batches_(batches), culls_(settings.culls) {
+void FusedUpdate::plan(BatchPlan& plan) {
+    const Group& group = plan.group();
+    const CrowdSettings& settings = plan.settings();
+    // The update_rate stage reads skin matrices as rows of 16 bytes.
+    const auto add_skin = [&](uint32_t number) {
+        const uint64_t bytes = uint64_t{std::max(group.palette_count, 1u)} * skin_format_bytes(settings.skin_format);
+        if (!group.skips_updates(settings)) return plan.add_storage(number, bytes);
+        plan.add(number, bytes, [=](Uploads& uploads, const std::string& what, uint64_t n) {
+            return make_table_bytes(uploads.gpu(), what, (n * bytes + 15) / 16 * 16, 16);
+        });
+    };
+    add_skin(io::kSkinBuffer);
+    if (settings.keep_previous_matrices) add_skin(io::kPreviousSkinBuffer);
+    if (settings.skips_updates && group.skips_updates(settings)) add_skin(io::kSkinTargetBuffer);
+    if (group.sockets) plan.add_storage(io::kSocketsBuffer, group.socket_count() * sizeof(Affine));
+    if (settings.keep_model_matrices) plan.add_storage(io::kModelBuffer, group.joint_count * sizeof(Affine));
+}
+
+FusedUpdate::FusedUpdate(const StageContext& context) : Stage(context), culls_(context.settings.culls) {
     for (const Group& group : groups_) {
         std::vector<Kernels>& sets = kernels_.emplace_back();
-        for (size_t set = 0; set < group.fused.size(); ++set) sets.push_back(make_kernels(group, set, settings));
+        for (size_t set = 0; set < group.fused.size(); ++set)
+            sets.push_back(make_kernels(group, set, context.settings));
     }
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
-        const Group& group = groups_[batch.group];
+        const Group& group = group_of(batch);
         if (group.fused.empty()) continue;
         Member& member = members_.emplace_back(Member{.batch = i, .sets = {}, .sockets = {}});
         bind(member);
@@ -48,7 +64,7 @@ FusedUpdate::Kernels FusedUpdate::make_kernels(const Group& group, size_t set, c
 
 void FusedUpdate::bind(Member& member) const {
     const Batch& batch = batches_[member.batch];
-    const Group& group = groups_[batch.group];
+    const Group& group = group_of(batch);
     for (size_t set = 0; set < group.fused.size(); ++set) {
         SetBindings& bindings = member.sets.emplace_back();
         // What the character does not have is the dispatch's own output: two dispatches then never share it.
@@ -83,16 +99,16 @@ void FusedUpdate::record_sets(VkCommandBuffer commands, const Applies& applies) 
     for (const Group& group : groups_) most = std::max(most, group.fused.size());
     for (uint32_t set = 0; set < most; ++set) {
         for (const Member& member : members_) {
-            const Group& group = groups_[batches_[member.batch].group];
+            const Group& group = group_of(batches_[member.batch]);
             if (set < group.fused.size() && applies(group)) record_set(commands, member, set);
         }
-        memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+        separate_kernels(commands);
     }
 }
 
 void FusedUpdate::record_set(VkCommandBuffer commands, const Member& member, uint32_t set) const {
     const Batch& batch = batches_[member.batch];
-    const Group& group = groups_[batch.group];
+    const Group& group = group_of(batch);
     const Kernels& kernels = kernels_[batch.group][set];
     const FusedJoints& joints = group.fused[set];
     const SetBindings& bindings = member.sets[set];
@@ -116,14 +132,14 @@ void FusedUpdate::record_set(VkCommandBuffer commands, const Member& member, uin
 void FusedUpdate::record_sockets(VkCommandBuffer commands) const {
     for (const Member& member : members_) {
         const Batch& batch = batches_[member.batch];
-        const Group& group = groups_[batch.group];
+        const Group& group = group_of(batch);
         if (!group.sockets || group.socket_space != SocketSpace::kWorld) continue;
         sockets_->dispatch_invocations(
             commands, member.sockets,
             io::SocketPush{batch.instance_count, group.joint_count, group.socket_count(), group.socket_flags()},
             batch.instance_count * group.socket_count());
     }
-    memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    separate_kernels(commands);
 }
 
 }  // namespace throng

@@ -8,12 +8,13 @@ namespace throng {
 
 class FusedUpdate : public Stage {
 public:
-    // Of those batches whose group is fused; keeps references to both.
-    FusedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
-                const CrowdSettings& settings);
+    // Skin matrices, and what else either path of an update writes.
+    static void plan(BatchPlan& plan);
+    // Serves the batches whose group is fused.
+    explicit FusedUpdate(const StageContext& context);
 
     void record(const Update& update) override;
-    // Of those groups alone that are animated only where drawn.
+    // Animates the groups that are animated only where drawn.
     void record_disoccluded(const Update& update, const DepthImage& depths) override;
     uint32_t end_count() const override { return 2; }
 
@@ -39,9 +40,6 @@ private:
     void record_set(VkCommandBuffer commands, const Member& member, uint32_t set) const;
     bool is_listed(const Group& group) const { return culls_ && group.animates_drawn_only(); }
 
-    std::shared_ptr<Gpu> gpu_;
-    const std::vector<Group>& groups_;
-    const std::vector<Batch>& batches_;
     void record_sockets(VkCommandBuffer commands) const;
 
     bool culls_;

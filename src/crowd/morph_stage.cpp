@@ -7,14 +7,13 @@ void MorphStage::plan(BatchPlan& plan) {
         plan.add_storage(io::kActiveMorphsBuffer, io::kActiveMorphs * sizeof(io::ActiveMorph));
 }
 
-MorphStage::MorphStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches)
-    : groups_(groups), batches_(batches) {
+MorphStage::MorphStage(const StageContext& context) : Stage(context) {
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
-        const Group& group = groups_[batch.group];
+        const Group& group = group_of(batch);
         if (group.morph_count == 0) continue;
         std::optional<Kernel>& kernel = kernels_[group.controller.has_value()];
-        if (!kernel) kernel = morph_kernel(gpu, group.controller.has_value());
+        if (!kernel) kernel = morph_kernel(gpu_, group.controller.has_value());
         members_.push_back({i, kernel->bind(batch.table(group, batch[io::kActiveMorphsBuffer]))});
     }
 }
@@ -23,7 +22,7 @@ void MorphStage::record(const Update& update) {
     if (members_.empty()) return;
     for (const Member& member : members_) {
         const Batch& batch = batches_[member.batch];
-        const Group& group = groups_[batch.group];
+        const Group& group = group_of(batch);
         const io::MorphPush push{batch.instance_count, group.morph_count, group.joint_count,
                                  group.controller ? group.controller->active_clip_limit : 0};
         kernel_of(group).dispatch_invocations(update.commands, member.bindings, push, batch.instance_count);

@@ -11,8 +11,8 @@ namespace throng {
 class MorphStage : public Stage {
 public:
     static void plan(BatchPlan& plan);
-    // Of those batches whose character has morphs; keeps references to both.
-    MorphStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches);
+    // Serves the batches whose character has morphs.
+    explicit MorphStage(const StageContext& context);
 
     // Behind control. Nothing else of an update reads what it writes. Its time counts as blend.
     void record(const Update& update) override;
@@ -24,8 +24,6 @@ private:
     };
     const Kernel& kernel_of(const Group& group) const { return *kernels_[group.controller.has_value()]; }
 
-    const std::vector<Group>& groups_;
-    const std::vector<Batch>& batches_;
     std::array<std::optional<Kernel>, 2> kernels_;  // of two clips, of layers
     std::vector<Member> members_;
 };

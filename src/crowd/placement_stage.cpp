@@ -14,10 +14,8 @@ io::RootState standing_at(const Affine& world_from_model) {
     return root;
 }
 
-PlacementStage::PlacementStage(const std::shared_ptr<Gpu>& gpu, const std::vector<Batch>& batches,
-                               uint32_t instance_count)
-    : gpu_(*gpu), batches_(batches), placements_(instance_count) {
-    dirty_.add(0, instance_count);
+PlacementStage::PlacementStage(const StageContext& context) : Stage(context), placements_(context.instance_count) {
+    dirty_.add(0, context.instance_count);
 }
 
 void PlacementStage::set(uint32_t first_instance, std::span<const Affine> world_from_model) {
@@ -33,12 +31,12 @@ void PlacementStage::set(uint32_t first_instance, std::span<const Affine> world_
 void PlacementStage::begin(const Update& update) {
     for_each_part(batches_, dirty_.take(), [&](const Batch& batch, uint32_t first, uint32_t count) {
         const uint32_t first_of_batch = first - batch.first_instance;
-        record_update(gpu_, update.commands, batch[io::kPlacementsBuffer], first_of_batch,
+        record_update(*gpu_, update.commands, batch[io::kPlacementsBuffer], first_of_batch,
                       std::span<const Affine>(placements_).subspan(first, count));
         if (!batch[io::kRootsBuffer].handle()) return;
         std::vector<io::RootState> roots;
         for (uint32_t i = first; i < first + count; ++i) roots.push_back(standing_at(placements_[i]));
-        record_update(gpu_, update.commands, batch[io::kRootsBuffer], first_of_batch,
+        record_update(*gpu_, update.commands, batch[io::kRootsBuffer], first_of_batch,
                       std::span<const io::RootState>(roots));
     });
 }

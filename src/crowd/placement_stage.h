@@ -13,8 +13,7 @@ io::RootState standing_at(const Affine& world_from_model);
 class PlacementStage : public Stage {
 public:
     static void plan(BatchPlan& plan) { plan.add_table<Affine>(io::kPlacementsBuffer); }
-    // Keeps a reference to the batches.
-    PlacementStage(const std::shared_ptr<Gpu>& gpu, const std::vector<Batch>& batches, uint32_t instance_count);
+    explicit PlacementStage(const StageContext& context);
 
     // Throws kInvalidArgument where a number is not finite.
     void set(uint32_t first_instance, std::span<const Affine> world_from_model);
@@ -25,8 +24,6 @@ public:
     uint32_t end_count() const override { return 0; }
 
 private:
-    const Gpu& gpu_;
-    const std::vector<Batch>& batches_;
     std::vector<Affine> placements_;  // [instance_count], as last set
     DirtyRanges dirty_;
 };

@@ -22,10 +22,10 @@ void PoseStage::plan(BatchPlan& plan) {
              });
 }
 
-PoseStage::PoseStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches)
-    : gpu_(std::move(gpu)), groups_(groups), batches_(batches), of_batches_(batches.size()), of_groups_(groups.size()) {
+PoseStage::PoseStage(const StageContext& context)
+    : Stage(context), of_batches_(batches_.size()), of_groups_(groups_.size()) {
     for (size_t i = 0; i < batches_.size(); ++i)
-        if (groups_[batches_[i].group].pose_capacity > 0) of_batches_[i].instances.resize(batches_[i].instance_count);
+        if (group_of(batches_[i]).pose_capacity > 0) of_batches_[i].instances.resize(batches_[i].instance_count);
 }
 
 // With a slot, given where the instance has none yet.
@@ -76,7 +76,7 @@ PoseStage::OverrideAt PoseStage::erase(uint32_t batch, OverrideAt at) {
 
 void PoseStage::set(uint32_t batch, uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s,
                     const std::string& place) {
-    const Group& group = groups_[batches_[batch].group];
+    const Group& group = group_of(batches_[batch]);
     check_fade(fade_s, place);
     const std::vector<Trs<double>> pose = checked_pose(parent_from_joint, group.joint_count, group.uniform_scale,
                                                        place);

@@ -16,8 +16,8 @@ namespace throng {
 class PoseStage : public Stage {
 public:
     static void plan(BatchPlan& plan);
-    // Of those groups that have room for poses; keeps references to all.
-    PoseStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches);
+    // Serves the groups that have room for poses.
+    explicit PoseStage(const StageContext& context);
 
     // As Crowd::set_pose() and clear_pose(); `instance` is of the batch. Failures have this place.
     void set(uint32_t batch, uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s,
@@ -59,9 +59,6 @@ private:
     void upload_changes(VkCommandBuffer commands, const Buffer& buffer, DirtyRanges& changed,
                         const std::vector<T>& items, uint64_t item_size) const;
 
-    std::shared_ptr<Gpu> gpu_;
-    const std::vector<Group>& groups_;
-    const std::vector<Batch>& batches_;
     std::vector<BatchPoses> of_batches_;  // [batch]
     std::vector<GroupPoses> of_groups_;   // [group]
 };

@@ -1,7 +1,5 @@
 #include "crowd/procedural_stage.h"
 
-#include "gpu/barrier.h"
-
 #include <algorithm>
 
 namespace throng {
@@ -14,11 +12,9 @@ void ProceduralStage::plan(BatchPlan& plan) {
     if (rules->spring_count > 0) plan.add_filled(io::kSpringsBuffer, std::vector<io::SpringState>(rules->spring_count));
 }
 
-ProceduralStage::ProceduralStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
-                                 const std::vector<Batch>& batches)
-    : gpu_(std::move(gpu)), groups_(groups), batches_(batches), targets_(batches.size()) {
+ProceduralStage::ProceduralStage(const StageContext& context) : Stage(context), targets_(batches_.size()) {
     for (size_t i = 0; i < batches_.size(); ++i) {
-        const Group& group = groups_[batches_[i].group];
+        const Group& group = group_of(batches_[i]);
         if (!group.procedural) continue;
         for (const ProceduralTables::Dispatch& dispatch : group.procedural->dispatches) {
             std::optional<Kernel>& kernel = kernels_[group.takes_similarities()][dispatch.kind];
@@ -49,7 +45,7 @@ void ProceduralStage::discard() {
 
 ProceduralStage::KindBindings ProceduralStage::bind(uint32_t batch_index, const BufferRange& local) const {
     const Batch& batch = batches_[batch_index];
-    const Group& group = groups_[batch.group];
+    const Group& group = group_of(batch);
     KindBindings bindings;
     for (const ProceduralTables::Dispatch& dispatch : group.procedural->dispatches)
         if (!bindings[dispatch.kind].set())
@@ -59,17 +55,17 @@ ProceduralStage::KindBindings ProceduralStage::bind(uint32_t batch_index, const 
 }
 
 uint32_t ProceduralStage::rank_count(uint32_t batch) const {
-    const std::optional<GroupProcedural>& procedural = groups_[batches_[batch].group].procedural;
+    const std::optional<GroupProcedural>& procedural = group_of(batches_[batch]).procedural;
     return procedural && !procedural->dispatches.empty() ? procedural->dispatches.back().rank + 1 : 0;
 }
 
 void ProceduralStage::record_rank(VkCommandBuffer commands, const KindBindings& bindings, uint32_t batch,
                                   uint32_t rank) const {
     bool is_first = true;
-    for (const ProceduralTables::Dispatch& dispatch : groups_[batches_[batch].group].procedural->dispatches) {
+    for (const ProceduralTables::Dispatch& dispatch : group_of(batches_[batch]).procedural->dispatches) {
         if (dispatch.rank != rank) continue;
         // Chains of one rank touch nothing of each other, which synchronization validation cannot see.
-        if (!is_first) memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+        if (!is_first) separate_kernels(commands);
         record_dispatch(commands, bindings, batches_[batch], dispatch);
         is_first = false;
     }
@@ -77,7 +73,7 @@ void ProceduralStage::record_rank(VkCommandBuffer commands, const KindBindings& 
 
 void ProceduralStage::record_dispatch(VkCommandBuffer commands, const KindBindings& bindings, const Batch& batch,
                                       const ProceduralTables::Dispatch& dispatch) const {
-    const Group& group = groups_[batch.group];
+    const Group& group = group_of(batch);
     const WindClock::Moment& wind = wind_.moment();
     const uint32_t workgroups = (batch.instance_count + io::kProceduralWorkgroupSize - 1) /
                                 io::kProceduralWorkgroupSize;

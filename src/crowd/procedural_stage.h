@@ -14,8 +14,8 @@ namespace throng {
 class ProceduralStage : public Stage {
 public:
     static void plan(BatchPlan& plan);
-    // Of those batches whose group has rules; keeps references to both.
-    ProceduralStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches);
+    // Serves the batches whose group has rules.
+    explicit ProceduralStage(const StageContext& context);
 
     // `index` is that of instance and target in the batch's buffer.
     void set_target(uint32_t batch, uint32_t index, const io::vec4& place_and_weight);
@@ -41,9 +41,6 @@ private:
     void record_dispatch(VkCommandBuffer commands, const KindBindings& bindings, const Batch& batch,
                          const ProceduralTables::Dispatch& dispatch) const;
 
-    std::shared_ptr<Gpu> gpu_;
-    const std::vector<Group>& groups_;
-    const std::vector<Batch>& batches_;
     Kernels kernels_[2];            // [similarities][kind], those that the groups need
     std::vector<Targets> targets_;  // [batch]
     WindClock wind_;

@@ -1,7 +1,5 @@
 #include "crowd/skin_stage.h"
 
-#include "gpu/barrier.h"
-
 namespace throng {
 
 BufferTable skin_buffers(const Group& group, const Batch& batch, const Buffer& skin_matrices, const Buffer& skinned) {
@@ -22,16 +20,13 @@ void SkinStage::plan(BatchPlan& plan) {
     plan.add_storage(io::kSkinnedBuffer, std::max(plan.group().vertex_count, 1u) * sizeof(SkinnedVertex));
 }
 
-SkinStage::SkinStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
-                     const CrowdSettings& settings)
-    : gpu_(std::move(gpu)),
-      groups_(groups),
-      batches_(batches),
-      kernel_(skin_kernel(gpu_, settings.skin_format, settings.skin_blend, settings.culls)) {
+SkinStage::SkinStage(const StageContext& context)
+    : Stage(context),
+      kernel_(skin_kernel(gpu_, context.settings.skin_format, context.settings.skin_blend, context.settings.culls)) {
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         std::array<Bindings, 2>& member = members_.emplace_back();
         const Batch& batch = batches_[i];
-        const Group& group = groups_[batch.group];
+        const Group& group = group_of(batch);
         if (group.vertex_count == 0) continue;
         for (size_t k = 0; k < member.size(); ++k)
             if (batch.skins[k].handle())
@@ -40,10 +35,10 @@ SkinStage::SkinStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
 }
 
 void SkinStage::record(const Update& update, bool only_animated) const {
-    memory_barrier(*gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    separate_kernels(update.commands);
     for (size_t i = 0; i < members_.size(); ++i) {
         const Batch& batch = batches_[i];
-        const Group& group = groups_[batch.group];
+        const Group& group = group_of(batch);
         if (group.vertex_count == 0) continue;
         io::SkinPush push = skin_push(group);
         push.only_animated = only_animated;

@@ -8,10 +8,10 @@ namespace throng {
 
 class SkinStage : public Stage {
 public:
+    static bool is_needed(const CrowdSettings& settings) { return settings.skins_once; }
     static void plan(BatchPlan& plan);
-    // Of all batches; keeps references to both. Where the crowd culls, what is drawn is skinned, else everything.
-    SkinStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
-              const CrowdSettings& settings);
+    // Skins what is drawn where the crowd culls, else everything.
+    explicit SkinStage(const StageContext& context);
 
     // Behind all that writes skin matrices.
     void record(const Update& update) override { record(update, false); }
@@ -21,9 +21,6 @@ public:
 private:
     void record(const Update& update, bool only_animated) const;
 
-    std::shared_ptr<Gpu> gpu_;
-    const std::vector<Group>& groups_;
-    const std::vector<Batch>& batches_;
     Kernel kernel_;
     std::vector<std::array<Bindings, 2>> members_;  // [batch][current_skin]
 };

@@ -1,10 +1,14 @@
 // A stage of an update. A crowd has those that it needs in a list (crowd_state.cpp), in their order.
 #pragma once
 
+#include "crowd/batch_plan.h"
 #include "crowd/stage_timer.h"
 #include "cull/cull_io.h"
+#include "gpu/barrier.h"
 
 #include <throng/crowd.h>
+
+#include <memory>
 
 namespace throng {
 
@@ -21,9 +25,29 @@ struct Update {
     }
 };
 
+class FeedbackRing;
+class Stage;
+
+// What a stage is made of, before the first update. It keeps references to the groups and batches.
+struct StageContext {
+    Uploads& uploads;
+    const CrowdSettings& settings;
+    const std::vector<Group>& groups;
+    std::vector<Batch>& batches;
+    uint32_t instance_count = 0;
+    const FeedbackRing* feedback = nullptr;             // null where no group has anything to tell
+    const std::vector<std::unique_ptr<Stage>>& before;  // earlier stages of the list
+};
+
+// A stage T also has the constructor T(const StageContext&) and, where it does not do for it what Stage has, a static
+// is_needed() and plan().
 class Stage {
 public:
-    Stage() = default;
+    // Whether crowds with these settings have the stage.
+    static bool is_needed(const CrowdSettings&) { return true; }
+    // Adds the buffers that it needs for batches of a group.
+    static void plan(BatchPlan&) {}
+
     Stage(const Stage&) = delete;
     Stage& operator=(const Stage&) = delete;
     virtual ~Stage() = default;
@@ -40,6 +64,28 @@ public:
     virtual uint32_t end_count() const { return 1; }
     // The memory that the stage itself owns, beside the buffers of groups and batches.
     virtual uint64_t size_bytes() const { return 0; }
+
+protected:
+    explicit Stage(const StageContext& context)
+        : gpu_(context.uploads.gpu()), groups_(context.groups), batches_(context.batches) {}
+
+    const Group& group_of(const Batch& batch) const { return groups_[batch.group]; }
+    // What earlier kernels wrote is visible to later ones, and later ones wait until earlier ones have read.
+    void separate_kernels(VkCommandBuffer commands) const {
+        memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    }
+
+    std::shared_ptr<Gpu> gpu_;
+    const std::vector<Group>& groups_;
+    std::vector<Batch>& batches_;
 };
+
+// The first T of the stages, or null.
+template <class T>
+T* find_stage(const std::vector<std::unique_ptr<Stage>>& stages) {
+    for (const auto& stage : stages)
+        if (T* const found = dynamic_cast<T*>(stage.get())) return found;
+    return nullptr;
+}
 
 }  // namespace throng

@@ -2,7 +2,6 @@
 
 #include "bind/bind.h"
 #include "bind/sockets.h"
-#include "gpu/barrier.h"
 #include "sample/sample.h"
 
 #include <throng/transform.h>
@@ -28,11 +27,10 @@ uint64_t arena_limit_bytes(const Gpu& gpu) {
 
 void StagedUpdate::plan(BatchPlan& plan) { plan.limit(plan.group().joint_count * sizeof(Affine)); }
 
-StagedUpdate::StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
-                           const std::vector<Batch>& batches, SkinFormat skin_format, const ProceduralStage& procedural)
-    : gpu_(std::move(gpu)), groups_(groups), batches_(batches), procedural_(procedural) {
+StagedUpdate::StagedUpdate(const StageContext& context)
+    : Stage(context), procedural_(*find_stage<ProceduralStage>(context.before)) {
     for (uint32_t i = 0; i < batches_.size(); ++i)
-        if (groups_[batches_[i].group].fused.empty()) members_.push_back({.batch = i});
+        if (group_of(batches_[i]).fused.empty()) members_.push_back({.batch = i});
     if (members_.empty()) return;
     for (const Group& group : groups_) {
         if (!group.fused.empty()) continue;
@@ -47,7 +45,7 @@ StagedUpdate::StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& g
         std::optional<Kernel>& blend = blend_[group.takes_similarities()][group.pose_capacity > 0];
         if (!blend) blend = blend_kernel(gpu_, {.output = output, .pose_overrides = group.pose_capacity > 0});
     }
-    bind_ = bind_kernel(gpu_, skin_format);
+    bind_ = bind_kernel(gpu_, context.settings.skin_format);
     make_waves();
     for (Member& member : members_) bind_member(member);
 }
@@ -58,7 +56,7 @@ void StagedUpdate::make_waves() {
     uint64_t used_bytes = 0, largest_bytes = 0;
     for (uint32_t i = 0; i < members_.size(); ++i) {
         const Batch& batch = batches_[members_[i].batch];
-        const uint64_t needs_bytes = batch.instance_count * uint64_t{groups_[batch.group].joint_count} * sizeof(Affine);
+        const uint64_t needs_bytes = batch.instance_count * uint64_t{group_of(batch).joint_count} * sizeof(Affine);
         if (waves_.empty() || used_bytes + needs_bytes > limit_bytes) {
             waves_.push_back({.first_member = i});
             used_bytes = 0;
@@ -79,7 +77,7 @@ void StagedUpdate::make_waves() {
 
 void StagedUpdate::bind_member(Member& member) {
     const Batch& batch = batches_[member.batch];
-    const Group& group = groups_[batch.group];
+    const Group& group = group_of(batch);
     const uint64_t size_bytes = batch.instance_count * uint64_t{group.joint_count} * sizeof(Affine);
     const auto slice = [&](const Buffer& buffer) {
         return BufferRange(buffer.handle(), member.arena_offset_bytes, size_bytes);
@@ -149,8 +147,8 @@ void StagedUpdate::record_wave(const Update& update, const Wave& wave) const {
     const std::span<const Member> members = std::span(members_).subspan(wave.first_member, wave.member_count);
     const auto stage = [&](const char* name, const auto& record_member) {
         for (const Member& member : members)
-            record_member(member, batches_[member.batch].instance_count, groups_[batches_[member.batch].group]);
-        memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+            record_member(member, batches_[member.batch].instance_count, group_of(batches_[member.batch]));
+        separate_kernels(commands);
         update.end_stage(name);
     };
     stage("sample", [&](const Member& member, uint32_t instance_count, const Group& group) {
@@ -192,7 +190,7 @@ void StagedUpdate::record_procedural(const Update& update, std::span<const Membe
         for (const Member& member : members)
             if (rank < procedural_.rank_count(member.batch))
                 procedural_.record_rank(update.commands, member.procedural, member.batch, rank);
-        memory_barrier(*gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+        separate_kernels(update.commands);
     }
     update.end_stage("procedural");
 }

@@ -21,9 +21,8 @@ uint64_t arena_limit_bytes(const Gpu& gpu);
 class StagedUpdate : public Stage {
 public:
     static void plan(BatchPlan& plan);
-    // Of those batches whose group is not fused; keeps references to all.
-    StagedUpdate(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
-                 SkinFormat skin_format, const ProceduralStage& procedural);
+    // Serves the batches whose group is not fused.
+    explicit StagedUpdate(const StageContext& context);
 
     void record(const Update& update) override;
     uint32_t end_count() const override;
@@ -57,9 +56,6 @@ private:
         return *blend_[group.takes_similarities()][group.pose_capacity > 0];
     }
 
-    std::shared_ptr<Gpu> gpu_;
-    const std::vector<Group>& groups_;
-    const std::vector<Batch>& batches_;
     const ProceduralStage& procedural_;
     std::vector<Member> members_;
     std::vector<Wave> waves_;

@@ -1,7 +1,6 @@
 #include "crowd/steer_stage.h"
 
 #include "base/failure.h"
-#include "gpu/barrier.h"
 
 #include <algorithm>
 #include <bit>
@@ -36,15 +35,14 @@ void SteerStage::plan(BatchPlan& plan) {
     plan.add_filled(io::kAgentsBuffer, std::vector<io::AgentState>{{.speed = 0, .patience = 1, .stands = 0}});
 }
 
-SteerStage::SteerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches)
-    : gpu_(std::move(gpu)), groups_(groups), batches_(batches), member_of_batch_(batches.size(), kNone) {
+SteerStage::SteerStage(const StageContext& context) : Stage(context), member_of_batch_(batches_.size(), kNone) {
     constexpr float kReach = 2;  // as steer.glsl has it
     uint64_t agent_count = 0;
     float largest_radius = 0;
     for (const Batch& batch : batches_) {
-        if (!groups_[batch.group].steering) continue;
+        if (!group_of(batch).steering) continue;
         agent_count += batch.instance_count;
-        largest_radius = std::max(largest_radius, groups_[batch.group].steering->radius);
+        largest_radius = std::max(largest_radius, group_of(batch).steering->radius);
     }
     if (agent_count == 0) return;
     const uint64_t bucket_count = std::bit_ceil(2 * agent_count);
@@ -56,9 +54,9 @@ SteerStage::SteerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& group
     uint32_t first_agent = 0;
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
-        if (!groups_[batch.group].steering) continue;
+        if (!group_of(batch).steering) continue;
         member_of_batch_[i] = static_cast<uint32_t>(members_.size());
-        const BufferTable table = batch.table(groups_[batch.group], batch[io::kAgentsBuffer])
+        const BufferTable table = batch.table(group_of(batch), batch[io::kAgentsBuffer])
                                       .set({{io::kAgentPlacesBuffer, places_}, {io::kAgentBucketsBuffer, heads_}});
         members_.push_back({.batch = i,
                             .first_agent = first_agent,
@@ -92,22 +90,22 @@ void SteerStage::discard() {
 void SteerStage::record(const Update& update) {
     if (members_.empty() || !(update.time_step_s > 0)) return;
     for (const Member& member : members_) record_places(update.commands, member);
-    memory_barrier(*gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    separate_kernels(update.commands);
     for (const Member& member : members_) record_steps(update.commands, member, update.time_step_s);
-    memory_barrier(*gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    separate_kernels(update.commands);
     update.end_stage("steer");
 }
 
 void SteerStage::record_places(VkCommandBuffer commands, const Member& member) const {
     const Batch& batch = batches_[member.batch];
-    const io::PlacesPush push{batch.instance_count, member.first_agent, groups_[batch.group].steering->radius,
-                              inverse_cell_, bucket_mask_};
+    const io::PlacesPush push{batch.instance_count, member.first_agent, group_of(batch).steering->radius, inverse_cell_,
+                              bucket_mask_};
     kernels_->places.dispatch_invocations(commands, member.places, push, batch.instance_count);
 }
 
 void SteerStage::record_steps(VkCommandBuffer commands, const Member& member, float time_step_s) const {
     const Batch& batch = batches_[member.batch];
-    const Group& group = groups_[batch.group];
+    const Group& group = group_of(batch);
     const double turn_rad = std::min(double{group.steering->turn} * double{time_step_s}, std::numbers::pi);
     const io::SteerPush push{.instance_count = batch.instance_count,
                              .first_agent = member.first_agent,

@@ -17,8 +17,8 @@ void check_steering(const CrowdGroup& group);
 class SteerStage : public Stage {
 public:
     static void plan(BatchPlan& plan);
-    // Of those batches whose group steers; keeps references to both.
-    SteerStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches);
+    // Serves the batches whose group steers.
+    explicit SteerStage(const StageContext& context);
 
     // `instance` is of the batch. `place_and_whether`: the last is 1, or 0 for none.
     void set_destination(uint32_t batch, uint32_t instance, const io::vec4& place_and_whether);
@@ -41,9 +41,6 @@ private:
     void record_places(VkCommandBuffer commands, const Member& member) const;
     void record_steps(VkCommandBuffer commands, const Member& member, float time_step_s) const;
 
-    std::shared_ptr<Gpu> gpu_;
-    const std::vector<Group>& groups_;
-    const std::vector<Batch>& batches_;
     std::optional<SteerKernels> kernels_;
     std::vector<Member> members_;
     std::vector<uint32_t> member_of_batch_;

@@ -1,7 +1,6 @@
 #include "crowd/terrain_stage.h"
 
 #include "base/failure.h"
-#include "gpu/barrier.h"
 
 #include <cmath>
 
@@ -34,12 +33,10 @@ void check_terrain(const CrowdSettings& settings) {
         if (!std::isfinite(height)) refuse("a height is not finite");
 }
 
-TerrainStage::TerrainStage(Uploads& uploads, const CrowdSettings& settings, const std::vector<Group>& groups,
-                           const std::vector<Batch>& batches)
-    : gpu_(*uploads.gpu()), batches_(batches) {
-    const Terrain& terrain = *settings.terrain;
-    heights_ = upload(uploads, "heights of the terrain", terrain.heights);
-    kernel_ = Kernel(uploads.gpu(), {.name = "terrain", .spirv = kTerrainSpirv});
+TerrainStage::TerrainStage(const StageContext& context) : Stage(context) {
+    const Terrain& terrain = *context.settings.terrain;
+    heights_ = upload(context.uploads, "heights of the terrain", terrain.heights);
+    kernel_ = Kernel(gpu_, {.name = "terrain", .spirv = kTerrainSpirv});
     push_ = {.instance_count = 0,
              .columns = terrain.columns,
              .rows = terrain.rows,
@@ -47,9 +44,9 @@ TerrainStage::TerrainStage(Uploads& uploads, const CrowdSettings& settings, cons
              .z = terrain.z,
              .inverse_spacing = 1 / terrain.spacing};
     for (uint32_t i = 0; i < batches_.size(); ++i)
-        if (const Batch& batch = batches_[i]; settings.groups[batch.group].on_terrain)
+        if (const Batch& batch = batches_[i]; context.settings.groups[batch.group].on_terrain)
             members_.push_back(
-                {i, kernel_.bind(batch.table(groups[batch.group], {}).set({{io::kHeightsBuffer, heights_}}))});
+                {i, kernel_.bind(batch.table(group_of(batch), {}).set({{io::kHeightsBuffer, heights_}}))});
 }
 
 void TerrainStage::record(const Update& update) {
@@ -59,7 +56,7 @@ void TerrainStage::record(const Update& update) {
         push.instance_count = batches_[member.batch].instance_count;
         kernel_.dispatch_invocations(update.commands, member.bindings, push, push.instance_count);
     }
-    memory_barrier(gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+    separate_kernels(update.commands);
     update.end_stage("terrain");
 }
 

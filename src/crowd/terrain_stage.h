@@ -14,10 +14,9 @@ void check_terrain(const CrowdSettings& settings);
 
 class TerrainStage : public Stage {
 public:
-    // Serves the batches whose group has CrowdGroup::on_terrain; keeps a reference to the list. Throws kInvalidArgument
-    // where the terrain is none.
-    TerrainStage(Uploads& uploads, const CrowdSettings& settings, const std::vector<Group>& groups,
-                 const std::vector<Batch>& batches);
+    static bool is_needed(const CrowdSettings& settings) { return settings.terrain.has_value(); }
+    // Serves the batches whose group has CrowdGroup::on_terrain.
+    explicit TerrainStage(const StageContext& context);
 
     // Behind all that moves placements; what follows sees where instances stand.
     void record(const Update& update) override;
@@ -29,8 +28,6 @@ private:
         Bindings bindings;
     };
 
-    const Gpu& gpu_;
-    const std::vector<Batch>& batches_;
     Buffer heights_;
     Kernel kernel_;
     io::TerrainPush push_{};

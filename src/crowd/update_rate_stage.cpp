@@ -1,23 +1,21 @@
 #include "crowd/update_rate_stage.h"
 
 #include "cull/cull_io.h"
-#include "gpu/barrier.h"
 #include "update_rate/update_rate.h"
 
 namespace throng {
 
-UpdateRateStage::UpdateRateStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups,
-                                 const std::vector<Batch>& batches, const CrowdSettings& settings)
-    : gpu_(std::move(gpu)), groups_(groups), batches_(batches), keeps_previous_(settings.keep_previous_matrices) {
+UpdateRateStage::UpdateRateStage(const StageContext& context)
+    : Stage(context), keeps_previous_(context.settings.keep_previous_matrices) {
     for (uint32_t i = 0; i < batches_.size(); ++i) {
         const Batch& batch = batches_[i];
-        if (!groups_[batch.group].skips_updates(settings)) continue;
-        if (!kernel_) kernel_ = update_rate_kernel(gpu_, settings.skin_format);
+        if (!group_of(batch).skips_updates(context.settings)) continue;
+        if (!kernel_) kernel_ = update_rate_kernel(gpu_, context.settings.skin_format);
         Member& member = members_.emplace_back(Member{.batch = i, .to_current = {}, .to_previous = {}});
         for (size_t k = 0; k < (keeps_previous_ ? 2 : 1); ++k) {
             const Buffer& current = batch.skins[k];
             const Buffer& previous = keeps_previous_ ? batch.skins[1 - k] : current;
-            const BufferTable table = batch.table(groups_[batch.group], {})
+            const BufferTable table = batch.table(group_of(batch), {})
                                           .set(
                                               {{io::kSkinTargetBuffer, batch[io::kSkinTargetBuffer].or_else(current)}});
             member.to_current[k] = kernel_->bind(
@@ -34,7 +32,7 @@ void UpdateRateStage::record(const Update& update) {
     const auto record_section = [&](uint32_t section, std::array<Bindings, 2> Member::*bindings) {
         for (const Member& member : members_) {
             const Batch& batch = batches_[member.batch];
-            const Group& group = groups_[batch.group];
+            const Group& group = group_of(batch);
             const auto [set0, set1, set2, set3] = group.set_entry_counts;
             const io::UpdateRatePush push{.section = section,
                                           .palette_count = group.palette_count,
@@ -44,7 +42,7 @@ void UpdateRateStage::record(const Update& update) {
             kernel_->dispatch_indirect(update.commands, (member.*bindings)[batch.current_skin], push,
                                        batch[io::kDispatchesBuffer], section);
         }
-        memory_barrier(*gpu_, update.commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
+        separate_kernels(update.commands);
     };
     record_section(io::kGoingOn, &Member::to_current);
     if (keeps_previous_) record_section(io::kAppearing, &Member::to_previous);

@@ -9,9 +9,8 @@ namespace throng {
 
 class UpdateRateStage : public Stage {
 public:
-    // Of those batches whose group is animated only where drawn; keeps references to both.
-    UpdateRateStage(std::shared_ptr<Gpu> gpu, const std::vector<Group>& groups, const std::vector<Batch>& batches,
-                    const CrowdSettings& settings);
+    // Serves the batches whose group is animated only where drawn.
+    explicit UpdateRateStage(const StageContext& context);
 
     // Behind the fused update.
     void record(const Update& update) override;
@@ -25,9 +24,6 @@ private:
         std::array<Bindings, 2> to_previous;  // where there are two
     };
 
-    std::shared_ptr<Gpu> gpu_;
-    const std::vector<Group>& groups_;
-    const std::vector<Batch>& batches_;
     bool keeps_previous_;
     std::optional<Kernel> kernel_;
     std::vector<Member> members_;
