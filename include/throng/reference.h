@@ -2,7 +2,11 @@
 // program uses it for the exact pose of one character now (hit tests, servers).
 #pragma once
 
-#include <throng/crowd.h>
+#include <throng/character.h>
+#include <throng/controller.h>
+#include <throng/feedback.h>
+#include <throng/playback.h>
+#include <throng/procedural.h>
 
 #include <memory>
 #include <span>

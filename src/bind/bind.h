@@ -4,7 +4,7 @@
 #include "bind/bind_io.h"
 #include "gpu/kernel.h"
 
-#include <throng/crowd.h>
+#include <throng/skin_format.h>
 
 namespace throng {
 

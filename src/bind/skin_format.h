@@ -2,7 +2,7 @@
 #pragma once
 
 #include <throng/character.h>
-#include <throng/crowd.h>
+#include <throng/skin_format.h>
 
 #include <cstddef>
 #include <span>

@@ -4,7 +4,8 @@
 
 #include "control/controller_io.h"
 
-#include <throng/crowd.h>
+#include <throng/feedback.h>
+#include <throng/playback.h>
 
 namespace throng {
 

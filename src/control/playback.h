@@ -1,7 +1,7 @@
 // What a Playback must satisfy, for the GPU and for the reference alike.
 #pragma once
 
-#include <throng/crowd.h>
+#include <throng/playback.h>
 
 namespace throng {
 

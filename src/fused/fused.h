@@ -7,7 +7,7 @@
 #include "scan/scan.h"
 
 #include <throng/character.h>
-#include <throng/crowd.h>
+#include <throng/skin_format.h>
 
 namespace throng {
 

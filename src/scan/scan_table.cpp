@@ -1,6 +1,6 @@
 #include "scan/scan_table.h"
 
-#include <throng/crowd.h>
+#include <throng/scan.h>
 
 #include <algorithm>
 #include <array>

@@ -5,7 +5,8 @@
 #include "gpu/upload.h"
 #include "skin/skin_io.h"
 
-#include <throng/crowd.h>
+#include <throng/character.h>
+#include <throng/skin_format.h>
 
 #include <span>
 

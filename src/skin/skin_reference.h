@@ -3,7 +3,8 @@
 
 #include "morph/morph_reference.h"
 
-#include <throng/crowd.h>
+#include <throng/character.h>
+#include <throng/skin_format.h>
 
 #include <span>
 

@@ -2,7 +2,7 @@
 // grid.
 #pragma once
 
-#include <throng/crowd.h>
+#include <throng/steering.h>
 
 #include <optional>
 #include <span>

@@ -4,7 +4,7 @@
 #include "gpu/kernel.h"
 #include "update_rate/update_rate_io.h"
 
-#include <throng/crowd.h>
+#include <throng/skin_format.h>
 
 namespace throng {
 

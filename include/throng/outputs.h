@@ -1,0 +1,82 @@
+// What an update writes, where the application reads it on the GPU.
+#pragma once
+
+#include <throng/device.h>
+#include <throng/transform.h>
+
+#include <cstdint>
+
+namespace throng {
+
+// A vertex in OutputBlock::skinned_buffer.
+struct SkinnedVertex {
+    Vec3<float> position{};
+    uint32_t normal_octahedral = 0;  // of length 1, as Vertex's
+};
+
+// Results of consecutive instances of one group. Each buffer holds one entry after the other from offset 0, in the
+// shape that stands beside it; VK_NULL_HANDLE where the crowd does not have it. Buffers fit the device's storage-buffer
+// range. Valid once the recorded commands have run, until the next record() runs: written by compute shaders, and made
+// visible by record() to later compute, vertex, indirect and transfer reads on the same queue.
+//
+// Where CrowdSettings::culls, instances that are not listed keep the matrices of the last update that drew them (with
+// previous ones, which take turns, those of the last two); in an update that draws them anew, the previous matrices are
+// those of that update.
+struct OutputBlock {
+    uint32_t group = 0;
+    uint32_t first_instance = 0;  // of the crowd
+    uint32_t instance_count = 0;
+    uint32_t palette_count = 0;
+    uint32_t joint_count = 0;
+
+    // Skin matrices, [instance_count][palette_count] in CrowdSettings::skin_format, model space: skinned position =
+    // matrix * bind position.
+    VkBuffer skin_buffer = VK_NULL_HANDLE;
+    // Those of the update before, with CrowdSettings::keep_previous_matrices; changes places with skin_buffer in every
+    // record().
+    VkBuffer previous_skin_buffer = VK_NULL_HANDLE;
+    // model_from_joint, Affine[instance_count][joint_count], with CrowdSettings::keep_model_matrices.
+    VkBuffer model_buffer = VK_NULL_HANDLE;
+    // world_from_model, Affine[instance_count].
+    VkBuffer placement_buffer = VK_NULL_HANDLE;
+
+    uint32_t socket_count = 0;
+    // Transforms of CrowdGroup::sockets, Affine[instance_count][socket_count] in CrowdGroup::socket_space.
+    VkBuffer socket_buffer = VK_NULL_HANDLE;
+
+    uint32_t parameter_count = 0;
+    // Parameters of the controller, float[instance_count][parameter_count]. Between two updates the application's own
+    // shaders or copies may write it.
+    VkBuffer parameter_buffer = VK_NULL_HANDLE;
+    // Root motion of a group with a controller, float4[instance_count][5], of which the first is the last update's move
+    // over the ground: x, z, then cosine and sine of the turn about +y, in the character's space before it.
+    VkBuffer root_buffer = VK_NULL_HANDLE;
+
+    uint32_t target_count = 0;
+    // Targets of procedural rules, float4[instance_count][target_count]: a place in world space, and its weight in w.
+    // May be written like the parameters.
+    VkBuffer target_buffer = VK_NULL_HANDLE;
+    // Destinations of agents, float4[instance_count]: a place in world space, and in w whether the agent has one (1 or
+    // 0). May be written like the parameters.
+    VkBuffer destination_buffer = VK_NULL_HANDLE;
+
+    // Morphs that each instance shows, {uint32_t morph; float weight;}[instance_count][kActiveMorphLimit], the largest
+    // weight by magnitude first, weight 0 where there are fewer. Before skinning: bind position += weight * MorphDelta.
+    VkBuffer morph_buffer = VK_NULL_HANDLE;
+
+    // Instances that are drawn, uint32_t[5 + instance_count], with CrowdSettings::culls: their number, where those of
+    // each of four levels of detail begin behind the fifth word, then their numbers in the block, level by level,
+    // ascending.
+    VkBuffer list_buffer = VK_NULL_HANDLE;
+    // Draw calls, VkDrawIndexedIndirectCommand[section_count][4 levels of detail], with CrowdSettings::culls; the n-th
+    // instance of a call is the n-th of its level in the list.
+    VkBuffer draw_buffer = VK_NULL_HANDLE;
+
+    uint32_t vertex_count = 0;
+    // Morphed and skinned vertices, SkinnedVertex[instance_count][vertex_count], model space, in the order of
+    // Character::vertices, with CrowdSettings::skins_once; where the crowd culls, only those that the listed instances
+    // have in their level of detail.
+    VkBuffer skinned_buffer = VK_NULL_HANDLE;
+};
+
+}  // namespace throng

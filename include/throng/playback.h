@@ -1,0 +1,44 @@
+// What instances play: clips, and layers without states.
+#pragma once
+
+#include <throng/character.h>
+#include <throng/controller.h>
+
+#include <cstdint>
+
+namespace throng {
+
+// One clip as a character plays it.
+struct ClipPlayback {
+    uint32_t clip = kNone;  // index of Character::clips; kNone is the rest pose
+    double time_s = 0;
+    float speed = 1;   // seconds of clip per second; may be negative
+    bool loop = true;  // else the time stays within [0, duration]
+};
+
+// What one instance plays: `first` with `weight`, `second` with 1 - weight. With weight 1 the second clip costs
+// nothing.
+struct Playback {
+    ClipPlayback first{}, second{};
+    float weight = 1;
+};
+
+// A clip on a layer without states, above what the layer plays already: fades in within `fade_s` seconds. kInertial:
+// only this clip plays from now on, and the difference to what was shown dies away (docs/controller.md, step 10); of
+// layers with ControllerLayer::inertial_plays.
+struct LayerPlayback {
+    ClipPlayback clip{};
+    float fade_s = 0;
+    FadeKind fade = FadeKind::kCross;
+};
+
+// How a layer without states lies on those below it. The weight is reached in `fade_s` seconds, the rest changes at
+// once.
+struct LayerBlend {
+    float weight = 1;
+    float fade_s = 0;
+    LayerMode mode = LayerMode::kOverride;
+    uint32_t mask = kNone;  // index of Controller::masks; kNone: all joints
+};
+
+}  // namespace throng

@@ -1,0 +1,33 @@
+// The methods of the Hierarchy-Scan stage, and which one throng chooses.
+#pragma once
+
+#include <throng/character.h>
+#include <throng/device.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace throng {
+
+// The methods of the Hierarchy-Scan stage, by name; docs/scan.md describes them.
+struct ScanMethodInfo {
+    std::string name{};
+    std::string summary{};
+    std::string source{};
+    // false: it needs another memory layout than the other stages have, and runs in `throng bench scan` only
+    bool in_crowds = true;
+};
+std::vector<ScanMethodInfo> scan_methods();
+
+// What "auto" chooses for a rig where updates are staged, and why, in one line. The method may come with its
+// invocations a character: "subgroup:8". The choice is made by a cost model of the device: measured, where `throng
+// tune` has left its file in the user's cache folder
+// ($XDG_CACHE_HOME/throng or ~/.cache/throng), else built in.
+struct ScanAdvice {
+    std::string method{};
+    std::string reason{};
+};
+Result<ScanAdvice> advise_scan(const Device& device, const Rig& rig, uint32_t instance_count);
+
+}  // namespace throng

@@ -1,0 +1,33 @@
+// Agents, and the ground they stand on.
+#pragma once
+
+#include <throng/character.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace throng {
+
+// How characters find their way over the ground, the plane of world x and z, y up: agents, that walk to their
+// destinations and out of each other's way (docs/steering.md). An agent looks and walks along +z of its model space,
+// and has its place at that space's origin.
+struct Steering {
+    // World units; two agents do not come nearer to each other than the sum of their radii, or three quarters of it
+    // after having been held up
+    float radius = 0.3f;
+    float speed = 1.4f;  // world units a second, at most
+    float turn = 3;      // radians a second, at most
+    // Parameter of the controller that is told in each update how fast the agent wants to walk, in units of its model
+    // space a second; 0: it stands
+    uint32_t speed_parameter = kNone;
+};
+
+// Heights of the ground over a grid of points, bilinear between them; beyond its edges as at the nearest point.
+struct Terrain {
+    float x = 0, z = 0;              // of the first point, world space
+    float spacing = 1;               // of neighbouring points along x and z; above 0
+    uint32_t columns = 0, rows = 0;  // points along x, along z
+    std::vector<float> heights{};    // [rows][columns], world y
+};
+
+}  // namespace throng

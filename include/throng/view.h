@@ -1,0 +1,57 @@
+// What a camera sees of a crowd.
+#pragma once
+
+#include <throng/device.h>
+#include <throng/transform.h>
+
+#include <array>
+#include <cstdint>
+
+namespace throng {
+
+// What a camera sees: where CrowdSettings::culls, an update for a view animates only what that shows, and lists it for
+// the draw.
+struct CrowdView {
+    // Rows; a world point is seen where -w <= x, y <= w and 0 <= z <= w
+    std::array<std::array<float, 4>, 4> clip_from_world{};
+    Vec3<float> eye{};  // world space
+    // That a length of 1 takes at a distance of 1: the picture's height / (2 tan(half the vertical field of view))
+    float pixels = 1000;
+    // A coarser level of detail is drawn where its surfaces lie within so many pixels of the finest one's in the rest
+    // pose and in clips (Lod::error), as long as they are in the middle of the picture, which stretches towards
+    // its edges
+    float lod_pixels = 1;
+    // What is drawn throws its shadow as far as this, world space: so what is outside but throws one inside is drawn
+    // too
+    Vec3<float> shadow{};
+    float ground = -1e30f;  // world y; nothing below it is seen, so a shadow that falls goes no farther
+    // Where CrowdSettings::skips_updates: a character whose box is at least so many pixels across is animated in every
+    // update, one of half as many in every second, of a quarter in every fourth, a smaller one in every eighth; 0: all
+    // in every one.
+    float full_rate_pixels = 0;  // at most 1e30
+    // Where CrowdSettings::skips_updates: GPU time that the update of the whole crowd may take, in milliseconds; as
+    // long as it takes longer, full_rate_pixels (at least 1) is raised from update to update, and lowered again, not
+    // below itself, when there is time to spare. 0: as long as it takes. Needs timestamps.
+    float budget_ms = 0;
+    // What is hidden is left out too: record() animates and lists only what was visible in the last update, and
+    // record_disoccluded() the rest of what is visible.
+    bool occlusion = false;
+};
+
+// Depths of what the crowd's last record() has listed, and of anything else that hides characters, as they are drawn by
+// CrowdView::clip_from_world: an image of one sample and one 32-bit float a texel (VK_FORMAT_D32_SFLOAT or
+// VK_FORMAT_R32_SFLOAT), in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, with that usage. Of several samples it has the
+// farthest.
+struct DepthImage {
+    VkImage image = VK_NULL_HANDLE;
+    VkImageAspectFlags aspect = VK_IMAGE_ASPECT_DEPTH_BIT;
+    uint32_t width = 0, height = 0;
+    bool reversed = true;  // nearer is greater
+};
+
+// An instance that is drawn, and its level of detail: 0 is the finest.
+struct DrawnInstance {
+    uint32_t instance = 0, lod = 0;
+};
+
+}  // namespace throng
