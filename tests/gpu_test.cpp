@@ -5,7 +5,6 @@
 #include "control/control.h"
 #include "scan/scan.h"
 #include "scan/scan_shaders.h"
-#include "shaders.h"
 #include "tests/files.h"
 #include "tests/kernel_runner.h"
 #include "tests/text.h"
@@ -26,6 +25,21 @@ using namespace test;
 
 constexpr uint32_t kLayoutSpirv[] = {
 #include "io_structs.comp.inc"
+};
+constexpr uint32_t kControlSpirv[] = {
+#include "control/control.comp.inc"
+};
+constexpr uint32_t kSampleSpirv[] = {
+#include "sample/sample.comp.inc"
+};
+constexpr uint32_t kBlendSpirv[] = {
+#include "blend/blend.comp.inc"
+};
+constexpr uint32_t kBindSpirv[] = {
+#include "bind/bind.comp.inc"
+};
+constexpr uint32_t kSkinSpirv[] = {
+#include "skin/skin.comp.inc"
 };
 
 // The Failure that `body` throws; the test fails where it throws none.
@@ -113,10 +127,9 @@ TEST(Gpu, AWrongDispatchIsRefused) {
 }
 
 TEST(Gpu, TheWorkgroupSizeIsGivenExactlyWhereTheShaderLeavesItOpen) {
-    EXPECT_EQ(error_of([] {
-                  Kernel(test_gpu(), {.name = "control", .spirv = shaders::control.plain, .workgroup_size = 64});
-              }).code,
-              ErrorCode::kInvalidArgument);
+    EXPECT_EQ(
+        error_of([] { Kernel(test_gpu(), {.name = "control", .spirv = kControlSpirv, .workgroup_size = 64}); }).code,
+        ErrorCode::kInvalidArgument);
     const ScanMethod& method = scan_table()[0];
     EXPECT_EQ(
         error_of([&] { Kernel(test_gpu(), {.name = method.name, .spirv = scan_shaders(method.name).plain}); }).code,
@@ -143,20 +156,18 @@ TEST(Gpu, SpirvTellsWhatAShaderNeeds) {
             EXPECT_EQ(info.local_size_x, local_size) << name;
         }
     };
-    expect("control", shaders::control.plain,
-           {io::kTimelineBuffer, io::kTimesBuffer, io::kPlaybacksBuffer, io::kCursorsBuffer}, sizeof(io::ControlPush),
-           io::kControlWorkgroupSize);
-    expect("sample", shaders::sample.plain,
+    expect("control", kControlSpirv, {io::kTimelineBuffer, io::kTimesBuffer, io::kPlaybacksBuffer, io::kCursorsBuffer},
+           sizeof(io::ControlPush), io::kControlWorkgroupSize);
+    expect("sample", kSampleSpirv,
            {io::kTracksBuffer, io::kKeysBuffer, io::kWordsBuffer, io::kCursorsBuffer, io::kSampledPosesBuffer},
            sizeof(io::SamplePush), io::kSampleWorkgroupSize);
-    expect("blend", shaders::blend.plain,
+    expect("blend", kBlendSpirv,
            {io::kSetPosesBuffer, io::kCursorsBuffer, io::kPoseOverridesBuffer, io::kFirstPosesBuffer,
             io::kSecondPosesBuffer, io::kLocalBuffer},
            sizeof(io::BlendPush), io::kBlendWorkgroupSize);
-    expect("bind", shaders::bind.plain,
-           {io::kPaletteJointsBuffer, io::kJointFromBindBuffer, io::kModelBuffer, io::kSkinBuffer},
+    expect("bind", kBindSpirv, {io::kPaletteJointsBuffer, io::kJointFromBindBuffer, io::kModelBuffer, io::kSkinBuffer},
            sizeof(io::BindPush), io::kBindWorkgroupSize);
-    expect("skin", shaders::skin.plain,
+    expect("skin", kSkinSpirv,
            {io::kVerticesBuffer, io::kInfluencesBuffer, io::kSkinSectionsBuffer, io::kListedVerticesBuffer,
             io::kMorphDeltasBuffer, io::kActiveMorphsBuffer, io::kSkinBuffer, io::kSkinnedBuffer, io::kVerdictsBuffer,
             io::kListBuffer},
@@ -177,7 +188,7 @@ TEST(Gpu, SpirvTellsWhatAShaderNeeds) {
 
 TEST(Gpu, WhatIsNoSpirvIsRefused) {
     EXPECT_EQ(error_of([] { read_spirv({}); }).code, ErrorCode::kInvalidArgument);
-    std::vector<uint32_t> words(shaders::control.plain.begin(), shaders::control.plain.end());
+    std::vector<uint32_t> words(std::begin(kControlSpirv), std::end(kControlSpirv));
     EXPECT_EQ(error_of([&] { read_spirv(std::span(words).first(6)); }).code, ErrorCode::kInvalidArgument)
         << "cut off within its first instruction";
     words[0] ^= 1;

@@ -1,21 +1,36 @@
 #include "blend/layered.h"
 
 #include "gpu/barrier.h"
-#include "shaders.h"
 
 #include <algorithm>
 
 namespace throng {
 namespace {
 
+constexpr uint32_t kPlain[] = {
+#include "blend/layered.comp.inc"
+};
+constexpr uint32_t kSoftware[] = {
+#include "blend/layered.software.inc"
+};
+
+constexpr uint32_t kInOrderPlain[] = {
+#include "blend/layered_in_order.comp.inc"
+};
+constexpr uint32_t kInOrderSoftware[] = {
+#include "blend/layered_in_order.software.inc"
+};
+
 static_assert(sizeof(io::ActiveClip) == 32, "two rows of a table");
 
 }  // namespace
 
 Kernel layered_kernel(const std::shared_ptr<Gpu>& gpu, const LayeredSettings& settings) {
-    const Shader& shader = settings.in_order ? shaders::layered_in_order : shaders::layered;
+    const std::span<const uint32_t> plain = settings.in_order ? std::span<const uint32_t>(kInOrderPlain) : kPlain,
+                                    software = settings.in_order ? std::span<const uint32_t>(kInOrderSoftware)
+                                                                 : kSoftware;
     return Kernel(gpu, {.name = "layered",
-                        .spirv = shader.words(*gpu),
+                        .spirv = gpu->uses_software_kernels() ? software : plain,
                         .constants = {settings.packed, settings.output == BlendOutput::kSimilarity, settings.inertial,
                                       settings.pose_overrides}});
 }

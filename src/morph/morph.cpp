@@ -1,11 +1,16 @@
 #include "morph/morph.h"
 
-#include "shaders.h"
-
 #include <bit>
 
 namespace throng {
 namespace {
+
+constexpr uint32_t kPlain[] = {
+#include "morph/morph.comp.inc"
+};
+constexpr uint32_t kSoftware[] = {
+#include "morph/morph.software.inc"
+};
 
 static_assert(io::kMorphNormalStepBits == std::bit_cast<uint32_t>(kMorphNormalStep) &&
               io::kLeastMorphWeightBits == std::bit_cast<uint32_t>(kLeastMorphWeight));
@@ -64,7 +69,9 @@ void upload_morph_tables(Uploads& uploads, const Character& character, Buffers& 
 }
 
 Kernel morph_kernel(const std::shared_ptr<Gpu>& gpu, bool layered) {
-    return Kernel(gpu, {.name = "morph", .spirv = shaders::morph.words(*gpu), .constants = {layered}});
+    return Kernel(gpu, {.name = "morph",
+                        .spirv = gpu->uses_software_kernels() ? std::span<const uint32_t>(kSoftware) : kPlain,
+                        .constants = {layered}});
 }
 
 }  // namespace throng

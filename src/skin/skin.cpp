@@ -1,12 +1,14 @@
 #include "skin/skin.h"
 
-#include "shaders.h"
-
 #include <algorithm>
 #include <numeric>
 
 namespace throng {
 namespace {
+
+constexpr uint32_t kSpirv[] = {
+#include "skin/skin.comp.inc"
+};
 
 static_assert(io::kSkinLinear == static_cast<uint32_t>(SkinBlend::kLinear) &&
               io::kSkinDualQuaternion == static_cast<uint32_t>(SkinBlend::kDualQuaternion));
@@ -59,7 +61,7 @@ void upload_skin_tables(Uploads& uploads, const Character& character, std::span<
 
 Kernel skin_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format, SkinBlend blend, bool listed) {
     return Kernel(gpu, {.name = "skin",
-                        .spirv = shaders::skin.words(*gpu),
+                        .spirv = kSpirv,
                         .constants = {static_cast<uint32_t>(format), static_cast<uint32_t>(blend), listed}});
 }
 
