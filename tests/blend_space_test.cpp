@@ -1,7 +1,7 @@
 // What controllers are made of: blend spaces, joint masks, the tables of the kernel.
 #include "controller/blend_space.h"
 #include "base/failure.h"
-#include "control/clip_mix_reference.h"
+#include "control/array_tables.h"
 #include "controller/controller_tables.h"
 #include "controller/joint_mask.h"
 #include "tests/test_rig.h"
@@ -15,6 +15,18 @@
 #include <cstring>
 
 namespace throng {
+namespace io {
+namespace {
+
+struct Mixer : ArrayTables {
+    std::array<float, 2> place;
+
+    float parameter_at(uint index) const { return place[index]; }
+#include "control/blend_space.glsl"
+};
+
+}  // namespace
+}  // namespace io
 namespace {
 
 using namespace test;
@@ -38,8 +50,8 @@ public:
     }
     std::vector<double> weights_at(float x, float y) const {
         std::vector<double> weights(points_.size(), 0.0);
-        for (const MixedClip& mixed : mix_of_state(arrays_, state_, std::array{x, y}).clips)
-            weights[mixed.clip] += mixed.weight;
+        const io::Mixer::ClipMix mix = io::Mixer{{arrays_}, {x, y}}.mix_of_state(state_);
+        for (uint32_t k = 0; k < 3; ++k) weights[mix.clips[k]] += mix.weights[k];
         return weights;
     }
     // What the weights make of the points: (x, y) itself within the hull.

@@ -1,4 +1,4 @@
-// The stack of a layer's plays: steps 2, 3, 5 and 6 of docs/controller.md.
+// The stack of a layer's plays: steps 2, 3, 5 and 6 of docs/controller.md. C++ too, as control/blend_space.glsl.
 #include "control/blend_space.glsl"
 #include "control/stack.glsl"
 
@@ -32,10 +32,11 @@ uint choose_transition(LayerState state, ControlLayer layer) {
 }
 
 LayerPlay play_of_state(uint motion, float fade_rate, bool at_once) {
-    return LayerPlay(motion, 0, 0, at_once ? 1 : 0, fade_rate, 0, 0);
+    const LayerPlay play = {motion, 0, 0, float(at_once), fade_rate, 0, 0};
+    return play;
 }
 
-void follow_transitions(inout LayerState state, ControlLayer layer) {
+void follow_transitions(INOUT(LayerState) state, ControlLayer layer) {
     if (state.play_count == 0) {
         push_play(state, play_of_state(0, 0, true));
         return;
@@ -55,7 +56,7 @@ void follow_transitions(inout LayerState state, ControlLayer layer) {
 }
 
 // Fades go on; what is covered is dropped.
-void advance_fades(inout LayerState state, float time_step_s) {
+void advance_fades(INOUT(LayerState) state, float time_step_s) {
     uint count = state.play_count;
     for (uint k = kStackSize; k-- > 0;) {
         if (k + 1 >= state.play_count) continue;  // the oldest is there whole
@@ -90,7 +91,7 @@ struct PhaseStep {
     float cycles;      // x
 };
 
-PhaseStep step_phase(inout LayerPlay play, float rate, bool loop, float time_step_s) {
+PhaseStep step_phase(INOUT(LayerPlay) play, float rate, bool loop, float time_step_s) {
     PhaseStep phase_step;
     phase_step.before = play.phase;
     phase_step.reached_end = false;

@@ -16,10 +16,12 @@ struct alignas(16) uvec4 {
 #define THRONG_IO_BEGIN namespace throng::io {
 #define THRONG_IO_END }
 #define THRONG_IO_CONSTANT inline constexpr uint
+#define INOUT(type) type&
 #else
 #define THRONG_IO_BEGIN
 #define THRONG_IO_END
 #define THRONG_IO_CONSTANT const uint
+#define INOUT(type) inout type
 #endif
 
 #endif
