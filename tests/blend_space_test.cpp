@@ -40,9 +40,9 @@ public:
                   .edge_count = static_cast<uint32_t>(space.edges.size()),
                   .x_parameter = 0,
                   .y_parameter = 1,
-                  .speed_parameter = io::kAbsent,
+                  .speed_parameter = kNone,
                   .speed = 1,
-                  .sync = io::kAbsent};
+                  .sync = kNone};
         for (uint32_t i = 0; i < points_.size(); ++i) arrays_.points.push_back({i, points_[i].x, points_[i].y, 0});
         arrays_.clips.resize(points_.size());
         arrays_.triangles = space.triangles;
@@ -332,7 +332,7 @@ TEST(ControllerTables, AreTheStructsAsWords) {
 
     const auto state = [&](uint32_t i) { return read<io::ControlState>(tables, tables.layout.states, i); };
     EXPECT_EQ(state(0).sync, state(2).sync);
-    EXPECT_EQ(state(1).sync, io::kAbsent);
+    EXPECT_EQ(state(1).sync, kNone);
     EXPECT_EQ(read<io::ControlPoint>(tables, tables.layout.points, state(1).first_point).inverse_span, 0.25f);
     EXPECT_EQ(read<io::ControlPoint>(tables, tables.layout.points, state(1).first_point + 1).inverse_span, 0);
     EXPECT_EQ(state(2).triangle_count, 1u);

@@ -35,7 +35,7 @@ void store_active_clip(uint index, ActiveClip active_clip) {
 // Of a layer that has active clips.
 void begin_layer(LayerState state, ControlLayer layer, float weight) {
     layer_flags = (state.mode == kModeAdditive ? kActiveClipAdditive : 0) |
-                  (state.mask == kAbsent ? 0 : kActiveClipMasked | state.mask << kActiveClipMaskShift) |
+                  (state.mask == kNone ? 0 : kActiveClipMasked | state.mask << kActiveClipMaskShift) |
                   kActiveClipBeginsLayer;
     const bool covers = layer_flags == kActiveClipBeginsLayer && weight >= 1;
     if (layer.model_rotations != 0 && state.mode == kModeOverride) layer_flags |= kActiveClipModelRotations;

@@ -64,10 +64,10 @@ void mix_edge(INOUT(ClipMix) clip_mix, ControlState state, float x, float y) {
 
 ClipMix mix_of_state(ControlState state) {
     ClipMix clip_mix = {uvec3(0), vec3(1, 0, 0), 0, state.loop, state.sync};
-    if (state.y_parameter != kAbsent) {
+    if (state.y_parameter != kNone) {
         const float x = parameter_at(state.x_parameter), y = parameter_at(state.y_parameter);
         if (!mix_triangle(clip_mix, state, x, y)) mix_edge(clip_mix, state, x, y);
-    } else if (state.x_parameter != kAbsent) {
+    } else if (state.x_parameter != kNone) {
         mix_line(clip_mix, state, parameter_at(state.x_parameter));
     }
     float rate = 0;
@@ -76,7 +76,7 @@ ClipMix mix_of_state(ControlState state) {
         rate = sum(rate, product(clip_mix.weights[k], load_clip(clip_mix.clips[k]).rate));
     }
     rate = product(rate, state.speed);
-    if (state.speed_parameter != kAbsent) rate = product(rate, parameter_at(state.speed_parameter));
+    if (state.speed_parameter != kNone) rate = product(rate, parameter_at(state.speed_parameter));
     clip_mix.rate = rate;
     return clip_mix;
 }
@@ -84,7 +84,7 @@ ClipMix mix_of_state(ControlState state) {
 ClipMix mix_of_play(ControlLayer layer, LayerPlay play) {
     if (layer.state_count > 0) return mix_of_state(load_state(layer.first_state + play.motion));
     const ClipMix clip_mix = {uvec3(play.motion, 0, 0), vec3(1, 0, 0), product(play.speed, load_clip(play.motion).rate),
-                              play.loop, kAbsent};
+                              play.loop, kNone};
     return clip_mix;
 }
 

@@ -32,7 +32,7 @@ struct ControllerText : ArrayTables {
 
     // Step 9.
     void begin_layer(const LayerState& state, const ControlLayer&, float weight) {
-        const bool covers_all = weight >= 1 && state.mode == kModeOverride && state.mask == kAbsent;
+        const bool covers_all = weight >= 1 && state.mode == kModeOverride && state.mask == kNone;
         if (update->active_clips.empty() && !covers_all) add_rest_pose();
         shown_weight = weight;
     }
@@ -122,8 +122,7 @@ std::vector<io::ActiveClip> to_io(std::span<const ControllerActiveClip> active_c
         const auto row = [&](uint32_t index) { return clip.first_row + index * clip.row_stride; };
         uint32_t flags = active_clip.mode == io::kModeAdditive ? io::kActiveClipAdditive : 0;
         if (active_clip.model_rotations) flags |= io::kActiveClipModelRotations;
-        if (active_clip.mask != io::kAbsent)
-            flags |= io::kActiveClipMasked | active_clip.mask << io::kActiveClipMaskShift;
+        if (active_clip.mask != kNone) flags |= io::kActiveClipMasked | active_clip.mask << io::kActiveClipMaskShift;
         if (i == 0 || active_clips[i - 1].layer != active_clip.layer) flags |= io::kActiveClipBeginsLayer;
         if (i + 1 == active_clips.size() || active_clips[i + 1].layer != active_clip.layer)
             flags |= io::kActiveClipEndsLayer;

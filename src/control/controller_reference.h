@@ -17,11 +17,11 @@ struct ControllerActiveClip {
     uint32_t clip = 0;  // clip_count: the rest pose
     uint32_t phase = 0;
     double time_s = 0;
-    float weight = 1;              // within its layer
-    uint32_t layer = io::kAbsent;  // kAbsent: the rest pose below all layers
+    float weight = 1;        // within its layer
+    uint32_t layer = kNone;  // kNone: the rest pose below all layers
     float layer_weight = 1;
     uint32_t mode = io::kModeOverride;
-    uint32_t mask = io::kAbsent;
+    uint32_t mask = kNone;
     bool model_rotations = false;  // of an override: they are blended in model space
 };
 

@@ -8,7 +8,7 @@ bool has_taken = false;  // a transition, in any layer
 float begun_duration_s = 0;
 
 void note_transition(LayerState state) {
-    if (state.taken == kAbsent) return;
+    if (state.taken == kNone) return;
     const ControlTransition transition = load_transition(state.taken);
     if ((transition.flags & kTransitionInertial) != 0 && transition.fade_rate > 0)
         begun_duration_s = 1 / transition.fade_rate;
@@ -24,11 +24,11 @@ float advance_weight(INOUT(LayerState) state, ControlLayer layer) {
     state.weight = state.weight < state.weight_goal ? min(sum(state.weight, way), state.weight_goal)
                                                     : max(difference(state.weight, way), state.weight_goal);
     return clamp(
-        layer.weight_parameter == kAbsent ? state.weight : product(state.weight, parameter_at(layer.weight_parameter)),
-        0, 1);
+        layer.weight_parameter == kNone ? state.weight : product(state.weight, parameter_at(layer.weight_parameter)), 0,
+        1);
 }
 
-bool is_in_step(ClipMix leading, ClipMix other) { return leading.sync != kAbsent && other.sync == leading.sync; }
+bool is_in_step(ClipMix leading, ClipMix other) { return leading.sync != kNone && other.sync == leading.sync; }
 
 // Of the layer's plays; from play_count on of no meaning: neither heard nor stored
 ClipMix mixes[kStackSize];
@@ -72,13 +72,13 @@ void update_layer(uint index) {
     const ControlLayer layer = load_layer(index);
     const uint at = instance * layout_of_group.layer_count + index;
     LayerState state = load_layer_state(at);
-    state.taken = kAbsent;  // so far
+    state.taken = kNone;  // so far
     if (layer.state_count > 0) {
         follow_transitions(state, layer);
         note_transition(state);
     }
     note_inertial_play(state);
-    has_taken = has_taken || state.taken != kAbsent;
+    has_taken = has_taken || state.taken != kNone;
     advance_fades(state, push.time_step_s);
     const vec3 weights = weights_of_plays(state);
     const float layer_weight = advance_weight(state, layer);
@@ -110,8 +110,8 @@ void update_layer(uint index) {
 void reset_triggers() {
     uint index = 0;
     do {
-        const uint taken = has_taken ? layers[instance * layout_of_group.layer_count + index].taken : kAbsent;
-        if (taken == kAbsent) continue;
+        const uint taken = has_taken ? layers[instance * layout_of_group.layer_count + index].taken : kNone;
+        if (taken == kNone) continue;
         const ControlTransition transition = load_transition(taken);
         for (uint k = 0; k < transition.condition_count; ++k) {  // seldom
             const ControlCondition condition = load_condition(transition.first_condition + k);

@@ -19,15 +19,15 @@ bool can_be_taken(ControlTransition transition, LayerPlay leading, bool fading) 
     return can;
 }
 
-// The first transition that can be taken, or kAbsent.
+// The first transition that can be taken, or kNone.
 uint choose_transition(LayerState state, ControlLayer layer) {
     const ControlState leading = load_state(layer.first_state + state.plays[0].motion);
     const bool fading = state.play_count > 1 && state.plays[0].fade < 1;
     const uint end = leading.first_transition + leading.transition_count;
-    uint chosen = kAbsent, i = leading.first_transition;
+    uint chosen = kNone, i = leading.first_transition;
     do
         if (i < end && can_be_taken(load_transition(i), state.plays[0], fading)) chosen = i;
-    while (++i < end && chosen == kAbsent);
+    while (++i < end && chosen == kNone);
     return chosen;
 }
 
@@ -42,16 +42,16 @@ void follow_transitions(INOUT(LayerState) state, ControlLayer layer) {
         return;
     }
     state.taken = choose_transition(state, layer);
-    if (state.taken == kAbsent) return;
+    if (state.taken == kNone) return;
     const ControlTransition transition = load_transition(state.taken);
     LayerPlay play = play_of_state(transition.to, transition.fade_rate,
                                    transition.fade_rate == 0 || (transition.flags & kTransitionInertial) != 0);
     const uint sync = load_state(layer.first_state + transition.to).sync;
     uint k = state.play_count;
     do
-        if (sync != kAbsent && load_state(layer.first_state + state.plays[k - 1].motion).sync == sync)
+        if (sync != kNone && load_state(layer.first_state + state.plays[k - 1].motion).sync == sync)
             play.phase = state.plays[k - 1].phase;
-    while (sync != kAbsent && --k > 0);
+    while (sync != kNone && --k > 0);
     push_play(state, play);
 }
 

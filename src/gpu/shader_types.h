@@ -22,6 +22,7 @@ struct alignas(16) uvec4 {
 #define THRONG_IO_END
 #define THRONG_IO_CONSTANT const uint
 #define INOUT(type) inout type
+const uint kNone = 0xFFFFFFFFu;  // as throng::kNone
 #endif
 
 #endif

@@ -14,7 +14,7 @@ constexpr uint32_t kSoftware[] = {
 
 static_assert(io::kMorphNormalStepBits == std::bit_cast<uint32_t>(kMorphNormalStep) &&
               io::kLeastMorphWeightBits == std::bit_cast<uint32_t>(kLeastMorphWeight));
-static_assert(io::kActiveMorphs == kActiveMorphLimit && io::kMorphUntouched == kNone);
+static_assert(io::kActiveMorphs == kActiveMorphLimit);
 static_assert(io::kMorphAnimatedBit == kTrackAnimated && io::kMorphStepBit == kTrackStep &&
               io::kMorphPositionMask == kTrackPosition);
 static_assert(sizeof(io::ActiveMorph) == 8);

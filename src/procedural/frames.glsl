@@ -25,7 +25,7 @@ vec3 instance_origin() { return origin_of(unpack(placements[instance])); }
 // Of a joint's parent: all above it, and the placement.
 Affine world_from_parent_of(uint joint) {
     Affine model_from_parent = kIdentity;
-    for (uint above = WORD_AT(tables, joint); above != kNoParent; above = WORD_AT(tables, above))
+    for (uint above = WORD_AT(tables, joint); above != kNone; above = WORD_AT(tables, above))
         model_from_parent = affine_multiply(load_local(above), model_from_parent);
     Affine placement = unpack(placements[instance]);
     placement.row0.w = placement.row1.w = placement.row2.w = 0;

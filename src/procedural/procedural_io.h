@@ -9,7 +9,6 @@ THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kProceduralWorkgroupSize = 64;
 THRONG_IO_CONSTANT kColliderLimit = 16;  // of a spring rule
-THRONG_IO_CONSTANT kNoParent = 0xFFFFFFFFu;
 
 // Joints each of which is the parent of the next, moved by one rule.
 THRONG_IO_CONSTANT kChainWords = 5;
