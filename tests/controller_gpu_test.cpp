@@ -81,7 +81,7 @@ public:
     }
     std::vector<io::LayerState> layers() const {
         const std::vector<uint32_t> words = layers_.read();
-        std::vector<io::LayerState> states(words.size() / io::kLayerStateWords);
+        std::vector<io::LayerState> states(words.size() * sizeof(uint32_t) / sizeof(io::LayerState));
         std::memcpy(states.data(), words.data(), words.size() * sizeof(uint32_t));
         return states;
     }

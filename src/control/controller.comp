@@ -39,30 +39,11 @@ uint instance, first_parameter;
 
 // What is not finite counts as 0.
 float parameter_at(uint index) {
-    const float value = uintBitsToFloat(WORD_AT(parameters_before, first_parameter + index));
+    const float value = FLOAT_AT(parameters_before, first_parameter + index);
     return (floatBitsToUint(value) & 0x7F800000u) == 0x7F800000u ? 0 : value;
 }
 
-LayerPlay load_play(uint w) {
-    return LayerPlay(WORD_AT(layers_before, w), WORD_AT(layers_before, w + 1), WORD_AT(layers_before, w + 2),
-                     uintBitsToFloat(WORD_AT(layers_before, w + 3)), uintBitsToFloat(WORD_AT(layers_before, w + 4)),
-                     uintBitsToFloat(WORD_AT(layers_before, w + 5)), WORD_AT(layers_before, w + 6));
-}
-
-LayerState load_layer_state(uint index) {
-    const uint w = index * kLayerStateWords, rest = w + kStackSize * kLayerPlayWords;
-    LayerState state;
-    for (uint k = 0; k < kStackSize; ++k) state.plays[k] = load_play(w + k * kLayerPlayWords);
-    state.play_count = WORD_AT(layers_before, rest);
-    state.weight = uintBitsToFloat(WORD_AT(layers_before, rest + 1));
-    state.weight_goal = uintBitsToFloat(WORD_AT(layers_before, rest + 2));
-    state.weight_rate = uintBitsToFloat(WORD_AT(layers_before, rest + 3));
-    state.mode = WORD_AT(layers_before, rest + 4);
-    state.mask = WORD_AT(layers_before, rest + 5);
-    state.taken = WORD_AT(layers_before, rest + 6);
-    state.inertial_rate = uintBitsToFloat(WORD_AT(layers_before, rest + 7));
-    return state;
-}
+LayerState load_layer_state(uint index) { return LAYER_STATE_AT(layers_before, kLayerStateWords * index); }
 
 #include "control/control.glsl"
 #include "control/rounded.glsl"

@@ -96,7 +96,6 @@ struct ControllerLayout {
 };
 
 // One clip, blend space or state that a layer plays. A clip's or state's time is its phase, in 2^-32 of a cycle.
-THRONG_IO_CONSTANT kLayerPlayWords = 7;
 struct LayerPlay {
     uint motion;  // state of the layer; of a direct layer a clip, clip_count: the rest pose
     uint phase;
@@ -108,7 +107,6 @@ struct LayerPlay {
 };
 
 // What a layer of an instance keeps from update to update.
-THRONG_IO_CONSTANT kLayerStateWords = 29;
 struct LayerState {
     LayerPlay plays[kStackSize];             // newest first: 0 leads; those from play_count on are left as they were
     uint play_count;                         // 0: nothing yet

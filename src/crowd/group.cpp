@@ -24,7 +24,6 @@ constexpr size_t kSocketLimit = 64;  // as include/throng/crowd.h says
 
 // One axis per clip, and the rest pose's: a single row at time 0. As words.
 std::vector<uint32_t> clip_timelines(const Character& character) {
-    static_assert(sizeof(io::ClipTimeline) == io::kTimelineWords * sizeof(uint32_t));
     std::vector<io::ClipTimeline> timelines;
     for (const Clip& clip : character.clips)
         timelines.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});

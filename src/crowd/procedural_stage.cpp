@@ -105,7 +105,7 @@ void ProceduralStage::record_dispatch(VkCommandBuffer commands, const KindBindin
         const uint32_t count = std::min(left, chains);
         kernels_[group.takes_similarities()][dispatch.kind]->dispatch_workgroups(commands, bindings[dispatch.kind],
                                                                                  push, count * workgroups);
-        push.first_chain += count * io::kChainWords;
+        push.first_chain += static_cast<uint32_t>(count * sizeof(io::ProceduralChain) / sizeof(uint32_t));
         left -= count;
     }
 }

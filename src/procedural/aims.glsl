@@ -1,16 +1,7 @@
 // Look-at and two-bone inverse kinematics: docs/procedural.md.
 
-LookAtSettings load_look_at(uint word) {
-    return LookAtSettings(table_float(word), table_float(word + 1), table_float(word + 2), table_float(word + 3),
-                          table_float(word + 4), WORD_AT(tables, word + 5));
-}
-ReachSettings load_reach(uint word) {
-    return ReachSettings(table_float(word), table_float(word + 1), table_float(word + 2), table_float(word + 3),
-                         WORD_AT(tables, word + 4));
-}
-
 void look_at(ProceduralChain chain) {
-    const LookAtSettings settings = load_look_at(chain.rule);
+    const LookAtSettings settings = LOOK_AT_SETTINGS_AT(tables, chain.rule);
     const vec4 target = targets[instance * push.target_count + settings.target];
     const float weight = settings.weight * clamp(target.w, 0, 1);
     if (weight <= 0) return;
@@ -29,7 +20,7 @@ void look_at(ProceduralChain chain) {
 }
 
 void reach(ProceduralChain chain) {
-    const ReachSettings settings = load_reach(chain.rule);
+    const ReachSettings settings = REACH_SETTINGS_AT(tables, chain.rule);
     const vec4 target = targets[instance * push.target_count + settings.target];
     const float weight = settings.weight * clamp(target.w, 0, 1);
     if (weight <= 0) return;

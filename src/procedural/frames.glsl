@@ -8,9 +8,6 @@
 
 const float kParallel = 1e-6;  // sine of an angle below which two directions span no plane
 
-float table_float(uint word) { return uintBitsToFloat(WORD_AT(tables, word)); }
-vec3 table_vector(uint word) { return vec3(table_float(word), table_float(word + 1), table_float(word + 2)); }
-
 Affine load_local(uint joint) {
     const uint index = instance * push.joint_count + joint;
     if (kSimilarity) return affine_from_similarity(Similarity(unpack(local[2 * index]), unpack(local[2 * index + 1])));

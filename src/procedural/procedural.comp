@@ -23,18 +23,12 @@ layout(push_constant) uniform Push { ProceduralPush push; };
 
 uint instance;
 
-ProceduralChain load_chain(uint word) {
-    return ProceduralChain(WORD_AT(tables, word), WORD_AT(tables, word + 1), WORD_AT(tables, word + 2),
-                           WORD_AT(tables, word + 3), WORD_AT(tables, word + 4));
-}
-
 uint first_joint_of(ProceduralChain chain) { return WORD_AT(tables, chain.first_joint); }
 
 #include "procedural/frames.glsl"
 
 ProceduralJoint load_joint(ProceduralChain chain, uint k) {
-    const uint word = chain.first_joint + k * kProceduralJointWords;
-    return ProceduralJoint(WORD_AT(tables, word), table_float(word + 1), table_float(word + 2), table_float(word + 3));
+    return PROCEDURAL_JOINT_AT(tables, chain.first_joint + kProceduralJointWords * k);
 }
 
 #include "procedural/wind.glsl"
@@ -44,7 +38,8 @@ ProceduralJoint load_joint(ProceduralChain chain, uint k) {
 void main() {
     instance = gl_WorkGroupID.x % push.workgroups * kProceduralWorkgroupSize + gl_LocalInvocationID.x;
     if (instance >= push.instance_count) return;
-    const ProceduralChain chain = load_chain(push.first_chain + gl_WorkGroupID.x / push.workgroups * kChainWords);
+    const ProceduralChain chain = PROCEDURAL_CHAIN_AT(
+        tables, push.first_chain + kProceduralChainWords * (gl_WorkGroupID.x / push.workgroups));
     if (kKind == kChainWind)
         bend_in_wind(chain);
     else if (kKind == kChainSpring)

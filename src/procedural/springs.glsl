@@ -2,12 +2,6 @@
 // Difference from it: the step is the backward Euler of a damped oscillator, which no time step makes unstable, and its
 // numbers do not depend on the frame rate.
 
-SpringSettings load_spring(uint word) {
-    return SpringSettings(table_float(word), table_float(word + 1), table_float(word + 2), table_float(word + 3),
-                          table_float(word + 4), table_float(word + 5), table_float(word + 6),
-                          WORD_AT(tables, word + 7), WORD_AT(tables, word + 8));
-}
-
 // A capsule in the world, with the springs' own radius in its own.
 struct Capsule {
     vec3 a, along;
@@ -15,12 +9,14 @@ struct Capsule {
 };
 
 Capsule load_capsule(uint word, float bone_radius) {
-    const Affine m = world_from_joint_of(WORD_AT(tables, word));
-    const vec3 a = affine_point(m, table_vector(word + 1)), b = affine_point(m, table_vector(word + 4));
+    const ColliderShape shape = COLLIDER_SHAPE_AT(tables, word);
+    const Affine m = world_from_joint_of(shape.joint);
+    const vec3 a = affine_point(m, vec3(shape.ax, shape.ay, shape.az)),
+               b = affine_point(m, vec3(shape.bx, shape.by, shape.bz));
     const mat3 columns = transpose(mat3(m.row0.xyz, m.row1.xyz, m.row2.xyz));
     const float square = max(max(dot(columns[0], columns[0]), dot(columns[1], columns[1])),
                              dot(columns[2], columns[2]));
-    return Capsule(a, b - a, table_float(word + 7) * sqrt(square) + bone_radius);
+    return Capsule(a, b - a, shape.radius * sqrt(square) + bone_radius);
 }
 
 vec3 pushed_out(vec3 place, Capsule capsule) {
@@ -56,9 +52,9 @@ vec3 step_spring(inout SpringState spring, SpringSettings settings, vec3 joint, 
 }
 
 void swing(ProceduralChain chain) {
-    const SpringSettings settings = load_spring(chain.rule);
+    const SpringSettings settings = SPRING_SETTINGS_AT(tables, chain.rule);
     for (uint i = 0; i < settings.collider_count; ++i)
-        capsules[i] = load_capsule(settings.first_collider + i * kColliderWords, settings.radius);
+        capsules[i] = load_capsule(settings.first_collider + kColliderShapeWords * i, settings.radius);
     Affine world_from_parent = world_from_parent_of(first_joint_of(chain));
     for (uint k = 0; k < chain.joint_count; ++k) {
         const ProceduralJoint joint = load_joint(chain, k);

@@ -14,16 +14,12 @@ float wind_at(vec3 place) {
                              0.2 * wave(push.gust_phase2 - 7.1 * along)));
 }
 
-WindSettings load_wind(uint word) {
-    return WindSettings(table_float(word), table_float(word + 1), table_float(word + 2));
-}
-
 // So that no two instances sway alike: fractions of the golden ratio.
 float sway_phase() { return float((push.first_instance + instance) * 2654435769u) * (1.0 / 4294967296.0); }
 
 void bend_in_wind(ProceduralChain chain) {
     if (push.wind_speed == 0) return;
-    const WindSettings settings = load_wind(chain.rule);
+    const WindSettings settings = WIND_SETTINGS_AT(tables, chain.rule);
     const vec3 direction = vec3(push.wind_x, push.wind_y, push.wind_z);
     const float phase = sway_phase() + settings.sway_hz * push.sway_time_s;
     Affine world_from_parent = world_from_parent_of(first_joint_of(chain));
