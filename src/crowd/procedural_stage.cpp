@@ -78,7 +78,6 @@ void ProceduralStage::record_rank(VkCommandBuffer commands, const KindBindings& 
 void ProceduralStage::record_dispatch(VkCommandBuffer commands, const KindBindings& bindings, const Batch& batch,
                                       const ProceduralTables::Dispatch& dispatch) const {
     const Group& group = groups_[batch.group];
-    const WindClock::Moment& wind = wind_.moment();
     const uint32_t workgroups = (batch.instance_count + io::kProceduralWorkgroupSize - 1) /
                                 io::kProceduralWorkgroupSize;
     io::ProceduralPush push{.instance_count = batch.instance_count,
@@ -88,17 +87,8 @@ void ProceduralStage::record_dispatch(VkCommandBuffer commands, const KindBindin
                             .target_count = group.procedural->target_count,
                             .first_chain = dispatch.first_chain,
                             .workgroups = workgroups,
-                            .time_step_s = time_step_s_,
-                            .sway_time_s = static_cast<float>(wind.sway_time_s),
-                            .wind_speed = static_cast<float>(wind.speed),
-                            .wind_x = static_cast<float>(wind.direction.x),
-                            .wind_y = static_cast<float>(wind.direction.y),
-                            .wind_z = static_cast<float>(wind.direction.z),
-                            .gust = static_cast<float>(wind.gust),
-                            .gust_rate = static_cast<float>(wind.gust_rate),
-                            .gust_phase0 = static_cast<float>(wind.gust_phases[0]),
-                            .gust_phase1 = static_cast<float>(wind.gust_phases[1]),
-                            .gust_phase2 = static_cast<float>(wind.gust_phases[2])};
+                            .time_step_s = time_step_s_};
+    wind_.moment().tell(push);
     // As many chains at once as the device dispatches.
     const uint32_t chains = std::max(gpu_->properties.limits.maxComputeWorkGroupCount[0] / workgroups, 1u);
     for (uint32_t left = dispatch.chain_count; left > 0;) {
