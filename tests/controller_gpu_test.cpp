@@ -1,6 +1,6 @@
 // The controller kernel against the reference: bit for bit in all that decides a state.
 #include "control/control_reference.h"
-#include "control/controller_kernel.h"
+#include "control/control.h"
 #include "control/controller_reference.h"
 #include "tests/kernel_runner.h"
 #include "tests/test_rig.h"

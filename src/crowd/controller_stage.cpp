@@ -2,7 +2,7 @@
 
 #include "blend/inertia_io.h"
 #include "blend/layered_io.h"
-#include "control/controller_kernel.h"
+#include "control/control.h"
 #include "crowd/placement_stage.h"
 #include "gpu/barrier.h"
 
