@@ -46,8 +46,11 @@ template <class T>
 using Scalar = std::type_identity_t<T>;  // whatever number it is given as
 
 using std::abs;
+using std::exp;
+using std::exp2;
 using std::floor;
 using std::isnan;
+using std::pow;
 using std::sqrt;
 template <class T>
 T fract(T x) {
@@ -73,6 +76,11 @@ template <class T>
 T clamp(T x, Scalar<T> low, Scalar<T> high) {
     return min(max(x, low), high);
 }
+template <class T>
+T smoothstep(Scalar<T> from, Scalar<T> to, T x) {
+    const T t = clamp((x - from) / (to - from), 0, 1);
+    return t * t * (3 - 2 * t);
+}
 
 // As control/rounded.glsl.
 inline float sum(float a, float b) { return a + b; }
@@ -86,6 +94,14 @@ Vector3<T> operator+(const Vector3<T>& a, const Vector3<T>& b) {
 template <class T>
 Vector3<T> operator-(const Vector3<T>& a, const Vector3<T>& b) {
     return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class T>
+Vector3<T> operator-(const Vector3<T>& v) {
+    return {-v.x, -v.y, -v.z};
+}
+template <class T>
+Vector3<T> operator*(const Vector3<T>& a, const Vector3<T>& b) {
+    return {a.x * b.x, a.y * b.y, a.z * b.z};
 }
 template <class T>
 Vector3<T> operator*(const Vector3<T>& v, Scalar<T> s) {
@@ -126,6 +142,10 @@ T distance(const Vector3<T>& a, const Vector3<T>& b) {
 template <class T>
 Vector3<T> normalize(const Vector3<T>& v) {
     return v / length(v);
+}
+template <class T>
+Vector3<T> reflect(const Vector3<T>& way, const Vector3<T>& normal) {
+    return way - normal * (2 * dot(normal, way));
 }
 
 template <class T>
