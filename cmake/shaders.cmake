@@ -20,3 +20,24 @@ function(throng_add_shader target shader output_name)
     VERBATIM)
   target_sources(${target} PRIVATE ${output})
 endfunction()
+
+# throng_add_kernel(target kernel [SOFTWARE]): a compute shader, relative to src/ and without its ending, and with SOFTWARE
+# its variant for software devices, as the KernelCode kernels::<file> in <kernel>.kernel.h.
+function(throng_add_kernel target kernel)
+  cmake_path(GET kernel FILENAME name)
+  throng_add_shader(${target} ${kernel}.comp ${kernel}.comp.inc)
+  set(arrays "inline constexpr uint32_t ${name}_plain[] = {\n#include \"${kernel}.comp.inc\"\n};\n")
+  set(software ${name}_plain)
+  if(ARGN)
+    throng_add_shader(${target} ${kernel}.comp ${kernel}.software.inc GPU_SOFTWARE)
+    set(software ${name}_software)
+    string(APPEND arrays "inline constexpr uint32_t ${software}[] = {\n#include \"${kernel}.software.inc\"\n};\n")
+  endif()
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/shaders/${kernel}.kernel.h @ONLY CONTENT
+"#pragma once
+#include \"gpu/kernel_code.h\"
+namespace throng::kernels {
+${arrays}inline constexpr KernelCode ${name}{\"${name}\", ${name}_plain, ${software}};
+}
+")
+endfunction()

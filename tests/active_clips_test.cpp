@@ -18,7 +18,6 @@ using namespace test;
 
 // Of an element, relative where it exceeds 1; times what the mixing itself makes of its inputs' errors
 constexpr double kBound = 2e-6;
-constexpr uint32_t kNoMask = ~0u;
 
 // A clip at a time.
 struct Part {
@@ -30,7 +29,7 @@ struct Part {
 struct Layer {
     bool is_additive = false;
     float weight = 1;
-    uint32_t mask = kNoMask;
+    uint32_t mask = kNone;
     std::vector<Part> parts;
 };
 
@@ -79,7 +78,7 @@ std::vector<io::ActiveClip> active_clips_of(const Character& character, const La
             if (i == 0) active_clip.flags |= io::kActiveClipBeginsLayer;
             if (i + 1 == layer.parts.size()) active_clip.flags |= io::kActiveClipEndsLayer;
             if (layer.is_additive) active_clip.flags |= io::kActiveClipAdditive;
-            if (layer.mask != kNoMask)
+            if (layer.mask != kNone)
                 active_clip.flags |= io::kActiveClipMasked | layer.mask << io::kActiveClipMaskShift;
             out.push_back(active_clip);
         }
@@ -150,7 +149,7 @@ public:
         for (const Layer& layer : layers) {
             for (uint32_t joint = 0; joint < joint_count(); ++joint)
                 out[joint].push_back({layer.is_additive,
-                                      layer.mask == kNoMask
+                                      layer.mask == kNone
                                           ? layer.weight
                                           : double{layer.weight} * masks_[layer.mask * joint_count() + joint],
                                       {}});
@@ -190,7 +189,7 @@ Layers random_layers(Random& random, const Character& character, uint32_t active
         const bool is_lowest = i == 0;
         Layer layer{.is_additive = !is_lowest && random.chance(0.5),
                     .weight = random.chance(0.3) ? 1.0f : static_cast<float>(random.unit()),
-                    .mask = is_lowest ? kNoMask : std::array{kNoMask, 0u, 1u}[random.below(3)],
+                    .mask = is_lowest ? kNone : std::array{kNone, 0u, 1u}[random.below(3)],
                     .parts = {}};
         const uint32_t rest = layer_count - 1 - i,
                        part_count = rest == 0 ? active_clip_count : 1 + random.below(active_clip_count - rest);
@@ -319,15 +318,15 @@ TEST(ActiveClips, WeightsOfNothingAndOfOneAreExact) {
         return layer;
     };
     const std::vector<Layers> instances{{base},
-                                        {base, with(wave, false, 0, kNoMask)},
-                                        {base, with(wave, true, 0, kNoMask)},
+                                        {base, with(wave, false, 0, kNone)},
+                                        {base, with(wave, true, 0, kNone)},
                                         {base, with(wave, false, 1, 0)},
                                         {base, with(wave, true, 1, 0)},
                                         {wave},
                                         {base, wave},
                                         {base, with(wave, false, 1, 1)},
-                                        {with(wave, false, 0.5f, kNoMask)},
-                                        {base, with(wave, true, 0, kNoMask), wave}};
+                                        {with(wave, false, 0.5f, kNone)},
+                                        {base, with(wave, true, 0, kNone), wave}};
     const std::vector<Affine> local = stage.run(instances);
     const auto of = [&](size_t instance, size_t first, size_t end) {
         const auto begin = local.begin() + static_cast<ptrdiff_t>(instance * 65);

@@ -1,7 +1,7 @@
 // What controllers are made of: blend spaces, joint masks, the tables of the kernel.
 #include "controller/blend_space.h"
 #include "base/failure.h"
-#include "control/clip_mix_reference.h"
+#include "control/array_tables.h"
 #include "controller/controller_tables.h"
 #include "controller/joint_mask.h"
 #include "tests/test_rig.h"
@@ -15,6 +15,18 @@
 #include <cstring>
 
 namespace throng {
+namespace io {
+namespace {
+
+struct Mixer : ArrayTables {
+    std::array<float, 2> place;
+
+    float parameter_at(uint index) const { return place[index]; }
+#include "control/blend_space.glsl"
+};
+
+}  // namespace
+}  // namespace io
 namespace {
 
 using namespace test;
@@ -28,9 +40,9 @@ public:
                   .edge_count = static_cast<uint32_t>(space.edges.size()),
                   .x_parameter = 0,
                   .y_parameter = 1,
-                  .speed_parameter = io::kAbsent,
+                  .speed_parameter = kNone,
                   .speed = 1,
-                  .sync = io::kAbsent};
+                  .sync = kNone};
         for (uint32_t i = 0; i < points_.size(); ++i) arrays_.points.push_back({i, points_[i].x, points_[i].y, 0});
         arrays_.clips.resize(points_.size());
         arrays_.triangles = space.triangles;
@@ -38,8 +50,8 @@ public:
     }
     std::vector<double> weights_at(float x, float y) const {
         std::vector<double> weights(points_.size(), 0.0);
-        for (const MixedClip& mixed : mix_of_state(arrays_, state_, std::array{x, y}).clips)
-            weights[mixed.clip] += mixed.weight;
+        const io::Mixer::ClipMix mix = io::Mixer{{arrays_}, {x, y}}.mix_of_state(state_);
+        for (uint32_t k = 0; k < 3; ++k) weights[mix.clips[k]] += mix.weights[k];
         return weights;
     }
     // What the weights make of the points: (x, y) itself within the hull.
@@ -320,7 +332,7 @@ TEST(ControllerTables, AreTheStructsAsWords) {
 
     const auto state = [&](uint32_t i) { return read<io::ControlState>(tables, tables.layout.states, i); };
     EXPECT_EQ(state(0).sync, state(2).sync);
-    EXPECT_EQ(state(1).sync, io::kAbsent);
+    EXPECT_EQ(state(1).sync, kNone);
     EXPECT_EQ(read<io::ControlPoint>(tables, tables.layout.points, state(1).first_point).inverse_span, 0.25f);
     EXPECT_EQ(read<io::ControlPoint>(tables, tables.layout.points, state(1).first_point + 1).inverse_span, 0);
     EXPECT_EQ(state(2).triangle_count, 1u);

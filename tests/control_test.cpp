@@ -27,11 +27,7 @@ struct Timelines {
                          static_cast<uint32_t>(1000 * clips.size()), duration_s});
         times_s.insert(times_s.end(), axis_s.begin(), axis_s.end());
     }
-    std::vector<uint32_t> words() const {
-        std::vector<uint32_t> out(clips.size() * io::kTimelineWords);
-        std::memcpy(out.data(), clips.data(), out.size() * sizeof(uint32_t));
-        return out;
-    }
+    std::vector<uint32_t> words() const { return as_words(clips); }
     std::span<const float> times_of(uint32_t clip) const {
         return std::span(times_s).subspan(clips[clip].first_time, clips[clip].row_count);
     }

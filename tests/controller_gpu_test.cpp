@@ -1,6 +1,6 @@
 // The controller kernel against the reference: bit for bit in all that decides a state.
 #include "control/control_reference.h"
-#include "control/controller_kernel.h"
+#include "control/control.h"
 #include "control/controller_reference.h"
 #include "tests/kernel_runner.h"
 #include "tests/test_rig.h"
@@ -81,7 +81,7 @@ public:
     }
     std::vector<io::LayerState> layers() const {
         const std::vector<uint32_t> words = layers_.read();
-        std::vector<io::LayerState> states(words.size() / io::kLayerStateWords);
+        std::vector<io::LayerState> states(words.size() * sizeof(uint32_t) / sizeof(io::LayerState));
         std::memcpy(states.data(), words.data(), words.size() * sizeof(uint32_t));
         return states;
     }
@@ -244,7 +244,7 @@ void follow(const Controller& controller, uint32_t instance_count, uint32_t upda
                     << "of voice " << k;
             for (const ControllerEventAt& event : wanted.events)
                 wanted_events[{1000 + i, event.layer, event.event}].push_back(event.time_s);
-            for (const io::LayerState& state : references[i].layers) transition_count += state.taken != io::kAbsent;
+            for (const io::LayerState& state : references[i].layers) transition_count += state.taken != kNone;
             if (::testing::Test::HasFailure())
                 ADD_FAILURE() << "instance " << i << ", update " << update << " by " << time_step_s << " s";
         }
@@ -285,9 +285,8 @@ TEST(ControllerOnTheGpu, LayersPlayWhatTheyAreTold) {
                                     random.below(UINT32_MAX), random.below(2),
                                     static_cast<float>(random.between(-2, 2)), fade_rate});
             if (random.below(12) == 0)
-                commands.push_back({instance, io::kCommandLayer, random.below(3),
-                                    random.below(2) == 0 ? io::kAbsent : 0, random.below(2), 0,
-                                    static_cast<float>(random.below(5)) / 4, fade_rate});
+                commands.push_back({instance, io::kCommandLayer, random.below(3), random.below(2) == 0 ? kNone : 0,
+                                    random.below(2), 0, static_cast<float>(random.below(5)) / 4, fade_rate});
         }
         return commands;
     });

@@ -139,7 +139,7 @@ TEST(AnyController, WhateverHappensLayersAreWhole) {
                         sum += active_clip.weight;
                     }
                 ASSERT_NEAR(sum, 1, 1e-4);
-                taken += instance.reference.layers[layer].taken != io::kAbsent;
+                taken += instance.reference.layers[layer].taken != kNone;
                 const io::LayerState& state = instance.reference.layers[layer];
                 for (uint32_t k = 0; k < state.play_count; ++k) {
                     ASSERT_LE(state.plays[k].fade, 1);

@@ -96,10 +96,10 @@ TEST(Controller, TransitionsInterruptAFadeOnlyWhereTheySaySo) {
 TEST(Controller, InertialTransitionsCutAndSaySo) {
     Instance instance(three_states({{.from = "a", .to = "b", .fade_s = 1, .fade = FadeKind::kInertial}}));
     instance.update(0);
-    EXPECT_EQ(instance.reference.layers[0].taken, io::kAbsent);
+    EXPECT_EQ(instance.reference.layers[0].taken, kNone);
     instance.update(0.125f);
     EXPECT_EQ(instance.weights(), (std::vector<float>{0, 1, 0}));
-    EXPECT_NE(instance.reference.layers[0].taken, io::kAbsent);
+    EXPECT_NE(instance.reference.layers[0].taken, kNone);
     EXPECT_EQ(instance.leading().fade_rate, 1);
 }
 
@@ -411,7 +411,7 @@ TEST(Controller, WeightsOfLayersGoToTheirGoals) {
     controller.layers[0].weight_parameter = "x";
     Instance instance(controller);
     instance.play(0);
-    const auto aim = [&](float goal, float fade_rate, uint32_t mode = io::kModeOverride, uint32_t mask = io::kAbsent) {
+    const auto aim = [&](float goal, float fade_rate, uint32_t mode = io::kModeOverride, uint32_t mask = kNone) {
         instance.reference.apply({.kind = io::kCommandLayer,
                                   .target = 0,
                                   .motion = mask,
@@ -424,7 +424,7 @@ TEST(Controller, WeightsOfLayersGoToTheirGoals) {
         if (weight > 0) {
             EXPECT_EQ(instance.last.active_clips.back().layer_weight, weight);
         } else {
-            EXPECT_EQ(instance.last.active_clips.back().layer, io::kAbsent);
+            EXPECT_EQ(instance.last.active_clips.back().layer, kNone);
         }
         EXPECT_EQ(instance.last.active_clips.size(), weight > 0 && weight < 1 ? 2u : 1u)
             << "the rest pose where it does not cover all";
@@ -483,7 +483,7 @@ TEST(Controller, TheLowestLayerMovesItsCharacter) {
     expect(4, 0, 0, std::acos(-1));
     play(0, 2, 0.5f);
     expect(1, 0, 0, std::acos(-1) / 8);  // half of half a cycle
-    reference.apply({.kind = io::kCommandLayer, .target = 0, .motion = io::kAbsent, .value = 0});
+    reference.apply({.kind = io::kCommandLayer, .target = 0, .motion = kNone, .value = 0});
     expect(1, 0, 0, 0);
 }
 

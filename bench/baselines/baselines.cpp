@@ -57,9 +57,7 @@ BaselineCrowd::BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline,
         joints.push_back(entry.joint);
         binds.push_back(entry.joint_from_bind);
     }
-    std::vector<uint32_t> timeline_words(timelines.size() * io::kTimelineWords);
-    std::memcpy(timeline_words.data(), timelines.data(), timeline_words.size() * sizeof(uint32_t));
-    timelines_ = upload_table(gpu_, "clip timelines", timeline_words);
+    timelines_ = upload_table(gpu_, "clip timelines", as_words(timelines));
     times_ = upload_table(gpu_, "key times", baked.times_s);
     tracks_ = upload_rows(gpu_, "tracks", baked.tracks);
     keys_ = upload_rows(gpu_, baked.name + ": keys", baked.keys);

@@ -1,5 +1,7 @@
 #include "blend/layered.h"
 
+#include "blend/layered.kernel.h"
+#include "blend/layered_in_order.kernel.h"
 #include "gpu/barrier.h"
 
 #include <algorithm>
@@ -7,32 +9,14 @@
 namespace throng {
 namespace {
 
-constexpr uint32_t kPlain[] = {
-#include "blend/layered.comp.inc"
-};
-constexpr uint32_t kSoftware[] = {
-#include "blend/layered.software.inc"
-};
-
-constexpr uint32_t kInOrderPlain[] = {
-#include "blend/layered_in_order.comp.inc"
-};
-constexpr uint32_t kInOrderSoftware[] = {
-#include "blend/layered_in_order.software.inc"
-};
-
 static_assert(sizeof(io::ActiveClip) == 32, "two rows of a table");
 
 }  // namespace
 
 Kernel layered_kernel(const std::shared_ptr<Gpu>& gpu, const LayeredSettings& settings) {
-    const std::span<const uint32_t> plain = settings.in_order ? std::span<const uint32_t>(kInOrderPlain) : kPlain,
-                                    software = settings.in_order ? std::span<const uint32_t>(kInOrderSoftware)
-                                                                 : kSoftware;
-    return Kernel(gpu, {.name = "layered",
-                        .spirv = gpu->uses_software_kernels() ? software : plain,
-                        .constants = {settings.packed, settings.output == BlendOutput::kSimilarity, settings.inertial,
-                                      settings.pose_overrides}});
+    const KernelCode& code = settings.in_order ? kernels::layered_in_order : kernels::layered;
+    return code.on(gpu, {settings.packed, settings.output == BlendOutput::kSimilarity, settings.inertial,
+                         settings.pose_overrides});
 }
 
 void record_layered_in_order(const Gpu& gpu, VkCommandBuffer commands, const Kernel& kernel, const Bindings& bindings,

@@ -1,6 +1,6 @@
 // A layer whose rotations are blended in model space: docs/controller.md, step 9. Source: Unreal Engine's layered blend
 // per bone, "Mesh Space Rotation Blend". Difference from it: none known; at joints without weight the local rotation of
-// what lies below stays there too. The includer declares the table `parents` (TABLE_OF_WORDS, [joint], kAbsent: none),
+// what lies below stays there too. The includer declares the table `parents` (TABLE_OF_WORDS, [joint], kNone: none),
 // the buffer `rotations` (ModelRotations[layer in model space][joint][instance]) and `push`; it takes the joints of an
 // instance in order, parents first. Defined by active_clips_reference.h.
 #include "blend/blend.glsl"
@@ -15,7 +15,7 @@ JointPose apply_in_model_space(uint instance, uint joint, uint model_layer, Join
     const uint first = model_layer * push.joint_count, parent = WORD_AT(parents, joint);
     const vec4 identity = vec4(0, 0, 0, 1);
     ModelRotations above = ModelRotations(identity, identity, identity);
-    if (parent != kAbsent) above = rotations[(first + parent) * push.instance_count + instance];
+    if (parent != kNone) above = rotations[(first + parent) * push.instance_count + instance];
     ModelRotations here;
     here.below = unit(quaternion_multiply(above.below, below.rotation));
     here.layer = unit(quaternion_multiply(above.layer, layer.rotation));

@@ -1,17 +1,12 @@
 // The active clips of an instance, written as they come: step 9 of docs/controller.md. The includer declares
 // `active_clips`, `active_clip_times`, `instance` and find_rows().
 
-uint active_clip_count;  // the rest pose included
-bool has_rest_pose;      // below the others
+uint active_clip_count = 0;  // the rest pose included
+bool has_rest_pose = false;  // below the others
 ActiveClip newest;
 float active_clip_time_s;  // of the clip of the last active_clip_of()
 uint layer_flags;
 float active_clips_layer_weight;
-
-void begin_active_clips() {
-    active_clip_count = 0;
-    has_rest_pose = false;
-}
 
 ActiveClip active_clip_of(uint clip, uint phase, float weight) {
     const ClipTimeline timeline = load_timeline(clip);
@@ -40,7 +35,7 @@ void store_active_clip(uint index, ActiveClip active_clip) {
 // Of a layer that has active clips.
 void begin_layer(LayerState state, ControlLayer layer, float weight) {
     layer_flags = (state.mode == kModeAdditive ? kActiveClipAdditive : 0) |
-                  (state.mask == kAbsent ? 0 : kActiveClipMasked | state.mask << kActiveClipMaskShift) |
+                  (state.mask == kNone ? 0 : kActiveClipMasked | state.mask << kActiveClipMaskShift) |
                   kActiveClipBeginsLayer;
     const bool covers = layer_flags == kActiveClipBeginsLayer && weight >= 1;
     if (layer.model_rotations != 0 && state.mode == kModeOverride) layer_flags |= kActiveClipModelRotations;

@@ -1,6 +1,5 @@
-// The clips of a play and their weights: step 4 of docs/controller.md. The includer declares parameter_at(index).
-#include "control/rounded.glsl"
-#include "control/tables.glsl"
+// The clips of a play and their weights: step 4 of docs/controller.md. C++ too (gpu/glsl.h). The includer declares
+// parameter_at(index), the functions of control/tables.glsl and those of control/rounded.glsl.
 
 // Up to three clips of one phase. Weights of those beyond are 0.
 struct ClipMix {
@@ -11,7 +10,7 @@ struct ClipMix {
     uint sync;
 };
 
-void mix_line(inout ClipMix clip_mix, ControlState state, float x) {
+void mix_line(INOUT(ClipMix) clip_mix, ControlState state, float x) {
     uint i = 0, k = 1;
     do
         if (k < state.point_count && load_point(state.first_point + k).x <= x) i = k;
@@ -25,7 +24,7 @@ void mix_line(inout ClipMix clip_mix, ControlState state, float x) {
 const float kCrack = 1.0 / 65536;  // rounding must open no crack between two triangles
 
 // The first triangle around (x, y), if there is one.
-bool mix_triangle(inout ClipMix clip_mix, ControlState state, float x, float y) {
+bool mix_triangle(INOUT(ClipMix) clip_mix, ControlState state, float x, float y) {
     uint k = 0;
     do {
         if (k >= state.triangle_count) break;
@@ -43,7 +42,7 @@ bool mix_triangle(inout ClipMix clip_mix, ControlState state, float x, float y) 
 }
 
 // The nearest place on the hull.
-void mix_edge(inout ClipMix clip_mix, ControlState state, float x, float y) {
+void mix_edge(INOUT(ClipMix) clip_mix, ControlState state, float x, float y) {
     float nearest = uintBitsToFloat(0x7F800000u);
     uint k = 0;
     do {
@@ -64,11 +63,11 @@ void mix_edge(inout ClipMix clip_mix, ControlState state, float x, float y) {
 }
 
 ClipMix mix_of_state(ControlState state) {
-    ClipMix clip_mix = ClipMix(uvec3(0), vec3(1, 0, 0), 0, state.loop, state.sync);
-    if (state.y_parameter != kAbsent) {
+    ClipMix clip_mix = {uvec3(0), vec3(1, 0, 0), 0, state.loop, state.sync};
+    if (state.y_parameter != kNone) {
         const float x = parameter_at(state.x_parameter), y = parameter_at(state.y_parameter);
         if (!mix_triangle(clip_mix, state, x, y)) mix_edge(clip_mix, state, x, y);
-    } else if (state.x_parameter != kAbsent) {
+    } else if (state.x_parameter != kNone) {
         mix_line(clip_mix, state, parameter_at(state.x_parameter));
     }
     float rate = 0;
@@ -77,13 +76,22 @@ ClipMix mix_of_state(ControlState state) {
         rate = sum(rate, product(clip_mix.weights[k], load_clip(clip_mix.clips[k]).rate));
     }
     rate = product(rate, state.speed);
-    if (state.speed_parameter != kAbsent) rate = product(rate, parameter_at(state.speed_parameter));
+    if (state.speed_parameter != kNone) rate = product(rate, parameter_at(state.speed_parameter));
     clip_mix.rate = rate;
     return clip_mix;
 }
 
 ClipMix mix_of_play(ControlLayer layer, LayerPlay play) {
     if (layer.state_count > 0) return mix_of_state(load_state(layer.first_state + play.motion));
-    return ClipMix(uvec3(play.motion, 0, 0), vec3(1, 0, 0), product(play.speed, load_clip(play.motion).rate), play.loop,
-                   kAbsent);
+    const ClipMix clip_mix = {uvec3(play.motion, 0, 0), vec3(1, 0, 0), product(play.speed, load_clip(play.motion).rate),
+                              play.loop, kNone};
+    return clip_mix;
+}
+
+// The first of equals.
+uint heaviest(ClipMix clip_mix) {
+    uint k = 0;
+    if (clip_mix.weights.y > clip_mix.weights[k]) k = 1;
+    if (clip_mix.weights.z > clip_mix.weights[k]) k = 2;
+    return clip_mix.clips[k];
 }

@@ -14,23 +14,7 @@ layout(push_constant) uniform Push { CommandPush push; };
 
 #include "control/rounded.glsl"
 #include "control/stack.glsl"
-
-void play(uint at, ControlCommand command) {
-    LayerState state = layers[at];
-    const bool at_once = command.fade_rate == 0 || command.kind == kCommandPlayInertial;
-    push_play(state, LayerPlay(command.motion, command.phase, 0, at_once ? 1 : 0, command.fade_rate, command.value,
-                               command.loop));
-    if (command.kind == kCommandPlayInertial) state.inertial_rate = command.fade_rate;
-    layers[at] = state;
-}
-
-void set_layer(uint at, ControlCommand command) {
-    layers[at].weight_goal = command.value;
-    layers[at].weight_rate = product(abs(difference(command.value, layers[at].weight)), command.fade_rate);
-    if (command.fade_rate == 0) layers[at].weight = command.value;
-    layers[at].mode = command.phase;
-    layers[at].mask = command.motion;
-}
+#include "control/commands.glsl"
 
 void main() {
     const uint first = gl_GlobalInvocationID.x;
@@ -39,12 +23,6 @@ void main() {
     if (first > 0 && commands[first - 1].instance == instance) return;
     for (uint i = first; i < push.command_count && commands[i].instance == instance; ++i) {
         const ControlCommand command = commands[i];
-        const uint at = instance * push.layer_count + command.target;
-        if (command.kind == kCommandPlay || command.kind == kCommandPlayInertial)
-            play(at, command);
-        else if (command.kind == kCommandLayer)
-            set_layer(at, command);
-        else
-            parameters[instance * push.parameter_count + command.target] = command.value;
+        obey(command, instance * push.layer_count + command.target, instance * push.parameter_count + command.target);
     }
 }

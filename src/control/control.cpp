@@ -1,20 +1,13 @@
 #include "control/control.h"
 
+#include "control/commands.kernel.h"
+#include "control/control.kernel.h"
+#include "control/controller.kernel.h"
+
 namespace throng {
-namespace {
 
-constexpr uint32_t kPlain[] = {
-#include "control/control.comp.inc"
-};
-constexpr uint32_t kSoftware[] = {
-#include "control/control.software.inc"
-};
-
-}  // namespace
-
-Kernel control_kernel(const std::shared_ptr<Gpu>& gpu) {
-    return Kernel(gpu, {.name = "control",
-                        .spirv = gpu->uses_software_kernels() ? std::span<const uint32_t>(kSoftware) : kPlain});
-}
+Kernel control_kernel(const std::shared_ptr<Gpu>& gpu) { return kernels::control.on(gpu); }
+Kernel controller_kernel(const std::shared_ptr<Gpu>& gpu) { return kernels::controller.on(gpu); }
+Kernel command_kernel(const std::shared_ptr<Gpu>& gpu) { return kernels::commands.on(gpu); }
 
 }  // namespace throng

@@ -1,13 +1,9 @@
 // Playback state -> time -> rows of keys. The includer declares the tables `axes` and `times`, words both.
 #include "control/control_io.h"
 
-ClipTimeline load_timeline(uint clip) {
-    const uint w = kTimelineWords * clip;
-    return ClipTimeline(WORD_AT(timelines, w), WORD_AT(timelines, w + 1), WORD_AT(timelines, w + 2),
-                        WORD_AT(timelines, w + 3), uintBitsToFloat(WORD_AT(timelines, w + 4)));
-}
+ClipTimeline load_timeline(uint clip) { return CLIP_TIMELINE_AT(timelines, kClipTimelineWords * clip); }
 
-float time_at(uint index) { return uintBitsToFloat(WORD_AT(times, index)); }
+float time_at(uint index) { return FLOAT_AT(times, index); }
 
 // Looping: t - floor(t / D) * D, so that t = D wraps to 0. Division is not exact on GPUs, hence the two mends; what an
 // overflow made infinite or NaN wraps to 0 as well, or it would stay for good.

@@ -19,8 +19,7 @@ struct InstancePlayback {
     float weight;  // of first, 0..1; the second clip has the rest
 };
 
-// The time axis of a clip: as many words of a table as it has members.
-THRONG_IO_CONSTANT kTimelineWords = 5;
+// The time axis of a clip.
 struct ClipTimeline {
     uint first_time;  // index into times
     uint row_count;   // >= 1

@@ -36,150 +36,30 @@ layout(set = 0, binding = kActiveClipTimesBuffer, std430) writeonly buffer Activ
 layout(push_constant) uniform Push { ControllerPush push; };
 
 uint instance, first_parameter;
-bool has_taken = false;  // a transition, in any layer
 
 // What is not finite counts as 0.
 float parameter_at(uint index) {
-    const float value = uintBitsToFloat(WORD_AT(parameters_before, first_parameter + index));
+    const float value = FLOAT_AT(parameters_before, first_parameter + index);
     return (floatBitsToUint(value) & 0x7F800000u) == 0x7F800000u ? 0 : value;
 }
 
-LayerPlay load_play(uint w) {
-    return LayerPlay(WORD_AT(layers_before, w), WORD_AT(layers_before, w + 1), WORD_AT(layers_before, w + 2),
-                     uintBitsToFloat(WORD_AT(layers_before, w + 3)), uintBitsToFloat(WORD_AT(layers_before, w + 4)),
-                     uintBitsToFloat(WORD_AT(layers_before, w + 5)), WORD_AT(layers_before, w + 6));
-}
-
-LayerState load_layer_state(uint index) {
-    const uint w = index * kLayerStateWords, rest = w + kStackSize * kLayerPlayWords;
-    LayerState state;
-    for (uint k = 0; k < kStackSize; ++k) state.plays[k] = load_play(w + k * kLayerPlayWords);
-    state.play_count = WORD_AT(layers_before, rest);
-    state.weight = uintBitsToFloat(WORD_AT(layers_before, rest + 1));
-    state.weight_goal = uintBitsToFloat(WORD_AT(layers_before, rest + 2));
-    state.weight_rate = uintBitsToFloat(WORD_AT(layers_before, rest + 3));
-    state.mode = WORD_AT(layers_before, rest + 4);
-    state.mask = WORD_AT(layers_before, rest + 5);
-    state.taken = kAbsent;  // in this update, so far
-    state.inertial_rate = uintBitsToFloat(WORD_AT(layers_before, rest + 7));
-    return state;
-}
+LayerState load_layer_state(uint index) { return LAYER_STATE_AT(layers_before, kLayerStateWords * index); }
 
 #include "control/control.glsl"
+#include "control/rounded.glsl"
+#include "control/tables.glsl"
 #include "control/plays.glsl"
-#include "control/inertia_clock.glsl"
 #include "control/root_motion.glsl"
 #include "control/active_clips.glsl"
 #include "control/events.glsl"
-
-// A layer's weight; a direct one's goes towards its goal.
-float advance_weight(inout LayerState state, ControlLayer layer) {
-    const float way = product(max(push.time_step_s, 0), state.weight_rate);
-    state.weight = state.weight < state.weight_goal ? min(sum(state.weight, way), state.weight_goal)
-                                                    : max(difference(state.weight, way), state.weight_goal);
-    return clamp(
-        layer.weight_parameter == kAbsent ? state.weight : product(state.weight, parameter_at(layer.weight_parameter)),
-        0, 1);
-}
-
-bool is_in_step(ClipMix leading, ClipMix other) { return leading.sync != kAbsent && other.sync == leading.sync; }
-
-// The clips of a layer, one after the other: an invocation goes on to its next one at once, where a software device
-// would step through all plays and points.
-void add_clips(LayerState state, ControlLayer layer, ClipMix mixes[kStackSize], PhaseStep steps[kStackSize],
-               vec3 weights, float layer_weight, bool moves) {
-    uint heard = 0;  // a bit for each clip of each play
-    for (uint k = 0; k < kStackSize; ++k)
-        for (uint point = 0; point < 3; ++point)
-            if (k < state.play_count && product(weights[k], mixes[k].weights[point]) > 0) heard |= 1 << (3 * k + point);
-    if (layer_weight <= 0 || heard == 0) return;
-    begin_layer(state, layer, layer_weight);
-    do {
-        const uint bit = findLSB(heard), k = bit / 3, point = bit % 3;
-        const float weight = product(weights[k], mixes[k].weights[point]);
-        heard &= heard - 1;
-        add_active_clip(mixes[k].clips[point], steps[k].after, weight, heard == 0);
-        if (moves) add_move(load_clip(mixes[k].clips[point]), steps[k], weight);
-    } while (heard != 0);
-}
-
-// Only what an update may change: each word stored costs a software device more than what computes it.
-void store_layer_state(uint index, LayerState state) {
-    for (uint k = 0; k < kStackSize; ++k) {
-        if (k >= state.play_count) continue;
-        layers[index].plays[k].motion = state.plays[k].motion;
-        layers[index].plays[k].phase = state.plays[k].phase;
-        layers[index].plays[k].loops = state.plays[k].loops;
-        layers[index].plays[k].fade = state.plays[k].fade;
-        layers[index].plays[k].fade_rate = state.plays[k].fade_rate;
-    }
-    layers[index].play_count = state.play_count;
-    layers[index].weight = state.weight;
-    layers[index].taken = state.taken;
-    if (state.inertial_rate != 0) layers[index].inertial_rate = 0;
-}
-
-void update_layer(uint index) {
-    const ControlLayer layer = load_layer(index);
-    const uint at = instance * layout_of_group.layer_count + index;
-    LayerState state = load_layer_state(at);
-    if (layer.state_count > 0) {
-        follow_transitions(state, layer);
-        note_transition(state);
-    }
-    note_inertial_play(state);
-    has_taken = has_taken || state.taken != kAbsent;
-    advance_fades(state, push.time_step_s);
-    const vec3 weights = weights_of_plays(state);
-    const float layer_weight = advance_weight(state, layer);
-
-    ClipMix mixes[kStackSize];
-    float common_rate = 0;  // of the leading play's sync group
-    uint count = 0;
-    do {  // of a layer that plays nothing, nothing of this is kept
-        mixes[count] = mix_of_play(layer, state.plays[count]);
-        common_rate = sum(common_rate,
-                          product(weights[count], mixes[is_in_step(mixes[0], mixes[count]) ? count : 0].rate));
-    } while (++count < state.play_count);
-    PhaseStep steps[kStackSize];  // from play_count on of no meaning, as mixes are: neither heard nor stored
-    for (uint k = 0; k < kStackSize; ++k) {
-        const bool in_step = is_in_step(mixes[0], mixes[k]);
-        if (k > 0 && in_step) {
-            state.plays[k].phase = state.plays[0].phase;
-            state.plays[k].loops = state.plays[0].loops;
-            steps[k] = steps[0];
-        } else {
-            steps[k] = step_phase(state.plays[k], in_step ? common_rate : mixes[k].rate, mixes[k].loop != 0,
-                                  push.time_step_s);
-        }
-    }
-    add_clips(state, layer, mixes, steps, weights, layer_weight, index == 0);
-    if (layer_weight > 0 && state.play_count > 0) emit_events(heaviest(mixes[0]), steps[0], index);
-    store_layer_state(at, state);
-}
-
-// Those that transitions taken in this update asked for.
-void reset_triggers() {
-    uint index = 0;
-    do {
-        const uint taken = has_taken ? layers[instance * layout_of_group.layer_count + index].taken : kAbsent;
-        if (taken == kAbsent) continue;
-        const ControlTransition transition = load_transition(taken);
-        for (uint k = 0; k < transition.condition_count; ++k) {  // seldom
-            const ControlCondition condition = load_condition(transition.first_condition + k);
-            if (condition.test == kTestTriggered) parameters[first_parameter + condition.parameter] = 0;
-        }
-    } while (has_taken && ++index < layout_of_group.layer_count);
-}
+#include "control/layer.glsl"
+#include "control/inertia_clock.glsl"
 
 void main() {
     instance = gl_GlobalInvocationID.x;
     if (instance >= push.instance_count) return;
     layout_of_group = load_layout();
     first_parameter = instance * layout_of_group.parameter_count;
-    begin_active_clips();
-    begin_move();
-    begin_inertia();
     uint index = 0;
     do update_layer(index);
     while (++index < layout_of_group.layer_count);

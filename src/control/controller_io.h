@@ -9,7 +9,6 @@ THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kControllerWorkgroupSize = 64;
 THRONG_IO_CONSTANT kStackSize = 3;            // plays that a layer cross-fades at once
-THRONG_IO_CONSTANT kAbsent = 0xFFFFFFFFu;     // no parameter, mask, sync group or state
 THRONG_IO_CONSTANT kLastPhase = 0xFFFFFFFFu;  // the end of what does not loop
 
 // One clip, beside its ClipTimeline.
@@ -22,9 +21,9 @@ struct ControlClip {
 struct ControlLayer {
     uint first_state, state_count;  // count 0: direct
     uint mode;                      // kModeOverride, kModeAdditive; a direct layer begins with it
-    uint mask;                      // index or kAbsent; a direct layer begins with it
+    uint mask;                      // index or kNone; a direct layer begins with it
     float weight;                   // a direct layer begins with it
-    uint weight_parameter;          // or kAbsent
+    uint weight_parameter;          // or kNone
     uint model_rotations;           // 1: overrides in model space
 };
 THRONG_IO_CONSTANT kModeOverride = 0;
@@ -34,11 +33,11 @@ struct ControlState {
     uint first_point, point_count;        // ControlPoint
     uint first_triangle, triangle_count;  // ControlTriangle; of two parameters only
     uint first_edge, edge_count;          // ControlEdge of the hull; of two parameters only
-    uint x_parameter, y_parameter;        // or kAbsent
-    uint speed_parameter;                 // or kAbsent
+    uint x_parameter, y_parameter;        // or kNone
+    uint speed_parameter;                 // or kNone
     float speed;
     uint loop;
-    uint sync;                                // or kAbsent
+    uint sync;                                // or kNone
     uint first_transition, transition_count;  // those that leave it, in order; "any state" ones are among each state's
 };
 
@@ -97,7 +96,6 @@ struct ControllerLayout {
 };
 
 // One clip, blend space or state that a layer plays. A clip's or state's time is its phase, in 2^-32 of a cycle.
-THRONG_IO_CONSTANT kLayerPlayWords = 7;
 struct LayerPlay {
     uint motion;  // state of the layer; of a direct layer a clip, clip_count: the rest pose
     uint phase;
@@ -109,13 +107,12 @@ struct LayerPlay {
 };
 
 // What a layer of an instance keeps from update to update.
-THRONG_IO_CONSTANT kLayerStateWords = 29;
 struct LayerState {
     LayerPlay plays[kStackSize];             // newest first: 0 leads; those from play_count on are left as they were
     uint play_count;                         // 0: nothing yet
     float weight, weight_goal, weight_rate;  // direct layers: weight moves towards the goal by weight_rate a second
     uint mode, mask;                         // direct layers
-    uint taken;                              // transition taken by the last update, or kAbsent
+    uint taken;                              // transition taken by the last update, or kNone
     float inertial_rate;  // direct layers: of an inertial play since the last update, 1 / seconds; 0: none
 };
 
@@ -174,7 +171,7 @@ struct ControlCommand {
     uint instance;  // of the batch
     uint kind;
     uint target;      // layer, or parameter
-    uint motion;      // kCommandPlay: clip; kCommandLayer: mask or kAbsent
+    uint motion;      // kCommandPlay: clip; kCommandLayer: mask or kNone
     uint phase;       // kCommandPlay; kCommandLayer: mode
     uint loop;        // kCommandPlay
     float value;      // kCommandPlay: speed; kCommandLayer: weight goal; kCommandParameter: value

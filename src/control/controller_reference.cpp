@@ -1,27 +1,87 @@
 #include "control/controller_reference.h"
 
+#include "control/array_tables.h"
 #include "control/control_reference.h"
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace throng {
+namespace io {
 namespace {
 
-uint64_t played(uint32_t loops, uint32_t phase) { return uint64_t{loops} << 32 | phase; }
+// The kernel's own text, for one instance; and instead of what it writes for a device, a ControllerUpdate.
+struct ControllerText : ArrayTables {
+    const Character& character;
+    std::vector<float>& parameters;
+    std::vector<LayerState>& layers;
+    ControllerPush push{};  // its time step counts here
+    ControllerUpdate* update = nullptr;
+    ControllerLayout layout_of_group{};
+    uint instance = 0, first_parameter = 0;
+    uint shown_layer = 0;
+    float shown_weight = 0;
 
-bool holds(const io::ControlCondition& condition, std::span<const float> parameters) {
-    const float value = parameter_at(parameters, condition.parameter);
-    switch (condition.test) {
-        case io::kTestAbove: return value > condition.value;
-        case io::kTestBelow: return value < condition.value;
-        case io::kTestFalse: return value == 0;
-        default: return value != 0;
+    // What is not finite counts as 0.
+    float parameter_at(uint index) const { return std::isfinite(parameters[index]) ? parameters[index] : 0; }
+    const LayerState& load_layer_state(uint index) const { return layers[index]; }
+
+#include "control/plays.glsl"
+
+    void add_rest_pose() { update->active_clips.push_back({.clip = static_cast<uint>(character.clips.size())}); }
+
+    // Step 9.
+    void begin_layer(const LayerState& state, const ControlLayer&, float weight) {
+        const bool covers_all = weight >= 1 && state.mode == kModeOverride && state.mask == kNone;
+        if (update->active_clips.empty() && !covers_all) add_rest_pose();
+        shown_weight = weight;
     }
-}
+    void add_active_clip(uint clip, uint phase, float weight, bool) {
+        const LayerState& state = layers[shown_layer];
+        const double duration_s = clip < character.clips.size() ? character.clips[clip].duration_s : 0;
+        update->active_clips.push_back(
+            {.clip = clip,
+             .phase = phase,
+             .time_s = phase * 0x1p-32 * duration_s,
+             .weight = weight,
+             .layer = shown_layer,
+             .layer_weight = shown_weight,
+             .mode = state.mode,
+             .mask = state.mask,
+             .model_rotations = state.mode == kModeOverride && load_layer(shown_layer).model_rotations != 0});
+    }
+
+    // Step 8.
+    void add_move(const ControlClip& clip, const PhaseStep& step, float weight) {
+        const auto rows = RootRows(character.root_rows).subspan(clip.first_root, clip.root_count);
+        add_weighted(update->move, move_between(rows, step.before, step.after, step.crossed), double{weight});
+    }
+
+    // Step 7: by the places of events in all cycles that the step touches.
+    void emit_events(uint clip, const PhaseStep& step, uint layer) {
+        constexpr int64_t kCycle = int64_t{1} << 32;
+        const int64_t before = step.before, after = step.crossed * kCycle + step.after;
+        const int64_t low = std::min(before, after), high = std::max(before, after) + (step.reached_end ? 1 : 0);
+        const size_t first = update->events.size();
+        const ControlClip& heard = load_clip(clip);
+        for (int64_t cycle = std::min(step.crossed, 0); cycle <= std::max(step.crossed, 0); ++cycle)
+            for (const ControlEvent& event : std::span(arrays.events).subspan(heard.first_event, heard.event_count)) {
+                const int64_t place = cycle * kCycle + event.phase;
+                if (place < low || place >= high) continue;
+                const double distance = static_cast<double>(std::abs(place - before)) * 0x1p-32;
+                update->events.push_back(
+                    {event.event, layer,
+                     std::abs(double{push.time_step_s}) * std::min(distance / std::abs(double{step.cycles}), 1.0)});
+            }
+        std::ranges::stable_sort(std::span(update->events).subspan(first), {}, &ControllerEventAt::time_s);
+    }
+
+#include "control/commands.glsl"
+#include "control/layer.glsl"
+};
 
 }  // namespace
+}  // namespace io
 
 ControllerReference::ControllerReference(const Controller& controller, const Character& character)
     : character_(character) {
@@ -32,182 +92,19 @@ ControllerReference::ControllerReference(const Controller& controller, const Cha
 }
 
 void ControllerReference::apply(const io::ControlCommand& command) {
-    if (command.kind == io::kCommandParameter) {
-        parameters[command.target] = command.value;
-        return;
-    }
-    io::LayerState& state = layers[command.target];
-    if (command.kind == io::kCommandLayer) {
-        state.mode = command.phase;
-        state.mask = command.motion;
-        state.weight_goal = command.value;
-        state.weight_rate = std::abs(command.value - state.weight) * command.fade_rate;
-        if (command.fade_rate == 0) state.weight = command.value;
-        return;
-    }
-    const bool is_inertial = command.kind == io::kCommandPlayInertial, at_once = command.fade_rate == 0 || is_inertial;
-    if (is_inertial) state.inertial_rate = command.fade_rate;
-    push_play(state, {.motion = command.motion,
-                      .phase = command.phase,
-                      .loops = 0,
-                      .fade = at_once ? 1.0f : 0.0f,
-                      .fade_rate = command.fade_rate,
-                      .speed = command.value,
-                      .loop = command.loop});
+    io::ControllerText{{arrays_}, character_, parameters, layers}.obey(command, command.target, command.target);
 }
 
 ControllerUpdate ControllerReference::update(float time_step_s) {
     ControllerUpdate update{.move = {.cos = 0}};  // a sum so far
-    for (uint32_t index = 0; index < layers.size(); ++index) update_layer(index, time_step_s, update);
-    reset_triggers();
-    if (update.active_clips.empty()) add_rest_pose(update.active_clips);
+    io::ControllerText text{{arrays_}, character_, parameters, layers, {.time_step_s = time_step_s}, &update};
+    text.layout_of_group.layer_count = static_cast<uint32_t>(layers.size());
+    for (; text.shown_layer < layers.size(); ++text.shown_layer) text.update_layer(text.shown_layer);
+    text.reset_triggers();
+    if (update.active_clips.empty()) text.add_rest_pose();
     update.move = turned_to_length_one(update.move);
+    update.inertial_s = text.begun_duration_s;
     return update;
-}
-
-// Step 2.
-void ControllerReference::follow_transitions(const io::ControlLayer& layer, io::LayerState& state) const {
-    state.taken = state.play_count > 0 ? transition_of(layer, state) : io::kAbsent;
-    if (state.play_count == 0) {
-        push_state(layer, state, 0, {.fade = 1});
-    } else if (state.taken != io::kAbsent) {
-        const io::ControlTransition& transition = arrays_.transitions[state.taken];
-        const bool at_once = transition.fade_rate == 0 || (transition.flags & io::kTransitionInertial) != 0;
-        push_state(layer, state, transition.to, {.fade = at_once ? 1.0f : 0.0f, .fade_rate = transition.fade_rate});
-    }
-}
-
-uint32_t ControllerReference::transition_of(const io::ControlLayer& layer, const io::LayerState& state) const {
-    const io::ControlState& leading = arrays_.states[layer.first_state + state.plays[0].motion];
-    for (uint32_t i = leading.first_transition; i < leading.first_transition + leading.transition_count; ++i)
-        if (can_be_taken(arrays_.transitions[i], state)) return i;
-    return io::kAbsent;
-}
-
-bool ControllerReference::can_be_taken(const io::ControlTransition& transition, const io::LayerState& state) const {
-    const io::LayerPlay& leading = state.plays[0];
-    const bool fading = state.play_count > 1 && leading.fade < 1;
-    if (fading && (transition.flags & io::kTransitionInterrupts) == 0) return false;
-    if (played(leading.loops, leading.phase) < played(transition.exit_loops, transition.exit_phase)) return false;
-    const auto conditions =
-        std::span(arrays_.conditions).subspan(transition.first_condition, transition.condition_count);
-    return std::ranges::all_of(conditions,
-                               [&](const io::ControlCondition& condition) { return holds(condition, parameters); });
-}
-
-// Step 3: a state keeps step with those of its sync group.
-void ControllerReference::push_state(const io::ControlLayer& layer, io::LayerState& state, uint32_t motion,
-                                     io::LayerPlay play) const {
-    const auto sync_of = [&](uint32_t other) { return arrays_.states[layer.first_state + other].sync; };
-    play.motion = motion;
-    for (uint32_t k = state.play_count; k-- > 0;)
-        if (sync_of(motion) != io::kAbsent && sync_of(state.plays[k].motion) == sync_of(motion))
-            play.phase = state.plays[k].phase;
-    push_play(state, play);
-}
-
-MixedClips ControllerReference::mix_of(const io::ControlLayer& layer, const io::LayerPlay& play) const {
-    return layer.state_count > 0 ? mix_of_state(arrays_, arrays_.states[layer.first_state + play.motion], parameters)
-                                 : mix_of_direct_play(arrays_, play);
-}
-
-// Step 5, of the layer itself.
-float ControllerReference::advance_weight(const io::ControlLayer& layer, io::LayerState& state,
-                                          float time_step_s) const {
-    const float distance = std::max(time_step_s, 0.0f) * state.weight_rate;
-    if (state.weight < state.weight_goal)
-        state.weight = std::min(state.weight + distance, state.weight_goal);
-    else
-        state.weight = std::max(state.weight - distance, state.weight_goal);
-    const float factor = layer.weight_parameter == io::kAbsent ? 1 : parameter_at(parameters, layer.weight_parameter);
-    return std::clamp(state.weight * factor, 0.0f, 1.0f);
-}
-
-void ControllerReference::update_layer(uint32_t index, float time_step_s, ControllerUpdate& update) {
-    const io::ControlLayer& layer = arrays_.layers[index];
-    io::LayerState& state = layers[index];
-    if (layer.state_count > 0) follow_transitions(layer, state);
-    if (layer.state_count > 0 && state.taken != io::kAbsent) {
-        const io::ControlTransition& taken = arrays_.transitions[state.taken];
-        if ((taken.flags & io::kTransitionInertial) != 0 && taken.fade_rate > 0)
-            update.inertial_s = 1 / taken.fade_rate;
-    }
-    if (const float rate = std::exchange(state.inertial_rate, 0.0f); rate > 0) update.inertial_s = 1 / rate;
-    advance_fades(state, time_step_s);
-    const auto weights = weights_of_plays(state);
-    const float layer_weight = advance_weight(layer, state, time_step_s);
-
-    std::vector<MixedClips> mixes;
-    for (uint32_t k = 0; k < state.play_count; ++k) mixes.push_back(mix_of(layer, state.plays[k]));
-    const auto in_step = [&](uint32_t k) { return mixes[0].sync != io::kAbsent && mixes[k].sync == mixes[0].sync; };
-    float common_rate = 0;  // of the leading play's sync group
-    for (uint32_t k = 0; k < state.play_count; ++k)
-        common_rate = common_rate + weights[k] * mixes[in_step(k) ? k : 0].rate;
-
-    PhaseStep leading;
-    for (uint32_t k = 0; k < state.play_count; ++k) {
-        PhaseStep step = leading;
-        if (k > 0 && in_step(k)) {
-            state.plays[k].phase = state.plays[0].phase;
-            state.plays[k].loops = state.plays[0].loops;
-        } else {
-            step = step_phase(state.plays[k], mixes[k].loop, in_step(k) ? common_rate : mixes[k].rate, time_step_s);
-        }
-        if (k == 0) leading = step;
-        if (layer_weight <= 0) continue;
-        add_active_clips(index, layer_weight, state.plays[k], mixes[k], weights[k], update);
-        if (index == 0)
-            for (const MixedClip& mixed : mixes[k].clips)
-                add_weighted(update.move, move_between(root_rows(mixed.clip), step.before, step.after, step.crossed),
-                             double{weights[k]} * mixed.weight);
-    }
-    if (state.play_count == 0 || layer_weight <= 0) return;
-    const io::ControlClip& heard = arrays_.clips[mixes[0].heaviest().clip];
-    for (const PassedEvent& passed :
-         passed_events(std::span(arrays_.events).subspan(heard.first_event, heard.event_count), leading, time_step_s))
-        update.events.push_back({passed.event, index, passed.time_s});
-}
-
-// Step 9.
-void ControllerReference::add_active_clips(uint32_t index, float layer_weight, const io::LayerPlay& play,
-                                           const MixedClips& mix, float play_weight, ControllerUpdate& update) const {
-    const io::LayerState& state = layers[index];
-    const bool covers_all = layer_weight >= 1 && state.mode == io::kModeOverride && state.mask == io::kAbsent;
-    for (const MixedClip& mixed : mix.clips) {
-        const float weight = play_weight * mixed.weight;
-        if (weight <= 0) continue;
-        if (update.active_clips.empty() && !covers_all) add_rest_pose(update.active_clips);
-        const double duration_s = mixed.clip < character_.clips.size() ? character_.clips[mixed.clip].duration_s : 0;
-        update.active_clips.push_back(
-            {.clip = mixed.clip,
-             .phase = play.phase,
-             .time_s = play.phase * 0x1p-32 * duration_s,
-             .weight = weight,
-             .layer = index,
-             .layer_weight = layer_weight,
-             .mode = state.mode,
-             .mask = state.mask,
-             .model_rotations = state.mode == io::kModeOverride && arrays_.layers[index].model_rotations != 0});
-    }
-}
-
-void ControllerReference::add_rest_pose(std::vector<ControllerActiveClip>& active_clips) const {
-    active_clips.push_back({.clip = static_cast<uint32_t>(character_.clips.size())});
-}
-
-// Of the transitions taken in this update.
-void ControllerReference::reset_triggers() {
-    for (const io::LayerState& state : layers) {
-        if (state.taken == io::kAbsent) continue;
-        const io::ControlTransition& taken = arrays_.transitions[state.taken];
-        for (const io::ControlCondition& condition :
-             std::span(arrays_.conditions).subspan(taken.first_condition, taken.condition_count))
-            if (condition.test == io::kTestTriggered) parameters[condition.parameter] = 0;
-    }
-}
-
-RootRows ControllerReference::root_rows(uint32_t clip) const {
-    return RootRows(character_.root_rows).subspan(arrays_.clips[clip].first_root, arrays_.clips[clip].root_count);
 }
 
 std::vector<io::ActiveClip> to_io(std::span<const ControllerActiveClip> active_clips, const Character& character) {
@@ -225,8 +122,7 @@ std::vector<io::ActiveClip> to_io(std::span<const ControllerActiveClip> active_c
         const auto row = [&](uint32_t index) { return clip.first_row + index * clip.row_stride; };
         uint32_t flags = active_clip.mode == io::kModeAdditive ? io::kActiveClipAdditive : 0;
         if (active_clip.model_rotations) flags |= io::kActiveClipModelRotations;
-        if (active_clip.mask != io::kAbsent)
-            flags |= io::kActiveClipMasked | active_clip.mask << io::kActiveClipMaskShift;
+        if (active_clip.mask != kNone) flags |= io::kActiveClipMasked | active_clip.mask << io::kActiveClipMaskShift;
         if (i == 0 || active_clips[i - 1].layer != active_clip.layer) flags |= io::kActiveClipBeginsLayer;
         if (i + 1 == active_clips.size() || active_clips[i + 1].layer != active_clip.layer)
             flags |= io::kActiveClipEndsLayer;

@@ -3,10 +3,9 @@
 // nothing follows from, in double.
 #pragma once
 
-#include "control/clip_mix_reference.h"
-#include "controller/controller_tables.h"
-#include "control/play_reference.h"
 #include "control/root_motion_reference.h"
+#include "controller/controller_arrays.h"
+#include "controller/controller_tables.h"
 
 #include <span>
 #include <vector>
@@ -18,11 +17,11 @@ struct ControllerActiveClip {
     uint32_t clip = 0;  // clip_count: the rest pose
     uint32_t phase = 0;
     double time_s = 0;
-    float weight = 1;              // within its layer
-    uint32_t layer = io::kAbsent;  // kAbsent: the rest pose below all layers
+    float weight = 1;        // within its layer
+    uint32_t layer = kNone;  // kNone: the rest pose below all layers
     float layer_weight = 1;
     uint32_t mode = io::kModeOverride;
-    uint32_t mask = io::kAbsent;
+    uint32_t mask = kNone;
     bool model_rotations = false;  // of an override: they are blended in model space
 };
 
@@ -52,19 +51,6 @@ public:
     std::vector<io::LayerState> layers;
 
 private:
-    MixedClips mix_of(const io::ControlLayer& layer, const io::LayerPlay& play) const;
-    uint32_t transition_of(const io::ControlLayer& layer, const io::LayerState& state) const;
-    bool can_be_taken(const io::ControlTransition& transition, const io::LayerState& state) const;
-    void push_state(const io::ControlLayer& layer, io::LayerState& state, uint32_t motion, io::LayerPlay play) const;
-    void follow_transitions(const io::ControlLayer& layer, io::LayerState& state) const;
-    float advance_weight(const io::ControlLayer& layer, io::LayerState& state, float time_step_s) const;
-    void update_layer(uint32_t index, float time_step_s, ControllerUpdate& update);
-    void add_active_clips(uint32_t index, float layer_weight, const io::LayerPlay& play, const MixedClips& mix,
-                          float play_weight, ControllerUpdate& update) const;
-    void add_rest_pose(std::vector<ControllerActiveClip>& active_clips) const;
-    void reset_triggers();
-    RootRows root_rows(uint32_t clip) const;
-
     const Character& character_;
     ControllerArrays arrays_;
 };

@@ -1,14 +1,6 @@
 // Events that a clip passed in an update: step 7 of docs/controller.md. The includer declares `events`, `event_head`
 // and `instance`.
 
-// The first of equals.
-uint heaviest(ClipMix clip_mix) {
-    uint k = 0;
-    if (clip_mix.weights.y > clip_mix.weights[k]) k = 1;
-    if (clip_mix.weights.z > clip_mix.weights[k]) k = 2;
-    return clip_mix.clips[k];
-}
-
 // How often an event is passed: positions are phase + 2^32 * loops; forwards it is passed by [before, after), backwards
 // by [after, before).
 uint times_passed(uint phase, PhaseStep phase_step) {

@@ -1,21 +1,4 @@
-// When inertial transitions begin and end: the includer declares `inertias` and `instance`.
-#include "control/controller_io.h"
-
-// Of an inertial transition or play that this update begins with, of the highest layer that has one; 0: none
-float begun_duration_s;
-
-void begin_inertia() { begun_duration_s = 0; }
-
-void note_transition(LayerState state) {
-    if (state.taken == kAbsent) return;
-    const ControlTransition transition = load_transition(state.taken);
-    if ((transition.flags & kTransitionInertial) != 0 && transition.fade_rate > 0)
-        begun_duration_s = 1 / transition.fade_rate;
-}
-
-void note_inertial_play(LayerState state) {
-    if (state.inertial_rate > 0) begun_duration_s = 1 / state.inertial_rate;
-}
+// When inertial transitions begin and end. The includer declares `inertias`, and what control/layer.glsl does.
 
 void end_inertia() {
     if ((push.flags & kPushIsInertial) == 0) return;

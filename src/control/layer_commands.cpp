@@ -1,6 +1,7 @@
 #include "control/layer_commands.h"
 
 #include "base/failure.h"
+#include "control/playback.h"
 #include "controller/controller_arrays.h"
 
 #include <algorithm>
@@ -48,9 +49,7 @@ io::ControlCommand play_command(std::span<const LayerKind> kinds, std::span<cons
     const auto clip_count = static_cast<uint32_t>(clip_durations_s.size());
     const ClipPlayback& clip = playback.clip;
     check_layer(kinds, layer, place);
-    if (clip.clip != kNone && clip.clip >= clip_count)
-        refuse(place, "clip " + std::to_string(clip.clip) + " of a character that has " + std::to_string(clip_count));
-    if (!std::isfinite(clip.time_s) || !std::isfinite(clip.speed)) refuse(place, "time and speed must be finite");
+    check_clip(clip, clip_count, place);
     const bool is_inertial = playback.fade == FadeKind::kInertial;
     if (is_inertial && !kinds[layer].inertial_plays)
         refuse(place, "layer " + std::to_string(layer) +

@@ -5,7 +5,8 @@
 
 namespace throng {
 
-// Throws kInvalidArgument with `place` where a clip is out of range, a number not finite, or the weight outside 0..1.
+// Throw kInvalidArgument with `place` where a clip is out of range, a number not finite, or the weight outside 0..1.
+void check_clip(const ClipPlayback& playback, uint32_t clip_count, const std::string& place);
 void check_playback(const Playback& playback, uint32_t clip_count, const std::string& place);
 
 }  // namespace throng

@@ -1,4 +1,4 @@
-// The stack of a layer's plays: steps 2, 3, 5 and 6 of docs/controller.md.
+// The stack of a layer's plays: steps 2, 3, 5 and 6 of docs/controller.md. C++ too, as control/blend_space.glsl.
 #include "control/blend_space.glsl"
 #include "control/stack.glsl"
 
@@ -19,43 +19,44 @@ bool can_be_taken(ControlTransition transition, LayerPlay leading, bool fading) 
     return can;
 }
 
-// The first transition that can be taken, or kAbsent.
+// The first transition that can be taken, or kNone.
 uint choose_transition(LayerState state, ControlLayer layer) {
     const ControlState leading = load_state(layer.first_state + state.plays[0].motion);
     const bool fading = state.play_count > 1 && state.plays[0].fade < 1;
     const uint end = leading.first_transition + leading.transition_count;
-    uint chosen = kAbsent, i = leading.first_transition;
+    uint chosen = kNone, i = leading.first_transition;
     do
         if (i < end && can_be_taken(load_transition(i), state.plays[0], fading)) chosen = i;
-    while (++i < end && chosen == kAbsent);
+    while (++i < end && chosen == kNone);
     return chosen;
 }
 
 LayerPlay play_of_state(uint motion, float fade_rate, bool at_once) {
-    return LayerPlay(motion, 0, 0, at_once ? 1 : 0, fade_rate, 0, 0);
+    const LayerPlay play = {motion, 0, 0, float(at_once), fade_rate, 0, 0};
+    return play;
 }
 
-void follow_transitions(inout LayerState state, ControlLayer layer) {
+void follow_transitions(INOUT(LayerState) state, ControlLayer layer) {
     if (state.play_count == 0) {
         push_play(state, play_of_state(0, 0, true));
         return;
     }
     state.taken = choose_transition(state, layer);
-    if (state.taken == kAbsent) return;
+    if (state.taken == kNone) return;
     const ControlTransition transition = load_transition(state.taken);
     LayerPlay play = play_of_state(transition.to, transition.fade_rate,
                                    transition.fade_rate == 0 || (transition.flags & kTransitionInertial) != 0);
     const uint sync = load_state(layer.first_state + transition.to).sync;
     uint k = state.play_count;
     do
-        if (sync != kAbsent && load_state(layer.first_state + state.plays[k - 1].motion).sync == sync)
+        if (sync != kNone && load_state(layer.first_state + state.plays[k - 1].motion).sync == sync)
             play.phase = state.plays[k - 1].phase;
-    while (sync != kAbsent && --k > 0);
+    while (sync != kNone && --k > 0);
     push_play(state, play);
 }
 
 // Fades go on; what is covered is dropped.
-void advance_fades(inout LayerState state, float time_step_s) {
+void advance_fades(INOUT(LayerState) state, float time_step_s) {
     uint count = state.play_count;
     for (uint k = kStackSize; k-- > 0;) {
         if (k + 1 >= state.play_count) continue;  // the oldest is there whole
@@ -90,7 +91,7 @@ struct PhaseStep {
     float cycles;      // x
 };
 
-PhaseStep step_phase(inout LayerPlay play, float rate, bool loop, float time_step_s) {
+PhaseStep step_phase(INOUT(LayerPlay) play, float rate, bool loop, float time_step_s) {
     PhaseStep phase_step;
     phase_step.before = play.phase;
     phase_step.reached_end = false;

@@ -30,9 +30,7 @@ vec4 move_of(ControlClip clip, PhaseStep phase_step) {
                           compose_places(cycles_of(clip, phase_step.crossed), place_at(clip, phase_step.after)));
 }
 
-vec4 move_sum;  // of this update, by weight
-
-void begin_move() { move_sum = vec4(0); }
+vec4 move_sum = vec4(0);  // of this update, by weight
 
 void add_move(ControlClip clip, PhaseStep phase_step, float weight) { move_sum += weight * move_of(clip, phase_step); }
 

@@ -13,11 +13,11 @@ uint32_t size_of(const std::vector<T>& items) {
     return static_cast<uint32_t>(items.size());
 }
 
-// Position of the item with this name, or kAbsent.
+// Position of the item with this name, or kNone.
 template <class T>
 uint32_t find(const std::vector<T>& items, std::string_view name) {
     const auto found = std::ranges::find(items, name, &T::name);
-    return found == items.end() ? io::kAbsent : static_cast<uint32_t>(found - items.begin());
+    return found == items.end() ? kNone : static_cast<uint32_t>(found - items.begin());
 }
 
 class Arrays {
@@ -52,7 +52,7 @@ private:
     void add_layer(const ControllerLayer& layer) {
         io::ControlLayer added{.first_state = size_of(out.states), .state_count = size_of(layer.states)};
         added.mode = layer.mode == LayerMode::kAdditive ? io::kModeAdditive : io::kModeOverride;
-        added.mask = layer.mask.empty() ? io::kAbsent : find(controller_.masks, layer.mask);
+        added.mask = layer.mask.empty() ? kNone : find(controller_.masks, layer.mask);
         added.weight = layer.weight;
         added.weight_parameter = parameter(layer.weight_parameter);
         added.model_rotations = layer.model_space_rotations ? 1 : 0;
@@ -71,7 +71,7 @@ private:
         added.speed_parameter = parameter(state.speed_parameter);
         added.speed = state.speed;
         added.loop = state.loop;
-        added.sync = state.sync.empty() ? io::kAbsent : group(sync_groups, state.sync);
+        added.sync = state.sync.empty() ? kNone : group(sync_groups, state.sync);
         for (const BlendPoint& point : state.points)
             out.points.push_back({find(character_.clips, point.clip), point.x, point.y, 0});
         if (!state.y_parameter.empty())
@@ -128,7 +128,7 @@ private:
     }
 
     uint32_t parameter(std::string_view name) const {
-        return name.empty() ? io::kAbsent : find(controller_.parameters, name);
+        return name.empty() ? kNone : find(controller_.parameters, name);
     }
 
     static uint32_t group(std::vector<std::string>& groups, const std::string& name) {

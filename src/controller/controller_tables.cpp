@@ -30,7 +30,7 @@ uint32_t append(std::vector<uint32_t>& words, const std::vector<T>& items) {
 // The most points of a state that have weight at once.
 uint32_t active_points(const io::ControlState& state) {
     if (state.triangle_count > 0) return 3;
-    return std::min(state.x_parameter == io::kAbsent ? 1u : 2u, state.point_count);
+    return std::min(state.x_parameter == kNone ? 1u : 2u, state.point_count);
 }
 
 uint32_t most_active_clips(const ControllerArrays& arrays) {
@@ -49,7 +49,7 @@ io::LayerState initial_state(const io::ControlLayer& layer) {
     state.weight = state.weight_goal = layer.weight;
     state.mode = layer.mode;
     state.mask = layer.mask;
-    state.taken = io::kAbsent;
+    state.taken = kNone;
     return state;
 }
 

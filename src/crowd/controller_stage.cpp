@@ -2,7 +2,7 @@
 
 #include "blend/inertia_io.h"
 #include "blend/layered_io.h"
-#include "control/controller_kernel.h"
+#include "control/control.h"
 #include "crowd/placement_stage.h"
 #include "gpu/barrier.h"
 
@@ -20,8 +20,6 @@ void ControllerStage::plan(BatchPlan& plan) {
     const Group& group = plan.group();
     if (!group.controller) return;
     const GroupController& controller = *group.controller;
-    static_assert(sizeof(io::LayerState) == io::kLayerStateWords * sizeof(uint32_t) &&
-                  sizeof(io::LayerPlay) == io::kLayerPlayWords * sizeof(uint32_t));
     plan.add_filled_table(io::kLayersBuffer, controller.initial_layers);
     plan.add_filled_table(io::kParametersBuffer, controller.initial_parameters);
     plan.add_table<io::ActiveClip>(io::kActiveClipsBuffer, controller.active_clip_limit);

@@ -17,14 +17,13 @@ static_assert(io::kTrackAnimatedBit == kTrackAnimated && io::kTrackStepBit == kT
 static_assert(io::kPackedBitsMask == kPackedBitsMask && io::kPackedLeftOutShift == kPackedLeftOutShift &&
               io::kPackedFull == kPackedFull && io::kPackedStep == kPackedStep &&
               io::kPackedFullBits == kPackedFullBits);
-static_assert(io::kScanNoJoint == kNone && io::kAbsent == kNone);
+static_assert(io::kScanNoJoint == kNone);
 static_assert(sizeof(io::VertexRows) == sizeof(Vertex));
 
 constexpr size_t kSocketLimit = 64;  // as include/throng/crowd.h says
 
 // One axis per clip, and the rest pose's: a single row at time 0. As words.
 std::vector<uint32_t> clip_timelines(const Character& character) {
-    static_assert(sizeof(io::ClipTimeline) == io::kTimelineWords * sizeof(uint32_t));
     std::vector<io::ClipTimeline> timelines;
     for (const Clip& clip : character.clips)
         timelines.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});

@@ -74,7 +74,6 @@ void ProceduralStage::record_rank(VkCommandBuffer commands, const KindBindings& 
 void ProceduralStage::record_dispatch(VkCommandBuffer commands, const KindBindings& bindings, const Batch& batch,
                                       const ProceduralTables::Dispatch& dispatch) const {
     const Group& group = group_of(batch);
-    const WindClock::Moment& wind = wind_.moment();
     const uint32_t workgroups = (batch.instance_count + io::kProceduralWorkgroupSize - 1) /
                                 io::kProceduralWorkgroupSize;
     io::ProceduralPush push{.instance_count = batch.instance_count,
@@ -84,24 +83,15 @@ void ProceduralStage::record_dispatch(VkCommandBuffer commands, const KindBindin
                             .target_count = group.procedural->target_count,
                             .first_chain = dispatch.first_chain,
                             .workgroups = workgroups,
-                            .time_step_s = time_step_s_,
-                            .sway_time_s = static_cast<float>(wind.sway_time_s),
-                            .wind_speed = static_cast<float>(wind.speed),
-                            .wind_x = static_cast<float>(wind.direction.x),
-                            .wind_y = static_cast<float>(wind.direction.y),
-                            .wind_z = static_cast<float>(wind.direction.z),
-                            .gust = static_cast<float>(wind.gust),
-                            .gust_rate = static_cast<float>(wind.gust_rate),
-                            .gust_phase0 = static_cast<float>(wind.gust_phases[0]),
-                            .gust_phase1 = static_cast<float>(wind.gust_phases[1]),
-                            .gust_phase2 = static_cast<float>(wind.gust_phases[2])};
+                            .time_step_s = time_step_s_};
+    wind_.moment().tell(push);
     // As many chains at once as the device dispatches.
     const uint32_t chains = std::max(gpu_->properties.limits.maxComputeWorkGroupCount[0] / workgroups, 1u);
     for (uint32_t left = dispatch.chain_count; left > 0;) {
         const uint32_t count = std::min(left, chains);
         kernels_[group.takes_similarities()][dispatch.kind]->dispatch_workgroups(commands, bindings[dispatch.kind],
                                                                                  push, count * workgroups);
-        push.first_chain += count * io::kChainWords;
+        push.first_chain += static_cast<uint32_t>(count * sizeof(io::ProceduralChain) / sizeof(uint32_t));
         left -= count;
     }
 }

@@ -80,7 +80,7 @@ void SteerStage::begin(const Update& update) {
         for (const auto& [first, count] : member.dirty.take())
             record_update(*gpu_, update.commands, batches_[member.batch][io::kDestinationsBuffer], first,
                           std::span<const io::vec4>(member.destinations).subspan(first, count));
-    gpu_->vk.vkCmdFillBuffer(update.commands, heads_.handle(), 0, VK_WHOLE_SIZE, io::kNobody);
+    gpu_->vk.vkCmdFillBuffer(update.commands, heads_.handle(), 0, VK_WHOLE_SIZE, kNone);
 }
 
 void SteerStage::discard() {

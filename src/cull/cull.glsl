@@ -25,8 +25,7 @@ CullView load_view() {
 // No length grows by more: by the products of m's columns, of which each row's sum bounds it; where they are at right
 // angles it is the longest column.
 float largest_scale(Affine m) {
-    const vec3 x = vec3(m.row0.x, m.row1.x, m.row2.x), y = vec3(m.row0.y, m.row1.y, m.row2.y),
-               z = vec3(m.row0.z, m.row1.z, m.row2.z);
+    const vec3 x = affine_column(m, 0), y = affine_column(m, 1), z = affine_column(m, 2);
     const float xy = abs(dot(x, y)), xz = abs(dot(x, z)), yz = abs(dot(y, z));
     return sqrt(max(max(dot(x, x) + xy + xz, dot(y, y) + xy + yz), dot(z, z) + xz + yz));
 }
@@ -40,14 +39,12 @@ vec3 shadow_of(CullView view, Affine world_from_model, vec3 centre, vec3 half_ex
 // The box, and the way that its shadow takes, are outside where they lie behind one plane.
 bool is_seen(CullView view, Affine world_from_model, vec3 centre, vec3 half_extent) {
     const vec3 middle = affine_point(world_from_model, centre),
-               shadow = shadow_of(view, world_from_model, centre, half_extent);
+               shadow = shadow_of(view, world_from_model, centre, half_extent), x = affine_column(world_from_model, 0),
+               y = affine_column(world_from_model, 1), z = affine_column(world_from_model, 2);
     bool seen = true;
     for (uint i = 0; i < 6; ++i) {
         const vec3 normal = view.planes[i].xyz;
-        const vec3 along = vec3(
-            dot(normal, vec3(world_from_model.row0.x, world_from_model.row1.x, world_from_model.row2.x)),
-            dot(normal, vec3(world_from_model.row0.y, world_from_model.row1.y, world_from_model.row2.y)),
-            dot(normal, vec3(world_from_model.row0.z, world_from_model.row1.z, world_from_model.row2.z)));
+        const vec3 along = vec3(dot(normal, x), dot(normal, y), dot(normal, z));
         const float reach = dot(abs(along), half_extent) + max(dot(normal, shadow), 0);
         seen = seen && dot(normal, middle) + view.planes[i].w + reach >= 0;
     }

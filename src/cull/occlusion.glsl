@@ -6,7 +6,7 @@ vec4 to_clip(CullView view, vec4 point) {
                 dot(view.clip_from_world[2], point), dot(view.clip_from_world[3], point));
 }
 
-vec4 column_to_clip(CullView view, Affine m, uint k) { return to_clip(view, vec4(m.row0[k], m.row1[k], m.row2[k], 0)); }
+vec4 column_to_clip(CullView view, Affine m, uint k) { return to_clip(view, vec4(affine_column(m, k), 0)); }
 
 // The box, and the way that its shadow takes, cover a rectangle of the picture, and nothing of them is nearer than
 // `nearest`: hidden where all that has been drawn there is nearer still.

@@ -1,4 +1,4 @@
-// The light of a picture: its definition, in double precision (docs/drawing.md names the sources).
+// The light of a picture in double precision (draw/light_model.glsl).
 #pragma once
 
 #include "draw/draw_io.h"

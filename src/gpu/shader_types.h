@@ -16,10 +16,14 @@ struct alignas(16) uvec4 {
 #define THRONG_IO_BEGIN namespace throng::io {
 #define THRONG_IO_END }
 #define THRONG_IO_CONSTANT inline constexpr uint
+#define INOUT(type) type&
 #else
 #define THRONG_IO_BEGIN
 #define THRONG_IO_END
 #define THRONG_IO_CONSTANT const uint
+#define INOUT(type) inout type
+#define Real float  // of texts that C++ computes in another one (gpu/glsl.h)
+const uint kNone = 0xFFFFFFFFu;  // as throng::kNone
 #endif
 
 #endif

@@ -2,20 +2,12 @@
 #ifndef THRONG_GPU_SIMILARITY_GLSL
 #define THRONG_GPU_SIMILARITY_GLSL
 #include "gpu/affine.glsl"
+#include "gpu/quaternion.glsl"
 
 struct Similarity {
     vec4 rotation;           // unit quaternion x, y, z, w
     vec4 translation_scale;  // translation in xyz, scale in w
 };
-
-vec4 quaternion_multiply(vec4 a, vec4 b) {
-    return vec4(a.w * b.xyz + b.w * a.xyz + cross(a.xyz, b.xyz), a.w * b.w - dot(a.xyz, b.xyz));
-}
-
-vec3 quaternion_rotate(vec4 q, vec3 v) {
-    const vec3 t = 2 * cross(q.xyz, v);
-    return v + q.w * t + cross(q.xyz, t);
-}
 
 // a * b: first b, then a.
 Similarity similarity_multiply(Similarity a, Similarity b) {

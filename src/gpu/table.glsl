@@ -17,6 +17,8 @@
 #define WORD_AT(name, index) name[index]
 #define ROW_AT(name, index) name[index]
 #endif
+#define FLOAT_AT(name, index) uintBitsToFloat(WORD_AT(name, index))
+#include "gpu/io_words.glsl"
 
 // Of a table of matrices, three rows each.
 #define AFFINE_AT(name, index)                                                                         \

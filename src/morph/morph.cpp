@@ -1,20 +1,15 @@
 #include "morph/morph.h"
 
+#include "morph/morph.kernel.h"
+
 #include <bit>
 
 namespace throng {
 namespace {
 
-constexpr uint32_t kPlain[] = {
-#include "morph/morph.comp.inc"
-};
-constexpr uint32_t kSoftware[] = {
-#include "morph/morph.software.inc"
-};
-
 static_assert(io::kMorphNormalStepBits == std::bit_cast<uint32_t>(kMorphNormalStep) &&
               io::kLeastMorphWeightBits == std::bit_cast<uint32_t>(kLeastMorphWeight));
-static_assert(io::kActiveMorphs == kActiveMorphLimit && io::kMorphUntouched == kNone);
+static_assert(io::kActiveMorphs == kActiveMorphLimit);
 static_assert(io::kMorphAnimatedBit == kTrackAnimated && io::kMorphStepBit == kTrackStep &&
               io::kMorphPositionMask == kTrackPosition);
 static_assert(sizeof(io::ActiveMorph) == 8);
@@ -68,10 +63,6 @@ void upload_morph_tables(Uploads& uploads, const Character& character, Buffers& 
     buffers[io::kMorphDeltasBuffer] = upload(uploads, name + ": morph differences", character.morph_deltas);
 }
 
-Kernel morph_kernel(const std::shared_ptr<Gpu>& gpu, bool layered) {
-    return Kernel(gpu, {.name = "morph",
-                        .spirv = gpu->uses_software_kernels() ? std::span<const uint32_t>(kSoftware) : kPlain,
-                        .constants = {layered}});
-}
+Kernel morph_kernel(const std::shared_ptr<Gpu>& gpu, bool layered) { return kernels::morph.on(gpu, {layered}); }
 
 }  // namespace throng

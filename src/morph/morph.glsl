@@ -19,7 +19,7 @@ const SlotCursor kFirstRow = SlotCursor(0, 0, 0, 0);
 SlotCursor morph_rows(uint clip, float time_s) { return find_rows(load_timeline(clip), time_s); }
 
 float sample_weight(uint track, SlotCursor rows, float untouched) {
-    if (track == kMorphUntouched) return untouched;
+    if (track == kNone) return untouched;
     const uint position = track & kMorphPositionMask;
     if ((track & kMorphAnimatedBit) == 0) return value_at(position);
     const float earlier = value_at(position + rows.earlier);
@@ -72,7 +72,7 @@ vec4 weights_of_active_clips(uint instance, uint quad) {
         vec4 from = defaults;
         if (is_additive) from = sample_weights(quad_tracks, kFirstRow, defaults);
         sum += weight * (value - from);
-        is_touched = bvec4(uvec4(is_touched) | uvec4(notEqual(quad_tracks, uvec4(kMorphUntouched))));
+        is_touched = bvec4(uvec4(is_touched) | uvec4(notEqual(quad_tracks, uvec4(kNone))));
         if ((flags & kActiveClipEndsLayer) != 0) {
             result = is_additive ? result + layer_weight * sum
                                  : mix(result, mix(result, defaults + sum, layer_weight), is_touched);

@@ -18,7 +18,7 @@ struct ActiveMorph {
 };
 
 // A clip's track of a morph: the position of its weight, or of that in the first row, and flags; as JointTracks.
-THRONG_IO_CONSTANT kMorphUntouched = 0xFFFFFFFFu;  // the clip does not animate it
+// kNone where the clip does not animate it.
 THRONG_IO_CONSTANT kMorphAnimatedBit = 0x80000000u;
 THRONG_IO_CONSTANT kMorphStepBit = 0x40000000u;
 THRONG_IO_CONSTANT kMorphPositionMask = 0x3FFFFFFFu;

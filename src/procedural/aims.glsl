@@ -1,39 +1,31 @@
 // Look-at and two-bone inverse kinematics: docs/procedural.md.
 
-LookAtSettings load_look_at(uint word) {
-    return LookAtSettings(table_float(word), table_float(word + 1), table_float(word + 2), table_float(word + 3),
-                          table_float(word + 4), WORD_AT(tables, word + 5));
-}
-ReachSettings load_reach(uint word) {
-    return ReachSettings(table_float(word), table_float(word + 1), table_float(word + 2), table_float(word + 3),
-                         WORD_AT(tables, word + 4));
-}
-
 void look_at(ProceduralChain chain) {
     const LookAtSettings settings = load_look_at(chain.rule);
-    const vec4 target = targets[instance * push.target_count + settings.target];
-    const float weight = settings.weight * clamp(target.w, 0, 1);
+    const vec4 target = load_target(settings.target);
+    const Real weight = settings.weight * clamp(target.w, 0, 1);
     if (weight <= 0) return;
-    const uint joint = first_joint_of(chain);
+    const uint joint = load_joint(chain, 0).joint;
     const Affine world_from_parent = world_from_parent_of(joint), parent_from_joint = load_local(joint);
     const Affine world_from_joint = affine_multiply(world_from_parent, parent_from_joint);
     const vec3 forward = affine_vector(world_from_joint,
                                        vec3(settings.forward_x, settings.forward_y, settings.forward_z)),
                way = target.xyz - instance_origin() - origin_of(world_from_joint);
-    const float size = sqrt(dot(forward, forward) * dot(way, way));
+    const Real size = sqrt(dot(forward, forward) * dot(way, way));
     const vec3 across = cross(forward, way) / max(size, 1e-30);
-    const float sine = sqrt(dot(across, across));
+    const Real sine = sqrt(dot(across, across));
     if (sine <= kParallel) return;
-    const float angle_rad = min(angle_of(sine, dot(forward, way) / size), settings.limit_rad);
+    const Real angle_rad = min(angle_of(sine, dot(forward, way) / size), settings.limit_rad);
     turn_joint(joint, world_from_parent, parent_from_joint, turn_about(across / sine, angle_rad * weight));
 }
 
 void reach(ProceduralChain chain) {
     const ReachSettings settings = load_reach(chain.rule);
-    const vec4 target = targets[instance * push.target_count + settings.target];
-    const float weight = settings.weight * clamp(target.w, 0, 1);
+    const vec4 target = load_target(settings.target);
+    const Real weight = settings.weight * clamp(target.w, 0, 1);
     if (weight <= 0) return;
-    const uint upper = first_joint_of(chain), middle = load_joint(chain, 1).joint, end = load_joint(chain, 2).joint;
+    const uint upper = load_joint(chain, 0).joint, middle = load_joint(chain, 1).joint,
+               end = load_joint(chain, 2).joint;
     const Affine world_from_parent = world_from_parent_of(upper), parent_from_upper = load_local(upper),
                  upper_from_middle = load_local(middle);
     const Affine world_from_upper = affine_multiply(world_from_parent, parent_from_upper),
@@ -41,11 +33,11 @@ void reach(ProceduralChain chain) {
     const vec3 a = origin_of(world_from_upper), b = origin_of(world_from_middle),
                c = affine_point(world_from_middle, origin_of(load_local(end)));
     const vec3 goal = mix(c, target.xyz - instance_origin(), weight);
-    const float upper_size = distance(a, b), lower_size = distance(b, c), straight = distance(a, c);
-    const float far = upper_size + lower_size, near = abs(upper_size - lower_size), wanted = distance(a, goal);
+    const Real upper_size = distance(a, b), lower_size = distance(b, c), straight = distance(a, c);
+    const Real far = upper_size + lower_size, near = abs(upper_size - lower_size), wanted = distance(a, goal);
     if (min(min(upper_size, lower_size), min(wanted, straight)) <= kParallel * far) return;
     const vec3 to_goal = (goal - a) / wanted;
-    const float reached = clamp(wanted, near, far);
+    const Real reached = clamp(wanted, near, far);
     const vec4 swing = arc((c - a) / straight, to_goal);
 
     // Heron: exactly straight where the limb is stretched. The middle joint lies `along` towards the goal and `aside`
@@ -55,9 +47,9 @@ void reach(ProceduralChain chain) {
     vec3 side = upper_bone - to_goal * dot(upper_bone, to_goal);
     if (dot(side, side) < 1e-6 * upper_size * upper_size) side = pole - to_goal * dot(pole, to_goal);
     if (dot(side, side) == 0) return;
-    const float along = (upper_size * upper_size + reached * reached - lower_size * lower_size) / (2 * reached),
-                aside = sqrt(max((far - reached) * (far + reached) * (reached - near) * (reached + near), 0)) /
-                        (2 * reached);
+    const Real along = (upper_size * upper_size + reached * reached - lower_size * lower_size) / (2 * reached),
+               aside = sqrt(max((far - reached) * (far + reached) * (reached - near) * (reached + near), 0)) /
+                       (2 * reached);
     const vec3 wanted_bone = to_goal * along + normalize(side) * aside;
     const vec4 upper_turn = quaternion_multiply(arc(upper_bone / upper_size, wanted_bone / upper_size), swing);
     const Affine turned_upper = turn_joint(upper, world_from_parent, parent_from_upper, upper_turn);
@@ -66,4 +58,15 @@ void reach(ProceduralChain chain) {
     const vec3 lower_bone = affine_vector(world_from_lower, origin_of(load_local(end)));
     turn_joint(middle, world_from_turned, upper_from_middle,
                arc(normalize(lower_bone), normalize(to_goal * reached - wanted_bone)));
+}
+
+void move_chain(uint kind, ProceduralChain chain) {
+    if (kind == kChainWind)
+        bend_in_wind(chain);
+    else if (kind == kChainSpring)
+        swing(chain);
+    else if (kind == kChainLookAt)
+        look_at(chain);
+    else
+        reach(chain);
 }

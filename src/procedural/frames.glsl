@@ -1,35 +1,25 @@
 // Where joints are in the world, and how they are turned there. "World" here has the world's axes, but its origin is
-// the instance's: floats keep their digits far from the middle of the world, where springs would otherwise shiver. The
-// includer declares the buffers `local` (rows of four floats, [instance][joint]) and `placements`, in the words of
-// gpu/stored.glsl, the table `tables`, the constant kSimilarity, and `instance`.
+// the instance's: floats keep their digits far from the middle of the world, where springs would otherwise shiver. C++
+// too (gpu/glsl.h). The includer declares what gpu/angles.glsl does, parent_of(joint), load_local(joint), placement()
+// of the instance, and store_turned(joint, turn, turned).
 #include "gpu/affine.glsl"
-#include "gpu/angles.glsl"
-#include "gpu/similarity.glsl"
+#include "gpu/quaternion.glsl"
 
-const float kParallel = 1e-6;  // sine of an angle below which two directions span no plane
-
-float table_float(uint word) { return uintBitsToFloat(WORD_AT(tables, word)); }
-vec3 table_vector(uint word) { return vec3(table_float(word), table_float(word + 1), table_float(word + 2)); }
-
-Affine load_local(uint joint) {
-    const uint index = instance * push.joint_count + joint;
-    if (kSimilarity) return affine_from_similarity(Similarity(unpack(local[2 * index]), unpack(local[2 * index + 1])));
-    return Affine(unpack(local[3 * index]), unpack(local[3 * index + 1]), unpack(local[3 * index + 2]));
-}
+const Real kParallel = 1e-6;  // sine of an angle below which two directions span no plane
 
 vec3 origin_of(Affine m) { return vec3(m.row0.w, m.row1.w, m.row2.w); }
 
 // The instance's, in the true world.
-vec3 instance_origin() { return origin_of(unpack(placements[instance])); }
+vec3 instance_origin() { return origin_of(placement()); }
 
 // Of a joint's parent: all above it, and the placement.
 Affine world_from_parent_of(uint joint) {
     Affine model_from_parent = kIdentity;
-    for (uint above = WORD_AT(tables, joint); above != kNoParent; above = WORD_AT(tables, above))
+    for (uint above = parent_of(joint); above != kNone; above = parent_of(above))
         model_from_parent = affine_multiply(load_local(above), model_from_parent);
-    Affine placement = unpack(placements[instance]);
-    placement.row0.w = placement.row1.w = placement.row2.w = 0;
-    return affine_multiply(placement, model_from_parent);
+    Affine from_model = placement();
+    from_model.row0.w = from_model.row1.w = from_model.row2.w = 0;
+    return affine_multiply(from_model, model_from_parent);
 }
 
 Affine world_from_joint_of(uint joint) { return affine_multiply(world_from_parent_of(joint), load_local(joint)); }
@@ -37,13 +27,12 @@ Affine world_from_joint_of(uint joint) { return affine_multiply(world_from_paren
 // A turn of the world as one of a space that lies turned in it: its axis seen from there. Skewed axes are made
 // orthogonal, x first; a flat space has no turns.
 vec4 turn_within(Affine world_from_space, vec4 turn) {
-    const mat3 columns = transpose(
-        mat3(world_from_space.row0.xyz, world_from_space.row1.xyz, world_from_space.row2.xyz));
-    const vec3 x = columns[0] * inversesqrt(max(dot(columns[0], columns[0]), 1e-30)),
-               across = columns[1] - x * dot(x, columns[1]);
+    const vec3 a = affine_column(world_from_space, 0), b = affine_column(world_from_space, 1),
+               c = affine_column(world_from_space, 2);
+    const vec3 x = a * inversesqrt(max(dot(a, a), 1e-30)), across = b - x * dot(x, b);
     const vec3 y = across * inversesqrt(max(dot(across, across), 1e-30)), z = cross(x, y);
-    if (dot(z, z) < 0.5 || abs(dot(z, columns[2])) <= kParallel * length(columns[2])) return vec4(0, 0, 0, 1);
-    const float side = dot(z, columns[2]) < 0 ? -1 : 1;
+    if (dot(z, z) < 0.5 || abs(dot(z, c)) <= kParallel * length(c)) return vec4(0, 0, 0, 1);
+    const Real side = dot(z, c) < 0 ? -1 : 1;
     return vec4(dot(x, turn.xyz) * side, dot(y, turn.xyz) * side, dot(z, turn.xyz), turn.w);
 }
 
@@ -52,17 +41,10 @@ Affine turn_joint(uint joint, Affine world_from_parent, Affine parent_from_joint
     const vec4 q = turn_within(world_from_parent, turn);
     const Affine rotation = affine_from_trs(q, vec3(0), vec3(1)), m = parent_from_joint;
     const vec3 r0 = rotation.row0.xyz, r1 = rotation.row1.xyz, r2 = rotation.row2.xyz;
-    const Affine turned = Affine(vec4(r0.x * m.row0.xyz + r0.y * m.row1.xyz + r0.z * m.row2.xyz, m.row0.w),
-                                 vec4(r1.x * m.row0.xyz + r1.y * m.row1.xyz + r1.z * m.row2.xyz, m.row1.w),
-                                 vec4(r2.x * m.row0.xyz + r2.y * m.row1.xyz + r2.z * m.row2.xyz, m.row2.w));
-    const uint index = instance * push.joint_count + joint;
-    if (kSimilarity) {
-        local[2 * index] = pack(quaternion_multiply(q, unpack(local[2 * index])));
-    } else {
-        local[3 * index] = pack(turned.row0);
-        local[3 * index + 1] = pack(turned.row1);
-        local[3 * index + 2] = pack(turned.row2);
-    }
+    const Affine turned = {vec4(r0.x * m.row0.xyz + r0.y * m.row1.xyz + r0.z * m.row2.xyz, m.row0.w),
+                           vec4(r1.x * m.row0.xyz + r1.y * m.row1.xyz + r1.z * m.row2.xyz, m.row1.w),
+                           vec4(r2.x * m.row0.xyz + r2.y * m.row1.xyz + r2.z * m.row2.xyz, m.row2.w)};
+    store_turned(joint, q, turned);
     return turned;
 }
 
@@ -74,15 +56,15 @@ vec4 arc(vec3 from, vec3 to) {
 }
 
 // 0..pi, of its sine (not negative) and cosine.
-float angle_of(float sine, float cosine) {
-    const float across = atan_unit(min(sine, abs(cosine)) / max(max(sine, abs(cosine)), 1e-30));
-    const float acute = abs(cosine) < sine ? kHalfPi - across : across;
+Real angle_of(Real sine, Real cosine) {
+    const Real across = atan_unit(min(sine, abs(cosine)) / max(max(sine, abs(cosine)), 1e-30));
+    const Real acute = abs(cosine) < sine ? kHalfPi - across : across;
     return cosine < 0 ? kPi - acute : acute;
 }
 
 // About an axis of length 1, by -pi..pi.
-vec4 turn_about(vec3 axis, float angle_rad) {
-    const float half_rad = min(0.5 * abs(angle_rad), kHalfPi);
+vec4 turn_about(vec3 axis, Real angle_rad) {
+    const Real half_rad = min(0.5 * abs(angle_rad), kHalfPi);
     return vec4(axis * (angle_rad < 0 ? -sin_quarter(half_rad) : sin_quarter(half_rad)),
                 sin_quarter(kHalfPi - half_rad));
 }

@@ -23,20 +23,56 @@ layout(push_constant) uniform Push { ProceduralPush push; };
 
 uint instance;
 
-ProceduralChain load_chain(uint word) {
-    return ProceduralChain(WORD_AT(tables, word), WORD_AT(tables, word + 1), WORD_AT(tables, word + 2),
-                           WORD_AT(tables, word + 3), WORD_AT(tables, word + 4));
+// ---- What the rules read and write
+
+WindSettings load_wind(uint word) { return WIND_SETTINGS_AT(tables, word); }
+SpringSettings load_spring(uint word) { return SPRING_SETTINGS_AT(tables, word); }
+LookAtSettings load_look_at(uint word) { return LOOK_AT_SETTINGS_AT(tables, word); }
+ReachSettings load_reach(uint word) { return REACH_SETTINGS_AT(tables, word); }
+ColliderShape load_collider(uint first, uint index) {
+    return COLLIDER_SHAPE_AT(tables, first + kColliderShapeWords * index);
 }
-
-uint first_joint_of(ProceduralChain chain) { return WORD_AT(tables, chain.first_joint); }
-
-#include "procedural/frames.glsl"
-
 ProceduralJoint load_joint(ProceduralChain chain, uint k) {
-    const uint word = chain.first_joint + k * kProceduralJointWords;
-    return ProceduralJoint(WORD_AT(tables, word), table_float(word + 1), table_float(word + 2), table_float(word + 3));
+    return PROCEDURAL_JOINT_AT(tables, chain.first_joint + kProceduralJointWords * k);
+}
+vec4 load_target(uint target) { return targets[instance * push.target_count + target]; }
+
+uint parent_of(uint joint) { return WORD_AT(tables, joint); }
+Affine placement() { return unpack(placements[instance]); }
+
+Affine load_local(uint joint) {
+    const uint index = instance * push.joint_count + joint;
+    if (kSimilarity) return affine_from_similarity(Similarity(unpack(local[2 * index]), unpack(local[2 * index + 1])));
+    return Affine(unpack(local[3 * index]), unpack(local[3 * index + 1]), unpack(local[3 * index + 2]));
 }
 
+// Of a turn of the joint in its parent's space comes `turned`.
+void store_turned(uint joint, vec4 turn, Affine turned) {
+    const uint index = instance * push.joint_count + joint;
+    if (kSimilarity) {
+        local[2 * index] = pack(quaternion_multiply(turn, unpack(local[2 * index])));
+    } else {
+        local[3 * index] = pack(turned.row0);
+        local[3 * index + 1] = pack(turned.row1);
+        local[3 * index + 2] = pack(turned.row2);
+    }
+}
+
+uint spring_row(uint spring) { return 3 * (instance * push.spring_count + spring); }
+SpringState load_spring_state(uint spring) {
+    const uint row = spring_row(spring);
+    return SpringState(unpack(springs[row]), unpack(springs[row + 1]), unpack(springs[row + 2]));
+}
+void store_spring_state(uint spring, SpringState state) {
+    const uint row = spring_row(spring);
+    springs[row] = pack(state.place);
+    springs[row + 1] = pack(state.velocity);
+    springs[row + 2] = pack(state.origin);
+}
+void forget_spring(uint spring) { springs[spring_row(spring) + 2] = pack(vec4(0)); }
+
+#include "gpu/angles.glsl"
+#include "procedural/frames.glsl"
 #include "procedural/wind.glsl"
 #include "procedural/springs.glsl"
 #include "procedural/aims.glsl"
@@ -44,13 +80,7 @@ ProceduralJoint load_joint(ProceduralChain chain, uint k) {
 void main() {
     instance = gl_WorkGroupID.x % push.workgroups * kProceduralWorkgroupSize + gl_LocalInvocationID.x;
     if (instance >= push.instance_count) return;
-    const ProceduralChain chain = load_chain(push.first_chain + gl_WorkGroupID.x / push.workgroups * kChainWords);
-    if (kKind == kChainWind)
-        bend_in_wind(chain);
-    else if (kKind == kChainSpring)
-        swing(chain);
-    else if (kKind == kChainLookAt)
-        look_at(chain);
-    else
-        reach(chain);
+    const ProceduralChain chain = PROCEDURAL_CHAIN_AT(
+        tables, push.first_chain + kProceduralChainWords * (gl_WorkGroupID.x / push.workgroups));
+    move_chain(kKind, chain);
 }

@@ -9,10 +9,8 @@ THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kProceduralWorkgroupSize = 64;
 THRONG_IO_CONSTANT kColliderLimit = 16;  // of a spring rule
-THRONG_IO_CONSTANT kNoParent = 0xFFFFFFFFu;
 
 // Joints each of which is the parent of the next, moved by one rule.
-THRONG_IO_CONSTANT kChainWords = 5;
 struct ProceduralChain {
     uint rule;         // word
     uint first_joint;  // word, of a ProceduralJoint
@@ -26,7 +24,6 @@ THRONG_IO_CONSTANT kChainLookAt = 2;  // one joint
 THRONG_IO_CONSTANT kChainReach = 3;   // grandparent, parent, joint
 THRONG_IO_CONSTANT kChainKindCount = 4;
 
-THRONG_IO_CONSTANT kProceduralJointWords = 4;
 struct ProceduralJoint {
     uint joint;
     float bone_x, bone_y, bone_z;  // space of the joint; 0 where it has none
@@ -45,7 +42,6 @@ struct SpringSettings {
     uint first_collider, collider_count;  // word
 };
 
-THRONG_IO_CONSTANT kColliderWords = 8;
 struct ColliderShape {
     uint joint;
     float ax, ay, az;

@@ -1,14 +1,15 @@
-// The definition of the procedural stage.
+// The procedural stage on the CPU, in double precision.
 #pragma once
 
-#include "procedural/procedural_plan.h"
+#include "gpu/glsl.h"
+#include "procedural/procedural_tables.h"
 #include "procedural/wind_clock.h"
 
 #include <span>
 
 namespace throng {
 
-// The joints of one instance, moved in the order of the rules.
+// The joints of one instance.
 class ProceduralReference {
 public:
     struct Target {
@@ -16,7 +17,7 @@ public:
         double weight = 0;   // clamped to 0..1
     };
 
-    // Refers to both. Throws what plan_procedural() does.
+    // Refers to the character. Throws what plan_procedural() does.
     ProceduralReference(const ProceduralRules& rules, const Character& character);
 
     std::vector<Target> targets;  // as ProceduralRules::targets
@@ -30,17 +31,15 @@ public:
     // parent_from_joint[joint_count], as the blend stage left it.
     void update(std::span<Trs<double>> parent_from_joint, const Moment& moment);
 
-private:
-    struct Spring {
-        Vec3<double> place, velocity;
-        bool is_known = false;
+    // As io::SpringState
+    struct SpringState {
+        io::Vector4<double> place, velocity, origin;
     };
-    struct Update;  // one call
 
-    const ProceduralRules& rules_;
+private:
     const Character& character_;
-    ProceduralPlan plan_;
-    std::vector<Spring> springs_;
+    ProceduralTables tables_;
+    std::vector<SpringState> springs_;
 };
 
 }  // namespace throng

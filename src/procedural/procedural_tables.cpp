@@ -11,11 +11,6 @@
 namespace throng {
 namespace {
 
-static_assert(io::kNoParent == kNone);
-static_assert(sizeof(io::ProceduralChain) == io::kChainWords * sizeof(uint32_t) &&
-              sizeof(io::ProceduralJoint) == io::kProceduralJointWords * sizeof(uint32_t) &&
-              sizeof(io::ColliderShape) == io::kColliderWords * sizeof(uint32_t));
-
 class Words {
 public:
     // The word at which it begins.

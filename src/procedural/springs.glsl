@@ -2,42 +2,39 @@
 // Difference from it: the step is the backward Euler of a damped oscillator, which no time step makes unstable, and its
 // numbers do not depend on the frame rate.
 
-SpringSettings load_spring(uint word) {
-    return SpringSettings(table_float(word), table_float(word + 1), table_float(word + 2), table_float(word + 3),
-                          table_float(word + 4), table_float(word + 5), table_float(word + 6),
-                          WORD_AT(tables, word + 7), WORD_AT(tables, word + 8));
-}
-
 // A capsule in the world, with the springs' own radius in its own.
 struct Capsule {
     vec3 a, along;
-    float radius;
+    Real radius;
 };
 
-Capsule load_capsule(uint word, float bone_radius) {
-    const Affine m = world_from_joint_of(WORD_AT(tables, word));
-    const vec3 a = affine_point(m, table_vector(word + 1)), b = affine_point(m, table_vector(word + 4));
-    const mat3 columns = transpose(mat3(m.row0.xyz, m.row1.xyz, m.row2.xyz));
-    const float square = max(max(dot(columns[0], columns[0]), dot(columns[1], columns[1])),
-                             dot(columns[2], columns[2]));
-    return Capsule(a, b - a, table_float(word + 7) * sqrt(square) + bone_radius);
+Capsule load_capsule(uint first, uint index, Real bone_radius) {
+    const ColliderShape shape = load_collider(first, index);
+    const Affine m = world_from_joint_of(shape.joint);
+    const vec3 a = affine_point(m, vec3(shape.ax, shape.ay, shape.az)),
+               b = affine_point(m, vec3(shape.bx, shape.by, shape.bz)), x = affine_column(m, 0),
+               y = affine_column(m, 1), z = affine_column(m, 2);
+    const Real scale = sqrt(max(max(dot(x, x), dot(y, y)), dot(z, z)));
+    const Capsule capsule = {a, b - a, shape.radius * scale + bone_radius};
+    return capsule;
 }
 
 vec3 pushed_out(vec3 place, Capsule capsule) {
-    const float square = dot(capsule.along, capsule.along);
-    const float t = square > 0 ? clamp(dot(place - capsule.a, capsule.along) / square, 0, 1) : 0;
+    const Real square = dot(capsule.along, capsule.along);
+    const Real t = square > 0 ? clamp(dot(place - capsule.a, capsule.along) / square, 0, 1) : 0;
     const vec3 nearest = capsule.a + t * capsule.along, way = place - nearest;
-    const float distance = sqrt(dot(way, way));
+    const Real distance = sqrt(dot(way, way));
     return distance < capsule.radius && distance > 0 ? nearest + way * (capsule.radius / distance) : place;
 }
 
 Capsule capsules[kColliderLimit];
 
 // Where a bone's end is after the step; `rest` is where the pose has it.
-vec3 step_spring(inout SpringState spring, SpringSettings settings, vec3 joint, vec3 rest) {
-    const float step_s = max(push.time_step_s, 0), size = distance(joint, rest);
+vec3 step_spring(INOUT(SpringState) spring, SpringSettings settings, vec3 joint, vec3 rest) {
+    const Real step_s = max(push.time_step_s, 0), size = distance(joint, rest);
     const vec4 origin = vec4(instance_origin(), 1);
-    if (spring.origin.w == 0) spring = SpringState(vec4(rest, 0), vec4(0), origin);
+    const SpringState at_rest = {vec4(rest, 0), vec4(0), origin};
+    if (spring.origin.w == 0) spring = at_rest;
     const vec3 before = spring.place.xyz + (spring.origin.xyz - origin.xyz),
                wind = wind_at(rest) * vec3(push.wind_x, push.wind_y, push.wind_z);
     const vec3 force = settings.stiffness * (rest - before) +
@@ -47,7 +44,7 @@ vec3 step_spring(inout SpringState spring, SpringSettings settings, vec3 joint, 
     vec3 place = before + step_s * velocity;
     for (uint i = 0; i < settings.collider_count; ++i) place = pushed_out(place, capsules[i]);
     const vec3 way = place - joint;
-    const float distance_to = sqrt(dot(way, way));
+    const Real distance_to = sqrt(dot(way, way));
     place = distance_to > 0 ? joint + way * (size / distance_to) : rest;
     if (step_s > 0) spring.velocity.xyz = (place - before) / step_s;
     spring.place.xyz = place;
@@ -58,24 +55,21 @@ vec3 step_spring(inout SpringState spring, SpringSettings settings, vec3 joint, 
 void swing(ProceduralChain chain) {
     const SpringSettings settings = load_spring(chain.rule);
     for (uint i = 0; i < settings.collider_count; ++i)
-        capsules[i] = load_capsule(settings.first_collider + i * kColliderWords, settings.radius);
-    Affine world_from_parent = world_from_parent_of(first_joint_of(chain));
+        capsules[i] = load_capsule(settings.first_collider, i, settings.radius);
+    Affine world_from_parent = world_from_parent_of(load_joint(chain, 0).joint);
     for (uint k = 0; k < chain.joint_count; ++k) {
         const ProceduralJoint joint = load_joint(chain, k);
         Affine parent_from_joint = load_local(joint.joint);
         const Affine world_from_joint = affine_multiply(world_from_parent, parent_from_joint);
         const vec3 from = origin_of(world_from_joint),
                    rest = affine_point(world_from_joint, vec3(joint.bone_x, joint.bone_y, joint.bone_z));
-        const float size = distance(from, rest);
-        const uint row = 3 * (instance * push.spring_count + chain.first_spring + k);
+        const Real size = distance(from, rest);
         if (size == 0) {
-            springs[row + 2] = pack(vec4(0));  // hidden: where it was is forgotten
+            forget_spring(chain.first_spring + k);  // hidden
         } else {
-            SpringState spring = SpringState(unpack(springs[row]), unpack(springs[row + 1]), unpack(springs[row + 2]));
+            SpringState spring = load_spring_state(chain.first_spring + k);
             const vec3 place = step_spring(spring, settings, from, rest);
-            springs[row] = pack(spring.place);
-            springs[row + 1] = pack(spring.velocity);
-            springs[row + 2] = pack(spring.origin);
+            store_spring_state(chain.first_spring + k, spring);
             parent_from_joint = turn_joint(joint.joint, world_from_parent, parent_from_joint,
                                            arc((rest - from) / size, normalize(place - from)));
         }

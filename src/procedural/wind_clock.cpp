@@ -39,4 +39,17 @@ void WindClock::step_back() {
     moment_.gust_phases = gust_phases_before_;
 }
 
+void WindClock::Moment::tell(io::ProceduralPush& push) const {
+    push.sway_time_s = static_cast<float>(sway_time_s);
+    push.wind_speed = static_cast<float>(speed);
+    push.wind_x = static_cast<float>(direction.x);
+    push.wind_y = static_cast<float>(direction.y);
+    push.wind_z = static_cast<float>(direction.z);
+    push.gust = static_cast<float>(gust);
+    push.gust_rate = static_cast<float>(gust_rate);
+    push.gust_phase0 = static_cast<float>(gust_phases[0]);
+    push.gust_phase1 = static_cast<float>(gust_phases[1]);
+    push.gust_phase2 = static_cast<float>(gust_phases[2]);
+}
+
 }  // namespace throng

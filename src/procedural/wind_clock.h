@@ -1,6 +1,8 @@
 // The wind of a crowd as time goes on.
 #pragma once
 
+#include "procedural/procedural_io.h"
+
 #include <throng/procedural.h>
 
 #include <array>
@@ -28,6 +30,8 @@ public:
         double gust_rate = 0;                 // 1 / wavelength
         std::array<double, 3> gust_phases{};  // cycles, 0..1
         double sway_time_s = 0;               // 0..kSwayPeriod_s
+
+        void tell(io::ProceduralPush& push) const;
     };
     const Moment& moment() const { return moment_; }
 

@@ -82,12 +82,11 @@ std::vector<Trs<double>> ReferenceCharacter::State::mix() const {
         for (size_t i = 0; i < last.active_clips.size(); ++i) {
             const ControllerActiveClip& active_clip = last.active_clips[i];
             if (i == 0 || last.active_clips[i - 1].layer != active_clip.layer)
-                layers.push_back(
-                    {.is_additive = active_clip.mode == io::kModeAdditive,
-                     .weight = active_clip.layer_weight *
-                               (active_clip.mask == io::kAbsent ? 1.0 : double{masks[active_clip.mask][joint]}),
-                     .active_clips = {},
-                     .in_model_space = active_clip.model_rotations});
+                layers.push_back({.is_additive = active_clip.mode == io::kModeAdditive,
+                                  .weight = active_clip.layer_weight *
+                                            (active_clip.mask == kNone ? 1.0 : double{masks[active_clip.mask][joint]}),
+                                  .active_clips = {},
+                                  .in_model_space = active_clip.model_rotations});
             layers.back().active_clips.push_back({poses[i][joint], first_poses[i][joint], active_clip.weight});
         }
         const uint32_t parent = character.rig.parents[joint];

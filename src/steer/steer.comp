@@ -28,7 +28,7 @@ uint instance;
 // A bucket holds agents of other cells too, and one may serve two of the nine cells.
 void meet_cell(Agent agent, ivec2 cell, inout Met met) {
     uint other = WORD_AT(heads, bucket_of(cell, push.bucket_mask));
-    for (uint count = 0; other != kNobody && count < kMostMet; ++count) {
+    for (uint count = 0; other != kNone && count < kMostMet; ++count) {
         const uvec4 row = ROW_AT(places, other);
         const vec2 place = uintBitsToFloat(row.xy);
         if (other != agent.index && cell_of(place, push.inverse_cell) == cell)
@@ -58,8 +58,7 @@ vec2 turn_towards(vec2 world_direction, vec4 x_axis, vec4 z_axis) {
 }
 
 void tell_speed(float model_speed) {
-    if (push.speed_parameter != kNobody)
-        parameters[instance * push.parameter_count + push.speed_parameter] = model_speed;
+    if (push.speed_parameter != kNone) parameters[instance * push.parameter_count + push.speed_parameter] = model_speed;
 }
 
 void stop(AgentState state) {

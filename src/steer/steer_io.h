@@ -5,14 +5,13 @@
 THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kSteerWorkgroupSize = 64;
-THRONG_IO_CONSTANT kNobody = 0xFFFFFFFFu;  // where a bucket's list of agents ends
-THRONG_IO_CONSTANT kMostMet = 64;          // agents of a bucket that are looked at
+THRONG_IO_CONSTANT kMostMet = 64;  // agents of a bucket that are looked at
 
 // An agent as others see it, a row of a table.
 struct AgentPlace {
     float x, z;  // world space
     float radius;
-    uint next;  // agent of the same bucket, or kNobody
+    uint next;  // agent of the same bucket; kNone: the last
 };
 
 // What is kept of an agent from one update to the next.
@@ -40,7 +39,7 @@ struct SteerPush {
     float time_step_s;         // above 0
     uint is_carried;           // by the root motion of its clips
     uint parameter_count;
-    uint speed_parameter;  // or kNobody
+    uint speed_parameter;  // or kNone
 };
 
 THRONG_IO_END

@@ -1,0 +1,30 @@
+// What a command does. C++ too (gpu/glsl.h). The includer declares the buffers `layers` and `parameters`, the functions
+// of control/rounded.glsl and push_play().
+
+void play(uint layer, ControlCommand command) {
+    LayerState state = layers[layer];
+    const bool at_once = command.fade_rate == 0 || command.kind == kCommandPlayInertial;
+    const LayerPlay newest = {command.motion,    command.phase, 0,           float(at_once),
+                              command.fade_rate, command.value, command.loop};
+    push_play(state, newest);
+    if (command.kind == kCommandPlayInertial) state.inertial_rate = command.fade_rate;
+    layers[layer] = state;
+}
+
+void set_layer(uint layer, ControlCommand command) {
+    layers[layer].weight_goal = command.value;
+    layers[layer].weight_rate = product(abs(difference(command.value, layers[layer].weight)), command.fade_rate);
+    if (command.fade_rate == 0) layers[layer].weight = command.value;
+    layers[layer].mode = command.phase;
+    layers[layer].mask = command.motion;
+}
+
+// `layer` and `parameter`: where its target lies in the buffers, whichever of them it is.
+void obey(ControlCommand command, uint layer, uint parameter) {
+    if (command.kind == kCommandPlay || command.kind == kCommandPlayInertial)
+        play(layer, command);
+    else if (command.kind == kCommandLayer)
+        set_layer(layer, command);
+    else
+        parameters[parameter] = command.value;
+}

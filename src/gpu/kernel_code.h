@@ -1,0 +1,19 @@
+// What a kernel's shader was compiled to: throng_add_kernel() (cmake/shaders.cmake) makes one of each.
+#pragma once
+
+#include "gpu/kernel.h"
+
+namespace throng {
+
+struct KernelCode {
+    std::string_view name;
+    std::span<const uint32_t> plain, software;  // the same where there is but one variant
+
+    Kernel on(const std::shared_ptr<Gpu>& gpu, std::vector<uint32_t> constants = {}) const {
+        return Kernel(gpu, {.name = name,
+                            .spirv = gpu->uses_software_kernels() ? software : plain,
+                            .constants = std::move(constants)});
+    }
+};
+
+}  // namespace throng
