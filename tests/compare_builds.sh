@@ -1,24 +1,28 @@
 #!/bin/sh
-# compare_builds.sh COMMIT: what this checkout and COMMIT write, byte for byte. Both are built; then both make creatures,
-# compiled files and poses of each character (CHARACTERS, ../shared/characters if not set), pictures, a film, and what
-# the examples print of events and sockets. Prints what differs, and fails where anything does.
+# compare_builds.sh COMMIT|BUILD: what this checkout and COMMIT write, byte for byte; COMMIT is built, in build/compare,
+# or BUILD is the folder of a build of it (build/release). Both make creatures, compiled files and poses of each character
+# (CHARACTERS, ../shared/characters if not set), pictures, a film, and what the examples print of events and sockets.
+# Prints what differs, and fails where anything does.
 set -eu
+[ $# -eq 1 ] || { echo "usage: tests/compare_builds.sh COMMIT|BUILD" >&2; exit 2; }
+old=$(realpath -- "$1" 2>/dev/null || true)
 cd "$(dirname "$0")/.."
-[ $# -eq 1 ] || { echo "usage: tests/compare_builds.sh COMMIT" >&2; exit 2; }
 here=$PWD
 work=$here/build/compare
 characters=${CHARACTERS:-$here/../shared/characters}
-git rev-parse --verify --quiet "$1^{commit}" >/dev/null || { echo "compare_builds.sh: no commit '$1'" >&2; exit 2; }
+
+build() { cmake --preset release >/dev/null && cmake --build build/release --target throng_tool state_machine; }
 
 rm -rf "$work/old" "$work/new"
 mkdir -p "$work/old" "$work/new"
-git worktree prune
-rm -rf "$work/source"
-git worktree add --quiet --detach "$work/source" "$1"
-trap 'cd "$here" && git worktree remove --force "$work/source"' EXIT
-for source in "$work/source" "$here"; do
-  (cd "$source" && cmake --preset release >/dev/null && cmake --build build/release --target throng_tool state_machine)
-done
+if [ ! -x "$old/tools/throng" ]; then
+  git rev-parse --verify --quiet "$1^{commit}" >/dev/null ||
+    { echo "compare_builds.sh: '$1' is neither a commit nor the folder of a build" >&2; exit 2; }
+  if [ ! -d "$work/source" ]; then git worktree prune; git worktree add --quiet --detach "$work/source" "$1"; fi
+  (cd "$work/source" && git checkout --quiet --detach "$1" && build)
+  old=$work/source/build/release
+fi
+build
 
 # write SIDE BUILD
 write() {
@@ -45,7 +49,7 @@ write() {
     --size 160x90 --frames 0:8 --out film/f_%04d.png >/dev/null
   "$examples/state_machine" dragon.glb $controllers/guard.json guard.png >guard.txt
 }
-write old "$work/source/build/release"
+write old "$old"
 write new "$here/build/release"
 cd "$work"
 if diff -rq old new; then echo "$(find new -type f | wc -l) files are the same"; else exit 1; fi

@@ -2,9 +2,14 @@
 #include "bench/on_chip_shaders.h"
 #include "io_headers.inc"
 #include "base/failure.h"
+#include "bind/bind.kernel.h"
+#include "blend/blend.kernel.h"
 #include "control/control.h"
+#include "control/control.kernel.h"
+#include "sample/sample.kernel.h"
 #include "scan/scan.h"
 #include "scan/scan_shaders.h"
+#include "skin/skin.kernel.h"
 #include "tests/files.h"
 #include "tests/kernel_runner.h"
 #include "tests/text.h"
@@ -25,21 +30,6 @@ using namespace test;
 
 constexpr uint32_t kLayoutSpirv[] = {
 #include "io_structs.comp.inc"
-};
-constexpr uint32_t kControlSpirv[] = {
-#include "control/control.comp.inc"
-};
-constexpr uint32_t kSampleSpirv[] = {
-#include "sample/sample.comp.inc"
-};
-constexpr uint32_t kBlendSpirv[] = {
-#include "blend/blend.comp.inc"
-};
-constexpr uint32_t kBindSpirv[] = {
-#include "bind/bind.comp.inc"
-};
-constexpr uint32_t kSkinSpirv[] = {
-#include "skin/skin.comp.inc"
 };
 
 // The Failure that `body` throws; the test fails where it throws none.
@@ -127,9 +117,10 @@ TEST(Gpu, AWrongDispatchIsRefused) {
 }
 
 TEST(Gpu, TheWorkgroupSizeIsGivenExactlyWhereTheShaderLeavesItOpen) {
-    EXPECT_EQ(
-        error_of([] { Kernel(test_gpu(), {.name = "control", .spirv = kControlSpirv, .workgroup_size = 64}); }).code,
-        ErrorCode::kInvalidArgument);
+    EXPECT_EQ(error_of([] {
+                  Kernel(test_gpu(), {.name = "control", .spirv = kernels::control.plain, .workgroup_size = 64});
+              }).code,
+              ErrorCode::kInvalidArgument);
     const ScanMethod& method = scan_table()[0];
     EXPECT_EQ(
         error_of([&] { Kernel(test_gpu(), {.name = method.name, .spirv = scan_shaders(method.name).plain}); }).code,
@@ -156,18 +147,20 @@ TEST(Gpu, SpirvTellsWhatAShaderNeeds) {
             EXPECT_EQ(info.local_size_x, local_size) << name;
         }
     };
-    expect("control", kControlSpirv, {io::kTimelineBuffer, io::kTimesBuffer, io::kPlaybacksBuffer, io::kCursorsBuffer},
-           sizeof(io::ControlPush), io::kControlWorkgroupSize);
-    expect("sample", kSampleSpirv,
+    expect("control", kernels::control.plain,
+           {io::kTimelineBuffer, io::kTimesBuffer, io::kPlaybacksBuffer, io::kCursorsBuffer}, sizeof(io::ControlPush),
+           io::kControlWorkgroupSize);
+    expect("sample", kernels::sample.plain,
            {io::kTracksBuffer, io::kKeysBuffer, io::kWordsBuffer, io::kCursorsBuffer, io::kSampledPosesBuffer},
            sizeof(io::SamplePush), io::kSampleWorkgroupSize);
-    expect("blend", kBlendSpirv,
+    expect("blend", kernels::blend.plain,
            {io::kSetPosesBuffer, io::kCursorsBuffer, io::kPoseOverridesBuffer, io::kFirstPosesBuffer,
             io::kSecondPosesBuffer, io::kLocalBuffer},
            sizeof(io::BlendPush), io::kBlendWorkgroupSize);
-    expect("bind", kBindSpirv, {io::kPaletteJointsBuffer, io::kJointFromBindBuffer, io::kModelBuffer, io::kSkinBuffer},
+    expect("bind", kernels::bind.plain,
+           {io::kPaletteJointsBuffer, io::kJointFromBindBuffer, io::kModelBuffer, io::kSkinBuffer},
            sizeof(io::BindPush), io::kBindWorkgroupSize);
-    expect("skin", kSkinSpirv,
+    expect("skin", kernels::skin.plain,
            {io::kVerticesBuffer, io::kInfluencesBuffer, io::kSkinSectionsBuffer, io::kListedVerticesBuffer,
             io::kMorphDeltasBuffer, io::kActiveMorphsBuffer, io::kSkinBuffer, io::kSkinnedBuffer, io::kVerdictsBuffer,
             io::kListBuffer},
@@ -188,7 +181,7 @@ TEST(Gpu, SpirvTellsWhatAShaderNeeds) {
 
 TEST(Gpu, WhatIsNoSpirvIsRefused) {
     EXPECT_EQ(error_of([] { read_spirv({}); }).code, ErrorCode::kInvalidArgument);
-    std::vector<uint32_t> words(std::begin(kControlSpirv), std::end(kControlSpirv));
+    std::vector<uint32_t> words(kernels::control.plain.begin(), kernels::control.plain.end());
     EXPECT_EQ(error_of([&] { read_spirv(std::span(words).first(6)); }).code, ErrorCode::kInvalidArgument)
         << "cut off within its first instruction";
     words[0] ^= 1;

@@ -125,5 +125,5 @@ JointPose mix_active_clips(uint instance, uint joint, bool only_rotation) {
 
 JointPose active_clips_pose(uint instance, uint joint) { return mix_active_clips(instance, joint, false); }
 
-// Of a joint whose translation and scale are the same in all clips.
+// The pose of a joint whose translation and scale are the same in all clips.
 vec4 active_clips_rotation(uint instance, uint joint) { return mix_active_clips(instance, joint, true).rotation; }

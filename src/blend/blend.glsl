@@ -20,7 +20,7 @@ Affine parent_from_joint(JointPose pose) {
     return affine_from_trs(pose.rotation, pose.translation.xyz, pose.scale.xyz);
 }
 
-// Of a pose whose scale is uniform.
+// The similarity of a pose whose scale is uniform.
 Similarity similarity_parent_from_joint(JointPose pose) {
     return Similarity(pose.rotation, vec4(pose.translation.xyz, pose.scale.x));
 }

@@ -11,7 +11,7 @@ struct LayeredPush {
     uint active_clip_limit;  // active clips kept for each instance
 };
 
-// Of the joints first_joint to joint_end - 1.
+// For the joints first_joint to joint_end - 1.
 struct LayeredInOrderPush {
     uint instance_count;
     uint joint_count;

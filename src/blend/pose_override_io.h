@@ -4,7 +4,7 @@
 #include "gpu/shader_types.h"
 THRONG_IO_BEGIN
 
-// Of an instance, read as words of a table.
+// An instance's pose override, read as words of a table.
 struct InstancePose {
     uint slot;     // of its pose in poses[slot][joint]; of no meaning where the weight is 0
     float weight;  // 0: as it is animated, 1: as it was set

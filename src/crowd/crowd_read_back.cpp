@@ -89,7 +89,7 @@ std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
     return positions;
 }
 
-// Of joints that an instance's skin matrices are of; those of the finest, where it has not been drawn.
+// The set of joints that an instance's skin matrices were written for; the finest, where it has not been drawn.
 uint32_t CrowdState::joint_set_of(const Batch& batch, uint32_t instance) const {
     return batch[io::kStatesBuffer].handle()
                ? download<uint32_t>(gpu, BufferRange(batch[io::kStatesBuffer].handle(), instance * sizeof(uint32_t),

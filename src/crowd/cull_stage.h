@@ -29,7 +29,7 @@ public:
     // already.
     void record_disoccluded(const Update& update, const DepthImage& depths) override;
     uint32_t end_count() const override { return 3; }
-    // Of a batch, after the last update that has finished.
+    // What a batch has listed, after the last update that has finished.
     std::vector<DrawnInstance> read(uint32_t batch) const;
     uint64_t size_bytes() const override;
 

@@ -7,7 +7,7 @@
 
 namespace throng {
 
-// Of pictures of up to some number of texels.
+// Depths of a picture, coarser from level to level.
 class DepthPyramid {
 public:
     // Has room for pictures of this size, and others of no more texels. Throws kLimit where the device cannot hold it

@@ -43,7 +43,7 @@ public:
     // Takes the last update back: its commands will never be submitted.
     void discard();
     void end(VkCommandBuffer commands, std::span<const Watched> watched);
-    // Of the updates that have finished and have not been read, oldest first.
+    // Feedback of the updates that have finished and have not been read, oldest first.
     std::vector<Feedback> take();
     uint64_t size_bytes() const;
 

@@ -96,7 +96,7 @@ struct Group {
     bool skips_updates(const CrowdSettings& settings) const {
         return settings.culls && animates_drawn_only() && (settings.keep_previous_matrices || settings.skips_updates);
     }
-    // Of a level of detail: the set of joints that it has, and of influences that refer to no others.
+    // The set of joints that a level of detail has, and of influences that refer to no others.
     uint32_t influence_set_of(uint32_t lod) const {
         return fused.size() > 1 ? std::min(lod, static_cast<uint32_t>(fused.size()) - 1) : 0;
     }

@@ -25,7 +25,7 @@ private:
     std::vector<std::array<Bindings, 2>> members_;  // [batch][current_skin]
 };
 
-// Of one batch. `skin_matrices`: those that are current; `skinned`: where its vertices go.
+// For one batch. `skin_matrices`: those that are current; `skinned`: where its vertices go.
 BufferTable skin_buffers(const Group& group, const Batch& batch, const Buffer& skin_matrices, const Buffer& skinned);
 io::SkinPush skin_push(const Group& group);
 

@@ -20,7 +20,7 @@ public:
     void leave_out(VkCommandBuffer commands) { end(commands, kStageNames.size()); }
     void publish(VkCommandBuffer commands) { stamps_.publish(commands); }
 
-    // Of the newest update that has finished. Throws kInvalidArgument where there is none.
+    // Times of the newest update that has finished. Throws kInvalidArgument where there is none.
     StageTimes read() const;
     // The same, but none where it has been taken before.
     std::optional<StageTimes> take_newest();

@@ -1,17 +1,11 @@
 #include "crowd/terrain_stage.h"
 
 #include "base/failure.h"
+#include "steer/terrain.kernel.h"
 
 #include <cmath>
 
 namespace throng {
-namespace {
-
-constexpr uint32_t kTerrainSpirv[] = {
-#include "steer/terrain.comp.inc"
-};
-
-}  // namespace
 
 void check_terrain(const CrowdSettings& settings) {
     for (const CrowdGroup& group : settings.groups)
@@ -36,7 +30,7 @@ void check_terrain(const CrowdSettings& settings) {
 TerrainStage::TerrainStage(const StageContext& context) : Stage(context) {
     const Terrain& terrain = *context.settings.terrain;
     heights_ = upload(context.uploads, "heights of the terrain", terrain.heights);
-    kernel_ = Kernel(gpu_, {.name = "terrain", .spirv = kTerrainSpirv});
+    kernel_ = kernels::terrain.on(gpu_);
     push_ = {.instance_count = 0,
              .columns = terrain.columns,
              .rows = terrain.rows,

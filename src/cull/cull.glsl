@@ -51,7 +51,7 @@ bool is_seen(CullView view, Affine world_from_model, vec3 centre, vec3 half_exte
     return seen;
 }
 
-// Of the eye from the ball around the box, in world space; not positive within it.
+// Distance of the eye from the ball around the box, in world space; not positive within it.
 float distance_to_box(CullView view, Affine world_from_model, vec3 centre, vec3 half_extent) {
     return distance(affine_point(world_from_model, centre), view.eye.xyz) -
            largest_scale(world_from_model) * length(half_extent);
@@ -65,8 +65,8 @@ uint lod_of(CullView view, float distance_to_it, float scale, vec4 lod_errors, u
     return lod;
 }
 
-// Of how many updates one animates it: 1, 2, 4 or 8, so that it moves by about the same number of pixels between two of
-// them.
+// It is animated in one of so many updates, 1, 2, 4 or 8, so that it moves by about the same number of pixels between
+// two of them.
 uint period_of(CullView view, float distance_to_it, float scale, vec3 half_extent) {
     const float size = 2 * scale * length(half_extent) * view.shadow.w;
     uint period_log2 = 0;

@@ -64,7 +64,7 @@ struct CullView {
     uint unused;
 };
 
-// Of the characters of a batch.
+// What the characters of a batch have in common.
 struct CullPush {
     vec4 centre;  // of the box that holds all of a character's poses, model space
     vec4 half_extent;

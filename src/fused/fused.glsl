@@ -101,7 +101,7 @@ JointPose animated_pose(uint instance, InstanceCursor cursor, uint joint) {
     return blend_joint(first, second, cursor.weight);
 }
 
-// Of a joint whose translation and scale are the rest pose's in every clip (scan/fixed_joints.h).
+// The pose of a joint whose translation and scale are the rest pose's in every clip (scan/fixed_joints.h).
 JointPose animated_pose_of_fixed(uint instance, InstanceCursor cursor, uint joint) {
     if (kInertial) return animated_pose(instance, cursor, joint);
     const uvec4 rest = ROW_AT(tracks, push.rest_track + joint) & kTrackPositionMask;

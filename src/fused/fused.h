@@ -55,7 +55,7 @@ Buffers upload_fused_tables(Uploads& uploads, const Character& character, const 
 
 Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, const FusedSettings& settings);
 
-// Of all instances.
+// For all instances.
 void record_fused(VkCommandBuffer commands, const Kernel& kernel, const Bindings& bindings, const FusedPlan& plan,
                   const io::FusedPush& push);
 

@@ -20,7 +20,7 @@
 #define FLOAT_AT(name, index) uintBitsToFloat(WORD_AT(name, index))
 #include "gpu/io_words.glsl"
 
-// Of a table of matrices, three rows each.
+// A matrix of a table, three rows each.
 #define AFFINE_AT(name, index)                                                                         \
     Affine(uintBitsToFloat(ROW_AT(name, 3 * (index))), uintBitsToFloat(ROW_AT(name, 3 * (index) + 1)), \
            uintBitsToFloat(ROW_AT(name, 3 * (index) + 2)))

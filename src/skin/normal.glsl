@@ -10,7 +10,7 @@ vec3 unpack_normal(uint packed) {
     return vec3(z < 0 ? folded : octahedral, z);
 }
 
-// Of any length but 0.
+// `normal` may have any length but 0.
 uint pack_normal(vec3 normal) {
     const vec3 octahedral = normal / max(abs(normal.x) + abs(normal.y) + abs(normal.z), 1e-30);
     const vec2 folded = (1 - abs(octahedral.yx)) * mix(vec2(-1), vec2(1), greaterThanEqual(octahedral.xy, vec2(0)));

@@ -33,7 +33,7 @@ layout(push_constant) uniform Push { SkinPush push; };
 #include "skin/normal.glsl"
 #include "morph/apply.glsl"
 
-// Of the n-th that is listed.
+// Level of detail of the n-th instance that is listed.
 uint lod_of(uint n) {
     uint lod = 0;
     for (uint k = 1; k < kLodCount; ++k)

@@ -1,14 +1,12 @@
 #include "skin/skin.h"
 
+#include "skin/skin.kernel.h"
+
 #include <algorithm>
 #include <numeric>
 
 namespace throng {
 namespace {
-
-constexpr uint32_t kSpirv[] = {
-#include "skin/skin.comp.inc"
-};
 
 static_assert(io::kSkinLinear == static_cast<uint32_t>(SkinBlend::kLinear) &&
               io::kSkinDualQuaternion == static_cast<uint32_t>(SkinBlend::kDualQuaternion));
@@ -60,9 +58,7 @@ void upload_skin_tables(Uploads& uploads, const Character& character, std::span<
 }
 
 Kernel skin_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format, SkinBlend blend, bool listed) {
-    return Kernel(gpu, {.name = "skin",
-                        .spirv = kSpirv,
-                        .constants = {static_cast<uint32_t>(format), static_cast<uint32_t>(blend), listed}});
+    return kernels::skin.on(gpu, {static_cast<uint32_t>(format), static_cast<uint32_t>(blend), listed});
 }
 
 }  // namespace throng

@@ -15,7 +15,7 @@ AffineT<double> weighted_sum(std::span<const WeightedTransform> transforms) {
     return sum;
 }
 
-// Of a rotation matrix: four times the product of two components each, in the row of the largest one.
+// The quaternion of a rotation matrix: four times the product of two components each, in the row of the largest one.
 Quaternion<double> rotation_of(const std::array<std::array<double, 4>, 3>& m) {
     const std::array squares{1 + m[0][0] - m[1][1] - m[2][2], 1 + m[1][1] - m[0][0] - m[2][2],
                              1 + m[2][2] - m[0][0] - m[1][1], 1 + m[0][0] + m[1][1] + m[2][2]};

@@ -24,7 +24,7 @@ struct Agent {
     float time_step_s;
 };
 
-// Of the others, in whatever order they are met.
+// What the others do to it, in whatever order they are met.
 struct Met {
     ivec2 push;  // in 1 / kFixed
     float speed_limit;

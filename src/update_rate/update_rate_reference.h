@@ -13,7 +13,7 @@ namespace throng {
 // what nobody sees in so small a character.
 AffineT<double> update_rate_reference(const AffineT<double>& previous, const AffineT<double>& target, uint32_t step);
 
-// Of how many updates an instance of such a size on the screen, in pixels, is animated in one.
+// An instance of such a size on the screen, in pixels, is animated in one of so many updates.
 uint32_t period_reference(double size_pixels, double full_rate_pixels);
 
 }  // namespace throng

@@ -17,7 +17,7 @@
 #include "scan/scan.glsl"
 #include "scan/pieces.glsl"
 
-// Of another invocation of the subgroup.
+// The transform of another invocation of the subgroup.
 Transform shuffled(Transform t, uint source) {
 #ifdef SCAN_QUATERNION
     return Similarity(subgroupShuffle(t.rotation, source), subgroupShuffle(t.translation_scale, source));
