@@ -3,6 +3,7 @@
 #include "bench/report/cells.h"
 #include "bench/report/html.h"
 #include "bench/report/plot.h"
+#include "bench/report/tables.h"
 
 #include <throng/crowd.h>
 
@@ -52,9 +53,7 @@ std::string host_share_of(const Json& record) {
 }
 
 std::string row_of(const Json& record) {
-    const Ink ink = ink_of(record);
-    std::string row = "<tr><td><span class=\"swatch\" style=\"--light:" + ink.light + ";--dark:" + ink.dark +
-                      "\"></span>" + escape(text(record, "variant")) + "</td>";
+    const std::string row = "<tr>" + td(swatch(ink_of(record)) + escape(text(record, "variant")));
     const double ms = ms_of(record, "median");
     if (std::isnan(ms)) return row + "<td class=\"note\" colspan=\"8\">" + why_untimed(record) + "</td></tr>\n";
     const std::string by = text(record, "by");

@@ -3,7 +3,7 @@
 #include "base/failure.h"
 #include "bench/frame_report.h"
 #include "bench/report/html.h"
-#include "bench/report/style.h"
+#include "bench/report/plot.h"
 #include "bench/report/tables.h"
 
 #include <throng/crowd.h>

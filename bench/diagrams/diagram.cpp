@@ -2,7 +2,6 @@
 
 #include "bench/baselines/baselines.h"
 #include "bench/diagrams/svg.h"
-#include "scan/scan_table.h"
 
 #include <algorithm>
 #include <array>
@@ -73,7 +72,7 @@ public:
         } else {
             across(middle, kind == FlowBoundary::kShuffle ? "shuffle" : "next");
         }
-        if (kind != FlowBoundary::kNone)
+        if (kind != FlowBoundary::kNothing)
             svg_.text({kMargin, middle + 3.5}, kind == FlowBoundary::kBarrier ? "barrier" : "shuffle", "bold");
         y_ += kBoundary;
     }
@@ -259,10 +258,10 @@ std::string counts_text(size_t multiplications, uint32_t longest, uint32_t barri
            std::to_string(longest) + "  ·  " + (barriers == 0 ? "no barrier" : plural(barriers, "barrier"));
 }
 
-Diagram draw(const FlowMethod& method) {
+Diagram draw(const ScanMethod& method) {
     const ScanRig rig = diagram_rig();
-    const Flow flow = method.simulate(rig, kDiagramSettings);
-    Drawing drawing(rig, method.name, find_scan_method(method.name)->summary);
+    const Flow flow = method.picture.simulate(rig, kDiagramSettings);
+    Drawing drawing(rig, method.name, method.summary);
     drawing.counts(counts_text(flow.steps.size(), flow.longest_thread(), flow.barriers()));
     drawing.tree(flow.writers, true);
     drawing.locals_row(flow);
@@ -271,8 +270,8 @@ Diagram draw(const FlowMethod& method) {
         if (flow.rows(phase) > 0) drawing.phase(flow, phase);
     }
     drawing.guides();
-    if (method.has_blocks) drawing.block_edges(kDiagramSettings.block);
-    drawing.note(method.note);
+    if (method.picture.has_blocks) drawing.block_edges(kDiagramSettings.block);
+    drawing.note(method.picture.note);
     drawing.legend();
     return {std::string(method.name), drawing.finish()};
 }
@@ -309,7 +308,8 @@ ScanRig diagram_rig() {
 
 std::vector<Diagram> scan_diagrams() {
     std::vector<Diagram> out;
-    for (const FlowMethod& method : flow_methods()) out.push_back(draw(method));
+    for (const ScanMethod& method : scan_table())
+        if (method.picture.simulate) out.push_back(draw(method));
     out.push_back(draw(baked(), false));
     out.push_back(draw(flattened(), true));
     return out;

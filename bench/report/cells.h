@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bench/report/records.h"
+#include "scan/line_style.h"
 
 #include <map>
 #include <set>
@@ -13,6 +14,13 @@ namespace throng::bench {
 
 // Records that agree in some fields, in their first one's order.
 using Cells = std::vector<const Json*>;
+
+inline constexpr const char* kPlanner = "auto";  // among the methods of scans: what the planner has chosen
+
+// How a scan method looks, the same in every figure, and the order in which methods are drawn and listed: what it
+// brings in the scan table, a look of their own for others, and for the planner a ring around the point that it chose.
+LineStyle scan_style(const std::string& method);
+uint32_t scan_rank(const std::string& method);
 
 // A benchmark's own records that have a `name`; of several that agree in it and in `fields` the last one.
 Cells latest_cells(std::span<const Json> records, const char* bench, const char* name, std::vector<const char*> fields);

@@ -277,7 +277,7 @@ std::string line_plot(const LinePlot& given) {
         figure.element(series.name, line,
                        "with linespoints linewidth " + number(style.width) + " pointtype " +
                            std::to_string(style.point_type) + " pointsize " + number(style.point_size) +
-                           (style.dashes.empty() ? "" : " dashtype " + style.dashes) + " linecolor " + colour);
+                           (*style.dashes ? " dashtype " + std::string(style.dashes) : "") + " linecolor " + colour);
         const PlotPoint& last = series.points.back();
         const double name_y = y.value(names[named++]);
         figure.element(series.name,

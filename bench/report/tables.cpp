@@ -1,7 +1,6 @@
 #include "bench/report/tables.h"
 
 #include "bench/report/html.h"
-#include "bench/report/style.h"
 
 #include <nlohmann/json.hpp>
 
@@ -58,11 +57,11 @@ std::string size(double bytes) {
 
 }  // namespace
 
-std::string method_name(const std::string& method) {
-    const Ink ink = scan_style(method).ink;
-    return "<span class=\"swatch\" style=\"--light:" + ink.light + ";--dark:" + ink.dark + "\"></span>" +
-           escape(method);
+std::string swatch(const Ink& ink) {
+    return std::string("<span class=\"swatch\" style=\"--light:") + ink.light + ";--dark:" + ink.dark + "\"></span>";
 }
+
+std::string method_name(const std::string& method) { return swatch(scan_style(method).ink) + escape(method); }
 
 std::string case_table(const Cells& cells) {
     const auto is = [&](const Json& cell, const char* field) {

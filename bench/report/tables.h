@@ -8,6 +8,8 @@
 
 namespace throng::bench {
 
+// A spot of colour, for the beginning of a row.
+std::string swatch(const Ink& ink);
 // A method's name with its colour.
 std::string method_name(const std::string& method);
 

@@ -20,4 +20,7 @@ inline constexpr uint32_t kDoublingBytesPerJoint = 96;
 void count_doubling_round(const DoublingTable& table, uint32_t round, uint32_t joint_count, bool reloads,
                           bool stores_all, ScanCounter& counter);
 
+// The rounds over all chains; the product of each.
+std::vector<Product> flow_doubling(Flow& flow, std::span<const uint32_t> parents);
+
 }  // namespace throng

@@ -203,4 +203,53 @@ PieceTable piece_table(const ScanRig& rig, uint32_t threads, double rows_of_loca
     return table;
 }
 
+Flow flow_pieces(const ScanRig& rig, uint32_t threads, FlowBoundary between_rounds) {
+    const PieceCut cut = cut_into_pieces(rig, threads);
+    const auto piece_count = static_cast<uint32_t>(cut.pieces.size());
+    Flow flow(rig);
+    flow.phase("paths from piece\nto piece");
+    std::vector<Product> prefixes(piece_count);
+    std::vector<uint32_t> above(piece_count, kNone);
+    for (uint32_t p = 0; p < piece_count; ++p) {
+        const uint32_t attachment = cut.pieces[p].attachment;
+        if (attachment == kNone) continue;
+        const uint32_t piece_above = cut.piece_of_joint[attachment];
+        // Above the root's piece there is nothing
+        if (cut.pieces[piece_above].attachment != kNone) above[p] = piece_above;
+        for (const uint32_t joint : rig.chain(attachment)) {
+            if (cut.piece_of_joint[joint] != piece_above) continue;
+            prefixes[p] = prefixes[p].empty() ? Product{joint}
+                                              : flow.multiply(p, FlowSource::kRegister, prefixes[p], {joint});
+        }
+    }
+    for (uint32_t round = 1; std::ranges::any_of(above, [](uint32_t piece) { return piece != kNone; }); ++round) {
+        flow.phase("small scan over\nthe pieces" + (round > 1 ? ", " + std::to_string(round) : std::string()),
+                   between_rounds);
+        std::vector<Product> next = prefixes;
+        std::vector<uint32_t> next_above = above;
+        for (uint32_t p = 0; p < piece_count; ++p) {
+            if (above[p] == kNone) continue;
+            next[p] = flow.multiply(p, FlowSource::kShared, prefixes[above[p]], prefixes[p]);
+            next_above[p] = above[above[p]];
+        }
+        prefixes = std::move(next);
+        above = std::move(next_above);
+    }
+    flow.phase("each piece\non its own");
+    std::vector<Product> products(rig.joint_count());
+    for (uint32_t p = 0; p < piece_count; ++p) {
+        uint32_t last = cut.pieces[p].attachment;
+        for (const uint32_t joint : cut.pieces[p].joints) {
+            const uint32_t parent = rig.parents[joint];
+            const bool from_prefix = parent == cut.pieces[p].attachment;
+            products[joint] = flow.multiply(p,
+                                            from_prefix || parent == last ? FlowSource::kRegister : FlowSource::kShared,
+                                            from_prefix ? prefixes[p] : products[parent], {joint});
+            flow.store(p, joint, products[joint]);
+            last = joint;
+        }
+    }
+    return flow;
+}
+
 }  // namespace throng

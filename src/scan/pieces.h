@@ -38,4 +38,7 @@ struct PieceTable {
 };
 PieceTable piece_table(const ScanRig& rig, uint32_t threads, double rows_of_local);
 
+// As the shader goes about them.
+Flow flow_pieces(const ScanRig& rig, uint32_t threads, FlowBoundary between_rounds);
+
 }  // namespace throng

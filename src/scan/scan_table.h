@@ -2,7 +2,9 @@
 // over this table.
 #pragma once
 
+#include "scan/line_style.h"
 #include "scan/scan_counts.h"
+#include "scan/scan_flow.h"
 #include "scan/scan_rig.h"
 
 #include <span>
@@ -42,6 +44,13 @@ enum class ScanOrigin { kPaper, kBaseline, kOurs };  // named by the paper; what
 enum class ScanLayout { kCharacterMajor, kTransposed };
 enum class ScanFormat { kAffine, kSimilarity };  // of local transforms: 48 or 32 bytes
 
+// Where a method's fused form stands among those that an update tries: the least order first.
+struct FusedPlace {
+    uint32_t order = 0;    // 0: it is not tried
+    uint32_t threads = 0;  // invocations a character
+};
+inline FusedPlace not_tried(const ScanLimits&) { return {}; }
+
 struct ScanMethod {
     std::string_view name;  // its shader is <name>.comp, without _quaternion and _transposed, which name variants
     // Its place in the table: the paper's methods, what they are compared with, throng's own.
@@ -55,6 +64,11 @@ struct ScanMethod {
     std::vector<uint32_t> (*thread_choices)(const ScanLimits& limits);
     // Any joint count from 1 to 65,535; `threads` is one of thread_choices().
     ScanPlan (*plan)(const ScanRig& rig, const ScanLimits& limits, uint32_t threads);
+    FusedPlace (*fused_place)(const ScanLimits& limits) = not_tried;
+    FlowPicture picture = {};
+    // In figures: lines of a higher rank lie over others, and stand behind them in tables and legends.
+    uint32_t rank = 1000;
+    LineStyle style = {};
 };
 
 std::span<const ScanMethod> scan_table();

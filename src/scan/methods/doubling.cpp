@@ -24,6 +24,13 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     return plan;
 }
 
+Flow simulate(const ScanRig& rig, const FlowSettings&) {
+    Flow flow(rig);
+    const std::vector<Product> products = flow_doubling(flow, rig.parents);
+    for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) flow.store(joint, joint, products[joint]);
+    return flow;
+}
+
 }  // namespace
 
 ScanMethod doubling() {
@@ -33,7 +40,10 @@ ScanMethod doubling() {
             .source = "Hillis and Steele, CACM 1986 (the paper's Algorithm 2)",
             .origin = ScanOrigin::kPaper,
             .thread_choices = no_thread_choice,
-            .plan = plan};
+            .plan = plan,
+            .picture = {simulate, "A product covers twice as many joints after each round."},
+            .rank = 60,
+            .style = {{"#e0703c", "#ff9b6a"}, 1.7, "(11,4,3,4)", 10, 0.6}};
 }
 
 }  // namespace throng
