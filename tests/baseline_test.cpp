@@ -4,6 +4,7 @@
 #include "base/failure.h"
 #include "tools/cli/statistics.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 #include "tests/test_rig.h"
 
 #include <cstdio>
@@ -12,6 +13,8 @@
 
 namespace throng::bench {
 namespace {
+
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups}, {"Baseline.*"});
 
 using namespace test;
 
