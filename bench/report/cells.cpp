@@ -80,6 +80,17 @@ std::vector<Cells> grouped(const Cells& cells, const std::vector<const char*>& f
     return groups;
 }
 
+std::map<double, Cells> by_number(const Cells& cells, const char* field) {
+    std::map<double, Cells> at;
+    for (const Json* cell : cells) at[number(*cell, field)].push_back(cell);
+    return at;
+}
+
+Cells by_rank(Cells cells) {
+    std::ranges::stable_sort(cells, {}, [](const Json* cell) { return scan_rank(text(*cell, "method")); });
+    return cells;
+}
+
 std::vector<std::string> texts(const Cells& cells, const char* field) {
     std::vector<std::string> all;
     for (const Json* cell : cells)

@@ -32,6 +32,12 @@ Cells having(const Cells& cells, const char* field, const std::string& value);
 // One group for each combination of the fields' values, in the order of their first appearance.
 std::vector<Cells> grouped(const Cells& cells, const std::vector<const char*>& fields);
 
+// By their number in `field`.
+std::map<double, Cells> by_number(const Cells& cells, const char* field);
+
+// In the order in which methods are drawn and listed.
+Cells by_rank(Cells cells);
+
 // Each text or number once, in the order of appearance; missing ones are left out.
 std::vector<std::string> texts(const Cells& cells, const char* field);
 std::set<double> numbers(const Cells& cells, const char* field);

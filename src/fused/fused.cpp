@@ -10,14 +10,12 @@
 namespace throng {
 namespace {
 
-uint64_t transform_bytes(const ScanMethod& method) { return method.format == ScanFormat::kSimilarity ? 32 : 48; }
-
 // The method's own plan in the shared memory that the tile leaves.
 ScanPlan plan_tiled(const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits) {
     const ScanMethod& method = *choice.method;
     const ScanPlan alone = plan_scan(method, rig, limits, choice.threads);
     if (!alone.unsupported_reason.empty()) return alone;
-    const uint64_t tile_bytes = uint64_t{alone.instances_per_workgroup} * rig.joint_count() * transform_bytes(method);
+    const uint64_t tile_bytes = uint64_t{alone.instances_per_workgroup} * rig.joint_count() * bytes_of(method.format);
     const std::string tile = std::to_string(tile_bytes) + " bytes of shared memory for local transforms";
     if (tile_bytes > limits.shared_memory_bytes)
         return {.unsupported_reason = tile + " exceed the device's " + std::to_string(limits.shared_memory_bytes)};

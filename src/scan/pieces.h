@@ -6,6 +6,8 @@
 
 namespace throng {
 
+inline constexpr const char* kForWaitingParents = " for waiting parents";  // shared memory
+
 // Some subtrees, without those cut off below, whose top joints share one parent outside.
 struct Piece {
     // Parents first; a joint's largest subtree comes last, so that few parents wait for a child

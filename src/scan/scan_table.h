@@ -42,7 +42,8 @@ struct ScanPlan {
 enum class ScanOrigin { kPaper, kBaseline, kOurs };  // named by the paper; what it argues against; throng's own
 // [instance][joint], as all other stages have it; [joint][instance]
 enum class ScanLayout { kCharacterMajor, kTransposed };
-enum class ScanFormat { kAffine, kSimilarity };  // of local transforms: 48 or 32 bytes
+enum class ScanFormat { kAffine, kSimilarity };  // of local transforms
+constexpr uint32_t bytes_of(ScanFormat format) { return format == ScanFormat::kSimilarity ? 32 : 48; }
 
 // Where a method's fused form stands among those that an update tries: the least order first.
 struct FusedPlace {
@@ -84,6 +85,9 @@ ScanPlan plan_scan(const ScanMethod& method, const ScanRig& rig, const ScanLimit
 
 // As many invocations as joints, in steps of 32 or the subgroup's size, at most 256: more lower the occupancy of GPUs.
 uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits);
+
+// Why so much shared memory, `what_for`, is more than the device has; empty where it is not.
+std::string memory_unsupported_reason(uint64_t shared_bytes, const std::string& what_for, const ScanLimits& limits);
 
 std::vector<uint32_t> no_thread_choice(const ScanLimits& limits);
 

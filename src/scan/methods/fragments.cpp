@@ -19,10 +19,8 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t threads) {
     PieceTable table = piece_table(rig, threads, kRowsOfAffine);
     const uint32_t slots = std::max(table.slot_count, 1u), shared_transforms = (slots + 2) * threads;
     const uint32_t shared_bytes = shared_transforms * kTransform_bytes;
-    if (shared_bytes > limits.shared_memory_bytes)
-        return {.unsupported_reason = std::to_string(shared_bytes) +
-                                      " bytes of shared memory for the pieces exceed the device's " +
-                                      std::to_string(limits.shared_memory_bytes)};
+    if (std::string reason = memory_unsupported_reason(shared_bytes, " for the pieces", limits); !reason.empty())
+        return {.unsupported_reason = std::move(reason)};
     ScanPlan plan{.workgroup_size = threads,
                   .constants = {threads, slots * threads},
                   .links = std::move(table.links),

@@ -24,10 +24,8 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t thread
     const uint32_t invocations = workgroup_size(limits), slots = std::max(table.slot_count, 1u);
     const auto transform_bytes = static_cast<uint32_t>(16 * rows_of_local);
     const uint32_t shared_bytes = slots * invocations * transform_bytes;
-    if (shared_bytes > limits.shared_memory_bytes)
-        return {.unsupported_reason = std::to_string(shared_bytes) +
-                                      " bytes of shared memory for waiting parents exceed the device's " +
-                                      std::to_string(limits.shared_memory_bytes)};
+    if (std::string reason = memory_unsupported_reason(shared_bytes, kForWaitingParents, limits); !reason.empty())
+        return {.unsupported_reason = std::move(reason)};
     ScanPlan plan{.workgroup_size = invocations,
                   .instances_per_workgroup = invocations / threads,
                   .constants = {threads, slots * invocations},
