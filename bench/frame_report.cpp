@@ -99,10 +99,11 @@ std::string device_section(const Cells& cells, int& figure_count) {
     for (const Cells& configuration : grouped(cells, {"configuration", "characters", "joints", "levels"})) {
         const Json& first = *configuration.front();
         figures += figure_of(configuration, figure_count);
-        tables += "<details open><summary>" + escape(text(first, "configuration")) + "<small>" +
-                  whole(number(first, "characters")) + " characters × " + whole(number(first, "joints")) +
-                  " joints · mean depth " + digits(number(first, "mean_depth")) + " · keys " +
-                  escape(text(first, "keys")) + "</small></summary>\n" + table_of(configuration) + "</details>\n";
+        tables += details(escape(text(first, "configuration")) + "<small>" + whole(number(first, "characters")) +
+                              " characters × " + whole(number(first, "joints")) + " joints · mean depth " +
+                              digits(number(first, "mean_depth")) + " · keys " + escape(text(first, "keys")) +
+                              "</small>",
+                          table_of(configuration), true);
     }
     const Json& any = *cells.front();
     const std::string device = text(any, "device"), driver = text(any, "driver"), commit = text(any, "commit"),

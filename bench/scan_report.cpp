@@ -100,12 +100,6 @@ std::string setting(const Cells& cells, const char* varied) {
     return joined(parts);
 }
 
-std::string details(const std::string& summary, const std::string& content, bool open) {
-    return content.empty() ? ""
-                           : std::string("<details") + (open ? " open" : "") + "><summary>" + summary + "</summary>\n" +
-                                 content + "</details>\n";
-}
-
 std::string winner(const Json& cell) {
     const double copy = number(cell, "times_copy");
     return escape(text(cell, "method")) + " (" + digits(number(cell, "median_ms")) + " ms" +

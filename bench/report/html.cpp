@@ -111,6 +111,12 @@ std::string digits(double value) {
     return print(("%." + std::to_string(decimals) + "f").c_str(), value);
 }
 
+std::string details(const std::string& summary, const std::string& content, bool open) {
+    return content.empty() ? ""
+                           : std::string("<details") + (open ? " open" : "") + "><summary>" + summary + "</summary>\n" +
+                                 content + "</details>\n";
+}
+
 std::string html_page(const std::string& title, const std::string& body) {
     return "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
            "content=\"width=device-width, initial-scale=1\">\n<title>" +
