@@ -47,6 +47,13 @@ ScanPlan plan_scan(const ScanMethod& method, const ScanRig& rig, const ScanLimit
                                   std::to_string(limits.loop_iterations)};
 }
 
+SharedJoints::SharedJoints(uint32_t joint_count, const ScanLimits& limits) {
+    const uint64_t needed_bytes = uint64_t{joint_count} * 2 * bytes_of(ScanFormat::kAffine);
+    fit = needed_bytes <= limits.shared_memory_bytes;
+    bytes = fit ? static_cast<uint32_t>(needed_bytes) : 0;
+    constants = {fit ? joint_count : 1u, fit ? 1u : 0u};
+}
+
 uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits) {
     constexpr uint32_t kWarp = 32, kLargest = 256;
     const uint32_t step = std::max(kWarp, limits.subgroup_size);

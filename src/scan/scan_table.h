@@ -67,8 +67,11 @@ struct ScanMethod {
     ScanPlan (*plan)(const ScanRig& rig, const ScanLimits& limits, uint32_t threads);
     FusedPlace (*fused_place)(const ScanLimits& limits) = not_tried;
     FlowPicture picture = {};
-    // In figures: lines of a higher rank lie over others, and stand behind them in tables and legends.
+    // In figures lines of a higher rank lie over others, and stand behind them in tables and legends: plain methods,
+    // the paper's, ours.
     uint32_t rank = 1000;
+    // Plain methods are grey, the paper's orange and dashed, ours blue to violet and solid. Within a family lightness,
+    // dashes and the shape of the points tell methods apart, so that no pair rests on hue alone.
     LineStyle style = {};
 };
 
@@ -82,6 +85,15 @@ std::string threads_unsupported_reason(const ScanMethod& method, const ScanLimit
 
 // The plan, or why there is none: also where the rig's scales or the threads do not fit the method.
 ScanPlan plan_scan(const ScanMethod& method, const ScanRig& rig, const ScanLimits& limits, uint32_t threads);
+
+// Two affines a joint in shared memory, or in model and scratch where that has no room for them.
+struct SharedJoints {
+    SharedJoints(uint32_t joint_count, const ScanLimits& limits);
+
+    bool fit = false;
+    uint32_t bytes = 0;               // of shared memory
+    std::vector<uint32_t> constants;  // the kernel's first two: joints in shared memory, and whether they fit
+};
 
 // As many invocations as joints, in steps of 32 or the subgroup's size, at most 256: more lower the occupancy of GPUs.
 uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits);

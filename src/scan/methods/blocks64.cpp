@@ -9,13 +9,15 @@ constexpr uint32_t kBlock = 64;
 
 ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     const uint32_t joint_count = rig.joint_count();
-    const bool fits = uint64_t{joint_count} * kDoublingBytesPerJoint <= limits.shared_memory_bytes;
-    ScanPlan plan{.workgroup_size = strided_workgroup_size(joint_count, limits), .on_chip = fits};
+    const SharedJoints shared(joint_count, limits);
+    ScanPlan plan{.workgroup_size = strided_workgroup_size(joint_count, limits),
+                  .constants = shared.constants,
+                  .on_chip = shared.fit};
     const bool reloads = joint_count > plan.workgroup_size;
 
     const Blocks blocks(rig, kBlock);
     DoublingTable table = doubling_table(blocks.inside);
-    plan.constants = {fits ? joint_count : 1u, fits ? 1u : 0u, reloads ? 1u : 0u, table.round_count};
+    plan.constants.insert(plan.constants.end(), {reloads ? 1u : 0u, table.round_count});
 
     ScanCounter counter(plan.workgroup_size, limits.subgroup_size);
     for (uint32_t round = 0; round < table.round_count; ++round) {
@@ -23,7 +25,7 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
         counter.barrier();
     }
     counter.phase(blocks.hops, reloads ? 2 : 1);
-    counter.shared_bytes(fits ? uint64_t{joint_count} * kDoublingBytesPerJoint : 0);
+    counter.shared_bytes(shared.bytes);
     plan.counts = counter.counts();
     plan.links = std::move(table.links);
     plan.links.insert(plan.links.end(), blocks.outside.begin(), blocks.outside.end());

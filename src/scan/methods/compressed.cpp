@@ -5,12 +5,13 @@
 namespace throng {
 namespace {
 
-constexpr uint32_t kBlock = 64, kStride = 8, kBytesPerJoint = 96;
+constexpr uint32_t kBlock = 64, kStride = 8;
 
 ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
-    const bool fits = uint64_t{rig.joint_count()} * kBytesPerJoint <= limits.shared_memory_bytes;
-    ScanPlan plan{.workgroup_size = strided_workgroup_size(rig.joint_count(), limits), .on_chip = fits};
-    plan.constants = {fits ? rig.joint_count() : 1u, fits ? 1u : 0u};
+    const SharedJoints shared(rig.joint_count(), limits);
+    ScanPlan plan{.workgroup_size = strided_workgroup_size(rig.joint_count(), limits),
+                  .constants = shared.constants,
+                  .on_chip = shared.fit};
 
     // Three words a joint: parent, 8th ancestor within the joint's block, first ancestor outside the block.
     const Blocks blocks(rig, kBlock);
@@ -28,7 +29,7 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     counter.phase(strides, 2);
     counter.barrier();
     counter.phase(blocks.hops, 2);
-    counter.shared_bytes(fits ? uint64_t{rig.joint_count()} * kBytesPerJoint : 0);
+    counter.shared_bytes(shared.bytes);
     plan.counts = counter.counts();
     return plan;
 }

@@ -5,8 +5,6 @@
 namespace throng {
 namespace {
 
-constexpr uint32_t kBytesPerJoint = 96;  // two affines
-
 // The joints of each level, those with children first.
 std::vector<std::vector<uint32_t>> levels_of(const ScanRig& rig) {
     std::vector<std::vector<uint32_t>> levels(rig.level_count);
@@ -27,12 +25,12 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
         widest = std::max(widest, static_cast<uint32_t>(level.size()));
     }
     // GLSL has no empty arrays
-    const uint32_t shared_joints = std::max(*std::max_element(parent_counts.begin(), parent_counts.end()), 1u);
-    const bool fits = uint64_t{shared_joints} * kBytesPerJoint <= limits.shared_memory_bytes;
+    const SharedJoints shared(std::max(std::ranges::max(parent_counts), 1u), limits);
 
-    ScanPlan plan{
-        .workgroup_size = strided_workgroup_size(widest, limits), .links = {rig.level_count}, .on_chip = fits};
-    plan.constants = {fits ? shared_joints : 1u, fits ? 1u : 0u};
+    ScanPlan plan{.workgroup_size = strided_workgroup_size(widest, limits),
+                  .constants = shared.constants,
+                  .links = {rig.level_count},
+                  .on_chip = shared.fit};
     uint32_t first = 0;
     for (uint32_t level = 0; level < rig.level_count; ++level) {
         plan.links.insert(plan.links.end(), {first, first + parent_counts[level]});
@@ -42,7 +40,7 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     for (const auto& level : levels)
         for (const uint32_t joint : level) {
             const uint32_t parent = rig.parents[joint];
-            plan.links.push_back(joint | (parent == kNone ? 0 : fits ? position[parent] : parent) << 16);
+            plan.links.push_back(joint | (parent == kNone ? 0 : shared.fit ? position[parent] : parent) << 16);
         }
 
     ScanCounter counter(plan.workgroup_size, limits.subgroup_size);
@@ -50,10 +48,10 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
         if (level > 0) counter.barrier();
         const size_t count = levels[level].size();
         std::vector<uint32_t> moves(count, 2);
-        if (fits) std::fill_n(moves.begin(), parent_counts[level], 3u);
+        if (shared.fit) std::fill_n(moves.begin(), parent_counts[level], 3u);
         counter.phase(std::vector<uint32_t>(count, level > 0 ? 1 : 0), moves);
     }
-    counter.shared_bytes(fits ? uint64_t{shared_joints} * kBytesPerJoint : 0);
+    counter.shared_bytes(shared.bytes);
     plan.counts = counter.counts();
     return plan;
 }
