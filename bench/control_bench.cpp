@@ -1,12 +1,8 @@
 #include "bench/control_bench.h"
 
-#include "bench/record.h"
-#include "tools/cli/statistics.h"
-#include "bench/value_of.h"
+#include "bench/updates.h"
 
 #include <throng/reference.h>
-
-#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <random>
@@ -14,10 +10,8 @@
 namespace throng::bench {
 namespace {
 
-constexpr float kStep_s = 1.0f / 60;
-constexpr double kMostError = 1e-4;  // of the character's size
-constexpr uint32_t kWarmUp = 30;     // updates, so that states, fades and times have spread
-constexpr uint32_t kChecked = 16;    // characters, followed by the reference
+constexpr uint32_t kWarmUp = 30;   // updates, so that states, fades and times have spread
+constexpr uint32_t kChecked = 16;  // characters, followed by the reference
 
 using Test = ControllerCondition::Test;
 
@@ -33,46 +27,6 @@ ControllerTransition leads(std::string from, std::string to, std::vector<Control
             .exit = exit,
             .fade_s = fade_s,
             .interrupts = true};
-}
-
-// What an application would do: in each update a hundredth of the characters, and at first all of them, are told
-// something new.
-class Director {
-public:
-    Director(const Controller& controller, uint32_t count, uint64_t seed)
-        : controller_(controller), count_(count), random_(seed) {}
-
-    void direct(uint32_t telling, const std::function<void(uint32_t, uint32_t, float)>& tell) {
-        for (uint32_t k = 0; k < telling; ++k) {
-            const auto instance = static_cast<uint32_t>(random_() % count_),
-                       parameter = static_cast<uint32_t>(random_() % controller_.parameters.size());
-            const float unit = static_cast<float>(random_() % 1024) / 1023;
-            tell(instance, parameter,
-                 controller_.parameters[parameter].type == ParameterType::kFloat ? 3 * unit - 1 : std::round(unit));
-        }
-    }
-
-private:
-    const Controller& controller_;
-    uint32_t count_;
-    std::mt19937_64 random_;
-};
-
-double largest_error(Crowd& crowd, std::span<const ReferenceCharacter> references, double size) {
-    double worst = 0;
-    for (uint32_t i = 0; i < references.size(); ++i) {
-        const std::vector<Affine> matrices = value_of(crowd.read_skin_matrices(i));
-        const ReferencePose pose = references[i].pose();
-        for (size_t entry = 0; entry < matrices.size(); ++entry)
-            for (size_t row = 0; row < 3; ++row)
-                for (size_t column = 0; column < 4; ++column) {
-                    const double error = std::abs(double{matrices[entry].row[row][column]} -
-                                                  pose.model_from_bind[entry].row[row][column]) /
-                                         (column == 3 ? size : 1);
-                    worst = error <= worst ? worst : error;
-                }
-    }
-    return worst;
 }
 
 }  // namespace
@@ -123,8 +77,7 @@ Controller control_bench_controller(const Character& character) {
     return controller;
 }
 
-nlohmann::json measure_control(const Device& device, const ControlCase& control,
-                               const std::function<void(const std::string&)>& progress) {
+Json measure_control(const Device& device, const ControlCase& control, const Progress& progress) {
     const Character& character = *control.character;
     const Controller controller = control_bench_controller(character);
     const std::string what = std::to_string(control.count) + " x " + std::to_string(character.rig.joint_count());
@@ -134,28 +87,32 @@ nlohmann::json measure_control(const Device& device, const ControlCase& control,
     std::vector<ReferenceCharacter> references;
     for (uint32_t i = 0; i < std::min(kChecked, control.count); ++i)
         references.push_back(value_of(ReferenceCharacter::create(character, controller)));
-    Director director(controller, control.count, control.seed);
-    const auto tell = [&](uint32_t instance, uint32_t parameter, float value) {
-        value_of(crowd.set_parameters(instance, parameter, {&value, 1}));
-        if (instance < references.size()) value_of(references[instance].set_parameters(parameter, {&value, 1}));
+
+    // What an application would do: in each update a hundredth of the characters, and at first all of them, are told
+    // something new.
+    std::mt19937_64 random(control.seed);
+    const auto tell = [&](uint32_t characters) {
+        for (uint32_t k = 0; k < characters; ++k) {
+            const auto instance = static_cast<uint32_t>(random() % control.count),
+                       parameter = static_cast<uint32_t>(random() % controller.parameters.size());
+            const float unit = static_cast<float>(random() % 1024) / 1023;
+            const bool is_float = controller.parameters[parameter].type == ParameterType::kFloat;
+            const float value = is_float ? 3 * unit - 1 : std::round(unit);
+            value_of(crowd.set_parameters(instance, parameter, {&value, 1}));
+            if (instance < references.size()) value_of(references[instance].set_parameters(parameter, {&value, 1}));
+        }
     };
     const uint32_t changed = std::max(1u, control.count / 100);
-    std::vector<double> control_ms, update_ms;
-    double error = 0;
-    for (uint32_t update = 0; update < kWarmUp + control.samples; ++update) {
-        director.direct(update == 0 ? 4 * control.count : changed, tell);
-        value_of(crowd.update(kStep_s));
-        for (ReferenceCharacter& reference : references) value_of(reference.update(kStep_s));
-        if (update + 1 == kWarmUp) error = largest_error(crowd, references, character.size);
-        if (!(error <= kMostError)) break;
-        if (update < kWarmUp) continue;
-        progress(what + ": update " + std::to_string(update + 1 - kWarmUp) + " of " + std::to_string(control.samples));
-        const StageTimes times = value_of(crowd.stage_times());
-        control_ms.push_back(times.of("control"));
-        update_ms.push_back(times.total());
+    for (uint32_t update = 0; update < kWarmUp; ++update) {
+        tell(update == 0 ? 4 * control.count : changed);
+        value_of(crowd.update(kFrame_s));
+        for (ReferenceCharacter& reference : references) value_of(reference.update(kFrame_s));
     }
-    const Spread of_control = spread_of(control_ms), of_update = spread_of(update_ms);
-    nlohmann::json record = where_and_when(device.info());
+    double error = 0;
+    for (uint32_t i = 0; i < references.size(); ++i)
+        error = std::max(error, skin_error(value_of(crowd.read_skin_matrices(i)), references[i].pose().model_from_bind,
+                                           character.size));
+    Json record = where_and_when(device.info());
     record.update({{"bench", "control"},
                    {"characters", control.count},
                    {"joints", character.rig.joint_count()},
@@ -165,13 +122,20 @@ nlohmann::json measure_control(const Device& device, const ControlCase& control,
                    {"commands", changed},
                    {"samples", control.samples},
                    {"max_error", error},
-                   {"path", crowd.path(0)->is_fused ? "fused" : "staged"}});
-    if (!(error <= kMostError)) {
+                   {"path", path_name(crowd)}});
+    if (!(error <= kSkinErrorBound)) {
         record["wrong"] = true;
         return record;
     }
-    record.update({{"control_ms", {{"p5", of_control.p5}, {"median", of_control.median}, {"p95", of_control.p95}}},
-                   {"update_ms", {{"p5", of_update.p5}, {"median", of_update.median}, {"p95", of_update.p95}}},
+    UpdateTimes times;
+    const Contestant updates{what, [&] {
+                                 tell(changed);
+                                 times.take(*device.gpu(), crowd);
+                             }};
+    run_rounds({&updates, 1}, control.samples, progress);
+    const Spread of_control = times.stage(index_of_stage("control")), of_update = times.total();
+    record.update({{"control_ms", spread_json(of_control)},
+                   {"update_ms", spread_json(of_update)},
                    {"ns_per_character", of_control.median * 1e6 / control.count},
                    {"share", of_control.median / of_update.median}});
     return record;

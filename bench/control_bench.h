@@ -2,12 +2,10 @@
 // them told something new in each update.
 #pragma once
 
+#include "bench/record.h"
+#include "bench/rounds.h"
+
 #include <throng/crowd.h>
-
-#include <nlohmann/json_fwd.hpp>
-
-#include <functional>
-#include <string>
 
 namespace throng::bench {
 
@@ -24,7 +22,6 @@ struct ControlCase {
 
 // One record: ms of the control stage and of the whole update, checked against the reference before it is timed (else
 // the record has "wrong"). `progress` is told what runs.
-nlohmann::json measure_control(const Device& device, const ControlCase& control,
-                               const std::function<void(const std::string&)>& progress);
+Json measure_control(const Device& device, const ControlCase& control, const Progress& progress);
 
 }  // namespace throng::bench

@@ -3,14 +3,8 @@
 #include "bench/frame_crowds.h"
 #include "bench/frame_floors.h"
 #include "bench/frame_traffic.h"
-#include "bench/gpu_clock.h"
-#include "bench/record.h"
-#include "bench/skin_error.h"
-#include "tools/cli/statistics.h"
-#include "bench/value_of.h"
+#include "bench/updates.h"
 #include "scan/scan_planner.h"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -50,8 +44,7 @@ struct Entrant {
     const std::vector<Playback>* playback = nullptr;
     std::shared_ptr<const FrameCrowd> made;
     double max_error = 0;
-    std::vector<Reading> total;
-    std::array<std::vector<double>, kStageNames.size()> stage_ms;
+    UpdateTimes times;
 
     bool is_wrong() const { return !(max_error <= error_bound(variant->format)); }
     Crowd* crowd() const { return made->crowd.get(); }
@@ -59,16 +52,15 @@ struct Entrant {
 };
 
 struct Floor {
-    nlohmann::json record;  // what it is
+    Json record;  // what it is
     std::function<void(VkCommandBuffer)> work;
-    std::vector<Reading> total;
+    UpdateTimes times;
 };
 
 class FrameMeasurement {
 public:
     FrameMeasurement(const Device& device, const FrameCase& frame, const SkinReference& reference)
         : device_(device),
-          gpu_(*device.gpu()),
           clock_(device.gpu()),
           frame_(frame),
           reference_(reference),
@@ -103,19 +95,19 @@ public:
         for (Floor& floor : floors_)
             if (floor.work)
                 contestants.push_back({frame_.configuration + ": " + std::string(floor.record["variant"]),
-                                       [&] { floor.total.push_back(clock_.read(floor.work)); }});
-        run_rounds(contestants, {.samples = samples, .least_samples = samples}, 0, progress);
+                                       [&] { floor.times.take(clock_.read(floor.work)); }});
+        run_rounds(contestants, samples, progress);
     }
 
-    std::vector<nlohmann::json> records() const {
-        std::vector<nlohmann::json> records;
+    std::vector<Json> records() const {
+        std::vector<Json> records;
         for (const Entrant& entrant : entrants_) records.push_back(record_of(entrant));
         for (const Floor& floor : floors_) {
             records.push_back(case_record());
             records.back().update(floor.record);
-            add_times(records.back(), floor.total);
+            add_times(records.back(), floor.times);
         }
-        for (nlohmann::json& record : records) add_times_fill_floor(record, records);
+        for (Json& record : records) add_times_fill_floor(record, records);
         return records;
     }
 
@@ -142,12 +134,7 @@ private:
     // All variants begin at the same times in every round, and so do the same work.
     void take_sample(Entrant& entrant) const {
         value_of(entrant.crowd()->set_playback(0, *entrant.playback));
-        const Stopwatch watch;
-        value_of(entrant.crowd()->update(1.0f / 60));
-        const double host_ms = watch.elapsed_s() * 1e3;
-        const StageTimes times = value_of(entrant.crowd()->stage_times());
-        entrant.total.push_back(believed_reading(gpu_, times.total(), host_ms));
-        for (size_t s = 0; s < kStageNames.size(); ++s) entrant.stage_ms[s].push_back(times.ms[s]);
+        entrant.times.take(*device_.gpu(), *entrant.crowd());
     }
 
     void add_fill(SkinFormat format) {
@@ -192,20 +179,20 @@ private:
 
     uint64_t bytes_of(const Entrant& entrant) const {
         const bool staged = entrant.variant->path == UpdatePath::kStaged;
-        const bool similarities = staged && entrant.crowd() &&
-                                  parse_scan_request(entrant.crowd()->path(0)->scan.method).method->format ==
-                                      ScanFormat::kSimilarity;
+        const ScanFormat format = staged && entrant.crowd()
+                                      ? parse_scan_request(entrant.crowd()->path(0)->scan.method).method->format
+                                      : ScanFormat::kAffine;
         const FrameTraffic traffic{.fused = !staged,
                                    .clip_count = entrant.variant->one_clip ? 1u : 2u,
                                    .joint_count = entrant.character->rig.joint_count(),
                                    .palette_count = static_cast<uint32_t>(entrant.character->palette.size()),
-                                   .local_bytes = similarities ? 32u : 48u,
+                                   .local_bytes = throng::bytes_of(format),
                                    .skin_bytes = skin_format_bytes(entrant.variant->format)};
         return instance_count() * traffic.bytes_per_instance();
     }
 
-    nlohmann::json case_record() const {
-        nlohmann::json record = where_and_when(device_.info());
+    Json case_record() const {
+        Json record = where_and_when(device_.info());
         const Rig& rig = frame_.character->rig;
         record.update({{"bench", "frame"},
                        {"configuration", frame_.configuration},
@@ -217,9 +204,9 @@ private:
         return record;
     }
 
-    nlohmann::json record_of(const Entrant& entrant) const {
+    Json record_of(const Entrant& entrant) const {
         const Variant& variant = *entrant.variant;
-        nlohmann::json record = case_record();
+        Json record = case_record();
         record.update({{"variant", variant.name},
                        {"path", variant.path == UpdatePath::kStaged ? "staged" : "fused"},
                        {"clips", variant.one_clip ? 1 : 2},
@@ -233,29 +220,23 @@ private:
         record["scan"] = entrant.crowd()->path(0)->scan.method;
         record["max_error"] = entrant.max_error;
         if (entrant.is_wrong()) record["wrong"] = true;
-        for (size_t s = 0; s < kStageNames.size(); ++s)
-            if (const double ms = spread_of(entrant.stage_ms[s]).median; ms > 0) record["stages"][kStageNames[s]] = ms;
-        add_times(record, entrant.total);
+        add_times(record, entrant.times);
         return record;
     }
 
-    void add_times(nlohmann::json& record, const std::vector<Reading>& total) const {
-        if (total.empty()) return;
-        std::vector<double> total_ms;
-        for (const Reading& reading : total) total_ms.push_back(reading.ms);
-        const Spread ms = spread_of(total_ms);
-        record["samples"] = total.size();
-        record["host_samples"] = std::count_if(total.begin(), total.end(),
-                                               [](const Reading& reading) { return reading.by_host; });
-        record["ms"] = {{"median", ms.median}, {"p5", ms.p5}, {"p95", ms.p95}};
-        record["ns_per_joint"] = ms.median * 1e6 / static_cast<double>(instance_count() * joint_count());
-        record["gb_per_s"] = record["bytes"].get<double>() / ms.median * 1e-6;
+    void add_times(Json& record, const UpdateTimes& times) const {
+        if (times.count() == 0) return;
+        times.add_to(record);
+        const double ms = times.total().median;
+        record["host_samples"] = times.count_by_host();
+        record["ns_per_joint"] = ms * 1e6 / static_cast<double>(instance_count() * joint_count());
+        record["gb_per_s"] = record["bytes"].get<double>() / ms * 1e-6;
     }
 
     // Over writing the same result.
-    static void add_times_fill_floor(nlohmann::json& record, const std::vector<nlohmann::json>& records) {
+    static void add_times_fill_floor(Json& record, const std::vector<Json>& records) {
         if (!record.contains("ms") || !record.contains("clips")) return;
-        const auto fill = std::find_if(records.begin(), records.end(), [&](const nlohmann::json& other) {
+        const auto fill = std::find_if(records.begin(), records.end(), [&](const Json& other) {
             return other["path"] == "fill" && other["by"] == kByKernel && other["skin_format"] == record["skin_format"];
         });
         if (fill != records.end())
@@ -263,7 +244,6 @@ private:
     }
 
     const Device& device_;
-    const Gpu& gpu_;
     GpuClock clock_;
     const FrameCase& frame_;
     const SkinReference& reference_;
@@ -279,8 +259,8 @@ std::vector<AffineT<double>> skin_reference_of(const Character& character, const
     return value_of(reference_pose(character, playback)).model_from_bind;
 }
 
-std::vector<nlohmann::json> measure_frame(const Device& device, const FrameCase& frame, uint32_t samples,
-                                          const Progress& progress, const SkinReference& reference) {
+std::vector<Json> measure_frame(const Device& device, const FrameCase& frame, uint32_t samples,
+                                const Progress& progress, const SkinReference& reference) {
     FrameMeasurement measurement(device, frame, reference);
     measurement.check(progress);
     measurement.time(samples, progress);

@@ -2,16 +2,10 @@
 // then timed in turns with what memory alone costs.
 #pragma once
 
+#include "bench/record.h"
 #include "bench/rounds.h"
 
 #include <throng/reference.h>
-
-#include <nlohmann/json_fwd.hpp>
-
-#include <functional>
-#include <span>
-#include <string>
-#include <vector>
 
 namespace throng::bench {
 
@@ -30,7 +24,7 @@ std::vector<AffineT<double>> skin_reference_of(const Character& character, const
 // A record for each variant and each floor of the case (bench/README.md lists their fields). A variant that is wrong by
 // `reference` is not timed and says so, one that the device or the character cannot have says why. Throws what a device
 // throws that cannot go on.
-std::vector<nlohmann::json> measure_frame(const Device& device, const FrameCase& frame, uint32_t samples,
-                                          const Progress& progress, const SkinReference& reference = skin_reference_of);
+std::vector<Json> measure_frame(const Device& device, const FrameCase& frame, uint32_t samples,
+                                const Progress& progress, const SkinReference& reference = skin_reference_of);
 
 }  // namespace throng::bench

@@ -24,25 +24,29 @@ constexpr uint32_t kRow_bytes = 16;
 // 256 MiB, the largest buffer of a crowd, are 16,384 workgroups: every device dispatches as many.
 constexpr uint32_t kWorkgroupSize = 256, kRowsPerInvocation = 4;
 
-Kernel row_kernel(const std::shared_ptr<Gpu>& gpu, std::string_view name, std::span<const uint32_t> plain,
-                  std::span<const uint32_t> software) {
-    return Kernel(gpu, {.name = name,
-                        .spirv = gpu->uses_software_kernels() ? software : plain,
-                        .workgroup_size = kWorkgroupSize,
-                        .constants = {kRowsPerInvocation}});
-}
-
 uint32_t rows_of(uint64_t size_bytes) { return static_cast<uint32_t>(size_bytes / kRow_bytes); }
-
-void dispatch_rows(VkCommandBuffer commands, const Kernel& kernel, const Bindings& bindings, uint32_t row_count) {
-    kernel.dispatch_invocations(commands, bindings, row_count,
-                                (row_count + kRowsPerInvocation - 1) / kRowsPerInvocation);
-}
 
 }  // namespace
 
+RowKernel::RowKernel(const std::shared_ptr<Gpu>& gpu, std::string_view name, std::span<const uint32_t> plain,
+                     std::span<const uint32_t> software, uint32_t workgroup_size, uint32_t rows_per_invocation)
+    : rows_per_invocation_(rows_per_invocation),
+      kernel_(gpu, {.name = name,
+                    .spirv = gpu->uses_software_kernels() ? software : plain,
+                    .workgroup_size = workgroup_size,
+                    .constants = {rows_per_invocation}}) {}
+
+void RowKernel::dispatch(VkCommandBuffer commands, const Bindings& bindings, uint32_t row_count) const {
+    kernel_.dispatch_invocations(commands, bindings, row_count,
+                                 (row_count + rows_per_invocation_ - 1) / rows_per_invocation_);
+}
+
+RowKernel copy_kernel(const std::shared_ptr<Gpu>& gpu, uint32_t workgroup_size, uint32_t rows_per_invocation) {
+    return {gpu, "copy", kCopyPlain, kCopySoftware, workgroup_size, rows_per_invocation};
+}
+
 FillFloor::FillFloor(const std::shared_ptr<Gpu>& gpu, const Crowd& crowd, SkinFormat format)
-    : gpu_(gpu), kernel_(row_kernel(gpu, "fill", kFillPlain, kFillSoftware)) {
+    : gpu_(gpu), kernel_(gpu, "fill", kFillPlain, kFillSoftware, kWorkgroupSize, kRowsPerInvocation) {
     for (const OutputBlock& block : crowd.outputs()) {
         const uint64_t size_bytes = uint64_t{block.instance_count} * block.palette_count * skin_format_bytes(format);
         if (size_bytes < kRow_bytes) continue;
@@ -58,7 +62,7 @@ uint64_t FillFloor::size_bytes() const {
 }
 
 void FillFloor::record_kernel(VkCommandBuffer commands) const {
-    for (const Target& target : targets_) dispatch_rows(commands, kernel_, target.bindings, target.row_count);
+    for (const Target& target : targets_) kernel_.dispatch(commands, target.bindings, target.row_count);
 }
 
 void FillFloor::record_transfer(VkCommandBuffer commands) const {
@@ -68,7 +72,7 @@ void FillFloor::record_transfer(VkCommandBuffer commands) const {
 }
 
 CopyFloor::CopyFloor(std::shared_ptr<Gpu> gpu, uint64_t moved_bytes, uint64_t buffer_bytes)
-    : gpu_(std::move(gpu)), kernel_(row_kernel(gpu_, "copy", kCopyPlain, kCopySoftware)) {
+    : gpu_(std::move(gpu)), kernel_(copy_kernel(gpu_, kWorkgroupSize, kRowsPerInvocation)) {
     for (Buffer& buffer : buffers_)
         buffer = Buffer(gpu_, "bytes to copy", buffer_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     for (size_t from = 0; from < buffers_.size(); ++from)
@@ -106,7 +110,7 @@ void CopyFloor::wait_for_pass_before(VkCommandBuffer commands) const {
 void CopyFloor::record_kernel(VkCommandBuffer commands) const {
     for (const CopyPass& pass : passes_) {
         wait_for_pass_before(commands);
-        dispatch_rows(commands, kernel_, bindings_[pass.from], rows_of(pass.size_bytes));
+        kernel_.dispatch(commands, bindings_[pass.from], rows_of(pass.size_bytes));
     }
 }
 

@@ -8,6 +8,21 @@
 
 namespace throng::bench {
 
+// fill.comp or copy.comp: each invocation takes some rows of 16 bytes.
+class RowKernel {
+public:
+    RowKernel(const std::shared_ptr<Gpu>& gpu, std::string_view name, std::span<const uint32_t> plain,
+              std::span<const uint32_t> software, uint32_t workgroup_size, uint32_t rows_per_invocation);
+
+    Bindings bind(const BufferTable& buffers) const { return kernel_.bind(buffers); }
+    void dispatch(VkCommandBuffer commands, const Bindings& bindings, uint32_t row_count) const;
+
+private:
+    uint32_t rows_per_invocation_;
+    Kernel kernel_;
+};
+RowKernel copy_kernel(const std::shared_ptr<Gpu>& gpu, uint32_t workgroup_size, uint32_t rows_per_invocation);
+
 // Writes over the skin matrices of a crowd: as many buffers of the same size. What they held has been checked by then.
 class FillFloor {
 public:
@@ -24,7 +39,7 @@ private:
         uint32_t row_count = 0;
     };
     std::shared_ptr<Gpu> gpu_;
-    Kernel kernel_;
+    RowKernel kernel_;
     std::vector<Target> targets_;
 };
 
@@ -56,7 +71,7 @@ private:
     std::vector<CopyPass> passes_;
     bool by_kernel_ = true;
     std::array<Buffer, 2> buffers_;
-    Kernel kernel_;
+    RowKernel kernel_;
     std::array<Bindings, 2> bindings_;  // [buffer to read]
 };
 

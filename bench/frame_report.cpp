@@ -1,12 +1,10 @@
 #include "bench/frame_report.h"
 
-#include "bench/report/cells.h"
 #include "bench/report/html.h"
 #include "bench/report/plot.h"
+#include "bench/report/tables.h"
 
 #include <throng/crowd.h>
-
-#include <nlohmann/json.hpp>
 
 #include <cmath>
 
@@ -20,26 +18,10 @@ Ink ink_of(const Json& record) {
     return path == "staged" ? kStaged : path == "fused" ? kFused : kFloor;
 }
 
-// `ms` is an object of its own.
-double ms_of(const Json& record, const char* quantile) {
-    const auto ms = record.find("ms");
-    return ms != record.end() && ms->is_object() ? number(*ms, quantile) : std::nan("");
-}
-
-std::string td(const std::string& content) { return "<td>" + content + "</td>"; }
-
-std::string why_untimed(const Json& record) {
-    if (flag(record, "wrong")) return "<span class=\"bad\">wrong result, not timed</span>";
-    const std::string unsupported_reason = text(record, "unsupported_reason");
-    return unsupported_reason.empty() ? "not timed" : "not measured: " + escape(unsupported_reason);
-}
-
 std::string stages_of(const Json& record) {
-    const auto stages = record.find("stages");
     std::string all;
-    if (stages == record.end() || !stages->is_object()) return all;
     for (const char* stage : kStageNames)
-        if (const double ms = number(*stages, stage); !std::isnan(ms))
+        if (const double ms = number(record, std::string("stages/") + stage); !std::isnan(ms))
             all += (all.empty() ? "" : ", ") + std::string(stage) + " " + digits(ms);
     return all;
 }
@@ -51,33 +33,30 @@ std::string host_share_of(const Json& record) {
                        : "";
 }
 
-std::string row_of(const Json& record) {
-    const Ink ink = ink_of(record);
-    std::string row = "<tr><td><span class=\"swatch\" style=\"--light:" + ink.light + ";--dark:" + ink.dark +
-                      "\"></span>" + escape(text(record, "variant")) + "</td>";
-    const double ms = ms_of(record, "median");
-    if (std::isnan(ms)) return row + "<td class=\"note\" colspan=\"8\">" + why_untimed(record) + "</td></tr>\n";
-    const std::string by = text(record, "by");
-    return row + td(digits(ms)) +
-           td("<small>" + digits(ms_of(record, "p5")) + "–" + digits(ms_of(record, "p95")) + "</small>") +
-           td(digits(number(record, "ns_per_joint"))) + td(digits(number(record, "bytes") * 1e-6)) +
-           td(digits(number(record, "gb_per_s"))) + td(digits(number(record, "times_fill_floor"))) +
-           td(digits(number(record, "max_error"))) + "<td class=\"note\"><small>" +
-           (by.empty() ? stages_of(record) : "by " + escape(by)) + host_share_of(record) + "</small></td></tr>\n";
-}
-
 std::string table_of(const Cells& cells) {
-    std::string rows;
-    for (const Json* record : cells) rows += row_of(*record);
-    return "<div class=\"scroll\"><table><thead><tr><th>variant</th><th>ms</th><th>p5–p95</th><th>ns a "
-           "joint</th><th>MB moved</th><th>GB/s</th>"
-           "<th>× fill</th><th>error</th><th class=\"note\">stages, ms</th></tr></thead><tbody>\n" +
-           rows + "</tbody></table></div>\n";
+    return record_table(
+        cells,
+        {{"variant", [](const Json& record) { return swatch(ink_of(record)) + escape(text(record, "variant")); }},
+         numbers_of("ms", "ms/median", digits),
+         spread_of_times("ms/p5", "ms/p95"),
+         numbers_of("ns a joint", "ns_per_joint", digits),
+         numbers_of("MB moved", "bytes", [](double bytes) { return digits(bytes * 1e-6); }),
+         numbers_of("GB/s", "gb_per_s", digits),
+         numbers_of("× fill", "times_fill_floor", digits),
+         numbers_of("error", "max_error", digits),
+         {"stages, ms",
+          [](const Json& record) {
+              const std::string by = text(record, "by");
+              return "<small>" + (by.empty() ? stages_of(record) : "by " + escape(by)) + host_share_of(record) +
+                     "</small>";
+          },
+          true}},
+        1, "ms/median", "not measured");
 }
 
 double median_of(const Cells& cells, const char* variant) {
     const Cells found = having(cells, "variant", variant);
-    return found.empty() ? std::nan("") : ms_of(*found.front(), "median");
+    return found.empty() ? std::nan("") : number(*found.front(), "ms/median");
 }
 
 std::string summary_of(const Cells& cells) {
@@ -99,14 +78,14 @@ std::string figure_of(const Cells& cells, int& figure_count) {
                  .log_x = true,
                  .bars = {}};
     for (const Json* record : cells) {
-        const double ms = ms_of(*record, "median");
+        const double ms = number(*record, "ms/median");
         if (!(ms > 0)) continue;
         const double times_fill = number(*record, "times_fill_floor");
         plot.bars.push_back({.name = text(*record, "variant"),
                              .ink = ink_of(*record),
                              .value = ms,
-                             .low = ms_of(*record, "p5"),
-                             .high = ms_of(*record, "p95"),
+                             .low = number(*record, "ms/p5"),
+                             .high = number(*record, "ms/p95"),
                              .note = digits(ms) + (std::isnan(times_fill) ? "" : " · " + digits(times_fill) + " ×")});
     }
     const std::string svg = bar_plot(plot), summary = summary_of(cells);
@@ -120,10 +99,11 @@ std::string device_section(const Cells& cells, int& figure_count) {
     for (const Cells& configuration : grouped(cells, {"configuration", "characters", "joints", "levels"})) {
         const Json& first = *configuration.front();
         figures += figure_of(configuration, figure_count);
-        tables += "<details open><summary>" + escape(text(first, "configuration")) + "<small>" +
-                  whole(number(first, "characters")) + " characters × " + whole(number(first, "joints")) +
-                  " joints · mean depth " + digits(number(first, "mean_depth")) + " · keys " +
-                  escape(text(first, "keys")) + "</small></summary>\n" + table_of(configuration) + "</details>\n";
+        tables += details(escape(text(first, "configuration")) + "<small>" + whole(number(first, "characters")) +
+                              " characters × " + whole(number(first, "joints")) + " joints · mean depth " +
+                              digits(number(first, "mean_depth")) + " · keys " + escape(text(first, "keys")) +
+                              "</small>",
+                          table_of(configuration), true);
     }
     const Json& any = *cells.front();
     const std::string device = text(any, "device"), driver = text(any, "driver"), commit = text(any, "commit"),

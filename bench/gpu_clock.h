@@ -1,7 +1,7 @@
 // Milliseconds that recorded work takes on the GPU.
 #pragma once
 
-#include "gpu/gpu.h"
+#include "gpu/timestamps.h"
 
 namespace throng::bench {
 
@@ -17,19 +17,14 @@ class GpuClock {
 public:
     // Throws kUnsupported where the device has no timestamps.
     explicit GpuClock(std::shared_ptr<Gpu> gpu);
-    ~GpuClock();
-    GpuClock(const GpuClock&) = delete;
-    GpuClock& operator=(const GpuClock&) = delete;
 
     // Submits what `work` records once, alone between two timestamps, and waits. It sees all work submitted before.
     Reading read(const std::function<void(VkCommandBuffer)>& work) const;
     double time_ms(const std::function<void(VkCommandBuffer)>& work) const { return read(work).ms; }
 
 private:
-    double timestamps_ms(const std::function<void(VkCommandBuffer)>& work) const;
-
     std::shared_ptr<Gpu> gpu_;
-    VkQueryPool pool_ = VK_NULL_HANDLE;
+    std::unique_ptr<Timestamps> timestamps_;
 };
 
 }  // namespace throng::bench

@@ -5,10 +5,7 @@
 #include "bench/gpu_clock.h"
 #include "bench/scan_cell.h"
 #include "bench/scan_crowd.h"
-#include "tools/cli/statistics.h"
 #include "gpu/barrier.h"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <limits>
@@ -22,8 +19,6 @@ constexpr uint32_t kMethodConstants = 7;         // constant_id 1 to 7 are the m
 constexpr uint32_t kSoftwareCharacters = 256;    // more only take longer on a software device
 constexpr double kRun_ms = 10;                   // how long the difference of two runs should be at least
 constexpr uint32_t kMostRepeats = 20'000;
-
-uint64_t local_bytes(const ScanMethod& method) { return method.format == ScanFormat::kSimilarity ? 32 : 48; }
 
 uint32_t on_chip_transforms(const ScanPlan& plan, const ScanRig& rig) {
     return plan.instances_per_workgroup * rig.joint_count();
@@ -43,10 +38,8 @@ std::string unsupported_reason_of(const ScanPlan& plan, const ScanMethod& method
     if (loop_iterations(plan, rig, 2) > limits.loop_iterations)
         return "two repeats exceed the device's loop iterations";
     const uint64_t needed_bytes = uint64_t{plan.counts.shared_bytes} * plan.instances_per_workgroup +
-                                  on_chip_transforms(plan, rig) * local_bytes(method) + kBetweenBarriers_bytes;
-    if (needed_bytes <= limits.shared_memory_bytes) return {};
-    return std::to_string(needed_bytes) + " bytes of shared memory, with the local transforms, exceed the device's " +
-           std::to_string(limits.shared_memory_bytes);
+                                  on_chip_transforms(plan, rig) * bytes_of(method.format) + kBetweenBarriers_bytes;
+    return memory_unsupported_reason(needed_bytes, ", with the local transforms,", limits);
 }
 
 std::string unsupported_reason_of(const Entrant& entrant, const ScanRig& rig, const ScanLimits& limits) {
@@ -109,7 +102,6 @@ public:
                                                  {io::kScratchBuffer, scratch_}});
     }
 
-    const ScanChoice& choice() const { return choice_; }
     const ScanPlan& plan() const { return plan_; }
 
     // Of a run of so many repeats; one that ended early leaves NaN.
@@ -178,16 +170,13 @@ private:
     Bindings bindings_;
 };
 
-struct Checked {
-    std::string unsupported_reason;
-    double max_error = 0;
+struct Checked : ScanCheck {
     std::optional<OnChipRunner> runner;
     std::vector<double> ns, barriers_twice_ns;  // a joint
 
-    bool runs() const { return runner && !is_wrong(max_error); }
     void sample() {
         ns.push_back(runner->ns_per_joint(false));
-        if (runner->plan().counts.barriers > 0) barriers_twice_ns.push_back(runner->ns_per_joint(true));
+        if (counts.barriers > 0) barriers_twice_ns.push_back(runner->ns_per_joint(true));
     }
 };
 
@@ -213,6 +202,8 @@ Checked check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entr
             if (ns >= best_ns) continue;
         }
         best_ns = ns;
+        checked.choice = choice;
+        checked.counts = runner.plan().counts;
         checked.max_error = max_error;
         checked.runner = std::move(runner);
         if (is_wrong(max_error)) break;
@@ -220,15 +211,8 @@ Checked check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entr
     return checked;
 }
 
-nlohmann::json record_of(const Entrant& entrant, const Checked& checked, const nlohmann::json& cell_record) {
-    nlohmann::json record = cell_record;
-    record["method"] = entrant.name;
-    if (!checked.runner) {
-        record["unsupported_reason"] = checked.unsupported_reason;
-        return record;
-    }
-    add_choice(record, checked.runner->choice(), checked.runner->plan().counts);
-    add_error(record, checked.max_error);
+Json record_of(const Entrant& entrant, const Checked& checked, const Json& cell_record) {
+    Json record = describe_check(cell_record, entrant, checked);
     if (!checked.runs()) return record;
     const Spread ns = spread_of(checked.ns), barriers_twice_ns = spread_of(checked.barriers_twice_ns);
     record.update({{"samples", checked.ns.size()},
@@ -243,9 +227,8 @@ nlohmann::json record_of(const Entrant& entrant, const Checked& checked, const n
 
 }  // namespace
 
-std::vector<nlohmann::json> measure_on_chip(const std::shared_ptr<Gpu>& gpu, ScanCell cell,
-                                            std::span<const Entrant> entrants, const Sampling& sampling,
-                                            const Progress& progress) {
+std::vector<Json> measure_on_chip(const std::shared_ptr<Gpu>& gpu, ScanCell cell, std::span<const Entrant> entrants,
+                                  const Sampling& sampling, const Progress& progress) {
     const Stopwatch watch;
     const GpuClock clock(gpu);
     cell.joints = common_joint_count(cell, entrants, scan_limits(*gpu));
@@ -253,20 +236,17 @@ std::vector<nlohmann::json> measure_on_chip(const std::shared_ptr<Gpu>& gpu, Sca
     const ScanRig rig = cell.rig();
     const PoseSet pose(rig, 1, cell.seed);
 
-    std::vector<Checked> checked;
-    for (const Entrant& entrant : entrants) {
-        progress("checking " + entrant.name + ", " + std::to_string(checked.size() + 1) + " of " +
-                 std::to_string(entrants.size()));
-        checked.push_back(check(gpu, clock, entrant, rig, cell.characters, pose));
-    }
+    std::vector<Checked> checked = check_all(entrants, progress, [&](const Entrant& entrant) {
+        return check(gpu, clock, entrant, rig, cell.characters, pose);
+    });
 
     std::vector<Contestant> contestants;
     for (size_t i = 0; i < entrants.size(); ++i)
         if (checked[i].runs()) contestants.push_back({entrants[i].name, [&one = checked[i]] { one.sample(); }});
     run_rounds(contestants, sampling, sampling.budget_s - watch.elapsed_s(), progress);
 
-    const nlohmann::json cell_record = describe_cell(cell, rig, gpu->info);
-    std::vector<nlohmann::json> records;
+    const Json cell_record = describe_cell(cell, rig, gpu->info);
+    std::vector<Json> records;
     for (size_t i = 0; i < entrants.size(); ++i) records.push_back(record_of(entrants[i], checked[i], cell_record));
     return records;
 }

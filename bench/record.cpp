@@ -1,13 +1,11 @@
 #include "bench/record.h"
 
-#include <nlohmann/json.hpp>
-
 #include <cstdlib>
 #include <ctime>
 
 namespace throng::bench {
 
-nlohmann::json where_and_when(const DeviceInfo& device) {
+Json where_and_when(const DeviceInfo& device) {
     const std::time_t now = std::time(nullptr);
     char date[16];
     std::strftime(date, sizeof date, "%Y-%m-%d", std::gmtime(&now));
@@ -17,6 +15,10 @@ nlohmann::json where_and_when(const DeviceInfo& device) {
             {"subgroup_size", device.subgroup_size},
             {"commit", commit ? commit : ""},
             {"date", date}};
+}
+
+Json spread_json(const Spread& spread, const std::string& unit) {
+    return {{"median" + unit, spread.median}, {"p5" + unit, spread.p5}, {"p95" + unit, spread.p95}};
 }
 
 }  // namespace throng::bench

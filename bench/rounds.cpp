@@ -23,4 +23,8 @@ void run_rounds(std::span<const Contestant> contestants, const Sampling& samplin
         }
 }
 
+void run_rounds(std::span<const Contestant> contestants, uint32_t samples, const Progress& progress) {
+    run_rounds(contestants, {.samples = samples, .least_samples = samples}, 0, progress);
+}
+
 }  // namespace throng::bench

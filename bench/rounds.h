@@ -36,5 +36,7 @@ using Progress = std::function<void(const std::string&)>;
 // `time_s`.
 void run_rounds(std::span<const Contestant> contestants, const Sampling& sampling, double time_s,
                 const Progress& progress);
+// All samples, however long they take.
+void run_rounds(std::span<const Contestant> contestants, uint32_t samples, const Progress& progress);
 
 }  // namespace throng::bench

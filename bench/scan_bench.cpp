@@ -4,8 +4,6 @@
 #include "bench/scan_cell.h"
 #include "scan/scan_planner.h"
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -17,63 +15,41 @@ namespace {
     throw Failure(ErrorCode::kInvalidArgument, place, what);
 }
 
-// The paper's experiment, with our own values; on-chip cells have the same skeletons.
-std::vector<ScanCell> cells_over_levels(const std::string& experiment, const ScanBenchSettings& settings) {
+std::vector<ScanCell> cells_of(const std::string& experiment, const ScanBenchSettings& settings) {
     std::vector<ScanCell> cells;
-    for (const uint32_t levels : settings.levels) {
-        cells.push_back({experiment, settings.shape, settings.characters, settings.joints, levels, settings.seed});
-        if (settings.shape != SkeletonShape::kRandom) break;  // the joints alone decide
+    const auto add = [&](uint32_t characters, uint32_t joints, uint32_t levels,
+                         SkeletonShape shape = SkeletonShape::kRandom) {
+        cells.push_back({experiment, shape, characters, joints, levels, settings.seed});
+    };
+    const bool quick = settings.quick;
+    if (experiment == "levels" || experiment == "on_chip") {
+        // The paper's experiment, with our own values; on-chip cells have the same skeletons
+        for (const uint32_t levels : settings.levels) {
+            add(settings.characters, settings.joints, levels, settings.shape);
+            if (settings.shape != SkeletonShape::kRandom) break;  // the joints alone decide
+        }
+    } else if (experiment == "joints") {
+        for (uint32_t joints = 16; joints <= 4096; joints *= quick ? 16 : 2)
+            add((quick ? 30'000 : 300'000) / joints, joints, std::min(30u, joints));
+    } else if (experiment == "characters") {
+        for (uint32_t characters = 1; characters <= (quick ? 1'000u : 100'000u); characters *= quick ? 1000 : 10)
+            add(characters, 64, 15);
+    } else if (experiment == "grid") {
+        // Where the planner is compared with the fastest method
+        for (const uint32_t characters : {100u, 1'000u, 10'000u})
+            for (const uint32_t joints : {32u, 100u, 300u, 1'000u})
+                for (const uint32_t levels : {15u, 30u, 60u, 120u})
+                    if (levels <= joints) add(characters, joints, levels);
     }
-    return cells;
-}
-
-std::vector<ScanCell> cells_over_joints(const ScanBenchSettings& settings) {
-    const uint32_t matrix_count = settings.quick ? 30'000 : 300'000;
-    std::vector<ScanCell> cells;
-    for (uint32_t joints = 16; joints <= 4096; joints *= settings.quick ? 16 : 2)
-        cells.push_back({.experiment = "joints",
-                         .characters = matrix_count / joints,
-                         .joints = joints,
-                         .levels = std::min(30u, joints),
-                         .seed = settings.seed});
-    return cells;
-}
-
-std::vector<ScanCell> cells_over_characters(const ScanBenchSettings& settings) {
-    std::vector<ScanCell> cells;
-    for (uint32_t characters = 1; characters <= (settings.quick ? 1'000u : 100'000u);
-         characters *= settings.quick ? 1000 : 10)
-        cells.push_back(
-            {.experiment = "characters", .characters = characters, .joints = 64, .levels = 15, .seed = settings.seed});
-    return cells;
-}
-
-// Where the planner is compared with the fastest method.
-std::vector<ScanCell> cells_of_grid(const ScanBenchSettings& settings) {
-    std::vector<ScanCell> cells;
-    for (const uint32_t characters : {100u, 1'000u, 10'000u})
-        for (const uint32_t joints : {32u, 100u, 300u, 1'000u})
-            for (const uint32_t levels : {15u, 30u, 60u, 120u})
-                if (levels <= joints)
-                    cells.push_back({.experiment = "grid",
-                                     .characters = characters,
-                                     .joints = joints,
-                                     .levels = levels,
-                                     .seed = settings.seed});
+    if (cells.empty())
+        refuse("experiment '" + experiment + "'", "there is none of this name, or it has no levels to run");
     return cells;
 }
 
 std::vector<ScanCell> cells_of(const ScanBenchSettings& settings) {
     std::vector<ScanCell> cells;
     for (const std::string& experiment : settings.experiments) {
-        const std::vector<ScanCell> more = experiment == "levels" || experiment == "on_chip"
-                                               ? cells_over_levels(experiment, settings)
-                                           : experiment == "joints"     ? cells_over_joints(settings)
-                                           : experiment == "characters" ? cells_over_characters(settings)
-                                           : experiment == "grid"       ? cells_of_grid(settings)
-                                                                        : std::vector<ScanCell>{};
-        if (more.empty())
-            refuse("experiment '" + experiment + "'", "there is none of this name, or it has no levels to run");
+        const std::vector<ScanCell> more = cells_of(experiment, settings);
         cells.insert(cells.end(), more.begin(), more.end());
     }
     for (const ScanCell& cell : cells) {
@@ -119,16 +95,16 @@ std::vector<Entrant> entrants_of(const ScanBenchSettings& settings, const ScanLi
 
 constexpr const char* kAuto = "auto";
 
-bool is_choice(const nlohmann::json& record, const ScanChoice& choice) {
+bool is_choice(const Json& record, const ScanChoice& choice) {
     return record.value("method", "") == choice.method->name && record.value("threads", 0u) == choice.threads &&
            record.contains("median_ms");
 }
 
 // The cell's records, and one more for what the planner chooses: that of the same choice where it is there, so that the
 // same kernel is not compared with itself, else one measured in the same rounds.
-std::vector<nlohmann::json> measure_with_planner(const std::shared_ptr<Gpu>& gpu, const ScanCell& cell,
-                                                 std::vector<Entrant> entrants, const Sampling& sampling,
-                                                 const Progress& progress) {
+std::vector<Json> measure_with_planner(const std::shared_ptr<Gpu>& gpu, const ScanCell& cell,
+                                       std::vector<Entrant> entrants, const Sampling& sampling,
+                                       const Progress& progress) {
     const ScanChoice chosen =
         choose_scan(kAuto, cell.rig(), cell.characters, scan_limits(*gpu), scan_costs(*gpu)).choice;
     // Of a method with a choice of threads only the fastest ones have a row.
@@ -137,15 +113,15 @@ std::vector<nlohmann::json> measure_with_planner(const std::shared_ptr<Gpu>& gpu
                              return entrant.choices.front().method == chosen.method;
                          });
     if (!has_row) entrants.push_back({kAuto, {chosen}});
-    std::vector<nlohmann::json> records = measure_scans(gpu, cell, entrants, sampling, progress);
-    if (!has_row && std::any_of(records.begin(), records.end() - 1,
-                                [&](const nlohmann::json& record) { return is_choice(record, chosen); }))
+    std::vector<Json> records = measure_scans(gpu, cell, entrants, sampling, progress);
+    if (!has_row &&
+        std::any_of(records.begin(), records.end() - 1, [&](const Json& record) { return is_choice(record, chosen); }))
         records.pop_back();
     if (records.back()["method"] != kAuto) {
         const auto row = std::find_if(records.begin(), records.end(),
-                                      [&](const nlohmann::json& record) { return is_choice(record, chosen); });
+                                      [&](const Json& record) { return is_choice(record, chosen); });
         if (row == records.end()) return records;  // the method is wrong, which its own record says
-        records.push_back(nlohmann::json(*row));
+        records.push_back(Json(*row));
         records.back()["method"] = kAuto;
     }
     records.back()["chosen"] = name_of(chosen);
@@ -169,7 +145,7 @@ std::vector<std::string> scan_experiments() { return {"levels", "joints", "chara
 std::vector<std::string> default_scan_experiments() { return {"levels", "joints", "characters", "on_chip"}; }
 
 void run_scan_bench(const Device& device, const ScanBenchSettings& settings, const Progress& progress,
-                    const std::function<void(std::span<const nlohmann::json>)>& cell_done) {
+                    const std::function<void(std::span<const Json>)>& cell_done) {
     const std::shared_ptr<Gpu>& gpu = device.gpu();
     const std::vector<ScanCell> cells = cells_of(settings);
     const std::vector<Entrant> entrants = entrants_of(settings, scan_limits(*gpu));

@@ -1,12 +1,11 @@
 // `throng bench scan`: the methods of the Hierarchy-Scan, checked against the reference and timed side by side.
 #pragma once
 
+#include "bench/record.h"
 #include "bench/rounds.h"
 #include "bench/skeletons.h"
 
 #include <throng/device.h>
-
-#include <nlohmann/json_fwd.hpp>
 
 namespace throng::bench {
 
@@ -30,6 +29,6 @@ struct ScanBenchSettings {
 // Runs cell after cell. `progress` gets a line whenever something begins, `cell_done` the records of a cell
 // (bench/README.md lists their fields). Throws, before anything runs, where the settings make no sense.
 void run_scan_bench(const Device& device, const ScanBenchSettings& settings, const Progress& progress,
-                    const std::function<void(std::span<const nlohmann::json>)>& cell_done);
+                    const std::function<void(std::span<const Json>)>& cell_done);
 
 }  // namespace throng::bench

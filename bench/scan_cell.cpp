@@ -1,14 +1,11 @@
 #include "bench/scan_cell.h"
 
-#include "bench/record.h"
 #include "bench/scan_crowd.h"
-
-#include <nlohmann/json.hpp>
 
 namespace throng::bench {
 
-nlohmann::json describe_cell(const ScanCell& cell, const ScanRig& rig, const DeviceInfo& device) {
-    nlohmann::json record = where_and_when(device);
+Json describe_cell(const ScanCell& cell, const ScanRig& rig, const DeviceInfo& device) {
+    Json record = where_and_when(device);
     record.update({{"bench", "scan"},
                    {"experiment", cell.experiment},
                    {"shape", name_of(cell.shape)},
@@ -21,17 +18,23 @@ nlohmann::json describe_cell(const ScanCell& cell, const ScanRig& rig, const Dev
     return record;
 }
 
-void add_choice(nlohmann::json& record, const ScanChoice& choice, const ScanCounts& counts) {
-    record.update({{"threads", choice.threads},
-                   {"multiplications", counts.multiplications},
-                   {"longest_thread", counts.longest_thread},
-                   {"barriers", counts.barriers},
-                   {"shared_bytes", counts.shared_bytes}});
-}
+bool ScanCheck::runs() const { return choice && !is_wrong(max_error); }
 
-void add_error(nlohmann::json& record, double max_error) {
-    record["max_error"] = max_error;  // null where it is not a number
-    if (is_wrong(max_error)) record["wrong"] = true;
+Json describe_check(const Json& cell_record, const Entrant& entrant, const ScanCheck& check) {
+    Json record = cell_record;
+    record["method"] = entrant.name;
+    if (!check.choice) {
+        record["unsupported_reason"] = check.unsupported_reason;
+        return record;
+    }
+    record.update({{"threads", check.choice->threads},
+                   {"multiplications", check.counts.multiplications},
+                   {"longest_thread", check.counts.longest_thread},
+                   {"barriers", check.counts.barriers},
+                   {"shared_bytes", check.counts.shared_bytes},
+                   {"max_error", check.max_error}});  // null where it is not a number
+    if (is_wrong(check.max_error)) record["wrong"] = true;
+    return record;
 }
 
 }  // namespace throng::bench

@@ -1,11 +1,12 @@
 // One cell of an experiment: a skeleton and a number of characters, on which all methods are measured side by side.
 #pragma once
 
+#include "bench/record.h"
 #include "bench/rounds.h"
 #include "bench/skeletons.h"
 #include "scan/scan.h"
 
-#include <nlohmann/json_fwd.hpp>
+#include <optional>
 
 namespace throng::bench {
 
@@ -24,20 +25,39 @@ struct Entrant {
     std::vector<ScanChoice> choices;
 };
 
-// The fields of bench/README.md that a cell's records share, those of one choice, and what its check has shown.
-nlohmann::json describe_cell(const ScanCell& cell, const ScanRig& rig, const DeviceInfo& device);
-void add_choice(nlohmann::json& record, const ScanChoice& choice, const ScanCounts& counts);
-void add_error(nlohmann::json& record, double max_error);
+// What its check has shown.
+struct ScanCheck {
+    std::string unsupported_reason;
+    std::optional<ScanChoice> choice;  // the fastest; none where no choice applies
+    ScanCounts counts;
+    double max_error = 0;
+
+    bool runs() const;
+};
+
+// The fields of bench/README.md that a cell's records share, and those of an entrant after its check.
+Json describe_cell(const ScanCell& cell, const ScanRig& rig, const DeviceInfo& device);
+Json describe_check(const Json& cell_record, const Entrant& entrant, const ScanCheck& check);
+
+// Each by check(entrant).
+template <class Check>
+auto check_all(std::span<const Entrant> entrants, const Progress& progress, const Check& check) {
+    std::vector<decltype(check(entrants.front()))> checked;
+    for (const Entrant& entrant : entrants) {
+        progress("checking " + entrant.name + ", " + std::to_string(checked.size() + 1) + " of " +
+                 std::to_string(entrants.size()));
+        checked.push_back(check(entrant));
+    }
+    return checked;
+}
 
 // measure_scans: checks each entrant, then times the right ones and a copy of the same bytes in interleaved rounds.
 // measure_on_chip: the same without memory (scan.glsl, SCAN_ON_CHIP), with as many joints as leave every method room in
 // shared memory, and with few characters on a software device. Either returns a record for each entrant, in their
 // order. Throws kLimit and kOutOfMemory.
-std::vector<nlohmann::json> measure_scans(const std::shared_ptr<Gpu>& gpu, const ScanCell& cell,
-                                          std::span<const Entrant> entrants, const Sampling& sampling,
-                                          const Progress& progress);
-std::vector<nlohmann::json> measure_on_chip(const std::shared_ptr<Gpu>& gpu, ScanCell cell,
-                                            std::span<const Entrant> entrants, const Sampling& sampling,
-                                            const Progress& progress);
+std::vector<Json> measure_scans(const std::shared_ptr<Gpu>& gpu, const ScanCell& cell,
+                                std::span<const Entrant> entrants, const Sampling& sampling, const Progress& progress);
+std::vector<Json> measure_on_chip(const std::shared_ptr<Gpu>& gpu, ScanCell cell, std::span<const Entrant> entrants,
+                                  const Sampling& sampling, const Progress& progress);
 
 }  // namespace throng::bench

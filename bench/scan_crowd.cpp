@@ -81,14 +81,10 @@ std::vector<std::byte> PoseSet::bytes(uint32_t first_instance, uint32_t instance
         for (const Trs<float>& pose : local) poses.push_back(transform_of(pose));
         std::vector<std::byte> out(size_t{instance_count} * joint_count * sizeof(Transform));
         auto* transforms = reinterpret_cast<Transform*>(out.data());
-        const size_t outer = layout == ScanLayout::kTransposed ? joint_count : instance_count,
-                     inner = layout == ScanLayout::kTransposed ? instance_count : joint_count;
-        for (size_t o = 0; o < outer; ++o)
-            for (size_t i = 0; i < inner; ++i) {
-                const size_t instance = layout == ScanLayout::kTransposed ? i : o,
-                             joint = layout == ScanLayout::kTransposed ? o : i;
-                *transforms++ = poses[(first_instance + instance) % pose_count * joint_count + joint];
-            }
+        for (size_t instance = 0; instance < instance_count; ++instance)
+            for (size_t joint = 0; joint < joint_count; ++joint)
+                transforms[index_of(layout, instance, joint, instance_count, joint_count)] =
+                    poses[(first_instance + instance) % pose_count * joint_count + joint];
         return out;
     };
     return format == ScanFormat::kSimilarity ? spread_out(as_similarity) : spread_out(as_affine);

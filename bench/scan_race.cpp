@@ -1,23 +1,13 @@
 // Measures the scan as a stage: local transforms from memory, model transforms to memory.
-#include "bench/gpu_clock.h"
+#include "bench/frame_floors.h"
 #include "bench/scan_cell.h"
 #include "bench/scan_crowd.h"
-#include "tools/cli/statistics.h"
-
-#include <nlohmann/json.hpp>
 
 #include <limits>
 #include <optional>
 
 namespace throng::bench {
 namespace {
-
-constexpr uint32_t kCopyPlain[] = {
-#include "bench/copy.inc"
-};
-constexpr uint32_t kCopySoftware[] = {
-#include "bench/copy.software.inc"
-};
 
 // A method's kernel, bound to each batch.
 struct Runner {
@@ -36,38 +26,25 @@ struct Runner {
     }
 };
 
-// An entrant after its check.
-struct Checked {
-    std::string unsupported_reason;
-    double max_error = 0;
+struct Checked : ScanCheck {
     std::optional<Runner> runner;
     std::vector<double> times_ms;
-
-    bool runs() const { return runner && !is_wrong(max_error); }
 };
 
 class CopyRunner {
 public:
-    CopyRunner(const std::shared_ptr<Gpu>& gpu, ScanCrowd& crowd)
-        : kernel_(gpu, {.name = "copy",
-                        .spirv = gpu->uses_software_kernels() ? std::span<const uint32_t>(kCopySoftware) : kCopyPlain,
-                        .workgroup_size = 64,
-                        .constants = {kRowsPerInvocation}}) {
+    CopyRunner(const std::shared_ptr<Gpu>& gpu, ScanCrowd& crowd) : kernel_(copy_kernel(gpu, 64, 3)) {
         for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch)
             bindings_.push_back(kernel_.bind({{0, crowd.local(batch, ScanLayout::kCharacterMajor, ScanFormat::kAffine)},
                                               {1, crowd.batch(batch).model}}));
     }
     void record(VkCommandBuffer commands, const ScanCrowd& crowd) const {
-        for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch) {
-            const auto row_count = static_cast<uint32_t>(crowd.row_count(batch));
-            kernel_.dispatch_invocations(commands, bindings_[batch], row_count,
-                                         (row_count + kRowsPerInvocation - 1) / kRowsPerInvocation);
-        }
+        for (uint32_t batch = 0; batch < crowd.batch_count(); ++batch)
+            kernel_.dispatch(commands, bindings_[batch], static_cast<uint32_t>(crowd.row_count(batch)));
     }
 
 private:
-    static constexpr uint32_t kRowsPerInvocation = 3;
-    Kernel kernel_;
+    RowKernel kernel_;
     std::vector<Bindings> bindings_;
 };
 
@@ -106,32 +83,23 @@ Checked check(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entr
     Checked checked;
     checked.runner = fastest(gpu, clock, entrant, rig, crowd, checked.unsupported_reason);
     if (!checked.runner) return checked;
+    const ScanStage& stage = checked.runner->stage;
+    checked.choice = stage.choice();
+    checked.counts = stage.counts();
     crowd.poison();
     clock.time_ms([&](VkCommandBuffer commands) { checked.runner->record(commands, crowd); });
-    checked.max_error = crowd.max_error(checked.runner->stage.choice().method->layout);
+    checked.max_error = crowd.max_error(stage.choice().method->layout);
     return checked;
 }
 
-nlohmann::json record_of(const Entrant& entrant, const Checked& checked, const nlohmann::json& cell_record,
-                         double copy_ms) {
-    nlohmann::json record = cell_record;
-    record["method"] = entrant.name;
-    if (!checked.runner) {
-        record["unsupported_reason"] = checked.unsupported_reason;
-        return record;
-    }
-    const ScanStage& stage = checked.runner->stage;
-    add_choice(record, stage.choice(), stage.counts());
-    add_error(record, checked.max_error);
+Json record_of(const Entrant& entrant, const Checked& checked, const Json& cell_record, double copy_ms) {
+    Json record = describe_check(cell_record, entrant, checked);
     if (!checked.runs()) return record;
     const uint64_t matrix_count = record["characters"].get<uint64_t>() * record["joints"].get<uint64_t>();
-    const uint64_t local_bytes = stage.choice().method->format == ScanFormat::kSimilarity ? 32 : 48;
     const Spread spread = spread_of(checked.times_ms);
-    record.update({{"bytes", matrix_count * (local_bytes + sizeof(Affine))},
+    record.update(spread_json(spread, "_ms"));
+    record.update({{"bytes", matrix_count * (bytes_of(checked.choice->method->format) + sizeof(Affine))},
                    {"samples", checked.times_ms.size()},
-                   {"median_ms", spread.median},
-                   {"p5_ms", spread.p5},
-                   {"p95_ms", spread.p95},
                    {"copy_ms", copy_ms},
                    {"times_copy", spread.median / copy_ms},
                    {"ns_per_joint", spread.median * 1e6 / static_cast<double>(matrix_count)}});
@@ -140,21 +108,16 @@ nlohmann::json record_of(const Entrant& entrant, const Checked& checked, const n
 
 }  // namespace
 
-std::vector<nlohmann::json> measure_scans(const std::shared_ptr<Gpu>& gpu, const ScanCell& cell,
-                                          std::span<const Entrant> entrants, const Sampling& sampling,
-                                          const Progress& progress) {
+std::vector<Json> measure_scans(const std::shared_ptr<Gpu>& gpu, const ScanCell& cell,
+                                std::span<const Entrant> entrants, const Sampling& sampling, const Progress& progress) {
     const Stopwatch watch;
     const GpuClock clock(gpu);
     const ScanRig rig = cell.rig();
     progress("making " + std::to_string(cell.characters) + " characters");
     ScanCrowd crowd(gpu, rig, cell.characters, cell.seed);
 
-    std::vector<Checked> checked;
-    for (const Entrant& entrant : entrants) {
-        progress("checking " + entrant.name + ", " + std::to_string(checked.size() + 1) + " of " +
-                 std::to_string(entrants.size()));
-        checked.push_back(check(gpu, clock, entrant, rig, crowd));
-    }
+    std::vector<Checked> checked = check_all(
+        entrants, progress, [&](const Entrant& entrant) { return check(gpu, clock, entrant, rig, crowd); });
 
     std::vector<double> copy_times_ms;
     std::vector<Contestant> contestants;
@@ -172,9 +135,9 @@ std::vector<nlohmann::json> measure_scans(const std::shared_ptr<Gpu>& gpu, const
         if (checked[i].runs()) enter(entrants[i].name, *checked[i].runner, checked[i].times_ms);
     run_rounds(contestants, sampling, sampling.budget_s - watch.elapsed_s(), progress);
 
-    const nlohmann::json cell_record = describe_cell(cell, rig, gpu->info);
+    const Json cell_record = describe_cell(cell, rig, gpu->info);
     const double copy_ms = spread_of(copy_times_ms).median;
-    std::vector<nlohmann::json> records;
+    std::vector<Json> records;
     for (size_t i = 0; i < entrants.size(); ++i)
         records.push_back(record_of(entrants[i], checked[i], cell_record, copy_ms));
     return records;

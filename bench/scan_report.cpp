@@ -3,15 +3,14 @@
 #include "base/failure.h"
 #include "bench/frame_report.h"
 #include "bench/report/html.h"
-#include "bench/report/style.h"
+#include "bench/report/plot.h"
 #include "bench/report/tables.h"
 
 #include <throng/crowd.h>
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace throng::bench {
 namespace {
@@ -32,11 +31,6 @@ constexpr View kTimesCopy{"times_copy", "time over the copy's", "levels", "level
 constexpr View kJoints{"ns_per_joint", "nanoseconds a joint", "joints", "joints of a character", true};
 constexpr View kCharacters{"ns_per_joint", "nanoseconds a joint", "characters", "characters", true};
 
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    return values.empty() ? std::nan("") : values[values.size() / 2];
-}
-
 // The copy is timed beside each method; here once for each x, in the unit of the figure.
 Series copy_series(const Cells& cells, const View& view) {
     Series copy{"copy", kCopyStyle, {}};
@@ -45,17 +39,13 @@ Series copy_series(const Cells& cells, const View& view) {
         if (const double y = number(*cell, view.y) * number(*cell, "copy_ms") / number(*cell, "median_ms"); y > 0)
             at[number(*cell, view.x)].push_back(y);
     for (auto& [x, values] : at)
-        if (!std::isnan(x)) copy.points.push_back({x, median(values), 0, 0});
+        if (!std::isnan(x)) copy.points.push_back({x, spread_of(values).median, 0, 0});
     return copy;
 }
 
 std::vector<Series> series_of(const Cells& cells, const View& view) {
     std::vector<Series> all{copy_series(cells, view)};
-    std::vector<Cells> methods = grouped(cells, {"method"});
-    std::stable_sort(methods.begin(), methods.end(), [](const Cells& a, const Cells& b) {
-        return scan_rank(text(*a.front(), "method")) < scan_rank(text(*b.front(), "method"));
-    });
-    for (const Cells& method : methods) {
+    for (const Cells& method : grouped(by_rank(cells), {"method"})) {
         const std::string name = text(*method.front(), "method");
         Series series{name, scan_style(name), {}};
         for (const auto& [x, cell] : best_over(method, view.x, view.y)) {
@@ -74,6 +64,10 @@ std::string figure(const std::string& svg, const std::string& caption) {
     return svg.empty() ? ""
                        : "<figure><div class=\"plot\">" + svg + "</div>" +
                              (caption.empty() ? "" : "<figcaption>" + caption + "</figcaption>") + "</figure>\n";
+}
+
+std::string heading(const std::string& text, const std::string& setting) {
+    return "<h3>" + text + "</h3>\n<p class=\"soft\">" + setting + "</p>\n";
 }
 
 std::string joined(const std::vector<std::string>& all) {
@@ -106,12 +100,6 @@ std::string setting(const Cells& cells, const char* varied) {
     return joined(parts);
 }
 
-std::string details(const std::string& summary, const std::string& content, bool open) {
-    return content.empty() ? ""
-                           : std::string("<details") + (open ? " open" : "") + "><summary>" + summary + "</summary>\n" +
-                                 content + "</details>\n";
-}
-
 std::string winner(const Json& cell) {
     const double copy = number(cell, "times_copy");
     return escape(text(cell, "method")) + " (" + digits(number(cell, "median_ms")) + " ms" +
@@ -120,8 +108,7 @@ std::string winner(const Json& cell) {
 
 // Who wins at both ends, and how far the paper's final method is behind.
 std::string levels_summary(const Cells& cells) {
-    std::map<double, Cells> at;
-    for (const Json* cell : cells) at[number(*cell, "levels")].push_back(cell);
+    const std::map<double, Cells> at = by_number(cells, "levels");
     std::string sentences;
     for (const auto& [level, level_cells] : {*at.begin(), *at.rbegin()})
         if (const Json* best = fastest(level_cells); best && !std::isnan(level) && (sentences.empty() || at.size() > 1))
@@ -150,7 +137,7 @@ std::string levels_section(const Cells& cells, int& count) {
     std::string html;
     for (const Cells& panel : grouped(having(cells, "experiment", "levels"), {"shape", "joints", "characters"})) {
         const std::string time = line_figure(panel, kTime, "", count);
-        html += "<h3>Time over levels</h3>\n<p class=\"soft\">" + setting(panel, "levels") + "</p>\n";
+        html += heading("Time over levels", setting(panel, "levels"));
         html += figure(time,
                        levels_summary(panel) +
                            " The dotted line is the copy kernel, which moves the same bytes and computes nothing." +
@@ -162,10 +149,8 @@ std::string levels_section(const Cells& cells, int& count) {
                            "The same, divided by the time of the copy kernel in the same rounds. Below 1 comes what "
                            "reads less than 48 bytes a joint, as the quaternion forms do, or stays in caches.");
         html += "<h3>Each depth, with what was computed</h3>\n";
-        bool first = true;
-        std::map<double, Cells> at;
-        for (const Json* cell : panel) at[number(*cell, "levels")].push_back(cell);
-        for (const auto& [level, level_cells] : at) {
+        bool is_first = true;
+        for (const auto& [level, level_cells] : by_number(panel, "levels")) {
             const Json* best = fastest(level_cells);
             const double depth = number(*level_cells.front(), "mean_depth"),
                          leaves = number(*level_cells.front(), "leaves");
@@ -173,19 +158,17 @@ std::string levels_section(const Cells& cells, int& count) {
                                 (std::isnan(depth) ? "" : "mean depth " + digits(depth) + " · ") +
                                 (std::isnan(leaves) ? "" : whole(leaves) + " leaves · ") +
                                 (best ? "fastest " + winner(*best) : "") + "</small>",
-                            case_table(level_cells), first);
-            first = false;
+                            case_table(level_cells), std::exchange(is_first, false));
         }
     }
     return html;
 }
 
 std::string scaling_section(const Cells& cells, const std::string& experiment, const std::vector<const char*>& fixed,
-                            const View& view, const std::string& heading, int& count) {
+                            const View& view, const std::string& title, int& count) {
     std::string html;
     for (const Cells& panel : grouped(having(cells, "experiment", experiment), fixed)) {
-        html += "<h3>" + heading + "</h3>\n<p class=\"soft\">" + setting(panel, view.x) + "</p>\n" +
-                figure(line_figure(panel, view, "", count), "");
+        html += heading(title, setting(panel, view.x)) + figure(line_figure(panel, view, "", count), "");
         html += details("The same as a table, " + std::string(view.y_label),
                         matrix_table(panel, view.x, view.x_label, view.y), false);
     }
@@ -216,8 +199,8 @@ std::string on_chip_section(const Cells& cells, int& count) {
             figures += figure(bar_plot(plot), "");
         }
         if (figures.empty()) continue;
-        html += "<h3>On the chip</h3>\n<p class=\"soft\">" + setting(panel, "levels") +
-                "</p>\n<p>The scan alone, again and again without going to memory. The pale part of a bar, and the "
+        html += heading("On the chip", setting(panel, "levels")) +
+                "<p>The scan alone, again and again without going to memory. The pale part of a bar, and the "
                 "percentage, is what its barriers take at least."
                 "</p>\n<div class=\"pair\">" +
                 figures + "</div>\n" + details("The same as a table", on_chip_table(panel), false);
@@ -228,9 +211,10 @@ std::string on_chip_section(const Cells& cells, int& count) {
 std::string grid_section(const Cells& cells) {
     std::string html;
     for (const Cells& panel : grouped(having(cells, "experiment", "grid"), {"shape"})) {
-        html += "<h3>The planner on the grid</h3>\n<p class=\"soft\">" + escape(joined(texts(panel, "shape"))) +
-                " skeletons; each cell names the fastest method, its time, and the time of the planner's choice as a "
-                "multiple of it</p>\n" +
+        html += heading("The planner on the grid",
+                        escape(joined(texts(panel, "shape"))) +
+                            " skeletons; each cell names the fastest method, its time, and the time of the planner's "
+                            "choice as a multiple of it") +
                 grid_table(panel);
     }
     return html;
@@ -263,11 +247,8 @@ std::string facts(const Cells& cells) {
 }
 
 std::string legend(const Cells& cells) {
-    std::vector<std::string> methods = texts(cells, "method");
-    std::stable_sort(methods.begin(), methods.end(),
-                     [](const std::string& a, const std::string& b) { return scan_rank(a) < scan_rank(b); });
     std::string html = "<div class=\"legend\" aria-label=\"show or hide a method in the figures\">";
-    for (const std::string& method : methods)
+    for (const std::string& method : texts(by_rank(cells), "method"))
         html += "<button aria-pressed=\"true\" data-method=\"" + escape(method) + "\">" + method_name(method) +
                 "</button>";
     return html + "</div>\n";

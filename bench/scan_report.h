@@ -1,7 +1,7 @@
 // The report of the benchmarks: figures and tables from its records (bench/README.md), each device for itself.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
+#include "bench/record.h"
 
 #include <span>
 #include <string>
@@ -10,10 +10,10 @@ namespace throng::bench {
 
 // A page that stands alone. Where a case was measured again, its last record counts. Both throw kUnsupported where
 // gnuplot is not installed; records of other benchmarks are left out, but for "frame" and "baseline".
-std::string scan_report(std::span<const nlohmann::json> records);
+std::string scan_report(std::span<const Json> records);
 
 // The paper's figure as SVG: the first device's time over levels. Throws kInvalidArgument where there are no such
 // records.
-std::string scan_levels_plot(std::span<const nlohmann::json> records);
+std::string scan_levels_plot(std::span<const Json> records);
 
 }  // namespace throng::bench

@@ -3,8 +3,6 @@
 #include "base/failure.h"
 #include "bench/scan_cell.h"
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <limits>
 
@@ -40,7 +38,7 @@ std::vector<ScanObservation> observe_scans(const std::shared_ptr<Gpu>& gpu, bool
             const auto cell_progress = [&](const std::string& text) {
                 progress(std::to_string(joints) + " joints, " + std::to_string(characters) + " characters: " + text);
             };
-            const std::vector<nlohmann::json> records = measure_scans(
+            const std::vector<Json> records = measure_scans(
                 gpu, cell, entrants, {.samples = quick ? 3u : 7u, .least_samples = 2, .budget_s = quick ? 2.0 : 6.0},
                 cell_progress);
             const size_t first = observations.size();

@@ -74,16 +74,6 @@ std::vector<uint32_t> in_depth_first_order(const std::vector<uint32_t>& parents)
 
 }  // namespace
 
-std::string_view name_of(SkeletonShape shape) {
-    switch (shape) {
-        case SkeletonShape::kRandom: return "random";
-        case SkeletonShape::kChain: return "chain";
-        case SkeletonShape::kComb: return "comb";
-        case SkeletonShape::kBinary: return "binary";
-    }
-    return "?";
-}
-
 std::vector<uint32_t> make_skeleton(SkeletonShape shape, uint32_t joint_count, uint32_t level_count, uint64_t seed) {
     const auto refuse = [](const std::string& what) { throw Failure(ErrorCode::kInvalidArgument, "skeleton", what); };
     if (joint_count < 1 || joint_count > kJointLimit)

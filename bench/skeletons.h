@@ -16,7 +16,9 @@ enum class SkeletonShape {
 };
 inline constexpr std::array kSkeletonShapes{SkeletonShape::kRandom, SkeletonShape::kChain, SkeletonShape::kComb,
                                             SkeletonShape::kBinary};
-std::string_view name_of(SkeletonShape shape);
+constexpr std::string_view name_of(SkeletonShape shape) {
+    return std::array{"random", "chain", "comb", "binary"}[static_cast<size_t>(shape)];
+}
 
 // parents[joint_count], numbered depth first, of siblings the one with the largest subtree last, as throng numbers a
 // rig's joints. A random one has exactly `level_count` levels; those of the others follow from the joints. Throws

@@ -1,15 +1,9 @@
 #include "bench/view_bench.h"
 
-#include "bench/gpu_clock.h"
-#include "bench/record.h"
-#include "bench/skin_error.h"
-#include "tools/cli/statistics.h"
-#include "bench/value_of.h"
+#include "bench/updates.h"
 #include "tools/cli/drawn.h"
 
 #include <throng/reference.h>
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -38,8 +32,9 @@ struct Entrant {
     std::string unsupported_reason;
     std::vector<uint32_t> drawn;  // of each level of detail
     double max_error = 0, max_pixels = 0;
-    std::vector<double> total_ms;
-    std::array<std::vector<double>, kStageNames.size()> stage_ms;
+    UpdateTimes times;
+
+    const CrowdView* view(const CrowdView& seen) const { return variant->culls ? &seen : nullptr; }
 };
 
 class ViewMeasurement {
@@ -64,7 +59,7 @@ public:
             value_of(entrant.crowd->set_placement(0, seen_.placement));
             value_of(entrant.crowd->set_playback(0, seen_.playback));
             if (!view_) view_ = seen_.view_of(world_bounds(*entrant.crowd));
-            for (uint32_t i = 0; i < kSettling; ++i) update(entrant, 0);
+            for (uint32_t i = 0; i < kSettling; ++i) value_of(entrant.crowd->update(0, entrant.view(*view_)));
             compare(entrant);
             if (!entrant.drawn.empty()) continue;
             entrant.unsupported_reason = "the camera sees none of the characters";  // so nothing has been checked
@@ -77,12 +72,13 @@ public:
         for (Entrant& entrant : entrants_)
             if (entrant.crowd && !is_wrong(entrant))
                 contestants.push_back(
-                    {seen_.configuration + ": " + entrant.variant->name, [&] { take_sample(entrant); }});
-        run_rounds(contestants, {.samples = samples, .least_samples = samples}, 0, progress);
+                    {seen_.configuration + ": " + entrant.variant->name,
+                     [&] { entrant.times.take(*device_.gpu(), *entrant.crowd, kFrame_s, entrant.view(*view_)); }});
+        run_rounds(contestants, samples, progress);
     }
 
-    std::vector<nlohmann::json> records() const {
-        std::vector<nlohmann::json> records;
+    std::vector<Json> records() const {
+        std::vector<Json> records;
         for (const Entrant& entrant : entrants_) records.push_back(record_of(entrant));
         return records;
     }
@@ -94,10 +90,6 @@ private:
     }
 
     uint32_t count() const { return static_cast<uint32_t>(seen_.playback.size()); }
-
-    void update(Entrant& entrant, float time_step_s) const {
-        value_of(entrant.crowd->update(time_step_s, entrant.variant->culls ? &*view_ : nullptr));
-    }
 
     std::vector<DrawnInstance> drawn_by(Entrant& entrant) const {
         if (entrant.variant->culls) return value_of(entrant.crowd->read_drawn());
@@ -146,17 +138,8 @@ private:
         return most;
     }
 
-    void take_sample(Entrant& entrant) const {
-        const Stopwatch watch;
-        update(entrant, 1.0f / 60);
-        const double host_ms = watch.elapsed_s() * 1e3;
-        const StageTimes times = value_of(entrant.crowd->stage_times());
-        entrant.total_ms.push_back(believed_reading(*device_.gpu(), times.total(), host_ms).ms);
-        for (size_t s = 0; s < kStageNames.size(); ++s) entrant.stage_ms[s].push_back(times.ms[s]);
-    }
-
-    nlohmann::json record_of(const Entrant& entrant) const {
-        nlohmann::json record = where_and_when(device_.info());
+    Json record_of(const Entrant& entrant) const {
+        Json record = where_and_when(device_.info());
         const Rig& rig = seen_.character->rig;
         record.update({{"bench", "view"},
                        {"configuration", seen_.configuration},
@@ -168,7 +151,7 @@ private:
             record["unsupported_reason"] = entrant.unsupported_reason;
             return record;
         }
-        record.update({{"path", entrant.crowd->path(0)->is_fused ? "fused" : "staged"},
+        record.update({{"path", path_name(*entrant.crowd)},
                        {"drawn", entrant.drawn},
                        {"memory_bytes", entrant.crowd->size_bytes()},
                        {"max_error", entrant.max_error}});
@@ -176,15 +159,9 @@ private:
         if (entrant.variant->reduces_joints) record["max_pixels"] = entrant.max_pixels;
         if (entrant.variant->skips_updates) record["full_rate_pixels"] = view_->full_rate_pixels;
         if (is_wrong(entrant)) record["wrong"] = true;
-        if (entrant.total_ms.empty()) return record;
-        const Spread ms = spread_of(entrant.total_ms);
-        record["samples"] = entrant.total_ms.size();
-        record["ms"] = {{"median", ms.median}, {"p5", ms.p5}, {"p95", ms.p95}};
-        for (size_t s = 0; s < kStageNames.size(); ++s)
-            if (const double stage_ms = spread_of(entrant.stage_ms[s]).median; stage_ms > 0)
-                record["stages"][kStageNames[s]] = stage_ms;
-        if (const double all_ms = spread_of(entrants_.front().total_ms).median; all_ms > 0)
-            record["times_faster"] = all_ms / ms.median;
+        entrant.times.add_to(record);
+        if (const double all_ms = entrants_.front().times.total().median; all_ms > 0 && entrant.times.count() > 0)
+            record["times_faster"] = all_ms / entrant.times.total().median;
         return record;
     }
 
@@ -196,8 +173,7 @@ private:
 
 }  // namespace
 
-std::vector<nlohmann::json> measure_view(const Device& device, const ViewCase& seen, uint32_t samples,
-                                         const Progress& progress) {
+std::vector<Json> measure_view(const Device& device, const ViewCase& seen, uint32_t samples, const Progress& progress) {
     ViewMeasurement measurement(device, seen);
     measurement.check(progress);
     measurement.time(samples, progress);

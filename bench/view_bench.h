@@ -2,16 +2,10 @@
 // reference and then timed in turns with an update of everything.
 #pragma once
 
+#include "bench/record.h"
 #include "bench/rounds.h"
 
 #include <throng/draw.h>
-
-#include <nlohmann/json_fwd.hpp>
-
-#include <functional>
-#include <span>
-#include <string>
-#include <vector>
 
 namespace throng::bench {
 
@@ -27,7 +21,6 @@ struct ViewCase {
 
 // A record for each variant (bench/README.md lists their fields). One that is wrong is not timed and says so, one that
 // the device cannot hold says why. Throws what a device throws that cannot go on.
-std::vector<nlohmann::json> measure_view(const Device& device, const ViewCase& seen, uint32_t samples,
-                                         const Progress& progress);
+std::vector<Json> measure_view(const Device& device, const ViewCase& seen, uint32_t samples, const Progress& progress);
 
 }  // namespace throng::bench

@@ -5,6 +5,7 @@
 #include "control/control_reference.h"
 #include "sample/sample_reference.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 #include "tests/test_rig.h"
 
 #include <cmath>
@@ -13,6 +14,9 @@
 
 namespace throng {
 namespace {
+
+// Instrumented, those left out take too long.
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"ActiveClips.*", "-ActiveClips.FollowTheReference"});
 
 using namespace test;
 

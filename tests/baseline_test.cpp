@@ -4,6 +4,7 @@
 #include "base/failure.h"
 #include "tools/cli/statistics.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 #include "tests/test_rig.h"
 
 #include <cstdio>
@@ -12,6 +13,8 @@
 
 namespace throng::bench {
 namespace {
+
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups}, {"Baseline.*"});
 
 using namespace test;
 
@@ -116,7 +119,7 @@ TEST(Baseline, TheKernelFollowsTheDefinition) {
             plain.software = plain.plain;
             for (const Baseline& variant : {baseline, plain}) {
                 const BaselineCrowd crowd(test_gpu(), variant, stored, playbacks);
-                crowd.update_ms(0);
+                crowd.update(0);
                 double worst = 0;
                 for (uint32_t i = 0; i < playbacks.size(); ++i) {
                     const std::vector<Affine> got = crowd.read_skin_matrices(i);
@@ -139,7 +142,7 @@ TEST(Baseline, TimePasses) {
         const Character stored = baseline.bake(character, {});
         const std::vector<Playback> playbacks{{.first = {.clip = 1, .time_s = 1.5, .speed = 2}}};
         const BaselineCrowd crowd(test_gpu(), baseline, stored, playbacks);
-        EXPECT_GE(crowd.update_ms(0.5f), 0.0);
+        EXPECT_GE(crowd.update(0.5f).ms, 0.0);
         const auto wanted = baseline.skin_matrices(stored, {.first = {.clip = 1, .time_s = 2.5}});
         EXPECT_LE(matrix_error(crowd.read_skin_matrices(0).back(), wanted.back(), character.size), 1e-5)
             << baseline.name;

@@ -2,12 +2,15 @@
 #include "bind/bind.h"
 #include "bind/bind_reference.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 #include "tests/test_rig.h"
 
 #include <cstdio>
 
 namespace throng {
 namespace {
+
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Bind.*"});
 
 using namespace test;
 

@@ -2,6 +2,7 @@
 #include "blend/blend.h"
 #include "blend/blend_reference.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 #include "tests/test_rig.h"
 
 #include <cmath>
@@ -10,6 +11,8 @@
 
 namespace throng {
 namespace {
+
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Blend.*"});
 
 using namespace test;
 

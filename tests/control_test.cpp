@@ -4,6 +4,7 @@
 #include "control/playback.h"
 #include "base/failure.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 #include "tests/test_rig.h"
 
 #include <cmath>
@@ -12,6 +13,8 @@
 
 namespace throng {
 namespace {
+
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Control.*"});
 
 using namespace test;
 

@@ -3,6 +3,7 @@
 #include "control/control.h"
 #include "control/controller_reference.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 #include "tests/test_rig.h"
 #include "tools/creatures/creature.h"
 
@@ -13,6 +14,8 @@
 
 namespace throng::test {
 namespace {
+
+const InSubset kInSubsets({Subset::kGpuAssisted}, {"ControllerOnTheGpu.LayersPlayWhatTheyAreTold"});
 
 constexpr uint32_t kEventCapacity = 65536;
 

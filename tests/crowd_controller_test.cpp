@@ -1,5 +1,6 @@
 // Crowds whose instances have controllers, against the reference of one character: poses, events, sockets, commands.
 #include "tests/crowd_cases.h"
+#include "tests/subset.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +9,8 @@
 
 namespace throng::test {
 namespace {
+
+const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups}, {"CrowdController.*"});
 
 double matrix_error(std::span<const Affine> matrices, std::span<const AffineT<double>> wanted, double size) {
     EXPECT_EQ(matrices.size(), wanted.size());

@@ -3,6 +3,7 @@
 #include "crowd/crowd_state.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 
 #include <throng/draw.h>
 
@@ -12,6 +13,8 @@
 
 namespace throng {
 namespace {
+
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups}, {"Crowd.*"});
 
 using namespace test;
 

@@ -3,6 +3,7 @@
 #include "crowd/cull_stage.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 
 #include <throng/draw.h>
 
@@ -13,6 +14,9 @@
 
 namespace throng::test {
 namespace {
+
+const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups},
+                          {"Cull.ListsWhatTheReferenceSees", "Cull.BatchesChangeNothing"});
 
 constexpr uint32_t kWidth = 160, kHeight = 120;
 constexpr uint32_t kUnseen = ~0u;

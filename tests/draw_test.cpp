@@ -8,6 +8,7 @@
 #include "gpu/buffer.h"
 #include "tests/files.h"
 #include "tests/png.h"
+#include "tests/subset.h"
 #include "tests/test_device.h"
 
 #include <gtest/gtest.h>
@@ -22,6 +23,11 @@
 
 namespace throng {
 namespace {
+
+// Instrumented, those left out take too long.
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted},
+                                {"Draw.*", "Renderer.*", "-Draw.LeavesOutWhatAMaskSays",
+                                 "-Draw.MirroredInstancesKeepTheirFrontFaces", "-Draw.DrawsBrokenImagesWhite"});
 
 namespace fs = std::filesystem;
 using test::TemporaryFolder;

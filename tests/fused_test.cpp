@@ -7,11 +7,14 @@
 #include "scan/scan_shaders.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 
 #include <cstdio>
 
 namespace throng {
 namespace {
+
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups}, {"Fused.*"});
 
 using namespace test;
 

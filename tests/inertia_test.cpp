@@ -3,6 +3,7 @@
 #include "blend/inertia_reference.h"
 #include "sample/sample_io.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 #include "tests/test_rig.h"
 
 #include <cmath>
@@ -11,6 +12,8 @@
 
 namespace throng {
 namespace {
+
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Inertia.*"});
 
 using namespace test;
 

@@ -1,6 +1,7 @@
 // Layers that blend rotations in model space: the reference against what it promises, crowds against the reference.
 #include "blend/active_clips_reference.h"
 #include "tests/crowd_cases.h"
+#include "tests/subset.h"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +10,8 @@
 
 namespace throng::test {
 namespace {
+
+const InSubset kInSubsets({Subset::kGpuAssisted}, {"ModelRotations.WhatIsAimedKeepsItsDirectionWhereTheHipsTurn"});
 
 // The rotation of model_from_joint of a character without scale, as columns.
 double direction_error(const Affine& got, const Quaternion<double>& wanted) {

@@ -6,6 +6,7 @@
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
 #include "tests/morph_cases.h"
+#include "tests/subset.h"
 #include "tests/upload_now.h"
 
 #include <algorithm>
@@ -15,6 +16,8 @@
 
 namespace throng {
 namespace {
+
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Morph.AClipOfWeightsAloneIsPlayed"});
 
 using namespace test;
 

@@ -5,6 +5,7 @@
 #include "sample/sample_reference.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 
 #include <gtest/gtest.h>
 
@@ -12,6 +13,8 @@
 
 namespace throng::test {
 namespace {
+
+const InSubset kInSubsets({Subset::kGpuAssisted}, {"PoseOverride.TwoClipsFollowTheReference"});
 
 // The rest pose, bent at all joints; less than makes it unclear which way round is the shorter one.
 std::vector<Trs<float>> bent(Random& random, const Character& character) {

@@ -5,6 +5,7 @@
 #include "sample/sample_reference.h"
 #include "tests/crowd_cases.h"
 #include "tests/procedural_cases.h"
+#include "tests/subset.h"
 
 #include <gtest/gtest.h>
 
@@ -13,6 +14,9 @@
 
 namespace throng::test {
 namespace {
+
+const InSubset kInSubsets({Subset::kGpuAssisted}, {"Procedural.LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing",
+                                                   "Procedural.WorksBelowAController"});
 
 using Locals = std::vector<Trs<double>>;
 

@@ -3,6 +3,7 @@
 #include "sample/sample.h"
 #include "sample/sample_reference.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 #include "tests/test_rig.h"
 
 #include <cmath>
@@ -11,6 +12,9 @@
 
 namespace throng {
 namespace {
+
+// Instrumented, those left out take too long.
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Sample.*", "-Sample.PackedClipsFollowTheReference"});
 
 using namespace test;
 

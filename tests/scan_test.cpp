@@ -6,6 +6,7 @@
 #include "scan/scan_reference.h"
 #include "scan/scan_shaders.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 #include "tests/test_rig.h"
 
 #include <bit>
@@ -18,6 +19,15 @@
 
 namespace throng {
 namespace {
+
+// Those that have each method, not the whole grid: GPU-assisted validation instruments every pipeline that is made, and
+// scans make one for each skeleton.
+const test::InSubset kInBoth({test::Subset::kGpuAssisted, test::Subset::kSubgroups},
+                             {"Scan.EveryOnChipVariantIsExact"});
+const test::InSubset kUnderValidation({test::Subset::kGpuAssisted}, {"Scan.EveryMethodIsExactWithNarrowWords"});
+const test::InSubset kWithOtherSubgroups({test::Subset::kSubgroups},
+                                         {"Scan.EveryNumberOfThreadsIsExact",
+                                          "Scan.EveryMethodIsExactWithinLowerLimits", "Scan.EveryMethodRoundsLittle"});
 
 using namespace test;
 

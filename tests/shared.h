@@ -11,7 +11,17 @@ namespace throng {
 // A folder of the shared material (characters, goldens, invalid); a test skips where it is missing.
 std::filesystem::path shared_folder(const std::string& name);
 
+#if defined(__SANITIZE_ADDRESS__)
+inline constexpr bool kSanitized = true;
+#else
+inline constexpr bool kSanitized = false;
+#endif
+
 }  // namespace throng
+
+// For tests that take minutes then, and only repeat with more data what others do.
+#define THRONG_SKIP_WHERE_SANITIZED() \
+    if (throng::kSanitized) GTEST_SKIP() << "it takes minutes under sanitizers"
 
 #define THRONG_SKIP_WITHOUT(folder) \
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << (folder).string() << " is not there"

@@ -3,6 +3,7 @@
 #include "skin/skin_reference.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 
 #include <throng/draw.h>
 
@@ -13,6 +14,10 @@
 
 namespace throng::test {
 namespace {
+
+const InSubset kInSubsets({Subset::kGpuAssisted},
+                          {"SkinStage.WithoutAViewAllIsSkinned", "SkinStage.WithAViewWhatItListsIsSkinned",
+                           "SkinStage.DualQuaternionsFollowTheReference"});
 
 constexpr uint32_t kWidth = 160, kHeight = 120;
 

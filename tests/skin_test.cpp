@@ -3,6 +3,7 @@
 #include "morph/morph_io.h"
 #include "skin/skin_reference.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 #include "tests/test_rig.h"
 #include "tests/upload_now.h"
 
@@ -13,6 +14,8 @@
 
 namespace throng {
 namespace {
+
+const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Skin.*"});
 
 using namespace test;
 

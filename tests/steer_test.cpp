@@ -3,6 +3,7 @@
 #include "control/root_motion_reference.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 
 #include <throng/draw.h>
 
@@ -13,6 +14,8 @@
 
 namespace throng::test {
 namespace {
+
+const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups}, {"Steer.CrowdsThatCrossGetThrough"});
 
 constexpr float kWalk = 1.3f;  // units a second, of the clip
 

@@ -1,6 +1,7 @@
 // Instances stand on the ground: against a scalar form in double precision.
 #include "crowd/crowd_state.h"
 #include "tests/crowd_cases.h"
+#include "tests/subset.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +9,8 @@
 
 namespace throng::test {
 namespace {
+
+const InSubset kInSubsets({Subset::kGpuAssisted}, {"Terrain.*"});
 
 float between(Random& random, double least, double most) {
     return static_cast<float>(least + (most - least) * random.unit());

@@ -1,6 +1,6 @@
 #include "bench/baselines/baselines.h"
 
-#include "base/failure.h"
+#include "bench/value_of.h"
 #include "control/control_reference.h"
 
 #include <algorithm>
@@ -26,9 +26,8 @@ uint32_t frame_count(const Clip& clip, double rate) {
 
 // A matrix is three keys; Clip::row_stride and the tracks, one a clip, count matrices.
 void append_frame(Character& baked, const Character& character, const ClipPlayback& slot) {
-    const Result<ReferencePose> pose = reference_pose(character, {.first = slot});
-    if (!pose) throw Failure(pose.error());
-    for (const AffineT<double>& model_from_bind : pose->model_from_bind)
+    const ReferencePose pose = value_of(reference_pose(character, {.first = slot}));
+    for (const AffineT<double>& model_from_bind : pose.model_from_bind)
         for (const auto& row : model_from_bind.as<float>().row) baked.keys.push_back(row);
 }
 

@@ -1,6 +1,6 @@
 #include "bench/baselines/baselines.h"
 
-#include "base/failure.h"
+#include "bench/value_of.h"
 #include "bench/baselines/baselines_io.h"
 #include "control/control.h"
 #include "control/control_reference.h"
@@ -94,8 +94,8 @@ BaselineCrowd::BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline,
     }
 }
 
-double BaselineCrowd::update_ms(float time_step_s) const {
-    return clock_.time_ms([&](VkCommandBuffer commands) { record(commands, time_step_s); });
+Reading BaselineCrowd::update(float time_step_s) const {
+    return clock_.read([&](VkCommandBuffer commands) { record(commands, time_step_s); });
 }
 
 void BaselineCrowd::record(VkCommandBuffer commands, float time_step_s) const {
@@ -121,9 +121,8 @@ std::vector<Affine> BaselineCrowd::read_skin_matrices(uint32_t instance) const {
 
 std::vector<double> displacements(const Character& character, const Playback& playback,
                                   std::span<const AffineT<double>> model_from_bind) {
-    const Result<ReferencePose> pose = reference_pose(character, playback);
-    if (!pose) throw Failure(pose.error());
-    const std::vector<Vec3<double>> wanted = skin_reference(character, pose->model_from_bind),
+    const ReferencePose pose = value_of(reference_pose(character, playback));
+    const std::vector<Vec3<double>> wanted = skin_reference(character, pose.model_from_bind),
                                     got = skin_reference(character, model_from_bind);
     std::vector<double> out;
     for (size_t vertex = 0; vertex < wanted.size(); ++vertex) out.push_back(length(got[vertex] - wanted[vertex]));

@@ -43,8 +43,8 @@ public:
     BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline, const Character& baked,
                   std::span<const Playback> playbacks);
 
-    // Advances and animates all instances, and waits: milliseconds on the GPU.
-    double update_ms(float time_step_s) const;
+    // Advances and animates all instances, and waits.
+    Reading update(float time_step_s) const;
     std::vector<Affine> read_skin_matrices(uint32_t instance) const;
 
 private:

@@ -1,6 +1,6 @@
 #include "bench/baselines/baselines.h"
 
-#include "base/failure.h"
+#include "bench/value_of.h"
 #include "sample/sample_reference.h"
 #include "scan/scan_reference.h"
 
@@ -103,9 +103,7 @@ Character bake(const Character& character, const BakeSettings& settings) {
 }
 
 std::vector<AffineT<double>> skin_matrices(const Character& flat, const Playback& playback) {
-    const Result<ReferencePose> pose = reference_pose(flat, playback);
-    if (!pose) throw Failure(pose.error());
-    return pose->model_from_bind;
+    return value_of(reference_pose(flat, playback)).model_from_bind;
 }
 
 }  // namespace

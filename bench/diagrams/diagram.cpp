@@ -2,7 +2,6 @@
 
 #include "bench/baselines/baselines.h"
 #include "bench/diagrams/svg.h"
-#include "scan/scan_table.h"
 
 #include <algorithm>
 #include <array>
@@ -20,6 +19,7 @@ constexpr double kGap = 17;       // above a row's strips: where operands come i
 constexpr double kBoundary = 18;  // between two phases
 
 constexpr uint32_t kColours = 6;  // of svg.cpp's style sheet
+double height_of_breaks(std::string_view text) { return 13.0 * static_cast<double>(std::ranges::count(text, '\n')); }
 std::string thread_style(uint32_t thread) { return "t" + std::to_string(thread % kColours); }
 
 class Drawing {
@@ -73,41 +73,35 @@ public:
         } else {
             across(middle, kind == FlowBoundary::kShuffle ? "shuffle" : "next");
         }
-        if (kind != FlowBoundary::kNone)
+        if (kind != FlowBoundary::kNothing)
             svg_.text({kMargin, middle + 3.5}, kind == FlowBoundary::kBarrier ? "barrier" : "shuffle", "bold");
         y_ += kBoundary;
     }
 
     void phase(const Flow& flow, uint32_t phase_index) {
         svg_.text({kMargin, y_ + kGap + 7}, flow.phases[phase_index].label, "");
-        const double top = y_;
+        const double text_bottom = y_ + kGap + 9 + height_of_breaks(flow.phases[phase_index].label);
         for (uint32_t row = 0; row < flow.rows(phase_index); ++row) {
             // Threads that make the same product at the same time
             std::map<uint32_t, std::vector<const FlowStep*>> at_joint;
-            size_t stack = 1;
             for (const FlowStep& step : flow.steps)
                 if (step.phase == phase_index && step.row == row) at_joint[step.joint].push_back(&step);
-            for (const auto& [joint, steps] : at_joint) stack = std::max(stack, steps.size());
-            const double height = stack == 1 ? kStrip : static_cast<double>(stack) * kStackPitch;
             for (const auto& [joint, steps] : at_joint)
                 for (size_t i = 0; i < steps.size(); ++i)
                     operand(*steps[i], static_cast<double>(steps.size() - 1 - i) * 1.7);
-            for (const auto& [joint, steps] : at_joint)
-                for (size_t i = 0; i < steps.size(); ++i) {
-                    const bool alone = steps.size() == 1;
-                    strip(joint, y_ + kGap + (alone ? 0 : static_cast<double>(i) * kStackPitch),
-                          alone ? kStrip : kStackedStrip, steps[i]->product.size(),
-                          "known " + thread_style(steps[i]->thread), steps[i]->stored);
-                }
-            for (const auto& [joint, steps] : at_joint)
-                bottoms_[joint] = y_ + kGap +
-                                  (steps.size() == 1 ? kStrip : static_cast<double>(steps.size()) * kStackPitch);
-            svg_.text({kWidth - 9, y_ + kGap + 8}, std::to_string(++row_count_), "soft small end");
-            y_ += kGap + height;
+            const double top = y_ + kGap;
+            y_ = top + kStrip;
+            for (const auto& [joint, steps] : at_joint) {
+                const bool alone = steps.size() == 1;
+                for (size_t i = 0; i < steps.size(); ++i)
+                    strip(joint, top + static_cast<double>(i) * kStackPitch, alone ? kStrip : kStackedStrip,
+                          steps[i]->product.size(), "known " + thread_style(steps[i]->thread), steps[i]->stored);
+                bottoms_[joint] = top + (alone ? kStrip : static_cast<double>(steps.size()) * kStackPitch);
+                y_ = std::max(y_, bottoms_[joint]);
+            }
+            svg_.text({kWidth - 9, top + 8}, std::to_string(++row_count_), "soft small end");
         }
-        y_ = std::max(y_, top + kGap + 9 +
-                              13.0 * static_cast<double>(std::count(flow.phases[phase_index].label.begin(),
-                                                                    flow.phases[phase_index].label.end(), '\n')));
+        y_ = std::max(y_, text_bottom);
     }
 
     // Matrices that were multiplied offline.
@@ -150,15 +144,12 @@ public:
     void note(std::string_view text) {
         y_ += 28;
         svg_.text({kMargin, y_}, text, "");
-        y_ += 13.0 * static_cast<double>(std::count(text.begin(), text.end(), '\n'));
+        y_ += height_of_breaks(text);
     }
 
     void legend() {
-        begin_legend();
-        legend_strip(3, "known t0", false);
-        legend_text("a joint's chain, the root on the left: what the joint's product covers so far", 358);
-        legend_strip(5, "known t0", true);
-        legend_text("all of it: the joint's model_from_joint", 0);
+        legend_of_strips(3, "known t0", "a joint's chain, the root on the left: what the joint's product covers so far",
+                         "all of it: the joint's model_from_joint");
         y_ += 16;
         x_ = kMargin;
         legend_text("left factor:", 62);
@@ -176,11 +167,8 @@ public:
     }
 
     void legend_of_stored() {
-        begin_legend();
-        legend_strip(5, "own", false);
-        legend_text("stored in the clip: the joint's whole chain, multiplied offline", 358);
-        legend_strip(5, "known t0", true);
-        legend_text("the joint's skin matrix", 0);
+        legend_of_strips(5, "own", "stored in the clip: the joint's whole chain, multiplied offline",
+                         "the joint's skin matrix");
         legend_of_colours();
     }
 
@@ -192,11 +180,16 @@ private:
                   "soft small end");
     }
 
-    void begin_legend() {
+    // What a strip in which so many segments are `style` means, and what one with an outline does.
+    void legend_of_strips(uint32_t covered, std::string_view style, std::string_view what, std::string_view result) {
         y_ += 14;
         svg_.line({kMargin, y_}, {kWidth - kMargin, y_}, "next");
         y_ += 17;
         x_ = kMargin;
+        legend_strip(covered, style, false);
+        legend_text(what, 358);
+        legend_strip(5, "known t0", true);
+        legend_text(result, 0);
     }
 
     void legend_text(std::string_view text, double width) {
@@ -259,10 +252,10 @@ std::string counts_text(size_t multiplications, uint32_t longest, uint32_t barri
            std::to_string(longest) + "  ·  " + (barriers == 0 ? "no barrier" : plural(barriers, "barrier"));
 }
 
-Diagram draw(const FlowMethod& method) {
+Diagram draw(const ScanMethod& method) {
     const ScanRig rig = diagram_rig();
-    const Flow flow = method.simulate(rig, kDiagramSettings);
-    Drawing drawing(rig, method.name, find_scan_method(method.name)->summary);
+    const Flow flow = method.picture.simulate(rig, kDiagramSettings);
+    Drawing drawing(rig, method.name, method.summary);
     drawing.counts(counts_text(flow.steps.size(), flow.longest_thread(), flow.barriers()));
     drawing.tree(flow.writers, true);
     drawing.locals_row(flow);
@@ -271,8 +264,8 @@ Diagram draw(const FlowMethod& method) {
         if (flow.rows(phase) > 0) drawing.phase(flow, phase);
     }
     drawing.guides();
-    if (method.has_blocks) drawing.block_edges(kDiagramSettings.block);
-    drawing.note(method.note);
+    if (method.picture.has_blocks) drawing.block_edges(kDiagramSettings.block);
+    drawing.note(method.picture.note);
     drawing.legend();
     return {std::string(method.name), drawing.finish()};
 }
@@ -309,7 +302,8 @@ ScanRig diagram_rig() {
 
 std::vector<Diagram> scan_diagrams() {
     std::vector<Diagram> out;
-    for (const FlowMethod& method : flow_methods()) out.push_back(draw(method));
+    for (const ScanMethod& method : scan_table())
+        if (method.picture.simulate) out.push_back(draw(method));
     out.push_back(draw(baked(), false));
     out.push_back(draw(flattened(), true));
     return out;

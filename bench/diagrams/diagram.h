@@ -2,7 +2,7 @@
 // multiplication of the longest thread, so that a picture's height is the critical path and its ink is the work.
 #pragma once
 
-#include "bench/diagrams/flow.h"
+#include "scan/scan_table.h"
 
 namespace throng::bench {
 
@@ -10,7 +10,7 @@ struct Diagram {
     std::string name, svg;
 };
 
-// One for each flow_methods(), and for the baselines without a hierarchy.
+// One for each method of the scan table that brings one, and for the baselines without a hierarchy.
 std::vector<Diagram> scan_diagrams();
 
 // What the pictures show: 16 joints in 8 levels, blocks and strides scaled down with them.

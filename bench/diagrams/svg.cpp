@@ -1,5 +1,7 @@
 #include "bench/diagrams/svg.h"
 
+#include "bench/report/html.h"
+
 #include <algorithm>
 #include <cstdio>
 
@@ -35,59 +37,56 @@ std::string number(double value) {
     return out == "-0" ? "0" : out;
 }
 
-std::string attribute(std::string_view name, double value) {
-    return " " + std::string(name) + "=\"" + number(value) + "\"";
-}
-std::string attribute(std::string_view name, std::string_view value) {
-    return " " + std::string(name) + "=\"" + std::string(value) + "\"";
-}
+using Attributes = std::initializer_list<std::pair<const char*, double>>;
 
-std::string escaped(std::string_view text) {
-    std::string out;
-    for (const char c : text) out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
-    return out;
+std::string attributes(Attributes numbers) {
+    std::string all;
+    for (const auto& [name, value] : numbers) all += std::string(" ") + name + "=\"" + number(value) + "\"";
+    return all;
 }
 
 }  // namespace
 
+void Svg::element(const std::string& beginning, std::string_view style, const std::string& end) {
+    body_ += "<" + beginning + " class=\"" + std::string(style) + "\"" + end + "\n";
+}
+
 void Svg::rect(Point corner, double width, double height, std::string_view style, double rounding) {
-    body_ += "<rect" + attribute("x", corner.x) + attribute("y", corner.y) + attribute("width", width) +
-             attribute("height", height) + (rounding > 0 ? attribute("rx", rounding) : std::string()) +
-             attribute("class", style) + "/>\n";
+    element("rect" + attributes({{"x", corner.x}, {"y", corner.y}, {"width", width}, {"height", height}}) +
+                (rounding > 0 ? attributes({{"rx", rounding}}) : ""),
+            style);
 }
 
 void Svg::line(Point from, Point to, std::string_view style) {
-    body_ += "<line" + attribute("x1", from.x) + attribute("y1", from.y) + attribute("x2", to.x) +
-             attribute("y2", to.y) + attribute("class", style) + "/>\n";
+    element("line" + attributes({{"x1", from.x}, {"y1", from.y}, {"x2", to.x}, {"y2", to.y}}), style);
 }
 
 void Svg::curve(Point from, Point to, std::string_view style) {
     const std::string middle = number((from.y + to.y) / 2);
-    body_ += "<path d=\"M" + number(from.x) + " " + number(from.y) + "C" + number(from.x) + " " + middle + " " +
-             number(to.x) + " " + middle + " " + number(to.x) + " " + number(to.y) + "\"" + attribute("class", style) +
-             "/>\n";
+    element("path d=\"M" + number(from.x) + " " + number(from.y) + "C" + number(from.x) + " " + middle + " " +
+                number(to.x) + " " + middle + " " + number(to.x) + " " + number(to.y) + "\"",
+            style);
 }
 
 void Svg::dot(Point centre, double radius, std::string_view style) {
-    body_ += "<circle" + attribute("cx", centre.x) + attribute("cy", centre.y) + attribute("r", radius) +
-             attribute("class", style) + "/>\n";
+    element("circle" + attributes({{"cx", centre.x}, {"cy", centre.y}, {"r", radius}}), style);
 }
 
 void Svg::text(Point at, std::string_view text, std::string_view style) {
     constexpr double kLine = 13;
     for (size_t begin = 0; begin <= text.size(); at.y += kLine) {
         const size_t end = std::min(text.find('\n', begin), text.size());
-        body_ += "<text" + attribute("x", at.x) + attribute("y", at.y) + attribute("class", style) + ">" +
-                 escaped(text.substr(begin, end - begin)) + "</text>\n";
+        element("text" + attributes({{"x", at.x}, {"y", at.y}}), style,
+                ">" + escape(text.substr(begin, end - begin)) + "</text>");
         begin = end + 1;
     }
 }
 
 std::string Svg::document(double width, double height, std::string_view title) const {
-    return "<svg xmlns=\"http://www.w3.org/2000/svg\"" + attribute("width", width) + attribute("height", height) +
-           attribute("viewBox", "0 0 " + number(width) + " " + number(height)) + " role=\"img\">\n<title>" +
-           escaped(title) + "</title>\n" + std::string(kStyle) + "\n<rect x=\"0.5\" y=\"0.5\"" +
-           attribute("width", width - 1) + attribute("height", height - 1) + " rx=\"8\" class=\"paper\"/>\n" + body_ +
+    return "<svg xmlns=\"http://www.w3.org/2000/svg\"" + attributes({{"width", width}, {"height", height}}) +
+           " viewBox=\"0 0 " + number(width) + " " + number(height) + "\" role=\"img\">\n<title>" + escape(title) +
+           "</title>\n" + std::string(kStyle) + "\n<rect x=\"0.5\" y=\"0.5\"" +
+           attributes({{"width", width - 1}, {"height", height - 1}}) + " rx=\"8\" class=\"paper\"/>\n" + body_ +
            "</svg>\n";
 }
 

@@ -26,6 +26,9 @@ public:
     std::string document(double width, double height, std::string_view title) const;
 
 private:
+    // `beginning`: its name and attributes but for the class.
+    void element(const std::string& beginning, std::string_view style, const std::string& end = "/>");
+
     std::string body_;
 };
 

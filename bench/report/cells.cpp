@@ -1,6 +1,6 @@
 #include "bench/report/cells.h"
 
-#include "bench/report/style.h"
+#include "scan/scan_table.h"
 
 #include <nlohmann/json.hpp>
 
@@ -27,6 +27,18 @@ const Json* smallest(const Cells& cells, const char* quantity) {
 }
 
 }  // namespace
+
+LineStyle scan_style(const std::string& method) {
+    if (method == kPlanner) return {{"#1f2328", "#f0f6fc"}, 0.9, "(1,3)", 6, 1.05};
+    const ScanMethod* row = find_scan_method(method);
+    return row ? row->style : LineStyle{};
+}
+
+uint32_t scan_rank(const std::string& method) {
+    if (method == kPlanner) return UINT32_MAX;
+    const ScanMethod* row = find_scan_method(method);
+    return row ? row->rank : ScanMethod{}.rank;
+}
 
 Cells latest_cells(std::span<const Json> records, const char* bench, const char* name,
                    std::vector<const char*> fields) {
@@ -66,6 +78,17 @@ std::vector<Cells> grouped(const Cells& cells, const std::vector<const char*>& f
         groups[place->second].push_back(cell);
     }
     return groups;
+}
+
+std::map<double, Cells> by_number(const Cells& cells, const char* field) {
+    std::map<double, Cells> at;
+    for (const Json* cell : cells) at[number(*cell, field)].push_back(cell);
+    return at;
+}
+
+Cells by_rank(Cells cells) {
+    std::ranges::stable_sort(cells, {}, [](const Json* cell) { return scan_rank(text(*cell, "method")); });
+    return cells;
 }
 
 std::vector<std::string> texts(const Cells& cells, const char* field) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bench/report/records.h"
+#include "scan/line_style.h"
 
 #include <map>
 #include <set>
@@ -14,6 +15,13 @@ namespace throng::bench {
 // Records that agree in some fields, in their first one's order.
 using Cells = std::vector<const Json*>;
 
+inline constexpr const char* kPlanner = "auto";  // among the methods of scans: what the planner has chosen
+
+// How a scan method looks, the same in every figure, and the order in which methods are drawn and listed: what it
+// brings in the scan table, a look of their own for others, and for the planner a ring around the point that it chose.
+LineStyle scan_style(const std::string& method);
+uint32_t scan_rank(const std::string& method);
+
 // A benchmark's own records that have a `name`; of several that agree in it and in `fields` the last one.
 Cells latest_cells(std::span<const Json> records, const char* bench, const char* name, std::vector<const char*> fields);
 Cells scan_cells(std::span<const Json> records);
@@ -23,6 +31,12 @@ Cells having(const Cells& cells, const char* field, const std::string& value);
 
 // One group for each combination of the fields' values, in the order of their first appearance.
 std::vector<Cells> grouped(const Cells& cells, const std::vector<const char*>& fields);
+
+// By their number in `field`.
+std::map<double, Cells> by_number(const Cells& cells, const char* field);
+
+// In the order in which methods are drawn and listed.
+Cells by_rank(Cells cells);
 
 // Each text or number once, in the order of appearance; missing ones are left out.
 std::vector<std::string> texts(const Cells& cells, const char* field);

@@ -89,18 +89,8 @@ std::string print(const char* format, double value) {
 
 std::string escape(std::string_view text) {
     std::string escaped;
-    for (const char c : text) {
-        if (c == '&')
-            escaped += "&amp;";
-        else if (c == '<')
-            escaped += "&lt;";
-        else if (c == '>')
-            escaped += "&gt;";
-        else if (c == '"')
-            escaped += "&quot;";
-        else
-            escaped += c;
-    }
+    for (const char c : text)
+        escaped += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : std::string(1, c);
     return escaped;
 }
 
@@ -119,6 +109,12 @@ std::string digits(double value) {
     if (std::abs(value) < 9.995e-4) return print("%.1e", value);
     const int decimals = 2 - static_cast<int>(std::floor(std::log10(std::abs(value))));
     return print(("%." + std::to_string(decimals) + "f").c_str(), value);
+}
+
+std::string details(const std::string& summary, const std::string& content, bool open) {
+    return content.empty() ? ""
+                           : std::string("<details") + (open ? " open" : "") + "><summary>" + summary + "</summary>\n" +
+                                 content + "</details>\n";
 }
 
 std::string html_page(const std::string& title, const std::string& body) {

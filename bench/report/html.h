@@ -13,6 +13,9 @@ std::string escape(std::string_view text);
 std::string digits(double value);
 std::string whole(double value);
 
+// What is shown where its summary is clicked at, or at once. Empty where there is no content.
+std::string details(const std::string& summary, const std::string& content, bool open);
+
 std::string html_page(const std::string& title, const std::string& body);
 
 }  // namespace throng::bench

@@ -55,7 +55,7 @@ public:
     void caption(const std::string& text, double x, double y, const Ink& ink, const std::string& alignment = "left",
                  const std::string& font = "") {
         command("set label " + gnuplot_text(text) + " at screen " + number(x / width_) + "," + number(1 - y / height_) +
-                " " + alignment + " textcolor rgb '" + use(ink) + "'" + (font.empty() ? "" : " font '" + font + "'"));
+                " " + alignment + " textcolor " + rgb(ink) + (font.empty() ? "" : " font '" + font + "'"));
     }
     // Each row is a line of a gnuplot data block; an empty row lifts the pen. `series` is what the element belongs to,
     // or empty.
@@ -67,9 +67,15 @@ public:
         elements_ += (elements_.empty() ? "" : ", ") + block + " " + style;
         owners_.push_back(series);
     }
-    std::string use(const Ink& ink) {
+    void lines(const std::string& series, const std::vector<std::string>& rows, double width, const Ink& ink) {
+        element(series, rows, "with lines linewidth " + number(width) + " linecolor " + rgb(ink));
+    }
+    void range(const char* axis, double from, double to) {
+        command("set " + std::string(axis) + "range [" + number(from) + ":" + number(to) + "]");
+    }
+    std::string rgb(const Ink& ink) {
         inks_[ink.light] = ink.dark;
-        return ink.light;
+        return std::string("rgb '") + ink.light + "'";
     }
 
     std::string draw() const {
@@ -84,16 +90,17 @@ public:
             svg.replace(start, svg.find(closing, start) + closing.size() - start,
                         owner.empty() ? ">" : "data-series=\"" + owner + "\"><title>" + owner + closing);
         }
-        replace_all(svg, "<title>" + id_ + "</title>\n", "");
-        // Several figures share a page, and identifiers of one must not be found in another.
-        replace_all(svg, "id='gp", "id='" + id_ + "-");
-        replace_all(svg, "#gp", "#" + id_ + "-");
-        replace_all(svg, "id=\"gnuplot_canvas\"", "id=\"" + id_ + "\"");
         for (size_t filter; (filter = svg.find("<filter")) != std::string::npos;)
             svg.erase(filter, svg.find("</filter>", filter) + 9 - filter);
-        replace_all(svg, "font-family=\"Helvetica\"", "font-family=\"" + std::string(kFonts) + "\"");
-        replace_all(svg, "font-family=\"Helvetica:Bold\"",
-                    "font-weight=\"600\" font-family=\"" + std::string(kFonts) + "\"");
+        const std::string fonts = std::string("font-family=\"") + kFonts + "\"";
+        // Several figures share a page, and identifiers of one must not be found in another.
+        for (const auto& [old, with] : {std::pair{"<title>" + id_ + "</title>\n", std::string()},
+                                        {"id='gp", "id='" + id_ + "-"},
+                                        {"#gp", "#" + id_ + "-"},
+                                        {"id=\"gnuplot_canvas\"", "id=\"" + id_ + "\""},
+                                        {"font-family=\"Helvetica\"", fonts},
+                                        {"font-family=\"Helvetica:Bold\"", "font-weight=\"600\" " + fonts}})
+            replace_all(svg, old, with);
         return with_dark_page(with_hexadecimal_colours(svg));
     }
 
@@ -207,8 +214,6 @@ std::vector<double> readable_tics(const std::set<double>& values, const Axis& x,
     return tics;
 }
 
-std::string rgb(Figure& figure, const Ink& ink) { return "rgb '" + figure.use(ink) + "'"; }
-
 }  // namespace
 
 std::string line_plot(const LinePlot& given) {
@@ -234,8 +239,8 @@ std::string line_plot(const LinePlot& given) {
     Figure figure(plot.id, kWidth, kHeight);
     figure.margins(kLeft, 0, top, kBottom);
     figure.command("set logscale y" + std::string(plot.log_x ? "\nset logscale x" : ""));
-    figure.command("set xrange [" + number(x.value(x.start)) + ":" + number(x.value(x.end)) + "]\nset yrange [" +
-                   number(y.value(y.start)) + ":" + number(y.value(y.end)) + "]");
+    figure.range("x", x.value(x.start), x.value(x.end));
+    figure.range("y", y.value(y.start), y.value(y.end));
     if (!plot.title.empty()) figure.caption(plot.title, 12, 20, kTitle, "left", "Helvetica:Bold,17");
     figure.caption(plot.y_label, 12, top - 18, kText);
     figure.caption(plot.x_label, (kLeft + kWidth - kNames) / 2, kHeight - 14, kText, "center");
@@ -253,7 +258,7 @@ std::string line_plot(const LinePlot& given) {
     }
     grid.insert(grid.end(),
                 {row({x.value(kLeft), y.value(kHeight - kBottom)}), row({grid_end, y.value(kHeight - kBottom)})});
-    figure.element("", grid, "with lines linewidth 1 linecolor " + rgb(figure, kGrid));
+    figure.lines("", grid, 1, kGrid);
 
     std::vector<double> ends;
     for (const Series& series : plot.series)
@@ -264,7 +269,7 @@ std::string line_plot(const LinePlot& given) {
     for (const Series& series : plot.series) {
         if (series.points.empty()) continue;
         const LineStyle& style = series.style;
-        const std::string colour = rgb(figure, style.ink);
+        const std::string colour = figure.rgb(style.ink);
         std::vector<std::string> band, line;
         for (const PlotPoint& point : series.points) {
             if (point.low > 0 && point.high > 0) band.push_back(row({point.x, point.low, point.high}));
@@ -277,12 +282,11 @@ std::string line_plot(const LinePlot& given) {
         figure.element(series.name, line,
                        "with linespoints linewidth " + number(style.width) + " pointtype " +
                            std::to_string(style.point_type) + " pointsize " + number(style.point_size) +
-                           (style.dashes.empty() ? "" : " dashtype " + style.dashes) + " linecolor " + colour);
+                           (*style.dashes ? " dashtype " + std::string(style.dashes) : "") + " linecolor " + colour);
         const PlotPoint& last = series.points.back();
         const double name_y = y.value(names[named++]);
-        figure.element(series.name,
-                       {row({x.value(x.pixel(last.x) + 5), last.y}), row({x.value(names_left - 4), name_y})},
-                       "with lines linewidth 0.6 linecolor " + colour);
+        figure.lines(series.name, {row({x.value(x.pixel(last.x) + 5), last.y}), row({x.value(names_left - 4), name_y})},
+                     0.6, style.ink);
         figure.element(series.name, {row({x.value(names_left), name_y}) + gnuplot_text(series.name)},
                        "using 1:2:3 with labels left textcolor " + colour);
     }
@@ -307,8 +311,9 @@ std::string bar_plot(const BarPlot& plot) {
 
     Figure figure(plot.id, kWidth, height);
     figure.margins(kNames, kNotes, kTop, bottom_margin);
-    figure.command("set xrange [" + number(begin) + ":" + number(x.value(x.end)) + "]\nset yrange [" + number(rows) +
-                   ":0]" + (plot.log_x ? "\nset logscale x" : ""));
+    figure.range("x", begin, x.value(x.end));
+    figure.range("y", rows, 0);
+    if (plot.log_x) figure.command("set logscale x");
     figure.caption(plot.title, kNames, 14, kTitle, "left", "Helvetica:Bold,14");
     figure.caption(plot.x_label, kWidth - 4, 14, kText, "right");
     if (plot.log_x) {
@@ -317,28 +322,26 @@ std::string bar_plot(const BarPlot& plot) {
             grid.insert(grid.end(), {row({tic, 0}), row({tic, rows}), ""});
             figure.caption(tic_text(tic), x.pixel(tic), height - bottom_margin + 14, kText, "center");
         }
-        if (!grid.empty()) figure.element("", grid, "with lines linewidth 1 linecolor " + rgb(figure, kGrid));
+        if (!grid.empty()) figure.lines("", grid, 1, kGrid);
     }
     for (size_t i = 0; i < plot.bars.size(); ++i) {
         const Bar& bar = plot.bars[i];
-        const double top = static_cast<double>(i) + 0.16, bottom = static_cast<double>(i) + 0.84,
-                     middle = static_cast<double>(i) + 0.5;
+        const auto above = static_cast<double>(i);
+        const double middle = above + 0.5;
         const double split = bar.value * (1 - std::clamp(bar.pale_share, 0.0, 1.0));
         const auto box = [&](double from, double to, const char* density) {
             if (to > from)
-                figure.element(bar.name, {row({from, middle, from, to, top, bottom})},
-                               "using 1:2:3:4:5:6 with boxxyerror fillcolor " + rgb(figure, bar.ink) +
+                figure.element(bar.name, {row({from, middle, from, to, above + 0.16, above + 0.84})},
+                               "using 1:2:3:4:5:6 with boxxyerror fillcolor " + figure.rgb(bar.ink) +
                                    " fillstyle transparent solid " + density + " noborder");
         };
         box(begin, split, "0.92");
         box(split, bar.value, "0.38");
-        if (bar.high > bar.low)
-            figure.element(bar.name, {row({bar.low, middle}), row({bar.high, middle})},
-                           "with lines linewidth 1.2 linecolor " + rgb(figure, kTitle));
+        if (bar.high > bar.low) figure.lines(bar.name, {row({bar.low, middle}), row({bar.high, middle})}, 1.2, kTitle);
         figure.caption(bar.name, kNames - 8, kTop + kRow * middle, kTitle, "right");
         figure.caption(bar.note, std::max(x.pixel(bar.value), x.pixel(bar.high)) + 7, kTop + kRow * middle, kText);
     }
-    figure.element("", {row({begin, 0}), row({begin, rows})}, "with lines linewidth 1 linecolor " + rgb(figure, kText));
+    figure.lines("", {row({begin, 0}), row({begin, rows})}, 1, kText);
     return figure.draw();
 }
 

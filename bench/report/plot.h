@@ -3,23 +3,12 @@
 // data-series.
 #pragma once
 
+#include "scan/line_style.h"
+
 #include <string>
 #include <vector>
 
 namespace throng::bench {
-
-// A colour on a light and on a dark page: "#rrggbb".
-struct Ink {
-    std::string light, dark;
-};
-
-struct LineStyle {
-    Ink ink;
-    double width = 1.5;
-    std::string dashes;  // gnuplot's dashtype, "(6,3)"; empty: solid
-    int point_type = 7;  // gnuplot's pointtype
-    double point_size = 0.4;
-};
 
 // Low to high is drawn as a band where both are given.
 struct PlotPoint {

@@ -2,13 +2,19 @@
 
 #include "base/failure.h"
 
-#include <nlohmann/json.hpp>
-
 #include <cmath>
 #include <fstream>
-#include <limits>
 
 namespace throng::bench {
+namespace {
+
+// Null where it is missing.
+Json value_at(const Json& record, const std::string& field) {
+    const Json::json_pointer place("/" + field);
+    return record.contains(place) ? record.at(place) : Json();
+}
+
+}  // namespace
 
 std::vector<Json> read_records(const std::filesystem::path& path) {
     std::ifstream file(path);
@@ -24,21 +30,17 @@ std::vector<Json> read_records(const std::filesystem::path& path) {
     return records;
 }
 
-double number(const Json& record, const char* field) {
-    const auto found = record.find(field);
-    const double value = found != record.end() && found->is_number() ? found->get<double>()
-                                                                     : std::numeric_limits<double>::quiet_NaN();
-    return std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN();
+double number(const Json& record, const std::string& field) {
+    const Json found = value_at(record, field);
+    const double value = found.is_number() ? found.get<double>() : std::nan("");
+    return std::isfinite(value) ? value : std::nan("");
 }
 
-std::string text(const Json& record, const char* field) {
-    const auto found = record.find(field);
-    return found != record.end() && found->is_string() ? found->get<std::string>() : std::string();
+std::string text(const Json& record, const std::string& field) {
+    const Json found = value_at(record, field);
+    return found.is_string() ? found.get<std::string>() : std::string();
 }
 
-bool flag(const Json& record, const char* field) {
-    const auto found = record.find(field);
-    return found != record.end() && found->is_boolean() && found->get<bool>();
-}
+bool flag(const Json& record, const std::string& field) { return value_at(record, field) == true; }
 
 }  // namespace throng::bench

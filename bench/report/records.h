@@ -1,7 +1,7 @@
 // Benchmark records: JSON objects, one a line, whose fields may be missing. bench/README.md lists them.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
+#include "bench/record.h"
 
 #include <filesystem>
 #include <string>
@@ -9,15 +9,13 @@
 
 namespace throng::bench {
 
-using Json = nlohmann::json;
-
 // Throws kFile, or kInvalidFile naming file and line where a line is not a JSON object. Empty lines are left out.
 std::vector<Json> read_records(const std::filesystem::path& path);
 
-// NaN where the field is missing or not a finite number.
-double number(const Json& record, const char* field);
+// NaN where the field is missing or not a finite number. "ms/median" is a field of a field.
+double number(const Json& record, const std::string& field);
 // Empty where the field is missing or not a text.
-std::string text(const Json& record, const char* field);
-bool flag(const Json& record, const char* field);
+std::string text(const Json& record, const std::string& field);
+bool flag(const Json& record, const std::string& field);
 
 }  // namespace throng::bench

@@ -1,9 +1,6 @@
 #include "bench/report/tables.h"
 
 #include "bench/report/html.h"
-#include "bench/report/style.h"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -13,27 +10,17 @@ namespace {
 
 constexpr double kNearFastest = 1.05;
 
-std::string td(const std::string& content) { return "<td>" + content + "</td>"; }
-std::string best_td(const std::string& content, bool best) { return td(best ? "<b>" + content + "</b>" : content); }
-std::string spread_td(const Json& cell, const char* low = "p5_ms", const char* high = "p95_ms") {
-    return td("<small>" + digits(number(cell, low)) + "–" + digits(number(cell, high)) + "</small>");
+std::string bold(const std::string& content, bool is_best) { return is_best ? "<b>" + content + "</b>" : content; }
+std::string td(const std::string& content, bool is_note = false) {
+    return (is_note ? "<td class=\"note\">" : "<td>") + content + "</td>";
+}
+std::string th(std::string_view name, bool is_note = false) {
+    return (is_note ? "<th class=\"note\">" : "<th>") + std::string(name) + "</th>";
 }
 std::string table(const std::string& head, const std::string& rows) {
     return rows.empty() ? ""
                         : "<div class=\"scroll\"><table><thead><tr>" + head + "</tr></thead><tbody>\n" + rows +
                               "</tbody></table></div>\n";
-}
-std::string heads(std::initializer_list<std::string_view> names) {
-    std::string all;
-    for (const std::string_view name : names) all += "<th>" + std::string(name) + "</th>";
-    return all;
-}
-
-Cells by_rank(Cells cells) {
-    std::stable_sort(cells.begin(), cells.end(), [](const Json* a, const Json* b) {
-        return scan_rank(text(*a, "method")) < scan_rank(text(*b, "method"));
-    });
-    return cells;
 }
 
 double least(const Cells& cells, const char* field) {
@@ -41,12 +28,7 @@ double least(const Cells& cells, const char* field) {
     return all.empty() ? std::nan("") : *all.begin();
 }
 
-// An obstacle or a wrong result stands where the times would.
-std::string why_untimed(const Json& cell) {
-    if (flag(cell, "wrong")) return "<span class=\"bad\">wrong result, not timed</span>";
-    const std::string unsupported_reason = text(cell, "unsupported_reason");
-    return unsupported_reason.empty() ? "not timed" : "does not apply: " + escape(unsupported_reason);
-}
+bool is_planners(const Json& cell) { return text(cell, "method") == kPlanner; }
 
 std::string percent(double share) { return std::isnan(share) ? "–" : whole(100 * share) + " %"; }
 
@@ -58,46 +40,81 @@ std::string size(double bytes) {
 
 }  // namespace
 
-std::string method_name(const std::string& method) {
-    const Ink ink = scan_style(method).ink;
-    return "<span class=\"swatch\" style=\"--light:" + ink.light + ";--dark:" + ink.dark + "\"></span>" +
-           escape(method);
+std::string swatch(const Ink& ink) {
+    return std::string("<span class=\"swatch\" style=\"--light:") + ink.light + ";--dark:" + ink.dark + "\"></span>";
+}
+
+std::string method_name(const std::string& method) { return swatch(scan_style(method).ink) + escape(method); }
+
+Column numbers_of(std::string_view head, const char* field, Shown shown, std::function<bool(const Json&)> best) {
+    return {head, [=](const Json& cell) { return bold(shown(number(cell, field)), best && best(cell)); }};
+}
+
+Column spread_of_times(const char* low, const char* high) {
+    return {"p5–p95", [=](const Json& cell) {
+                return "<small>" + digits(number(cell, low)) + "–" + digits(number(cell, high)) + "</small>";
+            }};
+}
+
+std::string record_table(const Cells& cells, const std::vector<Column>& columns, size_t named_by, const char* time,
+                         std::string_view not_done) {
+    std::string head, rows;
+    for (const Column& column : columns) head += th(column.head, column.is_note);
+    for (const Json* cell : cells) {
+        const bool is_wrong = flag(*cell, "wrong"), is_timed = !std::isnan(number(*cell, time)) && !is_wrong;
+        rows += "<tr>";
+        for (size_t i = 0; i < (is_timed ? columns.size() : named_by); ++i)
+            rows += td(columns[i].cell(*cell), columns[i].is_note);
+        if (!is_timed && named_by < columns.size()) {
+            const std::string reason = text(*cell, "unsupported_reason");
+            rows += "<td class=\"note\" colspan=\"" + std::to_string(columns.size() - named_by) + "\">" +
+                    (is_wrong         ? "<span class=\"bad\">wrong result, not timed</span>"
+                     : reason.empty() ? "not timed"
+                                      : std::string(not_done) + ": " + escape(reason)) +
+                    "</td>";
+        }
+        rows += "</tr>\n";
+    }
+    return table(head, rows);
 }
 
 std::string case_table(const Cells& cells) {
-    const auto is = [&](const Json& cell, const char* field) {
-        return text(cell, "method") != kPlanner && number(cell, field) == least(cells, field);
+    const Json* winner = fastest(cells);
+    const auto is_fastest = [=](const Json& cell) {
+        return winner && !is_planners(cell) && number(cell, "median_ms") == number(*winner, "median_ms");
     };
-    const double best_ms = fastest(cells) ? number(*fastest(cells), "median_ms") : 0;
-    std::string rows;
-    for (const Json* pointer : by_rank(cells)) {
-        const Json& cell = *pointer;
-        const std::string chosen = text(cell, "chosen");
-        const double threads = number(cell, "threads"), ms = number(cell, "median_ms");
-        const bool best = ms == best_ms && text(cell, "method") != kPlanner;
-        rows += "<tr>" +
-                td(method_name(text(cell, "method")) +
-                   (chosen.empty() ? "" : " <small>→ " + escape(chosen) + "</small>")) +
-                td(threads > 0 ? whole(threads) : "–");
-        if (std::isnan(ms) || flag(cell, "wrong")) {
-            rows += "<td class=\"note\" colspan=\"8\">" + why_untimed(cell) + "</td></tr>\n";
-            continue;
-        }
-        rows += best_td(digits(ms), best) + spread_td(cell) + best_td(digits(number(cell, "times_copy")), best) +
-                best_td(whole(number(cell, "multiplications")), is(cell, "multiplications")) +
-                best_td(whole(number(cell, "longest_thread")), is(cell, "longest_thread")) +
-                td(whole(number(cell, "barriers"))) + td(size(number(cell, "shared_bytes"))) +
-                td(digits(number(cell, "max_error"))) + "</tr>\n";
-    }
-    return table(heads({"method", "threads", "ms", "p5–p95", "× copy", "multipli&shy;cations", "longest<br>thread",
-                        "barriers", "shared<br>bytes", "error"}),
-                 rows);
+    const auto counts = [&](std::string_view head, const char* field) {
+        return numbers_of(head, field, whole, [field, best = least(cells, field)](const Json& cell) {
+            return !is_planners(cell) && number(cell, field) == best;
+        });
+    };
+    return record_table(by_rank(cells),
+                        {{"method",
+                          [](const Json& cell) {
+                              const std::string chosen = text(cell, "chosen");
+                              return method_name(text(cell, "method")) +
+                                     (chosen.empty() ? "" : " <small>→ " + escape(chosen) + "</small>");
+                          }},
+                         {"threads",
+                          [](const Json& cell) {
+                              const double threads = number(cell, "threads");
+                              return threads > 0 ? whole(threads) : "–";
+                          }},
+                         numbers_of("ms", "median_ms", digits, is_fastest),
+                         spread_of_times("p5_ms", "p95_ms"),
+                         numbers_of("× copy", "times_copy", digits, is_fastest),
+                         counts("multipli&shy;cations", "multiplications"),
+                         counts("longest<br>thread", "longest_thread"),
+                         numbers_of("barriers", "barriers", whole),
+                         numbers_of("shared<br>bytes", "shared_bytes", size),
+                         numbers_of("error", "max_error", digits)},
+                        2, "median_ms", "does not apply");
 }
 
 std::string matrix_table(const Cells& cells, const char* field, std::string_view field_name, const char* quantity) {
     const std::set<double> columns = numbers(cells, field);
-    std::string head = "<th>" + std::string(field_name) + "</th>", rows;
-    for (const double column : columns) head += "<th>" + whole(column) + "</th>";
+    std::string head = th(field_name), rows;
+    for (const double column : columns) head += th(whole(column));
     std::map<double, double> least_of;
     for (const auto& [x, cell] : best_over(cells, field, quantity)) least_of[x] = number(*cell, quantity);
     for (const Cells& method : grouped(by_rank(cells), {"method"})) {
@@ -106,7 +123,7 @@ std::string matrix_table(const Cells& cells, const char* field, std::string_view
         for (const double column : columns) {
             const auto found = best.find(column);
             const double value = found == best.end() ? std::nan("") : number(*found->second, quantity);
-            rows += best_td(digits(value), value == least_of[column]);
+            rows += td(bold(digits(value), value == least_of[column]));
         }
         rows += "</tr>\n";
     }
@@ -114,35 +131,35 @@ std::string matrix_table(const Cells& cells, const char* field, std::string_view
 }
 
 std::string on_chip_table(const Cells& cells) {
-    std::string rows;
+    Cells ordered;
+    std::map<double, double> least_ns;  // of a number of levels
     for (const Cells& level : grouped(cells, {"levels"})) {
-        const double least_ns = least(level, "on_chip_ns_per_joint");
-        for (const Json* pointer : by_rank(level)) {
-            const Json& cell = *pointer;
-            const double ns = number(cell, "on_chip_ns_per_joint"), share = number(cell, "barrier_share");
-            rows += "<tr>" + td(method_name(text(cell, "method"))) + td(whole(number(cell, "levels"))) +
-                    td(whole(number(cell, "joints"))) + td(whole(number(cell, "workgroup_size")));
-            if (std::isnan(ns)) {
-                rows += "<td class=\"note\" colspan=\"3\">" + why_untimed(cell) + "</td></tr>\n";
-                continue;
-            }
-            rows += best_td(digits(ns), ns == least_ns) + spread_td(cell, "on_chip_p5", "on_chip_p95") +
-                    td(percent(share)) + "</tr>\n";
-        }
+        least_ns[number(*level.front(), "levels")] = least(level, "on_chip_ns_per_joint");
+        for (const Json* cell : by_rank(level)) ordered.push_back(cell);
     }
-    return table(heads({"method", "levels", "joints", "workgroup", "ns a joint", "p5–p95", "barriers"}), rows);
+    const auto is_fastest = [&](const Json& cell) {
+        return number(cell, "on_chip_ns_per_joint") == least_ns[number(cell, "levels")];
+    };
+    return record_table(ordered,
+                        {{"method", [](const Json& cell) { return method_name(text(cell, "method")); }},
+                         numbers_of("levels", "levels", whole),
+                         numbers_of("joints", "joints", whole),
+                         numbers_of("workgroup", "workgroup_size", whole),
+                         numbers_of("ns a joint", "on_chip_ns_per_joint", digits, is_fastest),
+                         spread_of_times("on_chip_p5", "on_chip_p95"),
+                         numbers_of("barriers", "barrier_share", percent)},
+                        4, "on_chip_ns_per_joint", "does not apply");
 }
 
 std::string grid_table(const Cells& cells) {
     const std::set<double> levels = numbers(cells, "levels");
-    std::string head = heads({"characters × joints"}), rows;
+    std::string head = th("characters × joints"), rows;
     for (const double level : levels) head += "<th class=\"cell\">" + whole(level) + " levels</th>";
     int compared = 0, near = 0;
     for (const Cells& line : grouped(cells, {"characters", "joints"})) {
         rows += "<tr>" +
                 td(whole(number(*line.front(), "characters")) + " × " + whole(number(*line.front(), "joints")));
-        std::map<double, Cells> at;
-        for (const Json* cell : line) at[number(*cell, "levels")].push_back(cell);
+        std::map<double, Cells> at = by_number(line, "levels");
         for (const double level : levels) {
             const Json *best = fastest(at[level]), *plan = planned(at[level]);
             if (!best) {
@@ -171,18 +188,20 @@ std::string grid_table(const Cells& cells) {
 }
 
 std::string baseline_table(std::span<const Json> records) {
-    std::string rows;
-    for (const Json& record : records) {
-        if (text(record, "bench") != "baseline") continue;
-        rows += "<tr>" + td(escape(text(record, "file"))) + td(escape(text(record, "method"))) +
-                td(digits(number(record, "median_ms"))) + spread_td(record) +
-                td(size(number(record, "bytes_per_clip"))) + td(digits(number(record, "sample_error_mm_max"))) +
-                td(digits(number(record, "blend_error_mm_median"))) + td(digits(number(record, "blend_error_mm_p95"))) +
-                td(digits(number(record, "blend_error_mm_max"))) + "</tr>\n";
-    }
-    return table(heads({"character", "method", "ms", "p5–p95", "bytes<br>a clip", "one clip:<br>largest, mm",
-                        "two blended:<br>median, mm", "p95, mm", "largest, mm"}),
-                 rows);
+    Cells cells;
+    for (const Json& record : records)
+        if (text(record, "bench") == "baseline") cells.push_back(&record);
+    return record_table(cells,
+                        {{"character", [](const Json& record) { return escape(text(record, "file")); }},
+                         {"method", [](const Json& record) { return escape(text(record, "method")); }},
+                         numbers_of("ms", "median_ms", digits),
+                         spread_of_times("p5_ms", "p95_ms"),
+                         numbers_of("bytes<br>a clip", "bytes_per_clip", size),
+                         numbers_of("one clip:<br>largest, mm", "sample_error_mm_max", digits),
+                         numbers_of("two blended:<br>median, mm", "blend_error_mm_median", digits),
+                         numbers_of("p95, mm", "blend_error_mm_p95", digits),
+                         numbers_of("largest, mm", "blend_error_mm_max", digits)},
+                        9, "median_ms", "");
 }
 
 }  // namespace throng::bench

@@ -1,15 +1,33 @@
-// The tables of the scan benchmark's report, as HTML.
+// The tables of the report, as HTML.
 #pragma once
 
 #include "bench/report/cells.h"
 
-#include <string>
+#include <functional>
 #include <string_view>
 
 namespace throng::bench {
 
+// A spot of colour, for the beginning of a row.
+std::string swatch(const Ink& ink);
 // A method's name with its colour.
 std::string method_name(const std::string& method);
+
+struct Column {
+    std::string_view head;
+    std::function<std::string(const Json&)> cell;
+    bool is_note = false;  // text, not numbers
+};
+using Shown = std::string (*)(double);  // digits, whole, …
+// A number, bold where it is `best`.
+Column numbers_of(std::string_view head, const char* field, Shown shown,
+                  std::function<bool(const Json&)> best = nullptr);
+Column spread_of_times(const char* low, const char* high);
+
+// A row for each record. Of one without `time` only the first columns, `named_by`, are there; then stands why:
+// `not_done` is what is said of what does not apply. Empty where there is no record.
+std::string record_table(const Cells& cells, const std::vector<Column>& columns, size_t named_by, const char* time,
+                         std::string_view not_done);
 
 // Each method of one case: its counts beside its times.
 std::string case_table(const Cells& cells);

@@ -5,18 +5,17 @@
 #include "scan/scan_shaders.h"
 
 #include <algorithm>
+#include <map>
 
 namespace throng {
 namespace {
-
-uint64_t transform_bytes(const ScanMethod& method) { return method.format == ScanFormat::kSimilarity ? 32 : 48; }
 
 // The method's own plan in the shared memory that the tile leaves.
 ScanPlan plan_tiled(const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits) {
     const ScanMethod& method = *choice.method;
     const ScanPlan alone = plan_scan(method, rig, limits, choice.threads);
     if (!alone.unsupported_reason.empty()) return alone;
-    const uint64_t tile_bytes = uint64_t{alone.instances_per_workgroup} * rig.joint_count() * transform_bytes(method);
+    const uint64_t tile_bytes = uint64_t{alone.instances_per_workgroup} * rig.joint_count() * bytes_of(method.format);
     const std::string tile = std::to_string(tile_bytes) + " bytes of shared memory for local transforms";
     if (tile_bytes > limits.shared_memory_bytes)
         return {.unsupported_reason = tile + " exceed the device's " + std::to_string(limits.shared_memory_bytes)};
@@ -82,22 +81,12 @@ FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLi
 }
 
 FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits) {
-    std::vector<ScanChoice> choices;
-    const auto add = [&](std::string_view name, uint32_t threads) {
-        choices.push_back({find_scan_method(name), threads});
-    };
-    if (limits.is_cpu) {
-        add("serial", 0);
-    } else {
-        // A subgroup a character, no barrier but the one after the tile; similarities need less shared memory. See
-        // docs/performance.md.
-        const uint32_t threads = std::min(32u, limits.subgroup_size);
-        add("subgroup_quaternion", threads);
-        add("subgroup", threads);
-        add("fragments", 32);
-    }
+    std::map<uint32_t, ScanChoice> choices;  // by their order
+    for (const ScanMethod& method : scan_table())
+        if (const FusedPlace place = method.fused_place(limits); place.order > 0)
+            choices[place.order] = {&method, place.threads};
     FusedPlan plan;
-    for (const ScanChoice& choice : choices) {
+    for (const auto& [order, choice] : choices) {
         plan = plan_fused(choice, rig, limits);
         if (plan.unsupported_reason.empty()) break;
     }

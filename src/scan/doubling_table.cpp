@@ -6,6 +6,14 @@
 #include <bit>
 
 namespace throng {
+namespace {
+
+void go_twice_as_far(std::vector<uint32_t>& ancestors) {
+    for (auto joint = ancestors.size(); joint-- > 0;)  // downward: an ancestor's own is still that of this round
+        if (ancestors[joint] != kNone) ancestors[joint] = ancestors[ancestors[joint]];
+}
+
+}  // namespace
 
 DoublingTable doubling_table(std::span<const uint32_t> parents) {
     DoublingTable table;
@@ -32,8 +40,7 @@ DoublingTable doubling_table(std::span<const uint32_t> parents) {
             if (writes_last(joint, round)) word |= io::kDoublingToLast;
             table.links.push_back(word);
         }
-        for (auto joint = parents.size(); joint-- > 0;)  // downward: an ancestor's own is still that of this round
-            if (ancestors[joint] != kNone) ancestors[joint] = ancestors[ancestors[joint]];
+        go_twice_as_far(ancestors);
     }
     return table;
 }
@@ -47,6 +54,26 @@ void count_doubling_round(const DoublingTable& table, uint32_t round, uint32_t j
         moves.push_back(done && !stores_all ? 0 : (round == 0 || reloads ? 2 : 1));
     }
     counter.phase(multiplications, moves);
+}
+
+std::vector<Product> flow_doubling(Flow& flow, std::span<const uint32_t> parents) {
+    std::vector<Product> products;
+    for (uint32_t joint = 0; joint < parents.size(); ++joint) products.push_back({joint});
+    std::vector<uint32_t> ancestors(parents.begin(), parents.end());
+    for (uint32_t distance = 1;; distance *= 2) {
+        if (distance > 1 && std::ranges::all_of(ancestors, [](uint32_t ancestor) { return ancestor == kNone; }))
+            return products;
+        flow.phase("round " + std::to_string(std::bit_width(distance)) + ":\n" +
+                       (distance == 1 ? "the parent's" : std::to_string(distance) + " above"),
+                   distance == 1 ? FlowBoundary::kNothing : FlowBoundary::kBarrier);
+        std::vector<Product> next = products;
+        for (uint32_t joint = 0; joint < parents.size(); ++joint)
+            if (ancestors[joint] != kNone)
+                next[joint] = flow.multiply(joint, distance == 1 ? FlowSource::kLocal : FlowSource::kShared,
+                                            products[ancestors[joint]], products[joint]);
+        products = std::move(next);
+        go_twice_as_far(ancestors);
+    }
 }
 
 }  // namespace throng

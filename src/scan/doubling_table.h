@@ -13,11 +13,11 @@ struct DoublingTable {
 // parents[j] < j, or kNone where the joint's chain ends, be it at a root or where it is cut.
 DoublingTable doubling_table(std::span<const uint32_t> parents);
 
-// Two affines a joint, which lie in shared memory or in model and scratch.
-inline constexpr uint32_t kDoublingBytesPerJoint = 96;
-
 // What a round costs. `stores_all`: also the joints whose chains were complete before it store theirs.
 void count_doubling_round(const DoublingTable& table, uint32_t round, uint32_t joint_count, bool reloads,
                           bool stores_all, ScanCounter& counter);
+
+// The rounds over all chains; the product of each.
+std::vector<Product> flow_doubling(Flow& flow, std::span<const uint32_t> parents);
 
 }  // namespace throng

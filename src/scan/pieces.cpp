@@ -131,6 +131,28 @@ void append_rows(std::vector<uint32_t>& links, const std::vector<std::vector<uin
                                                                                         : io::kIdle);
 }
 
+struct PathsBetween {
+    std::vector<std::vector<uint32_t>> paths;  // [piece], joints of the piece above it, down to the attachment
+    // [piece], that above it; none where that is a root's: nothing lies above it, so its product is the identity
+    std::vector<uint32_t> above;
+};
+
+PathsBetween paths_between(const ScanRig& rig, const PieceCut& cut) {
+    PathsBetween out;
+    for (const Piece& piece : cut.pieces) {
+        std::vector<uint32_t>& path = out.paths.emplace_back();
+        out.above.push_back(kNone);
+        if (piece.attachment == kNone) continue;
+        const uint32_t piece_above = cut.piece_of_joint[piece.attachment];
+        if (cut.pieces[piece_above].attachment != kNone) out.above.back() = piece_above;
+        for (uint32_t joint = piece.attachment; joint != kNone && cut.piece_of_joint[joint] == piece_above;
+             joint = rig.parents[joint])
+            path.push_back(joint);
+        std::reverse(path.begin(), path.end());
+    }
+    return out;
+}
+
 uint32_t longest(const std::vector<std::vector<uint32_t>>& lists) {
     size_t most = 0;
     for (const auto& list : lists) most = std::max(most, list.size());
@@ -161,28 +183,15 @@ PieceTable piece_table(const ScanRig& rig, uint32_t threads, double rows_of_loca
         if (const uint32_t parent = rig.parents[joint];
             parent != kNone && cut.piece_of_joint[parent] == cut.piece_of_joint[joint])
             ++children_inside[parent];
-    std::vector<std::vector<uint32_t>> paths, ancestors, walks;
+    const auto [paths, above] = paths_between(rig, cut);
+    std::vector<std::vector<uint32_t>> ancestors, walks;
     for (uint32_t p = 0; p < cut.pieces.size(); ++p) {
-        const Piece& piece = cut.pieces[p];
-        std::vector<uint32_t>& path = paths.emplace_back();
-        if (piece.attachment != kNone) {
-            const uint32_t piece_above = cut.piece_of_joint[piece.attachment];
-            for (uint32_t joint = piece.attachment; joint != kNone && cut.piece_of_joint[joint] == piece_above;
-                 joint = rig.parents[joint])
-                path.push_back(joint);
-            std::reverse(path.begin(), path.end());
-        }
-        walks.push_back(walk_words(rig, piece, children_inside, table.slot_count));
-    }
-    // The chain of pieces above each, and of it those 1, 2, 4, … above.
-    for (uint32_t p = 0; p < cut.pieces.size(); ++p) {
-        std::vector<uint32_t> above;
-        for (uint32_t piece = p; cut.pieces[piece].attachment != kNone; piece = above.back())
-            above.push_back(cut.piece_of_joint[cut.pieces[piece].attachment]);
-        // The root's piece: nothing lies above it, so its product is the identity
-        if (!above.empty()) above.pop_back();
+        walks.push_back(walk_words(rig, cut.pieces[p], children_inside, table.slot_count));
+        // Of the chain of pieces above those 1, 2, 4, … above
         std::vector<uint32_t>& words = ancestors.emplace_back();
-        for (size_t distance = 1; distance <= above.size(); distance *= 2) words.push_back(above[distance - 1]);
+        uint32_t distance = 1;
+        for (uint32_t piece = above[p]; piece != kNone; piece = above[piece], ++distance)
+            if (std::has_single_bit(distance)) words.push_back(piece);
     }
     table.path_row_count = longest(paths);
     table.round_count = longest(ancestors);
@@ -201,6 +210,47 @@ PieceTable piece_table(const ScanRig& rig, uint32_t threads, double rows_of_loca
                                 table.round_count * (kRowsOfLink + 2 * rows_of_local) +
                                 table.walk_row_count * (kRowsOfLink + rows_of_local + kRowsOfAffine);
     return table;
+}
+
+Flow flow_pieces(const ScanRig& rig, uint32_t threads, FlowBoundary between_rounds) {
+    const PieceCut cut = cut_into_pieces(rig, threads);
+    const auto piece_count = static_cast<uint32_t>(cut.pieces.size());
+    Flow flow(rig);
+    flow.phase("paths from piece\nto piece");
+    std::vector<Product> prefixes(piece_count);
+    auto [paths, above] = paths_between(rig, cut);
+    for (uint32_t p = 0; p < piece_count; ++p)
+        for (const uint32_t joint : paths[p])
+            prefixes[p] = prefixes[p].empty() ? Product{joint}
+                                              : flow.multiply(p, FlowSource::kRegister, prefixes[p], {joint});
+    for (uint32_t round = 1; std::ranges::any_of(above, [](uint32_t piece) { return piece != kNone; }); ++round) {
+        flow.phase("small scan over\nthe pieces" + (round > 1 ? ", " + std::to_string(round) : std::string()),
+                   between_rounds);
+        std::vector<Product> next = prefixes;
+        std::vector<uint32_t> next_above = above;
+        for (uint32_t p = 0; p < piece_count; ++p) {
+            if (above[p] == kNone) continue;
+            next[p] = flow.multiply(p, FlowSource::kShared, prefixes[above[p]], prefixes[p]);
+            next_above[p] = above[above[p]];
+        }
+        prefixes = std::move(next);
+        above = std::move(next_above);
+    }
+    flow.phase("each piece\non its own");
+    std::vector<Product> products(rig.joint_count());
+    for (uint32_t p = 0; p < piece_count; ++p) {
+        uint32_t last = cut.pieces[p].attachment;
+        for (const uint32_t joint : cut.pieces[p].joints) {
+            const uint32_t parent = rig.parents[joint];
+            const bool from_prefix = parent == cut.pieces[p].attachment;
+            products[joint] = flow.multiply(p,
+                                            from_prefix || parent == last ? FlowSource::kRegister : FlowSource::kShared,
+                                            from_prefix ? prefixes[p] : products[parent], {joint});
+            flow.store(p, joint, products[joint]);
+            last = joint;
+        }
+    }
+    return flow;
 }
 
 }  // namespace throng

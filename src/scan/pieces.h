@@ -6,6 +6,8 @@
 
 namespace throng {
 
+inline constexpr const char* kForWaitingParents = " for waiting parents";  // shared memory
+
 // Some subtrees, without those cut off below, whose top joints share one parent outside.
 struct Piece {
     // Parents first; a joint's largest subtree comes last, so that few parents wait for a child
@@ -37,5 +39,8 @@ struct PieceTable {
     }
 };
 PieceTable piece_table(const ScanRig& rig, uint32_t threads, double rows_of_local);
+
+// As the shader goes about them.
+Flow flow_pieces(const ScanRig& rig, uint32_t threads, FlowBoundary between_rounds);
 
 }  // namespace throng

@@ -34,11 +34,6 @@ std::vector<ScanPrediction> predict_method(const ScanMethod& method, const ScanR
     return out;
 }
 
-void sort_fastest_first(std::vector<ScanPrediction>& predictions) {
-    std::stable_sort(predictions.begin(), predictions.end(),
-                     [](const ScanPrediction& a, const ScanPrediction& b) { return a.milliseconds < b.milliseconds; });
-}
-
 }  // namespace
 
 ScanRequest parse_scan_request(const std::string& wanted) {
@@ -88,7 +83,7 @@ std::vector<ScanPrediction> predict_scans(const ScanRig& rig, uint32_t instance_
         const std::vector<ScanPrediction> of_method = predict_method(method, rig, instance_count, limits, costs);
         all.insert(all.end(), of_method.begin(), of_method.end());
     }
-    sort_fastest_first(all);
+    std::ranges::stable_sort(all, {}, &ScanPrediction::milliseconds);
     return all;
 }
 
@@ -108,9 +103,10 @@ ExplainedChoice choose_scan(const std::string& wanted, const ScanRig& rig, uint3
                 ErrorCode::kUnsupported, "scan method '" + wanted + "'",
                 "works on transposed poses, which no other stage writes; it runs in 'throng bench scan' only");
         if (!request.threads) {
-            std::vector<ScanPrediction> of_method = predict_method(*choice.method, rig, instance_count, limits, costs);
-            sort_fastest_first(of_method);
-            if (!of_method.empty()) choice = of_method.front().choice;
+            const std::vector<ScanPrediction> of_method = predict_method(*choice.method, rig, instance_count, limits,
+                                                                         costs);
+            const auto fastest = std::ranges::min_element(of_method, {}, &ScanPrediction::milliseconds);
+            if (fastest != of_method.end()) choice = fastest->choice;
         }
         const ScanPlan plan = plan_scan(*choice.method, rig, limits, choice.threads);
         if (!plan.unsupported_reason.empty())

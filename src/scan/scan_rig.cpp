@@ -5,8 +5,7 @@
 namespace throng {
 
 ScanRig::ScanRig(std::span<const uint32_t> parents_in, bool uniform_scale_in)
-    : parents(parents_in.begin(), parents_in.end()), uniform_scale(uniform_scale_in) {
-    std::vector<bool> has_child(parents.size());
+    : parents(parents_in.begin(), parents_in.end()), has_child(parents.size()), uniform_scale(uniform_scale_in) {
     double depth_sum = 0;
     for (const uint32_t parent : parents) {
         const uint32_t depth = parent == kNone ? 1 : depths[parent] + 1;
@@ -17,6 +16,13 @@ ScanRig::ScanRig(std::span<const uint32_t> parents_in, bool uniform_scale_in)
     }
     mean_depth = parents.empty() ? 0 : depth_sum / static_cast<double>(parents.size());
     leaf_count = static_cast<uint32_t>(std::count(has_child.begin(), has_child.end(), false));
+}
+
+std::vector<uint32_t> ScanRig::chain(uint32_t joint) const {
+    std::vector<uint32_t> joints;
+    for (; joint != kNone; joint = parents[joint]) joints.push_back(joint);
+    std::reverse(joints.begin(), joints.end());
+    return joints;
 }
 
 }  // namespace throng

@@ -11,6 +11,7 @@ namespace throng {
 struct ScanRig {
     std::vector<uint32_t> parents;  // [joint_count], parents[j] < j, or kNone
     std::vector<uint32_t> depths;   // [joint_count], joints on the path from the root, both ends included
+    std::vector<bool> has_child;    // [joint_count]
     uint32_t level_count = 0;       // the largest depth
     uint32_t leaf_count = 0;
     double mean_depth = 0;
@@ -18,6 +19,8 @@ struct ScanRig {
 
     ScanRig() = default;
     explicit ScanRig(std::span<const uint32_t> parents, bool uniform_scale = false);
+    // From the root down to the joint.
+    std::vector<uint32_t> chain(uint32_t joint) const;
     uint32_t joint_count() const { return static_cast<uint32_t>(parents.size()); }
 };
 

@@ -12,8 +12,7 @@ namespace {
 }  // namespace
 
 const ScanShaders& scan_shaders(std::string_view name) {
-    const auto found = std::find_if(std::begin(kScanShaders), std::end(kScanShaders),
-                                    [&](const ScanShaders& row) { return row.name == name; });
+    const auto found = std::ranges::find(kScanShaders, name, &ScanShaders::name);
     if (found == std::end(kScanShaders))
         throw Failure(ErrorCode::kInvalidArgument, std::string(name), "no file of src/scan/methods is its shader");
     return *found;

@@ -20,8 +20,7 @@ std::span<const ScanMethod> scan_table() {
 
 const ScanMethod* find_scan_method(std::string_view name) {
     const auto methods = scan_table();
-    const auto found = std::find_if(methods.begin(), methods.end(),
-                                    [&](const ScanMethod& m) { return m.name == name; });
+    const auto found = std::ranges::find(methods, name, &ScanMethod::name);
     return found == methods.end() ? nullptr : &*found;
 }
 
@@ -48,10 +47,23 @@ ScanPlan plan_scan(const ScanMethod& method, const ScanRig& rig, const ScanLimit
                                   std::to_string(limits.loop_iterations)};
 }
 
+SharedJoints::SharedJoints(uint32_t joint_count, const ScanLimits& limits) {
+    const uint64_t needed_bytes = uint64_t{joint_count} * 2 * bytes_of(ScanFormat::kAffine);
+    fit = needed_bytes <= limits.shared_memory_bytes;
+    bytes = fit ? static_cast<uint32_t>(needed_bytes) : 0;
+    constants = {fit ? joint_count : 1u, fit ? 1u : 0u};
+}
+
 uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits) {
     constexpr uint32_t kWarp = 32, kLargest = 256;
     const uint32_t step = std::max(kWarp, limits.subgroup_size);
     return std::min(std::clamp((joint_count + step - 1) / step * step, step, kLargest), limits.workgroup_size);
+}
+
+std::string memory_unsupported_reason(uint64_t shared_bytes, const std::string& what_for, const ScanLimits& limits) {
+    if (shared_bytes <= limits.shared_memory_bytes) return {};
+    return std::to_string(shared_bytes) + " bytes of shared memory" + what_for + " exceed the device's " +
+           std::to_string(limits.shared_memory_bytes);
 }
 
 std::vector<uint32_t> no_thread_choice(const ScanLimits&) { return {0}; }

@@ -2,7 +2,9 @@
 // over this table.
 #pragma once
 
+#include "scan/line_style.h"
 #include "scan/scan_counts.h"
+#include "scan/scan_flow.h"
 #include "scan/scan_rig.h"
 
 #include <span>
@@ -40,7 +42,15 @@ struct ScanPlan {
 enum class ScanOrigin { kPaper, kBaseline, kOurs };  // named by the paper; what it argues against; throng's own
 // [instance][joint], as all other stages have it; [joint][instance]
 enum class ScanLayout { kCharacterMajor, kTransposed };
-enum class ScanFormat { kAffine, kSimilarity };  // of local transforms: 48 or 32 bytes
+enum class ScanFormat { kAffine, kSimilarity };  // of local transforms
+constexpr uint32_t bytes_of(ScanFormat format) { return format == ScanFormat::kSimilarity ? 32 : 48; }
+
+// Where a method's fused form stands among those that an update tries: the least order first.
+struct FusedPlace {
+    uint32_t order = 0;    // 0: it is not tried
+    uint32_t threads = 0;  // invocations a character
+};
+inline FusedPlace not_tried(const ScanLimits&) { return {}; }
 
 struct ScanMethod {
     std::string_view name;  // its shader is <name>.comp, without _quaternion and _transposed, which name variants
@@ -55,6 +65,14 @@ struct ScanMethod {
     std::vector<uint32_t> (*thread_choices)(const ScanLimits& limits);
     // Any joint count from 1 to 65,535; `threads` is one of thread_choices().
     ScanPlan (*plan)(const ScanRig& rig, const ScanLimits& limits, uint32_t threads);
+    FusedPlace (*fused_place)(const ScanLimits& limits) = not_tried;
+    FlowPicture picture = {};
+    // In figures lines of a higher rank lie over others, and stand behind them in tables and legends: plain methods,
+    // the paper's, ours.
+    uint32_t rank = 1000;
+    // Plain methods are grey, the paper's orange and dashed, ours blue to violet and solid. Within a family lightness,
+    // dashes and the shape of the points tell methods apart, so that no pair rests on hue alone.
+    LineStyle style = {};
 };
 
 std::span<const ScanMethod> scan_table();
@@ -68,8 +86,20 @@ std::string threads_unsupported_reason(const ScanMethod& method, const ScanLimit
 // The plan, or why there is none: also where the rig's scales or the threads do not fit the method.
 ScanPlan plan_scan(const ScanMethod& method, const ScanRig& rig, const ScanLimits& limits, uint32_t threads);
 
+// Two affines a joint in shared memory, or in model and scratch where that has no room for them.
+struct SharedJoints {
+    SharedJoints(uint32_t joint_count, const ScanLimits& limits);
+
+    bool fit = false;
+    uint32_t bytes = 0;               // of shared memory
+    std::vector<uint32_t> constants;  // the kernel's first two: joints in shared memory, and whether they fit
+};
+
 // As many invocations as joints, in steps of 32 or the subgroup's size, at most 256: more lower the occupancy of GPUs.
 uint32_t strided_workgroup_size(uint32_t joint_count, const ScanLimits& limits);
+
+// Why so much shared memory, `what_for`, is more than the device has; empty where it is not.
+std::string memory_unsupported_reason(uint64_t shared_bytes, const std::string& what_for, const ScanLimits& limits);
 
 std::vector<uint32_t> no_thread_choice(const ScanLimits& limits);
 

@@ -44,10 +44,7 @@ ScanPlan plan_fused_serial(const ScanRig& rig, const std::vector<bool>& fixed, c
     plan.counts.loop_iterations = rig.joint_count() + 3 * uint64_t{segments.size()} + 1;
     const uint32_t shared_bytes = limits.is_cpu ? 0 : plan.constants[1] * 48;
     plan.counts.shared_bytes = shared_bytes;
-    if (shared_bytes > limits.shared_memory_bytes)
-        plan.unsupported_reason = std::to_string(shared_bytes) +
-                                  " bytes of shared memory for waiting parents exceed the device's " +
-                                  std::to_string(limits.shared_memory_bytes);
+    plan.unsupported_reason = memory_unsupported_reason(shared_bytes, kForWaitingParents, limits);
     return plan;
 }
 

@@ -1,16 +1,13 @@
-#include "bench/record.h"
-#include "bench/skin_error.h"
-#include "tools/cli/statistics.h"
+#include "bench/rounds.h"
+#include "bench/updates.h"
 #include "tools/cli/command.h"
 #include "tools/cli/program.h"
 #include "tools/creatures/creature.h"
 #include "tools/bench/bench_commands.h"
+#include "tools/bench/measured.h"
 #include "tools/scene/scatter.h"
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
-#include <array>
 #include <cstdio>
 
 namespace throng::tools {
@@ -27,11 +24,6 @@ struct BenchOptions {
     bool json = false;
 };
 
-nlohmann::json spread_record(const std::vector<double>& values) {
-    const Spread spread = spread_of(values);
-    return {{"median_ms", spread.median}, {"p5_ms", spread.p5}, {"p95_ms", spread.p95}};
-}
-
 // What its groups are updated by.
 const char* path_of(const Crowd& crowd, size_t group_count) {
     size_t fused_count = 0;
@@ -39,26 +31,23 @@ const char* path_of(const Crowd& crowd, size_t group_count) {
     return fused_count == 0 ? "staged" : fused_count == group_count ? "fused" : "both";
 }
 
-// Of some instances of each group.
 double largest_error(Crowd& crowd, const Scatter& field) {
     double worst = 0;
     uint32_t first = 0;
     for (const CrowdGroup& group : field.groups) {
-        constexpr uint32_t kChecked = 16;
-        for (uint32_t i = 0; i < std::min(kChecked, group.instance_count); ++i) {
-            const auto instance = static_cast<uint32_t>(first + uint64_t{group.instance_count} * i /
-                                                                    std::min(kChecked, group.instance_count));
-            const ReferencePose pose = unwrap(reference_pose(*group.character, field.playback[instance]));
-            worst = std::max(worst, bench::skin_error(unwrap(crowd.read_skin_matrices(instance)), pose.model_from_bind,
-                                                      group.character->size));
-        }
+        const auto error_of = [&](uint32_t instance) {
+            const ReferencePose pose = unwrap(reference_pose(*group.character, field.playback[first + instance]));
+            return bench::skin_error(unwrap(crowd.read_skin_matrices(first + instance)), pose.model_from_bind,
+                                     group.character->size);
+        };
+        worst = std::max(worst, bench::largest_error_of_some(group.instance_count, error_of));
         first += group.instance_count;
     }
     return worst;
 }
 
-nlohmann::json run_case(const Device& device, const std::vector<Character>& characters, const Scatter& field,
-                        const std::string& scan, const BenchOptions& options) {
+Json run_case(const Device& device, const std::vector<Character>& characters, const Scatter& field,
+              const std::string& scan, const BenchOptions& options) {
     print_progress(scan + ": checking");
     Result<Crowd> created = Crowd::create(device, {.groups = field.groups, .path = options.path, .scan = scan});
     if (!created && created.error().code == ErrorCode::kUnsupported && options.scan == "all")
@@ -67,24 +56,16 @@ nlohmann::json run_case(const Device& device, const std::vector<Character>& char
     unwrap(crowd.set_playback(0, field.playback));
     unwrap(crowd.update(0));
     const double error = largest_error(crowd, field);
-    if (!(error <= bench::kSkinErrorBound))
-        throw CommandError(scan + ": wrong result (error " + std::to_string(error) + " of the size); not timed");
+    check_error(scan, error);
 
-    std::array<std::vector<double>, kStageNames.size()> stage_ms;
-    std::vector<double> total_ms;
-    for (uint32_t sample = 0; sample < options.samples; ++sample) {
-        print_progress(scan + ": sample " + std::to_string(sample + 1) + " of " + std::to_string(options.samples));
-        unwrap(crowd.update(1.0f / 60));
-        const StageTimes times = unwrap(crowd.stage_times());
-        for (size_t s = 0; s < kStageNames.size(); ++s) stage_ms[s].push_back(times.ms[s]);
-        total_ms.push_back(times.total());
-    }
+    bench::UpdateTimes times;
+    const bench::Contestant updates{scan, [&] { times.take(*device.gpu(), crowd); }};
+    bench::run_rounds({&updates, 1}, options.samples, print_progress);
     uint64_t joints = 0;
     for (const CrowdGroup& group : field.groups)
         joints += uint64_t{group.instance_count} * group.character->rig.joint_count();
-    nlohmann::json stages;
-    for (size_t s = 0; s < kStageNames.size(); ++s) stages[kStageNames[s]] = spread_record(stage_ms[s]);
-    nlohmann::json files = nlohmann::json::array();
+    Json stages, files = Json::array();
+    for (size_t s = 0; s < kStageNames.size(); ++s) stages[kStageNames[s]] = bench::spread_json(times.stage(s), "_ms");
     for (const Character& c : characters)
         files.push_back({{"name", c.name},
                          {"joints", c.rig.joint_count()},
@@ -93,8 +74,7 @@ nlohmann::json run_case(const Device& device, const std::vector<Character>& char
                          {"leaves", c.rig.leaf_count},
                          {"palette_entries", c.palette.size()},
                          {"keys", keys_text(c)}});
-    const nlohmann::json total = spread_record(total_ms);
-    nlohmann::json record = bench::where_and_when(device.info());
+    Json record = bench::where_and_when(device.info());
     record.update({{"bench", "update"},
                    {"scan", scan},
                    {"path", path_of(crowd, field.groups.size())},
@@ -104,23 +84,29 @@ nlohmann::json run_case(const Device& device, const std::vector<Character>& char
                    {"clips_blended", 2},
                    {"samples", options.samples},
                    {"stages", stages},
-                   {"total", total},
-                   {"ns_per_joint", total["median_ms"].get<double>() * 1e6 / static_cast<double>(joints)},
+                   {"total", bench::spread_json(times.total(), "_ms")},
+                   {"ns_per_joint", times.total().median * 1e6 / static_cast<double>(joints)},
                    {"max_error", error},
                    {"memory_bytes", crowd.size_bytes()}});
     return record;
 }
 
-void print_row(const nlohmann::json& record) {
-    if (record.contains("unsupported_reason")) {
-        std::printf("%-18s does not apply: %s\n", record["scan"].get<std::string>().c_str(),
-                    record["unsupported_reason"].get<std::string>().c_str());
-        return;
-    }
-    std::printf("%-18s %-6s", record["scan"].get<std::string>().c_str(), record["path"].get<std::string>().c_str());
-    for (const char* name : kStageNames) std::printf(" %9.3f", record["stages"][name]["median_ms"].get<double>());
-    std::printf(" %9.3f %9.2f  %.1e\n", record["total"]["median_ms"].get<double>(),
-                record["ns_per_joint"].get<double>(), record["max_error"].get<double>());
+void print_row(const Json& record) {
+    std::printf("%-18s ", text(record, "scan").c_str());
+    if (print_untimed(record, "does not apply")) return;
+    std::printf("%-6s", text(record, "path").c_str());
+    for (const char* name : kStageNames)
+        std::printf(" %9.3f", real(record, std::string("stages/") + name + "/median_ms"));
+    print_columns(record, {{" %9.3f", "total/median_ms"}, {" %9.2f", "ns_per_joint"}, {"  %.1e\n", "max_error"}});
+}
+
+void print_head(const Device& device, const std::vector<Character>& characters, const BenchOptions& options) {
+    std::string keys;
+    for (const Character& character : characters) keys += (keys.empty() ? "" : ", ") + keys_text(character);
+    std::printf("%u characters on %s, two clips blended, keys %s; medians of %u updates, ms\n%-18s %-6s", options.count,
+                device.info().name.c_str(), keys.c_str(), options.samples, "scan method", "path");
+    for (const char* name : kStageNames) std::printf(" %9s", name);
+    std::printf(" %9s %9s  %s\n", "total", "ns/joint", "error");
 }
 
 void run_bench(const BenchOptions& options) {
@@ -136,22 +122,11 @@ void run_bench(const BenchOptions& options) {
         for (const ScanMethodInfo& method : scan_methods())
             if (method.in_crowds) scans.push_back(method.name);
     }
-    if (!options.json) {
-        std::string keys;
-        for (const Character& character : characters) keys += (keys.empty() ? "" : ", ") + keys_text(character);
-        std::printf("%u characters on %s, two clips blended, keys %s; medians of %u updates, ms\n%-18s %-6s",
-                    options.count, device.info().name.c_str(), keys.c_str(), options.samples, "scan method", "path");
-        for (const char* name : kStageNames) std::printf(" %9s", name);
-        std::printf(" %9s %9s  %s\n", "total", "ns/joint", "error");
-    }
+    if (!options.json) print_head(device, characters, options);
+    Measured measured(options.json);
     for (const std::string& scan : scans) {
-        const nlohmann::json record = run_case(device, characters, field, scan, options);
-        print_progress("");
-        if (options.json)
-            print_json(record);
-        else
-            print_row(record);
-        std::fflush(stdout);
+        const Json record = run_case(device, characters, field, scan, options);
+        measured.add({&record, 1}, [&] { print_row(record); });
     }
 }
 
@@ -167,14 +142,14 @@ void add_bench(Command app) {
     command.add_option("--count", options->count, "characters in all")
         .check(range(1u, 10'000'000u))
         .capture_default_str();
-    command.add_option("--samples", options->samples, "updates timed").check(range(1u, 100'000u)).capture_default_str();
+    add_samples_option(command, options->samples);
     add_path_option(command, options->path);
     add_error_option(command, options->compile);
     command.add_option("--scan", options->scan, "method of the Hierarchy-Scan, or all of them")
         .check(scan_name({"all", "auto"}))
         .capture_default_str();
     add_device_option(command, options->device);
-    command.add_flag("--json", options->json, "a JSON record a line; its commit is taken from THRONG_COMMIT");
+    add_json_flag(command, options->json);
     command.footer(
         "Examples:\n  throng bench\n  throng bench --joints 300 --levels 120 --count 1000 --scan serial\n  throng "
         "bench fox.glb --count 5000 --json");

@@ -3,8 +3,7 @@
 #include "tools/cli/command.h"
 #include "tools/creatures/creature.h"
 #include "tools/bench/bench_commands.h"
-
-#include <nlohmann/json.hpp>
+#include "tools/bench/measured.h"
 
 #include <cstdio>
 
@@ -22,47 +21,40 @@ struct ControlOptions {
 // Of a crowd that is measured with all its joints; larger ones get fewer, as small characters in the distance have
 constexpr uint64_t kMostJoints = 4'000'000;
 
-void print_row(const nlohmann::json& record) {
-    std::printf("%10u %7u ", record["characters"].get<uint32_t>(), record["joints"].get<uint32_t>());
-    if (record.contains("wrong")) {
-        std::printf("WRONG, not timed: it is %s of the size off\n", record["max_error"].dump().c_str());
-        return;
-    }
-    const nlohmann::json& control = record["control_ms"];
-    std::printf("%9.3f %9.3f -%8.3f %12.1f %12.3f %7.1f %%  %.1e\n", control["median"].get<double>(),
-                control["p5"].get<double>(), control["p95"].get<double>(), record["ns_per_character"].get<double>(),
-                record["update_ms"]["median"].get<double>(), 100 * record["share"].get<double>(),
-                record["max_error"].get<double>());
+void print_row(const Json& record) {
+    print_columns(record, {{"%10.0f", "characters"}, {" %7.0f ", "joints"}});
+    if (print_untimed(record, "not measured")) return;
+    print_columns(record, {{"%9.3f", "control_ms/median"},
+                           {" %9.3f", "control_ms/p5"},
+                           {" -%8.3f", "control_ms/p95"},
+                           {" %12.1f", "ns_per_character"},
+                           {" %12.3f", "update_ms/median"},
+                           {" %7.1f %%", "share", 100},
+                           {"  %.1e\n", "max_error"}});
 }
 
 void run_control(const ControlOptions& options) {
     const Device device = open_device(options.device);
-    bool any_wrong = false, first = true;
+    Measured measured(options.json);
     for (const uint32_t count : options.counts) {
         const uint32_t joints = std::min(options.joints,
                                          static_cast<uint32_t>(std::max<uint64_t>(kMostJoints / count, 40)));
         const Character character = unwrap(compile_character(unwrap(make_creature(
             {.joint_count = joints, .level_count = std::min(options.levels, joints / 3), .seed = options.seed}))));
-        const nlohmann::json record = bench::measure_control(
+        const Json record = bench::measure_control(
             device, {.character = &character, .count = count, .samples = options.samples, .seed = options.seed},
             print_progress);
-        print_progress("");
-        if (options.json)
-            print_json(record);
-        else {
-            if (first)
+        measured.add({&record, 1}, [&] {
+            if (measured.all().empty())
                 std::printf(
                     "%s, driver %s: 12 states in 3 layers; medians of %u updates\n%10s %7s %9s %19s %12s %12s %9s  "
                     "%s\n",
                     device.info().name.c_str(), device.info().driver.c_str(), options.samples, "characters", "joints",
                     "control", "5 % - 95 %", "ns/character", "update", "share", "error");
             print_row(record);
-        }
-        std::fflush(stdout);
-        first = false;
-        any_wrong = any_wrong || record.contains("wrong");
+        });
     }
-    if (any_wrong) throw CommandError("an update is wrong");
+    measured.finish("", "an update");
 }
 
 }  // namespace
@@ -82,9 +74,9 @@ void add_bench_control(Command bench) {
     command.add_option("--levels", options->levels, "levels of the skeletons, at most a third of the joints")
         .check(range(8u, 300u))
         .capture_default_str();
-    command.add_option("--samples", options->samples, "updates timed").check(range(1u, 100'000u)).capture_default_str();
+    add_samples_option(command, options->samples);
     command.add_option("--seed", options->seed, "of creatures and parameters").capture_default_str();
-    command.add_flag("--json", options->json, "a JSON record a line; its commit is taken from THRONG_COMMIT");
+    add_json_flag(command, options->json);
     add_device_option(command, options->device);
     command.footer(
         "Examples:\n  throng bench control\n  throng bench control --characters 10000 --joints 64\n  throng bench "

@@ -1,6 +1,6 @@
 #include "bench/diagrams/diagram.h"
-#include "tools/cli/command.h"
 #include "tools/bench/bench_commands.h"
+#include "tools/bench/measured.h"
 
 namespace throng::tools {
 
@@ -11,7 +11,7 @@ void add_bench_diagrams(Command bench_command) {
     command.footer("Example:\n  throng bench diagrams --out docs/scan");
     command.callback([folder] {
         for (const bench::Diagram& diagram : bench::scan_diagrams())
-            write_file(std::filesystem::path(*folder) / (diagram.name + ".svg"), std::as_bytes(std::span(diagram.svg)));
+            write_text(*folder + "/" + diagram.name + ".svg", diagram.svg);
     });
 }
 

@@ -1,16 +1,13 @@
 // throng bench frame: whole updates, staged and fused, beside what memory alone costs.
 #include "bench/frame_bench.h"
-#include "bench/report/gnuplot.h"
-#include "bench/scan_report.h"
 #include "tools/cli/command.h"
 #include "tools/creatures/creature.h"
 #include "tools/cli/inputs.h"
 #include "tools/bench/bench_commands.h"
+#include "tools/bench/measured.h"
 #include "tools/scene/scatter.h"
 
-#include <nlohmann/json.hpp>
-
-#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <set>
 
@@ -39,47 +36,38 @@ constexpr std::array kGenerated{Generated{10'000, 300, 15},  Generated{10'000, 3
                                 Generated{100'000, 64, 15},  Generated{1'000, 1'000, 60}};
 constexpr uint32_t kCharactersOfFile = 10'000;
 
-double real(const nlohmann::json& record, const char* field) {
-    return record.contains(field) && record[field].is_number() ? record[field].get<double>() : 0;
-}
-std::string word(const nlohmann::json& record, const char* field) { return record.value(field, std::string()); }
-
-void print_table(std::span<const nlohmann::json> records) {
-    const nlohmann::json& first = records.front();
-    std::printf("\n%s: %u characters x %u joints, %u levels (mean depth %.1f), keys %s\n",
-                word(first, "configuration").c_str(), first["characters"].get<uint32_t>(),
-                first["joints"].get<uint32_t>(), first["levels"].get<uint32_t>(), real(first, "mean_depth"),
-                word(first, "keys").c_str());
-    std::printf("%-18s %9s %19s %9s %9s %8s %7s  %s\n", "variant", "ms", "5 % - 95 %", "ns/joint", "MB", "GB/s",
-                "x fill", "error");
-    for (const nlohmann::json& record : records) {
-        std::printf("%-18s ", word(record, "variant").c_str());
-        if (record.contains("unsupported_reason")) {
-            std::printf("not measured: %s\n", word(record, "unsupported_reason").c_str());
-            continue;
-        }
-        if (record.contains("wrong")) {
-            std::printf("WRONG, not timed: it is %s of the size off\n", record["max_error"].dump().c_str());
-            continue;
-        }
-        const nlohmann::json& ms = record["ms"];
-        std::printf("%9.3f %9.3f -%8.3f %9.3f ", real(ms, "median"), real(ms, "p5"), real(ms, "p95"),
-                    real(record, "ns_per_joint"));
-        std::printf("%9.1f %8.1f ", real(record, "bytes") * 1e-6, real(record, "gb_per_s"));
+void print_table(std::span<const Json> records) {
+    const Json& first = records.front();
+    std::printf("\n%s: ", text(first, "configuration").c_str());
+    print_columns(first, {{"%.0f characters", "characters"},
+                          {" x %.0f joints", "joints"},
+                          {", %.0f levels", "levels"},
+                          {" (mean depth %.1f)", "mean_depth"}});
+    std::printf(", keys %s\n%-18s %9s %19s %9s %9s %8s %7s  %s\n", text(first, "keys").c_str(), "variant", "ms",
+                "5 % - 95 %", "ns/joint", "MB", "GB/s", "x fill", "error");
+    for (const Json& record : records) {
+        std::printf("%-18s ", text(record, "variant").c_str());
+        if (print_untimed(record, "not measured")) continue;
+        print_columns(record, {{"%9.3f", "ms/median"},
+                               {" %9.3f", "ms/p5"},
+                               {" -%8.3f", "ms/p95"},
+                               {" %9.3f", "ns_per_joint"},
+                               {" %9.1f", "bytes", 1e-6},
+                               {" %8.1f ", "gb_per_s"}});
         if (record.contains("max_error"))
-            std::printf("%7.2f  %.1e", real(record, "times_fill_floor"), real(record, "max_error"));
+            print_columns(record, {{"%7.2f", "times_fill_floor"}, {"  %.1e", "max_error"}});
         else
-            std::printf("%7s  by %s", "", word(record, "by").c_str());
-        if (const double by_host = real(record, "host_samples"); by_host > 0)
-            std::printf(", %g of %g rounds by the host's clock", by_host, real(record, "samples"));
+            std::printf("%7s  by %s", "", text(record, "by").c_str());
+        if (real(record, "host_samples") > 0)
+            print_columns(record, {{", %g of", "host_samples"}, {" %g rounds by the host's clock", "samples"}});
         std::printf("\n");
     }
-    std::fflush(stdout);
 }
 
 class FrameRun {
 public:
-    explicit FrameRun(const FrameOptions& options) : options_(options), device_(open_device(options.device)) {}
+    explicit FrameRun(const FrameOptions& options)
+        : options_(options), device_(open_device(options.device)), measured_(options.json) {}
 
     // A run with other keys is another configuration, also where the records of both end in one report.
     void measure(std::string configuration, const Character& character, const Character* exact, uint32_t count) {
@@ -91,20 +79,13 @@ public:
                                      .keys = keys,
                                      .exact = exact,
                                      .playback = field.playback};
-        const std::vector<nlohmann::json> records = bench::measure_frame(device_, frame, options_.samples,
-                                                                         print_progress);
-        print_progress("");
-        if (!options_.json) {
-            if (all_.empty())
+        const std::vector<Json> records = bench::measure_frame(device_, frame, options_.samples, print_progress);
+        measured_.add(records, [&] {
+            if (measured_.all().empty())
                 std::printf("%s, driver %s; medians of %u rounds\n", device_.info().name.c_str(),
                             device_.info().driver.c_str(), options_.samples);
             print_table(records);
-        }
-        for (const nlohmann::json& record : records) {
-            if (options_.json) print_json(record);
-            all_.push_back(record);
-        }
-        std::fflush(stdout);
+        });
     }
 
     void measure_generated(const Generated& generated) {
@@ -130,29 +111,23 @@ public:
                 count);
     }
 
-    const std::vector<nlohmann::json>& records() const { return all_; }
+    const Measured& measured() const { return measured_; }
 
 private:
     const FrameOptions& options_;
     Device device_;
     std::set<std::string> generated_;
-    std::vector<nlohmann::json> all_;
+    Measured measured_;
 };
 
 void run_frame(const FrameOptions& options) {
     keep_inputs(options.files, {options.report});
-    // Where it is missing, that is said before the minutes of work
-    if (!options.report.empty()) bench::run_gnuplot("");
+    check_report(options.report);
     FrameRun run(options);
     for (const std::string& file : options.files) run.measure_file(file);
     if (options.files.empty())
         for (const Generated& generated : kGenerated) run.measure_generated(generated);
-    if (!options.report.empty()) {
-        const std::string page = bench::scan_report(run.records());
-        write_file(options.report, std::as_bytes(std::span(page)));
-    }
-    const auto is_wrong = [](const nlohmann::json& record) { return record.contains("wrong"); };
-    if (std::any_of(run.records().begin(), run.records().end(), is_wrong)) throw CommandError("an update is wrong");
+    run.measured().finish(options.report, "an update");
 }
 
 }  // namespace
@@ -166,14 +141,12 @@ void add_bench_frame(Command bench) {
                        "glTF 2.0 files (default: generated creatures of 64 to 1,000 joints, up to 100,000 of them)");
     command.add_option("--count", options->count, "characters in each configuration (default: its own)")
         .check(range(1u, 10'000'000u));
-    Option samples = command.add_option("--samples", options->samples, "rounds timed")
-                         .check(range(1u, 100'000u))
-                         .capture_default_str();
+    Option samples = add_samples_option(command, options->samples, "rounds timed");
     add_error_option(command, options->compile);
     command.add_option("--seed", options->seed, "of creatures, clips, times and blends").capture_default_str();
     command.add_flag("--quick", options->quick, "a tenth of the characters, and 3 rounds");
-    command.add_flag("--json", options->json, "a JSON record a line; its commit is taken from THRONG_COMMIT");
-    command.add_option("--report", options->report, "a file for the report, one HTML page").check(writable_file());
+    add_json_flag(command, options->json);
+    add_report_option(command, options->report);
     add_device_option(command, options->device);
     command.footer(
         "Examples:\n  throng bench frame\n  throng bench frame --quick --report frame.html\n"

@@ -1,11 +1,8 @@
 // throng bench report: the records of earlier runs as a page, or the paper's figure alone.
-#include "bench/report/records.h"
 #include "bench/scan_report.h"
-#include "tools/cli/command.h"
 #include "tools/cli/inputs.h"
 #include "tools/bench/bench_commands.h"
-
-#include <nlohmann/json.hpp>
+#include "tools/bench/measured.h"
 
 namespace throng::tools {
 namespace {
@@ -15,13 +12,11 @@ struct ReportOptions {
     std::string out, plot;
 };
 
-void write_text(const std::string& path, const std::string& text) { write_file(path, std::as_bytes(std::span(text))); }
-
 void run_report(const ReportOptions& options) {
     keep_inputs(options.files, {options.out, options.plot});
-    std::vector<nlohmann::json> records;
+    std::vector<Json> records;
     for (const std::string& file : options.files)
-        for (nlohmann::json& record : bench::read_records(file)) records.push_back(std::move(record));
+        for (Json& record : bench::read_records(file)) records.push_back(std::move(record));
     if (!options.plot.empty()) write_text(options.plot, bench::scan_levels_plot(records));
     write_text(options.out, bench::scan_report(records));
 }

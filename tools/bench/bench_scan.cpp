@@ -1,13 +1,11 @@
 // throng bench scan: every method of the Hierarchy-Scan, checked and timed side by side.
-#include "bench/report/gnuplot.h"
 #include "bench/scan_bench.h"
-#include "bench/scan_report.h"
 #include "tools/cli/command.h"
 #include "tools/bench/bench_commands.h"
-
-#include <nlohmann/json.hpp>
+#include "tools/bench/measured.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace throng::tools {
@@ -19,75 +17,58 @@ struct ScanOptions {
     std::string shape = "random", device, json, report;
 };
 
-double real(const nlohmann::json& record, const char* field) {
-    return record.at(field).is_number() ? record.at(field).get<double>() : 0;
-}
-uint64_t count(const nlohmann::json& record, const char* field) { return record.at(field).get<uint64_t>(); }
-
-void print_cell(std::span<const nlohmann::json> records) {
-    const nlohmann::json& first = records.front();
+void print_cell(std::span<const Json> records) {
+    const Json& first = records.front();
     const bool on_chip = first.at("experiment") == "on_chip";
-    std::printf("\n%s: %zu characters x %zu joints, %s, %zu levels (mean depth %.1f), %zu leaves\n",
-                on_chip ? "on-chip, without memory" : "from memory to memory", count(first, "characters"),
-                count(first, "joints"), first.at("shape").get<std::string>().c_str(), count(first, "levels"),
-                real(first, "mean_depth"), count(first, "leaves"));
-    std::printf("%-22s %5s %9s %19s %8s %15s %7s %8s %9s\n", "method", "threads", on_chip ? "ns/joint" : "ms",
+    std::printf("\n%s:", on_chip ? "on-chip, without memory" : "from memory to memory");
+    print_columns(first, {{" %.0f characters", "characters"}, {" x %.0f joints", "joints"}});
+    std::printf(", %s", text(first, "shape").c_str());
+    print_columns(first,
+                  {{", %.0f levels", "levels"}, {" (mean depth %.1f)", "mean_depth"}, {", %.0f leaves", "leaves"}});
+    std::printf("\n%-22s %5s %9s %19s %8s %15s %7s %8s %9s\n", "method", "threads", on_chip ? "ns/joint" : "ms",
                 "5 % - 95 %", on_chip ? "barriers" : "x copy", "multiplications", "longest", "barriers", "error");
-    for (const nlohmann::json& record : records) {
-        const std::string chosen = record.value("chosen", std::string());
-        std::printf("%-22s ",
-                    chosen.empty() ? record.at("method").get<std::string>().c_str() : ("auto: " + chosen).c_str());
-        if (record.contains("unsupported_reason")) {
-            std::printf("does not apply: %s\n", record.at("unsupported_reason").get<std::string>().c_str());
-            continue;
-        }
-        if (record.contains("wrong")) {
-            std::printf("WRONG, not timed: it is %s off\n", record.at("max_error").dump().c_str());
-            continue;
-        }
-        const uint64_t lanes = count(record, "threads");
-        std::printf("%5s %9.3f %9.3f -%8.3f ", lanes ? std::to_string(lanes).c_str() : "",
-                    real(record, on_chip ? "on_chip_ns_per_joint" : "median_ms"),
-                    real(record, on_chip ? "on_chip_p5" : "p5_ms"), real(record, on_chip ? "on_chip_p95" : "p95_ms"));
+    for (const Json& record : records) {
+        const std::string chosen = text(record, "chosen");
+        std::printf("%-22s ", chosen.empty() ? text(record, "method").c_str() : ("auto: " + chosen).c_str());
+        if (print_untimed(record, "does not apply", " off")) continue;
+        const double threads = real(record, "threads");
+        std::printf("%5s", threads > 0 ? std::to_string(std::lround(threads)).c_str() : "");
         if (on_chip)
-            std::printf("%6.0f %%", 100 * real(record, "barrier_share"));
+            print_columns(record, {{" %9.3f", "on_chip_ns_per_joint"},
+                                   {" %9.3f", "on_chip_p5"},
+                                   {" -%8.3f", "on_chip_p95"},
+                                   {" %6.0f %%", "barrier_share", 100}});
         else
-            std::printf("%8.2f", real(record, "times_copy"));
-        std::printf(" %15zu %7zu %8zu   %.1e\n", count(record, "multiplications"), count(record, "longest_thread"),
-                    count(record, "barriers"), real(record, "max_error"));
+            print_columns(
+                record,
+                {{" %9.3f", "median_ms"}, {" %9.3f", "p5_ms"}, {" -%8.3f", "p95_ms"}, {" %8.2f", "times_copy"}});
+        print_columns(record, {{" %15.0f", "multiplications"},
+                               {" %7.0f", "longest_thread"},
+                               {" %8.0f", "barriers"},
+                               {"   %.1e\n", "max_error"}});
     }
-    if (!on_chip)
-        for (const nlohmann::json& record : records)
-            if (record.contains("copy_ms")) {
-                std::printf("%-22s %5s %9.3f\n", "copy", "", real(record, "copy_ms"));
-                break;
-            }
-    std::fflush(stdout);
+    const auto copied = std::ranges::find_if(records, [](const Json& record) { return record.contains("copy_ms"); });
+    if (!on_chip && copied != records.end()) {
+        std::printf("%-28s", "copy");
+        print_columns(*copied, {{" %9.3f\n", "copy_ms"}});
+    }
 }
-
-void write_text(const std::string& path, const std::string& text) { write_file(path, std::as_bytes(std::span(text))); }
 
 void run_scan(const ScanOptions& options) {
-    // Where it is missing, that is said before the minutes of work
-    if (!options.report.empty()) bench::run_gnuplot("");
+    check_report(options.report);
     const Device device = open_device(options.device);
-    std::vector<nlohmann::json> all;
-    std::string lines;
-    bench::run_scan_bench(device, options.settings, print_progress, [&](std::span<const nlohmann::json> records) {
-        print_progress("");
-        if (all.empty())
-            std::printf("%s, driver %s, subgroups of %u\n", device.info().name.c_str(), device.info().driver.c_str(),
-                        device.info().subgroup_size);
-        print_cell(records);
-        for (const nlohmann::json& record : records)
-            lines += record.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-        all.insert(all.end(), records.begin(), records.end());
+    Measured measured;
+    bench::run_scan_bench(device, options.settings, print_progress, [&](std::span<const Json> records) {
+        measured.add(records, [&] {
+            if (measured.all().empty())
+                std::printf("%s, driver %s, subgroups of %u\n", device.info().name.c_str(),
+                            device.info().driver.c_str(), device.info().subgroup_size);
+            print_cell(records);
+        });
         // Cell after cell: a long run that is stopped leaves what it has
-        if (!options.json.empty()) write_text(options.json, lines);
+        if (!options.json.empty()) write_text(options.json, measured.lines());
     });
-    if (!options.report.empty()) write_text(options.report, bench::scan_report(all));
-    if (std::any_of(all.begin(), all.end(), [](const nlohmann::json& record) { return record.contains("wrong"); }))
-        throw CommandError("a scan method is wrong");
+    measured.finish(options.report, "a scan method");
 }
 
 }  // namespace
@@ -120,11 +101,8 @@ void add_bench_scan(Command bench_command) {
             .check(is_member(shapes))
             .capture_default_str()};
     command.add_option("--seed", settings.seed, "of skeletons and poses").capture_default_str();
-    Option samples = command
-                         .add_option("--samples", settings.sampling.samples,
-                                     "of each method in each case, where the time suffices")
-                         .check(range(1u, 100'000u))
-                         .capture_default_str();
+    Option samples = add_samples_option(command, settings.sampling.samples,
+                                        "of each method in each case, where the time suffices");
     Option chosen = command
                         .add_option("--experiments", settings.experiments,
                                     "levels: the paper's; joints: 16 to 4096; characters: 1 to 100,000; on_chip: "
@@ -138,11 +116,8 @@ void add_bench_scan(Command bench_command) {
                         .check(range(1.0, 1e6))
                         .capture_default_str();
     command.add_flag("--quick", settings.quick, "less of everything: under a minute");
-    command
-        .add_option("--json", options->json,
-                    "a file for the records, one a line; their commit is taken from THRONG_COMMIT")
-        .check(writable_file());
-    command.add_option("--report", options->report, "a file for the report, one HTML page").check(writable_file());
+    add_json_file_option(command, options->json);
+    add_report_option(command, options->report);
     add_device_option(command, options->device);
     command.footer(
         "Without options: the paper's experiment, and how the methods scale with joints and characters.\nExamples:\n"

@@ -2,11 +2,10 @@
 #include "bench/view_bench.h"
 #include "tools/creatures/creature.h"
 #include "tools/bench/bench_commands.h"
+#include "tools/bench/measured.h"
 #include "tools/cli/command.h"
 #include "tools/scene/camera_path.h"
 #include "tools/scene/scatter.h"
-
-#include <nlohmann/json.hpp>
 
 #include <cstdio>
 #include <filesystem>
@@ -24,30 +23,23 @@ struct ViewOptions {
     bool json = false;
 };
 
-void print_row(const nlohmann::json& record) {
-    std::printf("%-18s ", record["variant"].get<std::string>().c_str());
-    if (record.contains("unsupported_reason")) {
-        std::printf("not measured: %s\n", record["unsupported_reason"].get<std::string>().c_str());
+void print_row(const Json& record) {
+    std::printf("%-18s ", text(record, "variant").c_str());
+    if (print_untimed(record, "not measured",
+                      " of the size off, and " + record.value("max_pixels", Json()).dump() + " pixels"))
         return;
-    }
-    if (record.contains("wrong")) {
-        std::printf("WRONG, not timed: it is %s of the size off, and %s pixels\n", record["max_error"].dump().c_str(),
-                    record.value("max_pixels", nlohmann::json()).dump().c_str());
-        return;
-    }
-    const nlohmann::json& ms = record["ms"];
-    std::printf("%9.3f %9.3f -%8.3f ", ms["median"].get<double>(), ms["p5"].get<double>(), ms["p95"].get<double>());
+    print_columns(record, {{"%9.3f", "ms/median"}, {" %9.3f", "ms/p5"}, {" -%8.3f ", "ms/p95"}});
     if (record.contains("times_faster"))
-        std::printf("%7.2f ", record["times_faster"].get<double>());
+        print_columns(record, {{"%7.2f ", "times_faster"}});
     else
         std::printf("%7s ", "");  // everything was not measured
-    const nlohmann::json stages = record.value("stages", nlohmann::json::object());
+    const Json stages = record.value("stages", Json::object());
     for (const auto& [stage, stage_ms] : stages.items())
         std::printf(" %s %.2f,", stage.c_str(), stage_ms.get<double>());
     std::printf(" drawn");
-    for (const nlohmann::json& count : record["drawn"]) std::printf(" %u", count.get<uint32_t>());
-    std::printf(", error %.1e", record["max_error"].get<double>());
-    if (record.contains("max_pixels")) std::printf(" and %.2f pixels", record["max_pixels"].get<double>());
+    for (const Json& count : record["drawn"]) std::printf(" %u", count.get<uint32_t>());
+    print_columns(record, {{", error %.1e", "max_error"}});
+    if (record.contains("max_pixels")) print_columns(record, {{" and %.2f pixels", "max_pixels"}});
     std::printf("\n");
 }
 
@@ -74,29 +66,23 @@ void run_view(const ViewOptions& options) {
         return unwrap(view_of(make_camera_path(options.camera).at(0, subject), size.width, size.height, bounds,
                               {.lod_pixels = options.lod_pixels, .full_rate_pixels = options.full_rate_pixels}));
     };
-    const std::vector<nlohmann::json> records = bench::measure_view(device,
-                                                                    {.configuration = configuration,
-                                                                     .character = &character,
-                                                                     .playback = field.playback,
-                                                                     .placement = field.placement,
-                                                                     .view_of = view},
-                                                                    options.samples, print_progress);
-    print_progress("");
-    if (!options.json)
+    const std::vector<Json> records = bench::measure_view(device,
+                                                          {.configuration = configuration,
+                                                           .character = &character,
+                                                           .playback = field.playback,
+                                                           .placement = field.placement,
+                                                           .view_of = view},
+                                                          options.samples, print_progress);
+    Measured measured(options.json);
+    measured.add(records, [&] {
         std::printf(
             "%s, driver %s: %s; medians of %u updates\n%-18s %9s %19s %7s  stages, characters drawn of each level of "
             "detail\n",
             device.info().name.c_str(), device.info().driver.c_str(), configuration.c_str(), options.samples, "variant",
             "ms", "5 % - 95 %", "faster");
-    bool any_wrong = false;
-    for (const nlohmann::json& record : records) {
-        if (options.json)
-            print_json(record);
-        else
-            print_row(record);
-        any_wrong = any_wrong || record.contains("wrong");
-    }
-    if (any_wrong) throw CommandError("an update is wrong");
+        for (const Json& record : records) print_row(record);
+    });
+    measured.finish("", "an update");
 }
 
 }  // namespace
@@ -126,10 +112,10 @@ void add_bench_view(Command bench) {
         .check(finite())
         .check(range(0.0, 1e30))
         .capture_default_str();
-    command.add_option("--samples", options->samples, "updates timed").check(range(1u, 100'000u)).capture_default_str();
+    add_samples_option(command, options->samples);
     add_error_option(command, options->compile);
     command.add_option("--seed", options->seed, "of creature, clips, times and blends").capture_default_str();
-    command.add_flag("--json", options->json, "a JSON record a line; its commit is taken from THRONG_COMMIT");
+    add_json_flag(command, options->json);
     add_device_option(command, options->device);
     command.footer(
         "Examples:\n  throng bench view\n  throng bench view fox.glb --count 10000 --camera orbit\n  throng bench view "

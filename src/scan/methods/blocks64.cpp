@@ -1,3 +1,4 @@
+#include "scan/blocks.h"
 #include "scan/doubling_table.h"
 #include "scan/scan_table.h"
 
@@ -8,33 +9,34 @@ constexpr uint32_t kBlock = 64;
 
 ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     const uint32_t joint_count = rig.joint_count();
-    const bool fits = uint64_t{joint_count} * kDoublingBytesPerJoint <= limits.shared_memory_bytes;
-    ScanPlan plan{.workgroup_size = strided_workgroup_size(joint_count, limits), .on_chip = fits};
+    const SharedJoints shared(joint_count, limits);
+    ScanPlan plan{.workgroup_size = strided_workgroup_size(joint_count, limits),
+                  .constants = shared.constants,
+                  .on_chip = shared.fit};
     const bool reloads = joint_count > plan.workgroup_size;
 
-    // The parent within the block; the first ancestor outside it; blocks crossed
-    std::vector<uint32_t> inside, outside, hops;
-    for (uint32_t joint = 0; joint < joint_count; ++joint) {
-        const uint32_t parent = rig.parents[joint];
-        const bool stays = parent != kNone && parent / kBlock == joint / kBlock;
-        inside.push_back(stays ? parent : kNone);
-        outside.push_back(stays ? outside[parent] : parent);
-        hops.push_back(outside.back() == kNone ? 0 : hops[outside.back()] + 1);
-    }
-    DoublingTable table = doubling_table(inside);
-    plan.constants = {fits ? joint_count : 1u, fits ? 1u : 0u, reloads ? 1u : 0u, table.round_count};
+    const Blocks blocks(rig, kBlock);
+    DoublingTable table = doubling_table(blocks.inside);
+    plan.constants.insert(plan.constants.end(), {reloads ? 1u : 0u, table.round_count});
 
     ScanCounter counter(plan.workgroup_size, limits.subgroup_size);
     for (uint32_t round = 0; round < table.round_count; ++round) {
         count_doubling_round(table, round, joint_count, reloads, false, counter);
         counter.barrier();
     }
-    counter.phase(hops, reloads ? 2 : 1);
-    counter.shared_bytes(fits ? uint64_t{joint_count} * kDoublingBytesPerJoint : 0);
+    counter.phase(blocks.hops, reloads ? 2 : 1);
+    counter.shared_bytes(shared.bytes);
     plan.counts = counter.counts();
     plan.links = std::move(table.links);
-    plan.links.insert(plan.links.end(), outside.begin(), outside.end());
+    plan.links.insert(plan.links.end(), blocks.outside.begin(), blocks.outside.end());
     return plan;
+}
+
+Flow simulate(const ScanRig& rig, const FlowSettings& settings) {
+    Flow flow(rig);
+    const Blocks blocks(rig, settings.block);
+    flow_hops(flow, blocks, flow_doubling(flow, blocks.inside));
+    return flow;
 }
 
 }  // namespace
@@ -46,7 +48,10 @@ ScanMethod blocks64() {
             .source = "the paper's Algorithm 3",
             .origin = ScanOrigin::kPaper,
             .thread_choices = no_thread_choice,
-            .plan = plan};
+            .plan = plan,
+            .picture = {simulate, "Drawn with blocks of 8 joints; the method has blocks of 64.", true},
+            .rank = 70,
+            .style = {{"#b34a1f", "#ff8552"}, 1.8, "(6,3)", 12, 0.55}};
 }
 
 }  // namespace throng

@@ -1,4 +1,3 @@
-#include "scan/doubling_table.h"
 #include "scan/scan_table.h"
 
 #include <algorithm>
@@ -22,10 +21,11 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     uint32_t rounds = 1;
     for (uint64_t reach = kRadix; reach < rig.level_count; reach *= kRadix) ++rounds;
     // GLSL has no empty arrays
-    const uint32_t shared_joints = rounds > 1 ? joint_count : 1;
-    const bool fits = uint64_t{shared_joints} * kDoublingBytesPerJoint <= limits.shared_memory_bytes;
-    ScanPlan plan{.workgroup_size = strided_workgroup_size(joint_count, limits), .on_chip = fits};
-    plan.constants = {fits ? shared_joints : 1u, fits ? 1u : 0u, rounds};
+    const SharedJoints shared(rounds > 1 ? joint_count : 1, limits);
+    ScanPlan plan{.workgroup_size = strided_workgroup_size(joint_count, limits),
+                  .constants = shared.constants,
+                  .on_chip = shared.fit};
+    plan.constants.push_back(rounds);
 
     ScanCounter counter(plan.workgroup_size, limits.subgroup_size);
     std::vector<uint32_t> ancestors = rig.parents, multiplications(joint_count);
@@ -40,7 +40,7 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
         counter.phase(multiplications, 2);
         ancestors = farther(ancestors, kRadix);
     }
-    counter.shared_bytes(fits ? uint64_t{shared_joints} * kDoublingBytesPerJoint : 0);
+    counter.shared_bytes(shared.bytes);
     plan.counts = counter.counts();
     return plan;
 }

@@ -26,12 +26,9 @@ uint32_t characters_per_workgroup(uint32_t leaf_count, uint32_t subgroup_size, u
 ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     // A joint belongs to the first leaf below it; the joints of a leaf are the lower end of its path.
     std::vector<uint32_t> leaves, owner(rig.joint_count(), kNone);
-    std::vector<bool> has_child(rig.joint_count());
-    for (uint32_t joint = 0; joint < rig.joint_count(); ++joint)
-        if (rig.parents[joint] != kNone) has_child[rig.parents[joint]] = true;
     uint64_t word_count = 1;
     for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) {
-        if (has_child[joint]) continue;
+        if (rig.has_child[joint]) continue;
         leaves.push_back(joint);
         word_count += 3 + rig.depths[joint];
     }
@@ -82,6 +79,25 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     return plan;
 }
 
+Flow simulate(const ScanRig& rig, const FlowSettings&) {
+    std::vector<bool> owned(rig.joint_count());
+    Flow flow(rig);
+    flow.phase("each leaf comes\ndown from the root");
+    uint32_t thread = 0;
+    for (uint32_t leaf = 0; leaf < rig.joint_count(); ++leaf) {
+        if (rig.has_child[leaf]) continue;
+        Product product;
+        for (const uint32_t joint : rig.chain(leaf)) {
+            product = product.empty() ? Product{joint} : flow.multiply(thread, FlowSource::kRegister, product, {joint});
+            if (owned[joint]) continue;
+            owned[joint] = true;
+            flow.store(thread, joint, product);
+        }
+        ++thread;
+    }
+    return flow;
+}
+
 }  // namespace
 
 ScanMethod kandar2024_leaves() {
@@ -91,7 +107,12 @@ ScanMethod kandar2024_leaves() {
             .source = "Kandar 2024, as the paper describes it",
             .origin = ScanOrigin::kPaper,
             .thread_choices = no_thread_choice,
-            .plan = plan};
+            .plan = plan,
+            .picture = {simulate,
+                        "Stacked: threads that make the same product at the same time. The outlined one stores it:\na "
+                        "joint belongs to the first leaf below it."},
+            .rank = 50,
+            .style = {{"#c4761a", "#ffb757"}, 1.8, "(11,4)", 5, 0.45}};
 }
 
 }  // namespace throng

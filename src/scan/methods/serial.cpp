@@ -38,6 +38,21 @@ ScanPlan plan_similarity(const ScanRig& rig, const ScanLimits& limits, uint32_t)
     return plan_with(rig, limits, kRowsOfSimilarity);
 }
 
+Flow simulate(const ScanRig& rig, const FlowSettings&) {
+    Flow flow(rig);
+    std::vector<Product> products = local_products(rig);
+    flow.phase("one thread,\njoint after joint");
+    for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) {
+        const uint32_t parent = rig.parents[joint];
+        const bool in_register = parent + 1 == joint;  // a run of joints goes on
+        if (parent != kNone)
+            products[joint] = flow.multiply(0, in_register ? FlowSource::kRegister : FlowSource::kShared,
+                                            products[parent], products[joint]);
+        flow.store(0, joint, products[joint]);
+    }
+    return flow;
+}
+
 }  // namespace
 
 ScanMethod serial() {
@@ -47,29 +62,37 @@ ScanMethod serial() {
             .source = "common practice on CPUs (ozz-animation)",
             .origin = ScanOrigin::kBaseline,
             .thread_choices = no_thread_choice,
-            .plan = plan_affine};
+            .plan = plan_affine,
+            .fused_place = [](const ScanLimits& limits) { return FusedPlace{.order = limits.is_cpu ? 10u : 0u}; },
+            .picture = {simulate,
+                        "One thread for the whole character; the threads beside it have characters of their own."},
+            .rank = 30,
+            .style = {{"#4f565e", "#b1bac4"}, 1.6, "", 7, 0.4}};
 }
 
 ScanMethod serial_quaternion() {
-    ScanMethod method = serial();
-    method.name = "serial_quaternion";
-    method.order = 80;
-    method.summary = "serial, from rotations, translations and uniform scales of 32 bytes";
-    method.source = "serial, on a smaller input";
-    method.origin = ScanOrigin::kOurs;
-    method.format = ScanFormat::kSimilarity;
-    method.plan = plan_similarity;
-    return method;
+    return {.name = "serial_quaternion",
+            .order = 80,
+            .summary = "serial, from rotations, translations and uniform scales of 32 bytes",
+            .source = "serial, on a smaller input",
+            .format = ScanFormat::kSimilarity,
+            .thread_choices = no_thread_choice,
+            .plan = plan_similarity,
+            .rank = 120,
+            .style = {{"#7a4fd6", "#b08cff"}, 2.4, "", 13, 0.55}};
 }
 
 ScanMethod serial_transposed() {
-    ScanMethod method = serial();
-    method.name = "serial_transposed";
-    method.order = 90;
-    method.summary = "serial, with the same joint of all characters side by side in memory";
-    method.source = "structure of arrays, common practice on GPUs";
-    method.layout = ScanLayout::kTransposed;
-    return method;
+    return {.name = "serial_transposed",
+            .order = 90,
+            .summary = "serial, with the same joint of all characters side by side in memory",
+            .source = "structure of arrays, common practice on GPUs",
+            .origin = ScanOrigin::kBaseline,
+            .layout = ScanLayout::kTransposed,
+            .thread_choices = no_thread_choice,
+            .plan = plan_affine,
+            .rank = 10,
+            .style = {{"#98a0a9", "#6e7681"}, 1.6, "", 6, 0.5}};
 }
 
 }  // namespace throng

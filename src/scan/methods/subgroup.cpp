@@ -24,10 +24,8 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t thread
     const uint32_t invocations = workgroup_size(limits), slots = std::max(table.slot_count, 1u);
     const auto transform_bytes = static_cast<uint32_t>(16 * rows_of_local);
     const uint32_t shared_bytes = slots * invocations * transform_bytes;
-    if (shared_bytes > limits.shared_memory_bytes)
-        return {.unsupported_reason = std::to_string(shared_bytes) +
-                                      " bytes of shared memory for waiting parents exceed the device's " +
-                                      std::to_string(limits.shared_memory_bytes)};
+    if (std::string reason = memory_unsupported_reason(shared_bytes, kForWaitingParents, limits); !reason.empty())
+        return {.unsupported_reason = std::move(reason)};
     ScanPlan plan{.workgroup_size = invocations,
                   .instances_per_workgroup = invocations / threads,
                   .constants = {threads, slots * invocations},
@@ -52,6 +50,16 @@ ScanPlan plan_similarity(const ScanRig& rig, const ScanLimits& limits, uint32_t 
     return plan_with(rig, limits, threads, kRowsOfSimilarity);
 }
 
+// A subgroup a character, so that no barrier is left but the one after the tile: see docs/performance.md.
+template <uint32_t kOrder>
+FusedPlace fused_place(const ScanLimits& limits) {
+    return {limits.is_cpu ? 0 : kOrder, std::min(32u, limits.subgroup_size)};
+}
+
+Flow simulate(const ScanRig& rig, const FlowSettings& settings) {
+    return flow_pieces(rig, settings.threads, FlowBoundary::kShuffle);
+}
+
 }  // namespace
 
 ScanMethod subgroup() {
@@ -61,17 +69,26 @@ ScanMethod subgroup() {
         .summary = "fragments inside a subgroup, by shuffles and without barriers; several small characters share one",
         .source = "fragments; warp scans (Harris and Garland 2012)",
         .thread_choices = thread_choices,
-        .plan = plan_affine};
+        .plan = plan_affine,
+        .fused_place = fused_place<20>,
+        .picture = {simulate,
+                    "As fragments, with the lanes of a subgroup for threads and shuffles for barriers. Drawn with 4 "
+                    "lanes.\n×1: nothing lies above a root."},
+        .rank = 90,
+        .style = {{"#0a8a94", "#39d3c3"}, 2.2, "", 7, 0.45}};
 }
 
 ScanMethod subgroup_quaternion() {
-    ScanMethod method = subgroup();
-    method.name = "subgroup_quaternion";
-    method.order = 120;
-    method.summary = "subgroup, with rotations, translations and uniform scales of 32 bytes";
-    method.format = ScanFormat::kSimilarity;
-    method.plan = plan_similarity;
-    return method;
+    return {.name = "subgroup_quaternion",
+            .order = 120,
+            .summary = "subgroup, with rotations, translations and uniform scales of 32 bytes",
+            .source = "fragments; warp scans (Harris and Garland 2012)",
+            .format = ScanFormat::kSimilarity,
+            .thread_choices = thread_choices,
+            .plan = plan_similarity,
+            .fused_place = fused_place<10>,  // similarities need less shared memory
+            .rank = 110,
+            .style = {{"#075a73", "#8ee8f5"}, 2.4, "", 5, 0.45}};
 }
 
 }  // namespace throng

@@ -2,7 +2,6 @@
 // order, with exactly the multiplications that its plan counts; and docs/scan holds what is drawn now.
 #include "bench/diagrams/diagram.h"
 #include "bench/skeletons.h"
-#include "scan/scan_table.h"
 #include "tests/files.h"
 
 #include <gtest/gtest.h>
@@ -26,11 +25,18 @@ std::vector<ScanRig> rigs() {
     return out;
 }
 
+std::vector<ScanMethod> flow_methods() {
+    std::vector<ScanMethod> methods(scan_table().begin(), scan_table().end());
+    std::erase_if(methods, [](const ScanMethod& method) { return !method.picture.simulate; });
+    EXPECT_GE(methods.size(), 9u);
+    return methods;
+}
+
 TEST(Diagram, EveryMethodMakesEachJointsChain) {
-    for (const FlowMethod& method : flow_methods())
+    for (const ScanMethod& method : flow_methods())
         for (const ScanRig& rig : rigs())
             for (const FlowSettings& settings : {FlowSettings{}, kDiagramSettings}) {
-                const Flow flow = method.simulate(rig, settings);
+                const Flow flow = method.picture.simulate(rig, settings);
                 SCOPED_TRACE(std::string(method.name) + ", " + std::to_string(rig.joint_count()) + " joints");
                 std::vector<Product> chains;
                 for (uint32_t joint = 0; joint < rig.joint_count(); ++joint) {
@@ -44,10 +50,10 @@ TEST(Diagram, EveryMethodMakesEachJointsChain) {
 
 // A step's left factor ends above where the rest of its product begins, and each joint is stored once.
 TEST(Diagram, StepsAreMultiplicationsOfNeighboursInTheTree) {
-    for (const FlowMethod& method : flow_methods())
+    for (const ScanMethod& method : flow_methods())
         for (const ScanRig& rig : rigs()) {
             SCOPED_TRACE(method.name);
-            const Flow flow = method.simulate(rig, kDiagramSettings);
+            const Flow flow = method.picture.simulate(rig, kDiagramSettings);
             std::multiset<uint32_t> stored;
             std::set<std::tuple<uint32_t, uint32_t, uint32_t>> turns;
             for (const FlowStep& step : flow.steps) {
@@ -66,14 +72,13 @@ TEST(Diagram, StepsAreMultiplicationsOfNeighboursInTheTree) {
 }
 
 TEST(Diagram, CountsAreThePlans) {
-    for (const FlowMethod& method : flow_methods())
+    for (const ScanMethod& method : flow_methods())
         for (const ScanRig& rig : rigs())
             for (const uint32_t threads : {16u, 32u}) {
-                const ScanMethod& row = *find_scan_method(method.name);
-                const bool has_threads = row.thread_choices(kLimits).front() != 0;
-                const ScanPlan plan = plan_scan(row, rig, kLimits, has_threads ? threads : 0);
+                const bool has_threads = method.thread_choices(kLimits).front() != 0;
+                const ScanPlan plan = plan_scan(method, rig, kLimits, has_threads ? threads : 0);
                 ASSERT_EQ(plan.unsupported_reason, "");
-                const Flow flow = method.simulate(rig, {.threads = threads});
+                const Flow flow = method.picture.simulate(rig, {.threads = threads});
                 SCOPED_TRACE(std::string(method.name) + ", " + std::to_string(rig.joint_count()) + " joints, " +
                              std::to_string(rig.level_count) + " levels");
                 EXPECT_EQ(flow.steps.size(), plan.counts.multiplications);

@@ -1,4 +1,4 @@
-#include "glb_builder.h"
+#include "tests/glb_builder.h"
 #include "tests/files.h"
 #include "tests/shared.h"
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdio>
+#include <map>
 #include <string>
 
 namespace throng {
@@ -177,6 +178,21 @@ TEST(ScanPlan, TheTableNamesItsMethods) {
         EXPECT_FALSE(method.source.empty());
     }
     EXPECT_EQ(find_scan_method("no such method"), nullptr);
+}
+
+TEST(ScanPlan, FusedFormsAreTriedInAnOrderOfTheirOwn) {
+    for (const bool is_cpu : {true, false}) {
+        const ScanLimits limits{.workgroup_size = 1024, .subgroup_size = 32, .shuffle = true, .is_cpu = is_cpu};
+        std::map<uint32_t, std::string> tried;
+        for (const ScanMethod& method : scan_table())
+            if (const FusedPlace place = method.fused_place(limits); place.order > 0) {
+                EXPECT_TRUE(tried.emplace(place.order, method.name).second) << method.name;
+                EXPECT_EQ(threads_unsupported_reason(method, limits, place.threads), "") << method.name;
+            }
+        std::string order;
+        for (const auto& [number, name] : tried) order += name + " ";
+        EXPECT_EQ(order, is_cpu ? "serial " : "subgroup_quaternion subgroup fragments ");
+    }
 }
 
 }  // namespace

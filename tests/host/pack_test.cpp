@@ -409,6 +409,7 @@ TEST(Pack, WithoutASkinTheJointsAreMeasured) {
 }
 
 TEST(Pack, TestRigsKeepTheBound) {
+    THRONG_SKIP_WHERE_SANITIZED();
     for (const double bound : {1e-3, 1e-4, 1e-5})
         for (const uint32_t joint_count : {1u, 65u, 300u}) {
             SCOPED_TRACE(testing::Message() << joint_count << " joints");
@@ -419,6 +420,7 @@ TEST(Pack, TestRigsKeepTheBound) {
 }
 
 TEST(Pack, ADeepChainKeepsTheBound) {
+    THRONG_SKIP_WHERE_SANITIZED();
     for (const double bound : {1e-3, 1e-4, 1e-5})
         expect_within(make_asset({.joint_count = 120, .shape = RigShape::kChain, .scale_spread = 0, .key_count = 20}),
                       bound, 150);
@@ -443,6 +445,7 @@ TEST(Pack, PosesThatAreNotFiniteAreRefused) {
 
 // A few megabytes that would take hours.
 TEST(Pack, MoreThanCanBeMeasuredIsRefused) {
+    THRONG_SKIP_WHERE_SANITIZED();
     Asset asset = make_asset({.joint_count = 65'535, .shape = RigShape::kStar, .clip_count = 0, .vertex_count = 3});
     AssetTrack track{.node = 0, .target = TrackTarget::kTranslation};
     for (int key = 0; key < 4100; ++key) {
@@ -467,6 +470,7 @@ std::vector<std::filesystem::path> shared_characters() {
 }
 
 TEST(Pack, RealCharactersKeepTheBound) {
+    THRONG_SKIP_WHERE_SANITIZED();
     THRONG_SKIP_WITHOUT(shared_folder("characters"));
     for (const auto& file : shared_characters()) {
         const Result<Asset> asset = load_asset(file);
@@ -476,6 +480,7 @@ TEST(Pack, RealCharactersKeepTheBound) {
 }
 
 TEST(Pack, RealCharactersShrinkTenfold) {
+    THRONG_SKIP_WHERE_SANITIZED();
     THRONG_SKIP_WITHOUT(shared_folder("characters"));
     uint64_t size_bytes = 0, raw_bytes = 0;
     for (const auto& file : shared_characters()) {

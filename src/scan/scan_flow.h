@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace throng::bench {
+namespace throng {
 
 using Product = std::vector<uint32_t>;  // joints, the ancestor first: the order of the factors
 
@@ -24,38 +24,50 @@ struct FlowStep {                 // a multiplication
     bool stored = false;  // it is the joint's model_from_joint
 };
 
-enum class FlowBoundary { kNone, kBarrier, kShuffle };
+enum class FlowBoundary { kNothing, kBarrier, kShuffle };
 
 struct FlowPhase {
     std::string label;
-    FlowBoundary before = FlowBoundary::kNone;
+    FlowBoundary before = FlowBoundary::kNothing;
 };
 
-struct Flow {
+// A method's simulation makes one by phase(), multiply() and store().
+class Flow {
+public:
+    explicit Flow(const ScanRig& rig) : model(rig.joint_count()), writers(rig.joint_count(), kNone) {}
+
+    void phase(std::string label, FlowBoundary before = FlowBoundary::kNothing);
+    // The thread's next multiplication in this phase: left * right.
+    Product multiply(uint32_t thread, FlowSource source, const Product& left, const Product& right);
+    // A product of the thread's, or a local transform that needs no multiplication.
+    void store(uint32_t thread, uint32_t joint, const Product& product);
+
+    uint32_t rows(uint32_t phase) const;
+    uint32_t longest_thread() const;  // the longest of each phase, summed, as ScanCounts has it
+    uint32_t barriers() const;
+
     std::vector<FlowPhase> phases;
     std::vector<FlowStep> steps;
     std::vector<Product> model;     // [joint_count]
     std::vector<uint32_t> writers;  // [joint_count], threads
 
-    uint32_t rows(uint32_t phase) const;
-    uint32_t longest_thread() const;  // the longest of each phase, summed, as ScanCounts has it
-    uint32_t barriers() const;
+private:
+    std::vector<uint32_t> taken_;  // [thread], multiplications in this phase
 };
+
+// [joint_count]: each joint's local transform.
+std::vector<Product> local_products(const ScanRig& rig);
 
 struct FlowSettings {
     uint32_t block = 64, stride = 8;  // of blocks64 and compressed
     uint32_t threads = 32;            // of fragments and subgroup
 };
 
-struct FlowMethod {
-    std::string_view name;
-    Flow (*simulate)(const ScanRig& rig, const FlowSettings& settings);
-    std::string_view note;  // what the picture does not say itself
+// What a method brings for its picture.
+struct FlowPicture {
+    Flow (*simulate)(const ScanRig& rig, const FlowSettings& settings) = nullptr;  // null: it has none
+    std::string_view note;                                                         // what it does not say itself
     bool has_blocks = false;
 };
 
-// A row for each method of the scan table that has a data flow of its own (its variants for other formats and layouts
-// share it).
-std::span<const FlowMethod> flow_methods();
-
-}  // namespace throng::bench
+}  // namespace throng

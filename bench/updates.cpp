@@ -1,0 +1,62 @@
+#include "bench/updates.h"
+
+#include "bench/rounds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace throng::bench {
+
+double skin_error(std::span<const Affine> got, std::span<const AffineT<double>> wanted, double size) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    if (got.size() != wanted.size()) return kInfinity;
+    double worst = 0;
+    for (size_t entry = 0; entry < got.size(); ++entry)
+        for (size_t row = 0; row < 3; ++row)
+            for (size_t column = 0; column < 4; ++column) {
+                const double difference = std::abs(got[entry].row[row][column] - wanted[entry].row[row][column]);
+                if (!(difference >= 0)) return kInfinity;
+                worst = std::max(worst, column == 3 ? difference / std::max(size, 1e-30) : difference);
+            }
+    return worst;
+}
+
+double largest_error_of_some(uint32_t instance_count, const std::function<double(uint32_t instance)>& error_of) {
+    const uint32_t checked = std::min(16u, instance_count);
+    double worst = 0;
+    for (uint32_t i = 0; i < checked; ++i)
+        worst = std::max(worst, error_of(static_cast<uint32_t>(uint64_t{instance_count} * i / checked)));
+    return worst;
+}
+
+const char* path_name(const Crowd& crowd) { return crowd.path(0)->is_fused ? "fused" : "staged"; }
+
+void UpdateTimes::take(const Gpu& gpu, Crowd& crowd, float time_step_s, const CrowdView* view) {
+    const Stopwatch watch;
+    value_of(crowd.update(time_step_s, view));
+    const double host_ms = watch.elapsed_s() * 1e3;
+    const StageTimes times = value_of(crowd.stage_times());
+    take(believed_reading(gpu, times.total(), host_ms));
+    for (size_t s = 0; s < kStageNames.size(); ++s) stage_ms_[s].push_back(times.ms[s]);
+}
+
+size_t UpdateTimes::count_by_host() const {
+    return static_cast<size_t>(std::ranges::count(readings_, true, &Reading::by_host));
+}
+
+Spread UpdateTimes::total() const {
+    std::vector<double> total_ms;
+    for (const Reading& reading : readings_) total_ms.push_back(reading.ms);
+    return spread_of(total_ms);
+}
+
+void UpdateTimes::add_to(Json& record) const {
+    if (readings_.empty()) return;
+    record["samples"] = count();
+    record["ms"] = spread_json(total());
+    for (size_t s = 0; s < kStageNames.size(); ++s)
+        if (const double ms = stage(s).median; ms > 0) record["stages"][kStageNames[s]] = ms;
+}
+
+}  // namespace throng::bench

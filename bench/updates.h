@@ -1,0 +1,47 @@
+// How updates of a crowd are checked and timed, by every benchmark of them.
+#pragma once
+
+#include "bench/gpu_clock.h"
+#include "bench/record.h"
+#include "bench/value_of.h"
+
+#include <throng/draw.h>
+
+#include <array>
+
+namespace throng::bench {
+
+inline constexpr float kFrame_s = 1.0f / 60;
+
+// Far above float rounding at 120 levels, far below any mistake.
+inline constexpr double kSkinErrorBound = 1e-4;
+
+// The largest difference of any element, as a fraction of the character's size: translations divided by it, the other
+// columns as displacements of a point one size away. Infinite where a number is not one, or the counts differ.
+double skin_error(std::span<const Affine> got, std::span<const AffineT<double>> wanted, double size);
+
+// The largest error of some instances, from one end to the other.
+double largest_error_of_some(uint32_t instance_count, const std::function<double(uint32_t instance)>& error_of);
+
+const char* path_name(const Crowd& crowd);  // of its first group: "fused" or "staged"
+
+class UpdateTimes {
+public:
+    // Updates the crowd and waits.
+    void take(const Gpu& gpu, Crowd& crowd, float time_step_s = kFrame_s, const CrowdView* view = nullptr);
+    // What took so long without stages.
+    void take(const Reading& reading) { readings_.push_back(reading); }
+
+    size_t count() const { return readings_.size(); }
+    size_t count_by_host() const;
+    Spread total() const;
+    Spread stage(size_t index) const { return spread_of(stage_ms_[index]); }
+    // Adds "samples", "ms" and the medians of "stages" that took any time; nothing where nothing was timed.
+    void add_to(Json& record) const;
+
+private:
+    std::vector<Reading> readings_;
+    std::array<std::vector<double>, kStageNames.size()> stage_ms_;
+};
+
+}  // namespace throng::bench

@@ -1,0 +1,26 @@
+// Runs of some of the tests, on devices or under checks where all would take too long: `throng_tests --subset NAME`.
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+namespace throng::test {
+
+enum class Subset {
+    kGpuAssisted,  // "gpu_assisted": under GPU-assisted validation, which finds accesses out of bounds
+    kSubgroups,    // "subgroups": invocations that work together, with other subgroup sizes
+};
+
+// A file of tests says by one of these, outside of functions, which of its tests belong to which of the subsets:
+// by patterns as in --gtest_filter, of which those that begin with '-' leave out what others take in.
+class InSubset {
+public:
+    InSubset(std::initializer_list<Subset> subsets, std::initializer_list<std::string_view> tests);
+};
+
+// The --gtest_filter of a subset. Throws std::runtime_error where there is none of this name, and where a pattern
+// matches no test.
+std::string filter_of_subset(std::string_view name);
+
+}  // namespace throng::test

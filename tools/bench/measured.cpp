@@ -1,0 +1,82 @@
+#include "tools/bench/measured.h"
+
+#include "bench/report/gnuplot.h"
+#include "bench/scan_report.h"
+#include "bench/updates.h"
+#include "tools/cli/command.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace throng::tools {
+
+Option add_samples_option(Command command, uint32_t& samples, const std::string& description) {
+    return command.add_option("--samples", samples, description).check(range(1u, 100'000u)).capture_default_str();
+}
+
+void add_json_flag(Command command, bool& json) {
+    command.add_flag("--json", json, "a JSON record a line; its commit is taken from THRONG_COMMIT");
+}
+
+void add_json_file_option(Command command, std::string& file) {
+    command.add_option("--json", file, "a file for the records, one a line; their commit is taken from THRONG_COMMIT")
+        .check(writable_file());
+}
+
+void add_report_option(Command command, std::string& file) {
+    command.add_option("--report", file, "a file for the report, one HTML page").check(writable_file());
+}
+
+void write_text(const std::string& path, const std::string& text) { write_file(path, std::as_bytes(std::span(text))); }
+
+void check_report(const std::string& file) {
+    if (!file.empty()) bench::run_gnuplot("");
+}
+
+void Measured::add(std::span<const Json> records, const std::function<void()>& print) {
+    print_progress("");
+    if (as_json_)
+        for (const Json& record : records) print_json(record);
+    else
+        print();
+    std::fflush(stdout);
+    all_.insert(all_.end(), records.begin(), records.end());
+}
+
+std::string Measured::lines() const {
+    std::string lines;
+    for (const Json& record : all_) lines += record.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+    return lines;
+}
+
+void Measured::finish(const std::string& report, const std::string& what) const {
+    if (!report.empty()) write_text(report, bench::scan_report(all_));
+    if (std::ranges::any_of(all_, [](const Json& record) { return record.contains("wrong"); }))
+        throw CommandError(what + " is wrong");
+}
+
+void check_error(const std::string& name, double error) {
+    if (!(error <= bench::kSkinErrorBound))
+        throw CommandError(name + ": wrong result (error " + std::to_string(error) + " of the size); not timed");
+}
+
+double real(const Json& record, const std::string& field) {
+    const double value = bench::number(record, field);
+    return std::isnan(value) ? 0 : value;
+}
+
+void print_columns(const Json& record, std::initializer_list<Column> columns) {
+    for (const Column& column : columns) std::printf(column.format, column.scale * real(record, column.field));
+}
+
+bool print_untimed(const Json& record, const char* not_done, const std::string& off) {
+    if (record.contains("unsupported_reason"))
+        std::printf("%s: %s\n", not_done, text(record, "unsupported_reason").c_str());
+    else if (record.contains("wrong"))
+        std::printf("WRONG, not timed: it is %s%s\n", record["max_error"].dump().c_str(), off.c_str());
+    else
+        return false;
+    return true;
+}
+
+}  // namespace throng::tools
