@@ -1,6 +1,8 @@
 // Inside throng a failure is thrown; at the API it becomes a Result. as_result() is the only place where the two meet.
 #pragma once
 
+#include "base/text.h"
+
 #include <throng/result.h>
 
 #include <exception>
@@ -11,8 +13,10 @@ namespace throng {
 
 struct Failure : std::exception {
     explicit Failure(Error e) : error(std::move(e)), text(error.text()) {}
-    Failure(ErrorCode code, std::string place, std::string message)
-        : Failure(Error{code, std::move(place), std::move(message)}) {}
+    // The message is the parts one after the other.
+    template <class... Parts>
+    Failure(ErrorCode code, std::string place, const Parts&... message)
+        : Failure(Error{code, std::move(place), joined(message...)}) {}
     const char* what() const noexcept override { return text.c_str(); }
 
     Error error;

@@ -14,8 +14,7 @@
 #include "compile/rig/rig.h"
 #include "compile/clip/root_motion.h"
 #include "compile/rig/uniform_scale.h"
-#include "import/json_view.h"
-#include "import/uri.h"
+#include "base/read_file.h"
 #include "scan/scan_reference.h"
 #include "skin/skin_reference.h"
 
@@ -81,7 +80,7 @@ Result<Character> compile_character(const Asset& asset, const CompileSettings& s
                 make_joint_lods(character);
             }
             measure_clips(character);
-            file::visit_strings(character, [](std::string& text) { text = gltf::printable(text, std::string::npos); });
+            file::visit_strings(character, [](std::string& text) { text = printable(text, std::string::npos); });
             return character;
         },
         asset.name);
@@ -89,8 +88,8 @@ Result<Character> compile_character(const Asset& asset, const CompileSettings& s
 
 Result<Character> load_character(const std::filesystem::path& path, const CompileSettings& settings) {
     if (is_compiled_file(path)) {
-        const std::string place = gltf::printable(path.filename().string(), 120);
-        return as_result([&] { return read_character(gltf::read_file(path, kCompiledFileLimit_bytes, place), place); },
+        const std::string place = printable(path.filename().string(), 120);
+        return as_result([&] { return read_character(read_file(path, kCompiledFileLimit_bytes, place), place); },
                          place);
     }
     Result<Asset> asset = load_asset(path);

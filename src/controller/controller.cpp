@@ -2,9 +2,8 @@
 
 #include "base/failure.h"
 #include "controller/controller_rules.h"
-#include "controller/json_lines.h"
-#include "controller/known_names.h"
-#include "import/json_view.h"
+#include "json/json_view.h"
+#include "json/known_names.h"
 
 namespace throng {
 namespace {
@@ -30,9 +29,9 @@ void check_clips(const Controller& controller, const Character& character) {
         const std::string place = place_of("events", i);
         const Clip& clip = character.clips[clips.require(event.clip, place_of(place, "clip"))];
         if (static_cast<float>(event.time_s) > clip.duration_s)
-            throw Failure(ErrorCode::kInvalidArgument, place_of(place, "at_s"),
-                          seconds(event.time_s) + " is beyond the end of clip '" + gltf::printable(clip.name) +
-                              "', which lasts " + seconds(double{clip.duration_s}));
+            throw Failure(ErrorCode::kInvalidArgument, place_of(place, "at_s"), seconds(event.time_s),
+                          " is beyond the end of clip '", printable(clip.name), "', which lasts ",
+                          seconds(double{clip.duration_s}));
     }
     for (size_t i = 0; i < controller.layers.size(); ++i)
         for (const ControllerState& state : controller.layers[i].states) {
@@ -76,7 +75,7 @@ Result<void> check_controller(const Controller& controller, const Character& cha
     })
                             : rules;
     if (fits) return {};
-    const std::string both = gltf::printable(controller.name, 120) + " with " + gltf::printable(character.name, 120);
+    const std::string both = printable(controller.name, 120) + " with " + printable(character.name, 120);
     return Error{fits.error().code, both + ": " + fits.error().place, fits.error().message};
 }
 

@@ -1,17 +1,14 @@
 #include "controller/controller_rules.h"
 
 #include "base/failure.h"
-#include "controller/json_lines.h"
-#include "controller/known_names.h"
-#include "import/json_view.h"
+#include "json/json_view.h"
+#include "json/known_names.h"
 
 #include <charconv>
 #include <cmath>
 
 namespace throng {
 namespace {
-
-using gltf::printable;
 
 [[noreturn]] void refuse(const std::string& place, const std::string& message) {
     throw Failure(ErrorCode::kInvalidArgument, place, message);
@@ -26,8 +23,7 @@ std::string text(float value) {
 
 void require_at_most(size_t limit, size_t count, const std::string& place, const char* what) {
     if (count <= limit) return;
-    throw Failure(ErrorCode::kLimit, place,
-                  std::to_string(count) + " " + what + ", more than the limit of " + std::to_string(limit));
+    throw Failure(ErrorCode::kLimit, place, count, " ", what, ", more than the limit of ", limit);
 }
 
 void require_finite(float value, const std::string& place) {
@@ -42,8 +38,7 @@ void require_between(float low, float high, float value, const std::string& plac
 void require_name(std::string_view name, const std::string& place) {
     if (name.empty()) refuse(place, "a name must not be empty");
     if (name.size() <= kNameLimit) return;
-    throw Failure(ErrorCode::kLimit, place,
-                  "the name is longer than the limit of " + std::to_string(kNameLimit) + " bytes");
+    throw Failure(ErrorCode::kLimit, place, "the name is longer than the limit of ", kNameLimit, " bytes");
 }
 
 // Of what the controller itself names, and others print.

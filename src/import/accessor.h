@@ -9,8 +9,22 @@
 namespace throng::gltf {
 
 enum class ComponentType : uint16_t { kInt8 = 5120, kUint8, kInt16, kUint16, kUint32 = 5125, kFloat = 5126 };
-uint32_t size_of(ComponentType type);
-const char* name_of(ComponentType type);
+
+// Calls visit() with a zero of the type.
+template <class Visit>
+auto visit_component(ComponentType type, const Visit& visit) {
+    switch (type) {
+        case ComponentType::kInt8: return visit(int8_t{});
+        case ComponentType::kUint8: return visit(uint8_t{});
+        case ComponentType::kInt16: return visit(int16_t{});
+        case ComponentType::kUint16: return visit(uint16_t{});
+        case ComponentType::kUint32: return visit(uint32_t{});
+        default: return visit(float{});
+    }
+}
+inline uint32_t size_of(ComponentType type) {
+    return visit_component(type, [](auto zero) { return uint32_t(sizeof(zero)); });
+}
 
 // What an accessor says of itself, its data aside.
 struct AccessorFormat {
@@ -23,7 +37,13 @@ struct AccessorFormat {
 
     uint32_t element_bytes() const { return component_count * size_of(component_type); }
     bool is_float() const { return component_type == ComponentType::kFloat; }
-    bool is_unsigned() const;
+    bool is_unsigned() const {
+        return visit_component(component_type, [](auto zero) { return std::is_unsigned_v<decltype(zero)>; });
+    }
+    // "unsigned 8-bit integers"
+    std::string component_text() const;
+    // "VEC4 of floats"
+    std::string text() const { return type + " of " + component_text(); }
 };
 
 // An accessor with its data; element and component are not checked again.
@@ -56,7 +76,7 @@ public:
     // The accessor whose index is `user`'s member `key`. Fails at `user.key` for an index out of range, and at the
     // accessor, or its buffer view, for what is wrong there.
     AccessorFormat format(const JsonView& user, const char* key) const;
-    AccessorView open(const JsonView& user, const char* key);
+    AccessorView open(const JsonView& user, const char* key) { return open(format(user, key)); }
     AccessorView open(const AccessorFormat& format);
 
 private:

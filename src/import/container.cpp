@@ -1,5 +1,6 @@
 #include "import/container.h"
 
+#include "base/read_file.h"
 #include "import/meshopt.h"
 #include "import/uri.h"
 
@@ -26,19 +27,17 @@ std::string_view as_text(std::span<const std::byte> bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-[[noreturn]] void fail(std::string message, ErrorCode code = ErrorCode::kInvalidFile) {
-    throw Failure(code, "", std::move(message));
+template <class... Parts>
+[[noreturn]] void fail(const Parts&... message) {
+    throw Failure(ErrorCode::kInvalidFile, "", message...);
 }
 
 Container open_glb(std::span<const std::byte> file, Warnings& warnings) {
     if (file.size() < kGlbHeaderBytes) fail("GLB header: the file ends in it");
     const uint32_t version = word_at(file, 4), length = word_at(file, 8);
-    if (version == 1) fail("glTF 1.0 is not supported, only 2.0", ErrorCode::kUnsupported);
-    if (version != 2)
-        fail("GLB version " + std::to_string(version) + " is not supported, only 2", ErrorCode::kUnsupported);
-    if (length > file.size())
-        fail("GLB header: the length is " + std::to_string(length) + " bytes, but the file has " +
-             std::to_string(file.size()));
+    if (version == 1) throw Failure(ErrorCode::kUnsupported, "", "glTF 1.0 is not supported, only 2.0");
+    if (version != 2) throw Failure(ErrorCode::kUnsupported, "", "GLB version ", version, " is not supported, only 2");
+    if (length > file.size()) fail("GLB header: the length is ", length, " bytes, but the file has ", file.size());
     if (length < file.size()) warnings.add("", "GLB header: bytes after the stated length are ignored");
     file = file.first(length);
 
@@ -46,19 +45,17 @@ Container open_glb(std::span<const std::byte> file, Warnings& warnings) {
     size_t offset = kGlbHeaderBytes;
     for (uint32_t chunk = 0; offset < file.size(); ++chunk) {
         const std::string name = "GLB chunk " + std::to_string(chunk);
-        if (file.size() - offset < kChunkHeaderBytes) fail(name + ": the file ends in its header");
+        if (file.size() - offset < kChunkHeaderBytes) fail(name, ": the file ends in its header");
         const uint32_t size_bytes = word_at(file, offset), type = word_at(file, offset + 4);
         offset += kChunkHeaderBytes;
         if (size_bytes > file.size() - offset)
-            fail(name + ": has " + std::to_string(size_bytes) + " bytes by its header, but " +
-                 std::to_string(file.size() - offset) + " are left");
+            fail(name, ": has ", size_bytes, " bytes by its header, but ", file.size() - offset, " are left");
         const auto content = file.subspan(offset, size_bytes);
-        if ((chunk == 0) != (type == kJsonChunk))
-            fail(name + (chunk == 0 ? ": must be JSON" : ": is JSON a second time"));
+        if ((chunk == 0) != (type == kJsonChunk)) fail(name, chunk == 0 ? ": must be JSON" : ": is JSON a second time");
         if (chunk == 0) {
             out.json = as_text(content);
         } else if (type == kBinChunk) {
-            if (out.has_bin) fail(name + ": is BIN a second time");
+            if (out.has_bin) fail(name, ": is BIN a second time");
             out.bin = content;
             out.has_bin = true;
         }
@@ -88,7 +85,8 @@ Buffers::Buffers(JsonView root, const Container& container, std::filesystem::pat
       budget_(budget),
       loaded_buffers_(buffers_.size()) {}
 
-Buffers::View Buffers::view(uint32_t index) {
+Buffers::View Buffers::view_of(const JsonView& user) {
+    const uint32_t index = user.required_index("bufferView", views_.size(), "bufferViews");
     const JsonView json = views_[index];
     const auto compressed = json.extension("EXT_meshopt_compression");
     View out;
@@ -98,25 +96,21 @@ Buffers::View Buffers::view(uint32_t index) {
         return out;
     }
     auto known = decompressed_views_.find(index);
-    if (known == decompressed_views_.end()) {
-        compressed->required_index("buffer", buffer_count(), "buffers");
+    if (known == decompressed_views_.end())
         known = decompressed_views_.emplace(index, decode_meshopt(*compressed, range(*compressed), budget_)).first;
-    }
     const uint64_t size_bytes = json.required_uint("byteLength");
     if (size_bytes > known->second.size())
-        json.fail("byteLength is " + std::to_string(size_bytes) + ", but " + std::to_string(known->second.size()) +
-                  " bytes are compressed in it");
+        json.fail("byteLength is ", size_bytes, ", but ", known->second.size(), " bytes are compressed in it");
     out.bytes = std::span(known->second).first(size_bytes);
     return out;
 }
 
 std::span<const std::byte> Buffers::range(const JsonView& json) {
-    const auto bytes = buffer(json.required_index("buffer", buffer_count(), "buffers"));
+    const auto bytes = buffer(json.required_index("buffer", buffers_.size(), "buffers"));
     const uint64_t offset = json.optional_uint("byteOffset", 0), size_bytes = json.required_uint("byteLength");
     // Both are below 2^53.
     if (offset + size_bytes > bytes.size())
-        json.fail("ends at byte " + std::to_string(offset + size_bytes) + ", but its buffer has " +
-                  std::to_string(bytes.size()));
+        json.fail("ends at byte ", offset + size_bytes, ", but its buffer has ", bytes.size());
     return bytes.subspan(offset, size_bytes);
 }
 
@@ -136,8 +130,7 @@ std::span<const std::byte> Buffers::buffer(uint32_t index) {
         loaded.bytes = bin_;
     }
     if (size_bytes > loaded.bytes.size())
-        json.fail("byteLength is " + std::to_string(size_bytes) + ", but there are " +
-                  std::to_string(loaded.bytes.size()) + " bytes");
+        json.fail("byteLength is ", size_bytes, ", but there are ", loaded.bytes.size(), " bytes");
     loaded.bytes = loaded.bytes.first(size_bytes);
     loaded.done = true;
     return loaded.bytes;
@@ -147,7 +140,11 @@ std::shared_ptr<const std::vector<std::byte>> Buffers::side_file(std::string_vie
     const std::filesystem::path path = resolve_side_file(uri, folder_, place);
     auto& content = side_files_[path];
     if (!content) {
-        content = std::make_shared<const std::vector<std::byte>>(read_file(path, side_files_left_bytes_, place));
+        content = std::make_shared<const std::vector<std::byte>>(
+            read_file(path, side_files_left_bytes_, place,
+                      side_files_left_bytes_ < kFileLimitBytes
+                          ? "with the side files before it, it is larger than the limit of 2 GiB"
+                          : kLargerThanFiles));
         side_files_left_bytes_ -= content->size();
     }
     return content;

@@ -1,8 +1,9 @@
 // The outside of a glTF file: GLB chunks, and the buffers that the JSON names.
 #pragma once
 
-#include "import/json_view.h"
+#include "import/limits.h"
 #include "import/warnings.h"
+#include "json/json_view.h"
 
 #include <filesystem>
 #include <map>
@@ -28,15 +29,12 @@ class Buffers {
 public:
     Buffers(JsonView root, const Container& container, std::filesystem::path folder, Budget& budget);
 
-    size_t view_count() const { return views_.size(); }
-    size_t buffer_count() const { return buffers_.size(); }
-
     struct View {
         std::span<const std::byte> bytes;
         uint64_t stride_bytes = 0;  // 0: tightly packed
     };
-    // The content of bufferViews[index], decompressed.
-    View view(uint32_t index);
+    // The content, decompressed, of the buffer view whose index is the member `bufferView`.
+    View view_of(const JsonView& user);
 
     // The content of a side file, for buffers and images. Charged to the limit of all side files.
     std::shared_ptr<const std::vector<std::byte>> side_file(std::string_view uri, const std::string& place);

@@ -67,7 +67,7 @@ void decode(const JsonView& json, draco::DecoderBuffer& buffer, Budget& budget, 
     const draco::Status status = decoder.Decode(options, &buffer, &mesh);
     if (decoder.failure) throw *decoder.failure;
     if (!status.ok())
-        json.fail("the compressed data are broken (libdraco: " + printable(status.error_msg_string(), 100) + ")");
+        json.fail("the compressed data are broken (libdraco: ", printable(status.error_msg_string(), 100), ")");
 }
 
 template <class T>
@@ -86,7 +86,7 @@ bool convert(const draco::PointAttribute& attribute, uint32_t vertex_count, uint
 
 DracoMesh::DracoMesh(const JsonView& json, Buffers& buffers, Budget& budget)
     : json_(json), budget_(budget), mesh_(std::make_unique<draco::Mesh>()) {
-    const auto bytes = buffers.view(json.required_index("bufferView", buffers.view_count(), "bufferViews")).bytes;
+    const auto bytes = buffers.view_of(json).bytes;
     draco::DecoderBuffer buffer;
     buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     draco::DracoHeader header;
@@ -94,9 +94,8 @@ DracoMesh::DracoMesh(const JsonView& json, Buffers& buffers, Budget& budget)
     if (!draco::PointCloudDecoder::DecodeHeader(&ahead, &header).ok() || header.encoder_type != draco::TRIANGULAR_MESH)
         json.fail("the compressed data are not a Draco mesh");
     if (header.version_major != 2 || header.version_minor != 2)
-        json.fail("Draco bitstream " + std::to_string(header.version_major) + "." +
-                      std::to_string(header.version_minor) + " is not supported, only 2.2",
-                  ErrorCode::kUnsupported);
+        throw Failure(ErrorCode::kUnsupported, json.place(), "Draco bitstream ", header.version_major, ".",
+                      header.version_minor, " is not supported, only 2.2");
     try {
         if (header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING)
             decode<draco::MeshEdgebreakerDecoder>(json, buffer, budget, *mesh_);
@@ -108,7 +107,7 @@ DracoMesh::DracoMesh(const JsonView& json, Buffers& buffers, Budget& budget)
         throw;
     } catch (const std::exception& error) {
         // Broken data lead libdraco to sizes that the standard library refuses.
-        json.fail("the compressed data are broken (libdraco: " + printable(error.what(), 100) + ")");
+        json.fail("the compressed data are broken (libdraco: ", printable(error.what(), 100), ")");
     }
 }
 
@@ -122,31 +121,17 @@ std::optional<AccessorView> DracoMesh::attribute(const char* name, const Accesso
         uint32_t(std::min<uint64_t>(id->as_uint(), kNone)));
     if (!attribute) id->fail("the compressed data have no attribute of this id");
     if (attribute->num_components() != format.component_count)
-        id->fail("has " + std::to_string(attribute->num_components()) + " components, but its accessor is " +
-                 format.type);
+        id->fail("has ", attribute->num_components(), " components, but its accessor is ", format.type);
     if (mesh_->num_points() != format.count)
-        id->fail("has " + std::to_string(mesh_->num_points()) + " vertices, but accessors[" +
-                 std::to_string(format.index) + "] has " + std::to_string(format.count));
+        id->fail("has ", mesh_->num_points(), " vertices, but accessors[", format.index, "] has ", format.count);
     if (attribute->size() == 0 && format.count > 0) id->fail("has no values");
 
     budget_.charge(format.count, format.element_bytes(), id->place());
     auto values = std::make_shared<std::vector<std::byte>>(size_t(format.count) * format.element_bytes());
-    const auto converted = [&] {
-        switch (format.component_type) {
-            case ComponentType::kInt8:
-                return convert<int8_t>(*attribute, format.count, format.component_count, *values);
-            case ComponentType::kUint8:
-                return convert<uint8_t>(*attribute, format.count, format.component_count, *values);
-            case ComponentType::kInt16:
-                return convert<int16_t>(*attribute, format.count, format.component_count, *values);
-            case ComponentType::kUint16:
-                return convert<uint16_t>(*attribute, format.count, format.component_count, *values);
-            case ComponentType::kUint32:
-                return convert<uint32_t>(*attribute, format.count, format.component_count, *values);
-            default: return convert<float>(*attribute, format.count, format.component_count, *values);
-        }
-    };
-    if (!converted()) id->fail(std::string("its values are not ") + name_of(format.component_type));
+    const bool converted = visit_component(format.component_type, [&](auto zero) {
+        return convert<decltype(zero)>(*attribute, format.count, format.component_count, *values);
+    });
+    if (!converted) id->fail("its values are not ", format.component_text());
     return AccessorView{format, values->data(), format.element_bytes(), values};
 }
 

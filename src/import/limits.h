@@ -13,7 +13,6 @@ namespace throng::gltf {
 inline constexpr uint64_t kFileLimitBytes = uint64_t(2) << 30;      // a file, and all side files of a file together
 inline constexpr uint64_t kMemoryLimitBytes = uint64_t(384) << 20;  // JSON as read and everything decoded
 inline constexpr uint64_t kJsonLimitBytes = uint64_t(256) << 20;    // JSON text, data: URIs included
-inline constexpr uint32_t kJsonDepthLimit = 64;
 inline constexpr uint32_t kWarningLimit = 100;
 
 class Budget {

@@ -12,24 +12,23 @@ std::vector<std::byte> decode_meshopt(const JsonView& json, std::span<const std:
 
     // meshoptimizer asserts what it expects, so everything is looked at before.
     const bool attributes = mode == "ATTRIBUTES", triangles = mode == "TRIANGLES";
-    if (!attributes && !triangles && mode != "INDICES") json.fail("mode '" + printable(mode) + "' is unknown");
+    if (!attributes && !triangles && mode != "INDICES") json.fail("mode '", printable(mode), "' is unknown");
     if (attributes ? stride_bytes == 0 || stride_bytes % 4 != 0 || stride_bytes > 256
                    : stride_bytes != 2 && stride_bytes != 4)
-        json.fail("byteStride " + std::to_string(stride_bytes) + " is not allowed in mode " + mode);
-    if (triangles && count % 3 != 0) json.fail("count " + std::to_string(count) + " is not a multiple of 3");
+        json.fail("byteStride ", stride_bytes, " is not allowed in mode ", mode);
+    if (triangles && count % 3 != 0) json.fail("count ", count, " is not a multiple of 3");
     const bool octahedral = filter == "OCTAHEDRAL", quaternion = filter == "QUATERNION",
                exponential = filter == "EXPONENTIAL";
     if (!octahedral && !quaternion && !exponential && filter != "NONE")
-        json.fail("filter '" + printable(filter) + "' is unknown");
-    if (!attributes && filter != "NONE") json.fail("filter " + filter + " is not allowed in mode " + mode);
+        json.fail("filter '", printable(filter), "' is unknown");
+    if (!attributes && filter != "NONE") json.fail("filter ", filter, " is not allowed in mode ", mode);
     if ((octahedral && stride_bytes != 4 && stride_bytes != 8) || (quaternion && stride_bytes != 8))
-        json.fail("byteStride " + std::to_string(stride_bytes) + " is not allowed with filter " + filter);
+        json.fail("byteStride ", stride_bytes, " is not allowed with filter ", filter);
 
     // The least that each codec needs: two bits for 16 equal bytes, a byte for a triangle or an index. Looked at here,
     // so that a few bytes which claim gigabytes are refused before there is memory for them.
     const uint64_t least_bytes = attributes ? count * stride_bytes / 64 : triangles ? count / 3 : count;
-    if (least_bytes > compressed.size())
-        json.fail(std::to_string(compressed.size()) + " bytes are too few for a count of " + std::to_string(count));
+    if (least_bytes > compressed.size()) json.fail(compressed.size(), " bytes are too few for a count of ", count);
     budget.charge(count, stride_bytes, json.place());
     std::vector<std::byte> out(count * stride_bytes);
     if (count == 0) return out;
@@ -38,7 +37,7 @@ std::vector<std::byte> decode_meshopt(const JsonView& json, std::span<const std:
                        : triangles
                            ? meshopt_decodeIndexBuffer(out.data(), count, stride_bytes, data, compressed.size())
                            : meshopt_decodeIndexSequence(out.data(), count, stride_bytes, data, compressed.size());
-    if (failed) json.fail("the compressed data are broken (meshoptimizer error " + std::to_string(failed) + ")");
+    if (failed) json.fail("the compressed data are broken (meshoptimizer error ", failed, ")");
     if (octahedral) meshopt_decodeFilterOct(out.data(), count, stride_bytes);
     if (quaternion) meshopt_decodeFilterQuat(out.data(), count, stride_bytes);
     if (exponential) meshopt_decodeFilterExp(out.data(), count, stride_bytes);

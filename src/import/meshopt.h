@@ -2,7 +2,8 @@
 // Source: "EXT_meshopt_compression", glTF extension by Arseny Kapoulkine, decoded by his meshoptimizer.
 #pragma once
 
-#include "import/json_view.h"
+#include "import/limits.h"
+#include "json/json_view.h"
 
 #include <vector>
 

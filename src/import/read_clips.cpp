@@ -22,7 +22,7 @@ Interpolation read_interpolation(const JsonView& sampler) {
     if (!name || *name == "LINEAR") return Interpolation::kLinear;
     if (*name == "STEP") return Interpolation::kStep;
     if (*name == "CUBICSPLINE") return Interpolation::kCubicSpline;
-    throw Failure(ErrorCode::kInvalidFile, sampler.place_of("interpolation"), "'" + printable(*name) + "' is unknown");
+    sampler.fail_at("interpolation", "'", printable(*name), "' is unknown");
 }
 
 // glTF 2.0, 3.11, wants times that increase strictly. Keys that go back in time are sorted, as Filament (gltfio,
@@ -33,17 +33,13 @@ Keys read_times(Reading& reading, const JsonView& sampler, Interpolation interpo
     const AccessorView input = reading.accessors.open(sampler, "input");
     const std::string place = sampler.place_of("input");
     if (input.format.type != "SCALAR" || !input.format.is_float())
-        throw Failure(
-            ErrorCode::kInvalidFile, place,
-            "must be SCALAR of floats, but is " + input.format.type + " of " + name_of(input.format.component_type));
+        sampler.fail_at("input", "must be SCALAR of floats, but is ", input.format.text());
     reading.budget.charge(input.count(), sizeof(float) + sizeof(uint32_t), place);
     const auto time_of = [&](uint32_t key) { return input.number(key, 0); };
     Keys out;
     out.file_count = input.count();
     for (uint32_t key = 0; key < input.count(); ++key) {
-        const auto fail = [&](const char* what) {
-            throw Failure(ErrorCode::kInvalidFile, place, "the time of key " + std::to_string(key) + " " + what);
-        };
+        const auto fail = [&](const char* what) { sampler.fail_at("input", "the time of key ", key, " ", what); };
         if (!std::isfinite(time_of(key))) fail("is not finite");
         if (time_of(key) < 0) fail("is negative");
         if (key > 0 && time_of(key) < time_of(key - 1)) ++out.back_count;
@@ -78,68 +74,45 @@ Keys read_times(Reading& reading, const JsonView& sampler, Interpolation interpo
     return out;
 }
 
-std::vector<float> read_values(Reading& reading, const JsonView& sampler, const Keys& keys, TrackTarget target,
+// What a channel animates: a property of a node, or the weights of its morph targets.
+struct Animated {
+    std::string_view type;  // of its accessor: "VEC4" is a rotation, "SCALAR" are weights
+    uint32_t count = 1;     // of elements at a time
+};
+
+// [key][element], of cubic splines [key][3][element].
+std::vector<float> read_values(Reading& reading, const JsonView& sampler, const Keys& keys, const Animated& animated,
                                Interpolation interpolation) {
     const AccessorView output = reading.accessors.open(sampler, "output");
-    const std::string place = sampler.place_of("output");
-    const auto fail = [&](const std::string& what) { throw Failure(ErrorCode::kInvalidFile, place, what); };
-    const bool rotation = target == TrackTarget::kRotation;
-    const std::string type = rotation ? "VEC4" : "VEC3";
-    if (output.format.type != type) fail("must be " + type + ", but is " + output.format.type);
-    const bool number = output.format.is_float() ||
-                        (output.format.normalized && output.format.component_type != ComponentType::kUint32);
-    if (!number)
-        fail(std::string("must be floats or normalised integers, but is ") + name_of(output.format.component_type));
-    const uint32_t values_per_key = interpolation == Interpolation::kCubicSpline ? 3 : 1;
-    if (output.count() != uint64_t(keys.file_count) * values_per_key)
-        fail("has " + std::to_string(output.count()) + " values, but must have " +
-             std::to_string(uint64_t(keys.file_count) * values_per_key) + ", for " + std::to_string(keys.file_count) +
-             " key times");
+    const AccessorFormat& format = output.format;
+    const auto fail = [&](const auto&... what) { sampler.fail_at("output", what...); };
+    if (format.type != animated.type) fail("must be ", animated.type, ", but is ", format.type);
+    if (!format.is_float() && (!format.normalized || format.component_type == ComponentType::kUint32))
+        fail("must be floats or normalised integers, but is ", format.component_text());
+    const uint64_t per_key = uint64_t(animated.count) * (interpolation == Interpolation::kCubicSpline ? 3 : 1);
+    if (output.count() != keys.file_count * per_key)
+        fail("has ", output.count(), " values, but must have ", keys.file_count * per_key, ", for ", keys.file_count,
+             " key times", animated.type == "SCALAR" ? joined(" and ", animated.count, " morph targets") : "");
 
-    const uint32_t component_count = output.format.component_count;
-    reading.budget.charge(uint64_t(output.count()) * component_count, sizeof(float), place);
+    reading.budget.charge(uint64_t(output.count()) * format.component_count, sizeof(float), sampler.place_of("output"));
     std::vector<float> out;
-    out.reserve(keys.kept.size() * values_per_key * component_count);
+    out.reserve(keys.kept.size() * per_key * format.component_count);
     bool has_zero = false;
     for (const uint32_t key : keys.kept)
-        for (uint32_t part = 0; part < values_per_key; ++part) {
+        for (uint64_t part = 0; part < per_key; ++part) {
             float length_squared = 0;
-            for (uint32_t c = 0; c < component_count; ++c) {
-                const float value = output.number(key * values_per_key + part, c);
-                if (!std::isfinite(value)) fail("the value of key " + std::to_string(key) + " is not finite");
+            for (uint32_t c = 0; c < format.component_count; ++c) {
+                const float value = output.number(uint32_t(key * per_key + part), c);
+                if (!std::isfinite(value)) fail("the value of key ", key, " is not finite");
                 length_squared += value * value;
                 out.push_back(value);
             }
-            const bool is_tangent = values_per_key == 3 && part != 1;
-            has_zero = has_zero || (rotation && !is_tangent && length_squared == 0);
+            const bool is_tangent = per_key == 3 && part != 1;
+            has_zero = has_zero || (animated.type == "VEC4" && !is_tangent && length_squared == 0);
         }
-    if (has_zero) reading.warnings.add(place, "has a quaternion of length zero: it is taken as the identity");
-    return out;
-}
-
-// [key][target], of cubic splines [key][3][target].
-std::vector<float> read_morph_values(Reading& reading, const JsonView& sampler, const Keys& keys, uint32_t target_count,
-                                     Interpolation interpolation) {
-    const AccessorView output = reading.accessors.open(sampler, "output");
-    const std::string place = sampler.place_of("output");
-    const auto fail = [&](const std::string& what) { throw Failure(ErrorCode::kInvalidFile, place, what); };
-    if (output.format.type != "SCALAR") fail("must be SCALAR, but is " + output.format.type);
-    if (!output.format.is_float() &&
-        (!output.format.normalized || output.format.component_type == ComponentType::kUint32))
-        fail(std::string("must be floats or normalised integers, but is ") + name_of(output.format.component_type));
-    const uint64_t values_per_key = uint64_t(target_count) * (interpolation == Interpolation::kCubicSpline ? 3 : 1);
-    if (output.count() != keys.file_count * values_per_key)
-        fail("has " + std::to_string(output.count()) + " values, but must have " +
-             std::to_string(keys.file_count * values_per_key) + ", for " + std::to_string(keys.file_count) +
-             " key times and " + std::to_string(target_count) + " morph targets");
-    reading.budget.charge(output.count(), sizeof(float), place);
-    std::vector<float> out;
-    out.reserve(keys.kept.size() * values_per_key);
-    for (const uint32_t key : keys.kept)
-        for (uint64_t i = 0; i < values_per_key; ++i) {
-            out.push_back(output.number(uint32_t(key * values_per_key + i), 0));
-            if (!std::isfinite(out.back())) fail("the value of key " + std::to_string(key) + " is not finite");
-        }
+    if (has_zero)
+        reading.warnings.add(sampler.place_of("output"),
+                             "has a quaternion of length zero: it is taken as the identity");
     return out;
 }
 
@@ -150,7 +123,7 @@ public:
         clip_.name = read_name(reading, json);
         const JsonView channels = json.optional_array("channels");
         if (channels.size() == 0) reading.warnings.add(json.place(), "has no channels");
-        for (size_t i = 0; i < channels.size(); ++i) read_channel(channels[i]);
+        for (const JsonView channel : channels) read_channel(channel);
         warn_of_times(back_count_, "are earlier than the key before them: the keys are sorted by time");
         warn_of_times(doubled_count_,
                       "have the time of another one: the value jumps there, from the first to the last of them");
@@ -167,46 +140,45 @@ private:
         const uint32_t node = target.optional_index("node", node_count_, "nodes");
         if (node == kNone) return ignore(channel, "has no target node: the channel is ignored");
         const JsonView sampler = samplers_[channel.required_index("sampler", samplers_.size(), "samplers")].as_object();
-        if (path == "weights") {
-            read_morph_track(channel, sampler, node);
-        } else if (path == "translation") {
-            read_track(channel, sampler, node, TrackTarget::kTranslation);
-        } else if (path == "rotation") {
-            read_track(channel, sampler, node, TrackTarget::kRotation);
-        } else if (path == "scale") {
-            read_track(channel, sampler, node, TrackTarget::kScale);
-        } else {
-            ignore(channel, "target path '" + printable(path) + "' is unknown: the channel is ignored");
+        constexpr std::pair<std::string_view, TrackTarget> kTargets[] = {{"translation", TrackTarget::kTranslation},
+                                                                         {"rotation", TrackTarget::kRotation},
+                                                                         {"scale", TrackTarget::kScale}};
+        if (path == "weights")
+            return read_track(channel, sampler, {"SCALAR", target_count(node)}, AssetMorphTrack{.node = node}, node,
+                              morph_track_of_, clip_.morph_tracks);
+        for (const auto& [name, property] : kTargets) {
+            if (path != name) continue;
+            return read_track(channel, sampler, {property == TrackTarget::kRotation ? "VEC4" : "VEC3"},
+                              AssetTrack{.node = node, .target = property}, std::pair(node, property), track_of_,
+                              clip_.tracks);
         }
+        ignore(channel, "target path '", printable(path), "' is unknown: the channel is ignored");
     }
 
-    void read_track(const JsonView& channel, const JsonView& sampler, uint32_t node, TrackTarget target) {
-        AssetTrack track;
-        track.node = node;
-        track.target = target;
-        track.interpolation = read_interpolation(sampler);
-        Keys keys = read_keys(sampler, track.interpolation);
-        track.values = read_values(reading_, sampler, keys, target, track.interpolation);
-        track.times_s = std::move(keys.times_s);
-        if (track.times_s.empty()) return ignore(channel, "has no keys: the channel is ignored");
-        clip_.duration_s = std::max(clip_.duration_s, double(track.times_s.back()));
-
-        keep(channel, std::move(track), std::pair(node, target), track_of_, clip_.tracks);
-    }
-
-    void read_morph_track(const JsonView& channel, const JsonView& sampler, uint32_t node) {
+    uint32_t target_count(uint32_t node) const {
         const JsonView meshes = reading_.root.optional_array("meshes");
         const uint32_t mesh = reading_.root.optional_array("nodes")[node].optional_index("mesh", meshes.size(),
                                                                                          "meshes");
-        const uint32_t target_count = mesh == kNone ? 0 : morph_target_count(meshes[mesh]);
-        AssetMorphTrack track{.node = node, .interpolation = read_interpolation(sampler), .times_s = {}, .values = {}};
+        return mesh == kNone ? 0 : morph_target_count(meshes[mesh]);
+    }
+
+    // `key` is what the track animates.
+    template <class Track, class Key>
+    void read_track(const JsonView& channel, const JsonView& sampler, const Animated& animated, Track track,
+                    const Key& key, std::map<Key, size_t>& index_of, std::vector<Track>& tracks) {
+        track.interpolation = read_interpolation(sampler);
         Keys keys = read_keys(sampler, track.interpolation);
         if (!keys.times_s.empty()) clip_.duration_s = std::max(clip_.duration_s, double(keys.times_s.back()));
-        if (target_count == 0) return ignore(channel, "its node has no morph targets: the channel is ignored");
-        track.values = read_morph_values(reading_, sampler, keys, target_count, track.interpolation);
+        if (animated.count == 0) return ignore(channel, "its node has no morph targets: the channel is ignored");
+        track.values = read_values(reading_, sampler, keys, animated, track.interpolation);
         track.times_s = std::move(keys.times_s);
         if (track.times_s.empty()) return ignore(channel, "has no keys: the channel is ignored");
-        keep(channel, std::move(track), node, morph_track_of_, clip_.morph_tracks);
+
+        reading_.budget.charge(sizeof(Track), channel.place());
+        const auto [known, is_new] = index_of.emplace(key, tracks.size());
+        if (is_new) return tracks.push_back(std::move(track));
+        ignore(channel, "animates what another channel of the clip animates: the last one is used");
+        tracks[known->second] = std::move(track);
     }
 
     // A sampler counts once, however many channels use it.
@@ -224,26 +196,13 @@ private:
     // One line a clip, at the first of the samplers: exporters that break times do so in all of them.
     void warn_of_times(uint64_t count, const char* what) {
         if (count == 0) return;
-        reading_.warnings.add(first_mended_,
-                              std::to_string(count) + " of the clip's " + std::to_string(key_count_) + " keys " + what);
+        reading_.warnings.add(first_mended_, count, " of the clip's ", key_count_, " keys ", what);
     }
 
-    // `key` is what the track animates.
-    template <class Track, class Key>
-    void keep(const JsonView& channel, Track track, const Key& key, std::map<Key, size_t>& index_of,
-              std::vector<Track>& tracks) {
-        reading_.budget.charge(sizeof(Track), channel.place());
-        const auto [known, is_new] = index_of.emplace(key, tracks.size());
-        if (is_new) {
-            tracks.push_back(std::move(track));
-        } else {
-            reading_.warnings.add(channel.place(),
-                                  "animates what another channel of the clip animates: the last one is used");
-            tracks[known->second] = std::move(track);
-        }
+    template <class... Parts>
+    void ignore(const JsonView& channel, const Parts&... why) {
+        reading_.warnings.add(channel.place(), why...);
     }
-
-    void ignore(const JsonView& channel, const std::string& why) { reading_.warnings.add(channel.place(), why); }
 
     Reading& reading_;
     JsonView samplers_;
@@ -262,8 +221,8 @@ void read_clips(Reading& reading, Asset& asset) {
     const JsonView animations = reading.root.optional_array("animations");
     reading.budget.charge(animations.size(), sizeof(AssetClip), animations.place());
     asset.clips.reserve(animations.size());
-    for (size_t i = 0; i < animations.size(); ++i)
-        asset.clips.push_back(ClipReader(reading, animations[i], asset.nodes.size()).take());
+    for (const JsonView animation : animations)
+        asset.clips.push_back(ClipReader(reading, animation, asset.nodes.size()).take());
 }
 
 }  // namespace throng::gltf

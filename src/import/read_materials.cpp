@@ -37,10 +37,7 @@ private:
         AssetImage image;
         image.name = read_name(reading_, json);
         if (json.has("bufferView")) {
-            const auto bytes = reading_.buffers
-                                   .view(
-                                       json.required_index("bufferView", reading_.buffers.view_count(), "bufferViews"))
-                                   .bytes;
+            const auto bytes = reading_.buffers.view_of(json).bytes;
             reading_.budget.charge(bytes.size(), json.place());
             image.encoded.assign(bytes.begin(), bytes.end());
             return image;
@@ -62,7 +59,7 @@ private:
         } catch (const Failure& failure) {
             // A character without its texture is still a character.
             if (failure.error.code != ErrorCode::kFile && failure.error.code != ErrorCode::kInvalidFile) throw;
-            reading_.warnings.add(failure.error.place, failure.error.message + ": the texture is left out");
+            reading_.warnings.add(failure.error.place, failure.error.message, ": the texture is left out");
         }
         return image;
     }
@@ -79,7 +76,7 @@ AlphaMode read_alpha_mode(Reading& reading, const JsonView& json) {
     if (!mode || *mode == "OPAQUE") return AlphaMode::kOpaque;
     if (*mode == "MASK") return AlphaMode::kMask;
     if (*mode == "BLEND") return AlphaMode::kBlend;
-    reading.warnings.add(json.place_of("alphaMode"), "'" + printable(*mode) + "' is unknown: OPAQUE is used");
+    reading.warnings.add(json.place_of("alphaMode"), "'", printable(*mode), "' is unknown: OPAQUE is used");
     return AlphaMode::kOpaque;
 }
 
@@ -98,32 +95,29 @@ public:
             reading_.warnings.add(info->place(), "KHR_texture_transform is ignored");
         }
         const auto bounded_set = uint32_t(std::min<uint64_t>(set, kNone));
-        if (has_set_ && bounded_set != set_) {
+        if (set_.value_or(bounded_set) != bounded_set) {
             reading_.warnings.add(info->place(),
                                   "uses other texture coordinates than the material's first texture: it is left out");
             return kNone;
         }
         const uint32_t image = images_.of_texture(*info);
-        if (image == kNone) return kNone;
-        has_set_ = true;
-        set_ = bounded_set;
+        if (image != kNone) set_ = bounded_set;
         return image;
     }
-    uint32_t set() const { return set_; }
+    uint32_t set() const { return set_.value_or(0); }
 
 private:
     Reading& reading_;
     Images& images_;
-    bool has_set_ = false;
-    uint32_t set_ = 0;
+    std::optional<uint32_t> set_;
 };
 
 void read_metallic_roughness(const JsonView& pbr, Textures& textures, AssetMaterial& material) {
     std::array<double, 4> color{};
     if (pbr.optional_numbers("baseColorFactor", color))
         for (size_t c = 0; c < 4; ++c) material.base_color[c] = float(color[c]);
-    material.metallic = float(pbr.optional_number("metallicFactor", 1));
-    material.roughness = float(pbr.optional_number("roughnessFactor", 1));
+    material.metallic = pbr.optional_float("metallicFactor", 1);
+    material.roughness = pbr.optional_float("roughnessFactor", 1);
     material.image = textures.read(pbr, "baseColorTexture");
     material.metallic_roughness_image = textures.read(pbr, "metallicRoughnessTexture");
 }
@@ -131,10 +125,10 @@ void read_metallic_roughness(const JsonView& pbr, Textures& textures, AssetMater
 void read_surface(const JsonView& json, Textures& textures, AssetMaterial& material) {
     material.normal_image = textures.read(json, "normalTexture");
     if (material.normal_image != kNone)
-        material.normal_scale = float(json.required_object("normalTexture").optional_number("scale", 1));
+        material.normal_scale = json.required_object("normalTexture").optional_float("scale", 1);
     material.occlusion_image = textures.read(json, "occlusionTexture");
     if (material.occlusion_image != kNone)
-        material.occlusion_strength = float(json.required_object("occlusionTexture").optional_number("strength", 1));
+        material.occlusion_strength = json.required_object("occlusionTexture").optional_float("strength", 1);
     std::array<double, 3> emissive{};
     json.optional_numbers("emissiveFactor", emissive);
     const auto extension = json.extension("KHR_materials_emissive_strength");
@@ -156,7 +150,7 @@ std::vector<uint32_t> read_materials(Reading& reading, Asset& asset) {
         AssetMaterial& material = asset.materials[i];
         material.name = read_name(reading, json);
         material.alpha_mode = read_alpha_mode(reading, json);
-        material.alpha_cutoff = float(json.optional_number("alphaCutoff", 0.5));
+        material.alpha_cutoff = json.optional_float("alphaCutoff", 0.5);
         material.double_sided = json.optional_bool("doubleSided", false);
         Textures textures(reading, images);
         if (const auto pbr = json.optional_object("pbrMetallicRoughness"))

@@ -14,9 +14,9 @@ std::vector<uint8_t> nodes_of_scene(Reading& reading, const Asset& asset) {
     std::vector<uint8_t> state(asset.nodes.size(), scenes.size() == 0 ? kInside : kUnknown);
     if (scenes.size() == 0) return state;
     const JsonView roots = scenes[scene_index == kNone ? 0 : scene_index].optional_array("nodes");
-    for (size_t i = 0; i < roots.size(); ++i) {
-        const uint32_t node = roots[i].as_index(asset.nodes.size(), "nodes");
-        if (asset.nodes[node].parent != kNone) reading.warnings.add(roots[i].place(), "is not a root");
+    for (const JsonView root : roots) {
+        const uint32_t node = root.as_index(asset.nodes.size(), "nodes");
+        if (asset.nodes[node].parent != kNone) reading.warnings.add(root.place(), "is not a root");
         state[node] = kInside;
     }
     // Up to the first node that is known, or to the root: each node is passed once. No recursion: chains may be deep.
@@ -43,11 +43,9 @@ void check_influences(const JsonView& meshes, const Asset& asset, const AssetMes
         if (influence == joints.size()) continue;
         const size_t vertex = influence / primitives[p].influence_count;
         const size_t set = influence % primitives[p].influence_count / 4;
-        throw Failure(ErrorCode::kInvalidFile,
-                      meshes[instance.mesh].place() + ".primitives[" + std::to_string(p) + "].attributes.JOINTS_" +
-                          std::to_string(set),
-                      "vertex " + std::to_string(vertex) + " follows joint " + std::to_string(joints[influence]) +
-                          ", but skins[" + std::to_string(instance.skin) + "] has " + std::to_string(joint_count));
+        meshes[instance.mesh].fail_at(joined("primitives[", p, "].attributes.JOINTS_", set), "vertex ", vertex,
+                                      " follows joint ", joints[influence], ", but skins[", instance.skin, "] has ",
+                                      joint_count);
     }
 }
 

@@ -113,11 +113,9 @@ void read_nodes(Reading& reading, Asset& asset) {
         const JsonView json = nodes[i];
         asset.nodes[i].name = read_name(reading, json);
         asset.nodes[i].parent_from_node = read_transform(reading, json);
-        const JsonView children = json.optional_array("children");
-        for (size_t c = 0; c < children.size(); ++c) {
-            const JsonView child = children[c];
+        for (const JsonView child : json.optional_array("children")) {
             uint32_t& parent = asset.nodes[child.as_index(nodes.size(), "nodes")].parent;
-            if (parent != kNone) child.fail("is a child of nodes[" + std::to_string(parent) + "] already");
+            if (parent != kNone) child.fail("is a child of nodes[", parent, "] already");
             parent = i;
         }
     }

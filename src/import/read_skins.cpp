@@ -9,22 +9,16 @@ namespace {
 std::vector<Affine> read_inverse_binds(Reading& reading, const JsonView& json, size_t joint_count) {
     std::vector<Affine> out(joint_count);
     if (!json.has("inverseBindMatrices")) return out;
-    const std::string place = json.place_of("inverseBindMatrices");
+    const auto fail = [&](const auto&... what) { json.fail_at("inverseBindMatrices", what...); };
     const AccessorView matrices = reading.accessors.open(json, "inverseBindMatrices");
     if (matrices.format.type != "MAT4" || !matrices.format.is_float())
-        throw Failure(ErrorCode::kInvalidFile, place,
-                      "must be MAT4 of floats, but is " + matrices.format.type + " of " +
-                          name_of(matrices.format.component_type));
-    if (matrices.count() < joint_count)
-        throw Failure(
-            ErrorCode::kInvalidFile, place,
-            "has " + std::to_string(matrices.count()) + " matrices for " + std::to_string(joint_count) + " joints");
+        fail("must be MAT4 of floats, but is ", matrices.format.text());
+    if (matrices.count() < joint_count) fail("has ", matrices.count(), " matrices for ", joint_count, " joints");
     for (uint32_t joint = 0; joint < joint_count; ++joint)
         for (uint32_t row = 0; row < 3; ++row)
             for (uint32_t column = 0; column < 4; ++column) {
                 const float value = matrices.number(joint, column * 4 + row);
-                if (!std::isfinite(value))
-                    throw Failure(ErrorCode::kInvalidFile, place, "matrix " + std::to_string(joint) + " is not finite");
+                if (!std::isfinite(value)) fail("matrix ", joint, " is not finite");
                 out[joint].row[row][column] = value;
             }
     return out;
@@ -36,19 +30,17 @@ void read_skins(Reading& reading, Asset& asset) {
     const JsonView skins = reading.root.optional_array("skins");
     reading.budget.charge(skins.size(), sizeof(AssetSkin), skins.place());
     asset.skins.reserve(skins.size());
-    for (size_t i = 0; i < skins.size(); ++i) {
-        const JsonView json = skins[i];
+    for (const JsonView json : skins) {
         AssetSkin skin;
         skin.name = read_name(reading, json);
         const JsonView joints = json.required_array("joints");
         if (joints.size() == 0) joints.fail("is empty");
         reading.budget.charge(joints.size(), sizeof(uint32_t) + sizeof(Affine), joints.place());
         std::unordered_set<uint32_t> seen;
-        for (size_t j = 0; j < joints.size(); ++j) {
-            const uint32_t node = joints[j].as_index(asset.nodes.size(), "nodes");
+        for (const JsonView joint : joints) {
+            const uint32_t node = joint.as_index(asset.nodes.size(), "nodes");
             if (!seen.insert(node).second)
-                reading.warnings.add(joints[j].place(),
-                                     "nodes[" + std::to_string(node) + "] is a joint of this skin twice");
+                reading.warnings.add(joint.place(), "nodes[", node, "] is a joint of this skin twice");
             skin.joints.push_back(node);
         }
         json.optional_index("skeleton", asset.nodes.size(), "nodes");  // not used, but must not lie

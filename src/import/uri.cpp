@@ -1,22 +1,13 @@
 #include "import/uri.h"
 
-#include "import/json_view.h"
-
 #include <algorithm>
 #include <array>
-#include <fstream>
+#include <charconv>
 
 namespace throng::gltf {
 namespace {
 
 namespace fs = std::filesystem;
-
-int hex_digit(char c) {
-    if (c >= '0' && c <= '9') return c - '0';
-    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-    return -1;
-}
 
 std::string percent_decoded(std::string_view text, const std::string& place) {
     std::string out;
@@ -26,11 +17,12 @@ std::string percent_decoded(std::string_view text, const std::string& place) {
             out.push_back(text[i]);
             continue;
         }
-        const int high = i + 2 < text.size() ? hex_digit(text[i + 1]) : -1;
-        const int low = i + 2 < text.size() ? hex_digit(text[i + 2]) : -1;
-        if (high < 0 || low < 0)
-            throw Failure(ErrorCode::kInvalidFile, place, "bad percent escape in '" + printable(text) + "'");
-        out.push_back(char(high * 16 + low));
+        const std::string_view digits = text.substr(i + 1, 2);
+        uint8_t byte = 0;
+        const char* end = std::from_chars(digits.data(), digits.data() + digits.size(), byte, 16).ptr;
+        if (end != digits.data() + 2)
+            throw Failure(ErrorCode::kInvalidFile, place, "bad percent escape in '", printable(text), "'");
+        out.push_back(char(byte));
         i += 2;
     }
     return out;
@@ -59,8 +51,8 @@ std::vector<std::byte> base64_decoded(std::string_view text, const std::string& 
         }
         const int digit = kBase64Digits[uint8_t(c)];
         if (digit < 0 || ended)
-            throw Failure(ErrorCode::kInvalidFile, place,
-                          "the data: URI is not base64: '" + printable({&c, 1}) + "' in it");
+            throw Failure(ErrorCode::kInvalidFile, place, "the data: URI is not base64: '", printable({&c, 1}),
+                          "' in it");
         bits = (bits << 6 | uint32_t(digit)) & 0xFFFFFF;
         bit_count += 6;
         if (bit_count >= 8) {
@@ -100,7 +92,7 @@ std::vector<std::byte> decode_data_uri(std::string_view uri, Budget& budget, con
 
 fs::path resolve_side_file(std::string_view uri, const fs::path& folder, const std::string& place) {
     const auto refuse = [&](ErrorCode code, const char* why) {
-        throw Failure(code, place, "'" + printable(uri) + "' " + why);
+        throw Failure(code, place, "'", printable(uri), "' ", why);
     };
     if (has_scheme(uri))
         refuse(ErrorCode::kInvalidFile,
@@ -123,28 +115,6 @@ fs::path resolve_side_file(std::string_view uri, const fs::path& folder, const s
     if (root_end != root.end()) refuse(ErrorCode::kInvalidFile, "leads out of the file's folder");
     if (!fs::is_regular_file(file, error)) refuse(ErrorCode::kFile, "is not a regular file");
     return file;
-}
-
-std::vector<std::byte> read_file(const fs::path& path, uint64_t limit_bytes, const std::string& place) {
-    std::error_code error;
-    const fs::file_status status = fs::status(path, error);
-    if (status.type() == fs::file_type::not_found) throw Failure(ErrorCode::kFile, place, "no such file");
-    // A pipe or a device could be read for ever.
-    if (status.type() != fs::file_type::regular) throw Failure(ErrorCode::kFile, place, "not a regular file");
-    const uint64_t size_bytes = fs::file_size(path, error);
-    if (error) throw Failure(ErrorCode::kFile, place, "the file cannot be read");
-    if (size_bytes > limit_bytes)
-        throw Failure(ErrorCode::kLimit, place,
-                      limit_bytes < kFileLimitBytes
-                          ? "with the side files before it, it is larger than the limit of 2 GiB"
-                          : "the file is larger than the limit of 2 GiB");
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream) throw Failure(ErrorCode::kFile, place, "the file cannot be opened");
-    std::vector<std::byte> bytes(size_bytes);
-    stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size_bytes));
-    if (uint64_t(stream.gcount()) != size_bytes)
-        throw Failure(ErrorCode::kFile, place, "the file cannot be read to its end");
-    return bytes;
 }
 
 }  // namespace throng::gltf

@@ -22,7 +22,4 @@ std::vector<std::byte> decode_data_uri(std::string_view uri, Budget& budget, con
 std::filesystem::path resolve_side_file(std::string_view uri, const std::filesystem::path& folder,
                                         const std::string& place);
 
-// The whole of a regular file. Fails with kFile, or kLimit above `limit_bytes`.
-std::vector<std::byte> read_file(const std::filesystem::path& path, uint64_t limit_bytes, const std::string& place);
-
 }  // namespace throng::gltf

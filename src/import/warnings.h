@@ -1,6 +1,8 @@
 // What was ignored or mended while a file was read.
 #pragma once
 
+#include "base/text.h"
+
 #include <cstdint>
 #include <string>
 #include <unordered_set>
@@ -13,10 +15,15 @@ class Warnings {
 public:
     explicit Warnings(std::string file_name) : file_name_(std::move(file_name)) {}
 
-    void add(const std::string& place, const std::string& message);
+    template <class... Parts>
+    void add(const std::string& place, const Parts&... message) {
+        add_line(joined(place, place.empty() ? "" : ": ", message...));
+    }
     std::vector<std::string> take();
 
 private:
+    void add_line(const std::string& text);
+
     std::string file_name_;
     std::vector<std::string> lines_;
     std::unordered_set<std::string> seen_;

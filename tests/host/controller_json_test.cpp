@@ -1,6 +1,6 @@
 // Controllers as JSON: what is read, and that whatever is refused is refused with its line and a reason.
 #include "controller/controller_rules.h"
-#include "controller/json_lines.h"
+#include "json/json_text.h"
 #include "tests/controller_cases.h"
 #include "tests/files.h"
 

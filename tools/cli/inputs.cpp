@@ -1,10 +1,10 @@
 #include "tools/cli/inputs.h"
 
+#include "base/read_file.h"
 #include "import/container.h"
+#include "import/read_asset.h"
 #include "import/uri.h"
 #include "tools/cli/command.h"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <sys/stat.h>
@@ -35,12 +35,12 @@ std::vector<FileOnDisk> side_files(const std::string& file) {
     const auto add_all = [&] {
         gltf::Warnings unsaid(file);
         gltf::Budget budget;
-        const std::vector<std::byte> bytes = gltf::read_file(path, gltf::kFileLimitBytes, file);
-        const gltf::Json json = gltf::parse_json(gltf::open_container(bytes, unsaid).json, budget);
+        const std::vector<std::byte> bytes = read_file(path, gltf::kFileLimitBytes, file);
+        const JsonText json = gltf::parse_json(gltf::open_container(bytes, unsaid).json, budget);
         for (const char* list : {"buffers", "images"})
-            for (const gltf::Json& item : json.value(list, gltf::Json::array())) {
-                if (!item.is_object() || !item.contains("uri") || !item["uri"].is_string()) continue;
-                const std::string uri = item["uri"].get<std::string>();
+            for (const JsonView item : json.view().optional_array(list)) {
+                if (!item.has("uri") || !item.find("uri")->is_string()) continue;
+                const std::string uri = item.required_string("uri");
                 if (gltf::is_data_uri(uri)) continue;
                 const auto named = as_result([&] { return gltf::resolve_side_file(uri, folder, file); });
                 if (!named) continue;  // another one may be there

@@ -2,7 +2,6 @@
 
 #include "base/failure.h"
 #include "compile/clip/row_encoder.h"
-#include "import/json_view.h"
 
 #include <algorithm>
 #include <limits>
@@ -79,8 +78,8 @@ public:
             if (finest > bound_) finest = take_finest(0);
             if (finest > bound_) finest = take_finest(kArcShare * bound_);  // all rows do not help either
             if (!(finest < kInfinity)) {
-                const std::string name = gltf::printable(character_.clips[grid_.clip].name);
-                throw Failure(ErrorCode::kInvalidFile, gltf::printable(character_.name, 120),
+                const std::string name = printable(character_.clips[grid_.clip].name);
+                throw Failure(ErrorCode::kInvalidFile, printable(character_.name, 120),
                               "clip '" + name + "': its poses are not finite");
             }
             keep(finest);

@@ -4,7 +4,6 @@
 #include "compile/clip/clip_grid.h"
 #include "compile/clip/clip_packer.h"
 #include "compile/limits.h"
-#include "import/json_view.h"
 
 #include <algorithm>
 #include <atomic>
@@ -119,9 +118,8 @@ private:
         check_limit("packed words", (words_.size() + kPackedWordsBehind) * sizeof(uint32_t));
         check_limit("the headers of packed tracks", headers_.size_bytes());
         if (clip.error > error_)
-            character_.warnings.push_back("clip '" + gltf::printable(clip.name) +
-                                          "': its packed keys displace the skin by " + percent(clip.error) +
-                                          " of the character's size, not " + percent(error_) +
+            character_.warnings.push_back("clip '" + printable(clip.name) + "': its packed keys displace the skin by " +
+                                          percent(clip.error) + " of the character's size, not " + percent(error_) +
                                           "; finer keys would hardly help");
         clips_.push_back(std::move(clip));
     }
@@ -129,7 +127,7 @@ private:
     void check_limit(const char* of, uint64_t size_bytes) const {
         if (size_bytes > kKeyLimit_bytes)
             throw Failure(
-                ErrorCode::kLimit, gltf::printable(character_.name, 120),
+                ErrorCode::kLimit, printable(character_.name, 120),
                 std::to_string(size_bytes) + " bytes of " + of + "; the limit is " + std::to_string(kKeyLimit_bytes));
     }
 
@@ -159,7 +157,7 @@ void pack_clips(Character& character, double error) {
     uint64_t joint_rows = 0;
     for (const Clip& clip : character.clips) joint_rows += uint64_t{clip.row_count} * character.rig.joint_count();
     if (joint_rows > kPackingLimit)
-        throw Failure(ErrorCode::kLimit, gltf::printable(character.name, 120),
+        throw Failure(ErrorCode::kLimit, printable(character.name, 120),
                       std::to_string(joint_rows) + " poses of a joint in its clips, and the limit of compressing is " +
                           std::to_string(kPackingLimit) + "; exact keys have no such limit (--error exact)");
 

@@ -6,9 +6,8 @@
 #include "compile/clip/source_track.h"
 #include "control/control_reference.h"
 #include "controller/controller_arrays.h"
-#include "controller/known_names.h"
+#include "json/known_names.h"
 #include "control/root_motion_reference.h"
-#include "import/json_view.h"
 
 #include <algorithm>
 #include <cmath>
@@ -291,9 +290,8 @@ public:
             sort(from, {at, &JointTracks::scale, TrackTarget::kScale, tracks.scale, nullptr}, columns);
         }
         if ((keys_.size() + uint64_t{times_s.size()} * columns.size()) * kRow_bytes > kKeyLimit_bytes)
-            throw Failure(ErrorCode::kLimit, gltf::printable(character_.name, 120),
-                          "clip '" + gltf::printable(clip.name, 120) +
-                              "' has too many keys with root motion; the limit is " +
+            throw Failure(ErrorCode::kLimit, printable(character_.name, 120),
+                          "clip '" + printable(clip.name, 120) + "' has too many keys with root motion; the limit is " +
                               std::to_string(kKeyLimit_bytes >> 20) + " MiB a character");
         write_rows(from, times_s, columns);
         clip.refined_row_count += static_cast<uint32_t>(times_s.size()) - clip.row_count;
@@ -353,7 +351,7 @@ private:
         clip.size_bytes += rows.size() * kRow_bytes;
         root_rows_.insert(root_rows_.end(), rows.begin(), rows.end());
         if (root_rows_.size() * kRow_bytes > kKeyLimit_bytes)
-            throw Failure(ErrorCode::kLimit, gltf::printable(character_.name, 120),
+            throw Failure(ErrorCode::kLimit, printable(character_.name, 120),
                           "more than " + std::to_string(kKeyLimit_bytes >> 20) + " MiB of rows of root motion");
     }
 
@@ -369,7 +367,7 @@ private:
 class Extraction {
 public:
     Extraction(Character& character, std::string_view joint_name)
-        : character_(character), place_(gltf::printable(character.name, 120) + ": root motion") {
+        : character_(character), place_(printable(character.name, 120) + ": root motion") {
         KnownNames names("joint");
         for (const std::string& name : character.rig.names) names.add(name);
         joint_ = names.require(joint_name, place_);
@@ -395,7 +393,7 @@ public:
     }
 
 private:
-    std::string quoted(uint32_t joint) const { return "'" + gltf::printable(character_.rig.names[joint], 120) + "'"; }
+    std::string quoted(uint32_t joint) const { return "'" + printable(character_.rig.names[joint], 120) + "'"; }
 
     void check_ancestors() const {
         for (const uint32_t joint : ancestors_)
@@ -404,7 +402,7 @@ private:
                 if ((tracks.rotation | tracks.translation | tracks.scale) & kTrackAnimated)
                     throw Failure(ErrorCode::kUnsupported, place_,
                                   quoted(joint) + ", above " + quoted(joint_) + ", is animated in clip '" +
-                                      gltf::printable(character_.clips[index].name, 120) +
+                                      printable(character_.clips[index].name, 120) +
                                       "'; the joint of root motion has nothing animated above it");
             }
     }

@@ -7,7 +7,6 @@
 #include "compile/clip/packed_track.h"
 #include "compile/rig/rig.h"
 #include "compile/rig/uniform_scale.h"
-#include "import/json_view.h"
 
 #include <algorithm>
 #include <cmath>
@@ -423,8 +422,8 @@ private:
     // Names and warnings are printed: none rewrites a terminal, or looks like another line.
     void check_text() const {
         file::visit_strings(c_, [&](const std::string& string) {
-            if (gltf::printable(string, std::string::npos) != string)
-                fail("text", "'" + gltf::printable(string) + "' has control characters in it");
+            if (printable(string, std::string::npos) != string)
+                fail("text", "'" + printable(string) + "' has control characters in it");
         });
     }
 

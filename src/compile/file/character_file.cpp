@@ -2,7 +2,6 @@
 
 #include "base/replace_file.h"
 #include "compile/file/character_layout.h"
-#include "import/json_view.h"
 
 #include <fstream>
 
@@ -23,7 +22,7 @@ Result<void> save_character(const Character& character, const fs::path& path) {
 }
 
 Result<Character> load_compiled_character(std::span<const std::byte> bytes, std::string_view name) {
-    const std::string place = gltf::printable(name, 120);
+    const std::string place = printable(name, 120);
     return as_result([&] { return read_character(bytes, place); }, place);
 }
 

@@ -3,7 +3,6 @@
 #include "base/failure.h"
 #include "compile/file/character_layout.h"
 #include "base/crc64.h"
-#include "import/json_view.h"
 
 #include <cassert>
 #include <cstddef>
@@ -155,7 +154,7 @@ private:
 }  // namespace
 
 std::vector<std::byte> write_character(const Character& character, uint64_t limit_bytes) {
-    const std::string place = gltf::printable(character.name, 120);
+    const std::string place = printable(character.name, 120);
     check_character(character, place, ErrorCode::kInvalidArgument);
     return Writer(place, limit_bytes).run(character);
 }

@@ -71,8 +71,7 @@ private:
     uint32_t add_entries(const std::vector<PaletteEntry>& entries) {
         const size_t first = character_.palette.size();
         if (first + entries.size() > kPaletteLimit)
-            throw Failure(ErrorCode::kLimit, asset_.name,
-                          "the skins have more than " + std::to_string(kPaletteLimit) + " joints in sum");
+            throw Failure(ErrorCode::kLimit, asset_.name, "the skins have more than ", kPaletteLimit, " joints in sum");
         character_.palette.insert(character_.palette.end(), entries.begin(), entries.end());
         return static_cast<uint32_t>(first);
     }

@@ -3,7 +3,6 @@
 #include "base/failure.h"
 #include "compile/limits.h"
 #include "control/control_reference.h"
-#include "import/json_view.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,12 +19,11 @@ constexpr double kFollowed = 1e-4;
 constexpr size_t kRefinedWeightLimit = 4'000'000;  // of a clip's cubic tracks: seconds of work
 
 [[noreturn]] void exceeds(const std::string& place, uint64_t size_bytes, const char* of) {
-    throw Failure(ErrorCode::kLimit, place,
-                  std::to_string(size_bytes >> 20) + " MiB of " + of + "; the limit is " +
-                      std::to_string(kKeyLimit_bytes >> 20) + " MiB a character");
+    throw Failure(ErrorCode::kLimit, place, size_bytes >> 20, " MiB of ", of, "; the limit is ", kKeyLimit_bytes >> 20,
+                  " MiB a character");
 }
 
-std::string place_of(const Asset& asset) { return gltf::printable(asset.name, 120) + ": morph targets"; }
+std::string place_of(const Asset& asset) { return printable(asset.name, 120) + ": morph targets"; }
 
 const Vec3<float> kNothing{0, 0, 0};
 const Vec3<float>& at(const std::vector<Vec3<float>>& differences, size_t vertex) {
@@ -150,8 +148,8 @@ private:
     float value_of(const WeightTrack& track, float time_s) const {
         const double weight = track.evaluate(time_s);
         if (!(std::abs(weight) <= std::numeric_limits<float>::max()))
-            throw Failure(ErrorCode::kInvalidFile, place_,
-                          "a weight of a morph target exceeds all floats at " + std::to_string(time_s) + " s");
+            throw Failure(ErrorCode::kInvalidFile, place_, "a weight of a morph target exceeds all floats at ", time_s,
+                          " s");
         return static_cast<float>(weight);
     }
 
@@ -200,8 +198,8 @@ private:
                 if ((refined.size() + ends.size()) * cubic.size() >
                     std::max(kRefinedWeightLimit, times_s_.size() * cubic.size()))
                     throw Failure(ErrorCode::kLimit, place_,
-                                  "its cubic tracks of morph targets would need more than the limit of " +
-                                      std::to_string(kRefinedWeightLimit) + " weights to be followed");
+                                  "its cubic tracks of morph targets would need more than the limit of ",
+                                  kRefinedWeightLimit, " weights to be followed");
             }
         }
         times_s_ = std::move(refined);
@@ -234,16 +232,13 @@ void compile_morphs(const Asset& asset, Character& character) {
         const AssetMesh& mesh = asset.meshes[instance.mesh];
         const std::vector<float>& weights = instance.weights.empty() ? mesh.weights : instance.weights;
         if (character.morphs.size() + weights.size() > kMorphLimit)
-            throw Failure(ErrorCode::kLimit, place,
-                          std::to_string(character.morphs.size() + weights.size()) +
-                              " and more, each counted for each node that has its mesh; the limit is " +
-                              std::to_string(kMorphLimit));
+            throw Failure(ErrorCode::kLimit, place, character.morphs.size() + weights.size(),
+                          " and more, each counted for each node that has its mesh; the limit is ", kMorphLimit);
         if (!weights.empty() && !character.morphs.empty() && character.morphs.back().node == instance.node)
-            throw Failure(ErrorCode::kInvalidFile, place,
-                          "node " + std::to_string(instance.node) + " has two meshes with them");
+            throw Failure(ErrorCode::kInvalidFile, place, "node ", instance.node, " has two meshes with them");
         for (uint32_t target = 0; target < weights.size(); ++target)
             character.morphs.push_back(
-                {.name = gltf::printable(
+                {.name = printable(
                      mesh.target_names.empty() ? mesh.name + "." + std::to_string(target) : mesh.target_names[target],
                      kMorphNameLimit),
                  .node = instance.node,
@@ -259,9 +254,8 @@ void compile_morphs(const Asset& asset, Character& character) {
         section.first_morph = of_node->second.first;
         section.morph_count = of_node->second.count;
         if (primitive.targets.size() != section.morph_count)
-            throw Failure(ErrorCode::kInvalidFile, place,
-                          std::to_string(primitive.targets.size()) + " of a primitive, and " +
-                              std::to_string(section.morph_count) + " weights of its mesh");
+            throw Failure(ErrorCode::kInvalidFile, place, primitive.targets.size(), " of a primitive, and ",
+                          section.morph_count, " weights of its mesh");
         add_deltas(primitive, section, character, place);
     }
 }
@@ -272,7 +266,7 @@ void compile_morph_tracks(const Asset& asset, Character& character) {
     character.morph_tracks.assign(character.clips.size() * character.morphs.size(), kNone);
     const std::map<uint32_t, NodeMorphs> by_node = morphs_by_node(character);
     for (size_t index = 0; index < character.clips.size(); ++index) {
-        const std::string place = gltf::printable(asset.name, 120) + ": animations[" + std::to_string(index) + "]";
+        const std::string place = printable(asset.name, 120) + ": animations[" + std::to_string(index) + "]";
         WeightRows rows(character, place);
         for (const AssetMorphTrack& track : asset.clips[index].morph_tracks) {
             const auto of_node = by_node.find(track.node);

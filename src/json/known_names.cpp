@@ -1,7 +1,6 @@
-#include "controller/known_names.h"
+#include "json/known_names.h"
 
 #include "base/failure.h"
-#include "import/json_view.h"
 
 #include <throng/asset.h>
 
@@ -69,14 +68,14 @@ std::string_view KnownNames::nearest(std::string_view name) const {
 
 std::string KnownNames::unknown(std::string_view name) const {
     constexpr size_t kShown = 12;
-    std::string text = "there is no " + kind_ + " '" + gltf::printable(name) + "'";
+    std::string text = "there is no " + kind_ + " '" + printable(name) + "'";
     if (names_.empty()) return text + ", nor any other";
     if (const std::string_view near = nearest(name); !near.empty())
-        text += "; did you mean '" + gltf::printable(near) + "'?";
+        text += "; did you mean '" + printable(near) + "'?";
     else
         text += ".";
     text += " There " + std::string(names_.size() == 1 ? "is: " : "are: ");
-    for (size_t i = 0; i < std::min(names_.size(), kShown); ++i) text += (i ? ", " : "") + gltf::printable(names_[i]);
+    for (size_t i = 0; i < std::min(names_.size(), kShown); ++i) text += (i ? ", " : "") + printable(names_[i]);
     if (names_.size() > kShown) text += ", … (" + std::to_string(names_.size()) + ")";
     return text;
 }

@@ -1,0 +1,29 @@
+#include "base/read_file.h"
+
+#include "base/failure.h"
+
+#include <fstream>
+
+namespace throng {
+
+std::vector<std::byte> read_file(const std::filesystem::path& path, uint64_t limit_bytes, const std::string& place,
+                                 const char* too_large) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    const fs::file_status status = fs::status(path, error);
+    if (status.type() == fs::file_type::not_found) throw Failure(ErrorCode::kFile, place, "no such file");
+    // A pipe or a device could be read for ever.
+    if (status.type() != fs::file_type::regular) throw Failure(ErrorCode::kFile, place, "not a regular file");
+    const uint64_t size_bytes = fs::file_size(path, error);
+    if (error) throw Failure(ErrorCode::kFile, place, "the file cannot be read");
+    if (size_bytes > limit_bytes) throw Failure(ErrorCode::kLimit, place, too_large);
+    std::ifstream stream(path, std::ios::binary);
+    if (!stream) throw Failure(ErrorCode::kFile, place, "the file cannot be opened");
+    std::vector<std::byte> bytes(size_bytes);
+    stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size_bytes));
+    if (uint64_t(stream.gcount()) != size_bytes)
+        throw Failure(ErrorCode::kFile, place, "the file cannot be read to its end");
+    return bytes;
+}
+
+}  // namespace throng

@@ -1,0 +1,28 @@
+// The text of messages.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace throng {
+
+// The parts one after the other, numbers as std::to_string() writes them.
+template <class... Parts>
+std::string joined(const Parts&... parts) {
+    std::string out;
+    const auto add = [&](const auto& part) {
+        if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(part)>>)
+            out += std::to_string(part);
+        else
+            out += part;
+    };
+    (add(parts), ...);
+    return out;
+}
+
+// `text` from a file, made fit for a message of one line: control characters become '?', and what is longer than
+// `limit` bytes is cut.
+std::string printable(std::string_view text, size_t limit = 60);
+
+}  // namespace throng

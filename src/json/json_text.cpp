@@ -1,0 +1,180 @@
+#include "json/json_text.h"
+
+#include "json/known_names.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <iterator>
+#include <numeric>
+
+namespace throng {
+namespace {
+
+std::string at_line(const std::string& file, uint32_t line) { return joined(file, ":", line); }
+
+// nlohmann's parser knows lines, but tells them only with its own errors. So it reads through this, which counts them.
+class LineCounter {
+public:
+    using iterator_category = std::input_iterator_tag;
+    using value_type = char;
+    using difference_type = std::ptrdiff_t;
+    using pointer = const char*;
+    using reference = const char&;
+
+    LineCounter(const char* at, uint32_t* line) : at_(at), line_(line) {}
+    const char& operator*() const { return *at_; }
+    LineCounter& operator++() {
+        // A number is read up to the character behind it, which may end the line
+        *line_ += std::exchange(ends_line_, *at_ == '\n');
+        ++at_;
+        return *this;
+    }
+    LineCounter operator++(int) {
+        LineCounter before = *this;
+        ++*this;
+        return before;
+    }
+    bool operator==(const LineCounter& other) const { return at_ == other.at_; }
+    bool operator!=(const LineCounter& other) const { return at_ != other.at_; }
+
+private:
+    const char* at_;
+    uint32_t* line_;  // of the last character that was read
+    bool ends_line_ = false;
+};
+
+// What nlohmann's own builder does; but lines are kept, limits hold, and no object is searched for each of its keys.
+class TreeBuilder : public nlohmann::json_sax<Json> {
+public:
+    TreeBuilder(JsonAuthor author, const std::string& file, const uint32_t& line, Json& root,
+                std::vector<uint32_t>& lines)
+        : by_person_(author == JsonAuthor::kPerson), file_(file), line_(line), root_(root), lines_(lines) {}
+
+    bool null() override { return add(nullptr); }
+    bool boolean(bool value) override { return add(value); }
+    bool number_integer(number_integer_t value) override { return add(value); }
+    bool number_unsigned(number_unsigned_t value) override { return add(value); }
+    bool number_float(number_float_t value, const string_t&) override { return add(value); }
+    bool string(string_t& value) override { return add(std::move(value)); }
+    bool binary(binary_t&) override { return false; }  // not in text
+    bool start_object(std::size_t) override { return add(Json::object()); }
+    bool start_array(std::size_t) override { return add(Json::array()); }
+    bool key(string_t& value) override {
+        key_ = std::move(value);
+        if (by_person_) open_.back().member_lines.push_back(line_);
+        key_line_ = line_;
+        return true;
+    }
+    bool end_object() override {
+        if (by_person_) refuse_duplicates(open_.back());
+        return end_array();
+    }
+    bool end_array() override {
+        open_.pop_back();
+        return true;
+    }
+    bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception& error) override {
+        // "[json.exception.parse_error.101] parse error at line 3, column 5: …"; the place has the line already
+        std::string what = error.what();
+        what.erase(0, what.find("] ") + 2);
+        if (const size_t column = what.find("column "); by_person_ && column != what.npos) what.erase(0, column);
+        // The message has bytes of the file in it, which may not be UTF-8.
+        std::replace_if(
+            what.begin(), what.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x80; }, '?');
+        fail(ErrorCode::kInvalidFile, by_person_ ? "not JSON: " : "the JSON cannot be read: ", printable(what, 200));
+    }
+
+private:
+    struct Open {
+        Json* value;
+        std::vector<uint32_t> member_lines{};  // of what people write
+    };
+
+    template <class... Parts>
+    [[noreturn]] void fail(ErrorCode code, const Parts&... message) const {
+        throw Failure(code, by_person_ ? at_line(file_, line_) : "", message...);
+    }
+
+    bool add(Json value) {
+        if (by_person_ && lines_.size() == kJsonValueLimit)
+            fail(ErrorCode::kLimit, "the JSON has more than the limit of ", kJsonValueLimit, " values");
+        const bool opens = value.is_structured(), is_member = !open_.empty() && open_.back().value->is_object();
+        lines_.push_back(is_member ? key_line_ : line_);
+        Json* added = &root_;
+        if (is_member)
+            added =
+                &open_.back().value->get_ref<Json::object_t&>().emplace_back(std::move(key_), std::move(value)).second;
+        else if (!open_.empty())
+            added = &open_.back().value->get_ref<Json::array_t&>().emplace_back(std::move(value));
+        else
+            root_ = std::move(value);
+        if (!opens) return true;
+        if (const size_t limit = by_person_ ? kJsonNestingLimit : kProgramNestingLimit; open_.size() == limit)
+            fail(ErrorCode::kLimit, "the JSON is nested deeper than the limit of ", limit);
+        open_.push_back({added});  // stays where it is: its parent gets no other child before it is closed
+        return true;
+    }
+
+    void refuse_duplicates(const Open& object) const {
+        const auto member = object.value->get_ref<const Json::object_t&>().begin();
+        std::vector<std::ptrdiff_t> sorted(object.member_lines.size());
+        std::iota(sorted.begin(), sorted.end(), 0);
+        std::ranges::stable_sort(sorted, {}, [&](auto i) -> const std::string& { return member[i].first; });
+        const auto twice = std::ranges::adjacent_find(sorted, {},
+                                                      [&](auto i) -> const std::string& { return member[i].first; });
+        if (twice == sorted.end()) return;
+        const auto line = [&](std::ptrdiff_t i) { return object.member_lines[static_cast<size_t>(i)]; };
+        throw Failure(ErrorCode::kInvalidFile, at_line(file_, line(twice[1])), "'", printable(member[*twice].first),
+                      "' stands twice in one object, first in line ", line(twice[0]), "; rename or remove one");
+    }
+
+    const bool by_person_;
+    const std::string& file_;
+    const uint32_t& line_;
+    Json& root_;
+    std::vector<uint32_t>& lines_;
+    std::vector<Open> open_;
+    std::string key_;
+    uint32_t key_line_ = 0;
+};
+
+size_t value_count(const JsonView& json) {
+    size_t count = 1;
+    for (const JsonView child : json) count += value_count(child);
+    return count;
+}
+
+}  // namespace
+
+JsonText::JsonText(std::string_view text, JsonAuthor author, const std::string& file)
+    : author_(author), root_(std::make_unique<Json>()) {
+    uint32_t line = 1, unused = 0;
+    TreeBuilder builder(author, file, line, *root_, lines_);
+    Json::sax_parse(LineCounter(text.data(), &line), LineCounter(text.data() + text.size(), &unused), &builder);
+}
+
+JsonText::~JsonText() = default;
+
+std::string JsonText::located(const std::string& file, const std::string& place) const {
+    const auto encloses = [&](const std::string& there) {
+        return place.starts_with(there) &&
+               (place.size() == there.size() || place[there.size()] == '.' || place[there.size()] == '[');
+    };
+    size_t index = 0;  // of the innermost value so far
+    for (std::optional<JsonView> inner = view(); inner;) {
+        const JsonView around = *std::exchange(inner, std::nullopt);
+        size_t next = index + 1;
+        for (const JsonView child : around) {
+            if (encloses(child.place())) {
+                inner = child;
+                index = next;
+                break;
+            }
+            next += value_count(child);
+        }
+    }
+    return at_line(file, lines_[index]) + (place.empty() ? "" : ": " + place);
+}
+
+}  // namespace throng

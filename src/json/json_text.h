@@ -1,0 +1,36 @@
+// The text of a JSON file, parsed; each value knows its line.
+#pragma once
+
+#include "json/json_view.h"
+
+#include <memory>
+
+namespace throng {
+
+// Of what people write: its size, how deep it is nested, and how many values it has
+inline constexpr size_t kJsonTextLimit_bytes = size_t{4} << 20;
+inline constexpr size_t kJsonNestingLimit = 32;
+inline constexpr size_t kJsonValueLimit = 500'000;
+// How deep what programs write is nested. Who reads it bounds its size (import/limits.h).
+inline constexpr size_t kProgramNestingLimit = 64;
+
+class JsonText {
+public:
+    // Throws kInvalidFile and kLimit. Of what people write, no key may stand twice in an object, and the place of a
+    // failure is `file` and line; else the last of several counts, and the place is empty.
+    JsonText(std::string_view text, JsonAuthor author, const std::string& file = {});
+    ~JsonText();
+
+    JsonView view() const { return JsonView(*root_, author_); }
+
+    // "guard.json:12: layers[0].name": a place within the file, or of the innermost value around it that is there. A
+    // member's line is that of its key.
+    std::string located(const std::string& file, const std::string& place) const;
+
+private:
+    JsonAuthor author_;
+    std::unique_ptr<Json> root_;
+    std::vector<uint32_t> lines_;  // from 1; of each value, in the order of the text
+};
+
+}  // namespace throng
