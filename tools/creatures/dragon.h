@@ -17,13 +17,11 @@ struct Flank {
 struct Dragon {
     Body body;  // the tail and the trunk (either may be missing) come first
     Outline axis;
-    double root_at = 0;  // on the axis
+    Bones axis_bones;
     Flank left_flank, right_flank;
 };
 
 Dragon make_dragon_body(const CreatureSettings& settings);
-Bones bones_of_axis(const Body& body);
 std::vector<Piece> make_dragon_flesh(const Dragon& dragon, const CreatureSettings& settings);
-Motion dragon_motion();
 
 }  // namespace throng::creature

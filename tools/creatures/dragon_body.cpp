@@ -22,7 +22,7 @@ Outline axis_outline(const Build& b, bool has_legs) {
                         {0.73, 1.60, 0.105, 0.135},  {0.60, 1.34, 0.150, 0.200},  {0.32, 1.11, 0.250, 0.300},
                         {-0.03, 1.02, 0.270, 0.285}, {-0.40, 1.02, 0.220, 0.245}, {-0.80, 0.96, 0.140, 0.160},
                         {-1.17, 0.80, 0.100, 0.110}, {-1.53, 0.60, 0.072, 0.080}, {-1.90, 0.48, 0.050, 0.055},
-                        {-2.25, 0.53, 0.032, 0.035}, {-2.52, 0.74, 0.0, 0.0}};
+                        {-2.25, 0.53, 0.032, 0.035}, {-2.52, 0.74, 0.0}};
     std::vector<Station> stations;
     for (const Row& row : rows) {
         const double neck = smooth_step(0.5, 0.9, row.z) * (b.neck - 1);
@@ -33,28 +33,23 @@ Outline axis_outline(const Build& b, bool has_legs) {
     // Without legs the body lies on the ground from the chest backward, the neck raised.
     for (Station& s : stations)
         if (!has_legs) s.center.y = s.center.z > 0.5 ? s.center.y - 0.75 : s.height;
-    return Outline(std::move(stations));
-}
-
-Outline mirrored(std::vector<Station> stations, double side) {
-    for (Station& s : stations) s.center.x *= side;
-    return Outline(std::move(stations));
+    return stations;
 }
 
 Outline leg_outline(uint32_t number, double side, double girth) {
-    std::vector<Station> front = {{{0.12, 1.08, 0.33}, 0.06, 0.10},
-                                  {{0.26, 0.70, 0.25}, 0.095, 0.125},
-                                  {{0.28, 0.33, 0.40}, 0.05, 0.06},
-                                  {{0.28, 0.06, 0.42}, 0.05, 0.055},
-                                  {{0.28, 0.03, 0.60}, 0.045, 0.022}};
-    std::vector<Station> hind = {{{0.10, 1.02, -0.36}, 0.08, 0.15},
-                                 {{0.26, 0.66, -0.20}, 0.11, 0.165},
-                                 {{0.28, 0.34, -0.50}, 0.048, 0.06},
-                                 {{0.28, 0.06, -0.42}, 0.05, 0.055},
-                                 {{0.28, 0.03, -0.22}, 0.045, 0.022}};
-    auto& stations = number == 0 ? front : hind;
-    for (Station& s : stations) s.width *= girth, s.height *= girth;
-    return mirrored(stations, side);
+    static const std::vector<Station> kFront = {{{0.12, 1.08, 0.33}, 0.06, 0.10},
+                                                {{0.26, 0.70, 0.25}, 0.095, 0.125},
+                                                {{0.28, 0.33, 0.40}, 0.05, 0.06},
+                                                {{0.28, 0.06, 0.42}, 0.05, 0.055},
+                                                {{0.28, 0.03, 0.60}, 0.045, 0.022}};
+    static const std::vector<Station> kHind = {{{0.10, 1.02, -0.36}, 0.08, 0.15},
+                                               {{0.26, 0.66, -0.20}, 0.11, 0.165},
+                                               {{0.28, 0.34, -0.50}, 0.048, 0.06},
+                                               {{0.28, 0.06, -0.42}, 0.05, 0.055},
+                                               {{0.28, 0.03, -0.22}, 0.045, 0.022}};
+    std::vector<Station> stations = number == 0 ? kFront : kHind;
+    for (Station& s : stations) s.center.x *= side, s.width *= girth, s.height *= girth;
+    return stations;
 }
 
 Vec wing_point(Vec point, const Build& b, double side) {
@@ -84,7 +79,7 @@ public:
         deal_jaw();
         deal_toes();
         deal_tendrils();
-        return {std::move(body_), std::move(axis_), root_at_, left_flank_, right_flank_};
+        return {std::move(body_), std::move(axis_), std::move(axis_bones_), left_flank_, right_flank_};
     }
 
 private:
@@ -93,18 +88,27 @@ private:
     }
     // The joint that moves the body's flesh at t of the axis.
     uint32_t axis_joint(double t) const {
-        const Chain* chain = body_.find(t > root_at_ ? Part::kTail : Part::kTrunk);
-        const double steps = chain ? (t - root_at_) / chain->step : 0;  // from the root
-        return steps < 1 ? 0 : chain->first_joint + std::min(uint32_t(steps), chain->joint_count) - 1;
+        for (const Chain& chain : body_.chains_of(t > root_at_ ? "tail" : "trunk"))
+            if (const double steps = (t - root_at_) / chain.step; steps >= 1)  // from the root
+                return chain.first_joint + std::min(uint32_t(steps), chain.joint_count) - 1;
+        return 0;
     }
 
     void deal_axis(uint32_t tail, uint32_t trunk) {
-        add_on_axis(Part::kTail, tail, (1 - root_at_) / (tail + 1));
-        add_on_axis(Part::kTrunk, trunk, (head_at_ - root_at_) / std::max(trunk, 1u));
+        add_on_axis("tail", tail, (1 - root_at_) / (tail + 1));
+        add_on_axis("trunk", trunk, (head_at_ - root_at_) / std::max(trunk, 1u));
         if (trunk > 0) head_joint_ = body_.joint_count() - 1;
-        axis_bones_ = bones_of_axis(body_);
+        axis_bones_ = {{0}, {0, 1}};
+        for (const Chain& chain : body_.chains)
+            for (uint32_t k = 0; k < chain.joint_count; ++k) {
+                const bool forward = chain.step < 0;  // joints ascend along the axis, bounds between 0 and 1
+                axis_bones_.joints.insert(forward ? axis_bones_.joints.begin() : axis_bones_.joints.end(),
+                                          chain.first_joint + k);
+                axis_bones_.bounds.insert(forward ? axis_bones_.bounds.begin() + 1 : axis_bones_.bounds.end() - 1,
+                                          chain.at(k));
+            }
     }
-    void add_on_axis(Part part, uint32_t count, double step) {
+    void add_on_axis(std::string_view part, uint32_t count, double step) {
         if (count > 0)
             add({.part = part,
                  .joint_count = count,
@@ -119,8 +123,8 @@ private:
         for (const uint32_t number : {1u, 0u}) {
             const uint32_t parent = number == 0 ? axis_joint(kChestAt) : 0;
             const uint32_t count = std::min({wish, room_below(parent), left_ / 2});
-            for (const double side : {1.0, -1.0})
-                add_limb({.part = Part::kLeg,
+            for (const double side : kSides)
+                add_limb({.part = "leg",
                           .parent_joint = parent,
                           .joint_count = count,
                           .outline = leg_outline(number, side, build_.girth),
@@ -139,20 +143,17 @@ private:
         const uint32_t arm = std::min(each < 6 ? 1u : 3u, room - 1);
         const uint32_t fingers = each - arm < 4 ? std::min(each - arm, 2u) : std::clamp((each - arm) / 3, 2u, 5u);
         const double phase_turns = random_.unit();
-        const Outline tips({{{2.05, 2.42, 0.62}, 0, 0},
-                            {{2.18, 1.98, -0.30}, 0, 0},
-                            {{1.75, 1.55, -0.98}, 0, 0},
-                            {{1.12, 1.22, -1.22}, 0, 0}});
-        for (const double side : {1.0, -1.0}) {
+        const Outline tips({{{2.05, 2.42, 0.62}}, {{2.18, 1.98, -0.30}}, {{1.75, 1.55, -0.98}}, {{1.12, 1.22, -1.22}}});
+        for (const double side : kSides) {
             const auto at = [&](double x, double y, double z) { return wing_point({x, y, z}, build_, side); };
             const Vec wrist = at(1.12, 1.98, 0.50);
-            add_limb({.part = Part::kArm,
+            add_limb({.part = "arm",
                       .parent_joint = shoulder,
                       .joint_count = arm,
-                      .outline = Outline({{at(0.06, 1.14, 0.30), 0.09, 0.11},
-                                          {at(0.26, 1.30, 0.34), 0.075, 0.085},
-                                          {at(0.72, 1.74, 0.16), 0.05, 0.055},
-                                          {wrist, 0.04, 0.042}}),
+                      .outline = {{at(0.06, 1.14, 0.30), 0.09, 0.11},
+                                  {at(0.26, 1.30, 0.34), 0.075, 0.085},
+                                  {at(0.72, 1.74, 0.16), 0.05, 0.055},
+                                  {wrist, 0.04, 0.042}},
                       .side = side,
                       .phase_turns = phase_turns,
                       .base = influences_at(axis_bones_, kChestAt)});
@@ -164,10 +165,10 @@ private:
                 const Vec tip = wing_point(tips.at(fingers > 1 ? double(finger) / (fingers - 1) : 0).center, build_,
                                            side);
                 const Vec bow = lerp(wrist, tip, 0.5) + Vec{0, 0.10, 0.06};
-                add_limb({.part = Part::kFinger,
+                add_limb({.part = "finger",
                           .parent_joint = hand,
                           .joint_count = count,
-                          .outline = Outline({{wrist, 0.032, 0.032}, {bow, 0.02, 0.02}, {tip, 0, 0}}),
+                          .outline = {{wrist, 0.032}, {bow, 0.02}, {tip}},
                           .side = side,
                           .phase_turns = phase_turns,
                           .number = finger});
@@ -182,11 +183,11 @@ private:
             const Station s = axis_.at(t);
             return Station{s.center - Vec{0, s.height * down, 0}, s.width * size, s.height * size * 0.5};
         };
-        add_limb({.part = Part::kJaw,
+        add_limb({.part = "jaw",
                   .parent_joint = head_joint_,
                   .joint_count = 1,
-                  .outline = Outline({under(0.22, 0.55, 0.7), under(0.16, 0.95, 0.75), under(0.10, 1.1, 0.8),
-                                      under(0.07, 1.15, 0.8), under(0.035, 1.2, 0)}),
+                  .outline = {under(0.22, 0.55, 0.7), under(0.16, 0.95, 0.75), under(0.10, 1.1, 0.8),
+                              under(0.07, 1.15, 0.8), under(0.035, 1.2, 0)},
                   .phase_turns = random_.unit(),
                   .base = influences_at(axis_bones_, 0.22)});
     }
@@ -195,18 +196,17 @@ private:
         const uint32_t count = left_ >= 120 ? 2 : left_ >= 60 ? 1 : 0;
         const std::vector<Chain> chains = body_.chains;
         for (const Chain& leg : chains) {
-            if (leg.part != Part::kLeg) continue;
+            if (leg.part != "leg") continue;
             const uint32_t foot = leg.first_joint + leg.joint_count - 1;
             for (uint32_t toe = 0; toe < 3; ++toe) {
                 const double spread = 0.05 * (double(toe) - 1);
                 const Vec base = leg.outline.at(0.92).center;
-                const Outline outline({{base + Vec{spread * 0.6, 0, 0}, 0.026, 0.024},
-                                       {base + Vec{spread * 1.3, -0.01, 0.09}, 0.022, 0.02},
-                                       {base + Vec{spread * 1.7, -0.03, 0.18}, 0, 0}});
-                add_limb({.part = Part::kToe,
+                add_limb({.part = "toe",
                           .parent_joint = foot,
                           .joint_count = std::min(count, room_below(foot)),
-                          .outline = outline,
+                          .outline = {{base + Vec{spread * 0.6, 0, 0}, 0.026, 0.024},
+                                      {base + Vec{spread * 1.3, -0.01, 0.09}, 0.022, 0.02},
+                                      {base + Vec{spread * 1.7, -0.03, 0.18}}},
                           .side = leg.side,
                           .number = toe});
             }
@@ -228,8 +228,8 @@ private:
     void deal_tendrils() {
         if (left_ == 0) return;
         // Where the outermost joint of the axis has no level left below it, tendrils grow only on the joints before it.
-        const Chain* tail = body_.find(Part::kTail);
-        last_site_ = tail->at(tail->joint_count - 1);
+        const Chain& tail = body_.chains[0];
+        last_site_ = tail.at(tail.joint_count - 1);
         first_site_ = room_below(head_joint_) > 0 ? std::min(0.235, root_at_) : head_at_;
         const uint32_t wish = 2 + uint32_t(0.5 * std::sqrt(double(left_)));
         const std::vector<uint32_t> lengths = share_out(left_ / 2, wish, 0, [&](uint32_t i, uint32_t count) {
@@ -238,7 +238,7 @@ private:
         const uint32_t count = uint32_t(lengths.size());
         for (uint32_t i = 0; i < count; ++i) {
             const Tendril tendril{lengths[i], random_.between(0.85, 1.15), random_.unit()};
-            for (const double side : {1.0, -1.0}) add_tendril(tendril, site(i, count), side, count);
+            for (const double side : kSides) add_tendril(tendril, site(i, count), side, count);
         }
         if (left_ > 0) add_tendril({}, {last_site_, 0}, 0, count);
     }
@@ -267,7 +267,7 @@ private:
         };
         const Outline outline({station(0, 0, 0, 1), station(0.28, 0.10, 0, 0.9), station(0.50, 0.32, 0, 0.7),
                                station(0.64, 0.62, 0.03, 0.4), station(0.70, 0.95, 0.10, 0)});
-        add_limb({.part = Part::kTendril,
+        add_limb({.part = "tendril",
                   .parent_joint = with_room(axis_joint(s.t)),
                   .joint_count = tendril.joint_count,
                   .outline = outline,
@@ -289,23 +289,6 @@ private:
 };
 
 }  // namespace
-
-Bones bones_of_axis(const Body& body) {
-    Bones bones{{}, {0}, {}};
-    if (const Chain* trunk = body.find(Part::kTrunk))
-        for (uint32_t k = trunk->joint_count; k-- > 0;) {
-            bones.joints.push_back(trunk->first_joint + k);
-            bones.bounds.push_back(trunk->at(k));
-        }
-    bones.joints.push_back(0);
-    if (const Chain* tail = body.find(Part::kTail))
-        for (uint32_t k = 0; k < tail->joint_count; ++k) {
-            bones.joints.push_back(tail->first_joint + k);
-            bones.bounds.push_back(tail->at(k));
-        }
-    bones.bounds.push_back(1);
-    return bones;
-}
 
 Dragon make_dragon_body(const CreatureSettings& settings) { return Dealer(settings).deal(); }
 

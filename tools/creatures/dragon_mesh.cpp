@@ -5,8 +5,6 @@
 namespace throng::creature {
 namespace {
 
-constexpr double kSides[] = {1, -1};
-
 struct Colors {
     Vec back, stripe, flank, belly, accent, membrane, horn;
 
@@ -36,32 +34,13 @@ struct Colors {
     Paint jaw() const {
         return [c = *this](double, double dorsal) { return lerp(c.flank, c.belly, smooth_step(0.2, -0.6, dorsal)); };
     }
-    Paint leg() const {
-        return [c = *this](double t, double) {
-            return lerp(lerp(c.flank, c.back, smooth_step(0, 0.5, t)), c.stripe, smooth_step(0.5, 1, t));
-        };
-    }
-    Paint wing() const {
-        return [c = *this](double t, double) {
-            return lerp(lerp(c.back, c.membrane, smooth_step(0, 0.35, t)), c.accent, smooth_step(0.7, 1, t));
-        };
-    }
-    Paint finger() const {
-        return [c = *this](double t, double) { return lerp(c.back, c.stripe, smooth_step(0, 0.7, t)); };
-    }
-    Paint claw() const {
-        return [c = *this](double t, double) { return lerp(c.stripe, c.horn, smooth_step(0.3, 0.8, t)); };
-    }
-    Paint tendril() const {
-        return [c = *this](double t, double) { return lerp(c.back, c.accent, smooth_step(0, 0.7, t)); };
-    }
 };
 
 // A sheet of skin between two edges, from u = 0 (the arm or the wrist) to the free border at u = 1.
 struct Membrane {
-    const Chain* first = nullptr;   // finger
-    const Chain* second = nullptr;  // next finger; none for the sheet between the last finger and the flank
-    const Chain* arm = nullptr;
+    const Chain& first;   // finger
+    const Chain* second;  // next finger; none for the sheet between the last finger and the flank
+    const Chain& arm;
     Flank flank;
     Bones axis_bones;
 
@@ -75,7 +54,7 @@ struct Membrane {
         if (second) u = std::max(0.01, u);
         // The border is drawn in between its fingers.
         const double reach = u * (1 - 0.85 * v * (1 - v) * u * (second ? 1 : 0.7));
-        const SkinPoint a = on_limb(*first, reach, 1 - v);
+        const SkinPoint a = on_limb(first, reach, 1 - v);
         if (second) {
             const SkinPoint b = on_limb(*second, reach, v);
             Vec position = lerp(a.position, b.position, v);
@@ -85,62 +64,48 @@ struct Membrane {
         constexpr double kShoulderAt = 0.47, kHipAt = 0.65;  // on the axis
         // Coons patch: finger, flank, arm and a straight border. The arm holds the skin near it, the body at the flank.
         const Vec on_flank = lerp(flank.shoulder, flank.hip, reach);
-        const Vec bulge = arm->outline.at(1 - v * 2 / 3).center - lerp(arm->outline.at(1).center, flank.shoulder, v);
+        const Vec bulge = arm.outline.at(1 - v * 2 / 3).center - lerp(arm.outline.at(1).center, flank.shoulder, v);
         Vec position = lerp(a.position, on_flank, v) + bulge * (1 - reach);
         position.y -= 0.3 * v * (1 - v) * u;
         const double arm_share = (1 - reach) * 4 * v * (1 - v);
-        const SkinPoint upper = on_limb(*arm, 1 - v * 2 / 3, arm_share);
+        const SkinPoint upper = on_limb(arm, 1 - v * 2 / 3, arm_share);
         const Influences body = influences_at(axis_bones, mix(kShoulderAt, kHipAt, reach), v * (1 - arm_share));
         return {position, joined(joined(scaled(a.influences, 1 - arm_share), upper.influences), body)};
     }
 };
 
-class Sculptor {
+class Sculptor : Flesh {
 public:
     Sculptor(const Dragon& dragon, const CreatureSettings& settings)
-        : dragon_(dragon),
-          colors_(settings.seed),
-          face_budget_(settings.face_count),
-          axis_bones_(bones_of_axis(dragon.body)) {}
+        : Flesh(dragon.body), dragon_(dragon), colors_(settings.seed), face_budget_(settings.face_count) {}
 
     std::vector<Piece> sculpt() {
-        pieces_.push_back(Tube{.outline = dragon_.axis,
-                               .bones = axis_bones_,
-                               .paint = colors_.body(),
-                               .open_start = false,
-                               .wanted_sides = 11,
-                               .wanted_segments = 40,
-                               .least_sides = 4,
-                               .least_segments = 4});
-        add_limbs(Part::kLeg, colors_.leg(), 6, 7);
+        const Colors& c = colors_;
+        add(Tube{.outline = dragon_.axis,
+                 .bones = dragon_.axis_bones,
+                 .paint = c.body(),
+                 .open_start = false,
+                 .sides = {11, 4},
+                 .segments = {40, 4}});
+        add_limbs("leg",
+                  {.paint = changing(c.flank, {{0, 0.5, c.back}, {0.5, 1, c.stripe}}), .sides = {6}, .segments = {7}});
         // The membranes' edges meet the rings of arms and fingers.
-        add_limbs(Part::kArm, colors_.finger(), 5, 4, {.segments_per_step = 3, .segments_fixed = true});
-        add_limbs(Part::kFinger, colors_.finger(), 3, 4, {.segments_fixed = true});
-        add_membranes();
-        add_limbs(Part::kJaw, colors_.jaw(), 6, 4);
+        const Paint finger = changing(c.back, {{0, 0.7, c.stripe}});
+        add_limbs("arm", {.paint = finger, .sides = {5}, .segments = {4, 1, 3}, .segments_fixed = true});
+        add_limbs("finger", {.paint = finger, .segments = {4}, .segments_fixed = true});
+        for (const Chain& arm : body_.chains_of("arm")) add_membranes(arm);
+        add_limbs("jaw", {.paint = c.jaw(), .sides = {6}, .segments = {4}});
         add_face();
         add_crest();
         add_tendrils();
-        add_limbs(Part::kToe, colors_.claw(), 3, 2);
+        add_limbs("toe", {.paint = changing(c.stripe, {{0.3, 0.8, c.horn}}), .segments = {2}});
         return std::move(pieces_);
     }
 
 private:
-    void add_limb(const Chain& c, Paint paint, double sides, double segments, Tube tube = {}) {
-        tube.outline = c.outline;
-        tube.bones = bones_of(c);
-        tube.up = c.up;
-        tube.paint = std::move(paint);
-        tube.wanted_sides = sides;
-        tube.wanted_segments = segments;
-        pieces_.push_back(std::move(tube));
-    }
-    void add_limbs(Part part, const Paint& paint, double sides, double segments, const Tube& tube = {}) {
-        for (const Chain& c : dragon_.body.chains)
-            if (c.part == part) add_limb(c, paint, sides, segments, tube);
-    }
     // Bones of what is stuck on the body's flesh at t of the axis.
-    Bones stuck_at(double t) const { return stiff(influences_at(axis_bones_, t)); }
+    Bones stuck_at(double t) const { return stiff(influences_at(dragon_.axis_bones, t)); }
+    Paint horn() const { return fading(colors_.horn * 0.55, colors_.horn); }
 
     void add_face() {
         constexpr double kBrowAt = 0.185, kCrownAt = 0.24;  // on the axis
@@ -148,27 +113,23 @@ private:
         for (const double side : kSides) {
             const Vec ball = brow.center + Vec{side * brow.width * 0.78, brow.height * 0.42, 0};
             const Vec out = normalized(Vec{side, 0.25, 0.35});
-            pieces_.push_back(
-                Tube{.outline = Outline(
-                         {{ball, 0.042, 0.042}, {ball + out * 0.022, 0.036, 0.036}, {ball + out * 0.034, 0, 0}}),
+            add(Tube{.outline = {{ball, 0.042}, {ball + out * 0.022, 0.036}, {ball + out * 0.034}},
                      .bones = stuck_at(kBrowAt),
-                     .paint = eye(color_of(0.13, 0.85, 1.0)),
-                     .wanted_sides = 6,
-                     .wanted_segments = 3,
-                     .least_sides = 5,
-                     .least_segments = 3});
+                     .paint = changing(color_of(0.13, 0.85, 1.0), {{0.4, 0.6, {0.01, 0.01, 0.015}}}),
+                     .sides = {6, 5},
+                     .segments = {3, 3}});
         }
         for (const double side : kSides) {
-            const Vec horn = crown.center + Vec{side * crown.width * 0.45, crown.height * 0.45, 0};
-            const auto at = [&](double x, double y, double z) { return horn + Vec{side * x, y, z}; };
-            pieces_.push_back(Tube{.outline = Outline({{horn, 0.05, 0.05},
-                                                       {at(0.05, 0.13, -0.12), 0.035, 0.035},
-                                                       {at(0.08, 0.19, -0.28), 0.02, 0.02},
-                                                       {at(0.07, 0.30, -0.40), 0, 0}}),
-                                   .bones = stuck_at(kCrownAt),
-                                   .paint = fading(colors_.horn * 0.55, colors_.horn),
-                                   .wanted_sides = 5,
-                                   .wanted_segments = 4});
+            const Vec base = crown.center + Vec{side * crown.width * 0.45, crown.height * 0.45, 0};
+            const auto at = [&](double x, double y, double z) { return base + Vec{side * x, y, z}; };
+            add(Tube{.outline = {{base, 0.05},
+                                 {at(0.05, 0.13, -0.12), 0.035},
+                                 {at(0.08, 0.19, -0.28), 0.02},
+                                 {at(0.07, 0.30, -0.40)}},
+                     .bones = stuck_at(kCrownAt),
+                     .paint = horn(),
+                     .sides = {5},
+                     .segments = {4}});
         }
     }
 
@@ -181,54 +142,48 @@ private:
             const Vec along = dragon_.axis.direction(t), up = perpendicular({0, 1, 0}, along);
             const double reach = 0.035 + 0.3 * flesh.height;
             const Vec base = flesh.center + up * (flesh.height * 0.9);
-            pieces_.push_back(
-                Tube{.outline = Outline({{base, 0.016, 0.05}, {base + up * reach + along * (0.6 * reach), 0, 0}}),
+            add(Tube{.outline = {{base, 0.016, 0.05}, {base + up * reach + along * (0.6 * reach)}},
                      .bones = stuck_at(t),
                      .up = along,
-                     .paint = fading(colors_.horn * 0.55, colors_.horn)});
+                     .paint = horn()});
         }
     }
 
     // At most a quarter of the faces; evenly chosen where the creature has more tendrils than that can show.
     void add_tendrils() {
         std::vector<const Chain*> tendrils;
-        for (const Chain& c : dragon_.body.chains)
-            if (c.part == Part::kTendril) tendrils.push_back(&c);
+        for (const Chain& c : body_.chains_of("tendril")) tendrils.push_back(&c);
         const size_t most = std::max<size_t>(2, face_budget_ / 4 / 9);
         const size_t shown = std::min(tendrils.size(), most);
-        for (size_t i = 0; i < shown; ++i) add_limb(*tendrils[i * tendrils.size() / shown], colors_.tendril(), 3, 4);
+        for (size_t i = 0; i < shown; ++i)
+            add_limb(*tendrils[i * tendrils.size() / shown],
+                     {.paint = changing(colors_.back, {{0, 0.7, colors_.accent}}), .segments = {4}});
     }
 
-    void add_membranes() {
-        for (const double side : kSides) {
-            const Chain *arm = nullptr, *finger = nullptr;
-            for (const Chain& c : dragon_.body.chains) {
-                if (c.side != side) continue;
-                if (c.part == Part::kArm) arm = &c;
-                if (c.part != Part::kFinger) continue;
-                if (finger) add_membrane(arm, finger, &c);
-                finger = &c;
-            }
-            if (finger) add_membrane(arm, finger, nullptr);
+    void add_membranes(const Chain& arm) {
+        const Chain* before = nullptr;
+        for (const Chain& finger : body_.chains_of("finger")) {
+            if (finger.side != arm.side) continue;
+            if (before) add_membrane(arm, *before, &finger);
+            before = &finger;
         }
+        if (before) add_membrane(arm, *before, nullptr);
     }
-    void add_membrane(const Chain* arm, const Chain* first, const Chain* second) {
-        const bool left = arm->side > 0;
-        const Membrane membrane{first, second, arm, left ? dragon_.left_flank : dragon_.right_flank, axis_bones_};
+    void add_membrane(const Chain& arm, const Chain& first, const Chain* second) {
+        const bool left = arm.side > 0;
+        const Membrane membrane{first, second, arm, left ? dragon_.left_flank : dragon_.right_flank,
+                                dragon_.axis_bones};
         // At the flank, two for every three rings of the arm, which carries the sheet from its second third on.
-        pieces_.push_back(Sheet{.at = [=](double u, double v) { return membrane.at(u, v); },
-                                .paint = colors_.wing(),
-                                .mirrored = !left,  // up is outside on both wings
-                                .wanted_along = 4,
-                                .wanted_across = second ? 4 : 8.0 / 3,
-                                .across_per_step = second ? 1u : 2u});
+        add(Sheet{.at = [=](double u, double v) { return membrane.at(u, v); },
+                  .paint = changing(colors_.back, {{0, 0.35, colors_.membrane}, {0.7, 1, colors_.accent}}),
+                  .mirrored = !left,  // up is outside on both wings
+                  .along = {4},
+                  .across = second ? Cuts{4} : Cuts{8.0 / 3, 1, 2}});
     }
 
     const Dragon& dragon_;
     Colors colors_;
     uint64_t face_budget_;
-    Bones axis_bones_;
-    std::vector<Piece> pieces_;
 };
 
 }  // namespace

@@ -7,10 +7,9 @@ namespace throng::creature {
 
 // Places on the spine's outline, which goes from the hips to the crown.
 constexpr double kHipsAt = 2.0 / 13, kChestAt = 6.0 / 13, kHeadAt = 9.5 / 13;
+constexpr Vec kBehind{0, 0, -1};  // "up" along the spine
 
-Outline spine_outline();
 Body make_walker_body(const CreatureSettings& settings);
 std::vector<Piece> make_walker_flesh(const Body& body, const CreatureSettings& settings);
-Motion walker_motion();
 
 }  // namespace throng::creature

@@ -6,7 +6,6 @@ namespace throng::creature {
 namespace {
 
 enum Clip { kIdle, kWalk, kRun, kWave };
-constexpr ClipPlan kPlans[] = {{"idle", 72}, {"walk", 36}, {"run", 24}, {"wave", 72}};
 
 constexpr double kThigh = 0.41, kShin = 0.41;  // m
 
@@ -49,9 +48,9 @@ double hinge(const Moment& m, uint32_t number) { return m.share_between(0.25 * n
 Bend bend_of_leg(const Moment& m) {
     const LegPose leg = leg_pose(m.clip, step_of(m.loop, m.chain.side));
     const double stir = 0.01 * m.share() * sine(m.loop);
-    if (m.chain.joint_count < 4) return {m.k == 0 ? leg.hip + 0.4 * leg.knee : stir, 0, 0};  // a stilt
+    if (m.chain.joint_count < 4) return {m.k == 0 ? leg.hip + 0.4 * leg.knee : stir};  // a stilt
     const double toes = moves(m.clip) ? -0.5 * std::max(0.0, leg.foot + leg.hip + leg.knee) : stir;
-    return {leg.hip * hinge(m, 0) + leg.knee * hinge(m, 1) + leg.foot * hinge(m, 2) + toes * hinge(m, 3), 0, 0};
+    return {leg.hip * hinge(m, 0) + leg.knee * hinge(m, 1) + leg.foot * hinge(m, 2) + toes * hinge(m, 3)};
 }
 
 Bend bend_of_arm(const Moment& m) {
@@ -81,10 +80,10 @@ Bend bend_of_arm(const Moment& m) {
             break;
     }
     if (m.chain.joint_count < 4)
-        return {m.k == 0 ? -forward : 0.02 * m.share() * sine(m.loop), m.k == 0 ? -side * down : 0, 0};
+        return {m.k == 0 ? -forward : 0.02 * m.share() * sine(m.loop), m.k == 0 ? -side * down : 0};
     const double shoulder = hinge(m, 0), middle = hinge(m, 1), wrist = hinge(m, 2), fingers = hinge(m, 3);
     return {-forward * shoulder - elbow * middle - hand * wrist - (0.2 + hand) * fingers,
-            side * (-down * shoulder - bow * middle), 0};
+            side * (-down * shoulder - bow * middle)};
 }
 
 Bend bend_of_spine(const Moment& m) {
@@ -110,9 +109,9 @@ Bend bend_of_cloak(const Moment& m) {
     const double along = m.along(), share = m.share(), lag = 0.12 + 0.5 * along, edge = 0.09 * m.chain.side;
     const double flutter = sine(2 * m.loop - 2 * lag - edge), sway = sine(m.loop - lag - edge);
     switch (m.clip) {
-        case kWalk: return {-share * (0.34 * (1.3 - 0.6 * along) + 0.16 * flutter), share * 0.16 * sway, 0};
-        case kRun: return {-share * (0.72 * (1.7 - 1.4 * along) + 0.38 * flutter), share * 0.24 * sway, 0};
-        default: return {-share * (0.05 + 0.05 * sine(m.loop - lag - 2 * edge)), share * 0.06 * sway, 0};
+        case kWalk: return {-share * (0.34 * (1.3 - 0.6 * along) + 0.16 * flutter), share * 0.16 * sway};
+        case kRun: return {-share * (0.72 * (1.7 - 1.4 * along) + 0.38 * flutter), share * 0.24 * sway};
+        default: return {-share * (0.05 + 0.05 * sine(m.loop - lag - 2 * edge)), share * 0.06 * sway};
     }
 }
 
@@ -120,22 +119,11 @@ Bend bend_of_hair(const Moment& m) {
     const double along = m.along(), share = m.share(), turns = m.loop - 0.1 - 0.45 * along;
     const double length = m.chain.number == 0 ? 1 : 0.3;  // the braid, or a lock beside the face
     switch (m.clip) {
-        case kWalk: return {-share * length * (0.30 + 0.20 * sine(2 * turns)), share * length * 0.4 * sine(turns), 0};
-        case kRun: return {-share * length * (0.95 + 0.40 * sine(2 * turns)), share * length * 0.6 * sine(turns), 0};
+        case kWalk: return {-share * length * (0.30 + 0.20 * sine(2 * turns)), share * length * 0.4 * sine(turns)};
+        case kRun: return {-share * length * (0.95 + 0.40 * sine(2 * turns)), share * length * 0.6 * sine(turns)};
         default:
             return {-share * length * (0.04 + 0.04 * sine(turns + m.chain.phase_turns)),
-                    share * length * 0.14 * sine(turns), 0};
-    }
-}
-
-Bend bend_of(const Moment& m) {
-    switch (m.chain.part) {
-        case Part::kSpine: return bend_of_spine(m);
-        case Part::kLeg: return bend_of_leg(m);
-        case Part::kArm: return bend_of_arm(m);
-        case Part::kCloak: return bend_of_cloak(m);
-        case Part::kHair: return bend_of_hair(m);
-        default: return {};
+                    share * length * 0.14 * sine(turns)};
     }
 }
 
@@ -152,12 +140,18 @@ RootMotion root_motion(uint32_t clip, double loop) {
 
 }  // namespace
 
-Motion walker_motion() { return {kPlans, bend_of, root_motion}; }
-
 Model make_walker(const CreatureSettings& settings) {
     Body body = make_walker_body(settings);
     std::vector<Piece> flesh = make_walker_flesh(body, settings);
-    return {std::move(body), std::move(flesh), walker_motion()};
+    return {std::move(body),
+            std::move(flesh),
+            {{{"idle", 72}, {"walk", 36}, {"run", 24}, {"wave", 72}},
+             {{"spine", bend_of_spine},
+              {"leg", bend_of_leg},
+              {"arm", bend_of_arm},
+              {"cloak", bend_of_cloak},
+              {"hair", bend_of_hair}},
+             root_motion}};
 }
 
 }  // namespace throng::creature
