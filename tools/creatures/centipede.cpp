@@ -138,7 +138,6 @@ public:
         };
         add(Tube{.outline = {at(0.09, 0, 0), at(0.06, 0.085, 0.05), at(-0.01, 0.125, 0.075), at(-0.11, 0.125, 0.08),
                              at(-0.19, 0.07, 0.05), at(-0.22, 0, 0)},
-                 .bones = stiff({{0, 1}}),
                  .paint = fading(c.head * 1.2, c.head),
                  .open_start = false,
                  .sides = {8},
@@ -183,13 +182,11 @@ private:
                                  {at(0.15, -0.05, 0.04), 0.03, 0.025},
                                  {at(0.10, -0.07, 0.13), 0.016},
                                  {at(0.02, -0.08, 0.15)}},
-                     .bones = stiff({{0, 1}}),
                      .paint = fading(colors_.head, colors_.foot * 0.3),
                      .sides = {4},
                      .segments = {4}});
             const Vec ball = at(0.075, 0.055, 0.02), out = normalized(Vec{side, 0.5, 0.5});
             add(Tube{.outline = {{ball, 0.02}, {ball + out * 0.014, 0.016}, {ball + out * 0.02}},
-                     .bones = stiff({{0, 1}}),
                      .paint = plain({0.01, 0.01, 0.012}),
                      .sides = {5},
                      .segments = {2, 2}});

@@ -36,7 +36,7 @@ Outline axis_outline(const Build& b, bool has_legs) {
                         {0.73, 1.60, 0.105, 0.135},  {0.60, 1.34, 0.150, 0.200},  {0.32, 1.11, 0.250, 0.300},
                         {-0.03, 1.02, 0.270, 0.285}, {-0.40, 1.02, 0.220, 0.245}, {-0.80, 0.96, 0.140, 0.160},
                         {-1.17, 0.80, 0.100, 0.110}, {-1.53, 0.60, 0.072, 0.080}, {-1.90, 0.48, 0.050, 0.055},
-                        {-2.25, 0.53, 0.032, 0.035}, {-2.52, 0.74, 0.0}};
+                        {-2.25, 0.53, 0.032, 0.035}, {-2.52, 0.74, 0, 0}};
     std::vector<Station> stations;
     for (const Row& row : rows) {
         const double neck = smooth_step(0.5, 0.9, row.z) * (b.neck - 1);
@@ -114,7 +114,6 @@ private:
         add_on_axis("tail", tail, (1 - root_at_) / (tail + 1));
         add_on_axis("trunk", trunk, (head_at_ - root_at_) / std::max(trunk, 1u));
         if (trunk > 0) head_joint_ = body_.joint_count() - 1;
-        axis_bones_ = {{0}, {0, 1}};
         for (const Chain& chain : body_.chains)
             for (uint32_t k = 0; k < chain.joint_count; ++k) {
                 const bool forward = chain.step < 0;  // joints ascend along the axis, bounds between 0 and 1

@@ -165,7 +165,6 @@ public:
                                  {around(toward, 0.19, 0.05), 0.05, 0.045},
                                  {around(toward + 0.02, 0.32, -0.005), 0.025, 0.02},
                                  {around(toward + 0.03, 0.42, -0.02)}},
-                     .bones = stiff({{0, 1}}),
                      .paint = plain(bark * 0.8),
                      .sides = {4},
                      .segments = {3}});
