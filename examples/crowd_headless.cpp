@@ -9,12 +9,14 @@
 #include <cstdlib>
 #include <vector>
 
+using namespace throng;
+
 namespace {
 
 // throng reports expected failures (a file that is not there, no device) as values. This program has no better idea
 // than to stop at the first one.
 template <class T>
-T need(throng::Result<T> result) {
+T need(Result<T> result) {
     if (!result) {
         std::fprintf(stderr, "crowd_headless: %s\n", result.error().text().c_str());
         std::exit(1);
@@ -24,7 +26,7 @@ T need(throng::Result<T> result) {
 
 // What individual `i` plays: two neighbouring clips of the file, started at a time and played at a speed of its own,
 // blended a little differently from everyone else's.
-throng::Playback playback_of(const throng::Character& character, uint32_t i) {
+Playback playback_of(const Character& character, uint32_t i) {
     const auto clip_count = static_cast<uint32_t>(character.clips.size());
     if (clip_count == 0) return {};  // the rest pose
     return {
@@ -43,39 +45,38 @@ int main(int argc, char** argv) {
     }
 
     // Reading and compiling a file needs no GPU. A Character is plain arrays: look at it as you like.
-    const throng::Character one = need(throng::load_character(argv[1]));
-    const throng::Character other = need(throng::load_character(argv[2]));
+    const Character one = need(load_character(argv[1]));
+    const Character other = need(load_character(argv[2]));
 
     // By default a hardware GPU where there is one, else the software device.
-    const throng::Device device = need(throng::Device::create());
+    const Device device = need(Device::create());
     std::printf("%s, %s\n", device.info().name.c_str(), device.info().driver.c_str());
 
     // A crowd has a group for each character; its individuals are numbered through: 0-299 and 300-499. The matrices of
     // the joints themselves, which most programs do not need, are kept only where that is asked for.
-    throng::Crowd crowd = need(
-        throng::Crowd::create(device, {.groups = {{&one, 300}, {&other, 200}}, .keep_model_matrices = true}));
-    std::vector<throng::Playback> playback;
+    Crowd crowd = need(Crowd::create(device, {.groups = {{&one, 300}, {&other, 200}}, .keep_model_matrices = true}));
+    std::vector<Playback> playback;
     for (uint32_t i = 0; i < 300; ++i) playback.push_back(playback_of(one, i));
     for (uint32_t i = 0; i < 200; ++i) playback.push_back(playback_of(other, i));
     need(crowd.set_playback(0, playback));
 
     // From here on nothing is uploaded: the GPU advances the clocks itself.
-    throng::StageTimes sum;
+    StageTimes sum;
     constexpr int kFrames = 120;
     for (int frame = 0; frame < kFrames; ++frame) {
         need(crowd.update(1.0f / 60));
-        const throng::StageTimes times = need(crowd.stage_times());
+        const StageTimes times = need(crowd.stage_times());
         for (size_t stage = 0; stage < times.ms.size(); ++stage) sum.ms[stage] += times.ms[stage];
     }
     std::printf("%u characters, mean of %d updates:", crowd.instance_count(), kFrames);
     for (size_t stage = 0; stage < sum.ms.size(); ++stage)
-        if (sum.ms[stage] > 0) std::printf(" %s %.3f ms,", throng::kStageNames[stage], sum.ms[stage] / kFrames);
+        if (sum.ms[stage] > 0) std::printf(" %s %.3f ms,", kStageNames[stage], sum.ms[stage] / kFrames);
     std::printf(" total %.3f ms\n", sum.total() / kFrames);
 
     // One individual's joints in model space; a joint's position is the last column of its matrix.
     constexpr uint32_t kIndividual = 301;
-    const std::vector<throng::Affine> joints = need(crowd.read_model_matrices(kIndividual));
-    const auto height = [](const throng::Affine& model_from_joint) { return model_from_joint.row[1][3]; };
+    const std::vector<Affine> joints = need(crowd.read_model_matrices(kIndividual));
+    const auto height = [](const Affine& model_from_joint) { return model_from_joint.row[1][3]; };
     const auto highest = std::max_element(joints.begin(), joints.end(),
                                           [&](const auto& a, const auto& b) { return height(a) < height(b); });
     const auto joint = static_cast<size_t>(highest - joints.begin());
@@ -83,11 +84,11 @@ int main(int argc, char** argv) {
                 joint, other.rig.names[joint].c_str(), static_cast<double>(height(*highest)));
 
     // Its skin matrices are the joints' matrices times the file's inverse bind matrices: what a vertex shader wants.
-    const std::vector<throng::Affine> skin = need(crowd.read_skin_matrices(kIndividual));
+    const std::vector<Affine> skin = need(crowd.read_skin_matrices(kIndividual));
     float difference = 0;
     for (size_t entry = 0; entry < skin.size(); ++entry) {
-        const throng::PaletteEntry& palette = other.palette[entry];
-        const throng::Affine expected = joints[palette.joint] * palette.joint_from_bind;
+        const PaletteEntry& palette = other.palette[entry];
+        const Affine expected = joints[palette.joint] * palette.joint_from_bind;
         for (size_t row = 0; row < 3; ++row)
             for (size_t column = 0; column < 4; ++column)
                 difference = std::max(difference, std::abs(skin[entry].row[row][column] - expected.row[row][column]));

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 
+using namespace throng;
+
 namespace {
 
 constexpr uint32_t kVertexShader[] = {
@@ -26,7 +28,7 @@ struct Push {
 };
 
 template <class T>
-T need(throng::Result<T> result) {
+T need(Result<T> result) {
     if (!result) {
         std::fprintf(stderr, "custom_device: %s\n", result.error().text().c_str());
         std::exit(1);
@@ -34,9 +36,9 @@ T need(throng::Result<T> result) {
     if constexpr (!std::is_void_v<T>) return *std::move(result);
 }
 
-// The application's own instance, device and queue, with what throng::AdoptedDevice asks for.
-throng::AdoptedDevice open_vulkan(Cleanup& cleanup) {
-    throng::AdoptedDevice out;
+// The application's own instance, device and queue, with what AdoptedDevice asks for.
+AdoptedDevice open_vulkan(Cleanup& cleanup) {
+    AdoptedDevice out;
     const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
                                         .pApplicationName = "custom_device",
                                         .apiVersion = VK_API_VERSION_1_3};
@@ -80,22 +82,22 @@ int main(int argc, char** argv) {
         return 2;
     }
     Cleanup cleanup;  // first, so that Vulkan outlives all that throng has made with it
-    const throng::AdoptedDevice vulkan = open_vulkan(cleanup);
+    const AdoptedDevice vulkan = open_vulkan(cleanup);
     const Context context{vulkan.physical_device, vulkan.device, cleanup};
     const GraphicsPipeline pipeline = make_pipeline(
         context, {kVertexShader, kFragmentShader, 4, sizeof(Push), kColorFormat, kDepthFormat, kSize});
 
     // Seven of one character in a row, each at another time of another clip.
-    const throng::Character character = need(throng::load_character(argv[1]));
-    const throng::Device device = need(throng::Device::adopt(vulkan));
-    throng::Crowd crowd = need(throng::Crowd::create(device, {.groups = {{&character, 7}}}));
+    const Character character = need(load_character(argv[1]));
+    const Device device = need(Device::adopt(vulkan));
+    Crowd crowd = need(Crowd::create(device, {.groups = {{&character, 7}}}));
     for (uint32_t i = 0; i < crowd.instance_count(); ++i) {
-        const throng::ClipPlayback clip{
-            .clip = character.clips.empty() ? throng::kNone : i % static_cast<uint32_t>(character.clips.size()),
+        const ClipPlayback clip{
+            .clip = character.clips.empty() ? kNone : i % static_cast<uint32_t>(character.clips.size()),
             .time_s = 0.3 * i};
-        const throng::Playback playback{.first = clip};
-        const throng::Affine place = to_affine(
-            throng::Trs<float>{.translation = {static_cast<float>(i) * character.size * 0.6f, 0, 0}});
+        const Playback playback{.first = clip};
+        const Affine place = to_affine(
+            Trs<float>{.translation = {static_cast<float>(i) * character.size * 0.6f, 0, 0}});
         need(crowd.set_playback(i, {&playback, 1}));
         need(crowd.set_placement(i, {&place, 1}));
     }
@@ -111,19 +113,19 @@ int main(int argc, char** argv) {
 
     // One command buffer: throng's update, then the application's drawing. record() has made its results visible to
     // vertex shaders.
-    const throng::Camera camera = fit_camera(world_bounds(crowd), static_cast<float>(kSize.width) / kSize.height);
+    const Camera camera = fit_camera(world_bounds(crowd), static_cast<float>(kSize.width) / kSize.height);
     const VkCommandBuffer commands = begin_commands(context, vulkan.queue_family);
     need(crowd.record(commands, 0.5f));
     begin_drawing(commands, target);
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.handle);
     vkCmdBindIndexBuffer(commands, indices, 0, VK_INDEX_TYPE_UINT32);
-    for (const throng::OutputBlock& block : crowd.outputs()) {  // a large crowd's matrices lie in several buffers
+    for (const OutputBlock& block : crowd.outputs()) {  // a large crowd's matrices lie in several buffers
         bind_storage_buffers(context, commands, pipeline,
                              {vertices, influences, block.skin_buffer, block.placement_buffer});
-        for (const throng::MeshSection& section : character.sections) {
+        for (const MeshSection& section : character.sections) {
             const Push push{clip_from_world(camera, static_cast<float>(kSize.width) / kSize.height),
-                            section.material == throng::kNone ? std::array<float, 4>{1, 1, 1, 1}
-                                                              : character.materials[section.material].base_color,
+                            section.material == kNone ? std::array<float, 4>{1, 1, 1, 1}
+                                                      : character.materials[section.material].base_color,
                             section.first_vertex,
                             section.first_influences,
                             section.influence_sets,
@@ -137,8 +139,8 @@ int main(int argc, char** argv) {
     submit_and_wait(vulkan.queue, commands);
 
     const auto* pixels = static_cast<const uint8_t*>(target.pixels.mapped);
-    throng::Picture picture{kSize.width, kSize.height, {pixels, pixels + size_t{kSize.width} * kSize.height * 4}};
-    need(throng::write_png(argv[2], picture));
+    Picture picture{kSize.width, kSize.height, {pixels, pixels + size_t{kSize.width} * kSize.height * 4}};
+    need(write_png(argv[2], picture));
     size_t drawn = 0;
     for (size_t i = 0; i < picture.rgba.size(); i += 4)
         drawn += !std::equal(&picture.rgba[i], &picture.rgba[i] + 4, picture.rgba.data());

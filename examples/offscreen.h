@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <functional>
+#include <type_traits>
 #include <vector>
 
 inline void check(VkResult result, const char* call) {
@@ -36,6 +37,17 @@ struct Context {
     Cleanup& cleanup;
 };
 
+// Something of the device, which is destroyed at the end.
+template <class Info, class Handle>
+Handle make(const Context& context, const char* call,
+            VkResult (*create)(VkDevice, const Info*, const VkAllocationCallbacks*, Handle*),
+            void (*destroy)(VkDevice, Handle, const VkAllocationCallbacks*), const std::type_identity_t<Info>& info) {
+    Handle out = VK_NULL_HANDLE;
+    check(create(context.device, &info, nullptr, &out), call);
+    context.cleanup.add([device = context.device, destroy, out] { destroy(device, out, nullptr); });
+    return out;
+}
+
 inline VkDeviceMemory allocate(const Context& context, const VkMemoryRequirements& needs, VkMemoryPropertyFlags flags) {
     VkPhysicalDeviceMemoryProperties memory;
     vkGetPhysicalDeviceMemoryProperties(context.physical_device, &memory);
@@ -43,12 +55,9 @@ inline VkDeviceMemory allocate(const Context& context, const VkMemoryRequirement
     while (type < memory.memoryTypeCount &&
            (!(needs.memoryTypeBits >> type & 1) || (memory.memoryTypes[type].propertyFlags & flags) != flags))
         ++type;
-    const VkMemoryAllocateInfo info{
-        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needs.size, .memoryTypeIndex = type};
-    VkDeviceMemory out = VK_NULL_HANDLE;
-    check(vkAllocateMemory(context.device, &info, nullptr, &out), "vkAllocateMemory");
-    context.cleanup.add([device = context.device, out] { vkFreeMemory(device, out, nullptr); });
-    return out;
+    return make(
+        context, "vkAllocateMemory", vkAllocateMemory, vkFreeMemory,
+        {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needs.size, .memoryTypeIndex = type});
 }
 
 struct Buffer {
@@ -59,11 +68,8 @@ struct Buffer {
 // Host-visible: simple, and enough for an example.
 inline Buffer make_buffer(const Context& context, size_t size_bytes, VkBufferUsageFlags usage,
                           const void* data = nullptr) {
-    Buffer buffer;
-    const VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = size_bytes, .usage = usage};
-    check(vkCreateBuffer(context.device, &info, nullptr, &buffer.handle), "vkCreateBuffer");
-    context.cleanup.add(
-        [device = context.device, handle = buffer.handle] { vkDestroyBuffer(device, handle, nullptr); });
+    Buffer buffer{make(context, "vkCreateBuffer", vkCreateBuffer, vkDestroyBuffer,
+                       {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = size_bytes, .usage = usage})};
     VkMemoryRequirements needs;
     vkGetBufferMemoryRequirements(context.device, buffer.handle, &needs);
     const VkDeviceMemory memory = allocate(context, needs,
@@ -81,31 +87,25 @@ struct Image {
 
 inline Image make_image(const Context& context, VkFormat format, VkExtent2D size, VkImageUsageFlags usage,
                         VkImageAspectFlags aspect) {
-    Image image;
-    const VkImageCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
-                                 .imageType = VK_IMAGE_TYPE_2D,
-                                 .format = format,
-                                 .extent = {size.width, size.height, 1},
-                                 .mipLevels = 1,
-                                 .arrayLayers = 1,
-                                 .samples = VK_SAMPLE_COUNT_1_BIT,
-                                 .usage = usage};
-    check(vkCreateImage(context.device, &info, nullptr, &image.handle), "vkCreateImage");
-    context.cleanup.add([device = context.device, handle = image.handle] { vkDestroyImage(device, handle, nullptr); });
+    const VkImage image = make(context, "vkCreateImage", vkCreateImage, vkDestroyImage,
+                               {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+                                .imageType = VK_IMAGE_TYPE_2D,
+                                .format = format,
+                                .extent = {size.width, size.height, 1},
+                                .mipLevels = 1,
+                                .arrayLayers = 1,
+                                .samples = VK_SAMPLE_COUNT_1_BIT,
+                                .usage = usage});
     VkMemoryRequirements needs;
-    vkGetImageMemoryRequirements(context.device, image.handle, &needs);
-    check(vkBindImageMemory(context.device, image.handle, allocate(context, needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT),
-                            0),
+    vkGetImageMemoryRequirements(context.device, image, &needs);
+    check(vkBindImageMemory(context.device, image, allocate(context, needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT), 0),
           "vkBindImageMemory");
-    const VkImageViewCreateInfo view{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-                                     .image = image.handle,
-                                     .viewType = VK_IMAGE_VIEW_TYPE_2D,
-                                     .format = format,
-                                     .subresourceRange = {aspect, 0, 1, 0, 1}};
-    check(vkCreateImageView(context.device, &view, nullptr, &image.view), "vkCreateImageView");
-    context.cleanup.add(
-        [device = context.device, handle = image.view] { vkDestroyImageView(device, handle, nullptr); });
-    return image;
+    return {image, make(context, "vkCreateImageView", vkCreateImageView, vkDestroyImageView,
+                        {.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+                         .image = image,
+                         .viewType = VK_IMAGE_VIEW_TYPE_2D,
+                         .format = format,
+                         .subresourceRange = {aspect, 0, 1, 0, 1}})};
 }
 
 // From everything before to everything after, the host included: coarse, but short. With no image, for memory alone.

@@ -24,14 +24,12 @@ struct GraphicsPipeline {
 
 inline VkPipelineShaderStageCreateInfo make_stage(const Context& context, VkShaderStageFlagBits stage,
                                                   std::span<const uint32_t> words) {
-    const VkShaderModuleCreateInfo info{
-        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = words.size_bytes(), .pCode = words.data()};
-    VkShaderModule shader = VK_NULL_HANDLE;
-    check(vkCreateShaderModule(context.device, &info, nullptr, &shader), "vkCreateShaderModule");
-    context.cleanup.add([device = context.device, shader] { vkDestroyShaderModule(device, shader, nullptr); });
     return {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
             .stage = stage,
-            .module = shader,
+            .module = make(context, "vkCreateShaderModule", vkCreateShaderModule, vkDestroyShaderModule,
+                           {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+                            .codeSize = words.size_bytes(),
+                            .pCode = words.data()}),
             .pName = "main"};
 }
 
@@ -40,17 +38,18 @@ inline GraphicsPipeline make_pipeline(const Context& context, const PipelineSett
     std::vector<VkDescriptorSetLayoutBinding> bindings;
     for (uint32_t i = 0; i < settings.storage_buffer_count; ++i)
         bindings.push_back({i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, nullptr});
-    const VkDescriptorSetLayoutCreateInfo set{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-                                              .bindingCount = settings.storage_buffer_count,
-                                              .pBindings = bindings.data()};
-    check(vkCreateDescriptorSetLayout(context.device, &set, nullptr, &out.set_layout), "vkCreateDescriptorSetLayout");
+    out.set_layout = make(context, "vkCreateDescriptorSetLayout", vkCreateDescriptorSetLayout,
+                          vkDestroyDescriptorSetLayout,
+                          {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+                           .bindingCount = settings.storage_buffer_count,
+                           .pBindings = bindings.data()});
     const VkPushConstantRange push{VK_SHADER_STAGE_VERTEX_BIT, 0, settings.push_size_bytes};
-    const VkPipelineLayoutCreateInfo layout{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                            .setLayoutCount = 1,
-                                            .pSetLayouts = &out.set_layout,
-                                            .pushConstantRangeCount = 1,
-                                            .pPushConstantRanges = &push};
-    check(vkCreatePipelineLayout(context.device, &layout, nullptr, &out.layout), "vkCreatePipelineLayout");
+    out.layout = make(context, "vkCreatePipelineLayout", vkCreatePipelineLayout, vkDestroyPipelineLayout,
+                      {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                       .setLayoutCount = 1,
+                       .pSetLayouts = &out.set_layout,
+                       .pushConstantRangeCount = 1,
+                       .pPushConstantRanges = &push});
 
     const std::array stages{make_stage(context, VK_SHADER_STAGE_VERTEX_BIT, settings.vertex_shader),
                             make_stage(context, VK_SHADER_STAGE_FRAGMENT_BIT, settings.fragment_shader)};
@@ -99,11 +98,7 @@ inline GraphicsPipeline make_pipeline(const Context& context, const PipelineSett
                                             .layout = out.layout};
     check(vkCreateGraphicsPipelines(context.device, VK_NULL_HANDLE, 1, &info, nullptr, &out.handle),
           "vkCreateGraphicsPipelines");
-    context.cleanup.add([device = context.device, out] {
-        vkDestroyPipeline(device, out.handle, nullptr);
-        vkDestroyPipelineLayout(device, out.layout, nullptr);
-        vkDestroyDescriptorSetLayout(device, out.set_layout, nullptr);
-    });
+    context.cleanup.add([device = context.device, out] { vkDestroyPipeline(device, out.handle, nullptr); });
     return out;
 }
 
@@ -112,15 +107,15 @@ inline void bind_storage_buffers(const Context& context, VkCommandBuffer command
                                  const std::vector<VkBuffer>& buffers) {
     const auto count = static_cast<uint32_t>(buffers.size());
     const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, count};
-    const VkDescriptorPoolCreateInfo pool_info{
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 1, .poolSizeCount = 1, .pPoolSizes = &size};
-    VkDescriptorPool pool = VK_NULL_HANDLE;
-    check(vkCreateDescriptorPool(context.device, &pool_info, nullptr, &pool), "vkCreateDescriptorPool");
-    context.cleanup.add([device = context.device, pool] { vkDestroyDescriptorPool(device, pool, nullptr); });
-    const VkDescriptorSetAllocateInfo allocation{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
-                                                 .descriptorPool = pool,
-                                                 .descriptorSetCount = 1,
-                                                 .pSetLayouts = &pipeline.set_layout};
+    const VkDescriptorSetAllocateInfo allocation{
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+        .descriptorPool = make(context, "vkCreateDescriptorPool", vkCreateDescriptorPool, vkDestroyDescriptorPool,
+                               {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                .maxSets = 1,
+                                .poolSizeCount = 1,
+                                .pPoolSizes = &size}),
+        .descriptorSetCount = 1,
+        .pSetLayouts = &pipeline.set_layout};
     VkDescriptorSet set = VK_NULL_HANDLE;
     check(vkAllocateDescriptorSets(context.device, &allocation, &set), "vkAllocateDescriptorSets");
     std::vector<VkDescriptorBufferInfo> ranges;
@@ -135,13 +130,11 @@ inline void bind_storage_buffers(const Context& context, VkCommandBuffer command
 }
 
 inline VkCommandBuffer begin_commands(const Context& context, uint32_t queue_family) {
-    const VkCommandPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
-                                            .queueFamilyIndex = queue_family};
-    VkCommandPool pool = VK_NULL_HANDLE;
-    check(vkCreateCommandPool(context.device, &pool_info, nullptr, &pool), "vkCreateCommandPool");
-    context.cleanup.add([device = context.device, pool] { vkDestroyCommandPool(device, pool, nullptr); });
     const VkCommandBufferAllocateInfo allocation{
-        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, .commandPool = pool, .commandBufferCount = 1};
+        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+        .commandPool = make(context, "vkCreateCommandPool", vkCreateCommandPool, vkDestroyCommandPool,
+                            {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO, .queueFamilyIndex = queue_family}),
+        .commandBufferCount = 1};
     VkCommandBuffer commands = VK_NULL_HANDLE;
     check(vkAllocateCommandBuffers(context.device, &allocation, &commands), "vkAllocateCommandBuffers");
     const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,

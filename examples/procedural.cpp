@@ -4,16 +4,19 @@
 // (./run throng generate makes such a creature)
 #include <throng/throng.h>
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <vector>
 
+using namespace throng;
+
 namespace {
 
 // throng reports expected failures as values. This program has no better idea than to stop at the first one.
 template <class T>
-T need(throng::Result<T> result) {
+T need(Result<T> result) {
     if (!result) {
         std::fprintf(stderr, "procedural: %s\n", result.error().text().c_str());
         std::exit(1);
@@ -21,14 +24,12 @@ T need(throng::Result<T> result) {
     if constexpr (!std::is_void_v<T>) return *std::move(result);
 }
 
-throng::Affine standing_at(float x, float y, float z, float scale = 1) {
-    throng::Affine world_from_model;
-    world_from_model.row = {{{scale, 0, 0, x}, {0, scale, 0, y}, {0, 0, scale, z}}};
-    return world_from_model;
+Affine standing_at(float x, float y, float z, float scale = 1) {
+    return {{{{scale, 0, 0, x}, {0, scale, 0, y}, {0, 0, scale, z}}}};
 }
 
 // The first joint of a limb, by the beginning of its name; the last one where `last`.
-std::string joint_of(const throng::Character& character, const std::string& limb, bool last = false) {
+std::string joint_of(const Character& character, const std::string& limb, bool last = false) {
     std::string found;
     for (const std::string& name : character.rig.names)
         if (name.starts_with(limb) && (last || found.empty())) found = name;
@@ -46,25 +47,25 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "usage: procedural creature.glb picture.png\n");
         return 2;
     }
-    const throng::Character creature = need(throng::load_character(argv[1]));
-    const throng::Device device = need(throng::Device::create());
-    const throng::ProceduralRules rules{
+    const Character creature = need(load_character(argv[1]));
+    const Device device = need(Device::create());
+    const ProceduralRules rules{
         .targets = {"prey"},
-        .rules = {throng::SpringRule{.joint = joint_of(creature, "tail"),
-                                     .frequency_hz = 1,
-                                     .damping = 0.3f,
-                                     .gravity = {0, -4, 0},
-                                     .drag = 0.4f},
-                  throng::LookAtRule{.joint = joint_of(creature, "trunk"), .target = "prey", .limit_rad = 0.4f},
-                  throng::LookAtRule{.joint = joint_of(creature, "trunk", true), .target = "prey", .limit_rad = 1.2f}}};
+        .rules = {SpringRule{.joint = joint_of(creature, "tail"),
+                             .frequency_hz = 1,
+                             .damping = 0.3f,
+                             .gravity = {0, -4, 0},
+                             .drag = 0.4f},
+                  LookAtRule{.joint = joint_of(creature, "trunk"), .target = "prey", .limit_rad = 0.4f},
+                  LookAtRule{.joint = joint_of(creature, "trunk", true), .target = "prey", .limit_rad = 1.2f}}};
 
     constexpr uint32_t kSide = 7, kCount = kSide * kSide;
-    throng::Crowd crowd = need(throng::Crowd::create(
-        device, {.groups = {{.character = &creature, .instance_count = kCount, .procedural = &rules},
-                            {.character = &creature, .instance_count = 1}}}));
+    Crowd crowd = need(
+        Crowd::create(device, {.groups = {{.character = &creature, .instance_count = kCount, .procedural = &rules},
+                                          {.character = &creature, .instance_count = 1}}}));
     const uint32_t walk = creature.find_clip("walk"), fly = creature.find_clip("fly");
-    std::vector<throng::Affine> places;
-    std::vector<throng::Playback> playbacks;
+    std::vector<Affine> places;
+    std::vector<Playback> playbacks;
     for (uint32_t i = 0; i < kCount; ++i) {
         places.push_back(standing_at(5.0f * static_cast<float>(i % kSide), 0, 6.0f * static_cast<float>(i / kSide)));
         playbacks.push_back({.first = {.clip = walk, .time_s = 0.31 * i}});
@@ -78,17 +79,16 @@ int main(int argc, char** argv) {
     for (uint32_t frame = 0; frame < 240; ++frame) {
         const float angle_rad = 0.013f * static_cast<float>(frame), x = 15 - 18 * std::cos(angle_rad),
                     z = 18 + 22 * std::sin(angle_rad);
-        need(crowd.set_placement(kCount, std::vector<throng::Affine>{standing_at(x, 6, z, 0.8f)}));
+        need(crowd.set_placement(kCount, std::array{standing_at(x, 6, z, 0.8f)}));
         for (uint32_t i = 0; i < kCount; ++i) need(crowd.set_target(i, 0, {x, 7, z}, 1));
         need(crowd.update(1.0f / 60));
     }
-    const throng::StageTimes times = need(crowd.stage_times());
+    const StageTimes times = need(crowd.stage_times());
     std::printf("%u characters, %u joints: %.2f ms of %.2f ms for their rules\n", kCount,
                 kCount * creature.rig.joint_count(), times.of("procedural"), times.total());
 
-    throng::Renderer renderer = need(throng::Renderer::create(device, {.width = 1280, .height = 720}));
-    const throng::RenderResult result = need(
-        renderer.render(crowd, throng::fit_camera(throng::world_bounds(crowd), 1280.0f / 720)));
-    need(throng::write_png(argv[2], result.picture));
+    Renderer renderer = need(Renderer::create(device, {.width = 1280, .height = 720}));
+    const RenderResult result = need(renderer.render(crowd, fit_camera(world_bounds(crowd), 1280.0f / 720)));
+    need(write_png(argv[2], result.picture));
     return 0;
 }

@@ -6,15 +6,18 @@
 #include <throng/throng.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <vector>
+
+using namespace throng;
 
 namespace {
 
 // throng reports expected failures as values. This program has no better idea than to stop at the first one.
 template <class T>
-T need(throng::Result<T> result) {
+T need(Result<T> result) {
     if (!result) {
         std::fprintf(stderr, "state_machine: %s\n", result.error().text().c_str());
         std::exit(1);
@@ -22,15 +25,13 @@ T need(throng::Result<T> result) {
     if constexpr (!std::is_void_v<T>) return *std::move(result);
 }
 
-throng::Affine standing_at(float x, float y, float z, float scale = 1) {
-    throng::Affine world_from_model;
-    world_from_model.row = {{{scale, 0, 0, x}, {0, scale, 0, y}, {0, 0, scale, z}}};
-    return world_from_model;
+Affine standing_at(float x, float y, float z, float scale = 1) {
+    return {{{{scale, 0, 0, x}, {0, scale, 0, y}, {0, 0, scale, z}}}};
 }
 
 // The highest joint of the rest pose: where a lantern hangs best.
-uint32_t highest_joint(const throng::Character& character) {
-    const throng::ReferencePose rest = need(throng::reference_pose(character, {}));
+uint32_t highest_joint(const Character& character) {
+    const ReferencePose rest = need(reference_pose(character, {}));
     const auto height = [](const auto& model_from_joint) { return model_from_joint.row[1][3]; };
     const auto highest = std::max_element(rest.model_from_joint.begin(), rest.model_from_joint.end(),
                                           [&](const auto& a, const auto& b) { return height(a) < height(b); });
@@ -44,20 +45,19 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "usage: state_machine creature.glb controller.json picture.png\n");
         return 2;
     }
-    const throng::Character guard = need(throng::load_character(argv[1]));
-    const throng::Controller controller = need(throng::load_controller(argv[2]));
-    const throng::Device device = need(throng::Device::create());
+    const Character guard = need(load_character(argv[1]));
+    const Controller controller = need(load_controller(argv[2]));
+    const Device device = need(Device::create());
 
     // 100 guards that decide for themselves; and what they carry: small creatures that hang where their sockets are.
     constexpr uint32_t kSide = 10, kCount = kSide * kSide;
-    throng::Crowd crowd = need(
-        throng::Crowd::create(device, {.groups = {{.character = &guard,
-                                                   .instance_count = kCount,
-                                                   .controller = &controller,
-                                                   .sockets = {highest_joint(guard)}},
-                                                  {.character = &guard, .instance_count = kCount}},
-                                       .watch_capacity = kCount}));
-    std::vector<throng::Affine> places;
+    Crowd crowd = need(Crowd::create(device, {.groups = {{.character = &guard,
+                                                          .instance_count = kCount,
+                                                          .controller = &controller,
+                                                          .sockets = {highest_joint(guard)}},
+                                                         {.character = &guard, .instance_count = kCount}},
+                                              .watch_capacity = kCount}));
+    std::vector<Affine> places;
     std::vector<uint32_t> guards;
     for (uint32_t i = 0; i < kCount; ++i) {
         places.push_back(standing_at(3.0f * static_cast<float>(i % kSide), 0, 6.0f * static_cast<float>(i / kSide)));
@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
     need(crowd.watch(guards));
 
     const uint32_t speed = controller.find_parameter("speed"), attack = controller.find_parameter("attack");
-    if (speed == throng::kNone || attack == throng::kNone) {
+    if (speed == kNone || attack == kNone) {
         std::fprintf(stderr, "state_machine: %s: has no parameters 'speed' and 'attack'\n", argv[2]);
         return 1;
     }
@@ -76,12 +76,12 @@ int main(int argc, char** argv) {
     constexpr uint32_t kFrames = 240;
     uint32_t steps = 0, strikes = 0;
     for (uint32_t frame = 0; frame < kFrames; ++frame) {
-        if (frame < kCount) need(crowd.set_parameters(frame, speed, std::vector<float>{static_cast<float>(frame % 5)}));
-        if (frame % 10 == 0) need(crowd.set_parameters((frame * 7) % kCount, attack, std::vector<float>{1}));
+        if (frame < kCount) need(crowd.set_parameters(frame, speed, std::array{static_cast<float>(frame % 5)}));
+        if (frame % 10 == 0) need(crowd.set_parameters((frame * 7) % kCount, attack, std::array{1.0f}));
         need(crowd.update(1.0f / 60));
 
-        for (const throng::Feedback& feedback : need(crowd.feedback())) {
-            for (const throng::CharacterEvent& event : feedback.events) {
+        for (const Feedback& feedback : need(crowd.feedback())) {
+            for (const CharacterEvent& event : feedback.events) {
                 const std::string& name = controller.events[event.event].name;
                 ++(name == "strike" ? strikes : steps);
                 if (event.instance < 3)
@@ -91,17 +91,15 @@ int main(int argc, char** argv) {
             }
             // Lanterns follow on the CPU here; a renderer of one's own reads OutputBlock::socket_buffer and need not
             // wait for anything.
-            for (const throng::WatchedInstance& watched : feedback.watched)
-                need(
-                    crowd.set_placement(kCount + watched.instance,
-                                        std::vector<throng::Affine>{watched.sockets[0] * standing_at(0, 0, 0, 0.15f)}));
+            for (const WatchedInstance& watched : feedback.watched)
+                need(crowd.set_placement(kCount + watched.instance,
+                                         std::array{watched.sockets[0] * standing_at(0, 0, 0, 0.15f)}));
         }
     }
     std::printf("%u steps and %u strikes of %u guards in %u updates\n", steps, strikes, kCount, kFrames);
 
-    throng::Renderer renderer = need(throng::Renderer::create(device, {.width = 1280, .height = 720}));
-    const throng::RenderResult result = need(
-        renderer.render(crowd, throng::fit_camera(throng::world_bounds(crowd), 1280.0f / 720)));
-    need(throng::write_png(argv[3], result.picture));
+    Renderer renderer = need(Renderer::create(device, {.width = 1280, .height = 720}));
+    const RenderResult result = need(renderer.render(crowd, fit_camera(world_bounds(crowd), 1280.0f / 720)));
+    need(write_png(argv[3], result.picture));
     return steps > 0 && strikes > 0 ? 0 : 1;
 }

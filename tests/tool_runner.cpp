@@ -5,6 +5,9 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -30,7 +33,12 @@ std::string contents(std::FILE* file) {
 
 }  // namespace
 
-Outcome run_tool(const std::vector<std::string>& arguments, const RunSettings& settings) {
+Words::Words(const std::string& text) {
+    std::istringstream words(text);
+    assign(std::istream_iterator<std::string>(words), {});
+}
+
+Outcome run_tool(const Words& arguments, const RunSettings& settings) {
     std::FILE *out = std::tmpfile(), *err = std::tmpfile();
     const char* program = settings.program ? settings.program : THRONG_TOOL;
     std::vector<const char*> words{program};
@@ -61,17 +69,20 @@ Outcome run_tool(const std::vector<std::string>& arguments, const RunSettings& s
     return run;
 }
 
-void ToolTest::generate(const std::string& name, std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), "generate");
-    arguments.insert(arguments.end(), {"--out", file(name)});
-    const Outcome run = run_tool(arguments);
-    ASSERT_TRUE(run.succeeded()) << run;
+void ToolTest::generate(const std::string& name, const Words& arguments) {
+    succeed(Words{"generate", "--out", file(name)} + arguments);
 }
 
-Json ToolTest::json_of(std::vector<std::string> arguments) {
-    arguments.push_back("--json");
-    const Outcome run = run_tool(arguments);
-    EXPECT_TRUE(run.succeeded()) << testing::PrintToString(arguments) << "\n" << run;
+Outcome ToolTest::succeed(const Words& arguments, const RunSettings& settings) {
+    Outcome run = run_tool(arguments, settings);
+    if (run.succeeded()) return run;
+    std::ostringstream said;
+    said << testing::PrintToString(arguments) << "\n" << run;
+    throw std::runtime_error(said.str());
+}
+
+Json ToolTest::json_of(const Words& arguments, const RunSettings& settings) {
+    const Outcome run = succeed(arguments + "--json", settings);
     Json json = Json::parse(run.out, nullptr, false);
     EXPECT_FALSE(json.is_discarded()) << run;
     return json;

@@ -18,6 +18,19 @@ namespace throng::test {
 
 using Json = nlohmann::json;
 
+// Words of a command line: as they are, or as a text in which spaces divide them.
+struct Words : std::vector<std::string> {
+    using vector::vector;
+    Words(std::vector<std::string> words) : vector(std::move(words)) {}
+    Words(const std::string& text);
+    Words(const char* text) : Words(std::string(text)) {}
+
+    friend Words operator+(Words words, const Words& more) {
+        words.insert(words.end(), more.begin(), more.end());
+        return words;
+    }
+};
+
 struct RunSettings {
     std::map<std::string, std::string> environment;
     uint64_t memory_limit_bytes = 0;  // of the address space; 0: none
@@ -45,18 +58,24 @@ struct Outcome {
     }
 };
 
-Outcome run_tool(const std::vector<std::string>& arguments, const RunSettings& settings = {});
+Outcome run_tool(const Words& arguments, const RunSettings& settings = {});
 
-// What the tool does in a folder of the tests' own.
+// What the tool does in a folder of the tests' own, in which it runs.
 class ToolTest : public testing::Test {
 protected:
     struct Refused {
-        std::vector<std::string> arguments;
+        Words arguments;
         std::string named;
     };
 
-    static void SetUpTestSuite() { folder_ = std::make_unique<TemporaryFolder>(); }
-    static void TearDownTestSuite() { folder_.reset(); }
+    static void SetUpTestSuite() {
+        folder_ = std::make_unique<TemporaryFolder>();
+        std::filesystem::current_path(folder_->path());
+    }
+    static void TearDownTestSuite() {
+        std::filesystem::current_path("/");
+        folder_.reset();
+    }
 
     static std::string file(const std::string& name) { return (folder_->path() / name).string(); }
     static std::string write(const std::string& name, const std::string& content) {
@@ -66,9 +85,11 @@ protected:
         return {std::filesystem::directory_iterator(folder_->path()), {}};
     }
     // A creature in that file.
-    static void generate(const std::string& name, std::vector<std::string> arguments);
-    // What the command prints with --json.
-    static Json json_of(std::vector<std::string> arguments);
+    static void generate(const std::string& name, const Words& arguments);
+    // What a command says that succeeds, as it must: throws else, which ends the test.
+    static Outcome succeed(const Words& arguments, const RunSettings& settings = {});
+    // What it prints with --json.
+    static Json json_of(const Words& arguments, const RunSettings& settings = {});
     // Each in one line that names the thing, with nothing on stdout, soon, and with no file more or less.
     static void expect_refused(const std::vector<Refused>& cases);
 

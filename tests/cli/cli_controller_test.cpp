@@ -17,21 +17,17 @@ class CliController : public ToolTest {
 protected:
     static void SetUpTestSuite() {
         ToolTest::SetUpTestSuite();
-        generate("creature.glb", {"--joints", "40", "--levels", "12", "--faces", "200"});
-    }
-
-    static std::string example(const std::string& name) {
-        return std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" + name + ".json";
+        generate("creature.glb", "--joints 40 --levels 12 --faces 200");
+        fs::copy(THRONG_SOURCE_DIR "/examples/controllers", "controllers");
     }
 };
 
 TEST_F(CliController, CheckSaysWhatThereIs) {
     for (const std::string name : {"walker", "flyer", "dragon"}) {
-        const Outcome text = run_tool({"controller", "check", example(name), "--character", file("creature.glb")});
-        EXPECT_TRUE(text.succeeded()) << text;
-        EXPECT_NE(text.out.find("drives     " + file("creature.glb")), std::string::npos) << text;
+        const Outcome text = succeed("controller check controllers/" + name + ".json --character creature.glb");
+        EXPECT_TRUE(contains(text.out, "drives     creature.glb")) << text;
     }
-    const Outcome text = run_tool({"controller", "check", example("dragon")});
+    const Outcome text = run_tool("controller check controllers/dragon.json");
     for (const char* said :
          {"9 parameters, 2 masks, 3 layers, 12 states, 17 transitions, 3 events", "pace           float, 1 at first",
           "grounded       bool, true at first", "jump           trigger\n",
@@ -39,10 +35,9 @@ TEST_F(CliController, CheckSaysWhatThereIs) {
           "tail: additive, mask tail, weight 0.6 * pace", "fly at (0, 3) by side and forward",
           "(any)          -> take off: jump triggered, grounded; 0.2 s; interrupts", "fidget         idle, once",
           "wing beat      fly at 0.25 s"})
-        EXPECT_NE(text.out.find(said), std::string::npos) << said << "\n" << text.out;
+        EXPECT_TRUE(contains(text.out, said)) << said << "\n" << text.out;
 
-    const Outcome run = run_tool({"controller", "check", example("dragon"), "--json"});
-    ASSERT_TRUE(run.succeeded()) << run;
+    const Outcome run = succeed("controller check controllers/dragon.json --json");
     const Json json = Json::parse(run.out, nullptr, false);
     EXPECT_EQ(json["parameters"].size(), 9u);
     EXPECT_EQ(json["parameters"][3], Json::parse(R"({"name": "pace", "type": "float", "initial": 1.0})"));
@@ -55,10 +50,10 @@ TEST_F(CliController, CheckSaysWhatThereIs) {
 }
 
 TEST_F(CliController, AStateThatNothingLeadsToIsAWarning) {
-    const std::string lonely = write("lonely.json", R"({"layers": [{"name": "body",
+    write("lonely.json", R"({"layers": [{"name": "body",
       "states": {"a": {"clip": "idle"}, "b": {"clip": "walk"}, "c": {"clip": "fly"}},
       "transitions": [{"from": "b", "to": "c"}, {"to": "a", "exit": 2}]}]})");
-    const Outcome run = run_tool({"controller", "check", lonely});
+    const Outcome run = run_tool("controller check lonely.json");
     EXPECT_EQ(run.exit_code, 0);
     EXPECT_EQ(run.err,
               "throng: warning: lonely.json: layer 'body': no transitions lead to state 'b'\n"
@@ -66,9 +61,8 @@ TEST_F(CliController, AStateThatNothingLeadsToIsAWarning) {
 }
 
 TEST_F(CliController, GraphHasEveryStateAndTransition) {
-    const Outcome run = run_tool({"controller", "graph", example("dragon"), "-o", file("dragon.dot")});
-    ASSERT_TRUE(run.succeeded()) << run;
-    const std::string dot = read_file(file("dragon.dot"));
+    const Outcome run = succeed("controller graph controllers/dragon.json -o dragon.dot");
+    const std::string dot = read_file("dragon.dot");
     EXPECT_EQ(count_of(dot, "subgraph cluster_"), 3u);
     EXPECT_EQ(count_of(dot, "_any ["), 3u);
     EXPECT_EQ(count_of(dot, "fillcolor"), 1u);
@@ -82,67 +76,64 @@ TEST_F(CliController, GraphHasEveryStateAndTransition) {
           "layer0_any -> layer0_state3 [label=\" jump triggered, grounded \\n 0.2 s, interrupts \"]",
           "layer0_state2 -> layer0_state0 [label=\" forward > -0.05, forward < 0.05 \\n 0.3 s, interrupts \"]",
           "5 clips by side and forward"})
-        EXPECT_NE(dot.find(said), std::string::npos) << said << "\n" << dot;
-    fs::remove(file("dragon.dot"));
+        EXPECT_TRUE(contains(dot, said)) << said << "\n" << dot;
+    fs::remove("dragon.dot");
 
-    const std::string odd = write(
-        "odd.json", R"({"layers": [{"name": "a \" \\ é", "states": {"<s> \\N": {"clip": "\"]"}}}, {"name": "b"}]})");
-    EXPECT_TRUE(run_tool({"controller", "graph", odd, "-o", file("odd.dot")}).succeeded());
-    const std::string odd_dot = read_file(file("odd.dot"));
+    write("odd.json", R"({"layers": [{"name": "a \" \\ é", "states": {"<s> \\N": {"clip": "\"]"}}}, {"name": "b"}]})");
+    succeed("controller graph odd.json -o odd.dot");
+    const std::string odd_dot = read_file("odd.dot");
     EXPECT_NE(odd_dot.find(R"x(label="a \" \\ é (override)")x"), std::string::npos) << odd_dot;
     EXPECT_NE(odd_dot.find(R"([label="<s> \\N\n\"]")"), std::string::npos) << odd_dot;
-    EXPECT_NE(odd_dot.find("plays what it is told"), std::string::npos) << odd_dot;
-    fs::remove(file("odd.dot"));
+    EXPECT_TRUE(contains(odd_dot, "plays what it is told")) << odd_dot;
+    fs::remove("odd.dot");
 }
 
 TEST_F(CliController, GraphIsDrawnByGraphviz) {
     if (std::system("command -v dot > /dev/null") != 0)
         GTEST_SKIP() << "no Graphviz here (Debian: apt-get install graphviz)";
     for (const std::string name : {"walker", "flyer", "dragon"}) {
-        const Outcome run = run_tool({"controller", "graph", example(name), "--out", file("drawn.svg")});
-        ASSERT_TRUE(run.succeeded()) << run;
-        const std::string svg = read_file(file("drawn.svg"));
+        const Outcome run = succeed("controller graph controllers/" + name + ".json --out drawn.svg");
+        const std::string svg = read_file("drawn.svg");
         EXPECT_TRUE(svg.starts_with("<?xml") && svg.find("</svg>") != svg.npos) << svg.substr(0, 200);
         if (name == "walker") {
             EXPECT_EQ(count_of(svg, "class=\"node\""), 2u);
             EXPECT_EQ(count_of(svg, "class=\"edge\""), 2u);
         }
     }
-    fs::remove(file("drawn.svg"));
+    fs::remove("drawn.svg");
 }
 
 TEST_F(CliController, WithoutGraphvizThatIsSaidAndADotFileIsStillWritten) {
     const std::set<fs::path> before = files();
     const RunSettings nowhere{.environment = {{"PATH", "/nowhere"}}};
-    const Outcome run = run_tool({"controller", "graph", example("walker"), "-o", file("walker.svg")}, nowhere);
+    const Outcome run = run_tool("controller graph controllers/walker.json -o walker.svg", nowhere);
     EXPECT_TRUE(run.refused("Graphviz is not installed")) << run;
     EXPECT_EQ(files(), before);
-    EXPECT_TRUE(run_tool({"controller", "graph", example("walker"), "-o", file("walker.dot")}, nowhere).succeeded());
-    fs::remove(file("walker.dot"));
+    succeed("controller graph controllers/walker.json -o walker.dot", nowhere);
+    fs::remove("walker.dot");
 }
 
 TEST_F(CliController, WrongInputIsRefusedAndNothingIsLeftBehind) {
-    const std::string creature = file("creature.glb"),
-                      swim = "{\"layers\": [\n{\"name\": \"body\", \"states\": {\"swim\": {\"clip\": \"swim\"}}";
-    const std::string swimmer = write("swimmer.json", swim + "}]}"),
-                      wrong = write("wrong.json", swim + ",\n\"transitions\": [{\"to\": \"swin\", \"exit\": 1}]}]}");
+    const std::string swim = "{\"layers\": [\n{\"name\": \"body\", \"states\": {\"swim\": {\"clip\": \"swim\"}}";
+    write("swimmer.json", swim + "}]}");
+    write("wrong.json", swim + ",\n\"transitions\": [{\"to\": \"swin\", \"exit\": 1}]}]}");
     expect_refused(
-        {{{"controller"}, "check or graph"},
-         {{"controller", "chekc", swimmer}, "chekc"},
-         {{"controller", "check"}, "file"},
-         {{"controller", "check", file("missing.json")}, "missing.json: no such file"},
+        {{"controller", "check or graph"},
+         {"controller chekc swimmer.json", "chekc"},
+         {"controller check", "file"},
+         {"controller check missing.json", "missing.json: no such file"},
          {{"controller", "check", folder_->path().string()}, "not a regular file"},
-         {{"controller", "check", creature}, "creature.glb:1: not JSON"},
-         {{"controller", "check", wrong},
+         {"controller check creature.glb", "creature.glb:1: not JSON"},
+         {"controller check wrong.json",
           "wrong.json:3: layers[0].transitions[0].to: there is no state 'swin'; did you mean 'swim'? There is: swim"},
-         {{"controller", "check", swimmer, "--character", creature},
+         {"controller check swimmer.json --character creature.glb",
           "swimmer.json with creature.glb: layers[0].states.swim.clip: there is no clip 'swim'. There are: idle, walk, "
           "fly, glide, roar"},
-         {{"controller", "check", swimmer, "--character", swimmer}, "swimmer.json"},
-         {{"controller", "graph", swimmer}, "--out"},
-         {{"controller", "graph", swimmer, "-o", file("a.png")}, "neither in .svg nor in .dot"},
-         {{"controller", "graph", swimmer, "-o", file("nowhere/a.svg")}, "nowhere"},
-         {{"controller", "graph", wrong, "-o", file("a.dot")}, "wrong.json:3"}});
+         {"controller check swimmer.json --character swimmer.json", "swimmer.json"},
+         {"controller graph swimmer.json", "--out"},
+         {"controller graph swimmer.json -o a.png", "neither in .svg nor in .dot"},
+         {"controller graph swimmer.json -o nowhere/a.svg", "nowhere"},
+         {"controller graph wrong.json -o a.dot", "wrong.json:3"}});
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // Films by the command line: frames that are kept, shared among runs, and refused; a film of them.
 #include "tests/glb_builder.h"
+#include "tests/text.h"
 #include "tests/tool_runner.h"
 
 #include <nlohmann/json.hpp>
@@ -31,43 +32,21 @@ protected:
     static void SetUpTestSuite() {
         ToolTest::SetUpTestSuite();
         for (const std::string kind : {"walker", "dragon"})
-            generate(kind + ".glb", {kind, "--joints", "50", "--levels", "12", "--faces", "600"});
+            generate(kind + ".glb", kind + " --joints 50 --levels 12 --faces 600");
     }
 
-    static std::vector<std::string> arguments(const std::string& out, const std::vector<std::string>& more = {}) {
-        std::vector<std::string> all{"render",
-                                     file("walker.glb"),
-                                     file("dragon.glb"),
-                                     "--controller",
-                                     file("walker.glb") + "=" + THRONG_SOURCE_DIR "/examples/controllers/walker.json",
-                                     "--count",
-                                     "6",
-                                     "--placement",
-                                     "disc",
-                                     "--camera",
-                                     "flyover:seconds=5",
-                                     "--size",
-                                     "64x36",
-                                     "--frames",
-                                     "0:4",
-                                     "--fps",
-                                     "1",
-                                     "--out",
-                                     out};
-        all.insert(all.end(), more.begin(), more.end());
-        return all;
+    static Words arguments(const std::string& out) {
+        return "render walker.glb dragon.glb --count 6 --placement disc --camera flyover:seconds=5 --size 64x36 "
+               "--frames 0:4 --fps 1" +
+               Words{"--controller", "walker.glb=" THRONG_SOURCE_DIR "/examples/controllers/walker.json", "--out", out};
     }
-    static Outcome film(const std::string& out, const std::vector<std::string>& more = {}) {
-        return run_tool(arguments(out, more));
-    }
+    static Outcome film(const std::string& out, const Words& more = {}) { return run_tool(arguments(out) + more); }
     // The same, but with another value of one option.
     static Outcome film_with(const std::string& out, const std::string& option, const std::string& value) {
-        std::vector<std::string> all = arguments(out);
+        Words all = arguments(out);
         const auto there = std::find(all.begin(), all.end(), option);
-        if (there == all.end())
-            all.insert(all.end(), {option, value});
-        else
-            *(there + 1) = value;
+        if (there == all.end()) return run_tool(all + Words{option, value});
+        *(there + 1) = value;
         return run_tool(all);
     }
     static std::map<std::string, std::string> contents(const std::string& folder) {
@@ -77,14 +56,14 @@ protected:
         return files;
     }
     static std::string new_folder(const std::string& name) {
-        fs::create_directory(file(name));
-        return file(name);
+        fs::create_directory(name);
+        return name;
     }
 };
 
 TEST_F(CliFilm, AFrameIsTheSameWhicheverAreDrawn) {
     const std::string whole = new_folder("whole"), shared = new_folder("shared"), resumed = new_folder("resumed");
-    const Outcome run = film(whole + "/frame_%04d.png", {"--json"});
+    const Outcome run = film(whole + "/frame_%04d.png", "--json");
     ASSERT_TRUE(run.succeeded()) << run;
     const Json json = Json::parse(run.out);
     EXPECT_EQ(json["frames"], 4);
@@ -97,9 +76,9 @@ TEST_F(CliFilm, AFrameIsTheSameWhicheverAreDrawn) {
     ASSERT_EQ(frames.size(), 5u);
     EXPECT_NE(frames.at("frame_0000.png"), frames.at("frame_0003.png"));
 
-    ASSERT_TRUE(film(shared + "/frame_%04d.png", {"--shard", "1/2"}).succeeded());
+    ASSERT_TRUE(film(shared + "/frame_%04d.png", "--shard 1/2").succeeded());
     EXPECT_EQ(contents(shared).size(), 3u);  // frames 1 and 3, and the settings
-    ASSERT_TRUE(film(shared + "/frame_%04d.png", {"--shard", "0/2"}).succeeded());
+    ASSERT_TRUE(film(shared + "/frame_%04d.png", "--shard 0/2").succeeded());
     EXPECT_EQ(contents(shared), frames);
 
     // Of an interrupted run some frames are left, one is broken, and one is of another size.
@@ -107,34 +86,32 @@ TEST_F(CliFilm, AFrameIsTheSameWhicheverAreDrawn) {
         fs::copy_file(whole + "/" + kept, resumed + "/" + kept);
     fs::resize_file(resumed + "/frame_0002.png", frames.at("frame_0002.png").size() / 2);
     const auto time = fs::last_write_time(resumed + "/frame_0001.png");
-    const Outcome again = film(resumed + "/frame_%04d.png", {"--json"});
+    const Outcome again = film(resumed + "/frame_%04d.png", "--json");
     ASSERT_TRUE(again.succeeded()) << again;
     EXPECT_EQ(Json::parse(again.out)["kept"], 2);
     EXPECT_EQ(contents(resumed), frames);
     EXPECT_EQ(fs::last_write_time(resumed + "/frame_0001.png"), time);
 
     // The picture of that time is that frame.
-    std::vector<std::string> picture = arguments(file("picture.png"));
+    Words picture = arguments("picture.png");
     const auto first = std::find(picture.begin(), picture.end(), "--frames");
     picture.erase(first, first + 4);  // with --fps
-    ASSERT_TRUE(run_tool(picture).succeeded());
-    EXPECT_EQ(read_file(file("picture.png")), frames.at("frame_0000.png"));
+    succeed(picture);
+    EXPECT_EQ(read_file("picture.png"), frames.at("frame_0000.png"));
 }
 
 // Those that walk have walked as far in a frame whether those before it are drawn or not.
 TEST_F(CliFilm, WhoSteersIsWhereTheFrameSays) {
     const std::string whole = new_folder("walked"), shared = new_folder("walked_unseen");
-    const std::vector<std::string> steer{"--steer", "--spacing", "2"},
-        third{"--steer", "--spacing", "2", "--shard", "3/4"};
-    ASSERT_TRUE(film(whole + "/%d.png", steer).succeeded());
-    ASSERT_TRUE(film(shared + "/%d.png", third).succeeded());
+    ASSERT_TRUE(film(whole + "/%d.png", "--steer --spacing 2").succeeded());
+    ASSERT_TRUE(film(shared + "/%d.png", "--steer --spacing 2 --shard 3/4").succeeded());
     EXPECT_EQ(contents(shared).at("3.png"), contents(whole).at("3.png"));
-    EXPECT_TRUE(film(whole + "/%d.png", {"--spacing", "2"}).refused("steer true, not false"));
+    EXPECT_TRUE(film(whole + "/%d.png", "--spacing 2").refused("steer true, not false"));
 }
 
 TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
     const std::string folder = new_folder("settings"), out = folder + "/%d.png";
-    ASSERT_TRUE(film(out, {"--shard", "3/4"}).succeeded());
+    ASSERT_TRUE(film(out, "--shard 3/4").succeeded());
     const auto before = contents(folder);
     const std::map<std::string, std::pair<std::string, std::string>> others{
         {"--count", {"7", "count 6, not 7"}},
@@ -156,7 +133,7 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
     const std::vector<std::string> flags{"everything", "skeletons", "bounds", "steer", "skin-once"};
     for (const std::string& flag : flags)
         EXPECT_TRUE(film(out, {"--" + flag}).refused(flag + " false, not true")) << flag;
-    std::vector<std::string> replaced = arguments(out);
+    Words replaced = arguments(out);
     *std::find(replaced.begin(), replaced.end(), "--count") = "--counts";
     *(std::find(replaced.begin(), replaced.end(), "--counts") + 1) = "4,2";
     EXPECT_TRUE(run_tool(replaced).refused("count"));
@@ -168,7 +145,7 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
                                 "--json", "--counts", "--eye",   "--target"};
     for (const std::string& flag : flags) known.insert("--" + flag);
     for (const auto& [option, other] : others) known.insert(option);
-    const std::string help = run_tool({"render", "--help"}).out;
+    const std::string help = run_tool("render --help").out;
     const std::regex option("\n  (?:-.,)?(--[a-z-]+)");
     for (std::sregex_iterator found(help.begin(), help.end(), option), end; found != end; ++found)
         EXPECT_TRUE(known.contains((*found)[1])) << (*found)[1] << ": is it in the settings of films?";
@@ -180,7 +157,7 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
     std::ofstream(folder + "/settings.json") << settings;
     EXPECT_TRUE(film(out).refused("updates")) << "another scan chosen, as by the costs of throng tune";
     fs::remove(folder + "/3.png");
-    EXPECT_TRUE(film(out, {"--seed", "2"}).refused("seed 1, not 2")) << "of a shard that has drawn nothing yet";
+    EXPECT_TRUE(film(out, "--seed 2").refused("seed 1, not 2")) << "of a shard that has drawn nothing yet";
     std::ofstream(folder + "/3.png") << before.at("3.png");
     fs::remove(folder + "/settings.json");
     EXPECT_TRUE(film(out).refused("3.png"));
@@ -199,16 +176,14 @@ TEST_F(CliFilm, TheCameraFollowsRootMotion) {
     mover.json["materials"] = {
         {{"doubleSided", true}, {"pbrMetallicRoughness", {{"baseColorFactor", {0.9, 0, 0, 1}}}}}};
     mover.json["meshes"][0]["primitives"][0]["material"] = 0;
-    std::ofstream(file("mover.glb"), std::ios::binary) << mover.glb();
-    std::ofstream(file("go.json")) << R"({"layers": [{"name": "body", "states": {"go": {"clip": "go"}}}]})";
-    const Outcome compiled = run_tool(
-        {"compile", file("mover.glb"), "--root-motion", "root", "--out", file("mover.throng")});
-    ASSERT_TRUE(compiled.succeeded()) << compiled;
+    std::ofstream("mover.glb", std::ios::binary) << mover.glb();
+    std::ofstream("go.json") << R"({"layers": [{"name": "body", "states": {"go": {"clip": "go"}}}]})";
+    const Outcome compiled = succeed("compile mover.glb --root-motion root --out mover.throng");
     const std::string folder = new_folder("followed");
-    const Outcome run = run_tool({"render", file("mover.throng"), "--controller", file("go.json"), "--camera", "follow",
-                                  "--size", "64x36", "--time", "2", "--frames", "0:2", "--fps", "1000", "--out",
-                                  folder + "/%d.png"});
-    ASSERT_TRUE(run.succeeded()) << run;
+    const Outcome run = succeed(
+        "render mover.throng --controller go.json --camera follow --size 64x36 --time 2 --frames 0:2 "
+        "--fps 1000 --out " +
+        folder + "/%d.png");
     int red = 0, other = 0;
     const auto pixels = [&](const char* frame) {
         int width = 0, height = 0;
@@ -228,68 +203,61 @@ TEST_F(CliFilm, TheCameraFollowsRootMotion) {
 
 TEST_F(CliFilm, AFilmHasItsFrames) {
     if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no ffmpeg";
-    const std::string out = file("100 % film.mp4");
-    ASSERT_TRUE(film(out, {"--shard", "0/2"}).succeeded());
+    const std::string out = "100 % film.mp4";
+    ASSERT_TRUE(film(out, "--shard 0/2").succeeded());
     EXPECT_FALSE(fs::exists(out));
     EXPECT_TRUE(fs::exists(out + ".frames/000002.png"));
-    const Outcome run = film(out, {"--json"});
+    const Outcome run = film(out, "--json");
     ASSERT_TRUE(run.succeeded()) << run;
     EXPECT_EQ(Json::parse(run.out)["kept"], 2);
     EXPECT_FALSE(fs::exists(out + ".frames"));
-    const std::string probed = file("probed.txt"), probe =
-                                                       "ffprobe -v error -count_frames -show_entries "
-                                                       "stream=nb_read_frames,width,height,r_frame_rate -of csv=p=0 '" +
-                                                       out + "' >'" + probed + "'";
+    const std::string probed = "probed.txt", probe =
+                                                 "ffprobe -v error -count_frames -show_entries "
+                                                 "stream=nb_read_frames,width,height,r_frame_rate -of csv=p=0 '" +
+                                                 out + "' >'" + probed + "'";
     ASSERT_EQ(std::system(probe.c_str()), 0);
     EXPECT_EQ(read_file(probed), "64,36,1/1,4\n");
 }
 
 TEST_F(CliFilm, ControllersAreForFilesThatAreThere) {
-    EXPECT_TRUE(film(file("%d.png"), {"--controller", "cat.glb=cat.json"}).refused("cat.glb"));
-    EXPECT_TRUE(film(file("%d.png"), {"--controller", file("missing.json")}).refused("missing.json"));
-    EXPECT_TRUE(film(file("%d.png"),
-                     {"--controller", file("dragon.glb") + "=" + THRONG_SOURCE_DIR "/examples/controllers/willow.json"})
+    EXPECT_TRUE(film("%d.png", "--controller cat.glb=cat.json").refused("cat.glb"));
+    EXPECT_TRUE(film("%d.png", "--controller missing.json").refused("missing.json"));
+    EXPECT_TRUE(film("%d.png", {"--controller", "dragon.glb=" THRONG_SOURCE_DIR "/examples/controllers/willow.json"})
                     .refused("gust"));
 }
 
 TEST_F(CliFilm, WrongOptionsAreRefused) {
-    const std::string out = file("%d.png");
     const auto with = [&](const std::string& option, const std::string& value) {
-        return film_with(out, option, value);
+        return film_with("%d.png", option, value);
     };
-    for (const char* frames : {"4", "4:", ":4", "4:4", "5:4", "0:4:1", "0:1000001", "0:99999999999"})
-        EXPECT_TRUE(with("--frames", frames).refused("--frames")) << frames;
-    for (const char* shard : {"1", "2/2", "0/0", "/2", "1/", "a/b"})
-        EXPECT_TRUE(with("--shard", shard).refused("--shard")) << shard;
-    for (const char* name :
-         {"frame.png", "frame_%4d.png", "frame_%s.png", "%d_%d.png", "frame_%0999d.png", "frame_%d.jpg", "film.avi"})
-        EXPECT_TRUE(with("--out", file(name)).refused(name)) << name;
-    EXPECT_TRUE(with("--out", file("nowhere/%d.png")).refused("nowhere"));
-    for (const char* fps : {"0", "-1", "nan", "many", "1e9"}) EXPECT_TRUE(with("--fps", fps).refused("--fps")) << fps;
+    const std::map<std::string, std::vector<std::string>> wrong{
+        {"--frames", {"4", "4:", ":4", "4:4", "5:4", "0:4:1", "0:1000001", "0:99999999999"}},
+        {"--shard", {"1", "2/2", "0/0", "/2", "1/", "a/b"}},
+        {"--fps", {"0", "-1", "nan", "many", "1e9"}},
+        {"--placement", {"heap"}},
+        {"--spacing", {"0"}},
+        {"--sizes", {"1", "0,1", "0.001,100000"}},
+        {"--counts", {"1,2"}},
+        {"--eye", {"1,2,3"}}};
+    for (const auto& [option, values] : wrong)
+        for (const std::string& value : values)
+            EXPECT_TRUE(with(option, value).refused(option)) << option << " " << value;
+    for (const char* name : {"frame.png", "frame_%4d.png", "frame_%s.png", "%d_%d.png", "frame_%0999d.png",
+                             "frame_%d.jpg", "film.avi", "nowhere/%d.png"})
+        EXPECT_TRUE(with("--out", name).refused(name)) << name;
     EXPECT_TRUE(with("--camera", "spin").refused("--camera spin"));
     EXPECT_TRUE(with("--camera", "follow:character=6").refused("character 6"));
-    EXPECT_TRUE(with("--placement", "heap").refused("--placement"));
-    EXPECT_TRUE(with("--spacing", "0").refused("--spacing"));
-    EXPECT_TRUE(with("--sizes", "1").refused("--sizes"));
-    EXPECT_TRUE(with("--sizes", "0,1").refused("--sizes"));
-    EXPECT_TRUE(with("--sizes", "0.001,100000").refused("--sizes"));
-    EXPECT_TRUE(with("--counts", "1,2").refused("--count"));
-    EXPECT_TRUE(with("--eye", "1,2,3").refused("--eye"));
 
-    std::vector<std::string> odd = arguments(file("odd.mp4"));
+    Words odd = arguments("odd.mp4");
     *(std::find(odd.begin(), odd.end(), "--size") + 1) = "63x36";
-    EXPECT_TRUE(run_tool(odd).refused("63x36"));
-    EXPECT_TRUE(run_tool({"render", file("walker.glb"), "--out", file("still.mp4")}).refused("--frames"));
-    EXPECT_TRUE(run_tool({"render", file("walker.glb"), "--fps", "24", "--out", file("still.png")}).refused("--fps"));
-    EXPECT_TRUE(
-        run_tool({"render", file("walker.glb"), "--counts", "1,2", "--out", file("still.png")}).refused("--counts"));
-    EXPECT_TRUE(
-        run_tool({"render", file("walker.glb"), "--counts", "0", "--out", file("still.png")}).refused("--counts"));
-    EXPECT_TRUE(
-        run_tool({"render", file("walker.glb"), "--eye", "0,1,2", "--target", "0,1,2", "--out", file("still.png")})
-            .refused("camera"));
+    expect_refused({{odd, "63x36"},
+                    {"render walker.glb --out still.mp4", "--frames"},
+                    {"render walker.glb --fps 24 --out still.png", "--fps"},
+                    {"render walker.glb --counts 1,2 --out still.png", "--counts"},
+                    {"render walker.glb --counts 0 --out still.png", "--counts"},
+                    {"render walker.glb --eye 0,1,2 --target 0,1,2 --out still.png", "camera"}});
     const RunSettings no_programs{.environment = {{"PATH", "/nowhere"}}};
-    EXPECT_TRUE(run_tool(arguments(file("film.mp4")), no_programs).refused("ffmpeg"));
+    EXPECT_TRUE(run_tool(arguments("film.mp4"), no_programs).refused("ffmpeg"));
 }
 
 }  // namespace

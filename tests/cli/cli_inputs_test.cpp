@@ -20,16 +20,16 @@ protected:
         character.json["images"] = {{{"uri", "nobody.png"}}, {{"uri", "skin%20of%20fox.png"}}};
         write("fox.gltf", character.json.dump());
         write("c.json", R"({"layers": [{"name": "body", "states": {"turn": {"clip": "turn"}}}]})");
-        for (const char* name : {"c.dot", "frame_settings.json"}) write(name, read_file(file("c.json")));
+        for (const char* name : {"c.dot", "frame_settings.json"}) write(name, read_file("c.json"));
         write("records.jsonl", R"({"bench": "scan", "experiment": "levels", "method": "serial", "levels": 15, )"
                                R"("median_ms": 3, "copy_ms": 2, "times_copy": 1.5})"
                                "\n");
-        fs::create_directory(file("below"));
-        fs::create_hard_link(file("fox.glb"), file("hard.glb"));
-        fs::create_symlink("fox.glb", file("soft.glb"));
-        fs::create_directory(file("film.mp4.frames"));
-        fs::create_hard_link(file("fox.glb"), file("film.mp4.frames/000002.png"));
-        fs::create_hard_link(file("fox.glb"), file("frame_03.png"));
+        fs::create_directory("below");
+        fs::create_hard_link("fox.glb", "hard.glb");
+        fs::create_symlink("fox.glb", "soft.glb");
+        fs::create_directory("film.mp4.frames");
+        fs::create_hard_link("fox.glb", "film.mp4.frames/000002.png");
+        fs::create_hard_link("fox.glb", "frame_03.png");
     }
 
     static std::map<fs::path, std::string> contents() {
@@ -41,38 +41,36 @@ protected:
 };
 
 TEST_F(CliInputs, AreNotWrittenOver) {
-    const std::string fox = file("fox.glb"), gltf = file("fox.gltf"), side = file("side.bin");
-    const std::string image = file("skin of fox.png"), controller = file("c.json"), graph = file("below/../c.dot");
-    const std::string records = file("records.jsonl"), page = file("page.html");
-    const std::string film = file("film.mp4"), frames = file("frame_%02d.png"), settings = file("frame_settings.json");
     const auto over = [](const std::string& out, const std::string& input) {
         return "throng: " + out + ": would be written over " + input + ", which this command reads";
     };
+    const std::string image = "skin of fox.png";
     std::vector<Refused> cases;
     for (const char* name : {"fox.glb", "hard.glb", "soft.glb", "below/../fox.glb", "below//..//fox.glb"}) {
-        const std::string out = file(name);
-        cases.push_back({{"render", fox, "--out", out}, over(out, fox)});
-        cases.push_back({{"compile", fox, "--out", out}, over(out, fox)});
-        cases.push_back({{"view", fox, "--after", "1", "--screenshot", out}, over(out, fox)});
+        const std::string out = name;
+        cases.push_back({"render fox.glb --out " + out, over(out, "fox.glb")});
+        cases.push_back({"compile fox.glb --out " + out, over(out, "fox.glb")});
+        cases.push_back({"view fox.glb --after 1 --screenshot " + out, over(out, "fox.glb")});
     }
-    for (const std::string& given : {controller, fox + "=" + controller})
-        cases.push_back({{"render", fox, "--controller", given, "--out", controller}, over(controller, controller)});
+    for (const std::string given : {"c.json", "fox.glb=c.json"})
+        cases.push_back({"render fox.glb --controller " + given + " --out c.json", over("c.json", "c.json")});
     cases.insert(
         cases.end(),
-        {{{"render", file("soft.glb"), "--out", fox}, over(fox, file("soft.glb"))},
-         {{"render", fox, gltf, "--out", side}, over(side, "side.bin of " + gltf)},
-         {{"render", gltf, "--out", image}, over(image, "skin%20of%20fox.png of " + gltf)},
-         {{"compile", gltf, "--out", side}, over(side, "side.bin of " + gltf)},
-         {{"render", fox, "--frames", "0:4", "--out", film}, over(film + ".frames/000002.png", fox)},
-         {{"render", fox, "--frames", "0:4", "--shard", "0/2", "--out", frames}, over(file("frame_03.png"), fox)},
-         {{"render", fox, "--controller", settings, "--frames", "0:2", "--out", frames}, over(settings, settings)},
-         {{"view", fox, "--controller", controller, "--screenshot", controller}, over(controller, controller)},
-         {{"view", fox, "--after", "1", "--dump", fox}, over(fox, fox)},
-         {{"controller", "graph", file("c.dot"), "-o", graph}, over(graph, file("c.dot"))},
-         {{"bench", "frame", fox, "--quick", "--report", fox}, over(fox, fox)},
-         {{"bench", "baselines", gltf, "--json", side}, over(side, "side.bin of " + gltf)},
-         {{"bench", "report", records, "--out", records}, over(records, records)},
-         {{"bench", "report", records, "--out", page, "--plot", records}, over(records, records)}});
+        {{"render soft.glb --out fox.glb", over("fox.glb", "soft.glb")},
+         {"render fox.glb fox.gltf --out side.bin", over("side.bin", "side.bin of fox.gltf")},
+         {{"render", "fox.gltf", "--out", image}, over(image, "skin%20of%20fox.png of fox.gltf")},
+         {"compile fox.gltf --out side.bin", over("side.bin", "side.bin of fox.gltf")},
+         {"render fox.glb --frames 0:4 --out film.mp4", over("film.mp4.frames/000002.png", "fox.glb")},
+         {"render fox.glb --frames 0:4 --shard 0/2 --out frame_%02d.png", over("frame_03.png", "fox.glb")},
+         {"render fox.glb --controller frame_settings.json --frames 0:2 --out frame_%02d.png",
+          over("frame_settings.json", "frame_settings.json")},
+         {"view fox.glb --controller c.json --screenshot c.json", over("c.json", "c.json")},
+         {"view fox.glb --after 1 --dump fox.glb", over("fox.glb", "fox.glb")},
+         {"controller graph c.dot -o below/../c.dot", over("below/../c.dot", "c.dot")},
+         {"bench frame fox.glb --quick --report fox.glb", over("fox.glb", "fox.glb")},
+         {"bench baselines fox.gltf --json side.bin", over("side.bin", "side.bin of fox.gltf")},
+         {"bench report records.jsonl --out records.jsonl", over("records.jsonl", "records.jsonl")},
+         {"bench report records.jsonl --out page.html --plot records.jsonl", over("records.jsonl", "records.jsonl")}});
     const std::map<fs::path, std::string> before = contents();
     expect_refused(cases);
     EXPECT_EQ(contents(), before);

@@ -1,5 +1,6 @@
 // The command line as a user meets it: what it prints, what it writes, and one clear line for whatever is wrong.
 #include "tests/png.h"
+#include "tests/text.h"
 #include "tests/tool_runner.h"
 
 #include <throng/crowd.h>
@@ -32,6 +33,14 @@ std::set<std::string> keys(const Json& object) {
     return out;
 }
 
+// One a line.
+std::vector<Json> records_of(const std::string& text) {
+    std::vector<Json> records;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) records.push_back(Json::parse(line));
+    return records;
+}
+
 // The largest difference between two JSON values of the same shape; infinite where the shapes differ.
 double difference(const Json& a, const Json& b) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -42,6 +51,9 @@ double difference(const Json& a, const Json& b) {
     return worst;
 }
 
+// What benchmarks write of themselves.
+const RunSettings kOfCommit{.environment = {{"THRONG_COMMIT", "abc1234"}}};
+
 constexpr int kJoints = 40, kLevels = 12;
 constexpr double kTolerance = 2e-5;  // of a creature some units long: float against double
 
@@ -51,16 +63,11 @@ protected:
     static void SetUpTestSuite() {
         ToolTest::SetUpTestSuite();
         generate("creature.glb",
-                 {"--joints", std::to_string(kJoints), "--levels", std::to_string(kLevels), "--faces", "600"});
+                 "--joints " + std::to_string(kJoints) + " --levels " + std::to_string(kLevels) + " --faces 600");
     }
 
-    static std::string creature() { return file("creature.glb"); }
-
-    static Json pose(std::vector<std::string> arguments) {
-        arguments.insert(arguments.begin(), {"pose", creature()});
-        return json_of(arguments);
-    }
-    static double clip_duration_s(size_t clip) { return json_of({"info", creature()})["clips"][clip]["duration_s"]; }
+    static Json pose(const Words& arguments) { return json_of("pose creature.glb" + arguments); }
+    static double clip_duration_s(size_t clip) { return json_of("info creature.glb")["clips"][clip]["duration_s"]; }
 };
 
 // The largest difference between all matrices and positions of two poses.
@@ -76,19 +83,17 @@ double pose_difference(const Json& a, const Json& b) {
 }
 
 TEST_F(Cli, HelpHasExamples) {
-    const Outcome all = run_tool({"--help"});
-    EXPECT_TRUE(all.succeeded()) << all;
+    const Outcome all = succeed("--help");
     for (const char* command : {"info", "compile", "pose", "render", "generate", "bench", "devices"}) {
-        EXPECT_NE(all.out.find(command), std::string::npos) << command;
-        const Outcome run = run_tool({command, "--help"});
-        EXPECT_TRUE(run.succeeded()) << run;
-        EXPECT_NE(run.out.find(std::string("Examples:\n  throng ") + command), std::string::npos) << run;
+        EXPECT_TRUE(contains(all.out, command)) << command;
+        const Outcome run = succeed({command, "--help"});
+        EXPECT_TRUE(contains(run.out, std::string("Examples:\n  throng ") + command)) << run;
     }
-    EXPECT_TRUE(run_tool({"--version"}).succeeded());
+    succeed("--version");
 }
 
 TEST_F(Cli, InfoCountsExactly) {
-    const Json info = json_of({"info", creature(), "--lods"});
+    const Json info = json_of("info creature.glb --lods");
     EXPECT_EQ(info["file"], "creature.glb");
     EXPECT_EQ(info["joints"], kJoints);
     EXPECT_EQ(info["levels"], kLevels);
@@ -126,8 +131,7 @@ TEST_F(Cli, InfoCountsExactly) {
     EXPECT_LE(info["bytes_per_instance"], kJoints * 48 + 256);
     EXPECT_TRUE(info["warnings"].empty());
 
-    const Json exact = json_of({"info", creature(), "--error", "exact"}),
-               coarse = json_of({"info", creature(), "--error", "1"});
+    const Json exact = json_of("info creature.glb --error exact"), coarse = json_of("info creature.glb --error 1");
     EXPECT_EQ(exact["packed"], false);
     EXPECT_EQ(exact["error_percent"], 0);
     for (const Json& clip : exact["clips"])
@@ -137,44 +141,41 @@ TEST_F(Cli, InfoCountsExactly) {
     EXPECT_GT(info["clip_bytes"], coarse["clip_bytes"]);
     EXPECT_GT(coarse["error_percent"], 0.01);
 
-    const Outcome text = run_tool({"info", creature()});
-    EXPECT_TRUE(text.succeeded()) << text;
-    EXPECT_EQ(text.out.find("lod "), std::string::npos) << text;
+    const Outcome text = succeed("info creature.glb");
+    EXPECT_FALSE(contains(text.out, "lod ")) << text;
     for (const std::string& part :
          {std::string("40 joints, 12 levels"), std::string("idle"), std::string("walk"), std::string("fly"),
           std::to_string(info["bytes_per_instance"].get<int>()) + " bytes an instance",
           std::to_string(info["faces"].get<int>()) + " faces"})
-        EXPECT_NE(text.out.find(part), std::string::npos) << part << "\n" << text;
+        EXPECT_TRUE(contains(text.out, part)) << part << "\n" << text;
 }
 
 // They take longest of all, and are made where they are asked for.
 TEST_F(Cli, InfoMakesLevelsOfDetailOnRequest) {
-    Json with = json_of({"info", creature(), "--lods"}), without = json_of({"info", creature()});
+    Json with = json_of("info creature.glb --lods"), without = json_of("info creature.glb");
     EXPECT_FALSE(with["lods"].empty());
     EXPECT_TRUE(without["lods"].is_array() && without["lods"].empty());
     with.erase("lods"), without.erase("lods");
     EXPECT_EQ(with, without) << "all else is the same";
-    const Outcome text = run_tool({"info", creature(), "--lods"});
-    EXPECT_NE(text.out.find("lod 1"), std::string::npos) << text;
-    const std::string compiled = file("detailed.throng");
-    ASSERT_TRUE(run_tool({"compile", creature(), "-o", compiled}).succeeded());
-    EXPECT_FALSE(json_of({"info", compiled})["lods"].empty()) << "those of a compiled file are there";
-    fs::remove(compiled);
+    const Outcome text = run_tool("info creature.glb --lods");
+    EXPECT_TRUE(contains(text.out, "lod 1")) << text;
+    succeed("compile creature.glb -o detailed.throng");
+    EXPECT_FALSE(json_of("info detailed.throng")["lods"].empty()) << "those of a compiled file are there";
+    fs::remove("detailed.throng");
 }
 
 TEST_F(Cli, InfoAndReferencePoseNeedNoGpu) {
     const RunSettings no_driver{
         .environment = {{"VK_ICD_FILENAMES", "/nonexistent.json"}, {"VK_DRIVER_FILES", "/nonexistent.json"}}};
-    EXPECT_TRUE(run_tool({"info", creature()}, no_driver).succeeded());
-    EXPECT_TRUE(run_tool({"pose", creature(), "--reference"}, no_driver).succeeded());
-    const Outcome pose = run_tool({"pose", creature()}, no_driver), devices = run_tool({"devices"}, no_driver);
+    succeed("info creature.glb", no_driver);
+    succeed("pose creature.glb --reference", no_driver);
+    const Outcome pose = run_tool("pose creature.glb", no_driver), devices = run_tool("devices", no_driver);
     EXPECT_TRUE(pose.refused("driver")) << pose;
     EXPECT_TRUE(devices.refused("driver")) << devices;
 }
 
 TEST_F(Cli, PoseHasItsDocumentedShape) {
-    const Json all = pose({"--clip", "walk", "--time", "0.3", "--vertices", "all"}),
-               some = pose({"--clip", "walk", "--time", "0.3", "--vertices", "5"});
+    const Json all = pose("--clip walk --time 0.3 --vertices all"), some = pose("--clip walk --time 0.3 --vertices 5");
     EXPECT_EQ(keys(all), (std::set<std::string>{"file", "device", "skins", "primitives"}));
     ASSERT_EQ(all["skins"].size(), 1u);
     const Json& skin = all["skins"][0];
@@ -190,86 +191,71 @@ TEST_F(Cli, PoseHasItsDocumentedShape) {
     ASSERT_EQ(all["primitives"].size(), 1u);
     const Json &every = all["primitives"][0], &few = some["primitives"][0];
     EXPECT_EQ(keys(every), (std::set<std::string>{"node", "mesh", "primitive", "skin", "vertices", "positions"}));
-    EXPECT_EQ(every["vertices"].size(), json_of({"info", creature()})["vertices"].get<size_t>());
+    EXPECT_EQ(every["vertices"].size(), json_of("info creature.glb")["vertices"].get<size_t>());
     ASSERT_EQ(few["vertices"].size(), 5u);
     for (size_t i = 0; i < 5; ++i) EXPECT_EQ(few["positions"][i], every["positions"][few["vertices"][i].get<size_t>()]);
     EXPECT_TRUE(pose({})["primitives"][0]["positions"].empty());
 }
 
 TEST_F(Cli, PoseOnTheGpuAgreesWithTheReference) {
-    for (std::vector<std::string> arguments : std::vector<std::vector<std::string>>{
-             {},
-             {"--clip", "idle", "--time", "0.4"},
-             {"--clip", "2", "--time", "0.777"},
-             {"--clip", "walk", "--time", "-0.1"},
-             {"--clip", "walk", "--time", "1000", "--loop"},
-             {"--clip", "walk", "--time", "0.3", "--blend", "fly", "--blend-time", "0.5", "--weight", "0.25"},
-             {"--clip", "1", "--time", "12.3", "--blend", "0", "--blend-time", "45.6", "--weight", "0.5", "--loop"}}) {
-        arguments.insert(arguments.end(), {"--vertices", "all"});
-        const Json gpu = pose(arguments);
-        arguments.push_back("--reference");
-        const Json reference = pose(arguments);
-        EXPECT_LE(pose_difference(gpu, reference), kTolerance) << testing::PrintToString(arguments);
+    for (const std::string arguments :
+         {"", "--clip idle --time 0.4", "--clip 2 --time 0.777", "--clip walk --time -0.1",
+          "--clip walk --time 1000 --loop", "--clip walk --time 0.3 --blend fly --blend-time 0.5 --weight 0.25",
+          "--clip 1 --time 12.3 --blend 0 --blend-time 45.6 --weight 0.5 --loop"}) {
+        const Json gpu = pose(arguments + " --vertices all"),
+                   reference = pose(arguments + " --vertices all --reference");
+        EXPECT_LE(pose_difference(gpu, reference), kTolerance) << arguments;
         EXPECT_EQ(reference["device"], "reference");
     }
 }
 
 TEST_F(Cli, PoseTakesClipsTimesAndWeightsAsItSays) {
-    const auto reference = [&](std::vector<std::string> arguments) {
-        arguments.insert(arguments.end(), {"--vertices", "all", "--reference"});
-        return pose(arguments);
-    };
-    const Json walk = reference({"--clip", "walk", "--time", "0.3"}),
-               fly = reference({"--clip", "fly", "--time", "0.5"}), rest = reference({});
-    EXPECT_EQ(walk, reference({"--clip", "1", "--time", "0.3"}));
+    const auto reference = [&](const Words& arguments) { return pose(arguments + "--vertices all --reference"); };
+    const Json walk = reference("--clip walk --time 0.3"), fly = reference("--clip fly --time 0.5"),
+               rest = reference({});
+    EXPECT_EQ(walk, reference("--clip 1 --time 0.3"));
     EXPECT_GT(pose_difference(walk, fly), 0.01);
     EXPECT_GT(pose_difference(walk, rest), 0.01);
     for (const Json& matrix : rest["skins"][0]["skinMatrix"])
         EXPECT_LE(difference(matrix, Json{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}), kTolerance);
 
     const auto blend = [&](const char* weight) {
-        return reference(
-            {"--clip", "walk", "--time", "0.3", "--blend", "fly", "--blend-time", "0.5", "--weight", weight});
+        return reference("--clip walk --time 0.3 --blend fly --blend-time 0.5 --weight" + Words{weight});
     };
     EXPECT_LE(pose_difference(blend("1"), walk), 1e-12);
     EXPECT_LE(pose_difference(blend("0"), fly), 1e-12);
     EXPECT_GT(pose_difference(blend("0.5"), walk), 0.01);
     EXPECT_GT(pose_difference(blend("0.5"), fly), 0.01);
 
+    const auto walk_at = [&](double time_s) { return "--clip walk --time " + std::to_string(time_s); };
     const double duration_s = clip_duration_s(1);
-    const std::string end = std::to_string(duration_s), later = std::to_string(duration_s + 0.3);
-    EXPECT_LE(pose_difference(reference({"--clip", "walk", "--time", later, "--loop"}), walk), kTolerance);
-    EXPECT_LE(
-        pose_difference(reference({"--clip", "walk", "--time", later}), reference({"--clip", "walk", "--time", end})),
-        kTolerance);
-    EXPECT_GT(pose_difference(reference({"--clip", "walk", "--time", later}), walk), 0.01);
+    EXPECT_LE(pose_difference(reference(walk_at(duration_s + 0.3) + " --loop"), walk), kTolerance);
+    EXPECT_LE(pose_difference(reference(walk_at(duration_s + 0.3)), reference(walk_at(duration_s))), kTolerance);
+    EXPECT_GT(pose_difference(reference(walk_at(duration_s + 0.3)), walk), 0.01);
 }
 
 TEST_F(Cli, PosePrintsAJointALine) {
-    const Outcome run = run_tool({"pose", creature(), "--reference"});
-    EXPECT_TRUE(run.succeeded()) << run;
+    const Outcome run = succeed("pose creature.glb --reference");
     EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), kJoints + 1);
 }
 
 TEST_F(Cli, RenderWritesAPictureOfTheAskedSize) {
-    const auto render = [&](const std::string& out, const char* seed, std::vector<std::string> more = {}) {
-        std::vector<std::string> arguments{"render", creature(), creature(), "--count", "9",     "--size", "320x200",
-                                           "--time", "0.5",      "--seed",   seed,      "--out", file(out)};
-        arguments.insert(arguments.end(), more.begin(), more.end());
-        return run_tool(arguments);
+    const auto render = [&](const std::string& out, const std::string& seed, const std::string& more = "") {
+        return run_tool("render creature.glb creature.glb --count 9 --size 320x200 --time 0.5 --seed " + seed +
+                        " --out " + out + " " + more);
     };
-    const Outcome text = render("a.png", "1"), json = render("b.png", "1", {"--json"}), other = render("c.png", "2");
+    const Outcome text = render("a.png", "1"), json = render("b.png", "1", "--json"), other = render("c.png", "2");
     EXPECT_TRUE(text.succeeded()) << text;
     for (const char* stage : {"control", "sample", "blend", "scan", "bind", "skin+draw"}) {
-        EXPECT_NE(text.out.find(stage), std::string::npos) << text;
+        EXPECT_TRUE(contains(text.out, stage)) << text;
         EXPECT_GE(Json::parse(json.out)["stages_ms"][stage], 0);
     }
     EXPECT_EQ(Json::parse(json.out)["count"], 9);
-    EXPECT_EQ(Json::parse(json.out)["out"], file("b.png"));
-    EXPECT_EQ(read_file(file("a.png")), read_file(file("b.png")));
-    EXPECT_NE(read_file(file("a.png")), read_file(file("c.png")));
+    EXPECT_EQ(Json::parse(json.out)["out"], "b.png");
+    EXPECT_EQ(read_file("a.png"), read_file("b.png"));
+    EXPECT_NE(read_file("a.png"), read_file("c.png"));
 
-    const Png picture = read_png(file("a.png"));
+    const Png picture = read_png("a.png");
     EXPECT_EQ(picture.width, 320);
     EXPECT_EQ(picture.height, 200);
     std::set<std::array<uint8_t, 4>> colors;
@@ -277,29 +263,27 @@ TEST_F(Cli, RenderWritesAPictureOfTheAskedSize) {
         colors.insert({picture.rgba[i], picture.rgba[i + 1], picture.rgba[i + 2], picture.rgba[i + 3]});
     EXPECT_GT(colors.size(), 100u);
 
-    const Json coarse = Json::parse(render("coarse.png", "1", {"--json", "--lod-pixels", "1000"}).out),
-               fine = Json::parse(render("fine.png", "1", {"--json", "--lod-pixels", "0.01"}).out);
+    const Json coarse = Json::parse(render("coarse.png", "1", "--json --lod-pixels 1000").out),
+               fine = Json::parse(render("fine.png", "1", "--json --lod-pixels 0.01").out);
     EXPECT_GT(coarse["drawn"].size(), 1u);
     EXPECT_LT(coarse["drawn"][0], 9) << "who stands far enough from the eye is drawn coarser";
     EXPECT_EQ(fine["drawn"], Json::array({9}));
 
     // Fewer characters than files.
-    const Outcome one = run_tool({"render", creature(), creature(), "--size", "64x64", "--out", file("one.png")});
-    EXPECT_TRUE(one.succeeded()) << one;
+    const Outcome one = succeed("render creature.glb creature.glb --size 64x64 --out one.png");
 }
 
 TEST_F(Cli, GenerateIsExactAndDeterministic) {
     const auto generate = [&](const char* seed, const char* out) {
-        const Outcome run = run_tool(
+        const Outcome run = succeed(
             {"generate", "--joints", "123", "--levels", "45", "--faces", "1000", "--seed", seed, "--out", file(out)});
-        EXPECT_TRUE(run.succeeded()) << run;
-        EXPECT_NE(run.out.find("123 joints, 45 levels"), std::string::npos) << run;
+        EXPECT_TRUE(contains(run.out, "123 joints, 45 levels")) << run;
         return read_file(file(out));
     };
     const std::string first = generate("7", "first.glb");
     EXPECT_EQ(first, generate("7", "again.glb"));
     EXPECT_NE(first, generate("8", "other.glb"));
-    const Json info = json_of({"info", file("first.glb")});
+    const Json info = json_of("info first.glb");
     EXPECT_EQ(info["joints"], 123);
     EXPECT_EQ(info["levels"], 45);
     EXPECT_LE(info["faces"], 1000);
@@ -322,15 +306,10 @@ TEST_F(Cli, CommandsOfOtherProgramsNeedThemBesideIt) {
 }
 
 TEST_F(Cli, BenchHasARecordForEachScanMethod) {
-    const Outcome text = run_tool({"bench", creature(), "--count", "50", "--samples", "2"});
-    EXPECT_TRUE(text.succeeded()) << text;
-    const Outcome run = run_tool({"bench", creature(), "--count", "50", "--samples", "2", "--json"},
-                                 {.environment = {{"THRONG_COMMIT", "abc1234"}}});
-    EXPECT_TRUE(run.succeeded()) << run;
+    const Outcome text = succeed("bench creature.glb --count 50 --samples 2");
+    const Outcome run = succeed("bench creature.glb --count 50 --samples 2 --json", kOfCommit);
     std::set<std::string> scans;
-    std::istringstream lines(run.out);
-    for (std::string line; std::getline(lines, line);) {
-        const Json record = Json::parse(line);
+    for (const Json& record : records_of(run.out)) {
         EXPECT_EQ(keys(record),
                   (std::set<std::string>{"bench", "scan", "path", "characters", "joints", "files", "clips_blended",
                                          "samples", "stages", "total", "ns_per_joint", "max_error", "memory_bytes",
@@ -355,18 +334,17 @@ TEST_F(Cli, BenchHasARecordForEachScanMethod) {
                                                                    "palette_entries", "keys"}));
         EXPECT_TRUE(record["files"][0]["keys"].get<std::string>().ends_with(" %"));
         EXPECT_TRUE(scans.insert(record["scan"]).second) << "twice: " << record["scan"];
-        EXPECT_NE(text.out.find(record["scan"].get<std::string>()), std::string::npos);
+        EXPECT_TRUE(contains(text.out, record["scan"].get<std::string>()));
     }
-    const Outcome fused = run_tool({"bench", creature(), "--count", "50", "--samples", "1", "--scan", "auto", "--path",
-                                    "fused", "--error", "exact", "--json"});
-    EXPECT_TRUE(fused.succeeded()) << fused;
+    const Outcome fused = succeed(
+        "bench creature.glb --count 50 --samples 1 --scan auto --path fused --error exact --json");
     EXPECT_EQ(Json::parse(fused.out)["path"], "fused");
     EXPECT_EQ(Json::parse(fused.out)["files"][0]["keys"], "exact");
-    EXPECT_NE(text.out.find(" staged "), std::string::npos) << text;
+    EXPECT_TRUE(contains(text.out, " staged ")) << text;
     // Every method that --help names.
-    const std::string help = run_tool({"bench", "--help"}).out;
+    const std::string help = run_tool("bench --help").out;
     EXPECT_GE(scans.size(), 2u);
-    for (const std::string& scan : scans) EXPECT_NE(help.find(scan), std::string::npos) << scan;
+    for (const std::string& scan : scans) EXPECT_TRUE(contains(help, scan)) << scan;
 }
 
 // Costs are kept where the next choice finds them; the file that lies there does not have to be sound.
@@ -374,45 +352,38 @@ TEST_F(Cli, TuneKeepsWhatInfoChoosesBy) {
     const fs::path cache = file("cache");
     const std::map<std::string, std::string> environment{{"XDG_CACHE_HOME", cache.string()}};
     const auto scan_line = [&] {
-        const Outcome info = run_tool({"info", creature(), "--count", "500"}, {.environment = environment});
-        EXPECT_TRUE(info.succeeded()) << info;
+        const Outcome info = succeed("info creature.glb --count 500", {.environment = environment});
         return info.out.substr(info.out.find("  scan "));
     };
-    EXPECT_NE(scan_line().find("500 x " + std::to_string(kJoints) + " joints"), std::string::npos);
-    EXPECT_NE(scan_line().find("costs: built in"), std::string::npos) << scan_line();
+    EXPECT_TRUE(contains(scan_line(), "500 x " + std::to_string(kJoints) + " joints"));
+    EXPECT_TRUE(contains(scan_line(), "costs: built in")) << scan_line();
 
-    const Outcome dry = run_tool({"tune", "--quick", "--dry-run", "--json"}, {.environment = environment});
-    EXPECT_TRUE(dry.succeeded()) << dry;
+    const Outcome dry = succeed("tune --quick --dry-run --json", {.environment = environment});
     EXPECT_GT(Json::parse(dry.out)["row_ns"].get<double>(), 0);
     EXPECT_FALSE(fs::exists(cache / "throng"));
 
-    const Outcome tune = run_tool({"tune", "--quick"}, {.environment = environment});
-    EXPECT_TRUE(tune.succeeded()) << tune;
-    EXPECT_NE(scan_line().find("costs: measured by throng tune"), std::string::npos) << scan_line();
+    const Outcome tune = succeed("tune --quick", {.environment = environment});
+    EXPECT_TRUE(contains(scan_line(), "costs: measured by throng tune")) << scan_line();
 
     ASSERT_EQ(std::distance(fs::directory_iterator(cache / "throng"), fs::directory_iterator()), 1)
         << "one file, and nothing temporary";
     const fs::path file = fs::directory_iterator(cache / "throng")->path();
     std::ofstream(file) << "{}";
-    EXPECT_NE(scan_line().find(file.string()), std::string::npos) << scan_line();
+    EXPECT_TRUE(contains(scan_line(), file.string())) << scan_line();
 
     const fs::path blocked = this->file("blocked");
     fs::create_directory(blocked);
     std::ofstream(blocked / "throng") << "no folder";
-    EXPECT_TRUE(run_tool({"tune", "--quick"}, {.environment = {{"XDG_CACHE_HOME", blocked.string()}}})
+    EXPECT_TRUE(run_tool("tune --quick", {.environment = {{"XDG_CACHE_HOME", blocked.string()}}})
                     .refused((blocked / "throng").string()));
 }
 
 TEST_F(Cli, BenchScanHasARecordForEachMethodAndCase) {
-    const std::string path = file("scan.jsonl");
-    const Outcome run = run_tool({"bench", "scan", "--methods", "serial,compressed", "--characters", "20", "--joints",
-                                  "30", "--levels", "5,9", "--samples", "2", "--json", path},
-                                 {.environment = {{"THRONG_COMMIT", "abc1234"}}});
-    EXPECT_TRUE(run.succeeded()) << run;
+    const Outcome run = succeed(
+        "bench scan --methods serial,compressed --characters 20 --joints 30 --levels 5,9 --samples 2 --json scan.jsonl",
+        kOfCommit);
     std::set<std::string> cases;
-    std::ifstream lines(path);
-    for (std::string line; std::getline(lines, line);) {
-        const Json record = Json::parse(line);
+    for (const Json& record : records_of(read_file("scan.jsonl"))) {
         const bool on_chip = record["experiment"] == "on_chip";
         std::set<std::string> wanted{"bench",      "experiment", "method",        "shape",      "seed",
                                      "characters", "joints",     "levels",        "mean_depth", "leaves",
@@ -438,7 +409,7 @@ TEST_F(Cli, BenchScanHasARecordForEachMethodAndCase) {
         EXPECT_EQ(record["joints"], 30);
         EXPECT_EQ(record["commit"], "abc1234");
         if (record.contains("median_ms")) {
-            const bool of_similarities = record.value("chosen", "").find("_quaternion") != std::string::npos;
+            const bool of_similarities = contains(record.value("chosen", ""), "_quaternion");
             EXPECT_EQ(record["bytes"], 20 * 30 * (of_similarities ? 80 : 96));
             EXPECT_LE(record["p5_ms"], record["median_ms"]);
             EXPECT_LE(record["median_ms"], record["p95_ms"]);
@@ -449,24 +420,20 @@ TEST_F(Cli, BenchScanHasARecordForEachMethodAndCase) {
                         .insert(record["experiment"].get<std::string>() + record["levels"].dump() +
                                 record["method"].get<std::string>())
                         .second)
-            << "twice: " << line;
-        EXPECT_NE(run.out.find(record["method"].get<std::string>()), std::string::npos);
+            << "twice: " << record;
+        EXPECT_TRUE(contains(run.out, record["method"].get<std::string>()));
     }
     EXPECT_EQ(cases, (std::set<std::string>{"levels5auto", "levels5serial", "levels5compressed", "levels9auto",
                                             "levels9serial", "levels9compressed", "on_chip5serial",
                                             "on_chip5compressed", "on_chip9serial", "on_chip9compressed"}));
-    const std::string help = run_tool({"bench", "scan", "--help"}).out;
-    EXPECT_NE(help.find("Examples:\n  throng bench scan"), std::string::npos) << help;
+    const std::string help = run_tool("bench scan --help").out;
+    EXPECT_TRUE(contains(help, "Examples:\n  throng bench scan")) << help;
 }
 
 TEST_F(Cli, BenchFrameHasARecordForEachVariantOfEachConfiguration) {
-    const Outcome run = run_tool({"bench", "frame", "--quick", "--count", "20", "--samples", "2", "--json"},
-                                 {.environment = {{"THRONG_COMMIT", "abc1234"}}});
-    EXPECT_TRUE(run.succeeded()) << run;
+    const Outcome run = succeed("bench frame --quick --count 20 --samples 2 --json", kOfCommit);
     std::map<std::string, std::set<std::string>> variants;  // of each configuration
-    std::istringstream lines(run.out);
-    for (std::string line; std::getline(lines, line);) {
-        const Json record = Json::parse(line);
+    for (const Json& record : records_of(run.out)) {
         std::set<std::string> wanted{
             "bench",           "configuration", "variant", "path",   "characters",    "joints", "levels", "mean_depth",
             "palette_entries", "bytes",         "device",  "driver", "subgroup_size", "commit", "date"};
@@ -482,11 +449,11 @@ TEST_F(Cli, BenchFrameHasARecordForEachVariantOfEachConfiguration) {
             wanted.merge(std::set<std::string>{"samples", "host_samples", "ms", "ns_per_joint", "gb_per_s"});
         if (!is_floor && !record.contains("unsupported_reason"))
             wanted.merge(std::set<std::string>{"scan", "max_error", "stages", "times_fill_floor"});
-        EXPECT_EQ(keys(record), wanted) << line;
+        EXPECT_EQ(keys(record), wanted) << record;
         EXPECT_EQ(record["bench"], "frame");
         EXPECT_EQ(record["characters"], 20);
         EXPECT_EQ(record["commit"], "abc1234");
-        EXPECT_TRUE(variants[record["configuration"]].insert(record["variant"]).second) << "twice: " << line;
+        EXPECT_TRUE(variants[record["configuration"]].insert(record["variant"]).second) << "twice: " << record;
     }
     ASSERT_EQ(variants.size(), 5u) << "two of the six differ in the number of characters alone";
     for (const auto& [configuration, names] : variants)
@@ -494,33 +461,23 @@ TEST_F(Cli, BenchFrameHasARecordForEachVariantOfEachConfiguration) {
                                  "fill, 48 bytes", "vkCmdFillBuffer", "copy as staged"})
             EXPECT_TRUE(names.contains(name)) << configuration << ": " << name;
     EXPECT_TRUE(variants["20 x 300, 60 levels"].contains("fused, exact keys"));
-    const std::string help = run_tool({"bench", "frame", "--help"}).out;
-    EXPECT_NE(help.find("Examples:\n  throng bench frame"), std::string::npos) << help;
+    const std::string help = run_tool("bench frame --help").out;
+    EXPECT_TRUE(contains(help, "Examples:\n  throng bench frame")) << help;
 }
 
 TEST_F(Cli, BenchFrameMeasuresAFileAndWritesAReport) {
-    const std::string page = file("frame.html");
-    const Outcome run = run_tool(
-        {"bench", "frame", creature(), "--count", "30", "--samples", "1", "--error", "exact", "--report", page});
-    EXPECT_TRUE(run.succeeded()) << run;
-    EXPECT_NE(run.out.find("30 x creature.glb, keys exact: 30 characters x 40 joints"), std::string::npos) << run;
-    EXPECT_NE(run.out.find("\ncopy as staged"), std::string::npos) << run;
-    EXPECT_NE(read_file(page).find("Whole updates"), std::string::npos);
+    const Outcome run = succeed("bench frame creature.glb --count 30 --samples 1 --error exact --report frame.html");
+    EXPECT_TRUE(contains(run.out, "30 x creature.glb, keys exact: 30 characters x 40 joints")) << run;
+    EXPECT_TRUE(contains(run.out, "\ncopy as staged")) << run;
+    EXPECT_TRUE(contains(read_file("frame.html"), "Whole updates"));
 }
 
 TEST_F(Cli, BenchViewTellsWhatLeavingOutGains) {
-    const std::vector<std::string> arguments{"bench",     "view", creature(), "--count", "60",
-                                             "--samples", "1",    "--size",   "320x180"};
-    const Outcome text = run_tool(arguments);
-    ASSERT_TRUE(text.succeeded()) << text;
-    std::vector<std::string> with_json = arguments;
-    with_json.push_back("--json");
-    const Outcome run = run_tool(with_json, {.environment = {{"THRONG_COMMIT", "abc1234"}}});
-    ASSERT_TRUE(run.succeeded()) << run;
-    std::istringstream lines(run.out);
+    const std::string command = "bench view creature.glb --count 60 --samples 1 --size 320x180";
+    const Outcome text = succeed(command);
+    const Outcome run = succeed(command + " --json", kOfCommit);
     std::set<std::string> variants;
-    for (std::string line; std::getline(lines, line);) {
-        const Json record = Json::parse(line);
+    for (const Json& record : records_of(run.out)) {
         std::set<std::string> wanted{"bench",  "configuration", "variant",      "path",      "characters",    "joints",
                                      "levels", "drawn",         "memory_bytes", "max_error", "samples",       "ms",
                                      "stages", "times_faster",  "device",       "driver",    "subgroup_size", "commit",
@@ -531,25 +488,19 @@ TEST_F(Cli, BenchViewTellsWhatLeavingOutGains) {
         EXPECT_EQ(keys(record), wanted);
         EXPECT_EQ(record["commit"], "abc1234");
         EXPECT_TRUE(variants.insert(record["variant"]).second);
-        EXPECT_NE(text.out.find(record["variant"].get<std::string>()), std::string::npos) << text;
+        EXPECT_TRUE(contains(text.out, record["variant"].get<std::string>())) << text;
     }
     EXPECT_EQ(variants.size(), 4u);
-    const Outcome nobody = run_tool(
-        {"bench", "view", creature(), "--count", "20", "--samples", "1", "--eye", "0,500,0", "--target", "0,1000,1"});
-    EXPECT_TRUE(nobody.succeeded()) << nobody;
-    EXPECT_NE(nobody.out.find("not measured: the camera sees none"), std::string::npos) << nobody;
-    EXPECT_TRUE(run_tool({"bench", "view", "--count", "0"}).refused("--count"));
+    const Outcome nobody = succeed("bench view creature.glb --count 20 --samples 1 --eye 0,500,0 --target 0,1000,1");
+    EXPECT_TRUE(contains(nobody.out, "not measured: the camera sees none")) << nobody;
+    EXPECT_TRUE(run_tool("bench view --count 0").refused("--count"));
 }
 
 TEST_F(Cli, BenchBaselinesComparesAllThree) {
-    const std::string path = file("baselines.jsonl");
-    const Outcome run = run_tool({"bench", "baselines", creature(), "--count", "50", "--samples", "2", "--json", path},
-                                 {.environment = {{"THRONG_COMMIT", "abc1234"}}});
-    EXPECT_TRUE(run.succeeded()) << run;
+    const Outcome run = succeed("bench baselines creature.glb --count 50 --samples 2 --json baselines.jsonl",
+                                kOfCommit);
     std::map<std::string, Json> records;
-    std::ifstream lines(path);
-    for (std::string line; std::getline(lines, line);) {
-        const Json record = Json::parse(line);
+    for (const Json& record : records_of(read_file("baselines.jsonl"))) {
         EXPECT_EQ(record["bench"], "baseline");
         EXPECT_EQ(record["joints"], kJoints);
         EXPECT_EQ(record["characters"], 50);
@@ -557,7 +508,7 @@ TEST_F(Cli, BenchBaselinesComparesAllThree) {
         EXPECT_LT(record["max_error"], 1e-4);
         EXPECT_LE(record["p5_ms"], record["median_ms"]);
         EXPECT_LE(record["sample_error_mm_p95"], record["sample_error_mm_max"]);
-        EXPECT_NE(run.out.find(record["method"].get<std::string>()), std::string::npos) << run;
+        EXPECT_TRUE(contains(run.out, record["method"].get<std::string>())) << run;
         records[record["method"]] = record;
     }
     ASSERT_EQ(records.size(), 3u);
@@ -569,22 +520,20 @@ TEST_F(Cli, BenchBaselinesComparesAllThree) {
 }
 
 TEST_F(Cli, BenchReportMakesAPageOfRecords) {
-    const std::string records = file("scan.jsonl"), page = file("report.html"), plot = file("levels.svg");
-    std::ofstream(records)
+    std::ofstream("scan.jsonl")
         << R"({"bench": "scan", "experiment": "levels", "method": "serial", "levels": 15, "median_ms": 3, "copy_ms": )"
            R"(2, "times_copy": 1.5})"
            "\n";
-    const Outcome run = run_tool({"bench", "report", records, "--out", page, "--plot", plot});
-    EXPECT_TRUE(run.succeeded()) << run;
-    EXPECT_GT(fs::file_size(page), 10'000u);
-    EXPECT_GT(fs::file_size(plot), 1'000u);
-    std::ofstream(records, std::ios::app) << "{\"bench\": \n";
-    const Outcome refused = run_tool({"bench", "report", records, "--out", page});
+    const Outcome run = succeed("bench report scan.jsonl --out report.html --plot levels.svg");
+    EXPECT_GT(fs::file_size("report.html"), 10'000u);
+    EXPECT_GT(fs::file_size("levels.svg"), 1'000u);
+    std::ofstream("scan.jsonl", std::ios::app) << "{\"bench\": \n";
+    const Outcome refused = run_tool("bench report scan.jsonl --out report.html");
     EXPECT_TRUE(refused.refused("scan.jsonl:2")) << refused;
 }
 
 TEST_F(Cli, DevicesAreListed) {
-    const Json devices = json_of({"devices"});
+    const Json devices = json_of("devices");
     ASSERT_FALSE(devices.empty());
     for (size_t i = 0; i < devices.size(); ++i) {
         EXPECT_EQ(devices[i]["index"], i);
@@ -592,102 +541,100 @@ TEST_F(Cli, DevicesAreListed) {
                   (std::set<std::string>{"index", "name", "type", "driver", "vulkan", "subgroup_size",
                                          "shared_memory_bytes", "storage_buffer_range_bytes", "usable"}));
     }
-    const Outcome text = run_tool({"devices"});
-    EXPECT_NE(text.out.find(devices[0]["name"].get<std::string>()), std::string::npos) << text;
-    EXPECT_TRUE(run_tool({"pose", creature(), "--device", devices[0]["name"]}).succeeded());
+    const Outcome text = run_tool("devices");
+    EXPECT_TRUE(contains(text.out, devices[0]["name"].get<std::string>())) << text;
+    succeed({"pose", "creature.glb", "--device", devices[0]["name"]});
 }
 
 TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
     write("empty.glb", "");
     write("text.glb", "This is not glTF.\n");
     write("json.gltf", "{\"hello\": 1}\n");
-    fs::create_directory(file("folder"));
-    const std::string png = file("picture.png");
+    fs::create_directory("folder");
     expect_refused({
         {{}, "command"},
-        {{"dance"}, "dance"},
-        {{"info"}, "file"},
-        {{"info", file("missing.glb")}, "missing.glb"},
-        {{"info", file("folder")}, "folder"},
-        {{"info", file("empty.glb")}, "empty.glb"},
-        {{"info", file("text.glb")}, "text.glb"},
-        {{"info", file("json.gltf")}, "json.gltf"},
-        {{"info", creature(), "--colour"}, "--colour"},
-        {{"pose", file("missing.glb")}, "missing.glb"},
-        {{"pose", creature(), "--clip", "swim"}, "0 'idle', 1 'walk', 2 'fly'"},
-        {{"pose", creature(), "--clip", "5"}, "'5'"},
-        {{"pose", creature(), "--clip", "-1"}, "-1"},
-        {{"pose", creature(), "--blend", "walk"}, "--clip"},
-        {{"pose", creature(), "--clip", "walk", "--blend", "swim"}, "swim"},
-        {{"pose", creature(), "--clip", "walk", "--time", "nan"}, "--time"},
-        {{"pose", creature(), "--clip", "walk", "--time", "inf"}, "--time"},
-        {{"pose", creature(), "--clip", "walk", "--time", "noon"}, "--time"},
-        {{"pose", creature(), "--clip", "walk", "--blend", "fly", "--blend-time", "-inf"}, "--blend-time"},
-        {{"pose", creature(), "--clip", "walk", "--blend", "fly", "--weight", "2"}, "--weight"},
-        {{"pose", creature(), "--clip", "walk", "--blend", "fly", "--weight", "nan"}, "--weight"},
-        {{"pose", creature(), "--vertices", "some"}, "--vertices some"},
-        {{"pose", creature(), "--vertices", "-1"}, "-1"},
-        {{"pose", creature(), "--scan", "magic"}, "magic"},
-        {{"pose", creature(), "--device", "abacus"}, "abacus"},
-        {{"render", creature()}, "--out"},
-        {{"render", "--out", png}, "files"},
-        {{"render", file("missing.glb"), "--out", png}, "missing.glb"},
-        {{"render", creature(), "--out", file("nowhere/picture.png")}, "nowhere/picture.png"},
-        {{"render", creature(), "--out", file("folder")}, "folder"},
-        {{"render", creature(), "--out", "/dev/null"}, "/dev/null"},
-        {{"render", creature(), "--out", png, "--size", "12"}, "--size 12"},
-        {{"render", creature(), "--out", png, "--size", "0x10"}, "--size 0x10"},
-        {{"render", creature(), "--out", png, "--size", "-5x10"}, "-5x10"},
-        {{"render", creature(), "--out", png, "--size", "10x10x10"}, "--size 10x10x10"},
-        {{"render", creature(), "--out", png, "--size", "x"}, "--size x"},
-        {{"render", creature(), "--out", png, "--size", "4294967297x10"}, "--size 4294967297x10"},
-        {{"render", creature(), "--out", png, "--size", "1000000x1000000"}, "1000000"},
-        {{"render", creature(), "--out", png, "--count", "0"}, "--count"},
-        {{"render", creature(), "--out", png, "--count", "-3"}, "--count"},
-        {{"render", creature(), "--out", png, "--count", "many"}, "--count"},
-        {{"render", creature(), "--out", png, "--time", "nan"}, "--time"},
-        {{"render", creature(), "--out", png, "--time", "1e300"}, "--time"},
-        {{"render", creature(), "--out", png, "--device", "99"}, "99"},
-        {{"generate", "--out", file("nowhere/creature.glb")}, "nowhere/creature.glb"},
-        {{"generate", "unicorn", "--out", file("none.glb")},
-         "there is no 'unicorn'. There are: dragon, willow, walker, centipede"},
-        {{"generate", "--joints", "0", "--out", file("none.glb")}, "joints"},
-        {{"generate", "--joints", "-5", "--out", file("none.glb")}, "joints"},
-        {{"generate", "--joints", "10", "--levels", "11", "--out", file("none.glb")}, "levels"},
-        {{"generate", "--faces", "99999999", "--out", file("none.glb")}, "faces"},
-        {{"bench", "--count", "0"}, "--count"},
-        {{"bench", "--samples", "0"}, "--samples"},
-        {{"bench", "--scan", "magic"}, "magic"},
-        {{"bench", "--joints", "5", "--levels", "9"}, "levels"},
-        {{"bench", "scan", "--methods", "magic"}, "magic"},
-        {{"bench", "scan", "--methods", "serial:3"}, "serial:3"},
-        {{"bench", "scan", "--methods", "serial:x"}, "serial:x"},
-        {{"bench", "scan", "--characters", "0"}, "--characters"},
-        {{"bench", "scan", "--joints", "10", "--levels", "11"}, "11 levels"},
-        {{"bench", "scan", "--levels", "1"}, "1 levels"},
-        {{"bench", "scan", "--shape", "star"}, "star"},
-        {{"bench", "scan", "--experiments", "dance"}, "dance"},
-        {{"bench", "scan", "--samples", "-2"}, "--samples"},
-        {{"bench", "scan", "--json", file("none/x.jsonl")}, "none"},
-        {{"bench", "scan", creature()}, "creature.glb"},
-        {{"bench", "frame", "--count", "0"}, "--count"},
-        {{"bench", "frame", "--samples", "0"}, "--samples"},
-        {{"bench", "frame", "--error", "0"}, "--error"},
-        {{"bench", "frame", "--error", "nan"}, "--error"},
-        {{"bench", "frame", "--error", "1x"}, "--error"},
-        {{"bench", "frame", "--report", file("none/x.html")}, "none"},
-        {{"bench", "frame", file("none.glb")}, "none.glb"},
-        {{"bench", "baselines", "--rate", "0"}, "--rate"},
-        {{"bench", "baselines", "--levels", "15", "--rate", "10000", "--device", "cpu"}, "storage-buffer range"},
-        {{"bench", "baselines", "--json", file("none/x.jsonl")}, "none"},
-        {{"devices", "all"}, "all"},
+        {"dance", "dance"},
+        {"info", "file"},
+        {"info missing.glb", "missing.glb"},
+        {"info folder", "folder"},
+        {"info empty.glb", "empty.glb"},
+        {"info text.glb", "text.glb"},
+        {"info json.gltf", "json.gltf"},
+        {"info creature.glb --colour", "--colour"},
+        {"pose missing.glb", "missing.glb"},
+        {"pose creature.glb --clip swim", "0 'idle', 1 'walk', 2 'fly'"},
+        {"pose creature.glb --clip 5", "'5'"},
+        {"pose creature.glb --clip -1", "-1"},
+        {"pose creature.glb --blend walk", "--clip"},
+        {"pose creature.glb --clip walk --blend swim", "swim"},
+        {"pose creature.glb --clip walk --time nan", "--time"},
+        {"pose creature.glb --clip walk --time inf", "--time"},
+        {"pose creature.glb --clip walk --time noon", "--time"},
+        {"pose creature.glb --clip walk --blend fly --blend-time -inf", "--blend-time"},
+        {"pose creature.glb --clip walk --blend fly --weight 2", "--weight"},
+        {"pose creature.glb --clip walk --blend fly --weight nan", "--weight"},
+        {"pose creature.glb --vertices some", "--vertices some"},
+        {"pose creature.glb --vertices -1", "-1"},
+        {"pose creature.glb --scan magic", "magic"},
+        {"pose creature.glb --device abacus", "abacus"},
+        {"render creature.glb", "--out"},
+        {"render --out picture.png", "files"},
+        {"render missing.glb --out picture.png", "missing.glb"},
+        {"render creature.glb --out nowhere/picture.png", "nowhere/picture.png"},
+        {"render creature.glb --out folder", "folder"},
+        {"render creature.glb --out /dev/null", "/dev/null"},
+        {"render creature.glb --out picture.png --size 12", "--size 12"},
+        {"render creature.glb --out picture.png --size 0x10", "--size 0x10"},
+        {"render creature.glb --out picture.png --size -5x10", "-5x10"},
+        {"render creature.glb --out picture.png --size 10x10x10", "--size 10x10x10"},
+        {"render creature.glb --out picture.png --size x", "--size x"},
+        {"render creature.glb --out picture.png --size 4294967297x10", "--size 4294967297x10"},
+        {"render creature.glb --out picture.png --size 1000000x1000000", "1000000"},
+        {"render creature.glb --out picture.png --count 0", "--count"},
+        {"render creature.glb --out picture.png --count -3", "--count"},
+        {"render creature.glb --out picture.png --count many", "--count"},
+        {"render creature.glb --out picture.png --time nan", "--time"},
+        {"render creature.glb --out picture.png --time 1e300", "--time"},
+        {"render creature.glb --out picture.png --device 99", "99"},
+        {"generate --out nowhere/creature.glb", "nowhere/creature.glb"},
+        {"generate unicorn --out none.glb", "there is no 'unicorn'. There are: dragon, willow, walker, centipede"},
+        {"generate --joints 0 --out none.glb", "joints"},
+        {"generate --joints -5 --out none.glb", "joints"},
+        {"generate --joints 10 --levels 11 --out none.glb", "levels"},
+        {"generate --faces 99999999 --out none.glb", "faces"},
+        {"bench --count 0", "--count"},
+        {"bench --samples 0", "--samples"},
+        {"bench --scan magic", "magic"},
+        {"bench --joints 5 --levels 9", "levels"},
+        {"bench scan --methods magic", "magic"},
+        {"bench scan --methods serial:3", "serial:3"},
+        {"bench scan --methods serial:x", "serial:x"},
+        {"bench scan --characters 0", "--characters"},
+        {"bench scan --joints 10 --levels 11", "11 levels"},
+        {"bench scan --levels 1", "1 levels"},
+        {"bench scan --shape star", "star"},
+        {"bench scan --experiments dance", "dance"},
+        {"bench scan --samples -2", "--samples"},
+        {"bench scan --json none/x.jsonl", "none"},
+        {"bench scan creature.glb", "creature.glb"},
+        {"bench frame --count 0", "--count"},
+        {"bench frame --samples 0", "--samples"},
+        {"bench frame --error 0", "--error"},
+        {"bench frame --error nan", "--error"},
+        {"bench frame --error 1x", "--error"},
+        {"bench frame --report none/x.html", "none"},
+        {"bench frame none.glb", "none.glb"},
+        {"bench baselines --rate 0", "--rate"},
+        {"bench baselines --levels 15 --rate 10000 --device cpu", "storage-buffer range"},
+        {"bench baselines --json none/x.jsonl", "none"},
+        {"devices all", "all"},
     });
-    EXPECT_TRUE(fs::is_empty(file("folder")));
+    EXPECT_TRUE(fs::is_empty("folder"));
 }
 
 TEST_F(Cli, AFullDiskIsSaid) {
     for (const char* option : {"--json", "--help"}) {
-        const Outcome run = run_tool({"info", creature(), option}, {.out_path = "/dev/full"});
+        const Outcome run = run_tool({"info", "creature.glb", option}, {.out_path = "/dev/full"});
         EXPECT_TRUE(run.refused("standard output")) << option << "\n" << run;
     }
 }

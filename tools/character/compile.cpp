@@ -37,7 +37,7 @@ Character compile(const CompileOptions& options) {
     return character;
 }
 
-nlohmann::json to_json(const CompileOptions& options, const Character& character, uint64_t bytes) {
+nlohmann::json to_json(const CompileOptions& options, const Character& character, size_t bytes) {
     const ClipTotals totals(character);
     nlohmann::json clips = nlohmann::json::array();
     for (const Clip& clip : character.clips)
@@ -60,10 +60,9 @@ nlohmann::json to_json(const CompileOptions& options, const Character& character
             {"warnings", character.warnings}};
 }
 
-void print_text(const CompileOptions& options, const Character& character, uint64_t bytes) {
+void print_text(const CompileOptions& options, const Character& character, size_t bytes) {
     const ClipTotals totals(character);
-    std::printf("%s: %llu bytes, of %s\n", options.out.c_str(), static_cast<unsigned long long>(bytes),
-                options.file.c_str());
+    std::printf("%s: %zu bytes, of %s\n", options.out.c_str(), bytes, options.file.c_str());
     std::printf("  clips      %zu, %.1f KiB: %.1f times smaller than %.1f KiB of raw floats\n", character.clips.size(),
                 static_cast<double>(totals.size_bytes) / 1024, totals.ratio(),
                 static_cast<double>(totals.raw_size_bytes) / 1024);
@@ -76,7 +75,7 @@ void print_text(const CompileOptions& options, const Character& character, uint6
 
 void run_compile(const CompileOptions& options) {
     const Character character = compile(options);
-    const uint64_t bytes = std::filesystem::file_size(options.out);
+    const size_t bytes = std::filesystem::file_size(options.out);
     if (options.json)
         print_json(to_json(options, character, bytes));
     else
@@ -88,17 +87,16 @@ void run_compile(const CompileOptions& options) {
 void add_compile(Command app) {
     Command command = app.add_subcommand(
         "compile", "compress a .glb or .gltf file's clips, and write what the GPU reads, to be loaded at once");
-    auto options = std::make_shared<CompileOptions>();
-    command.add_option("file", options->file, "a glTF 2.0 file").required();
-    add_out_option(command, options->out, "the .throng file to write; every command takes it in place of its source");
-    add_error_option(command, options->settings);
-    add_root_motion_option(command, options->settings);
-    command.add_flag("--json", options->json, "as JSON");
+    CompileOptions& options = command.options_of(run_compile);
+    command.add_option("file", options.file, "a glTF 2.0 file").required();
+    add_out_option(command, options.out, "the .throng file to write; every command takes it in place of its source");
+    add_error_option(command, options.settings);
+    add_root_motion_option(command, options.settings);
+    command.add_flag("--json", options.json, "as JSON");
     command.footer(
         "Examples:\n  throng compile fox.glb -o fox.throng\n  throng compile fox.glb -o fox.throng --error 0.1\n"
         "  throng compile fox.glb -o fox.throng --error exact --json | jq .ratio\n"
         "  throng compile fox.glb -o fox.throng --root-motion hips\n  throng info fox.throng");
-    command.callback([options] { run_compile(*options); });
 }
 
 }  // namespace throng::tools

@@ -12,16 +12,16 @@ namespace throng::tools {
 namespace {
 
 // Device memory that one more instance costs: its state, placement, cursors and skin matrices (the arena is shared).
-uint64_t instance_bytes(const Character& character) {
+size_t instance_bytes(const Character& character) {
     return 36 + 36 + sizeof(Affine) + character.palette.size() * sizeof(Affine) +
            (character.morphs.empty() ? 0 : kActiveMorphLimit * 8);
 }
 
-uint64_t face_count(const Character& character) { return character.indices.size() / 3; }
+size_t face_count(const Character& character) { return character.indices.size() / 3; }
 
 // Of a coarser level, 1 and on.
 struct Lod {
-    uint64_t faces = 0;
+    size_t faces = 0;
     uint32_t joints = 0;
     double error_percent = 0;  // of the size
 };
@@ -71,14 +71,11 @@ uint64_t morph_bytes(const Character& character) {
 
 // How many times smaller than 10 floats a joint and row, and the error where there is one.
 std::string compression_text(uint64_t size_bytes, uint64_t raw_size_bytes, double error, bool packed) {
-    char text[64];
-    const double ratio = static_cast<double>(raw_size_bytes) / static_cast<double>(size_bytes);
-    if (packed)
-        std::snprintf(text, sizeof(text), "%8.1f KiB  %5.1f : 1  %8.5f %%", static_cast<double>(size_bytes) / 1024,
-                      ratio, error * 100);
-    else
-        std::snprintf(text, sizeof(text), "%8.1f KiB  %5.1f : 1  exact", static_cast<double>(size_bytes) / 1024, ratio);
-    return text;
+    char size[64], percent[32] = "exact";
+    std::snprintf(size, sizeof(size), "%8.1f KiB  %5.1f : 1  ", static_cast<double>(size_bytes) / 1024,
+                  static_cast<double>(raw_size_bytes) / static_cast<double>(size_bytes));
+    if (packed) std::snprintf(percent, sizeof(percent), "%8.5f %%", error * 100);
+    return std::string(size) + percent;
 }
 
 nlohmann::json to_json(const Character& character) {
@@ -143,19 +140,19 @@ void print_text(const Character& character) {
                 rig.mean_depth, rig.leaf_count, rig.uniform_scale ? ", uniform scale" : "");
     for (size_t i = 0; i < character.skins.size(); ++i)
         std::printf("  skin %-5zu %u joints  %s\n", i, character.skins[i].joint_count, character.skins[i].name.c_str());
-    std::printf("  mesh       %zu vertices, %llu faces, %zu sections, %zu materials, up to %u influences a vertex\n",
-                character.vertices.size(), static_cast<unsigned long long>(face_count(character)),
-                character.sections.size(), character.materials.size(), largest_influence_count(character));
+    std::printf("  mesh       %zu vertices, %zu faces, %zu sections, %zu materials, up to %u influences a vertex\n",
+                character.vertices.size(), face_count(character), character.sections.size(), character.materials.size(),
+                largest_influence_count(character));
     const std::vector<Lod> lods = lods_of(character);
     for (size_t i = 0; i < lods.size(); ++i)
-        std::printf("  lod %-3zu %llu faces, %u joints, off by up to %.2f %% of the size\n", i + 1,
-                    static_cast<unsigned long long>(lods[i].faces), lods[i].joints, lods[i].error_percent);
+        std::printf("  lod %-3zu %zu faces, %u joints, off by up to %.2f %% of the size\n", i + 1, lods[i].faces,
+                    lods[i].joints, lods[i].error_percent);
     if (!character.morphs.empty())
         std::printf("  morphs     %zu targets, of %zu vertices; animated in %zu of %zu clips\n",
                     character.morphs.size(), morphed_vertex_count(character), morphing_clip_count(character),
                     character.clips.size());
-    std::printf("  memory     %zu skin matrices: %llu bytes an instance\n", character.palette.size(),
-                static_cast<unsigned long long>(instance_bytes(character)));
+    std::printf("  memory     %zu skin matrices: %zu bytes an instance\n", character.palette.size(),
+                instance_bytes(character));
     for (size_t i = 0; i < character.clips.size(); ++i) {
         const Clip& clip = character.clips[i];
         std::printf("  clip %-5zu %7.3f s  %4u channels  %5u rows x %4u tracks  %s  %s", i,
@@ -217,21 +214,20 @@ void run_info(const InfoOptions& options) {
 void add_info(Command app) {
     Command command = app.add_subcommand(
         "info", "what is in a .glb, .gltf or .throng file, what it costs, and how a crowd of it would be scanned");
-    auto options = std::make_shared<InfoOptions>();
-    command.add_option("file", options->file, "a glTF 2.0 file, or one that 'throng compile' wrote").required();
-    command.add_option("--count", options->count, "characters of the crowd for which a scan method is chosen")
+    InfoOptions& options = command.options_of(run_info);
+    command.add_option("file", options.file, "a glTF 2.0 file, or one that 'throng compile' wrote").required();
+    command.add_option("--count", options.count, "characters of the crowd for which a scan method is chosen")
         .check(range(1u, 10'000'000u))
         .capture_default_str();
-    add_error_option(command, options->compile);
-    add_root_motion_option(command, options->compile);
-    add_device_option(command, options->device);
-    command.add_flag("--lods", options->compile.lods,
+    add_error_option(command, options.compile);
+    add_root_motion_option(command, options.compile);
+    add_device_option(command, options.device);
+    command.add_flag("--lods", options.compile.lods,
                      "make levels of detail, as 'compile' does, and print them (those of a compiled file always are)");
-    command.add_flag("--json", options->json, "as JSON");
+    command.add_flag("--json", options.json, "as JSON");
     command.footer(
         "Examples:\n  throng info fox.glb\n  throng info fox.glb --count 100\n  throng info fox.glb --root-motion "
         "hips\n  throng info fox.glb --lods\n  throng info fox.glb --json | jq .clips");
-    command.callback([options] { run_info(*options); });
 }
 
 }  // namespace throng::tools

@@ -135,34 +135,33 @@ void run_pose(const PoseOptions& options) {
 void add_pose(Command app) {
     Command command = app.add_subcommand(
         "pose", "joint matrices, skin matrices and skinned vertices of one character at one time");
-    auto options = std::make_shared<PoseOptions>();
-    command.add_option("file", options->file, "a glTF 2.0 file, or one that 'throng compile' wrote").required();
-    command.add_option("--clip", options->clip, "name or number of a clip (default: the rest pose)");
-    command.add_option("--time", options->time_s, "seconds into the clip").check(finite()).capture_default_str();
-    command.add_flag("--loop", options->loop, "wrap times beyond the clip's end, for both clips (else clamp)");
-    command.add_option("--blend", options->blend, "name or number of a second clip to blend with");
-    command.add_option("--blend-time", options->blend_time_s, "seconds into the second clip")
+    PoseOptions& options = command.options_of(run_pose);
+    command.add_option("file", options.file, "a glTF 2.0 file, or one that 'throng compile' wrote").required();
+    command.add_option("--clip", options.clip, "name or number of a clip (default: the rest pose)");
+    command.add_option("--time", options.time_s, "seconds into the clip").check(finite()).capture_default_str();
+    command.add_flag("--loop", options.loop, "wrap times beyond the clip's end, for both clips (else clamp)");
+    command.add_option("--blend", options.blend, "name or number of a second clip to blend with");
+    command.add_option("--blend-time", options.blend_time_s, "seconds into the second clip")
         .check(finite())
         .capture_default_str();
-    command.add_option("--weight", options->weight, "weight of --clip; the second clip has the rest")
+    command.add_option("--weight", options.weight, "weight of --clip; the second clip has the rest")
         .check(finite())
         .check(range(0.0, 1.0))
         .capture_default_str();
-    add_error_option(command, options->compile);
-    add_scan_option(command, options->scan);
-    command.add_flag("--reference", options->reference, "compute on the CPU in double precision; needs no GPU");
+    add_error_option(command, options.compile);
+    add_scan_option(command, options.scan);
+    command.add_flag("--reference", options.reference, "compute on the CPU in double precision; needs no GPU");
     command
-        .add_option("--vertices", options->vertices,
+        .add_option("--vertices", options.vertices,
                     "skinned vertices of each primitive to print: a number, spread evenly, or 'all'")
         .capture_default_str();
-    add_device_option(command, options->device);
-    command.add_flag("--json", options->json, "as JSON: matrices column-major, positions in world space");
+    add_device_option(command, options.device);
+    command.add_flag("--json", options.json, "as JSON: matrices column-major, positions in world space");
     command.footer(
         "Examples:\n  throng pose fox.glb --clip Walk --time 0.3\n"
         "  throng pose fox.glb --clip Walk --time 0.3 --blend Run --blend-time 0.5 --weight 0.25 --loop --vertices all "
         "--json\n"
         "  throng pose fox.glb --clip 0 --time 1 --reference --json");
-    command.callback([options] { run_pose(*options); });
 }
 
 }  // namespace throng::tools

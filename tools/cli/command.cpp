@@ -19,13 +19,18 @@ std::optional<uint32_t> parse_number(std::string_view text) {
     return error == std::errc{} && end == text.data() + text.size() ? std::optional(number) : std::nullopt;
 }
 
+std::optional<std::pair<uint32_t, uint32_t>> parse_pair(std::string_view text, char between) {
+    const size_t at = std::min(text.find(between), text.size());
+    const auto first = parse_number(text.substr(0, at)),
+               second = parse_number(text.substr(std::min(at + 1, text.size())));
+    return first && second ? std::optional(std::pair(*first, *second)) : std::nullopt;
+}
+
 RendererSettings parse_size(const std::string& text) {
-    const size_t x = std::min(text.find('x'), text.size());
-    const auto width = parse_number(text.substr(0, x)),
-               height = parse_number(text.substr(std::min(x + 1, text.size())));
-    if (!width || !height || *width == 0 || *height == 0)
+    const auto size = parse_pair(text, 'x');
+    if (!size || size->first == 0 || size->second == 0)
         throw CommandError("--size " + text + ": give it as WIDTHxHEIGHT, for example 1920x1080");
-    return {.width = *width, .height = *height};
+    return {.width = size->first, .height = size->second};
 }
 
 Device open_device(const std::string& select) { return unwrap(Device::create({.select = select})); }

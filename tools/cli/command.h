@@ -30,6 +30,9 @@ T unwrap(Result<T> result) {
 // The whole text as a number.
 std::optional<uint32_t> parse_number(std::string_view text);
 
+// Two numbers with something between them: "1920x1080".
+std::optional<std::pair<uint32_t, uint32_t>> parse_pair(std::string_view text, char between);
+
 // What --size says: WIDTHxHEIGHT. Throws CommandError.
 RendererSettings parse_size(const std::string& text);
 

@@ -11,21 +11,23 @@
 
 namespace throng::tools {
 
-Check::Check(std::function<std::string(const std::string& text)> what_is_wrong, std::string values)
-    : Check(CLI::Validator([check = std::move(what_is_wrong)](std::string& text) { return check(text); },
-                           std::move(values))) {}
+namespace {
 
-Check::Check(const CLI::Validator& validator) : validator_(std::make_shared<const CLI::Validator>(validator)) {}
+Check check_of(const CLI::Validator& validator) {
+    return {[validator](const std::string& text) { return validator(text); }, validator.get_description()};
+}
 
-Check range(uint32_t least, uint32_t most) { return Check(CLI::Range(least, most)); }
-Check range(double least, double most) { return Check(CLI::Range(least, most)); }
-Check is_member(const std::vector<std::string>& names) { return Check(CLI::IsMember(names)); }
-Check existing_folder() { return Check(CLI::ExistingDirectory); }
+}  // namespace
+
+Check range(uint32_t least, uint32_t most) { return check_of(CLI::Range(least, most)); }
+Check range(double least, double most) { return check_of(CLI::Range(least, most)); }
+Check is_member(const std::vector<std::string>& names) { return check_of(CLI::IsMember(names)); }
+Check existing_folder() { return check_of(CLI::ExistingDirectory); }
 
 Check finite() {
-    return Check([](const std::string& text) {
+    return {[](const std::string& text) {
         return std::isfinite(std::strtof(text.c_str(), nullptr)) ? std::string() : text + " is not a finite number";
-    });
+    }};
 }
 
 Check scan_name(const std::vector<std::string>& others) {
@@ -33,23 +35,22 @@ Check scan_name(const std::vector<std::string>& others) {
     for (const ScanMethodInfo& method : scan_methods()) names.push_back(method.name);
     std::string list;
     for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-    return Check(
-        [names, list](const std::string& text) {
-            const bool known = std::find(names.begin(), names.end(), text.substr(0, text.find(':'))) != names.end();
-            return known ? std::string() : "'" + text + "' is no scan method; the methods are: " + list;
-        },
-        "METHOD[:LANES]:{" + list + "}");
+    return {[names, list](const std::string& text) {
+                const bool known = std::find(names.begin(), names.end(), text.substr(0, text.find(':'))) != names.end();
+                return known ? std::string() : "'" + text + "' is no scan method; the methods are: " + list;
+            },
+            "METHOD[:LANES]:{" + list + "}"};
 }
 
 Check writable_file() {
-    return Check([](const std::string& text) -> std::string {
+    return {[](const std::string& text) -> std::string {
         const std::filesystem::path path = text, folder = path.has_parent_path() ? path.parent_path() : ".";
         std::error_code error;
         const auto type = std::filesystem::status(path, error).type();
         if (access(folder.c_str(), W_OK) != 0) return text + " cannot be written: is its folder there?";
         if (type == std::filesystem::file_type::not_found || type == std::filesystem::file_type::regular) return {};
         return text + " is there, and not a plain file";
-    });
+    }};
 }
 
 Option Option::required() {
@@ -57,7 +58,7 @@ Option Option::required() {
     return *this;
 }
 Option Option::check(const Check& check) {
-    option_->check(check.validator());
+    option_->check(CLI::Validator([check](std::string& text) { return check.what_is_wrong(text); }, check.values));
     return *this;
 }
 Option Option::delimiter(char between) {
@@ -103,21 +104,9 @@ void Command::require_subcommand(const std::string& names) {
 
 bool Command::has_subcommand() const { return !app_->get_subcommands().empty(); }
 
-template <class T>
-Option Command::add_option(const std::string& names, T& value, const std::string& description) {
-    return Option(app_->add_option(names, value, description));
+Option Command::add_variable(const std::string& names, Variable value, const std::string& description) {
+    return Option(std::visit([&](auto* of) { return app_->add_option(names, *of, description); }, value));
 }
-template Option Command::add_option(const std::string&, std::string&, const std::string&);
-template Option Command::add_option(const std::string&, uint32_t&, const std::string&);
-template Option Command::add_option(const std::string&, uint64_t&, const std::string&);
-template Option Command::add_option(const std::string&, float&, const std::string&);
-template Option Command::add_option(const std::string&, double&, const std::string&);
-template Option Command::add_option(const std::string&, std::optional<uint32_t>&, const std::string&);
-template Option Command::add_option(const std::string&, std::optional<uint64_t>&, const std::string&);
-template Option Command::add_option(const std::string&, std::vector<std::string>&, const std::string&);
-template Option Command::add_option(const std::string&, std::vector<uint32_t>&, const std::string&);
-template Option Command::add_option(const std::string&, std::vector<float>&, const std::string&);
-template Option Command::add_option(const std::string&, std::vector<double>&, const std::string&);
 
 Option Command::add_flag(const std::string& names, bool& value, const std::string& description) {
     return Option(app_->add_flag(names, value, description));
@@ -168,7 +157,7 @@ void add_scan_option(Command command, std::string& scan) {
 
 void add_error_option(Command command, CompileSettings& settings) {
     constexpr double kLeast_percent = 1e-4, kMost_percent = 10;
-    const auto check = [](const std::string& text) -> std::string {
+    const auto what_is_wrong = [](const std::string& text) -> std::string {
         char* end = nullptr;
         const double percent = std::strtod(text.c_str(), &end);
         const bool is_number = end != text.c_str() && *end == '\0';
@@ -184,7 +173,7 @@ void add_error_option(Command command, CompileSettings& settings) {
     app.add_option_function<std::string>("--error", set,
                                          "how far compressed clips may displace the skin, in percent of the "
                                          "character's size; 'exact': not compressed")
-        ->check(CLI::Validator(check, "PERCENT|exact"))
+        ->check(CLI::Validator(what_is_wrong, "PERCENT|exact"))
         ->default_str(by_default);
     app.parse_complete_callback([&app] {
         const auto refuse_compiled = [&](const char* name, const std::string& what) {

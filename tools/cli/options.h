@@ -9,29 +9,24 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace CLI {
 class App;
 class Option;
-class Validator;
 }  // namespace CLI
 
 namespace throng::tools {
 
 // Of the text of an option, before it is taken.
-class Check {
-public:
-    // `what_is_wrong` returns nothing where the text is right. `values` is what help calls them.
-    explicit Check(std::function<std::string(const std::string& text)> what_is_wrong, std::string values = {});
-    explicit Check(const CLI::Validator& validator);
-    const CLI::Validator& validator() const { return *validator_; }
-
-private:
-    std::shared_ptr<const CLI::Validator> validator_;
+struct Check {
+    std::function<std::string(const std::string& text)> what_is_wrong;  // nothing, where the text is right
+    std::string values{};                                               // what help calls them
 };
 
 // From `least` to `most`.
@@ -79,9 +74,15 @@ public:
     void require_subcommand(const std::string& names);
     bool has_subcommand() const;  // was given
 
-    // Without dashes, names an argument. `value` must live until the command has run; its types are in options.cpp.
+    // What an option may set.
+    using Variable = std::variant<std::string*, uint32_t*, uint64_t*, float*, double*, std::optional<uint32_t>*,
+                                  std::optional<uint64_t>*, std::vector<std::string>*, std::vector<uint32_t>*,
+                                  std::vector<float>*, std::vector<double>*>;
+    // Without dashes, names an argument. `value` must live until the command has run.
     template <class T>
-    Option add_option(const std::string& names, T& value, const std::string& description);
+    Option add_option(const std::string& names, T& value, const std::string& description) {
+        return add_variable(names, &value, description);
+    }
     Option add_flag(const std::string& names, bool& value, const std::string& description);
     // One of the names, or its number.
     template <class Enum>
@@ -99,10 +100,18 @@ public:
     void footer(const std::string& text);
     // What it does once all is parsed.
     void callback(std::function<void()> run);
+    // The same, with options that live as long as the command.
+    template <class Options>
+    Options& options_of(void (*run)(const Options& options)) {
+        const auto options = std::make_shared<Options>();
+        callback([options, run] { run(*options); });
+        return *options;
+    }
 
     CLI::App& app() const { return *app_; }
 
 private:
+    Option add_variable(const std::string& names, Variable value, const std::string& description);
     Option add_numbered(const std::string& names, const std::function<void(const int&)>& set,
                         const std::map<std::string, int>& numbers, const std::string& description);
 

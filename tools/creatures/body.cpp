@@ -1,37 +1,12 @@
 #include "tools/creatures/body.h"
 
-namespace throng::creature {
+#include "tools/creatures/bones.h"
 
-const char* name_of(Part part) {
-    switch (part) {
-        case Part::kTail: return "tail";
-        case Part::kTrunk: return "trunk";
-        case Part::kJaw: return "jaw";
-        case Part::kLeg: return "leg";
-        case Part::kToe: return "toe";
-        case Part::kArm: return "arm";
-        case Part::kFinger: return "finger";
-        case Part::kTendril: return "tendril";
-        case Part::kLimb: return "limb";
-        case Part::kBough: return "bough";
-        case Part::kStrand: return "strand";
-        case Part::kSpine: return "spine";
-        case Part::kHair: return "hair";
-        case Part::kCloak: return "cloak";
-        case Part::kAntenna: return "antenna";
-    }
-    return "";
-}
+namespace throng::creature {
 
 uint32_t Chain::joint_at(double t) const {
     if (joint_count == 0 || t < begin) return parent_joint;
     return first_joint + std::min(uint32_t((t - begin) / step), joint_count - 1);
-}
-
-const Chain* Body::find(Part part) const {
-    for (const Chain& chain : chains)
-        if (chain.part == part) return &chain;
-    return nullptr;
 }
 
 uint32_t Builder::with_room(uint32_t joint) const {
@@ -74,6 +49,12 @@ const Chain& Builder::add_limb(Chain limb) {
     limb.joint_count = std::min({limb.joint_count, left_, room_below(limb.parent_joint)});
     limb.step = 1.0 / std::max(limb.joint_count, 1u);
     return add(std::move(limb));
+}
+
+const Chain& Builder::add_limb_on(const Chain& chain, double t, Chain limb) {
+    limb.parent_joint = with_room(chain.joint_at(t));
+    limb.base = influences_at(bones_of(chain), t);
+    return add_limb(std::move(limb));
 }
 
 std::vector<uint32_t> share_out(uint32_t joint_count, uint32_t wish, uint32_t fewest,

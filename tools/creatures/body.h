@@ -5,28 +5,11 @@
 #include "tools/creatures/creature_math.h"
 
 #include <functional>
+#include <ranges>
+#include <string_view>
 #include <vector>
 
 namespace throng::creature {
-
-enum class Part : uint8_t {
-    kTail,
-    kTrunk,
-    kJaw,
-    kLeg,
-    kToe,
-    kArm,
-    kFinger,
-    kTendril,  // of the dragon first; the others share what fits
-    kLimb,
-    kBough,
-    kStrand,
-    kSpine,
-    kHair,
-    kCloak,
-    kAntenna
-};
-const char* name_of(Part part);
 
 struct Influence {
     uint32_t joint;
@@ -37,7 +20,7 @@ using Influences = std::vector<Influence>;
 // Joints one after the other along a limb. Joint k stands at begin + k * step of the outline and moves what comes after
 // it. A limb without joints of its own is moved by what it grows out of.
 struct Chain {
-    Part part = Part::kTail;
+    std::string_view part;      // what it is: "tail", "leg"; joints and motion are called after it
     uint32_t parent_joint = 0;  // that the first joint hangs from
     uint32_t first_joint = 0, joint_count = 0;
     Outline outline;
@@ -61,7 +44,9 @@ struct Body {
     std::vector<Vec> position;       // [joint] at rest, in model space
     std::vector<Rotation> rotation;  // [joint] model_from_joint at rest, z along the limb
 
-    const Chain* find(Part part) const;
+    auto chains_of(std::string_view part) const {
+        return chains | std::views::filter([part](const Chain& chain) { return chain.part == part; });
+    }
     uint32_t joint_count() const { return uint32_t(parent.size()); }
 };
 
@@ -82,6 +67,9 @@ protected:
     const Chain& add(Chain chain);
     // A limb of its own, from its first station to its last, of as many of its joints as there is room for.
     const Chain& add_limb(Chain limb);
+    // The same, on the joint that moves the flesh at t of the chain, or the nearest before it that has room. That flesh
+    // moves its base.
+    const Chain& add_limb_on(const Chain& chain, double t, Chain limb);
 
     uint32_t level_count_, left_;  // joints still to be dealt
     Body body_;

@@ -37,7 +37,7 @@ Bones bones_of(const Chain& chain) {
     return bones;
 }
 
-Bones stiff(Influences base) { return {{0}, {0, 1}, std::move(base)}; }
+Bones stiff(Influences base) { return {.base = std::move(base)}; }
 
 Influences joined(Influences a, const Influences& b) {
     a.insert(a.end(), b.begin(), b.end());

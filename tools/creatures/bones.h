@@ -5,10 +5,11 @@
 
 namespace throng::creature {
 
-// Joints along a limb and the interval of the outline that each moves; bounds ascend, one more than joints.
+// Joints along a limb and the interval of the outline that each moves; bounds ascend, one more than joints. The root
+// alone, where nothing else is said.
 struct Bones {
-    std::vector<uint32_t> joints;
-    std::vector<double> bounds;
+    std::vector<uint32_t> joints{0};
+    std::vector<double> bounds{0, 1};
     // Where not empty, it stands for joints[0]: the limb grows out of flesh that several joints move
     Influences base{};
     double blend = 1;  // the part of a bone over which it gives way to its neighbour, at each of its ends

@@ -34,15 +34,16 @@ public:
         for (uint32_t tick = 0; tick <= plan.ticks; tick += ticks_per_key_) times_s.push_back(float(tick / 30.0));
         const std::vector<double> loops = loops_of(plan);
         animate_root(clip, number, times_s, loops);
-        for (const Chain& chain : body_.chains)
+        for (const Chain& chain : body_.chains) {
+            const BendOf bend = motion_.bends.at(chain.part);
             for (uint32_t k = 0; k < chain.joint_count; ++k) {
                 const uint32_t joint = chain.first_joint + k;
                 const Rotation& rest = nodes_[joint].parent_from_node.rotation;
                 AssetTrack track{joint, TrackTarget::kRotation, Interpolation::kLinear, times_s, {}};
-                for (const double loop : loops)
-                    append(track, rest * rotation_of(motion_.bend({chain, k, number, loop})));
+                for (const double loop : loops) append(track, rest * rotation_of(bend({chain, k, number, loop})));
                 clip.tracks.push_back(std::move(track));
             }
+        }
         return clip;
     }
 

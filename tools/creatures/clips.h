@@ -4,7 +4,7 @@
 
 #include "tools/creatures/body.h"
 
-#include <span>
+#include <map>
 
 namespace throng::creature {
 
@@ -40,11 +40,13 @@ struct RootMotion {
     Bend bend;
 };
 
+using BendOf = Bend (*)(const Moment&);
+
 // A kind's clips. A bend per joint should shrink with the length of the chain, so that a limb of 100 joints bends as
 // far in all as one of 5.
 struct Motion {
-    std::span<const ClipPlan> clips;
-    Bend (*bend)(const Moment&);
+    std::vector<ClipPlan> clips;
+    std::map<std::string_view, BendOf> bends;  // of the joints of each part
     RootMotion (*root)(uint32_t clip, double loop);
 };
 

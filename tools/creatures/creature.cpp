@@ -57,7 +57,7 @@ Asset assemble(const CreatureSettings& settings) {
     asset.nodes[0].name = "body";  // not "root": three.js takes that name for the whole scene
     for (const creature::Chain& chain : body.chains)
         for (uint32_t k = 0; k < chain.joint_count; ++k)
-            asset.nodes[chain.first_joint + k].name = creature::name_of(chain.part) + std::string("_") +
+            asset.nodes[chain.first_joint + k].name = std::string(chain.part) + "_" +
                                                       std::to_string(&chain - body.chains.data()) + "_" +
                                                       std::to_string(k);
     AssetSkin skin{"creature", {}, {}};

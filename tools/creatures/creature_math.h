@@ -72,17 +72,21 @@ private:
     uint64_t state_;
 };
 
-// One cross section of a limb: an ellipse, width to its sides and height along `up`.
+constexpr double kSides[] = {1, -1};  // left and right
+
+// One cross section of a limb: an ellipse, width to its sides and height along `up`; of one number a circle, of none a
+// point.
 struct Station {
     Vec center;
-    double width = 0, height = 0;
+    double width = 0, height = width;
 };
 
 // A limb's flesh: a smooth curve through its stations, parameter 0 … 1 spread evenly over them.
 class Outline {
 public:
     Outline() = default;
-    explicit Outline(std::vector<Station> stations) : stations_(std::move(stations)) {}
+    Outline(std::vector<Station> stations) : stations_(std::move(stations)) {}
+    Outline(std::initializer_list<Station> stations) : stations_(stations) {}
 
     Station at(double t) const;
     Vec direction(double t) const;  // unit, towards larger t

@@ -16,27 +16,29 @@ static_assert(std::endian::native == std::endian::little, "glTF buffers are litt
 using Json = nlohmann::ordered_json;  // keys in the order of writing: the same bytes for the same asset
 
 // glTF's numbers.
-enum Component : uint32_t { kU16 = 5123, kU32 = 5125, kFloat = 5126 };
+template <class T>
+constexpr uint32_t kComponent = 5126;
+template <>
+constexpr uint32_t kComponent<uint16_t> = 5123;
+template <>
+constexpr uint32_t kComponent<uint32_t> = 5125;
 enum Target : uint32_t { kNoTarget = 0, kVertices = 34962, kIndices = 34963 };
+
+// Its names, in the order of the enumerations.
+constexpr const char* kInterpolations[] = {"STEP", "LINEAR", "CUBICSPLINE"};
+constexpr const char* kPaths[] = {"translation", "rotation", "scale"};
 
 Json named(const std::string& name) { return name.empty() ? Json::object() : Json{{"name", name}}; }
 
-const char* name_of(Interpolation interpolation) {
-    switch (interpolation) {
-        case Interpolation::kStep: return "STEP";
-        case Interpolation::kLinear: return "LINEAR";
-        case Interpolation::kCubicSpline: return "CUBICSPLINE";
-    }
-    return "";
+// Vectors and matrices as the floats that they are of.
+template <class T>
+std::span<const float> floats(const std::vector<T>& data) {
+    static_assert(sizeof(T) % sizeof(float) == 0);
+    return {reinterpret_cast<const float*>(data.data()), data.size() * sizeof(T) / sizeof(float)};
 }
 
-const char* name_of(TrackTarget target) {
-    switch (target) {
-        case TrackTarget::kTranslation: return "translation";
-        case TrackTarget::kRotation: return "rotation";
-        case TrackTarget::kScale: return "scale";
-    }
-    return "";
+void append(std::vector<std::byte>& to, std::span<const std::byte> bytes) {
+    to.insert(to.end(), bytes.begin(), bytes.end());
 }
 
 class GlbWriter {
@@ -75,35 +77,36 @@ private:
 
     static void pad(std::vector<std::byte>& bytes) { bytes.resize((bytes.size() + 3) / 4 * 4); }
 
-    // Returns the accessor's index.
+    // Numbers in vectors of as many components, or matrices of 16. Returns the accessor's index.
     template <class T>
-    size_t add_accessor(const std::vector<T>& data, size_t count, const char* type, Component component,
-                        Target target = kNoTarget) {
+    size_t add(std::span<const T> numbers, size_t components, Target target = kNoTarget) {
         pad(binary_);
-        Json view{{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", data.size() * sizeof(T)}};
-        if (target == kVertices) view["byteStride"] = data.size() * sizeof(T) / count;
+        Json view{{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", numbers.size_bytes()}};
+        if (target == kVertices) view["byteStride"] = components * sizeof(T);
         if (target != kNoTarget) view["target"] = uint32_t(target);
-        const auto bytes = std::as_bytes(std::span(data));
-        binary_.insert(binary_.end(), bytes.begin(), bytes.end());
-        accessors_.push_back(
-            {{"bufferView", views_.size()}, {"componentType", uint32_t(component)}, {"count", count}, {"type", type}});
+        const std::string vector = "VEC" + std::to_string(components);
+        accessors_.push_back({{"bufferView", views_.size()},
+                              {"componentType", kComponent<T>},
+                              {"count", numbers.size() / components},
+                              {"type", components == 1    ? "SCALAR"
+                                       : components == 16 ? "MAT4"
+                                                          : vector}});
         views_.push_back(std::move(view));
+        append(binary_, std::as_bytes(numbers));
         return accessors_.size() - 1;
     }
-    // The smallest and the largest of each component, over the data of the last accessor.
-    template <size_t kComponents, class T>
-    void add_range(const std::vector<T>& data) {
-        static_assert(sizeof(T) % sizeof(float) == 0);
-        const auto* values = reinterpret_cast<const float*>(data.data());
-        std::array<float, kComponents> least, most;
-        least.fill(std::numeric_limits<float>::max());
-        most.fill(std::numeric_limits<float>::lowest());
-        for (size_t i = 0; i < data.size() * sizeof(T) / sizeof(float); ++i) {
-            least[i % kComponents] = std::min(least[i % kComponents], values[i]);
-            most[i % kComponents] = std::max(most[i % kComponents], values[i]);
+    // With the smallest and the largest of each component.
+    size_t add_with_range(std::span<const float> numbers, size_t components, Target target = kNoTarget) {
+        const size_t accessor = add(numbers, components, target);
+        std::vector<float> least(components, std::numeric_limits<float>::max()),
+            most(components, std::numeric_limits<float>::lowest());
+        for (size_t i = 0; i < numbers.size(); ++i) {
+            least[i % components] = std::min(least[i % components], numbers[i]);
+            most[i % components] = std::max(most[i % components], numbers[i]);
         }
         accessors_.back()["min"] = least;
         accessors_.back()["max"] = most;
+        return accessor;
     }
 
     static Json roots(const Asset& asset) {
@@ -139,7 +142,7 @@ private:
         }
         Json out = named(skin.name);
         out["joints"] = skin.joints;
-        out["inverseBindMatrices"] = add_accessor(matrices, matrices.size(), "MAT4", kFloat);
+        out["inverseBindMatrices"] = add(floats(matrices), 16);
         return out;
     }
 
@@ -154,22 +157,20 @@ private:
     }
 
     Json primitive_of(const AssetPrimitive& p) {
-        const size_t vertices = p.positions.size();
-        Json attributes{{"POSITION", add_accessor(p.positions, vertices, "VEC3", kFloat, kVertices)}};
-        add_range<3>(p.positions);
-        if (!p.normals.empty()) attributes["NORMAL"] = add_accessor(p.normals, vertices, "VEC3", kFloat, kVertices);
-        if (!p.colors.empty()) attributes["COLOR_0"] = add_accessor(p.colors, vertices, "VEC4", kFloat, kVertices);
+        Json attributes{{"POSITION", add_with_range(floats(p.positions), 3, kVertices)}};
+        if (!p.normals.empty()) attributes["NORMAL"] = add(floats(p.normals), 3, kVertices);
+        if (!p.colors.empty()) attributes["COLOR_0"] = add(floats(p.colors), 4, kVertices);
         if (p.influence_count > 0) {
-            attributes["JOINTS_0"] = add_accessor(p.influence_joints, vertices, "VEC4", kU16, kVertices);
-            attributes["WEIGHTS_0"] = add_accessor(p.influence_weights, vertices, "VEC4", kFloat, kVertices);
+            attributes["JOINTS_0"] = add(std::span(p.influence_joints), 4, kVertices);
+            attributes["WEIGHTS_0"] = add(floats(p.influence_weights), 4, kVertices);
         }
         Json out{{"attributes", std::move(attributes)}};
         if (p.material != kNone) out["material"] = p.material;
-        if (vertices <= 65535) {  // 65,535 itself is the primitive restart value
+        if (p.positions.size() <= 65535) {  // 65,535 itself is the primitive restart value
             const std::vector<uint16_t> narrow(p.indices.begin(), p.indices.end());
-            out["indices"] = add_accessor(narrow, narrow.size(), "SCALAR", kU16, kIndices);
+            out["indices"] = add(std::span(narrow), 1, kIndices);
         } else {
-            out["indices"] = add_accessor(p.indices, p.indices.size(), "SCALAR", kU32, kIndices);
+            out["indices"] = add(std::span(p.indices), 1, kIndices);
         }
         return out;
     }
@@ -181,15 +182,14 @@ private:
         for (const AssetTrack& track : clip.tracks) {
             if (!times_s || *times_s != track.times_s) {
                 times_s = &track.times_s;
-                input = add_accessor(track.times_s, track.times_s.size(), "SCALAR", kFloat);
-                add_range<1>(track.times_s);
+                input = add_with_range(track.times_s, 1);
             }
-            const bool rotation = track.target == TrackTarget::kRotation;
-            const size_t output = add_accessor(track.values, track.values.size() / (rotation ? 4 : 3),
-                                               rotation ? "VEC4" : "VEC3", kFloat);
-            channels.push_back(
-                {{"sampler", samplers.size()}, {"target", {{"node", track.node}, {"path", name_of(track.target)}}}});
-            samplers.push_back({{"input", input}, {"output", output}, {"interpolation", name_of(track.interpolation)}});
+            const size_t output = add(floats(track.values), track.target == TrackTarget::kRotation ? 4 : 3);
+            channels.push_back({{"sampler", samplers.size()},
+                                {"target", {{"node", track.node}, {"path", kPaths[size_t(track.target)]}}}});
+            samplers.push_back({{"input", input},
+                                {"output", output},
+                                {"interpolation", kInterpolations[size_t(track.interpolation)]}});
         }
         Json out = named(clip.name);
         out["samplers"] = std::move(samplers);
@@ -204,19 +204,16 @@ private:
         if (total > 0xFFFFFFFFu) return Error{ErrorCode::kLimit, name, "a .glb file of 4 GiB or more"};
         std::vector<std::byte> out;
         out.reserve(total);
-        const auto append = [&](std::span<const std::byte> bytes) {
-            out.insert(out.end(), bytes.begin(), bytes.end());
-        };
         const auto words = [&](auto... values) {
             const std::array array{static_cast<uint32_t>(values)...};
-            append(std::as_bytes(std::span(array)));
+            append(out, std::as_bytes(std::span(array)));
         };
         words(0x46546C67, 2, total);     // "glTF", version
         words(text.size(), 0x4E4F534A);  // "JSON"
-        append(std::as_bytes(std::span(text)));
+        append(out, std::as_bytes(std::span(text)));
         if (binary_.empty()) return out;
         words(binary_.size(), 0x004E4942);  // "BIN"
-        append(binary_);
+        append(out, binary_);
         return out;
     }
 

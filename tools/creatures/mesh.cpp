@@ -6,23 +6,20 @@
 namespace throng::creature {
 namespace {
 
-uint64_t face_count(const Tube& t) { return uint64_t(t.sides) * (2 * t.segments - (t.open_start ? 1 : 2)); }
-uint64_t face_count(const Sheet& s) { return 2 * uint64_t(s.along) * s.across; }
-uint64_t face_count(const Leaves& l) { return 2 * uint64_t(l.count); }
-
-uint32_t rounded(double wanted) { return uint32_t(wanted + 0.5); }
+uint64_t face_count(const Tube& t) { return uint64_t(t.sides.parts) * (2 * t.segments.parts - (t.open_start ? 1 : 2)); }
+uint64_t face_count(const Sheet& s) { return 2 * uint64_t(s.along.parts) * s.across.parts; }
+uint64_t face_count(const Leaves& l) { return 2 * uint64_t(l.count.parts); }
 
 void refine(Tube& t, double factor) {
-    t.sides = std::max(t.least_sides, rounded(t.wanted_sides * factor));
-    const uint32_t steps = std::max(1u, rounded(t.wanted_segments / t.segments_per_step * factor));
-    t.segments = std::max(t.least_segments, steps * t.segments_per_step);
+    t.sides.refine(factor);
+    t.sides.parts = std::max(t.sides.parts, 3u);
+    t.segments.refine(factor);
 }
 void refine(Sheet& s, double factor) {
-    s.along = std::max(s.least_along, rounded(s.wanted_along * factor));
-    s.across = s.across_per_step * std::max(s.least_across / s.across_per_step,
-                                            std::max(1u, rounded(s.wanted_across / s.across_per_step * factor)));
+    s.along.refine(factor);
+    s.across.refine(factor);
 }
-void refine(Leaves& l, double factor) { l.count = std::max(1u, rounded(l.wanted_count * factor)); }
+void refine(Leaves& l, double factor) { l.count.refine(factor); }
 
 // The sum of the weights of each joint, the heaviest four.
 Influences heaviest(const Influences& influences) {
@@ -77,9 +74,9 @@ private:
             if (!tube || tube->segments_fixed) continue;
             const uint32_t most = &piece == &pieces_.front() ? 0xFFFFFFFFu : 1;
             const uint32_t more = uint32_t(
-                std::min<uint64_t>(most, (face_budget_ - std::min(total, face_budget_)) / (2 * tube->sides)));
-            tube->segments += more;
-            total += 2 * uint64_t(tube->sides) * more;
+                std::min<uint64_t>(most, (face_budget_ - std::min(total, face_budget_)) / (2 * tube->sides.parts)));
+            tube->segments.parts += more;
+            total += 2 * uint64_t(tube->sides.parts) * more;
         }
     }
 
@@ -98,17 +95,17 @@ private:
     void add_face(uint32_t a, uint32_t b, uint32_t c) { out_.indices.insert(out_.indices.end(), {a, b, c}); }
 
     void build(const Tube& tube) {
+        const uint32_t sides = tube.sides.parts, segments = tube.segments.parts;
         Vec up = tube.up;
         uint32_t before = 0;  // the first vertex of the ring before, or the point that the tube starts with
-        for (uint32_t ring = 0; ring <= tube.segments; ++ring) {
-            const double part = double(ring) / tube.segments, t = mix(tube.from, tube.to, part);
+        for (uint32_t ring = 0; ring <= segments; ++ring) {
+            const double part = double(ring) / segments, t = mix(tube.from, tube.to, part);
             const Station station = tube.outline.at(t);
             const Influences influences = influences_at(tube.bones, t);
-            const bool is_start = ring == 0, is_end = ring == tube.segments;
+            const bool is_start = ring == 0, is_end = ring == segments;
             if (is_end || (is_start && !tube.open_start)) {
                 const uint32_t point = add_vertex(station.center, tube.paint(part, 0), influences);
-                for (uint32_t k = 0; is_end && k < tube.sides; ++k)
-                    add_face(before + k, before + (k + 1) % tube.sides, point);
+                for (uint32_t k = 0; is_end && k < sides; ++k) add_face(before + k, before + (k + 1) % sides, point);
                 before = point;
                 continue;
             }
@@ -116,14 +113,14 @@ private:
             up = perpendicular(up, forward);
             const Vec side = cross(up, forward);
             const uint32_t first = uint32_t(out_.positions.size());
-            for (uint32_t k = 0; k < tube.sides; ++k) {
-                const double angle_turns = 0.25 + double(k) / tube.sides;
+            for (uint32_t k = 0; k < sides; ++k) {
+                const double angle_turns = 0.25 + double(k) / sides;
                 const double x = cosine(angle_turns), y = sine(angle_turns);
                 add_vertex(station.center + side * (x * station.width) + up * (y * station.height), tube.paint(part, y),
                            influences);
             }
-            for (uint32_t k = 0; k < tube.sides && !is_start; ++k) {
-                const uint32_t next = (k + 1) % tube.sides;
+            for (uint32_t k = 0; k < sides && !is_start; ++k) {
+                const uint32_t next = (k + 1) % sides;
                 if (ring == 1 && !tube.open_start) {
                     add_face(before, first + next, first + k);
                 } else {
@@ -136,16 +133,17 @@ private:
     }
 
     void build(const Sheet& sheet) {
+        const uint32_t along = sheet.along.parts, across = sheet.across.parts;
         const uint32_t first = uint32_t(out_.positions.size());
-        for (uint32_t i = 0; i <= sheet.along; ++i)
-            for (uint32_t k = 0; k <= sheet.across; ++k) {
-                const double u = double(i) / sheet.along, v = double(k) / sheet.across;
+        for (uint32_t i = 0; i <= along; ++i)
+            for (uint32_t k = 0; k <= across; ++k) {
+                const double u = double(i) / along, v = double(k) / across;
                 const SkinPoint point = sheet.at(u, v);
                 add_vertex(point.position, sheet.paint(u, v), point.influences);
             }
-        const uint32_t row = sheet.across + 1;
-        for (uint32_t i = 0; i < sheet.along; ++i)
-            for (uint32_t k = 0; k < sheet.across; ++k) {
+        const uint32_t row = across + 1;
+        for (uint32_t i = 0; i < along; ++i)
+            for (uint32_t k = 0; k < across; ++k) {
                 const uint32_t a = first + i * row + k;
                 uint32_t left = a + row, right = a + 1;
                 if (sheet.mirrored) std::swap(left, right);
@@ -155,8 +153,8 @@ private:
     }
 
     void build(const Leaves& leaves) {
-        for (uint32_t i = 0; i < leaves.count; ++i) {
-            const Leaf leaf = leaves.at(i, leaves.count);
+        for (uint32_t i = 0; i < leaves.count.parts; ++i) {
+            const Leaf leaf = leaves.at(i, leaves.count.parts);
             const uint32_t first = uint32_t(out_.positions.size());
             const Vec widest = leaf.base + leaf.along * 0.45;
             for (const Vec& corner : {leaf.base, widest - leaf.across, leaf.base + leaf.along, widest + leaf.across}) {

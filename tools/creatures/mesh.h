@@ -8,8 +8,22 @@
 
 namespace throng::creature {
 
-// A limb's skin: rings of `sides` vertices, the ends drawn together to a point; the start open where it is inside
-// another piece.
+// How finely a piece is cut in one direction: into as many parts as are wanted at the kind's usual number of faces, and
+// more or fewer of another.
+struct Cuts {
+    double wanted = 1;
+    uint32_t least = 1;
+    uint32_t step = 1;  // they come in multiples of it
+    uint32_t parts = 0;
+
+    void refine(double factor) {
+        const auto steps = uint32_t(wanted / step * factor + 0.5);
+        parts = std::max(least, step * std::max(1u, steps));
+    }
+};
+
+// A limb's skin: rings of at least three vertices, the ends drawn together to a point; the start open where it is
+// inside another piece.
 struct Tube {
     Outline outline;
     double from = 0, to = 1;  // the part of the outline that it covers
@@ -17,11 +31,8 @@ struct Tube {
     Vec up{0, 1, 0};
     Paint paint;
     bool open_start = true;
-    double wanted_sides = 3, wanted_segments = 1;  // at the kind's usual number of faces
-    uint32_t least_sides = 3, least_segments = 1;
-    uint32_t segments_per_step = 1;  // segments come in multiples of it
-    bool segments_fixed = false;     // its rings meet another piece's edge
-    uint32_t sides = 0, segments = 0;
+    Cuts sides{3}, segments;
+    bool segments_fixed = false;  // its rings meet another piece's edge
 };
 
 struct SkinPoint {
@@ -34,10 +45,7 @@ struct Sheet {
     std::function<SkinPoint(double u, double v)> at;
     Paint paint;            // of u and v
     bool mirrored = false;  // its outside is where u × v points away from
-    double wanted_along = 1, wanted_across = 1;
-    uint32_t least_along = 1, least_across = 1;
-    uint32_t across_per_step = 1;
-    uint32_t along = 0, across = 0;
+    Cuts along, across;
 };
 
 // A diamond from `base` to `base + along`, `across` to each side, lit as if it faced along `normal`: leaves on their
@@ -48,11 +56,31 @@ struct Leaf {
 };
 struct Leaves {
     std::function<Leaf(uint32_t index, uint32_t count)> at;
-    double wanted_count = 1;
-    uint32_t count = 0;
+    Cuts count;
 };
 
 using Piece = std::variant<Tube, Sheet, Leaves>;
+
+// What a kind is made of, the most important piece first.
+class Flesh {
+protected:
+    explicit Flesh(const Body& body) : body_(body) {}
+
+    void add(Piece piece) { pieces_.push_back(std::move(piece)); }
+    // A tube along the chain, like this one but for outline, bones and up.
+    void add_limb(const Chain& chain, Tube like) {
+        like.outline = chain.outline;
+        like.bones = bones_of(chain);
+        like.up = chain.up;
+        add(std::move(like));
+    }
+    void add_limbs(std::string_view part, const Tube& like) {
+        for (const Chain& chain : body_.chains_of(part)) add_limb(chain, like);
+    }
+
+    const Body& body_;
+    std::vector<Piece> pieces_;
+};
 
 // Most important pieces first: what does not fit is left out from the end. About `face_count` triangles.
 AssetMesh make_mesh(std::vector<Piece> pieces, uint32_t face_count);

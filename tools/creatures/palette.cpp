@@ -26,8 +26,12 @@ Paint plain(const Vec& color) {
 Paint fading(const Vec& start, const Vec& end) {
     return [=](double t, double) { return lerp(start, end, t); };
 }
-Paint eye(const Vec& iris) {
-    return [=](double t, double) { return lerp(iris, {0.01, 0.01, 0.015}, smooth_step(0.4, 0.6, t)); };
+Paint changing(const Vec& start, std::vector<Change> changes) {
+    return [=](double t, double) {
+        Vec color = start;
+        for (const Change& change : changes) color = lerp(color, change.color, smooth_step(change.from, change.to, t));
+        return color;
+    };
 }
 
 }  // namespace throng::creature

@@ -16,7 +16,11 @@ Vec color_of(double hue, double saturation, double value);
 Paint plain(const Vec& color);
 Paint fading(const Vec& start, const Vec& end);
 
-// An eye looks out of the end of its tube.
-Paint eye(const Vec& iris);
+// One colour gives way to the next smoothly between two places of the length.
+struct Change {
+    double from, to;
+    Vec color;
+};
+Paint changing(const Vec& start, std::vector<Change> changes);
 
 }  // namespace throng::creature

@@ -33,12 +33,12 @@ struct Tree {
     explicit Tree(const CreatureSettings& settings) : seed(settings.seed) {
         Random random(seed);
         const double lean = random.between(-0.08, 0.08), turn = random.unit(), spread = random.between(0.9, 1.1);
-        trunk = Outline({{{0, 0, 0}, 0.21, 0.21},
-                         {{0.2 * lean, 0.10, 0.01}, 0.15, 0.15},
-                         {{0.8 * lean, 0.34, 0.03}, 0.115, 0.12},
-                         {{0.9 * lean, 0.58, 0.0}, 0.105, 0.11},
-                         {{1.1 * lean, 0.80, -0.03}, 0.12, 0.115},
-                         {{1.1 * lean, 0.96, -0.03}, 0.07, 0.07}});
+        trunk = {{{}, 0.21},
+                 {{0.2 * lean, 0.10, 0.01}, 0.15},
+                 {{0.8 * lean, 0.34, 0.03}, 0.115, 0.12},
+                 {{0.9 * lean, 0.58, 0.0}, 0.105, 0.11},
+                 {{1.1 * lean, 0.80, -0.03}, 0.12, 0.115},
+                 {{1.1 * lean, 0.96, -0.03}, 0.07}};
         for (uint32_t i = 0; i < kLimbs; ++i) {
             const bool leads = i + 1 == kLimbs;  // up through the middle
             const double toward = turn + (leads ? random.unit() : (i + random.between(-0.15, 0.15)) / (kLimbs - 1));
@@ -46,9 +46,9 @@ struct Tree {
             const double height = leads ? 1.09 : random.between(0.92, 1.03);
             const Vec foot = trunk.at(leads ? 0.85 : random.between(0.68, 0.8)).center;
             const auto at = [&](double out, double y, double girth) {
-                return Station{foot + around(toward, out * reach, (y - foot.y) * height), girth, girth};
+                return Station{foot + around(toward, out * reach, (y - foot.y) * height), girth};
             };
-            add_branch({{foot, 0.075, 0.075},
+            add_branch({{foot, 0.075},
                         at(0.16, 1.12, 0.062),
                         at(0.33, 1.50, 0.047),
                         at(0.54, 1.80, 0.032),
@@ -70,12 +70,12 @@ struct Tree {
         const auto at = [&](double reach, double fall) {
             return Station{top + around(toward, out * reach, -drop * fall)};
         };
-        return Outline({at(0, 0), at(0.75, 0.03), at(1.2, 0.30), at(1.25, 0.65), at(1.2, 1)});
+        return {at(0, 0), at(0.75, 0.03), at(1.2, 0.30), at(1.25, 0.65), at(1.2, 1)};
     }
 
 private:
-    void add_branch(std::vector<Station> stations, double toward) {
-        branches.push_back(Outline(std::move(stations)));
+    void add_branch(Outline outline, double toward) {
+        branches.push_back(std::move(outline));
         toward_turns.push_back(toward);
     }
     void add_bough(uint32_t number, const Outline& limb, double toward, double spread, Random& random) {
@@ -83,7 +83,7 @@ private:
         const double size = spread * random.between(0.8, 1.1), girth = 0.8 * fork.width;
         const double aside = toward + (number % 2 == 0 ? 1 : -1) * random.between(0.10, 0.17);
         const auto at = [&](double out, double y, double thin) {
-            return Station{fork.center + around(aside, out * size, y * size), girth * thin, girth * thin};
+            return Station{fork.center + around(aside, out * size, y * size), girth * thin};
         };
         add_branch({at(0, 0, 1), at(0.16, 0.15, 0.75), at(0.36, 0.21, 0.5), at(0.56, 0.10, 0.3), at(0.68, -0.12, 0.1)},
                    aside);
@@ -92,7 +92,7 @@ private:
 
 // All limbs bend about axes of the same directions, so that the wind moves them the same way: a positive pitch towards
 // -x.
-constexpr Vec kWindward{1, 0, 0};
+constexpr Vec kWindward{1};
 // Gusts pass through the crown.
 double phase_at(const Vec& point) { return 0.16 * point.x + 0.07 * point.z; }
 
@@ -105,7 +105,7 @@ public:
         // One way to the deepest leaf first, then wood, and the rest to the strands.
         const uint32_t depth = level_count_ - 1, trunk = std::min(8u, (depth + 5) / 6), limb = std::min(8u, depth / 6);
         const uint32_t spare = left_ - depth;
-        add_limb({.part = Part::kTrunk, .joint_count = trunk, .outline = tree_.trunk, .up = kWindward});
+        add_limb({.part = "trunk", .joint_count = trunk, .outline = tree_.trunk, .up = kWindward});
         add_branch(0, limb);
         add_strand({0, 1}, depth - trunk - limb, 0);
         for (uint32_t branch = 1; branch < kBranches; ++branch)
@@ -126,14 +126,14 @@ private:
 
     void add_branch(uint32_t branch, uint32_t joint_count) {
         const Chain& from = is_limb(branch) ? body_.chains[0] : wood_of(branch - branch % (1 + kBoughs));
-        add({.part = is_limb(branch) ? Part::kLimb : Part::kBough,
+        add({.part = is_limb(branch) ? "limb" : "bough",
              .joint_count = joint_count,
              .outline = tree_.branches[branch],
              .number = branch},
             from, is_limb(branch) ? 1 : fork_at(branch));
     }
     void add_strand(const Site& site, uint32_t joint_count, uint32_t number) {
-        add({.part = Part::kStrand,
+        add({.part = "strand",
              .joint_count = joint_count,
              .outline = tree_.strand(site, number),
              .number = site.branch,
@@ -141,49 +141,38 @@ private:
             wood_of(site.branch), site.t);
     }
     void add(Chain chain, const Chain& from, double t) {
-        chain.parent_joint = with_room(from.joint_at(t));
         chain.up = kWindward;
         chain.phase_turns = phase_at(chain.outline.at(0).center);
-        chain.base = influences_at(bones_of(from), t);
-        add_limb(std::move(chain));
+        add_limb_on(from, t, std::move(chain));
     }
 
     Tree tree_;
 };
 
-std::vector<Piece> wood(const Tree& tree, const Body& body) {
-    Random random(~tree.seed);
-    const Vec bark = color_of(random.between(0.06, 0.10), random.between(0.25, 0.40), random.between(0.30, 0.38));
-    const Vec twig = color_of(random.between(0.13, 0.18), 0.5, 0.42);
-    std::vector<Piece> pieces;
-    const auto add = [&](const Chain& chain, const Paint& paint, double sides, double segments) {
-        pieces.push_back(Tube{.outline = chain.outline,
-                              .bones = bones_of(chain),
-                              .up = chain.up,
-                              .paint = paint,
-                              .wanted_sides = sides,
-                              .wanted_segments = segments});
-    };
-    const auto add_all = [&](Part part, const Paint& paint, double sides, double segments) {
-        for (const Chain& chain : body.chains)
-            if (chain.part == part) add(chain, paint, sides, segments);
-    };
-    add_all(Part::kTrunk, fading(bark * 0.75, bark * 1.2), 8, 7);
-    add_all(Part::kLimb, fading(bark, twig), 4, 7);
-    for (uint32_t i = 0; i < 5; ++i) {
-        const double toward = (i + random.between(-0.2, 0.2)) / 5;
-        pieces.push_back(Tube{.outline = Outline({{around(toward, 0.06, 0.16), 0.07, 0.08},
-                                                  {around(toward, 0.19, 0.05), 0.05, 0.045},
-                                                  {around(toward + 0.02, 0.32, -0.005), 0.025, 0.02},
-                                                  {around(toward + 0.03, 0.42, -0.02), 0, 0}}),
-                              .bones = stiff({{0, 1}}),
-                              .paint = plain(bark * 0.8),
-                              .wanted_sides = 4,
-                              .wanted_segments = 3});
+class Wood : Flesh {
+public:
+    explicit Wood(const Body& body) : Flesh(body) {}
+
+    std::vector<Piece> grow(uint64_t seed) {
+        Random random(~seed);
+        const Vec bark = color_of(random.between(0.06, 0.10), random.between(0.25, 0.40), random.between(0.30, 0.38));
+        const Vec twig = color_of(random.between(0.13, 0.18), 0.5, 0.42);
+        add_limbs("trunk", {.paint = fading(bark * 0.75, bark * 1.2), .sides = {8}, .segments = {7}});
+        add_limbs("limb", {.paint = fading(bark, twig), .sides = {4}, .segments = {7}});
+        for (uint32_t i = 0; i < 5; ++i) {
+            const double toward = (i + random.between(-0.2, 0.2)) / 5;
+            add(Tube{.outline = {{around(toward, 0.06, 0.16), 0.07, 0.08},
+                                 {around(toward, 0.19, 0.05), 0.05, 0.045},
+                                 {around(toward + 0.02, 0.32, -0.005), 0.025, 0.02},
+                                 {around(toward + 0.03, 0.42, -0.02)}},
+                     .paint = plain(bark * 0.8),
+                     .sides = {4},
+                     .segments = {3}});
+        }
+        add_limbs("bough", {.paint = fading(bark, twig), .segments = {3}});
+        return std::move(pieces_);
     }
-    add_all(Part::kBough, fading(bark, twig), 3, 3);
-    return pieces;
-}
+};
 
 // More leaves make more strands; each hangs where it belongs.
 class Foliage {
@@ -195,9 +184,9 @@ public:
         light_ = color_of(hue, 0.62, 0.66);
         branches_.resize(kBranches);
         for (const Chain& chain : body.chains)
-            if (chain.part == Part::kStrand) {
+            if (chain.part == "strand") {
                 if (chain.joint_count > 0) branches_[chain.number].strands.push_back({chain.at_body, bones_of(chain)});
-            } else if (chain.part != Part::kTrunk) {
+            } else if (chain.part != "trunk") {
                 branches_[chain.number].wood = bones_of(chain);
             }
         for (Branch& branch : branches_)
@@ -254,45 +243,61 @@ private:
 };
 
 enum Clip { kCalm, kGust };
-constexpr ClipPlan kPlans[] = {{"calm", 144}, {"gust", 96}};
 
-Bend bend_of(const Moment& m) {
-    const double share = m.share(), turns = m.loop - m.chain.phase_turns;
-    const bool gust = m.clip == kGust;
-    // Two waves of different length do not look like a clock.
-    const auto sway = [&](double lag) { return 0.7 * sine(turns - lag) + 0.3 * sine(2 * turns - 1.7 * lag + 0.2); };
-    switch (m.chain.part) {
-        case Part::kTrunk:
-            return {share * (gust ? 0.05 + 0.025 * sway(0) : 0.008 * sway(0)), share * 0.008 * sway(0.3), 0};
-        case Part::kLimb:
-            return {share * (gust ? 0.10 + 0.06 * sway(0.05) : 0.02 * sway(0.05)), share * 0.02 * sway(0.35), 0};
-        case Part::kBough:
-            return {share * (gust ? 0.14 + 0.10 * sway(0.08) : 0.03 * sway(0.08)), share * 0.04 * sway(0.4), 0};
-        default: break;
-    }
-    const double lag = 0.15 + 0.45 * m.along();
-    if (gust)
-        return {share * (0.85 + 0.5 * sway(lag) + 0.18 * m.along() * sine(4 * turns - 2 * lag)),
-                share * 0.28 * sway(lag + 0.25), 0};
-    return {share * 0.16 * sway(lag), share * 0.12 * sway(lag + 0.25), 0};
+// Two waves of different length do not look like a clock.
+double sway(const Moment& m, double lag) {
+    const double turns = m.loop - m.chain.phase_turns;
+    return 0.7 * sine(turns - lag) + 0.3 * sine(2 * turns - 1.7 * lag + 0.2);
+}
+
+// How far wood bends before the wind, and to and fro.
+struct Stiffness {
+    double lean, gust, calm, aside, lag, lag_aside;
+};
+Bend bend_of_wood(const Moment& m, const Stiffness& wood) {
+    const double swing = sway(m, wood.lag), share = m.share();
+    return {share * (m.clip == kGust ? wood.lean + wood.gust * swing : wood.calm * swing),
+            share * wood.aside * sway(m, wood.lag_aside)};
+}
+
+Bend bend_of_strand(const Moment& m) {
+    const double share = m.share(), lag = 0.15 + 0.45 * m.along();
+    if (m.clip == kCalm) return {share * 0.16 * sway(m, lag), share * 0.12 * sway(m, lag + 0.25)};
+    const double flutter = 0.18 * m.along() * sine(4 * (m.loop - m.chain.phase_turns) - 2 * lag);
+    return {share * (0.85 + 0.5 * sway(m, lag) + flutter), share * 0.28 * sway(m, lag + 0.25)};
 }
 
 // The roots hold: only what little the ground gives.
 RootMotion root_motion(uint32_t clip, double loop) {
     const double give = clip == kGust ? 0.006 : 0.002;
-    return {{0.1 * give * sine(loop), 0, 0}, {0, 0, give * sine(loop)}};
+    return {{0.1 * give * sine(loop)}, {0, 0, give * sine(loop)}};
 }
 
 }  // namespace
 
 Model make_willow(const CreatureSettings& settings) {
     Body body = Gardener(settings).grow();
-    const Tree tree(settings);
-    std::vector<Piece> pieces = wood(tree, body);
-    pieces.push_back(Leaves{
-        .at = [foliage = Foliage(tree, body)](uint32_t index, uint32_t count) { return foliage.at(index, count); },
-        .wanted_count = 1150});
-    return {std::move(body), std::move(pieces), {kPlans, bend_of, root_motion}};
+    std::vector<Piece> pieces = Wood(body).grow(settings.seed);
+    pieces.push_back(Leaves{.at = [foliage = Foliage(Tree(settings), body)](
+                                      uint32_t index, uint32_t count) { return foliage.at(index, count); },
+                            .count = {1150}});
+    return {std::move(body),
+            std::move(pieces),
+            {{{"calm", 144}, {"gust", 96}},
+             {{"trunk",
+               [](const Moment& m) {
+                   return bend_of_wood(m, {0.05, 0.025, 0.008, 0.008, 0, 0.3});
+               }},
+              {"limb",
+               [](const Moment& m) {
+                   return bend_of_wood(m, {0.10, 0.06, 0.02, 0.02, 0.05, 0.35});
+               }},
+              {"bough",
+               [](const Moment& m) {
+                   return bend_of_wood(m, {0.14, 0.10, 0.03, 0.04, 0.08, 0.4});
+               }},
+              {"strand", bend_of_strand}},
+             root_motion}};
 }
 
 }  // namespace throng::creature

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
@@ -20,7 +21,16 @@ namespace fs = std::filesystem;
 
 // Which frames, and where they lie.
 struct FilmPlan {
-    explicit FilmPlan(const RenderOptions& options);
+    explicit FilmPlan(const RenderOptions& options)
+        : size(parse_size(options.size)),
+          range(parse_frames(options.frames)),
+          shard(parse_shard(options.shard)),
+          is_film(options.out.ends_with(".mp4")),
+          folder(options.out + ".frames"),
+          files(is_film ? folder / "%06d.png" : fs::path(options.out)) {
+        if (is_film && (size.width % 2 != 0 || size.height % 2 != 0))
+            throw CommandError("--size " + options.size + ": an .mp4 needs an even width and height");
+    }
 
     RendererSettings size;
     FrameRange range;
@@ -30,22 +40,11 @@ struct FilmPlan {
     FrameFiles files;
 };
 
-FilmPlan::FilmPlan(const RenderOptions& options)
-    : size(parse_size(options.size)),
-      range(parse_frames(options.frames)),
-      shard(parse_shard(options.shard)),
-      is_film(options.out.ends_with(".mp4")),
-      folder(options.out + ".frames"),
-      files(is_film ? folder / "%06d.png" : fs::path(options.out)) {
-    if (is_film && (size.width % 2 != 0 || size.height % 2 != 0))
-        throw CommandError("--size " + options.size + ": an .mp4 needs an even width and height");
-}
-
 // The film, its frames of any shard, and their settings.
 std::vector<fs::path> outs_of(const RenderOptions& options, const FilmPlan& plan) {
     std::vector<fs::path> outs{plan.files.settings_path()};
     if (plan.is_film) outs.push_back(options.out);
-    for (uint32_t frame = plan.range.first; frame < plan.range.end; ++frame) outs.push_back(plan.files.path(frame));
+    for (const uint32_t frame : plan.range.frames()) outs.push_back(plan.files.path(frame));
     return outs;
 }
 
@@ -166,7 +165,7 @@ void print_film(const RenderOptions& options, const std::string& device, const F
 void encode(const RenderOptions& options, const FilmPlan& plan) {
     print_progress("encoding " + options.out);
     encode_film({plan.folder, plan.range.first, plan.range.end - plan.range.first, options.fps}, options.out);
-    for (uint32_t frame = plan.range.first; frame < plan.range.end; ++frame) fs::remove(plan.files.path(frame));
+    for (const uint32_t frame : plan.range.frames()) fs::remove(plan.files.path(frame));
     const auto files_left = std::distance(fs::directory_iterator(plan.folder), fs::directory_iterator());
     if (files_left == 1) fs::remove_all(plan.folder);  // the settings alone
     print_progress("");
@@ -192,10 +191,9 @@ void render_film(const RenderOptions& options) {
         film = draw_frames(device, options, plan, frames, settings);
     }
     if (encodes) encode(options, plan);
-    uint32_t asked = 0;
-    for (uint32_t frame = plan.range.first; frame < plan.range.end; ++frame)
-        asked += frame % plan.shard.count == plan.shard.index;
-    print_film(options, device_name, film, asked);
+    const auto asked = std::ranges::count_if(plan.range.frames(),
+                                             [&](uint32_t frame) { return plan.shard.has(frame); });
+    print_film(options, device_name, film, static_cast<size_t>(asked));
 }
 
 }  // namespace throng::tools

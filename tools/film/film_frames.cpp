@@ -39,24 +39,20 @@ bool is_whole(const std::filesystem::path& path, uint32_t width, uint32_t height
 }  // namespace
 
 FrameRange parse_frames(const std::string& text) {
-    const size_t colon = std::min(text.find(':'), text.size());
-    const auto first = parse_number(text.substr(0, colon)),
-               end = parse_number(text.substr(std::min(colon + 1, text.size())));
-    if (!first || !end || *first >= *end || *end > kMostFrames)
+    const auto range = parse_pair(text, ':');
+    if (!range || range->first >= range->second || range->second > kMostFrames)
         throw CommandError("--frames " + text +
                            ": give it as FIRST:END, for example 0:240 for frames 0 to 239; at most to frame " +
                            std::to_string(kMostFrames));
-    return {*first, *end};
+    return {range->first, range->second};
 }
 
 Shard parse_shard(const std::string& text) {
     if (text.empty()) return {};
-    const size_t slash = std::min(text.find('/'), text.size());
-    const auto index = parse_number(text.substr(0, slash)),
-               count = parse_number(text.substr(std::min(slash + 1, text.size())));
-    if (!index || !count || *index >= *count)
+    const auto shard = parse_pair(text, '/');
+    if (!shard || shard->first >= shard->second)
         throw CommandError("--shard " + text + ": give it as I/N with I from 0 to N - 1, for example 0/4 to 3/4");
-    return {*index, *count};
+    return {shard->first, shard->second};
 }
 
 FrameFiles::FrameFiles(const std::filesystem::path& pattern) : folder_(pattern.parent_path()) {
@@ -128,8 +124,8 @@ void FrameFiles::keep_settings(const nlohmann::json& settings) const {
 std::vector<uint32_t> FrameFiles::missing(const FrameRange& range, const Shard& shard, uint32_t width,
                                           uint32_t height) const {
     std::vector<uint32_t> frames;
-    for (uint32_t frame = range.first; frame < range.end; ++frame)
-        if (frame % shard.count == shard.index && !is_whole(path(frame), width, height)) frames.push_back(frame);
+    for (const uint32_t frame : range.frames())
+        if (shard.has(frame) && !is_whole(path(frame), width, height)) frames.push_back(frame);
     return frames;
 }
 

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <ranges>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@ namespace throng::tools {
 // Frames first <= i < end.
 struct FrameRange {
     uint32_t first = 0, end = 0;
+
+    auto frames() const { return std::views::iota(first, end); }
 };
 // "A:B". Throws CommandError.
 FrameRange parse_frames(const std::string& text);
@@ -20,6 +23,8 @@ FrameRange parse_frames(const std::string& text);
 // Frames i with i % count == index, so that shards share what is slow in a film evenly.
 struct Shard {
     uint32_t index = 0, count = 1;
+
+    bool has(uint32_t frame) const { return frame % count == index; }
 };
 // "I/N"; empty: all. Throws CommandError.
 Shard parse_shard(const std::string& text);

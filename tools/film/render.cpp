@@ -48,54 +48,53 @@ void run_render(const RenderOptions& options) {
 
 void add_render(Command app) {
     Command command = app.add_subcommand("render", "draw a crowd of one or several files to a picture or a film");
-    auto options = std::make_shared<RenderOptions>();
-    add_scene_options(command, options->scene);
-    command.add_option("--size", options->size, "of the picture").capture_default_str();
-    command
-        .add_option("--time", options->time_s, "seconds after the start; every character starts at a time of its own")
+    RenderOptions& options = command.options_of(run_render);
+    add_scene_options(command, options.scene);
+    command.add_option("--size", options.size, "of the picture").capture_default_str();
+    command.add_option("--time", options.time_s, "seconds after the start; every character starts at a time of its own")
         .check(finite())
         .capture_default_str();
-    add_camera_options(command, options->camera);
-    command.add_flag("--steer", options->scene.steer,
+    add_camera_options(command, options.camera);
+    command.add_flag("--steer", options.scene.steer,
                      "characters walk, each to the place of another of its kind, and out of each other's way; a "
                      "controller's parameter \"speed\" is told how fast. Wants --spacing 2 or more");
     Option frames = command.add_option(
-        "--frames", options->frames, "FIRST:END: a film, of frames FIRST to END - 1; frame 0 is the picture at --time");
-    command.add_option("--fps", options->fps, "frames a second")
+        "--frames", options.frames, "FIRST:END: a film, of frames FIRST to END - 1; frame 0 is the picture at --time");
+    command.add_option("--fps", options.fps, "frames a second")
         .needs(frames)
         .check(finite())
         .check(range(0.1, 1000.0))
         .capture_default_str();
     command
-        .add_option("--shard", options->shard,
+        .add_option("--shard", options.shard,
                     "I/N: only the frames whose number divided by N leaves I; the same bytes as without")
         .needs(frames);
-    add_out_option(command, options->out,
+    add_out_option(command, options.out,
                    "the .png file to write; with --frames a film.mp4, or pictures such as frame_%04d.png. Whole frames "
                    "of an interrupted run are kept (those of an .mp4 in a folder .mp4.frames, "
                    "until the film is there)");
-    add_device_option(command, options->device);
+    add_device_option(command, options.device);
     Option lod = command
                      .add_option(
-                         "--lod-pixels", options->lod_pixels,
+                         "--lod-pixels", options.lod_pixels,
                          "pixels of the picture by which coarser levels of detail may be off where they are drawn")
                      .check(finite())
                      .check(range(0.01, 1000.0))
                      .capture_default_str();
     command
-        .add_flag("--everything", options->everything,
+        .add_flag("--everything", options.everything,
                   "animate and draw all, at full detail, also what the picture does not show")
         .excludes(lod);
     const std::map<std::string, SkinBlend> blends{{"linear", SkinBlend::kLinear},
                                                   {"dual-quaternion", SkinBlend::kDualQuaternion}};
-    command.add_choice("--skinning", options->skin_blend, blends,
+    command.add_choice("--skinning", options.skin_blend, blends,
                        "linear, or dual-quaternion: joints that twist keep their girth");
-    command.add_flag("--skin-once", options->skins_once,
+    command.add_flag("--skin-once", options.skins_once,
                      "skin vertices once a frame, in compute, not once for the shadows and once for the picture");
-    command.add_flag("--skeletons", options->skeletons,
+    command.add_flag("--skeletons", options.skeletons,
                      "a line from each joint to its parent, over everything, coloured by level");
-    command.add_flag("--bounds", options->bounds, "the boxes that culling goes by");
-    command.add_flag("--json", options->json, "print the stage times as JSON");
+    command.add_flag("--bounds", options.bounds, "the boxes that culling goes by");
+    command.add_flag("--json", options.json, "print the stage times as JSON");
     command.footer(
         "Examples:\n  throng render fox.glb --out fox.png\n  throng render fox.glb knight.glb --count 1000 --size "
         "1280x720 --time 2 --seed 3 --out crowd.png\n"
@@ -105,7 +104,6 @@ void add_render(Command app) {
         "--target 0,0,0 --frames 0:600 --out walk.mp4\n"
         "  throng render dragon.glb walker.glb --sizes 4,1.8 --counts 20,900 --controller walker.glb=walker.json "
         "--camera follow:character=17 --frames 0:240 --shard 0/4 --out frame_%04d.png");
-    command.callback([options] { run_render(*options); });
 }
 
 }  // namespace throng::tools

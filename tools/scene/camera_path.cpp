@@ -12,38 +12,6 @@
 namespace throng::tools {
 namespace {
 
-struct Parameter {
-    const char* name;
-    double initial, least, most;
-};
-
-struct Preset {
-    const char* name;
-    const char* what;
-    std::vector<Parameter> parameters;
-};
-
-constexpr double kLongest_s = 86400;
-
-const std::vector<Preset>& presets() {
-    static const std::vector<Preset> presets{
-        {"fit", "still, from the front right", {}},
-        {"orbit", "once round", {{"seconds", 20, 0.1, kLongest_s}, {"distance", 1, 0.1, 10}, {"height", 1, 0, 10}}},
-        {"flyover", "round above the heads", {{"seconds", 40, 0.1, kLongest_s}, {"height", 1, 0.1, 100}}},
-        {"low", "once round at eye level", {{"seconds", 60, 0.1, kLongest_s}, {"height", 0.5, 0.01, 10}}},
-        {"follow",
-         "behind one character and a bit above",
-         {{"character", 0, 0, 4294967294.0}, {"distance", 2.2, 0.1, 100}, {"height", 1.2, 0, 100}}},
-    };
-    return presets;
-}
-
-std::string names_of(const std::vector<Parameter>& parameters) {
-    std::string names;
-    for (const Parameter& parameter : parameters) names += (names.empty() ? "" : ", ") + std::string(parameter.name);
-    return names;
-}
-
 Vec3<float> centre_of(const Bounds& bounds) { return (bounds.min + bounds.max) * 0.5f; }
 
 Vec3<float> turned(const Vec3<float>& v, double turn_rad) {
@@ -51,11 +19,20 @@ Vec3<float> turned(const Vec3<float>& v, double turn_rad) {
     return {c * v.x + s * v.z, v.y, c * v.z - s * v.x};
 }
 
-// The angle of a way that is gone round in `period_s`; exact for whole periods, however late.
-double angle_rad(double time_s, double period_s) { return 2 * std::numbers::pi * std::fmod(time_s / period_s, 1.0); }
+using Values = std::map<std::string, double>;
+
+// The angle of a way that is gone round in "seconds"; exact for whole periods, however late.
+double angle_rad(double time_s, const Values& values) {
+    return 2 * std::numbers::pi * std::fmod(time_s / values.at("seconds"), 1.0);
+}
+
+Camera fit(double, const CameraSubject& subject, const Values&) {
+    return fit_camera(subject.bounds, subject.aspect_ratio);
+}
 
 // The fit camera of a drum that holds the bounds, which looks the same from all sides, turned about its axis.
-Camera orbit(const CameraSubject& subject, double turn_rad, double distance, double height) {
+Camera orbit(double time_s, const CameraSubject& subject, const Values& values) {
+    const double turn_rad = angle_rad(time_s, values);
     const Vec3<float> centre = centre_of(subject.bounds), half = (subject.bounds.max - subject.bounds.min) * 0.5f;
     // Of the drum's radius: half the side of a box that looks about as wide from the fit camera's side; corners of a
     // square crowd pass through the picture's edges
@@ -64,15 +41,16 @@ Camera orbit(const CameraSubject& subject, double turn_rad, double distance, dou
     Camera camera = fit_camera({centre - Vec3<float>{side, half.y, side}, centre + Vec3<float>{side, half.y, side}},
                                subject.aspect_ratio);
     const Vec3<float> out = camera.eye - camera.target;
-    const Vec3<float> eye = camera.target + Vec3<float>{out.x, out.y * static_cast<float>(height), out.z} *
-                                                static_cast<float>(distance);
+    const Vec3<float> eye = camera.target + Vec3<float>{out.x, out.y * static_cast<float>(values.at("height")), out.z} *
+                                                static_cast<float>(values.at("distance"));
     camera.eye = centre + turned(eye - centre, turn_rad);
     camera.target = centre + turned(camera.target - centre, turn_rad);
     return camera;
 }
 
 // Round above the heads, now nearer to the middle and now farther from it, looking ahead and inwards.
-Camera flyover(const CameraSubject& subject, double angle, double height) {
+Camera flyover(double time_s, const CameraSubject& subject, const Values& values) {
+    const double angle = angle_rad(time_s, values);
     const Vec3<float> centre = centre_of(subject.bounds), extent = subject.bounds.max - subject.bounds.min;
     const auto above = [&](double turn_rad, double radius, double y) {
         return Vec3<float>{centre.x + static_cast<float>(std::sin(turn_rad) * radius * (extent.x / 2 + extent.y)),
@@ -80,25 +58,28 @@ Camera flyover(const CameraSubject& subject, double angle, double height) {
                            centre.z + static_cast<float>(std::cos(turn_rad) * radius * (extent.z / 2 + extent.y))};
     };
     constexpr double kAhead_rad = 1.3;
-    return {.eye = above(angle, 0.75 + 0.2 * std::cos(2 * angle), subject.bounds.max.y + extent.y * height),
-            .target = above(angle + kAhead_rad, 0.5, subject.bounds.min.y)};
+    return {
+        .eye = above(angle, 0.75 + 0.2 * std::cos(2 * angle), subject.bounds.max.y + extent.y * values.at("height")),
+        .target = above(angle + kAhead_rad, 0.5, subject.bounds.min.y)};
 }
 
 // Outside of the crowd at the height of its eyes, on a rounded rectangle: |x|^4 + |z|^4 = 1 in half extents.
-Camera low(const CameraSubject& subject, double angle, double height) {
+Camera low(double time_s, const CameraSubject& subject, const Values& values) {
+    const double angle = angle_rad(time_s, values);
     const Vec3<float> centre = centre_of(subject.bounds), half = (subject.bounds.max - subject.bounds.min) * 0.5f;
     const float tall = std::max(2 * half.y, 1e-3f), margin = 1.2f * tall;
     const double s = std::sin(angle), c = std::cos(angle), x = s / std::max(double{half.x + margin}, 1e-9),
                  z = c / std::max(double{half.z + margin}, 1e-9);
     const double radius = 1 / std::sqrt(std::sqrt(x * x * x * x + z * z * z * z));
     Camera camera;
-    camera.eye = {centre.x + static_cast<float>(s * radius), subject.bounds.min.y + tall * static_cast<float>(height),
+    camera.eye = {centre.x + static_cast<float>(s * radius),
+                  subject.bounds.min.y + tall * static_cast<float>(values.at("height")),
                   centre.z + static_cast<float>(c * radius)};
     camera.target = {centre.x, subject.bounds.min.y + tall * 0.5f, centre.z};
     return camera;
 }
 
-Camera follow(const CameraSubject& subject, double distance, double height) {
+Camera follow(double, const CameraSubject& subject, const Values& values) {
     const Vec3<float> extent = subject.model_bounds.max - subject.model_bounds.min,
                       middle = centre_of(subject.model_bounds);
     const float size = std::max({extent.x, extent.y, extent.z, 1e-6f});
@@ -107,14 +88,53 @@ Camera follow(const CameraSubject& subject, double distance, double height) {
             subject.world_from_model,
             Vec3<float>{middle.x, subject.model_bounds.min.y + up * extent.y, middle.z + ahead * size});
     };
-    return {.eye = in_world(static_cast<float>(height), -static_cast<float>(distance)), .target = in_world(0.6f, 1)};
+    return {.eye = in_world(static_cast<float>(values.at("height")), -static_cast<float>(values.at("distance"))),
+            .target = in_world(0.6f, 1)};
+}
+
+struct Parameter {
+    const char* name;
+    double initial, least, most;
+};
+
+struct Preset {
+    const char *name, *what;
+    Camera (*at)(double time_s, const CameraSubject& subject, const Values& values);
+    std::vector<Parameter> parameters;
+};
+
+constexpr double kLongest_s = 86400;
+
+const std::vector<Preset>& presets() {
+    static const std::vector<Preset> presets{
+        {"fit", "still, from the front right", fit, {}},
+        {"orbit",
+         "once round",
+         orbit,
+         {{"seconds", 20, 0.1, kLongest_s}, {"distance", 1, 0.1, 10}, {"height", 1, 0, 10}}},
+        {"flyover", "round above the heads", flyover, {{"seconds", 40, 0.1, kLongest_s}, {"height", 1, 0.1, 100}}},
+        {"low", "once round at eye level", low, {{"seconds", 60, 0.1, kLongest_s}, {"height", 0.5, 0.01, 10}}},
+        {"follow",
+         "behind one character and a bit above",
+         follow,
+         {{"character", 0, 0, 4294967294.0}, {"distance", 2.2, 0.1, 100}, {"height", 1.2, 0, 100}}},
+    };
+    return presets;
+}
+
+auto find_preset(const std::string& name) { return std::ranges::find(presets(), name, &Preset::name); }
+
+std::string names_of(const std::vector<Parameter>& parameters) {
+    std::string names;
+    for (const Parameter& parameter : parameters) names += (names.empty() ? "" : ", ") + std::string(parameter.name);
+    return names;
 }
 
 }  // namespace
 
 CameraPath::CameraPath(const std::string& text) : name_(text.substr(0, text.find(':'))) {
     const auto wrong = [&](const std::string& what) { return CommandError("--camera " + text + ": " + what); };
-    const auto preset = std::ranges::find(presets(), name_, &Preset::name);
+    const auto preset = find_preset(name_);
     if (preset == presets().end()) throw wrong("there is no such way; there are fit, orbit, flyover, low and follow");
     for (const Parameter& parameter : preset->parameters) parameters_[parameter.name] = parameter.initial;
     if (name_ == text) return;
@@ -141,17 +161,11 @@ CameraPath::CameraPath(const std::string& text) : name_(text.substr(0, text.find
 }
 
 uint32_t CameraPath::followed_character() const {
-    return follows() ? static_cast<uint32_t>(parameter("character")) : 0;
+    return follows() ? static_cast<uint32_t>(parameters_.at("character")) : 0;
 }
 
 Camera CameraPath::at(double time_s, const CameraSubject& subject) const {
-    if (still_) return *still_;
-    if (name_ == "orbit")
-        return orbit(subject, angle_rad(time_s, parameter("seconds")), parameter("distance"), parameter("height"));
-    if (name_ == "flyover") return flyover(subject, angle_rad(time_s, parameter("seconds")), parameter("height"));
-    if (name_ == "low") return low(subject, angle_rad(time_s, parameter("seconds")), parameter("height"));
-    if (name_ == "follow") return follow(subject, parameter("distance"), parameter("height"));
-    return fit_camera(subject.bounds, subject.aspect_ratio);
+    return still_ ? *still_ : find_preset(name_)->at(time_s, subject, parameters_);
 }
 
 void add_camera_options(Command app, CameraOptions& options) {
@@ -162,14 +176,11 @@ void add_camera_options(Command app, CameraOptions& options) {
     }
     Option camera = app.add_option("--camera", options.path, help + "; for example orbit:seconds=30,height=2")
                         .capture_default_str();
-    Option eye = app.add_option("--eye", options.eye, "where the camera stands, x,y,z in metres")
-                     .delimiter(',')
-                     .expected(3)
-                     .check(finite());
-    Option target = app.add_option("--target", options.target, "where it looks, x,y,z in metres")
-                        .delimiter(',')
-                        .expected(3)
-                        .check(finite());
+    const auto add_place = [&](const char* name, std::vector<float>& place, const std::string& what) {
+        return app.add_option(name, place, what + ", x,y,z in metres").delimiter(',').expected(3).check(finite());
+    };
+    Option eye = add_place("--eye", options.eye, "where the camera stands");
+    Option target = add_place("--target", options.target, "where it looks");
     eye.needs(target).excludes(camera);
     target.needs(eye);
 }

@@ -34,8 +34,6 @@ public:
     uint32_t followed_character() const;
 
 private:
-    double parameter(const char* name) const { return parameters_.at(name); }
-
     std::string name_;
     std::map<std::string, double> parameters_;
     std::optional<Camera> still_;
