@@ -108,15 +108,28 @@ Image upload_texture(Uploads& uploads, std::string_view what, const Picture& pic
     return texture;
 }
 
-std::optional<Image> make_texture(Uploads& uploads, const AssetImage& image, VkFormat format, TextureAccount& account) {
+namespace {
+
+// What `make` returns; none, with a warning, where that is no more than a texture the less.
+template <class Make>
+std::optional<std::invoke_result_t<Make>> or_white(TextureAccount& account, const Make& make) {
     try {
-        return upload_texture(uploads, "image '" + image.name + "'", decode_image(image, account.room_bytes), format);
+        return make();
     } catch (const Failure& failure) {
         const ErrorCode code = failure.error.code;
         if (code != ErrorCode::kInvalidFile && code != ErrorCode::kLimit && code != ErrorCode::kOutOfMemory) throw;
         account.warnings.push_back(failure.error.text() + "; drawn white");
         return std::nullopt;
     }
+}
+
+}  // namespace
+
+std::optional<Image> make_texture(Uploads& uploads, const AssetImage& image, VkFormat format, TextureAccount& account) {
+    const std::optional<Picture> picture = or_white(account, [&] { return decode_image(image, account.room_bytes); });
+    if (!picture) return std::nullopt;
+    uploads.make_room(picture->rgba.size());  // none of this texture's, where it fails
+    return or_white(account, [&] { return upload_texture(uploads, "image '" + image.name + "'", *picture, format); });
 }
 
 Image make_white_texture(const std::shared_ptr<Gpu>& gpu) {
