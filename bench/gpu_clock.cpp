@@ -4,20 +4,12 @@
 #include "bench/rounds.h"
 #include "gpu/barrier.h"
 
-#include <array>
-
 namespace throng::bench {
 
-GpuClock::GpuClock(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {
+GpuClock::GpuClock(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)), stamps_(gpu_, 2) {
     if (!gpu_->has_timestamps())
         throw Failure(ErrorCode::kUnsupported, gpu_->info.name, "the device has no timestamps to measure with");
-    VkQueryPoolCreateInfo create{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
-    create.queryType = VK_QUERY_TYPE_TIMESTAMP;
-    create.queryCount = 2;
-    check(gpu_->vk.vkCreateQueryPool(gpu_->device, &create, nullptr, &pool_), "vkCreateQueryPool");
 }
-
-GpuClock::~GpuClock() { gpu_->vk.vkDestroyQueryPool(gpu_->device, pool_, nullptr); }
 
 // On a busy machine lavapipe's timestamps were seen to span a fifth of the host's time and less, probably because
 // another thread writes them than the one that computes. The host's clock counts then, which sees the submission too.
@@ -36,19 +28,14 @@ Reading GpuClock::read(const std::function<void(VkCommandBuffer)>& work) const {
 
 double GpuClock::timestamps_ms(const std::function<void(VkCommandBuffer)>& work) const {
     gpu_->submit_and_wait([&](VkCommandBuffer commands) {
-        gpu_->vk.vkCmdResetQueryPool(commands, pool_, 0, 2);
+        stamps_.begin(commands);
         memory_barrier(*gpu_, commands, kTransferWrite | kShaderRead | kShaderWrite, kShaderRead | kShaderWrite);
-        gpu_->vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_, 0);
+        stamps_.write(commands);
         work(commands);
-        gpu_->vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_, 1);
+        stamps_.write(commands);
+        stamps_.publish(commands);
     });
-    std::array<uint64_t, 2> ticks{};
-    check(gpu_->vk.vkGetQueryPoolResults(gpu_->device, pool_, 0, 2, sizeof ticks, ticks.data(), sizeof ticks[0],
-                                         VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
-          "vkGetQueryPoolResults");
-    const uint64_t mask = gpu_->timestamp_valid_bits >= 64 ? ~uint64_t{0}
-                                                           : (uint64_t{1} << gpu_->timestamp_valid_bits) - 1;
-    return static_cast<double>((ticks[1] - ticks[0]) & mask) * double{gpu_->properties.limits.timestampPeriod} * 1e-6;
+    return stamps_.newest().value().ms[1];
 }
 
 }  // namespace throng::bench

@@ -1,7 +1,7 @@
 // Milliseconds that recorded work takes on the GPU.
 #pragma once
 
-#include "gpu/gpu.h"
+#include "gpu/timestamps.h"
 
 namespace throng::bench {
 
@@ -17,9 +17,6 @@ class GpuClock {
 public:
     // Throws kUnsupported where the device has no timestamps.
     explicit GpuClock(std::shared_ptr<Gpu> gpu);
-    ~GpuClock();
-    GpuClock(const GpuClock&) = delete;
-    GpuClock& operator=(const GpuClock&) = delete;
 
     // Submits what `work` records once, alone between two timestamps, and waits. It sees all work submitted before.
     Reading read(const std::function<void(VkCommandBuffer)>& work) const;
@@ -29,7 +26,7 @@ private:
     double timestamps_ms(const std::function<void(VkCommandBuffer)>& work) const;
 
     std::shared_ptr<Gpu> gpu_;
-    VkQueryPool pool_ = VK_NULL_HANDLE;
+    mutable Timestamps stamps_;
 };
 
 }  // namespace throng::bench
