@@ -11,12 +11,14 @@
 
 #include <throng/transform.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <regex>
+#include <tuple>
 
 namespace throng {
 namespace {
@@ -31,6 +33,12 @@ constexpr uint32_t kControlSpirv[] = {
 };
 constexpr uint32_t kSampleSpirv[] = {
 #include "sample/sample.comp.inc"
+};
+constexpr uint32_t kSampleSoftwareSpirv[] = {
+#include "sample/sample.software.inc"
+};
+constexpr uint32_t kCharacterSpirv[] = {
+#include "draw/character.frag.inc"
 };
 constexpr uint32_t kBlendSpirv[] = {
 #include "blend/blend.comp.inc"
@@ -184,6 +192,21 @@ TEST(Gpu, SpirvTellsWhatAShaderNeeds) {
         }
     }
     EXPECT_EQ(error_of([] { scan_shaders("no such method"); }).code, ErrorCode::kInvalidArgument);
+}
+
+TEST(Gpu, SpirvTellsSetsAndKinds) {
+    using Found = std::tuple<uint32_t, uint32_t, BindingKind>;
+    const SpirvInfo info = read_spirv(kCharacterSpirv);
+    std::vector<Found> found;
+    for (const BindingInfo& binding : info.bindings) found.emplace_back(binding.set, binding.binding, binding.kind);
+    std::vector<Found> expected{{1, 0, BindingKind::kImage}, {1, io::kSceneBuffer, BindingKind::kUniform}};
+    for (uint32_t texture = 0; texture < 5; ++texture) expected.emplace_back(2, texture, BindingKind::kImage);
+    EXPECT_EQ(found, expected);
+    EXPECT_EQ(info.push_constant_bytes, sizeof(io::DrawPush));
+    const SpirvInfo software = read_spirv(kSampleSoftwareSpirv);
+    const auto keys = std::ranges::find(software.bindings, uint32_t{io::kKeysBuffer}, &BindingInfo::binding);
+    ASSERT_NE(keys, software.bindings.end());
+    EXPECT_EQ(keys->kind, BindingKind::kTexels);
 }
 
 TEST(Gpu, WhatIsNoSpirvIsRefused) {
