@@ -1,9 +1,12 @@
 // The draw: cameras that hold a crowd, pictures that survive a PNG, and a square whose colour says what was drawn.
 #include <throng/draw.h>
 
+#include "base/failure.h"
 #include "crowd/crowd_state.h"
 #include "draw/light_reference.h"
 #include "draw/scene.h"
+#include "draw/shadow_map.h"
+#include "draw/textures.h"
 #include "gpu/barrier.h"
 #include "gpu/buffer.h"
 #include "tests/files.h"
@@ -348,6 +351,29 @@ TEST(Draw, BrokenNormalMapsChangeNothing) {
     asset.materials[0].normal_image = 0;
     asset.images = {{.name = "broken", .encoded = std::vector<std::byte>(9, std::byte{7})}};
     EXPECT_EQ(draw(asset).rgba, without.rgba);
+}
+
+PFN_vkQueueSubmit2 driver_submit = nullptr;
+
+// A texture that makes those before it be submitted is not taken for the cause where that fails.
+TEST(Draw, AFailedUploadIsNotBlamedOnTheNextTexture) {
+    const Device device = another_device();
+    Gpu& gpu = *device.gpu();
+    Uploads uploads(device.gpu());
+    const Buffer before = upload(uploads, "before", std::vector<std::byte>(Uploads::kMostStaged_bytes));
+    driver_submit = std::exchange(gpu.vk.vkQueueSubmit2, [](VkQueue, uint32_t, const VkSubmitInfo2*, VkFence) {
+        return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    });
+    const AssetImage next{.name = "next", .encoded = png_bytes(gradient(8, 8))};
+    std::vector<std::string> warnings;
+    TextureAccount account{warnings};
+    const Result<void> made = as_result([&] { make_texture(uploads, next, kColorTexture, account); });
+    ASSERT_FALSE(made);
+    EXPECT_EQ(made.error().code, ErrorCode::kOutOfMemory);
+    EXPECT_EQ(made.error().text().find("next"), std::string::npos) << made.error().text();
+    EXPECT_TRUE(warnings.empty());
+    gpu.vk.vkQueueSubmit2 = driver_submit;
+    EXPECT_TRUE(make_texture(uploads, next, kColorTexture, account));
 }
 
 // Images that say they are large, and have no pixels: each takes a sixth of what there is room for, before it is

@@ -108,9 +108,43 @@ TEST(GpuMemory, BlocksAreSharedGrowAndGo) {
     gpu.memory.give_back(large);
     EXPECT_EQ(gpu.memory.block_count(), blocks_before);
     for (; parts.size() > 1; parts.pop_front()) gpu.memory.give_back(parts.front());
-    EXPECT_EQ(gpu.memory.block_count(), 1u) << "where something is in use still";
+    EXPECT_EQ(gpu.memory.block_count(), 2u) << "one where something is in use still, and an empty one, which is kept";
     gpu.memory.give_back(parts.front());
+    EXPECT_EQ(gpu.memory.block_count(), 1u) << "the empty one";
+    gpu.memory.clear();
     EXPECT_EQ(gpu.memory.block_count(), 0u);
+}
+
+TEST(GpuMemory, ReadBacksDoNotAskTheDriverEachTime) {
+    const Device device = another_device();
+    const std::vector<uint32_t> values(1000, 7);
+    const Buffer buffer = upload(device.gpu(), "values", values);
+    EXPECT_EQ(download<uint32_t>(device.gpu(), buffer), values);
+    const uint64_t before = device.gpu()->counts.allocations;
+    for (int i = 0; i < 5; ++i) EXPECT_EQ(download<uint32_t>(device.gpu(), buffer), values);
+    EXPECT_EQ(device.gpu()->counts.allocations, before);
+    // The same of a memory type that nothing else uses, as on a discrete GPU
+    MemoryBlocks blocks(*device.gpu(), true);
+    for (int i = 0; i < 5; ++i) blocks.give_back(blocks.take(0, 1000, 64));
+    EXPECT_EQ(device.gpu()->counts.allocations, before + 1);
+    EXPECT_EQ(blocks.block_count(), 1u);
+}
+
+TEST(GpuMemory, OfBlocksThatAreEmptyOneIsKept) {
+    const Device device = another_device();
+    for (const bool keeps_empty : {true, false}) {
+        MemoryBlocks blocks(*device.gpu(), keeps_empty);
+        const MemoryPart first = blocks.take(0, MemoryBlocks::kSmallestBlock_bytes, 16),
+                         second = blocks.take(0, MemoryBlocks::kSmallestBlock_bytes, 16),
+                         large = blocks.take(0, 2 * MemoryBlocks::kLargestBlock_bytes, 16);
+        EXPECT_EQ(blocks.block_count(), 3u);
+        blocks.give_back(large);
+        EXPECT_EQ(blocks.block_count(), 2u) << "what is larger than shared blocks is never kept";
+        blocks.give_back(first);
+        EXPECT_EQ(blocks.block_count(), keeps_empty ? 2u : 1u);
+        blocks.give_back(second);
+        EXPECT_EQ(blocks.block_count(), keeps_empty ? 1u : 0u);
+    }
 }
 
 // Each writes its number into what it has, and finds it there when it gives it back.
@@ -141,7 +175,7 @@ TEST(GpuMemory, ThreadsDoNotGetEachOthersParts) {
     for (int number = 1; number <= 4; ++number) threads.emplace_back(work, static_cast<std::byte>(number));
     for (std::thread& thread : threads) thread.join();
     EXPECT_EQ(wrong, 0u);
-    EXPECT_EQ(gpu.memory.block_count(), 0u);
+    EXPECT_EQ(gpu.memory.block_count(), 1u) << "the one that is kept";
 }
 
 PFN_vkAllocateMemory driver_allocate = nullptr;
@@ -166,7 +200,7 @@ TEST(GpuMemory, WhereABlockDoesNotFitWhatIsNeededMay) {
     EXPECT_EQ(refused.error().code, ErrorCode::kOutOfMemory);
     EXPECT_TRUE(contains(refused.error().text(), "too much")) << refused.error().text();
     buffer.reset();
-    EXPECT_EQ(gpu.memory.block_count(), 0u);
+    EXPECT_EQ(gpu.memory.block_count(), 1u) << "the one that is kept";
 }
 
 // ---- Uploads
@@ -269,7 +303,7 @@ TEST(GpuMemory, ACrowdOfManyGroupsAsksLittleOfTheDriver) {
             EXPECT_EQ(counts.submissions - submissions, 1u) << of.name;
             EXPECT_LE(counts.pipelines - pipelines, again ? 0 : of.most_pipelines) << of.name;
         }
-        EXPECT_EQ(device.gpu()->memory.block_count(), 0u);
+        EXPECT_EQ(device.gpu()->memory.block_count(), 1u) << "an empty one, which is kept";
     }
 }
 

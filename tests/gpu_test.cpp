@@ -16,12 +16,14 @@
 
 #include <throng/transform.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <regex>
+#include <tuple>
 
 namespace throng {
 namespace {
@@ -30,6 +32,9 @@ using namespace test;
 
 constexpr uint32_t kLayoutSpirv[] = {
 #include "io_structs.comp.inc"
+};
+constexpr uint32_t kCharacterSpirv[] = {
+#include "draw/character.frag.inc"
 };
 
 // The Failure that `body` throws; the test fails where it throws none.
@@ -177,6 +182,21 @@ TEST(Gpu, SpirvTellsWhatAShaderNeeds) {
         }
     }
     EXPECT_EQ(error_of([] { scan_shaders("no such method"); }).code, ErrorCode::kInvalidArgument);
+}
+
+TEST(Gpu, SpirvTellsSetsAndKinds) {
+    using Found = std::tuple<uint32_t, uint32_t, BindingKind>;
+    const SpirvInfo info = read_spirv(kCharacterSpirv);
+    std::vector<Found> found;
+    for (const BindingInfo& binding : info.bindings) found.emplace_back(binding.set, binding.binding, binding.kind);
+    std::vector<Found> expected{{1, 0, BindingKind::kImage}, {1, io::kSceneBuffer, BindingKind::kUniform}};
+    for (uint32_t texture = 0; texture < 5; ++texture) expected.emplace_back(2, texture, BindingKind::kImage);
+    EXPECT_EQ(found, expected);
+    EXPECT_EQ(info.push_constant_bytes, sizeof(io::DrawPush));
+    const SpirvInfo software = read_spirv(kernels::sample.software);
+    const auto keys = std::ranges::find(software.bindings, uint32_t{io::kKeysBuffer}, &BindingInfo::binding);
+    ASSERT_NE(keys, software.bindings.end());
+    EXPECT_EQ(keys->kind, BindingKind::kTexels);
 }
 
 TEST(Gpu, WhatIsNoSpirvIsRefused) {

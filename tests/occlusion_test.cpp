@@ -18,26 +18,19 @@ namespace {
 // A picture of depths, ready to be read.
 Image depth_image(const std::vector<float>& depths, uint32_t width, uint32_t height) {
     Image image(test_gpu(), {.what = "depths",
-                             .width = width,
-                             .height = height,
+                             .extent = {width, height},
                              .format = VK_FORMAT_R32_SFLOAT,
                              .usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
                                       VK_IMAGE_USAGE_SAMPLED_BIT});
     const Buffer staging = upload(test_gpu(), "depths", depths, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
     test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
-        transition(*test_gpu(), commands,
-                   {.image = image.handle(), .to = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, .after = kTransferWrite});
+        transition(*test_gpu(), commands, image.handle(), discarded_after(kNoAccess), kCopyTarget);
         VkBufferImageCopy copy{};
         copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
         copy.imageExtent = {width, height, 1};
         test_gpu()->vk.vkCmdCopyBufferToImage(commands, staging.handle(), image.handle(),
                                               VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
-        transition(*test_gpu(), commands,
-                   {.image = image.handle(),
-                    .from = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                    .to = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                    .before = kTransferWrite,
-                    .after = kTransferRead});
+        transition(*test_gpu(), commands, image.handle(), kCopyTarget, kCopySource);
     });
     return image;
 }

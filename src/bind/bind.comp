@@ -14,8 +14,6 @@ TABLE_OF_ROWS(kJointFromBindBuffer, JointFromBind, joint_from_bind);
 layout(constant_id = 1) const uint kSkinFormat = kSkinAffine;
 layout(push_constant) uniform Push { BindPush push; };
 
-#define SKIN_SET 0
-#define SKIN_BINDING kSkinBuffer
 #define SKIN_STORES
 #include "bind/skin_format.glsl"
 

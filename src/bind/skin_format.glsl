@@ -1,5 +1,6 @@
-// Skin matrices as they lie in memory, in the crowd's format (throng::SkinFormat). The includer defines SKIN_SET and
-// SKIN_BINDING, and SKIN_STORES where it writes them; it declares the constant kSkinFormat. [instance][palette entry]
+// Skin matrices as they lie in memory, in the crowd's format (throng::SkinFormat). The includer defines SKIN_STORES
+// where it writes them; it declares the constant kSkinFormat. [instance][palette entry]
+#include "gpu/buffers_io.h"
 #include "bind/bind_io.h"
 #include "gpu/stored.glsl"
 
@@ -9,10 +10,10 @@
 #define SKIN_ACCESS readonly
 #endif
 
-layout(set = SKIN_SET, binding = SKIN_BINDING, std430) SKIN_ACCESS buffer SkinAffines { StoredAffine skin_affines[]; };
+layout(set = 0, binding = kSkinBuffer, std430) SKIN_ACCESS buffer SkinAffines { StoredAffine skin_affines[]; };
 // A row of four each
-layout(set = SKIN_SET, binding = SKIN_BINDING, std430) SKIN_ACCESS buffer SkinHalves { StoredPair skin_halves[]; };
-layout(set = SKIN_SET, binding = SKIN_BINDING, std430) SKIN_ACCESS buffer SkinSimilarities {
+layout(set = 0, binding = kSkinBuffer, std430) SKIN_ACCESS buffer SkinHalves { StoredPair skin_halves[]; };
+layout(set = 0, binding = kSkinBuffer, std430) SKIN_ACCESS buffer SkinSimilarities {
     StoredSimilarity skin_similarities[];
 };
 

@@ -1,14 +1,13 @@
 #version 460
 // bounds: the edges of the box that culling tests of an instance.
 #include "cull/cull_io.h"
-#include "draw/draw_io.h"
+#include "draw/scene.glsl"
 #include "gpu/affine.glsl"
 
 layout(constant_id = 0) const bool kListed = false;
 
-layout(set = 0, binding = 0, std140) uniform Scene { DrawScene scene; };
-layout(set = 1, binding = 3, std430) readonly buffer Placements { Affine world_from_model[]; };
-layout(set = 1, binding = 6, std430) readonly buffer List { uint list[]; };  // cull/cull_io.h
+layout(set = 0, binding = kPlacementsBuffer, std430) readonly buffer Placements { Affine world_from_model[]; };
+layout(set = 0, binding = kListBuffer, std430) readonly buffer List { uint list[]; };  // cull/cull_io.h
 layout(push_constant) uniform Push { LinePush push; };
 
 layout(location = 0) flat out vec3 out_color;

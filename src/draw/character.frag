@@ -1,12 +1,11 @@
 #version 460
 // character: its material, lit.
-#include "draw/draw_io.h"
+#include "draw/scene.glsl"
 
 layout(constant_id = 0) const bool kDiscards = false;  // masked materials, and batches with mirrored instances
 layout(constant_id = 1) const bool kMaps = false;      // materials with more textures than that of the base colour
 
-layout(set = 0, binding = 0, std140) uniform Scene { DrawScene scene; };
-layout(set = 0, binding = 1) uniform sampler2D shadow_map;
+layout(set = 1, binding = 0) uniform sampler2D shadow_map;
 layout(set = 2, binding = 0) uniform sampler2D base_color_texture;
 layout(set = 2, binding = 1) uniform sampler2D metallic_roughness_texture;
 layout(set = 2, binding = 2) uniform sampler2D normal_texture;

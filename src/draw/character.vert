@@ -2,7 +2,7 @@
 // character: morphs, skins and places one vertex of one instance. gl_VertexIndex counts within the section,
 // gl_InstanceIndex within the batch, or within the listed instances of a level of detail.
 #include "cull/cull_io.h"
-#include "draw/draw_io.h"
+#include "draw/scene.glsl"
 #include "gpu/affine.glsl"
 #include "morph/morph_io.h"
 #include "skin/skin_io.h"
@@ -14,15 +14,14 @@ layout(constant_id = 3) const uint kSkinBlend = kSkinLinear;
 // In place of skin matrices there are vertices that the skin stage has skinned
 layout(constant_id = 4) const bool kSkinned = false;
 
-layout(set = 0, binding = 0, std140) uniform Scene { DrawScene scene; };
-layout(set = 1, binding = 0, std430) readonly buffer Vertices { VertexRows vertices[]; };
-layout(set = 1, binding = 1, std430) readonly buffer InfluenceWords { uvec2 influences[]; };
+layout(set = 0, binding = kVerticesBuffer, std430) readonly buffer Vertices { VertexRows vertices[]; };
+layout(set = 0, binding = kInfluencesBuffer, std430) readonly buffer InfluenceWords { uvec2 influences[]; };
 // [instance][vertex], throng::SkinnedVertex
-layout(set = 1, binding = 2, std430) readonly buffer Skinned { uvec4 skinned[]; };
-layout(set = 1, binding = 3, std430) readonly buffer Placements { Affine world_from_model[]; };
-layout(set = 1, binding = 4, std430) readonly buffer MorphDeltas { uvec4 morph_deltas[]; };
-layout(set = 1, binding = 5, std430) readonly buffer ActiveMorphs { ActiveMorph active_morphs[]; };
-layout(set = 1, binding = 6, std430) readonly buffer List { uint list[]; };  // cull/cull_io.h
+layout(set = 0, binding = kSkinnedBuffer, std430) readonly buffer Skinned { uvec4 skinned[]; };
+layout(set = 0, binding = kPlacementsBuffer, std430) readonly buffer Placements { Affine world_from_model[]; };
+layout(set = 0, binding = kMorphDeltasBuffer, std430) readonly buffer MorphDeltas { uvec4 morph_deltas[]; };
+layout(set = 0, binding = kActiveMorphsBuffer, std430) readonly buffer ActiveMorphs { ActiveMorph active_morphs[]; };
+layout(set = 0, binding = kListBuffer, std430) readonly buffer List { uint list[]; };  // cull/cull_io.h
 layout(push_constant) uniform Push { DrawPush push; };
 
 layout(location = 0) out vec3 out_world;
@@ -31,8 +30,6 @@ layout(location = 2) out vec2 out_texcoord;
 layout(location = 3) out vec4 out_color;
 layout(location = 4) flat out uint out_mirrored;
 
-#define SKIN_SET 1
-#define SKIN_BINDING 2
 #include "bind/skin_format.glsl"
 #include "skin/skin.glsl"
 #include "skin/normal.glsl"

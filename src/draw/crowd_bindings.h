@@ -3,7 +3,6 @@
 
 #include "crowd/crowd_state.h"
 #include "draw/materials.h"
-#include "draw/pipeline.h"
 
 #include <array>
 #include <string>
@@ -13,12 +12,10 @@ namespace throng {
 
 struct CrowdBindings {
     // Decodes and uploads textures: submits and waits.
-    CrowdBindings(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, const MaterialSampling& sampling,
-                  const CrowdState& crowd);
+    CrowdBindings(const ShaderLayout& layout, const MaterialSampling& sampling, const CrowdState& crowd);
 
     bool is_of(const CrowdState& crowd) const { return life_.lock() == crowd.life; }
     bool is_of_none() const { return life_.expired(); }
-    VkDescriptorSet skeleton_set_of(uint32_t batch) const { return skeletons_[batch].set(); }
     VkDescriptorSet set_of(const CrowdState& crowd, uint32_t batch) const {
         return batches_[batch][crowd.batches[batch].current_skin].set();
     }
@@ -28,9 +25,8 @@ struct CrowdBindings {
 
 private:
     std::weak_ptr<const CrowdLife> life_;
+    std::vector<Buffer> joint_levels_;              // [group_count], where model matrices are kept
     std::vector<std::array<Bindings, 2>> batches_;  // [batch_count][current_skin]
-    std::vector<Buffer> joint_parents_;             // [group_count], where model matrices are kept
-    std::vector<Bindings> skeletons_;               // [batch_count], likewise; the layout is that of a batch
 };
 
 // Of all crowds that a renderer has drawn and that still live. What belonged to others may go: their commands have
@@ -38,8 +34,7 @@ private:
 class CrowdBindingsCache {
 public:
     // Submits and waits where the crowd is new.
-    const CrowdBindings& of(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts,
-                            const MaterialSampling& sampling, const CrowdState& crowd);
+    const CrowdBindings& of(const ShaderLayout& layout, const MaterialSampling& sampling, const CrowdState& crowd);
 
 private:
     std::vector<std::unique_ptr<CrowdBindings>> entries_;

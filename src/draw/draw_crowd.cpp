@@ -14,8 +14,6 @@ bool has_mirrored_instances(const CrowdState& crowd, const Batch& batch) {
                        [](const Affine& placement) { return determinant(placement) < 0; });
 }
 
-constexpr VkShaderStageFlags kBothStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
-
 io::DrawPush push_of(const Group& group, const MeshSection& section, const DrawMaterial& material) {
     const AssetMaterial& f = material.factors;
     return {.first_vertex = section.first_vertex,
@@ -35,87 +33,93 @@ io::DrawPush push_of(const Group& group, const MeshSection& section, const DrawM
             .vertex_count = group.vertex_count};
 }
 
-constexpr uint32_t kLineVertices = 6;  // two triangles
-
-void draw_lines(VkCommandBuffer commands, const CrowdState& crowd, uint32_t batch_index, VkDescriptorSet set,
-                VkPipelineLayout layout, io::LinePush push, uint32_t line_count) {
-    const VolkDeviceTable& vk = crowd.gpu->vk;
-    push.instance_count = crowd.batches[batch_index].instance_count;
-    vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 1, 1, &set, 0, nullptr);
-    vk.vkCmdPushConstants(commands, layout, kBothStages, 0, sizeof push, &push);
-    vk.vkCmdDraw(commands, kLineVertices * line_count, push.instance_count, 0, 0);
+template <class Push>
+void set_push(VkCommandBuffer commands, const CrowdState& crowd, const ShaderLayout& layout, const Push& push) {
+    crowd.gpu->vk.vkCmdPushConstants(commands, layout.get(), layout.push().stageFlags, 0, sizeof push, &push);
 }
 
 }  // namespace
 
-void draw_crowd(VkCommandBuffer commands, const CrowdState& crowd, const CrowdBindings& bindings,
-                VkPipelineLayout layout, const CharacterPipelines& pipelines, DrawPass pass) {
-    const VolkDeviceTable& vk = crowd.gpu->vk;
-    for (uint32_t batch_index = 0; batch_index < crowd.batches.size(); ++batch_index) {
-        const Batch& batch = crowd.batches[batch_index];
+void CrowdDrawing::bind(VkCommandBuffer commands, uint32_t set_number, VkDescriptorSet set) const {
+    crowd.gpu->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout.get(), set_number, 1, &set,
+                                          0, nullptr);
+}
+
+void CrowdDrawing::draw(VkCommandBuffer commands, DrawPass pass) const {
+    for (uint32_t i = 0; i < crowd.batches.size(); ++i) {
+        const Batch& batch = crowd.batches[i];
         const Group& group = crowd.groups[batch.group];
         // Mirrored, a front face winds the other way: then the fragment shader culls.
         const bool mirrors = has_mirrored_instances(crowd, batch);
         if (mirrors && pass == DrawPass::kOccluders) continue;  // it would take a shader that culls
-        const VkDescriptorSet batch_set = bindings.set_of(crowd, batch_index);
-        vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 1, 1, &batch_set, 0, nullptr);
-        vk.vkCmdBindIndexBuffer(commands, group.indices.handle(), 0, VK_INDEX_TYPE_UINT32);
-        for (size_t section_index = 0; section_index < group.sections.size(); ++section_index) {
-            const MeshSection& section = group.sections[section_index];
-            if (section.index_count == 0) continue;
-            const DrawMaterial& material = bindings.materials[batch.group].of(section);
-            const bool is_shadow = pass == DrawPass::kShadow;
-            const OwnedPipeline& pipeline = is_shadow ? pipelines.shadow[material.masked]
-                                            : pass == DrawPass::kOccluders
-                                                ? pipelines.occluder[material.masked]
-                                                : pipelines.into_picture[material.masked || mirrors][material.has_maps];
-            vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
-            vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 2, 1, &material.set, 0,
-                                       nullptr);
-            vk.vkCmdSetCullMode(commands, is_shadow || material.factors.double_sided || mirrors
-                                              ? VK_CULL_MODE_NONE
-                                              : VK_CULL_MODE_BACK_BIT);
-            io::DrawPush push = push_of(group, section, material);
-            const auto set_push = [&] { vk.vkCmdPushConstants(commands, layout, kBothStages, 0, sizeof push, &push); };
-            if (!batch[io::kDrawsBuffer].handle()) {
-                set_push();
-                vk.vkCmdDrawIndexed(commands, section.index_count, batch.instance_count, section.first_index, 0, 0);
-                continue;
-            }
-            for (push.lod = 0; push.lod <= group.lods.size(); ++push.lod) {
-                push.first_influences = section.first_influences +
-                                        group.influence_set_of(push.lod) * group.influence_count;
-                set_push();
-                vk.vkCmdDrawIndexedIndirect(commands, batch[io::kDrawsBuffer].handle(),
-                                            (section_index * io::kLodCount + push.lod) * sizeof(io::DrawCommand), 1,
-                                            sizeof(io::DrawCommand));
-            }
-        }
+        bind(commands, kBatchSet, bindings.set_of(crowd, i));
+        crowd.gpu->vk.vkCmdBindIndexBuffer(commands, group.indices.handle(), 0, VK_INDEX_TYPE_UINT32);
+        for (size_t section = 0; section < group.sections.size(); ++section)
+            if (group.sections[section].index_count > 0) draw_section(commands, batch, section, pass, mirrors);
     }
 }
 
-void draw_skeletons(VkCommandBuffer commands, const CrowdState& crowd, const CrowdBindings& bindings,
-                    VkPipelineLayout layout, const LinePipelines& pipelines) {
-    crowd.gpu->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines.skeletons.get());
-    for (uint32_t i = 0; i < crowd.batches.size(); ++i) {
-        const Group& group = crowd.groups[crowd.batches[i].group];
-        draw_lines(commands, crowd, i, bindings.skeleton_set_of(i), layout,
-                   {.joint_count = group.joint_count, .level_count = group.level_count}, group.joint_count);
+void CrowdDrawing::draw_section(VkCommandBuffer commands, const Batch& batch, size_t section_index, DrawPass pass,
+                                bool mirrors) const {
+    const VolkDeviceTable& vk = crowd.gpu->vk;
+    const Group& group = crowd.groups[batch.group];
+    const MeshSection& section = group.sections[section_index];
+    const DrawMaterial& material = bindings.materials[batch.group].of(section);
+    const OwnedPipeline& pipeline = pass == DrawPass::kShadow ? characters.shadow[material.masked]
+                                    : pass == DrawPass::kOccluders
+                                        ? characters.occluder[material.masked]
+                                        : characters.into_picture[material.masked || mirrors][material.has_maps];
+    const bool shows_back = pass == DrawPass::kShadow || material.factors.double_sided || mirrors;
+    vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
+    bind(commands, kMaterialSet, material.textures.set());
+    vk.vkCmdSetCullMode(commands, shows_back ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
+    io::DrawPush push = push_of(group, section, material);
+    const VkBuffer draws = batch[io::kDrawsBuffer].handle();
+    if (!draws) {
+        set_push(commands, crowd, layout, push);
+        vk.vkCmdDrawIndexed(commands, section.index_count, batch.instance_count, section.first_index, 0, 0);
+        return;
+    }
+    for (push.lod = 0; push.lod <= group.lods.size(); ++push.lod) {
+        push.first_influences = section.first_influences + group.influence_set_of(push.lod) * group.influence_count;
+        set_push(commands, crowd, layout, push);
+        vk.vkCmdDrawIndexedIndirect(commands, draws,
+                                    (section_index * io::kLodCount + push.lod) * sizeof(io::DrawCommand), 1,
+                                    sizeof(io::DrawCommand));
     }
 }
 
-void draw_bounds(VkCommandBuffer commands, const CrowdState& crowd, const CrowdBindings& bindings,
-                 VkPipelineLayout layout, const LinePipelines& pipelines) {
-    constexpr uint32_t kEdges = 12;
-    crowd.gpu->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines.bounds.get());
+// push_of(group): what the lines of its instances are, and how many each has.
+template <class PushOf>
+void CrowdDrawing::draw_lines(VkCommandBuffer commands, const OwnedPipeline& pipeline, const PushOf& push_of) const {
+    constexpr uint32_t kLineVertices = 6;  // two triangles
+    crowd.gpu->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
     for (uint32_t i = 0; i < crowd.batches.size(); ++i) {
-        const Group& group = crowd.groups[crowd.batches[i].group];
+        const Batch& batch = crowd.batches[i];
+        auto [push, line_count] = push_of(crowd.groups[batch.group]);
+        push.instance_count = batch.instance_count;
+        bind(commands, kBatchSet, bindings.set_of(crowd, i));
+        set_push(commands, crowd, layout, push);
+        crowd.gpu->vk.vkCmdDraw(commands, kLineVertices * line_count, batch.instance_count, 0, 0);
+    }
+}
+
+void CrowdDrawing::draw_skeletons(VkCommandBuffer commands) const {
+    draw_lines(commands, lines->skeletons, [](const Group& group) {
+        return std::pair(io::LinePush{.joint_count = group.joint_count, .level_count = group.level_count},
+                         group.joint_count);
+    });
+}
+
+void CrowdDrawing::draw_bounds(VkCommandBuffer commands) const {
+    draw_lines(commands, lines->bounds, [](const Group& group) {
+        constexpr uint32_t kEdges = 12;
         const Vec3<float> centre = (group.posed_min + group.posed_max) * 0.5f,
                           half = (group.posed_max - group.posed_min) * 0.5f;
-        draw_lines(commands, crowd, i, bindings.set_of(crowd, i), layout,
-                   {.box_centre = {centre.x, centre.y, centre.z, 0}, .box_half_extent = {half.x, half.y, half.z, 0}},
-                   kEdges);
-    }
+        return std::pair(io::LinePush{.box_centre = {centre.x, centre.y, centre.z, 0},
+                                      .box_half_extent = {half.x, half.y, half.z, 0}},
+                         kEdges);
+    });
 }
 
 }  // namespace throng

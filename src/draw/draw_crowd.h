@@ -2,19 +2,30 @@
 #pragma once
 
 #include "draw/crowd_bindings.h"
+#include "draw/pipeline.h"
 
 namespace throng {
 
 enum class DrawPass { kShadow, kOccluders, kPicture };
 
-// Within the pass, with the scene bound.
-void draw_crowd(VkCommandBuffer commands, const CrowdState& crowd, const CrowdBindings& bindings,
-                VkPipelineLayout layout, const CharacterPipelines& pipelines, DrawPass pass);
+// A crowd and what it is drawn with. Draws are recorded within a pass, with the scene bound.
+struct CrowdDrawing {
+    const CrowdState& crowd;
+    const CrowdBindings& bindings;
+    const ShaderLayout& layout;
+    const CharacterPipelines& characters;
+    const LinePipelines* lines;  // where there are some
 
-// Of all instances, or of those that are listed. Skeletons need CrowdSettings::keep_model_matrices.
-void draw_skeletons(VkCommandBuffer commands, const CrowdState& crowd, const CrowdBindings& bindings,
-                    VkPipelineLayout layout, const LinePipelines& pipelines);
-void draw_bounds(VkCommandBuffer commands, const CrowdState& crowd, const CrowdBindings& bindings,
-                 VkPipelineLayout layout, const LinePipelines& pipelines);
+    void draw(VkCommandBuffer commands, DrawPass pass) const;
+    // Of all instances, or of those that are listed. Skeletons need CrowdSettings::keep_model_matrices.
+    void draw_skeletons(VkCommandBuffer commands) const;
+    void draw_bounds(VkCommandBuffer commands) const;
+
+private:
+    void bind(VkCommandBuffer commands, uint32_t set_number, VkDescriptorSet set) const;
+    void draw_section(VkCommandBuffer commands, const Batch& batch, size_t section, DrawPass pass, bool mirrors) const;
+    template <class PushOf>
+    void draw_lines(VkCommandBuffer commands, const OwnedPipeline& pipeline, const PushOf& push_of) const;
+};
 
 }  // namespace throng

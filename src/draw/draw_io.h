@@ -41,6 +41,13 @@ struct DrawPush {
     float metallic, roughness;
     float normal_scale;  // 0: there is no normal map
     uint vertex_count;   // of the character
+    uint unused0, unused1, unused2;
+};
+
+// A joint, as its line is drawn.
+struct JointLevel {
+    uint parent;  // or kNone
+    uint level;
 };
 
 // Of the lines over a crowd.

@@ -1,9 +1,8 @@
 #version 460
 // ground: where the ray meets the ground, or the sky.
-#include "draw/draw_io.h"
+#include "draw/scene.glsl"
 
-layout(set = 0, binding = 0, std140) uniform Scene { DrawScene scene; };
-layout(set = 0, binding = 1) uniform sampler2D shadow_map;
+layout(set = 1, binding = 0) uniform sampler2D shadow_map;
 layout(location = 0) in vec3 in_ray;
 layout(location = 0) out vec4 out_color;
 

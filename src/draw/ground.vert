@@ -1,8 +1,7 @@
 #version 460
 // ground: one triangle over the whole picture, with the ray through each pixel.
-#include "draw/draw_io.h"
+#include "draw/scene.glsl"
 
-layout(set = 0, binding = 0, std140) uniform Scene { DrawScene scene; };
 layout(location = 0) out vec3 out_ray;
 
 void main() {

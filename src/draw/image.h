@@ -1,8 +1,8 @@
 // A 2D image with memory and view of its own.
 #pragma once
 
-#include "gpu/owned.h"
 #include "gpu/barrier.h"
+#include "gpu/owned.h"
 
 #include <string_view>
 
@@ -10,7 +10,7 @@ namespace throng {
 
 struct ImageSettings {
     std::string_view what;  // for messages
-    uint32_t width = 1, height = 1;
+    VkExtent2D extent{1, 1};
     uint32_t mip_count = 1;
     VkFormat format = VK_FORMAT_R8G8B8A8_SRGB;
     VkImageUsageFlags usage = 0;
@@ -32,13 +32,32 @@ private:
     OwnedImageView view_;
 };
 
-struct Transition {
-    VkImage image = VK_NULL_HANDLE;
-    VkImageAspectFlags aspect = VK_IMAGE_ASPECT_COLOR_BIT;
-    uint32_t first_mip = 0, mip_count = VK_REMAINING_MIP_LEVELS;
-    VkImageLayout from = VK_IMAGE_LAYOUT_UNDEFINED, to = VK_IMAGE_LAYOUT_UNDEFINED;
-    Access before{VK_PIPELINE_STAGE_2_NONE, VK_ACCESS_2_NONE}, after{VK_PIPELINE_STAGE_2_NONE, VK_ACCESS_2_NONE};
+// What an image is used for at a time.
+struct ImageUse {
+    VkImageLayout layout;
+    Access access;
 };
-void transition(const Gpu& gpu, VkCommandBuffer commands, const Transition& transition);
+// What was in it is lost.
+constexpr ImageUse discarded_after(const Access& access) { return {VK_IMAGE_LAYOUT_UNDEFINED, access}; }
+inline constexpr Access kNoAccess{VK_PIPELINE_STAGE_2_NONE, VK_ACCESS_2_NONE};
+inline constexpr ImageUse kColorTarget{VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, kColorWrite},
+    kDepthTarget{VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, kDepthAccess},
+    kTexture{VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, kFragmentRead},
+    kDepthTexture{VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL, kFragmentRead},
+    kCopySource{VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, kTransferRead},
+    kCopyTarget{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, kTransferWrite};
+
+// Of depths where one of the two is a use of depths.
+void transition(const Gpu& gpu, VkCommandBuffer commands, VkImage image, const ImageUse& from, const ImageUse& to,
+                uint32_t first_mip = 0, uint32_t mip_count = VK_REMAINING_MIP_LEVELS);
+
+// An attachment of a render pass that draws to the image.
+VkRenderingAttachmentInfo attachment(const Image& image, const ImageUse& use, VkAttachmentLoadOp load,
+                                     VkAttachmentStoreOp store);
+// Over all of the attachments, viewport and scissor set. One of the two may be null.
+void begin_rendering(const Gpu& gpu, VkCommandBuffer commands, const VkExtent2D& extent,
+                     const VkRenderingAttachmentInfo* color, const VkRenderingAttachmentInfo* depth);
+
+OwnedSampler make_nearest_sampler(const std::shared_ptr<Gpu>& gpu);
 
 }  // namespace throng

@@ -4,13 +4,10 @@
 #include "crowd/group.h"
 #include "draw/textures.h"
 
-#include <array>
 #include <map>
 #include <vector>
 
 namespace throng {
-
-inline constexpr uint32_t kMaterialTextures = 5;  // base colour, metallic and roughness, normal, occlusion, emission
 
 struct DrawMaterial {
     AssetMaterial factors;
@@ -19,7 +16,7 @@ struct DrawMaterial {
     float alpha_cutoff = 0;
     bool masked = false;
     bool has_maps = false;  // more textures than that of the base colour
-    VkDescriptorSet set = VK_NULL_HANDLE;
+    Bindings textures;
 };
 
 // How the textures of all materials are read, and what is read where there is none.
@@ -34,7 +31,7 @@ class GroupMaterials {
 public:
     // Only images that a section's material uses are decoded; one that cannot be, or is too much, is white, with a
     // warning, and leaves normals as they are. To be drawn with when the uploads have finished.
-    GroupMaterials(Uploads& uploads, const Group& group, VkDescriptorSetLayout layout, const MaterialSampling& sampling,
+    GroupMaterials(Uploads& uploads, const Group& group, const ShaderLayout::Set& set, const MaterialSampling& sampling,
                    TextureAccount& account);
 
     const DrawMaterial& of(const MeshSection& section) const {
@@ -42,13 +39,7 @@ public:
     }
 
 private:
-    const Image& texture(Uploads& uploads, const Group& group, uint32_t image, VkFormat format,
-                         const MaterialSampling& sampling, TextureAccount& account);
-    void add(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout, VkSampler sampler,
-             const AssetMaterial& material, const std::array<VkImageView, kMaterialTextures>& views);
-
     std::map<std::pair<uint32_t, VkFormat>, std::optional<Image>> textures_;  // by image; none: drawn white
-    OwnedPool pool_;
     std::vector<DrawMaterial> materials_;  // the group's, then the one of sections without
 };
 

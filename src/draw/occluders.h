@@ -1,7 +1,8 @@
 // Depths of what was visible in the last frame: what hides the rest (Crowd::record_disoccluded).
 #pragma once
 
-#include "draw/image.h"
+#include "draw/depth_pass.h"
+#include "gpu/shader.h"
 
 #include <throng/crowd.h>
 
@@ -10,10 +11,10 @@ namespace throng {
 class Occluders {
 public:
     // Of as many samples as the picture has: what shows at one of them alone hides nothing.
-    Occluders(std::shared_ptr<Gpu> gpu, uint32_t width, uint32_t height, VkSampleCountFlagBits samples);
+    Occluders(std::shared_ptr<Gpu> gpu, VkExtent2D extent, VkSampleCountFlagBits samples);
 
-    // Begins and ends the pass that draws depths, infinitely far where nothing is drawn.
-    void begin(VkCommandBuffer commands) const;
+    // Begins and ends the pass that draws depths.
+    void begin(VkCommandBuffer commands) const { pass_.begin(commands); }
     void end(VkCommandBuffer commands) const;
     // Then the farthest depth of each pixel's samples.
     DepthImage depths() const;
@@ -23,16 +24,12 @@ private:
     bool has_samples() const { return farthest_.handle() != VK_NULL_HANDLE; }
 
     std::shared_ptr<Gpu> gpu_;
-    uint32_t width_, height_;
-    Image depth_;
+    DepthPass pass_;
     // Where it has several samples:
     Image farthest_;
-    OwnedSampler sampler_;
-    OwnedSetLayout set_layout_;
-    OwnedPipelineLayout layout_;
+    ShaderLayout layout_;
     OwnedPipeline pipeline_;
-    OwnedPool pool_;
-    VkDescriptorSet set_ = VK_NULL_HANDLE;
+    Bindings bindings_;
 };
 
 }  // namespace throng

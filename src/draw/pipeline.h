@@ -1,8 +1,7 @@
-// The graphics pipelines of the draw, and the layouts that they share.
+// The graphics pipelines of the draw, and the layout that they share.
 #pragma once
 
-#include "gpu/owned.h"
-#include "gpu/spirv_info.h"
+#include "gpu/shader.h"
 
 #include <throng/crowd.h>
 
@@ -14,21 +13,26 @@ inline constexpr VkFormat kColorFormat = VK_FORMAT_R8G8B8A8_SRGB;
 inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 inline constexpr VkFormat kFarthestFormat = VK_FORMAT_R32_SFLOAT;  // draw/occluders.h
 
-// What all pipelines share. Descriptor sets: 0 the scene (one uniform buffer, the shadow map), 1 a batch (seven storage
-// buffers), 2 a material (its textures).
-struct DrawLayouts {
-    explicit DrawLayouts(const std::shared_ptr<Gpu>& gpu);
+// Descriptor sets, as the shaders have them: the buffers of a batch by their numbers, where kernels have them too; the
+// scene and the shadow map; the textures of a material.
+enum DrawSet : uint32_t { kBatchSet, kSceneSet, kMaterialSet };
 
-    OwnedSetLayout scene_set, batch_set, material_set;
-    OwnedPipelineLayout layout;
+// Of all shaders of the draw, so that a set stays bound when the pipeline changes.
+ShaderLayout make_draw_layout(const std::shared_ptr<Gpu>& gpu);
+
+// What pipelines of a picture are made with.
+struct PipelineSettings {
+    std::shared_ptr<Gpu> gpu;
+    VkPipelineLayout layout;
+    VkSampleCountFlagBits samples;
 };
 
 // The ground over the whole picture, without depth.
-OwnedPipeline make_ground_pipeline(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts,
-                                   VkSampleCountFlagBits samples);
+OwnedPipeline make_ground_pipeline(const PipelineSettings& settings);
 
-// Depths of several samples -> the farthest (draw/occluders.h).
-OwnedPipeline make_farthest_pipeline(const std::shared_ptr<Gpu>& gpu, VkPipelineLayout layout);
+// Depths of several samples -> the farthest (draw/occluders.h), with a layout of its own.
+ShaderLayout make_farthest_layout(const std::shared_ptr<Gpu>& gpu);
+OwnedPipeline make_farthest_pipeline(const std::shared_ptr<Gpu>& gpu, const ShaderLayout& layout);
 
 // How a crowd's vertices come about.
 struct VertexKind {
@@ -41,8 +45,7 @@ struct VertexKind {
 
 // Cull mode, viewport and scissor are dynamic.
 struct CharacterPipelines {
-    CharacterPipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples,
-                       const VertexKind& kind);
+    CharacterPipelines(const PipelineSettings& settings, const VertexKind& kind);
 
     // Those that discard: of materials with a mask; and in the picture of batches with mirrored instances, whose front
     // faces wind the other way.
@@ -53,14 +56,10 @@ struct CharacterPipelines {
 
 // Lines over a crowd whose instances are listed or not.
 struct LinePipelines {
-    LinePipelines(const std::shared_ptr<Gpu>& gpu, const DrawLayouts& layouts, VkSampleCountFlagBits samples,
-                  bool listed);
+    LinePipelines(const PipelineSettings& settings, bool listed);
 
     OwnedPipeline skeletons;  // without depth: over everything
     OwnedPipeline bounds;
 };
-
-// Vertices, influences, skin matrices or skinned vertices, placements, morph differences, active morphs, list
-inline constexpr std::array<BindingInfo, 7> kBatchBindings{{{0}, {1}, {2}, {3}, {4}, {5}, {6}}};
 
 }  // namespace throng

@@ -2,13 +2,12 @@
 
 #include "base/failure.h"
 #include "draw/camera.h"
-#include "draw/crowd_bindings.h"
 #include "draw/draw_crowd.h"
-#include "draw/draw_timer.h"
 #include "draw/occluders.h"
-#include "draw/pipeline.h"
 #include "draw/scene.h"
+#include "draw/shadow_map.h"
 #include "draw/targets.h"
+#include "gpu/timestamps.h"
 
 #include <map>
 
@@ -43,41 +42,37 @@ struct RendererState {
     RenderResult render(const Crowd& crowd, const Camera& camera);
     RenderResult render_frame(Crowd& crowd, float time_step_s, const Camera& camera);
     void record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera);
-    void resize(uint32_t width, uint32_t height);
+    void resize(VkExtent2D extent);
+    double draw_ms() const;
 
     std::shared_ptr<Gpu> gpu;
     VkSampleCountFlagBits samples;
     DrawOptions options;
     Targets targets;
-    ShadowMap shadow_map;
-    DrawTimer timer;
 
 private:
     // What a frame needs; making it may fail, or submit, so it comes before anything is recorded.
     struct Frame {
-        const CrowdState& crowd;
-        const CrowdBindings& bindings;
-        const CharacterPipelines& characters;
-        const LinePipelines* lines;  // where an option draws some
+        CrowdDrawing drawing;
         io::DrawScene scene;
+        bool has_begun = false;  // its time is being taken
     };
     Frame prepare(const Crowd& crowd, const Camera& camera);
-    const CharacterPipelines& pipelines_of(const CrowdState& crowd);
-    const LinePipelines& lines_of(const CrowdState& crowd);
-    void record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera,
-                       const Frame& frame);
-    void bind_scene(VkCommandBuffer commands, const Frame& frame) const;
-    void record_frame(VkCommandBuffer commands, const Frame& frame);
-    void draw_shadows(VkCommandBuffer commands, const Frame& frame) const;
-    void draw_picture(VkCommandBuffer commands, const Frame& frame) const;
+    void record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera, Frame& frame);
+    void begin_draw(VkCommandBuffer commands, Frame& frame);
+    void record_frame(VkCommandBuffer commands, Frame& frame);
+    void draw_picture(VkCommandBuffer commands, const CrowdDrawing& drawing) const;
     RenderResult result_of(const Frame& frame) const;
 
-    DrawLayouts layouts_;
+    DepthPass shadow_map_;
+    Timestamps stamps_;
+    ShaderLayout layout_;
+    PipelineSettings pipelines_;
     MaterialSampling sampling_;
     SceneBinding scene_;
     OwnedPipeline ground_;
     std::map<VertexKind, CharacterPipelines> characters_;
-    std::map<bool, LinePipelines> lines_;  // by the latter
+    std::map<bool, LinePipelines> lines_;  // by whether instances are listed
     CrowdBindingsCache crowds_;
     std::optional<Occluders> occluders_;  // made when first needed
 };
@@ -86,25 +81,26 @@ RendererState::RendererState(std::shared_ptr<Gpu> gpu_in, const RendererSettings
     : gpu(with_graphics(std::move(gpu_in))),
       samples(lower_samples(*gpu, settings.samples)),
       options(checked(settings.options)),
-      targets(gpu, settings.width, settings.height, samples),
-      shadow_map(gpu, settings.width, settings.height),
-      timer(gpu),
-      layouts_(gpu),
+      targets(gpu, {settings.width, settings.height}, samples),
+      shadow_map_(make_shadow_map(gpu, targets.extent())),
+      stamps_(gpu, 4),
+      layout_(make_draw_layout(gpu)),
+      pipelines_{gpu, layout_.get(), samples},
       sampling_(gpu),
-      scene_(gpu, layouts_.scene_set.get(), shadow_map),
-      ground_(make_ground_pipeline(gpu, layouts_, samples)) {}
+      scene_(gpu, layout_, shadow_map_),
+      ground_(make_ground_pipeline(pipelines_)) {}
 
-void RendererState::resize(uint32_t width, uint32_t height) {
-    Targets resized(gpu, width, height, samples);
-    ShadowMap map(gpu, width, height);
-    scene_ = SceneBinding(gpu, layouts_.scene_set.get(), map);
+void RendererState::resize(VkExtent2D extent) {
+    Targets resized(gpu, extent, samples);
+    DepthPass map = make_shadow_map(gpu, extent);
+    scene_ = SceneBinding(gpu, layout_, map);
     targets = std::move(resized);
     occluders_.reset();
-    shadow_map = std::move(map);
+    shadow_map_ = std::move(map);
 }
 
 RenderResult RendererState::render(const Crowd& crowd, const Camera& camera) {
-    const Frame frame = prepare(crowd, camera);
+    Frame frame = prepare(crowd, camera);
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
         record_frame(commands, frame);
         targets.record_read_back(commands);
@@ -113,7 +109,7 @@ RenderResult RendererState::render(const Crowd& crowd, const Camera& camera) {
 }
 
 RenderResult RendererState::render_frame(Crowd& crowd, float time_step_s, const Camera& camera) {
-    const Frame frame = prepare(crowd, camera);
+    Frame frame = prepare(crowd, camera);
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
         record_update(commands, crowd, time_step_s, camera, frame);
         record_frame(commands, frame);
@@ -123,7 +119,7 @@ RenderResult RendererState::render_frame(Crowd& crowd, float time_step_s, const 
 }
 
 void RendererState::record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) {
-    const Frame frame = prepare(crowd, camera);
+    Frame frame = prepare(crowd, camera);
     record_update(commands, crowd, time_step_s, camera, frame);
     record_frame(commands, frame);
 }
@@ -134,85 +130,78 @@ RendererState::Frame RendererState::prepare(const Crowd& crowd, const Camera& ca
     if (options.skeletons && !state.batches.front()[io::kModelBuffer].handle())
         throw Failure(ErrorCode::kInvalidArgument, "skeletons",
                       "the crowd keeps no model matrices; set CrowdSettings::keep_model_matrices");
-    const io::DrawScene scene = make_scene(state, camera, targets.extent(), shadow_map.size(), options);
-    return {state, crowds_.of(gpu, layouts_, sampling_, state), pipelines_of(state),
-            options.skeletons || options.bounds ? &lines_of(state) : nullptr, scene};
-}
-
-const CharacterPipelines& RendererState::pipelines_of(const CrowdState& crowd) {
-    const VertexKind kind{crowd.skin_format, crowd.skin_blend, crowd.cull != nullptr, crowd.skins_once};
-    const auto found = characters_.find(kind);
-    return found != characters_.end()
-               ? found->second
-               : characters_.emplace(kind, CharacterPipelines(gpu, layouts_, samples, kind)).first->second;
-}
-
-const LinePipelines& RendererState::lines_of(const CrowdState& crowd) {
-    const bool listed = crowd.cull != nullptr;
-    const auto found = lines_.find(listed);
-    return found != lines_.end() ? found->second
-                                 : lines_.emplace(listed, LinePipelines(gpu, layouts_, samples, listed)).first->second;
+    const io::DrawScene scene = make_scene(state, camera, targets.extent(), shadow_map_.extent().width, options);
+    const VertexKind kind{state.skin_format, state.skin_blend, state.cull != nullptr, state.skins_once};
+    const CharacterPipelines& characters = characters_.try_emplace(kind, pipelines_, kind).first->second;
+    const LinePipelines* lines = nullptr;
+    if (options.skeletons || options.bounds)
+        lines = &lines_.try_emplace(kind.listed, pipelines_, kind.listed).first->second;
+    return {{state, crowds_.of(layout_, sampling_, state), layout_, characters, lines}, scene};
 }
 
 void RendererState::record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera,
-                                  const Frame& frame) {
+                                  Frame& frame) {
     CrowdState& state = crowd.state();
     if (!state.cull) return state.record(commands, time_step_s, nullptr);
-    CrowdView view = crowd_view_of(camera, targets.width(), targets.height(), world_bounds(crowd), options);
+    const auto [width, height] = targets.extent();
+    CrowdView view = crowd_view_of(camera, width, height, world_bounds(crowd), options);
     view.occlusion = options.occlusion && (gpu->properties.limits.sampledImageDepthSampleCounts & samples);
     state.record(commands, time_step_s, &view);
     if (!view.occlusion) return;
-    if (!occluders_) occluders_.emplace(gpu, targets.width(), targets.height(), samples);
-    bind_scene(commands, frame);
-    timer.begin_occluders(commands);
+    if (!occluders_) occluders_.emplace(gpu, targets.extent(), samples);
+    begin_draw(commands, frame);
     occluders_->begin(commands);
-    draw_crowd(commands, frame.crowd, frame.bindings, layouts_.layout.get(), frame.characters, DrawPass::kOccluders);
+    frame.drawing.draw(commands, DrawPass::kOccluders);
     occluders_->end(commands);
-    timer.end_occluders(commands);
+    stamps_.write(commands);
     state.record_disoccluded(commands, occluders_->depths());
 }
 
-// And what the crowd's update has written becomes visible to draws.
-void RendererState::bind_scene(VkCommandBuffer commands, const Frame& frame) const {
+// Binds the scene; what the crowd's update has written becomes visible to draws. Their time begins.
+void RendererState::begin_draw(VkCommandBuffer commands, Frame& frame) {
     memory_barrier(*gpu, commands, kShaderWrite | kTransferWrite, kDrawRead);
     scene_.record(commands, frame.scene);
     const VkDescriptorSet scene_set = scene_.set();
-    gpu->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layouts_.layout.get(), 0, 1, &scene_set,
+    gpu->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), kSceneSet, 1, &scene_set,
                                     0, nullptr);
+    if (!std::exchange(frame.has_begun, true)) stamps_.begin(commands);
+    stamps_.write(commands);
 }
 
-void RendererState::record_frame(VkCommandBuffer commands, const Frame& frame) {
-    bind_scene(commands, frame);
-    timer.begin(commands);
-    draw_shadows(commands, frame);
-    draw_picture(commands, frame);
-    timer.end(commands);
+void RendererState::record_frame(VkCommandBuffer commands, Frame& frame) {
+    begin_draw(commands, frame);
+    // Without shadows the map is empty: the scene says not to look at it.
+    shadow_map_.begin(commands);
+    if (options.shadows) frame.drawing.draw(commands, DrawPass::kShadow);
+    shadow_map_.end(commands);
+    draw_picture(commands, frame.drawing);
+    stamps_.write(commands);
+    stamps_.publish(commands);
 }
 
-// Without shadows the map is empty: the scene says not to look at it.
-void RendererState::draw_shadows(VkCommandBuffer commands, const Frame& frame) const {
-    shadow_map.begin(commands);
-    if (options.shadows)
-        draw_crowd(commands, frame.crowd, frame.bindings, layouts_.layout.get(), frame.characters, DrawPass::kShadow);
-    shadow_map.end(commands);
+// Of the newest frame that has finished: from each stamp at which drawing begins to the next, where it ends.
+double RendererState::draw_ms() const {
+    double sum_ms = 0;
+    if (const std::optional<Timestamps::Frame> frame = stamps_.newest())
+        for (size_t i = 1; i < frame->ms.size(); i += 2) sum_ms += frame->ms[i] - frame->ms[i - 1];
+    return sum_ms;
 }
 
 // Ground, characters over it, lines over both.
-void RendererState::draw_picture(VkCommandBuffer commands, const Frame& frame) const {
-    const VkPipelineLayout layout = layouts_.layout.get();
+void RendererState::draw_picture(VkCommandBuffer commands, const CrowdDrawing& drawing) const {
     targets.begin(commands);
     gpu->vk.vkCmdSetCullMode(commands, VK_CULL_MODE_NONE);
     gpu->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, ground_.get());
     gpu->vk.vkCmdDraw(commands, 3, 1, 0, 0);
-    draw_crowd(commands, frame.crowd, frame.bindings, layout, frame.characters, DrawPass::kPicture);
+    drawing.draw(commands, DrawPass::kPicture);
     gpu->vk.vkCmdSetCullMode(commands, VK_CULL_MODE_NONE);
-    if (options.bounds) draw_bounds(commands, frame.crowd, frame.bindings, layout, *frame.lines);
-    if (options.skeletons) draw_skeletons(commands, frame.crowd, frame.bindings, layout, *frame.lines);
+    if (options.bounds) drawing.draw_bounds(commands);
+    if (options.skeletons) drawing.draw_skeletons(commands);
     targets.end(commands);
 }
 
 RenderResult RendererState::result_of(const Frame& frame) const {
-    return {.picture = targets.read_back(), .draw_ms = timer.read_ms(), .warnings = frame.bindings.warnings};
+    return {.picture = targets.read_back(), .draw_ms = draw_ms(), .warnings = frame.drawing.bindings.warnings};
 }
 
 Result<Renderer> Renderer::create(const Device& device, const RendererSettings& settings) {
@@ -244,7 +233,7 @@ Result<void> Renderer::record(VkCommandBuffer commands, Crowd& crowd, float time
 VkImage Renderer::picture() const { return state_ ? state_->targets.picture() : VK_NULL_HANDLE; }
 
 Result<void> Renderer::resize(uint32_t width, uint32_t height) {
-    return as_result([&] { state().resize(width, height); }, "resize");
+    return as_result([&] { state().resize({width, height}); }, "resize");
 }
 
 Result<void> Renderer::set_options(const DrawOptions& options) {
@@ -256,6 +245,6 @@ const DrawOptions& Renderer::options() const {
     return state_ ? state_->options : none;
 }
 
-double Renderer::draw_ms() const { return state_ ? state_->timer.read_ms() : 0; }
+double Renderer::draw_ms() const { return state_ ? state_->draw_ms() : 0; }
 
 }  // namespace throng

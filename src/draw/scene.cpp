@@ -1,8 +1,7 @@
 #include "draw/scene.h"
 
-#include "draw/camera.h"
-#include "draw/descriptors.h"
-#include "gpu/barrier.h"
+#include "draw/pipeline.h"
+#include "draw/shadow_map.h"
 
 #include <algorithm>
 
@@ -83,23 +82,10 @@ io::DrawScene make_scene(const CrowdState& state, const Camera& camera, const Vk
     return scene;
 }
 
-SceneBinding::SceneBinding(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout, const ShadowMap& shadow_map)
+SceneBinding::SceneBinding(const std::shared_ptr<Gpu>& gpu, const ShaderLayout& layout, const DepthPass& shadow_map)
     : gpu_(gpu), buffer_(gpu, "scene", sizeof(io::DrawScene), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT) {
-    pool_ = make_descriptor_pool(
-        gpu, 1, {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1}, {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1}});
-    set_ = allocate_set(*gpu, pool_, layout);
-    VkSamplerCreateInfo nearest{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};  // shaders fetch single texels
-    sampler_ = OwnedSampler(gpu, gpu->vk.vkCreateSampler, nearest, "vkCreateSampler");
-
-    const VkDescriptorBufferInfo scene{buffer_.handle(), 0, buffer_.size_bytes()};
-    VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-    write.dstSet = set_;
-    write.dstBinding = 0;
-    write.descriptorCount = 1;
-    write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-    write.pBufferInfo = &scene;
-    gpu->vk.vkUpdateDescriptorSets(gpu->device, 1, &write, 0, nullptr);
-    write_image(*gpu, set_, 1, {sampler_.get(), shadow_map.view(), VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL});
+    const VkDescriptorImageInfo shadows = shadow_map.texture();
+    bindings_ = Bindings(gpu, "scene", layout.set(kSceneSet), {{io::kSceneBuffer, buffer_}}, {&shadows, 1});
 }
 
 void SceneBinding::record(VkCommandBuffer commands, const io::DrawScene& scene) const {

@@ -3,8 +3,7 @@
 
 #include "crowd/crowd_state.h"
 #include "draw/draw_io.h"
-#include "gpu/owned.h"
-#include "draw/shadow_map.h"
+#include "draw/depth_pass.h"
 
 #include <throng/draw.h>
 
@@ -18,18 +17,16 @@ io::DrawScene make_scene(const CrowdState& crowd, const Camera& camera, const Vk
 // The scene and the shadow map in a descriptor set.
 class SceneBinding {
 public:
-    SceneBinding(const std::shared_ptr<Gpu>& gpu, VkDescriptorSetLayout layout, const ShadowMap& shadow_map);
+    SceneBinding(const std::shared_ptr<Gpu>& gpu, const ShaderLayout& layout, const DepthPass& shadow_map);
 
     // Waits for the frames before that read it.
     void record(VkCommandBuffer commands, const io::DrawScene& scene) const;
-    VkDescriptorSet set() const { return set_; }
+    VkDescriptorSet set() const { return bindings_.set(); }
 
 private:
     std::shared_ptr<Gpu> gpu_;
     Buffer buffer_;
-    OwnedSampler sampler_;
-    OwnedPool pool_;
-    VkDescriptorSet set_ = VK_NULL_HANDLE;
+    Bindings bindings_;
 };
 
 }  // namespace throng

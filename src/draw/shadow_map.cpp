@@ -1,8 +1,5 @@
 #include "draw/shadow_map.h"
 
-#include "draw/pipeline.h"
-#include "draw/rendering.h"
-
 #include <algorithm>
 #include <bit>
 #include <limits>
@@ -69,38 +66,11 @@ ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed
     return fit;
 }
 
-ShadowMap::ShadowMap(std::shared_ptr<Gpu> gpu, uint32_t picture_width, uint32_t picture_height)
-    : gpu_(std::move(gpu)),
-      size_(std::min(std::clamp(std::bit_ceil(2 * std::min(std::max(picture_width, picture_height), kMostSize)),
-                                kLeastSize, kMostSize),
-                     gpu_->properties.limits.maxImageDimension2D)) {
-    image_ = Image(gpu_, {.what = "shadow map",
-                          .width = size_,
-                          .height = size_,
-                          .format = kDepthFormat,
-                          .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
-}
-
-void ShadowMap::begin(VkCommandBuffer commands) const {
-    transition(*gpu_, commands,
-               {.image = image_.handle(),
-                .aspect = VK_IMAGE_ASPECT_DEPTH_BIT,
-                .to = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
-                .before = kFragmentRead | kDepthAccess,
-                .after = kDepthAccess});
-    const VkRenderingAttachmentInfo depth = depth_attachment(image_, VK_ATTACHMENT_STORE_OP_STORE);
-    begin_rendering(*gpu_, commands, {size_, size_}, nullptr, &depth);
-}
-
-void ShadowMap::end(VkCommandBuffer commands) const {
-    gpu_->vk.vkCmdEndRendering(commands);
-    transition(*gpu_, commands,
-               {.image = image_.handle(),
-                .aspect = VK_IMAGE_ASPECT_DEPTH_BIT,
-                .from = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
-                .to = VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL,
-                .before = kDepthAccess,
-                .after = kFragmentRead});
+DepthPass make_shadow_map(const std::shared_ptr<Gpu>& gpu, const VkExtent2D& picture) {
+    const uint32_t larger = std::min(std::max(picture.width, picture.height), kMostSize),
+                   size = std::min(std::clamp(std::bit_ceil(2 * larger), kLeastSize, kMostSize),
+                                   gpu->properties.limits.maxImageDimension2D);
+    return {gpu, "shadow map", {size, size}, VK_SAMPLE_COUNT_1_BIT, kDepthTexture};
 }
 
 }  // namespace throng

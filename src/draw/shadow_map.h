@@ -2,7 +2,7 @@
 #pragma once
 
 #include "draw/camera.h"
-#include "draw/image.h"
+#include "draw/depth_pass.h"
 
 namespace throng {
 
@@ -18,23 +18,7 @@ struct ShadowFit {
 ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed, const Vec3<float>& to_sun,
                      uint32_t map_size);
 
-class ShadowMap {
-public:
-    ShadowMap() = default;
-    // Two texels for each pixel of the picture's larger side, to a power of two.
-    ShadowMap(std::shared_ptr<Gpu> gpu, uint32_t picture_width, uint32_t picture_height);
-
-    // Begins the render pass of depth alone, 0 everywhere, and ends it: then fragment shaders may read the map.
-    void begin(VkCommandBuffer commands) const;
-    void end(VkCommandBuffer commands) const;
-
-    VkImageView view() const { return image_.view(); }
-    uint32_t size() const { return size_; }
-
-private:
-    std::shared_ptr<Gpu> gpu_;
-    uint32_t size_ = 0;  // texels, each way
-    Image image_;
-};
+// The map: two texels for each pixel of the picture's larger side, to a power of two; then fragment shaders read it.
+DepthPass make_shadow_map(const std::shared_ptr<Gpu>& gpu, const VkExtent2D& picture);
 
 }  // namespace throng

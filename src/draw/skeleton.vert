@@ -1,16 +1,15 @@
 #version 460
 // skeleton: a line from each joint of an instance to its parent, in the colour of the joint's level.
 #include "cull/cull_io.h"
-#include "draw/draw_io.h"
+#include "draw/scene.glsl"
 #include "gpu/affine.glsl"
 
 layout(constant_id = 0) const bool kListed = false;
 
-layout(set = 0, binding = 0, std140) uniform Scene { DrawScene scene; };
-layout(set = 1, binding = 0, std430) readonly buffer Joints { uvec2 joints[]; };  // parent, level
-layout(set = 1, binding = 2, std430) readonly buffer Models { Affine model_from_joint[]; };
-layout(set = 1, binding = 3, std430) readonly buffer Placements { Affine world_from_model[]; };
-layout(set = 1, binding = 6, std430) readonly buffer List { uint list[]; };  // cull/cull_io.h
+layout(set = 0, binding = kJointLevelsBuffer, std430) readonly buffer Joints { JointLevel joints[]; };
+layout(set = 0, binding = kModelBuffer, std430) readonly buffer Models { Affine model_from_joint[]; };
+layout(set = 0, binding = kPlacementsBuffer, std430) readonly buffer Placements { Affine world_from_model[]; };
+layout(set = 0, binding = kListBuffer, std430) readonly buffer List { uint list[]; };  // cull/cull_io.h
 layout(push_constant) uniform Push { LinePush push; };
 
 layout(location = 0) flat out vec3 out_color;
@@ -27,8 +26,8 @@ void main() {
     const bool drawn = !kListed || gl_InstanceIndex < list[kListCount];
     const uint instance = kListed ? list[kFirstListed + gl_InstanceIndex] : gl_InstanceIndex;
     const uint joint = gl_VertexIndex / kLineVertices, first = instance * push.joint_count;
-    const bool has_parent = joints[joint].x < joint;
-    const uint parent = has_parent ? joints[joint].x : joint;
+    const bool has_parent = joints[joint].parent < joint;
+    const uint parent = has_parent ? joints[joint].parent : joint;
     const Affine from = model_from_joint[first + joint], to = model_from_joint[first + parent],
                  place = world_from_model[instance];
     const vec3 from_model = vec3(from.row0.w, from.row1.w, from.row2.w),
@@ -36,5 +35,5 @@ void main() {
     const vec4 point = line_vertex(to_clip(affine_point(place, from_model)), to_clip(affine_point(place, to_model)),
                                    gl_VertexIndex % kLineVertices, 0.012 * scene.ground.w);
     gl_Position = drawn && has_parent ? point : vec4(2, 2, 0, 1);
-    out_color = level_color(joints[joint].y);
+    out_color = level_color(joints[joint].level);
 }

@@ -2,91 +2,74 @@
 
 #include "base/failure.h"
 #include "draw/pipeline.h"
-#include "draw/rendering.h"
 
 namespace throng {
 
-Targets::Targets(std::shared_ptr<Gpu> gpu, uint32_t width, uint32_t height, VkSampleCountFlagBits samples)
-    : gpu_(std::move(gpu)), width_(width), height_(height) {
+Targets::Targets(std::shared_ptr<Gpu> gpu, VkExtent2D extent, VkSampleCountFlagBits samples)
+    : gpu_(std::move(gpu)), extent_(extent) {
     const VkPhysicalDeviceLimits& limits = gpu_->properties.limits;
-    if (width > limits.maxFramebufferWidth || height > limits.maxFramebufferHeight)
+    if (extent.width > limits.maxFramebufferWidth || extent.height > limits.maxFramebufferHeight)
         throw Failure(ErrorCode::kLimit, "picture",
-                      std::to_string(width) + " x " + std::to_string(height) +
+                      std::to_string(extent.width) + " x " + std::to_string(extent.height) +
                           " exceeds the device's largest framebuffer of " + std::to_string(limits.maxFramebufferWidth) +
                           " x " + std::to_string(limits.maxFramebufferHeight));
-    constexpr VkImageUsageFlags kPictureUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-    color_ = Image(gpu_, {.what = "picture",
-                          .width = width,
-                          .height = height,
-                          .format = kColorFormat,
-                          .usage = kPictureUsage,
-                          .samples = samples});
+    ImageSettings settings{.what = "picture",
+                           .extent = extent,
+                           .format = kColorFormat,
+                           .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                           .samples = samples};
+    color_ = Image(gpu_, settings);
+    if (samples != VK_SAMPLE_COUNT_1_BIT) {
+        settings.what = "resolved picture";
+        settings.samples = VK_SAMPLE_COUNT_1_BIT;
+        resolved_ = Image(gpu_, settings);
+    }
     depth_ = Image(gpu_, {.what = "depth",
-                          .width = width,
-                          .height = height,
+                          .extent = extent,
                           .format = kDepthFormat,
                           .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
                           .samples = samples});
-    if (samples != VK_SAMPLE_COUNT_1_BIT)
-        resolved_ = Image(gpu_, {.what = "resolved picture",
-                                 .width = width,
-                                 .height = height,
-                                 .format = kColorFormat,
-                                 .usage = kPictureUsage});
 }
 
 void Targets::begin(VkCommandBuffer commands) const {
-    const auto prepare = [&](const Image& image, VkImageAspectFlags aspect, VkImageLayout layout, Access before,
-                             Access access) {
-        transition(*gpu_, commands,
-                   {.image = image.handle(), .aspect = aspect, .to = layout, .before = before, .after = access});
-    };
-    prepare(color_, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, kColorWrite | kTransferRead,
-            kColorWrite);
-    prepare(depth_, VK_IMAGE_ASPECT_DEPTH_BIT, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, kDepthAccess, kDepthAccess);
+    const ImageUse shown_before = discarded_after(kColorWrite | kTransferRead);
     const bool resolves = resolved_.handle() != VK_NULL_HANDLE;
-    if (resolves)
-        prepare(resolved_, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-                kColorWrite | kTransferRead, kColorWrite);
+    transition(*gpu_, commands, color_.handle(), shown_before, kColorTarget);
+    transition(*gpu_, commands, depth_.handle(), discarded_after(kDepthAccess), kDepthTarget);
+    if (resolves) transition(*gpu_, commands, resolved_.handle(), shown_before, kColorTarget);
 
     // The ground covers all of it
-    VkRenderingAttachmentInfo color = color_attachment(
-        color_, resolves ? VK_ATTACHMENT_STORE_OP_DONT_CARE : VK_ATTACHMENT_STORE_OP_STORE);
+    VkRenderingAttachmentInfo color = attachment(
+        color_, kColorTarget, VK_ATTACHMENT_LOAD_OP_DONT_CARE,
+        resolves ? VK_ATTACHMENT_STORE_OP_DONT_CARE : VK_ATTACHMENT_STORE_OP_STORE);
     if (resolves) {
         color.resolveMode = VK_RESOLVE_MODE_AVERAGE_BIT;
         color.resolveImageView = resolved_.view();
-        color.resolveImageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+        color.resolveImageLayout = kColorTarget.layout;
     }
-    const VkRenderingAttachmentInfo depth = depth_attachment(depth_, VK_ATTACHMENT_STORE_OP_DONT_CARE);
-    begin_rendering(*gpu_, commands, extent(), &color, &depth);
+    const VkRenderingAttachmentInfo depth = attachment(depth_, kDepthTarget, VK_ATTACHMENT_LOAD_OP_CLEAR,
+                                                       VK_ATTACHMENT_STORE_OP_DONT_CARE);
+    begin_rendering(*gpu_, commands, extent_, &color, &depth);
 }
 
 void Targets::end(VkCommandBuffer commands) const {
     gpu_->vk.vkCmdEndRendering(commands);
-    transition(*gpu_, commands,
-               {.image = picture(),
-                .from = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-                .to = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                .before = kColorWrite,
-                .after = kTransferRead});
+    transition(*gpu_, commands, picture(), kColorTarget, kCopySource);
 }
 
 void Targets::record_read_back(VkCommandBuffer commands) {
     if (!read_back_.handle())
-        read_back_ = Buffer(gpu_, "picture read-back", uint64_t{width_} * height_ * 4, 0, MemoryKind::kReadback);
-    VkBufferImageCopy copy{};
-    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-    copy.imageExtent = {width_, height_, 1};
-    gpu_->vk.vkCmdCopyImageToBuffer(commands, picture(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, read_back_.handle(), 1,
-                                    &copy);
+        read_back_ = Buffer(gpu_, "picture read-back", uint64_t{extent_.width} * extent_.height * 4, 0,
+                            MemoryKind::kReadback);
+    const VkBufferImageCopy copy{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                 .imageExtent = {extent_.width, extent_.height, 1}};
+    gpu_->vk.vkCmdCopyImageToBuffer(commands, picture(), kCopySource.layout, read_back_.handle(), 1, &copy);
     memory_barrier(*gpu_, commands, kTransferWrite, kHostRead);
 }
 
 Picture Targets::read_back() const {
-    Picture picture{.width = width_, .height = height_};
     const auto* bytes = reinterpret_cast<const uint8_t*>(read_back_.mapped());
-    picture.rgba.assign(bytes, bytes + read_back_.size_bytes());
-    return picture;
+    return {extent_.width, extent_.height, {bytes, bytes + read_back_.size_bytes()}};
 }
 
 }  // namespace throng

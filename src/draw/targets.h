@@ -13,7 +13,7 @@ class Targets {
 public:
     Targets() = default;
     // Throws kLimit where the device cannot draw so large a picture.
-    Targets(std::shared_ptr<Gpu> gpu, uint32_t width, uint32_t height, VkSampleCountFlagBits samples);
+    Targets(std::shared_ptr<Gpu> gpu, VkExtent2D extent, VkSampleCountFlagBits samples);
 
     // Begins the render pass: color is undefined, depth infinitely far. Waits for whoever draws to the targets, or
     // copies from them, before.
@@ -25,13 +25,11 @@ public:
     Picture read_back() const;
 
     VkImage picture() const { return (resolved_.handle() ? resolved_ : color_).handle(); }
-    uint32_t width() const { return width_; }
-    uint32_t height() const { return height_; }
-    VkExtent2D extent() const { return {width_, height_}; }
+    const VkExtent2D& extent() const { return extent_; }
 
 private:
     std::shared_ptr<Gpu> gpu_;
-    uint32_t width_ = 0, height_ = 0;
+    VkExtent2D extent_{};
     Image color_, depth_;
     Image resolved_;    // of color_, where that has several samples
     Buffer read_back_;  // made when first needed

@@ -54,69 +54,61 @@ Picture decode_image(const AssetImage& image, uint64_t& room_bytes) {
 Image upload_texture(Uploads& uploads, std::string_view what, const Picture& picture, VkFormat format) {
     const auto mip_count = static_cast<uint32_t>(std::bit_width(std::max(picture.width, picture.height)));
     Image texture(uploads.gpu(), {.what = what,
-                                  .width = picture.width,
-                                  .height = picture.height,
+                                  .extent = {picture.width, picture.height},
                                   .mip_count = mip_count,
                                   .format = format,
                                   .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
                                            VK_IMAGE_USAGE_TRANSFER_DST_BIT});
     const auto record = [gpu = uploads.gpu().get(), image = texture.handle(), width = picture.width,
                          height = picture.height, mip_count](VkCommandBuffer commands, const BufferRange& staged) {
-        transition(*gpu, commands,
-                   {.image = image, .to = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, .after = kTransferWrite});
-        VkBufferImageCopy copy{};
-        copy.bufferOffset = staged.offset_bytes;
-        copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-        copy.imageExtent = {width, height, 1};
-        gpu->vk.vkCmdCopyBufferToImage(commands, staged.buffer, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+        transition(*gpu, commands, image, discarded_after(kNoAccess), kCopyTarget);
+        const VkBufferImageCopy copy{.bufferOffset = staged.offset_bytes,
+                                     .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                     .imageExtent = {width, height, 1}};
+        gpu->vk.vkCmdCopyBufferToImage(commands, staged.buffer, image, kCopyTarget.layout, 1, &copy);
 
         const auto corner = [&](uint32_t mip) {
             return VkOffset3D{static_cast<int32_t>(std::max(width >> mip, 1u)),
                               static_cast<int32_t>(std::max(height >> mip, 1u)), 1};
         };
-        const auto written = [&](uint32_t mip, VkImageLayout to, Access after) {
-            transition(*gpu, commands,
-                       {.image = image,
-                        .first_mip = mip,
-                        .mip_count = 1,
-                        .from = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                        .to = to,
-                        .before = kTransferWrite,
-                        .after = after});
-        };
         for (uint32_t mip = 1; mip < mip_count; ++mip) {
-            written(mip - 1, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, kTransferRead);
-            VkImageBlit blit{};
-            blit.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, mip - 1, 0, 1};
-            blit.srcOffsets[1] = corner(mip - 1);
-            blit.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, mip, 0, 1};
-            blit.dstOffsets[1] = corner(mip);
-            gpu->vk.vkCmdBlitImage(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image,
-                                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_LINEAR);
+            transition(*gpu, commands, image, kCopyTarget, kCopySource, mip - 1, 1);
+            const VkImageBlit blit{.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, mip - 1, 0, 1},
+                                   .srcOffsets = {{}, corner(mip - 1)},
+                                   .dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, mip, 0, 1},
+                                   .dstOffsets = {{}, corner(mip)}};
+            gpu->vk.vkCmdBlitImage(commands, image, kCopySource.layout, image, kCopyTarget.layout, 1, &blit,
+                                   VK_FILTER_LINEAR);
         }
-        if (mip_count > 1)
-            transition(*gpu, commands,
-                       {.image = image,
-                        .mip_count = mip_count - 1,
-                        .from = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                        .to = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
-                        .before = kTransferRead,
-                        .after = kFragmentRead});
-        written(mip_count - 1, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, kFragmentRead);
+        if (mip_count > 1) transition(*gpu, commands, image, kCopySource, kTexture, 0, mip_count - 1);
+        transition(*gpu, commands, image, kCopyTarget, kTexture, mip_count - 1, 1);
     };
     uploads.add(std::as_bytes(std::span(picture.rgba)), record);
     return texture;
 }
 
-std::optional<Image> make_texture(Uploads& uploads, const AssetImage& image, VkFormat format, TextureAccount& account) {
+namespace {
+
+// What `make` returns; none, with a warning, where that is no more than a texture the less.
+template <class Make>
+std::optional<std::invoke_result_t<Make>> or_white(TextureAccount& account, const Make& make) {
     try {
-        return upload_texture(uploads, "image '" + image.name + "'", decode_image(image, account.room_bytes), format);
+        return make();
     } catch (const Failure& failure) {
         const ErrorCode code = failure.error.code;
         if (code != ErrorCode::kInvalidFile && code != ErrorCode::kLimit && code != ErrorCode::kOutOfMemory) throw;
         account.warnings.push_back(failure.error.text() + "; drawn white");
         return std::nullopt;
     }
+}
+
+}  // namespace
+
+std::optional<Image> make_texture(Uploads& uploads, const AssetImage& image, VkFormat format, TextureAccount& account) {
+    const std::optional<Picture> picture = or_white(account, [&] { return decode_image(image, account.room_bytes); });
+    if (!picture) return std::nullopt;
+    uploads.make_room(picture->rgba.size());  // none of this texture's, where it fails
+    return or_white(account, [&] { return upload_texture(uploads, "image '" + image.name + "'", *picture, format); });
 }
 
 Image make_white_texture(const std::shared_ptr<Gpu>& gpu) {

@@ -53,8 +53,6 @@ layout(constant_id = 19) const bool kListed = false;         // only listed inst
 layout(constant_id = 20) const bool kSomeJoints = false;     // not all joints are
 layout(push_constant) uniform Push { FusedPush push; };
 
-#define SKIN_SET 0
-#define SKIN_BINDING kSkinBuffer
 #define SKIN_STORES
 uint rig_joint_count() { return push.rig_joint_count; }
 #include "bind/skin_format.glsl"

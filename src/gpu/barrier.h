@@ -27,16 +27,21 @@ inline constexpr Access kTransferRead{VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCES
 inline constexpr Access kTransferWrite{VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT};
 inline constexpr Access kHostRead{VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT};
 
+inline VkMemoryBarrier2 barrier_between(Access before, Access after) {
+    return {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+            .srcStageMask = before.stage,
+            .srcAccessMask = before.access,
+            .dstStageMask = after.stage,
+            .dstAccessMask = after.access};
+}
+inline VkDependencyInfo dependency_of(const VkMemoryBarrier2& barrier) {
+    return {.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = 1, .pMemoryBarriers = &barrier};
+}
+
 // All memory: what `before` wrote is visible to `after`, and `after` waits for `before` even where that only read.
 inline void memory_barrier(const Gpu& gpu, VkCommandBuffer commands, Access before, Access after) {
-    VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-    barrier.srcStageMask = before.stage;
-    barrier.srcAccessMask = before.access;
-    barrier.dstStageMask = after.stage;
-    barrier.dstAccessMask = after.access;
-    VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-    dependency.memoryBarrierCount = 1;
-    dependency.pMemoryBarriers = &barrier;
+    const VkMemoryBarrier2 barrier = barrier_between(before, after);
+    const VkDependencyInfo dependency = dependency_of(barrier);
     gpu.vk.vkCmdPipelineBarrier2(commands, &dependency);
 }
 
@@ -44,14 +49,8 @@ inline void memory_barrier(const Gpu& gpu, VkCommandBuffer commands, Access befo
 inline void set_event_for_host(const Gpu& gpu, VkCommandBuffer commands, VkEvent event) {
     // An event's own barrier works only for who waits for it on the GPU, so the one for the CPU comes before.
     memory_barrier(gpu, commands, kTransferWrite, kHostRead);
-    VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-    barrier.srcStageMask = kTransferWrite.stage;
-    barrier.srcAccessMask = kTransferWrite.access;
-    barrier.dstStageMask = kHostRead.stage;
-    barrier.dstAccessMask = kHostRead.access;
-    VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-    dependency.memoryBarrierCount = 1;
-    dependency.pMemoryBarriers = &barrier;
+    const VkMemoryBarrier2 barrier = barrier_between(kTransferWrite, kHostRead);
+    const VkDependencyInfo dependency = dependency_of(barrier);
     gpu.vk.vkCmdSetEvent2(commands, event, &dependency);
 }
 

@@ -41,10 +41,10 @@ Buffer::Buffer(std::shared_ptr<Gpu> gpu, std::string_view what, VkDeviceSize siz
 }
 
 void Buffer::Content::create(VkDeviceSize size, VkBufferUsageFlags usage, MemoryKind kind) {
-    VkBufferCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
-    create.size = size;
-    create.usage = usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-    create.sharingMode = VK_SHARING_MODE_EXCLUSIVE;
+    const VkBufferCreateInfo create{
+        .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+        .size = size,
+        .usage = usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT};
     check(gpu->vk.vkCreateBuffer(gpu->device, &create, nullptr, &buffer), "vkCreateBuffer");
     size_bytes = size;
     VkMemoryRequirements needs{};

@@ -1,6 +1,7 @@
 #include "gpu/gpu.h"
 
 #include "base/failure.h"
+#include "gpu/owned.h"
 #include "gpu/pipeline_cache.h"
 
 #include <algorithm>
@@ -50,32 +51,21 @@ int preference(const DeviceInfo& info) {
     return static_cast<int>(std::find(order.begin(), order.end(), info.type) - order.begin());
 }
 
-struct Family {
-    uint32_t index = 0;
-    VkQueueFlags flags = 0;
-    uint32_t timestamp_valid_bits = 0;
-};
-
-std::vector<Family> queue_families(VkPhysicalDevice physical) {
+std::vector<VkQueueFamilyProperties> queue_families(VkPhysicalDevice physical) {
     uint32_t count = 0;
     vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
-    std::vector<VkQueueFamilyProperties> properties(count);
-    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, properties.data());
-    std::vector<Family> families;
-    for (uint32_t i = 0; i < count; ++i)
-        families.push_back({i, properties[i].queueFlags, properties[i].timestampValidBits});
+    std::vector<VkQueueFamilyProperties> families(count);
+    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
     return families;
 }
 
 // The first family with compute, and with graphics too where the device has one such.
-std::optional<Family> find_family(VkPhysicalDevice physical) {
-    std::optional<Family> best;
-    for (const Family& family : queue_families(physical)) {
-        if (!(family.flags & VK_QUEUE_COMPUTE_BIT)) continue;
-        if (family.flags & VK_QUEUE_GRAPHICS_BIT) return family;
-        if (!best) best = family;
-    }
-    return best;
+std::optional<uint32_t> find_family(VkPhysicalDevice physical) {
+    const std::vector<VkQueueFamilyProperties> families = queue_families(physical);
+    for (const VkQueueFlags wanted : {VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT, VK_QUEUE_COMPUTE_BIT + 0})
+        for (uint32_t index = 0; index < families.size(); ++index)
+            if ((families[index].queueFlags & wanted) == wanted) return index;
+    return std::nullopt;
 }
 
 DeviceInfo describe(VkPhysicalDevice physical, uint32_t index) {
@@ -84,17 +74,15 @@ DeviceInfo describe(VkPhysicalDevice physical, uint32_t index) {
     VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &v12};
     vkGetPhysicalDeviceProperties2(physical, &properties);
     const auto& p = properties.properties;
-    DeviceInfo info;
-    info.index = index;
-    info.name = p.deviceName;
-    info.type = type_name(p.deviceType);
-    info.driver = std::string(v12.driverName) + (v12.driverInfo[0] ? " " : "") + v12.driverInfo;
-    info.api_version = p.apiVersion;
-    info.subgroup_size = v11.subgroupSize;
-    info.shared_memory_bytes = p.limits.maxComputeSharedMemorySize;
-    info.storage_buffer_range_bytes = p.limits.maxStorageBufferRange;
-    info.usable = p.apiVersion >= kApiVersion && find_family(physical).has_value();
-    return info;
+    return {.index = index,
+            .name = p.deviceName,
+            .type = type_name(p.deviceType),
+            .driver = std::string(v12.driverName) + (v12.driverInfo[0] ? " " : "") + v12.driverInfo,
+            .api_version = p.apiVersion,
+            .subgroup_size = v11.subgroupSize,
+            .shared_memory_bytes = p.limits.maxComputeSharedMemorySize,
+            .storage_buffer_range_bytes = p.limits.maxStorageBufferRange,
+            .usable = p.apiVersion >= kApiVersion && find_family(physical).has_value()};
 }
 
 std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
@@ -104,6 +92,12 @@ std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
     check(vkEnumeratePhysicalDevices(instance, &count, devices.data()), "vkEnumeratePhysicalDevices");
     devices.resize(count);
     return devices;
+}
+
+std::vector<DeviceInfo> describe_all(const std::vector<VkPhysicalDevice>& devices) {
+    std::vector<DeviceInfo> infos;
+    for (VkPhysicalDevice physical : devices) infos.push_back(describe(physical, static_cast<uint32_t>(infos.size())));
+    return infos;
 }
 
 DeviceInfo select_device(const std::vector<DeviceInfo>& infos, const std::string& select) {
@@ -141,37 +135,22 @@ VKAPI_ATTR VkBool32 VKAPI_CALL on_validation_message(VkDebugUtilsMessageSeverity
     return VK_FALSE;
 }
 
-// A bare instance that only lives while devices are listed.
-struct ListingInstance {
-    VkInstance handle = VK_NULL_HANDLE;
-    ListingInstance() {
-        VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
-        application.apiVersion = kApiVersion;
-        VkInstanceCreateInfo create{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
-        create.pApplicationInfo = &application;
-        check(vkCreateInstance(&create, nullptr, &handle), "vkCreateInstance");
-        volkLoadInstanceOnly(handle);
-    }
-    ~ListingInstance() { vkDestroyInstance(handle, nullptr); }
-};
-
 }  // namespace
 
-Gpu::Gpu(size_t kept_kernels) : kernels(kept_kernels) {}
+Gpu::Gpu(bool owns_device)
+    : memory(*this, owns_device), kernels(owns_device ? SharedKernels::kKept : 0), owns_device_(owns_device) {}
 
 std::vector<DeviceInfo> Gpu::list() {
+    // Before the lock: its destructor takes the lock, also where something below throws
+    const std::shared_ptr<Gpu> gpu(new Gpu(true));
     const std::lock_guard lock(instance_level_mutex());
     load_vulkan();
-    const ListingInstance instance;
-    std::vector<DeviceInfo> infos;
-    for (VkPhysicalDevice physical : physical_devices(instance.handle))
-        infos.push_back(describe(physical, static_cast<uint32_t>(infos.size())));
-    return infos;
+    gpu->create_instance(Validation::kOff);
+    return describe_all(physical_devices(gpu->instance_));
 }
 
 std::shared_ptr<Gpu> Gpu::create(const DeviceSettings& settings) {
-    // Before the lock: where something below throws, its destructor takes the lock
-    std::shared_ptr<Gpu> gpu(new Gpu(SharedKernels::kKept));
+    std::shared_ptr<Gpu> gpu(new Gpu(true));  // before the lock, as in list()
     const std::lock_guard lock(instance_level_mutex());
     load_vulkan();
     gpu->create_instance(settings.validation);
@@ -183,8 +162,7 @@ std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
     if (!adopted.instance || !adopted.physical_device || !adopted.device || !adopted.queue)
         throw Failure(ErrorCode::kInvalidArgument, "adopted device",
                       "instance, physical device, device and queue are all needed");
-    // Before the lock, as in create(). Nothing of it may outlive the crowds: the application's device may not.
-    std::shared_ptr<Gpu> gpu(new Gpu(0));
+    std::shared_ptr<Gpu> gpu(new Gpu(false));  // before the lock, as in list()
     const std::lock_guard lock(instance_level_mutex());
     load_vulkan();
     volkLoadInstanceOnly(adopted.instance);
@@ -207,30 +185,27 @@ std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
 
 void Gpu::create_instance(Validation validation) {
     constexpr const char* kLayer = "VK_LAYER_KHRONOS_validation";
-    VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
-    application.pApplicationName = "throng";
-    application.apiVersion = kApiVersion;
-    VkInstanceCreateInfo create{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
-    create.pApplicationInfo = &application;
-
-    VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
-    messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
-                                VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
-    messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
-    messenger.pfnUserCallback = on_validation_message;
-    messenger.pUserData = &validation_messages_;
-
+    const VkApplicationInfo application{
+        .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pApplicationName = "throng", .apiVersion = kApiVersion};
+    const VkDebugUtilsMessengerCreateInfoEXT messenger{
+        .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+        .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+                           VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+        .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
+        .pfnUserCallback = on_validation_message,
+        .pUserData = &validation_messages_};
     const VkValidationFeatureEnableEXT feature = validation == Validation::kSynchronization
                                                      ? VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT
                                                      : VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT;
-    VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, &messenger};
-    features.enabledValidationFeatureCount = 1;
-    features.pEnabledValidationFeatures = &feature;
+    const VkValidationFeaturesEXT features{.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+                                           .pNext = &messenger,
+                                           .enabledValidationFeatureCount = 1,
+                                           .pEnabledValidationFeatures = &feature};
     const char* extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+    VkInstanceCreateInfo create{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, .pApplicationInfo = &application};
     if (validation != Validation::kOff) {
-        create.enabledLayerCount = 1;
+        create.enabledLayerCount = create.enabledExtensionCount = 1;
         create.ppEnabledLayerNames = &kLayer;
-        create.enabledExtensionCount = 1;
         create.ppEnabledExtensionNames = &extension;
         create.pNext = validation == Validation::kStandard ? static_cast<const void*>(&messenger) : &features;
     }
@@ -251,40 +226,39 @@ void Gpu::create_instance(Validation validation) {
 
 void Gpu::create_device(const DeviceSettings& settings) {
     const std::vector<VkPhysicalDevice> devices = physical_devices(instance_);
-    std::vector<DeviceInfo> infos;
-    for (VkPhysicalDevice physical : devices) infos.push_back(describe(physical, static_cast<uint32_t>(infos.size())));
-    info = select_device(infos, settings.select);
+    info = select_device(describe_all(devices), settings.select);
     VkPhysicalDevice physical = devices[info.index];
-    queue_family = find_family(physical)->index;
+    queue_family = *find_family(physical);
     read_properties(physical);
 
-    const float priority = 1;
-    VkDeviceQueueCreateInfo queue_create{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
-    queue_create.queueFamilyIndex = queue_family;
-    queue_create.queueCount = 1;
-    queue_create.pQueuePriorities = &priority;
-    VkPhysicalDeviceVulkan13Features features13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
-    features13.synchronization2 = VK_TRUE;
-    features13.dynamicRendering = VK_TRUE;
-    features13.maintenance4 = VK_TRUE;
-    VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features13};
-    VkPhysicalDeviceVulkan13Features available13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
-    VkPhysicalDeviceFeatures2 available2{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &available13};
-    vkGetPhysicalDeviceFeatures2(physical, &available2);
-    const VkPhysicalDeviceFeatures& available = available2.features;
-    features.features.shaderInt64 = available.shaderInt64;
-    has_int64 = available.shaderInt64 == VK_TRUE;
-    features13.computeFullSubgroups = available13.computeFullSubgroups;
+    VkPhysicalDeviceVulkan13Features available13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+    VkPhysicalDeviceFeatures2 available{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &available13};
+    vkGetPhysicalDeviceFeatures2(physical, &available);
+    has_int64 = available.features.shaderInt64 == VK_TRUE;
     has_full_subgroups = available13.computeFullSubgroups == VK_TRUE;
+    // What must be there, and what is used where it is there.
+    VkPhysicalDeviceVulkan13Features features13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
+                                                .computeFullSubgroups = available13.computeFullSubgroups,
+                                                .synchronization2 = VK_TRUE,
+                                                .dynamicRendering = VK_TRUE,
+                                                .maintenance4 = VK_TRUE};
+    VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+                                       .pNext = &features13,
+                                       .features = {.shaderInt64 = available.features.shaderInt64}};
     if (settings.validation == Validation::kGpuAssisted) {  // what the layer's own instrumentation needs
-        features.features.fragmentStoresAndAtomics = available.fragmentStoresAndAtomics;
-        features.features.vertexPipelineStoresAndAtomics = available.vertexPipelineStoresAndAtomics;
+        features.features.fragmentStoresAndAtomics = available.features.fragmentStoresAndAtomics;
+        features.features.vertexPipelineStoresAndAtomics = available.features.vertexPipelineStoresAndAtomics;
     }
-    VkDeviceCreateInfo create{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
-    create.queueCreateInfoCount = 1;
-    create.pQueueCreateInfos = &queue_create;
+    const float priority = 1;
+    const VkDeviceQueueCreateInfo queue_create{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                               .queueFamilyIndex = queue_family,
+                                               .queueCount = 1,
+                                               .pQueuePriorities = &priority};
+    const VkDeviceCreateInfo create{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                    .pNext = &features,
+                                    .queueCreateInfoCount = 1,
+                                    .pQueueCreateInfos = &queue_create};
     check(vkCreateDevice(physical, &create, nullptr, &device), "vkCreateDevice");
-    owns_device_ = true;
     volkLoadDeviceTable(&vk, device);
     vk.vkGetDeviceQueue(device, queue_family, 0, &queue);
     if (!settings.pipeline_cache) return;
@@ -294,32 +268,32 @@ void Gpu::create_device(const DeviceSettings& settings) {
 
 void Gpu::read_properties(VkPhysicalDevice physical) {
     physical_device = physical;
-    VkPhysicalDeviceVulkan13Properties properties13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES};
-    VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES, &properties13};
-    VkPhysicalDeviceMaintenance3Properties maintenance3{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
-                                                        &subgroup};
-    VkPhysicalDeviceProperties2 properties2{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &maintenance3};
+    VkPhysicalDeviceVulkan13Properties v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES};
+    VkPhysicalDeviceVulkan11Properties v11{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES,
+                                           .pNext = &v13};
+    VkPhysicalDeviceProperties2 properties2{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &v11};
     vkGetPhysicalDeviceProperties2(physical, &properties2);
     properties = properties2.properties;
-    max_allocation_bytes = maintenance3.maxMemoryAllocationSize;
-    smallest_subgroup = std::max(1u, std::min(properties13.minSubgroupSize, subgroup.subgroupSize));
-    largest_subgroup = std::max(properties13.maxSubgroupSize, subgroup.subgroupSize);
-    has_shuffle = (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
-                  (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT);
+    max_allocation_bytes = v11.maxMemoryAllocationSize;
+    smallest_subgroup = std::max(1u, std::min(v13.minSubgroupSize, v11.subgroupSize));
+    largest_subgroup = std::max(v13.maxSubgroupSize, v11.subgroupSize);
+    has_shuffle = (v11.subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
+                  (v11.subgroupSupportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT);
     vkGetPhysicalDeviceMemoryProperties(physical, &memory_properties);
-    const std::vector<Family> families = queue_families(physical);
+    const std::vector<VkQueueFamilyProperties> families = queue_families(physical);
     if (queue_family >= families.size())
         throw Failure(ErrorCode::kInvalidArgument, "queue family " + std::to_string(queue_family),
                       "the device has " + std::to_string(families.size()));
-    queue_flags = families[queue_family].flags;
-    timestamp_valid_bits = families[queue_family].timestamp_valid_bits;
+    queue_flags = families[queue_family].queueFlags;
+    timestamp_valid_bits = families[queue_family].timestampValidBits;
 }
 
 Gpu::~Gpu() {
     kernels.clear();
+    memory.clear();
     own_cache_.reset();
     const std::lock_guard lock(instance_level_mutex());
-    if (owns_device_) {
+    if (owns_device_ && device) {
         vk.vkDeviceWaitIdle(device);
         vk.vkDestroyDevice(device, nullptr);
     }
@@ -329,43 +303,34 @@ Gpu::~Gpu() {
 
 void Gpu::submit_and_wait(const std::function<void(VkCommandBuffer)>& body) const {
     // A pool and a fence of its own: rare calls, and nothing to share between threads.
-    struct OneShot {
-        const Gpu& gpu;
-        VkCommandPool pool = VK_NULL_HANDLE;
-        VkFence fence = VK_NULL_HANDLE;
-        ~OneShot() {
-            gpu.vk.vkDestroyFence(gpu.device, fence, nullptr);
-            gpu.vk.vkDestroyCommandPool(gpu.device, pool, nullptr);
-        }
-    } shot{*this};
-    VkCommandPoolCreateInfo pool_create{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-    pool_create.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
-    pool_create.queueFamilyIndex = queue_family;
-    check(vk.vkCreateCommandPool(device, &pool_create, nullptr, &shot.pool), "vkCreateCommandPool");
-    VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-    allocate.commandPool = shot.pool;
-    allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-    allocate.commandBufferCount = 1;
+    const VkCommandPoolCreateInfo pool_create{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                              .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
+                                              .queueFamilyIndex = queue_family};
+    const OwnedCommandPool pool(unowned(), vk.vkCreateCommandPool, pool_create, "vkCreateCommandPool");
+    const VkCommandBufferAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                               .commandPool = pool.get(),
+                                               .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+                                               .commandBufferCount = 1};
     VkCommandBuffer commands = VK_NULL_HANDLE;
     check(vk.vkAllocateCommandBuffers(device, &allocate, &commands), "vkAllocateCommandBuffers");
-    VkFenceCreateInfo fence_create{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-    check(vk.vkCreateFence(device, &fence_create, nullptr, &shot.fence), "vkCreateFence");
+    const VkFenceCreateInfo fence_create{.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    const OwnedFence finished(unowned(), vk.vkCreateFence, fence_create, "vkCreateFence");
 
-    VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+    const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+                                         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
     check(vk.vkBeginCommandBuffer(commands, &begin), "vkBeginCommandBuffer");
     body(commands);
     check(vk.vkEndCommandBuffer(commands), "vkEndCommandBuffer");
 
-    VkCommandBufferSubmitInfo command_submit{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
-    command_submit.commandBuffer = commands;
-    VkSubmitInfo2 submit{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
-    submit.commandBufferInfoCount = 1;
-    submit.pCommandBufferInfos = &command_submit;
-    check(vk.vkQueueSubmit2(queue, 1, &submit, shot.fence), "vkQueueSubmit2");
+    const VkCommandBufferSubmitInfo command_submit{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
+                                                   .commandBuffer = commands};
+    const VkSubmitInfo2 submit{
+        .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .commandBufferInfoCount = 1, .pCommandBufferInfos = &command_submit};
+    const VkFence fence = finished.get();
+    check(vk.vkQueueSubmit2(queue, 1, &submit, fence), "vkQueueSubmit2");
     ++counts.submissions;
     // No timeout: a frame of a software device may take minutes, and a driver reports a device that hangs as lost.
-    check(vk.vkWaitForFences(device, 1, &shot.fence, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+    check(vk.vkWaitForFences(device, 1, &fence, VK_TRUE, UINT64_MAX), "vkWaitForFences");
 }
 
 VkPipelineCache Gpu::pipeline_cache() const { return own_cache_ ? own_cache_->handle() : adopted_cache_; }
@@ -382,11 +347,12 @@ template <class Info, class Create>
 VkPipeline Gpu::make_pipeline(Info create, uint32_t stage_count, Create function, const char* call) const {
     VkPipelineCreationFeedback whole{};
     std::vector<VkPipelineCreationFeedback> stages(stage_count);
-    VkPipelineCreationFeedbackCreateInfo feedback{VK_STRUCTURE_TYPE_PIPELINE_CREATION_FEEDBACK_CREATE_INFO,
-                                                  create.pNext};
-    feedback.pPipelineCreationFeedback = &whole;
-    feedback.pipelineStageCreationFeedbackCount = stage_count;
-    feedback.pPipelineStageCreationFeedbacks = stages.data();
+    const VkPipelineCreationFeedbackCreateInfo feedback{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_CREATION_FEEDBACK_CREATE_INFO,
+        .pNext = create.pNext,
+        .pPipelineCreationFeedback = &whole,
+        .pipelineStageCreationFeedbackCount = stage_count,
+        .pPipelineStageCreationFeedbacks = stages.data()};
     create.pNext = &feedback;
     VkPipeline pipeline = VK_NULL_HANDLE;
     check(function(device, pipeline_cache(), 1, &create, nullptr, &pipeline), call);
@@ -399,10 +365,10 @@ VkPipeline Gpu::make_pipeline(Info create, uint32_t stage_count, Create function
 
 void Gpu::set_name(VkObjectType type, uint64_t handle, std::string_view what) const {
     const std::string text(what);
-    VkDebugUtilsObjectNameInfoEXT name_info{VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT};
-    name_info.objectType = type;
-    name_info.objectHandle = handle;
-    name_info.pObjectName = text.c_str();
+    const VkDebugUtilsObjectNameInfoEXT name_info{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT,
+                                                  .objectType = type,
+                                                  .objectHandle = handle,
+                                                  .pObjectName = text.c_str()};
     check(set_name_(device, &name_info), "vkSetDebugUtilsObjectNameEXT");
 }
 

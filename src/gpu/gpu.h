@@ -34,6 +34,9 @@ public:
     Gpu(const Gpu&) = delete;
     Gpu& operator=(const Gpu&) = delete;
 
+    // Does not keep the device: for what it keeps itself.
+    std::shared_ptr<const Gpu> unowned() const { return {std::shared_ptr<const Gpu>(), this}; }
+
     // Records `body` into a fresh command buffer, submits it to the queue and waits for it.
     void submit_and_wait(const std::function<void(VkCommandBuffer)>& body) const;
 
@@ -77,12 +80,13 @@ public:
     uint32_t validation_message_count() const { return validation_messages_; }
     VkPipelineCache pipeline_cache() const;
 
-    MemoryBlocks memory{*this};
+    MemoryBlocks memory;
     SharedKernels kernels;
     mutable GpuCounts counts;
 
 private:
-    explicit Gpu(size_t kept_kernels);
+    // Of an application's device nothing is kept that no crowd uses: the application may destroy it before this object.
+    explicit Gpu(bool owns_device);
     void create_instance(Validation validation);
     void create_device(const DeviceSettings& settings);
     void read_properties(VkPhysicalDevice physical);
@@ -90,6 +94,7 @@ private:
     template <class Info, class Create>
     VkPipeline make_pipeline(Info create, uint32_t stage_count, Create function, const char* call) const;
 
+    const bool owns_device_;
     VkInstance instance_ = VK_NULL_HANDLE;  // null where adopted
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
     // Null in instances without the extension: volk's may be another's
@@ -97,7 +102,6 @@ private:
     PFN_vkSetDebugUtilsObjectNameEXT set_name_ = nullptr;
     std::unique_ptr<PipelineCache> own_cache_;
     VkPipelineCache adopted_cache_ = VK_NULL_HANDLE;
-    bool owns_device_ = false;
     std::atomic<uint32_t> validation_messages_{0};
 };
 

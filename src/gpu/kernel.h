@@ -1,44 +1,11 @@
 // A compute shader, ready to dispatch.
 #pragma once
 
-#include "gpu/buffer_table.h"
-#include "gpu/spirv_info.h"
-
-#include <span>
-#include <vector>
+#include "gpu/shader.h"
 
 namespace throng {
 
 struct CompiledKernel;
-
-// Buffers bound to a kernel: those of a table that the shader uses. Movable; outlives its recorded
-// commands.
-class Bindings {
-public:
-    Bindings() = default;
-    // `what` names the kernel in messages.
-    Bindings(std::shared_ptr<Gpu> gpu, VkDescriptorSetLayout layout, std::string_view what,
-             std::span<const BindingInfo> bindings, const BufferTable& buffers);
-    ~Bindings() { destroy(); }
-    Bindings(Bindings&& other) noexcept { swap(other); }
-    Bindings& operator=(Bindings&& other) noexcept {
-        swap(other);
-        return *this;
-    }
-    VkDescriptorSet set() const { return set_; }
-
-private:
-    void write(VkDescriptorSetLayout layout, std::string_view what, std::span<const BindingInfo> bindings,
-               const BufferTable& buffers);
-    VkBufferView texel_view(std::string_view what, const BindingInfo& binding, const BufferRange& range);
-    void destroy() noexcept;
-    void swap(Bindings& other) noexcept;
-
-    std::shared_ptr<Gpu> gpu_;
-    std::vector<VkBufferView> views_;
-    VkDescriptorPool pool_ = VK_NULL_HANDLE;
-    VkDescriptorSet set_ = VK_NULL_HANDLE;
-};
 
 struct KernelSettings {
     std::string_view name;  // for messages
@@ -53,9 +20,12 @@ class Kernel {
 public:
     Kernel() = default;
     Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings);
-    Kernel(Kernel&& other) noexcept { swap(other); }
-    Kernel& operator=(Kernel&& other) noexcept {
-        swap(other);
+    Kernel(Kernel&& other) noexcept { *this = std::move(other); }
+    Kernel& operator=(Kernel&& other) noexcept {  // swaps: what is compiled goes before its device
+        std::swap(gpu_, other.gpu_);
+        std::swap(name_, other.name_);
+        std::swap(compiled_, other.compiled_);
+        std::swap(workgroup_size_, other.workgroup_size_);
         return *this;
     }
 
@@ -90,7 +60,6 @@ private:
     void dispatch(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes,
                   uint32_t workgroup_count) const;
     void prepare(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes) const;
-    void swap(Kernel& other) noexcept;
 
     std::shared_ptr<Gpu> gpu_;
     std::string name_;

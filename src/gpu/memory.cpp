@@ -22,7 +22,7 @@ struct MemoryBlock {
     FreeRanges free;
 };
 
-MemoryBlocks::MemoryBlocks(const Gpu& gpu) : gpu_(gpu) {}
+MemoryBlocks::MemoryBlocks(const Gpu& gpu, bool keeps_empty) : gpu_(gpu), keeps_empty_(keeps_empty) {}
 MemoryBlocks::~MemoryBlocks() = default;
 
 MemoryPart MemoryBlocks::take(uint32_t memory_type, VkDeviceSize size_bytes, VkDeviceSize alignment) {
@@ -59,9 +59,8 @@ std::unique_ptr<MemoryBlock> MemoryBlocks::make_block(uint32_t memory_type, VkDe
     constexpr VkMemoryPropertyFlags kMappable = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
                                                 VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     auto block = std::make_unique<MemoryBlock>(gpu_, memory_type, size_bytes);
-    VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-    allocate.allocationSize = size_bytes;
-    allocate.memoryTypeIndex = memory_type;
+    const VkMemoryAllocateInfo allocate{
+        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = size_bytes, .memoryTypeIndex = memory_type};
     check(gpu_.vk.vkAllocateMemory(gpu_.device, &allocate, nullptr, &block->memory), "vkAllocateMemory");
     ++gpu_.counts.allocations;
     if ((gpu_.memory_properties.memoryTypes[memory_type].propertyFlags & kMappable) != kMappable) return block;
@@ -74,9 +73,18 @@ std::unique_ptr<MemoryBlock> MemoryBlocks::make_block(uint32_t memory_type, VkDe
 
 void MemoryBlocks::give_back(const MemoryPart& part) noexcept {
     const std::lock_guard lock(mutex_);
-    part.block->free.give_back(part.offset_bytes, part.size_bytes);
-    if (part.block->free.all_free())
-        std::erase_if(blocks_[part.block->type], [&](const auto& block) { return block.get() == part.block; });
+    MemoryBlock& emptied = *part.block;
+    emptied.free.give_back(part.offset_bytes, part.size_bytes);
+    if (!emptied.free.all_free()) return;
+    Blocks& blocks = blocks_[emptied.type];
+    const bool is_only_empty = std::ranges::none_of(
+        blocks, [&](const auto& block) { return block.get() != &emptied && block->free.all_free(); });
+    if (keeps_empty_ && is_only_empty && emptied.size_bytes <= kLargestBlock_bytes) return;
+    std::erase_if(blocks, [&](const auto& block) { return block.get() == &emptied; });
+}
+
+void MemoryBlocks::clear() {
+    for (Blocks& blocks : blocks_) blocks.clear();
 }
 
 size_t MemoryBlocks::block_count() const {

@@ -29,13 +29,17 @@ public:
     static constexpr VkDeviceSize kSmallestBlock_bytes = VkDeviceSize{4} << 20,
                                   kLargestBlock_bytes = VkDeviceSize{64} << 20;
 
-    explicit MemoryBlocks(const Gpu& gpu);
+    // `keeps_empty`: of each memory type one block that is shared stays when it is empty, so that who takes and gives
+    // back a little now and then does not ask the driver each time.
+    MemoryBlocks(const Gpu& gpu, bool keeps_empty);
     ~MemoryBlocks();
 
     // Throws kOutOfMemory.
     MemoryPart take(uint32_t memory_type, VkDeviceSize size_bytes, VkDeviceSize alignment);
-    // Frees the block when no part of it is in use any more.
+    // Frees the block when no part of it is in use any more, unless it is kept.
     void give_back(const MemoryPart& part) noexcept;
+    // Frees what is kept; nothing is in use.
+    void clear();
     size_t block_count() const;
 
 private:
@@ -44,6 +48,7 @@ private:
     VkDeviceSize block_bytes(uint32_t memory_type, VkDeviceSize size_bytes) const;
 
     const Gpu& gpu_;
+    const bool keeps_empty_;
     mutable std::mutex mutex_;
     std::array<Blocks, VK_MAX_MEMORY_TYPES> blocks_;  // by memory type
 };

@@ -13,37 +13,37 @@ template <class Handle, auto Destroy>
 class Owned {
 public:
     Owned() = default;
-    Owned(std::shared_ptr<Gpu> gpu, Handle handle) : gpu_(std::move(gpu)), handle_(handle) {}
+    Owned(std::shared_ptr<const Gpu> gpu, Handle handle) : gpu_(std::move(gpu)), handle_(handle) {}
     // `create` is the call, named `call` in messages, that takes device, info, allocator and handle.
     template <class Info>
-    Owned(std::shared_ptr<Gpu> gpu, VkResult (*create)(VkDevice, const Info*, const VkAllocationCallbacks*, Handle*),
-          const Info& info, const char* call)
+    Owned(std::shared_ptr<const Gpu> gpu,
+          VkResult (*create)(VkDevice, const Info*, const VkAllocationCallbacks*, Handle*), const Info& info,
+          const char* call)
         : gpu_(std::move(gpu)) {
         check(create(gpu_->device, &info, nullptr, &handle_), call);
     }
     ~Owned() {
         if (gpu_) ((*gpu_).vk.*Destroy)(gpu_->device, handle_, nullptr);
     }
-    Owned(Owned&& other) noexcept { swap(other); }
+    Owned(Owned&& other) noexcept { *this = std::move(other); }
     Owned& operator=(Owned&& other) noexcept {
-        swap(other);
+        std::swap(gpu_, other.gpu_);
+        std::swap(handle_, other.handle_);
         return *this;
     }
 
     Handle get() const { return handle_; }
 
 private:
-    void swap(Owned& other) noexcept {
-        std::swap(gpu_, other.gpu_);
-        std::swap(handle_, other.handle_);
-    }
-
-    std::shared_ptr<Gpu> gpu_;
+    std::shared_ptr<const Gpu> gpu_;
     Handle handle_ = VK_NULL_HANDLE;
 };
 
 using OwnedImage = Owned<VkImage, &VolkDeviceTable::vkDestroyImage>;
 using OwnedImageView = Owned<VkImageView, &VolkDeviceTable::vkDestroyImageView>;
+using OwnedBufferView = Owned<VkBufferView, &VolkDeviceTable::vkDestroyBufferView>;
+using OwnedCommandPool = Owned<VkCommandPool, &VolkDeviceTable::vkDestroyCommandPool>;
+using OwnedFence = Owned<VkFence, &VolkDeviceTable::vkDestroyFence>;
 using OwnedMemory = Owned<VkDeviceMemory, &VolkDeviceTable::vkFreeMemory>;
 using OwnedSampler = Owned<VkSampler, &VolkDeviceTable::vkDestroySampler>;
 using OwnedShader = Owned<VkShaderModule, &VolkDeviceTable::vkDestroyShaderModule>;

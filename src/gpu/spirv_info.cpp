@@ -14,6 +14,8 @@ enum Op : uint32_t {
     kOpTypeInt = 21,
     kOpTypeFloat = 22,
     kOpTypeVector = 23,
+    kOpTypeImage = 25,
+    kOpTypeSampledImage = 27,
     kOpTypeStruct = 30,
     kOpTypePointer = 32,
     kOpConstant = 43,
@@ -24,11 +26,14 @@ enum Op : uint32_t {
 };
 constexpr uint32_t kMagic = 0x07230203, kHeaderWords = 5;
 constexpr uint32_t kModeLocalSize = 17, kModeLocalSizeId = 38;
-constexpr uint32_t kDecorationSpecId = 1, kDecorationBinding = 33, kDecorationOffset = 35;
-constexpr uint32_t kStorageUniformConstant = 0, kStoragePushConstant = 9, kStorageBuffer = 12;
+constexpr uint32_t kDecorationSpecId = 1, kDecorationBinding = 33, kDecorationSet = 34, kDecorationOffset = 35;
+constexpr uint32_t kStorageUniformConstant = 0, kStorageUniform = 2, kStoragePushConstant = 9, kStorageBuffer = 12;
+constexpr uint32_t kDimBuffer = 5;
 
 struct Id {
-    uint32_t binding = 0, spec_id = UINT32_MAX, constant = 0, pointee = 0, size_bytes = 0, last_offset = UINT32_MAX;
+    uint32_t set = 0, binding = 0, spec_id = UINT32_MAX, constant = 0, pointee = 0, size_bytes = 0;
+    uint32_t last_offset = UINT32_MAX;
+    bool is_texels = false;
 };
 
 }  // namespace
@@ -54,6 +59,7 @@ SpirvInfo read_spirv(std::span<const uint32_t> words) {
             case kOpDecorate:
                 if (arg[1] == kDecorationSpecId) ids[arg[0]].spec_id = arg[2];
                 if (arg[1] == kDecorationBinding) ids[arg[0]].binding = arg[2];
+                if (arg[1] == kDecorationSet) ids[arg[0]].set = arg[2];
                 break;
             case kOpMemberDecorate:
                 if (arg[2] == kDecorationOffset) ids[arg[0]].last_offset = arg[3];  // members come in order
@@ -61,18 +67,25 @@ SpirvInfo read_spirv(std::span<const uint32_t> words) {
             case kOpTypeInt:
             case kOpTypeFloat: ids[arg[0]].size_bytes = arg[1] / 8; break;
             case kOpTypeVector: ids[arg[0]].size_bytes = ids[arg[1]].size_bytes * arg[2]; break;
+            case kOpTypeImage: ids[arg[0]].is_texels = arg[2] == kDimBuffer; break;
+            case kOpTypeSampledImage: ids[arg[0]].is_texels = ids[arg[1]].is_texels; break;
             case kOpTypeStruct:
                 if (arg.size() > 1 && ids[arg[0]].last_offset != UINT32_MAX)
                     ids[arg[0]].size_bytes = ids[arg[0]].last_offset + ids[arg.back()].size_bytes;
                 break;
             case kOpTypePointer: ids[arg[0]].pointee = arg[2]; break;
             case kOpConstant: ids[arg[1]].constant = arg[2]; break;
-            case kOpVariable:
-                if (arg[2] == kStorageBuffer) info.bindings.push_back({ids[arg[1]].binding, BindingKind::kStorage});
-                if (arg[2] == kStorageUniformConstant)
-                    info.bindings.push_back({ids[arg[1]].binding, BindingKind::kTexels});
-                if (arg[2] == kStoragePushConstant) info.push_constant_bytes = ids[ids[arg[0]].pointee].size_bytes;
+            case kOpVariable: {
+                const Id &variable = ids[arg[1]], &type = ids[ids[arg[0]].pointee];
+                const auto add = [&](BindingKind kind) {
+                    info.bindings.push_back({variable.binding, kind, variable.set});
+                };
+                if (arg[2] == kStorageBuffer) add(BindingKind::kStorage);
+                if (arg[2] == kStorageUniform) add(BindingKind::kUniform);
+                if (arg[2] == kStorageUniformConstant) add(type.is_texels ? BindingKind::kTexels : BindingKind::kImage);
+                if (arg[2] == kStoragePushConstant) info.push_constant_bytes = type.size_bytes;
                 break;
+            }
             default: break;
         }
     }
@@ -81,12 +94,11 @@ SpirvInfo read_spirv(std::span<const uint32_t> words) {
         info.local_size_is_specialized = size.spec_id == 0;
         if (size.spec_id == UINT32_MAX) info.local_size_x = size.constant;
     }
-    std::sort(info.bindings.begin(), info.bindings.end(),
-              [](const BindingInfo& a, const BindingInfo& b) { return a.binding < b.binding; });
+    const auto place_of = [](const BindingInfo& binding) { return std::pair(binding.set, binding.binding); };
+    std::ranges::sort(info.bindings, {}, place_of);
     // One buffer may be declared with several types.
-    info.bindings.erase(std::unique(info.bindings.begin(), info.bindings.end(),
-                                    [](const BindingInfo& a, const BindingInfo& b) { return a.binding == b.binding; }),
-                        info.bindings.end());
+    const auto repeated = std::ranges::unique(info.bindings, {}, place_of);
+    info.bindings.erase(repeated.begin(), repeated.end());
     return info;
 }
 

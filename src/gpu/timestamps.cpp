@@ -9,9 +9,10 @@ namespace throng {
 
 Timestamps::Timestamps(std::shared_ptr<Gpu> gpu, uint32_t stamps_per_frame)
     : gpu_(std::move(gpu)), stamps_per_frame_(stamps_per_frame) {
-    VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
-    queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
-    queries.queryCount = stamps_per_frame_;
+    if (!gpu_->has_timestamps()) return;
+    const VkQueryPoolCreateInfo queries{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+                                        .queryType = VK_QUERY_TYPE_TIMESTAMP,
+                                        .queryCount = stamps_per_frame_};
     for (Slot& slot : slots_) {
         slot.queries = OwnedQueries(gpu_, gpu_->vk.vkCreateQueryPool, queries, "vkCreateQueryPool");
         const VkDeviceSize size_bytes = (1 + VkDeviceSize{stamps_per_frame_}) * sizeof(uint64_t);
@@ -21,6 +22,7 @@ Timestamps::Timestamps(std::shared_ptr<Gpu> gpu, uint32_t stamps_per_frame)
 }
 
 void Timestamps::begin(VkCommandBuffer commands) {
+    if (!gpu_->has_timestamps()) return;
     Slot& slot = slots_[++frame_count_ % kFrames];
     slot.frame_number = frame_count_;
     slot.publication = 0;
@@ -29,6 +31,7 @@ void Timestamps::begin(VkCommandBuffer commands) {
 }
 
 void Timestamps::write(VkCommandBuffer commands) {
+    if (!gpu_->has_timestamps()) return;
     Slot& slot = slots_[frame_count_ % kFrames];
     assert(slot.stamp_count < stamps_per_frame_);
     gpu_->vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, slot.queries.get(),
@@ -37,6 +40,7 @@ void Timestamps::write(VkCommandBuffer commands) {
 
 // The number of the publication comes last: with it the stamps are complete, and none of an earlier frame in the slot.
 void Timestamps::publish(VkCommandBuffer commands) {
+    if (!gpu_->has_timestamps()) return;
     Slot& slot = slots_[frame_count_ % kFrames];
     slot.publication = ++publication_count_;
     memory_barrier(*gpu_, commands, kTransferWrite, kTransferWrite);

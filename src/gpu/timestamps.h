@@ -12,6 +12,7 @@
 
 namespace throng {
 
+// On a device without timestamps nothing is recorded, and no frame is ever finished.
 class Timestamps {
 public:
     // Whose times are kept; a frame's are lost when the fourth one after it begins

@@ -8,7 +8,11 @@ namespace throng {
 namespace {
 
 constexpr VkDeviceSize kStagingBuffer_bytes = VkDeviceSize{1} << 20;
-constexpr VkDeviceSize kAlignment_bytes = 16;
+
+VkDeviceSize aligned(VkDeviceSize size_bytes) {
+    constexpr VkDeviceSize kAlignment_bytes = 16;
+    return (size_bytes + kAlignment_bytes - 1) / kAlignment_bytes * kAlignment_bytes;
+}
 
 }  // namespace
 
@@ -31,9 +35,13 @@ void Uploads::add(std::span<const std::byte> data, std::function<void(VkCommandB
     pending_.push_back(std::move(pending));
 }
 
+void Uploads::make_room(VkDeviceSize size_bytes) {
+    if (staged_bytes_ + aligned(size_bytes) > kMostStaged_bytes) finish();
+}
+
 std::byte* Uploads::stage(VkDeviceSize size_bytes, BufferRange& staged) {
-    const VkDeviceSize taken_bytes = (size_bytes + kAlignment_bytes - 1) / kAlignment_bytes * kAlignment_bytes;
-    if (staged_bytes_ + taken_bytes > kMostStaged_bytes) finish();
+    const VkDeviceSize taken_bytes = aligned(size_bytes);
+    make_room(taken_bytes);
     if (staging_.empty() || used_bytes_ + taken_bytes > staging_.back().size_bytes()) {
         staging_.emplace_back(gpu_, "staging", std::max(taken_bytes, kStagingBuffer_bytes), 0, MemoryKind::kUpload);
         used_bytes_ = 0;

@@ -26,6 +26,9 @@ public:
     void add(const Buffer& target, std::span<const std::byte> data);
     // `record` is called when all is submitted, with the data in staging memory, at a multiple of 16 bytes.
     void add(std::span<const std::byte> data, std::function<void(VkCommandBuffer, const BufferRange&)> record);
+    // Submits what has been added so far if so much more would exceed the limit. add() does it too, but who wants to
+    // know whether its own upload failed calls this before: what fails here is that of others.
+    void make_room(VkDeviceSize size_bytes);
     // Submits and waits.
     void finish();
 

@@ -26,8 +26,6 @@ layout(set = 0, binding = kListBuffer, std430) readonly buffer List { uint list[
 layout(set = 0, binding = kVerdictsBuffer, std430) readonly buffer Verdicts { uint verdicts[]; };
 layout(push_constant) uniform Push { SkinPush push; };
 
-#define SKIN_SET 0
-#define SKIN_BINDING kSkinBuffer
 #include "bind/skin_format.glsl"
 #include "skin/skin.glsl"
 #include "skin/normal.glsl"

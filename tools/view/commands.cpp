@@ -11,21 +11,14 @@ namespace {
 
 // Steps of the number that are easy to say: 1, 2, 5, 10, 20, 50 …
 void change_count(State& state, bool up) {
-    const auto next = [&](double count) {
-        const double decade = std::pow(10.0, std::floor(std::log10(count) + 1e-9));
-        for (const double step : {1.0, 2.0, 5.0, 10.0})
-            if (step * decade > count + 0.5) return step * decade;
-        return count;
-    };
-    const auto before = [&](double count) {
-        const double decade = std::pow(10.0, std::floor(std::log10(count) - 1e-9));
-        for (const double step : {5.0, 2.0, 1.0})
-            if (step * decade < count - 0.5) return step * decade;
-        return 1.0;
-    };
-    const double count = state.wanted.count;
-    state.wanted.count = static_cast<uint32_t>(
-        std::clamp(up ? next(count) : before(count), 1.0, double{kMostCharacters}));
+    std::vector<uint32_t> steps;
+    for (uint32_t decade = 1; decade <= kMostCharacters; decade *= 10)
+        for (const uint32_t step : {decade, 2 * decade, 5 * decade})
+            if (step <= kMostCharacters) steps.push_back(step);
+    uint32_t& count = state.wanted.count;
+    const auto at_least = std::ranges::lower_bound(steps, count), above = std::ranges::upper_bound(steps, count);
+    if (up && above != steps.end()) count = *above;
+    if (!up && at_least != steps.begin()) count = *(at_least - 1);
 }
 
 void step_back(State& state) {
@@ -38,34 +31,34 @@ void step_back(State& state) {
 }
 
 constexpr std::array kCommands{
-    Command{"?", "these keys", '?', 0, [](State& s) { s.shows_keys = !s.shows_keys; }},
-    Command{"space", "pause, go on", 0, GLFW_KEY_SPACE, [](State& s) { s.paused = !s.paused; }},
-    Command{".", "one frame on", '.', 0, [](State& s) { s.paused = s.steps = true; }},
-    Command{"+", "more characters", '+', 0, [](State& s) { change_count(s, true); }},
-    Command{"-", "fewer characters", '-', 0, [](State& s) { change_count(s, false); }},
-    Command{"l", "culling and levels of detail", 'l', 0, [](State& s) { s.wanted.culls = !s.wanted.culls; }},
-    Command{"o", "leave out who is hidden", 'o', 0, [](State& s) { s.drawing.occlusion = !s.drawing.occlusion; }},
-    Command{"u", "small ones less often", 'u', 0, [](State& s) { s.wanted.skips_updates = !s.wanted.skips_updates; }},
-    Command{"k", "skeletons", 'k', 0, [](State& s) { s.drawing.skeletons = !s.drawing.skeletons; }},
-    Command{"b", "boxes that culling goes by", 'b', 0, [](State& s) { s.drawing.bounds = !s.drawing.bounds; }},
-    Command{"h", "shadows", 'h', 0, [](State& s) { s.drawing.shadows = !s.drawing.shadows; }},
-    Command{"g", "fog", 'g', 0, [](State& s) { s.drawing.fog = !s.drawing.fog; }},
-    Command{"r", "see the whole crowd", 'r', 0, [](State& s) { s.resets_view = true; }},
-    Command{"f", "fly, or orbit", 'f', 0, [](State& s) { s.flies = !s.flies; }},
-    Command{"tab", "panels", 0, GLFW_KEY_TAB, [](State& s) { s.shows_panels = !s.shows_panels; }},
-    Command{"p, F12", "screenshot", 'p', GLFW_KEY_F12, [](State& s) { s.takes_screenshot = true; }},
-    Command{"escape", "close, select none", 0, GLFW_KEY_ESCAPE, step_back},
-    Command{"ctrl+q", "quit", 0, GLFW_KEY_Q, [](State& s) { s.closes = true; }, true},
+    Command{{"?", "these keys"}, '?', 0, [](State& s) { s.shows_keys = !s.shows_keys; }},
+    Command{{"space", "pause, go on"}, 0, GLFW_KEY_SPACE, [](State& s) { s.paused = !s.paused; }},
+    Command{{".", "one frame on"}, '.', 0, [](State& s) { s.paused = s.steps = true; }},
+    Command{{"+", "more characters"}, '+', 0, [](State& s) { change_count(s, true); }},
+    Command{{"-", "fewer characters"}, '-', 0, [](State& s) { change_count(s, false); }},
+    Command{{"l", "culling and levels of detail"}, 'l', 0, [](State& s) { s.wanted.culls = !s.wanted.culls; }},
+    Command{{"o", "leave out who is hidden"}, 'o', 0, [](State& s) { s.drawing.occlusion = !s.drawing.occlusion; }},
+    Command{{"u", "small ones less often"}, 'u', 0, [](State& s) { s.wanted.skips_updates = !s.wanted.skips_updates; }},
+    Command{{"k", "skeletons"}, 'k', 0, [](State& s) { s.drawing.skeletons = !s.drawing.skeletons; }},
+    Command{{"b", "boxes that culling goes by"}, 'b', 0, [](State& s) { s.drawing.bounds = !s.drawing.bounds; }},
+    Command{{"h", "shadows"}, 'h', 0, [](State& s) { s.drawing.shadows = !s.drawing.shadows; }},
+    Command{{"g", "fog"}, 'g', 0, [](State& s) { s.drawing.fog = !s.drawing.fog; }},
+    Command{{"r", "see the whole crowd"}, 'r', 0, [](State& s) { s.resets_view = true; }},
+    Command{{"f", "fly, or orbit"}, 'f', 0, [](State& s) { s.flies = !s.flies; }},
+    Command{{"tab", "panels"}, 0, GLFW_KEY_TAB, [](State& s) { s.shows_panels = !s.shows_panels; }},
+    Command{{"p, F12", "screenshot"}, 'p', GLFW_KEY_F12, [](State& s) { s.takes_screenshot = true; }},
+    Command{{"escape", "close, select none"}, 0, GLFW_KEY_ESCAPE, step_back},
+    Command{{"ctrl+q", "quit"}, 0, GLFW_KEY_Q, [](State& s) { s.closes = true; }, true},
 };
 
 constexpr std::array kGestures{
-    Gesture{"orbit; when flying, look around", "drag"},
-    Gesture{"pan", "right drag, or shift + drag"},
-    Gesture{"closer, farther", "wheel"},
-    Gesture{"inspect a character", "click"},
-    Gesture{"fly; faster", "w a s d q e; shift"},
-    Gesture{"show them", "drop .glb, .gltf, .throng"},
-    Gesture{"use it", "drop a controller's .json"},
+    Gesture{"drag", "orbit; when flying, look around"},
+    Gesture{"right drag, or shift + drag", "pan"},
+    Gesture{"wheel", "closer, farther"},
+    Gesture{"click", "inspect a character"},
+    Gesture{"w a s d q e; shift", "fly; faster"},
+    Gesture{"drop .glb, .gltf, .throng", "show them"},
+    Gesture{"drop a controller's .json", "use it"},
 };
 
 void fly_by_keys(State& state) {

@@ -8,9 +8,14 @@
 
 namespace throng::view {
 
-struct Command {
-    const char* keys;  // as the panel names them
+// A row of the panel: what a hand does, and what comes of it.
+struct Gesture {
+    const char* how;
     const char* does;
+};
+
+struct Command {
+    Gesture gesture;
     unsigned character;  // typed, on whatever keyboard; 0: `key`
     int key;             // of GLFW; 0: none
     void (*run)(State&);
@@ -25,11 +30,7 @@ struct Click {
 };
 std::optional<Click> take_commands(State& state, std::span<const KeyPress> pressed);
 
-// The mouse, in the same words.
-struct Gesture {
-    const char* does;
-    const char* how;
-};
+// What else a hand does, with mouse and files.
 std::span<const Gesture> gestures();
 
 }  // namespace throng::view

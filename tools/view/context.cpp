@@ -45,10 +45,8 @@ void Context::create_instance() {
 // devices in another order.
 void Context::find_device(const std::string& select) {
     device_name_ = tools::open_device(select).info().name;
-    uint32_t count = 0;
-    check(vkEnumeratePhysicalDevices(instance(), &count, nullptr), "vkEnumeratePhysicalDevices");
-    std::vector<VkPhysicalDevice> devices(count);
-    check(vkEnumeratePhysicalDevices(instance(), &count, devices.data()), "vkEnumeratePhysicalDevices");
+    const auto devices = list_of<VkPhysicalDevice>("vkEnumeratePhysicalDevices", vkEnumeratePhysicalDevices,
+                                                   instance());
     const auto found = std::find_if(devices.begin(), devices.end(), [&](VkPhysicalDevice device) {
         VkPhysicalDeviceProperties properties{};
         vkGetPhysicalDeviceProperties(device, &properties);

@@ -22,7 +22,6 @@ public:
         std::ranges::transform(stages.ms, times.begin(), [](double ms) { return static_cast<float>(ms); });
         times.back() = static_cast<float>(draw_ms);
     }
-    void clear() { count_ = 0; }
 
     size_t size() const { return std::min(count_, kFrames); }
     // 0 is the latest.

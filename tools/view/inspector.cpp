@@ -7,37 +7,27 @@ namespace {
 
 // Returns whether it was changed.
 bool clip_rows(const char* title, const Character& character, ClipPlayback& playing) {
-    bool changed = false;
     ImGui::PushID(title);
-    begin_row(title);
-    changed |= choose_clip("##clip", character, playing.clip);
+    bool changed = clip_row(title, character, playing.clip);
     if (playing.clip != kNone) {
         const float duration_s = character.clips[playing.clip].duration_s;
         float time_s = std::min(static_cast<float>(playing.time_s), duration_s);
-        begin_row("at");
-        if (ImGui::SliderFloat("##time", &time_s, 0, duration_s, "%.2f s", ImGuiSliderFlags_AlwaysClamp)) {
+        if (slider_row("at", time_s, 0, duration_s, "%.2f s")) {
             playing.time_s = double{time_s};
             changed = true;
         }
-        begin_row("speed");
-        changed |= ImGui::SliderFloat("##speed", &playing.speed, -2, 2, "%.2f", ImGuiSliderFlags_AlwaysClamp);
+        changed |= slider_row("speed", playing.speed, -2, 2, "%.2f");
     }
     ImGui::PopID();
+    ImGui::Spacing();
     return changed;
 }
 
 void clips(Scene& scene, uint32_t instance, const Character& character) {
     Playback playback = scene.playback_of(instance);
     bool changed = clip_rows("first", character, playback.first);
-    ImGui::Spacing();
     changed |= clip_rows("second", character, playback.second);
-    ImGui::Spacing();
-    begin_row("blend");
-    float second = 1 - playback.weight;
-    if (ImGui::SliderFloat("##weight", &second, 0, 1, "%.2f of the second", ImGuiSliderFlags_AlwaysClamp)) {
-        playback.weight = std::clamp(1 - second, 0.0f, 1.0f);
-        changed = true;
-    }
+    changed |= blend_row(playback.weight);
     if (changed) scene.set_playback_of(instance, playback);
 }
 
@@ -76,16 +66,11 @@ void draw_inspector(State& state, Scene& scene, const Measured& measured) {
     const uint32_t instance = *state.selected;
     const uint32_t group = scene.group_of(instance);
     const Character& character = scene.cast().characters[group];
-    const ImVec2 display = ImGui::GetIO().DisplaySize;
-    const float gap = scaled(kPanelGap);
-    ImGui::SetNextWindowPos({display.x - gap, gap}, ImGuiCond_Always, {1, 0});
-    ImGui::SetNextWindowSizeConstraints({scaled(kInspectorWidth), 0}, {scaled(kInspectorWidth), display.y - 2 * gap});
-    ImGui::Begin("inspector", nullptr, kFixedPanel | ImGuiWindowFlags_AlwaysAutoResize);
+    begin_side_panel("inspector", kInspectorWidth, true);
     ImGui::Text("Character %u", instance);
     ImGui::SameLine();
     ImGui::TextDisabled("%s", character.name.c_str());
-    ImGui::SameLine(scaled(kInspectorWidth) - scaled(34));
-    if (ImGui::SmallButton("x")) state.selected.reset();
+    if (corner_button("x", kInspectorWidth)) state.selected.reset();
     ImGui::Separator();
     begin_row("joints");
     ImGui::Text("%u in %u levels", character.rig.joint_count(), character.rig.level_count);

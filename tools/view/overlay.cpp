@@ -39,22 +39,18 @@ void draw_keys(State& state) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     begin_notice("keys", {display.x / 2, display.y / 2}, {0.5f, 0.5f});
     if (ImGui::BeginTable("keys", 4, ImGuiTableFlags_SizingFixedFit)) {
-        const auto all_commands = commands();
-        const auto all_gestures = gestures();
-        for (size_t row = 0; row < std::max(all_commands.size(), all_gestures.size()); ++row) {
+        const auto cells = [](const Gesture& gesture) {
+            ImGui::TableNextColumn();
+            ImGui::TextColored(ImGui::GetStyle().Colors[ImGuiCol_CheckMark], "%s   ", gesture.how);
+            ImGui::TableNextColumn();
+            ImGui::Text("%s      ", gesture.does);
+        };
+        const auto left = commands();
+        const auto right = gestures();
+        for (size_t row = 0; row < std::max(left.size(), right.size()); ++row) {
             ImGui::TableNextRow();
-            const auto cell = [&](const char* text, bool is_key) {
-                ImGui::TableNextColumn();
-                if (is_key)
-                    ImGui::TextColored(ImGui::GetStyle().Colors[ImGuiCol_CheckMark], "%s   ", text);
-                else
-                    ImGui::Text("%s      ", text);
-            };
-            const bool is_command = row < all_commands.size(), is_gesture = row < all_gestures.size();
-            cell(is_command ? all_commands[row].keys : "", true);
-            cell(is_command ? all_commands[row].does : "", false);
-            cell(is_gesture ? all_gestures[row].how : "", true);
-            cell(is_gesture ? all_gestures[row].does : "", false);
+            cells(row < left.size() ? left[row].gesture : Gesture{"", ""});
+            cells(row < right.size() ? right[row] : Gesture{"", ""});
         }
         ImGui::EndTable();
     }

@@ -9,47 +9,68 @@
 namespace throng::view {
 namespace {
 
-template <class T>
-struct Named {
-    T value;
+// What a row offers, and how it is explained where the mouse rests; null: not at all.
+struct Choice {
     const char* name;
-    const char* tip;
+    const char* tip = nullptr;
 };
-constexpr std::array kFormations{Named{tools::Formation::kGrid, "grid", "row by row"},
-                                 Named{tools::Formation::kDisc, "disc", "a sunflower's seeds, facing outwards"},
-                                 Named{tools::Formation::kPath, "path", "a parade along a closed curve"},
-                                 Named{tools::Formation::kRandom, "random", "anywhere, but apart"}};
-constexpr std::array kPaths{Named{UpdatePath::kAuto, "auto", "fused where it applies"},
-                            Named{UpdatePath::kFused, "fused", "sample, blend, scan and bind in one pass"},
-                            Named{UpdatePath::kStaged, "staged", "one after another"}};
-constexpr std::array kFormats{
-    Named{SkinFormat::kAffine, "affine, 48 bytes", "three rows of four floats"},
-    Named{SkinFormat::kHalfAffine, "half, 24 bytes", "three rows of four half floats"},
-    Named{SkinFormat::kSimilarity, "similarity, 32 bytes", "rotation, translation and one scale"}};
-constexpr std::array kBlends{
-    Named{SkinBlend::kLinear, "linear", "weighted sums of skin matrices"},
-    Named{SkinBlend::kDualQuaternion, "dual quaternion", "joints that twist keep their girth"}};
+// In the order of their enumerations.
+constexpr std::array kFormations{Choice{"grid", "row by row"}, Choice{"disc", "a sunflower's seeds, facing outwards"},
+                                 Choice{"path", "a parade along a closed curve"},
+                                 Choice{"random", "anywhere, but apart"}};
+constexpr std::array kPaths{Choice{"auto", "fused where it applies"},
+                            Choice{"fused", "sample, blend, scan and bind in one pass"},
+                            Choice{"staged", "one after another"}};
+constexpr std::array kFormats{Choice{"affine, 48 bytes", "three rows of four floats"},
+                              Choice{"half, 24 bytes", "three rows of four half floats"},
+                              Choice{"similarity, 32 bytes", "rotation, translation and one scale"}};
+constexpr std::array kBlends{Choice{"linear", "weighted sums of skin matrices"},
+                             Choice{"dual quaternion", "joints that twist keep their girth"}};
 
-template <class T, size_t count>
-void choose(const char* id, const std::array<Named<T>, count>& all, T& value) {
-    const auto current = std::ranges::find(all, value, &Named<T>::value);
-    if (!ImGui::BeginCombo(id, current->name)) return;
-    for (const Named<T>& one : all) {
-        if (ImGui::Selectable(one.name, one.value == value)) value = one.value;
-        if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", one.tip);
-    }
-    ImGui::EndCombo();
+std::string id_of(const char* name) { return std::string("##") + name; }
+
+// Of the last item.
+void tip(const char* text) {
+    if (text && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text);
 }
 
-void choose_scan(std::string& scan) {
-    if (!ImGui::BeginCombo("##scan", scan.c_str())) return;
-    if (ImGui::Selectable("auto", scan == "auto")) scan = "auto";
-    for (const ScanMethodInfo& method : scan_methods()) {
-        if (!method.in_crowds) continue;
-        if (ImGui::Selectable(method.name.c_str(), scan == method.name)) scan = method.name;
-        if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", method.summary.c_str());
+void check_row(const char* name, bool& value, const char* explained = nullptr) {
+    ImGui::Checkbox(name, &value);
+    tip(explained);
+}
+
+// A box to choose in. `chosen`: by its place; where it is none of them, `shown` says what there is instead.
+bool combo_row(const char* name, std::span<const Choice> choices, size_t& chosen, const char* shown = "") {
+    begin_row(name);
+    const size_t before = chosen;
+    if (!ImGui::BeginCombo(id_of(name).c_str(), chosen < choices.size() ? choices[chosen].name : shown)) return false;
+    for (size_t i = 0; i < choices.size(); ++i) {
+        ImGui::PushID(static_cast<int>(i));  // names need not differ
+        if (ImGui::Selectable(choices[i].name, i == before)) chosen = i;
+        tip(choices[i].tip);
+        ImGui::PopID();
     }
     ImGui::EndCombo();
+    return chosen != before;
+}
+
+template <class Enum>
+void choose_row(const char* name, std::span<const Choice> choices, Enum& value) {
+    auto chosen = static_cast<size_t>(value);
+    if (combo_row(name, choices, chosen)) value = static_cast<Enum>(chosen);
+}
+
+void name_row(const char* row, std::span<const Choice> choices, std::string& name) {
+    const auto found = std::ranges::find(choices, name, [](const Choice& choice) { return std::string(choice.name); });
+    auto chosen = static_cast<size_t>(found - choices.begin());
+    if (combo_row(row, choices, chosen, name.c_str())) name = choices[chosen].name;
+}
+
+void scan_row(std::string& scan) {
+    std::vector<Choice> choices{{"auto"}};
+    for (const ScanMethodInfo& method : scan_methods())
+        if (method.in_crowds) choices.push_back({method.name.c_str(), method.summary.c_str()});
+    name_row("scan", choices, scan);
 }
 
 // Takes effect when it is let go: what it changes is costly.
@@ -67,8 +88,7 @@ void crowd_section(State& state) {
     begin_row("seed");
     ImGui::InputScalar("##seed", ImGuiDataType_U64, &state.wanted.seed, nullptr, nullptr, nullptr,
                        ImGuiInputTextFlags_EnterReturnsTrue);
-    begin_row("placement");
-    choose("##placement", kFormations, state.wanted.formation);
+    choose_row("placement", kFormations, state.wanted.formation);
 }
 
 void clips_of(Scene& scene, uint32_t group) {
@@ -76,14 +96,9 @@ void clips_of(Scene& scene, uint32_t group) {
     GroupPlayback playback = scene.group_playback(group);
     ImGui::Checkbox("each its own clips", &playback.own);
     if (!playback.own) {
-        begin_row("first");
-        choose_clip("##first", character, playback.first);
-        begin_row("second");
-        choose_clip("##second", character, playback.second);
-        begin_row("blend");
-        float second = 1 - playback.weight;
-        ImGui::SliderFloat("##blend", &second, 0, 1, "%.2f of the second", ImGuiSliderFlags_AlwaysClamp);
-        playback.weight = 1 - second;
+        clip_row("first", character, playback.first);
+        clip_row("second", character, playback.second);
+        blend_row(playback.weight);
     }
     if (playback != scene.group_playback(group)) scene.set_group_playback(group, playback);
 }
@@ -102,8 +117,7 @@ void animation_section(State& state, Scene& scene) {
     if (ImGui::Button(state.paused ? "go on" : "pause", {scaled(80), 0})) state.paused = !state.paused;
     ImGui::SameLine();
     if (ImGui::Button("one frame")) state.paused = state.steps = true;
-    begin_row("speed");
-    ImGui::SliderFloat("##speed", &state.time_factor, 0, 3, "%.2f", ImGuiSliderFlags_AlwaysClamp);
+    slider_row("speed", state.time_factor, 0, 3, "%.2f");
     const std::vector<Character>& characters = scene.cast().characters;
     const bool has_controllers = std::ranges::any_of(scene.cast().controllers,
                                                      [](const auto& controller) { return controller.has_value(); });
@@ -122,62 +136,38 @@ void animation_section(State& state, Scene& scene) {
 }
 
 void update_section(State& state, Scene& scene) {
-    begin_row("scan");
-    choose_scan(state.wanted.scan);
-    const ScanAdvice advice = scene.crowd().path(0)->scan;
+    scan_row(state.wanted.scan);
+    const auto path = scene.crowd().path(0);
     begin_row("");
-    ImGui::TextDisabled("%s, %s", advice.method.c_str(), scene.crowd().path(0)->is_fused ? "fused" : "staged");
-    if (ImGui::IsItemHovered())
-        ImGui::SetTooltip("%s\n%s", advice.reason.c_str(), scene.crowd().path(0)->reason.c_str());
-    begin_row("path");
-    choose("##path", kPaths, state.wanted.path);
-    begin_row("output");
-    choose("##format", kFormats, state.wanted.format);
-    begin_row("skinning");
-    choose("##blend", kBlends, state.wanted.blend);
-    ImGui::Checkbox("vertices once a frame", &state.wanted.skins_once);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("in compute, for the shadows and the picture");
-    ImGui::Checkbox("only what is seen, as fine as it is seen", &state.wanted.culls);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("culling and levels of detail");
+    ImGui::TextDisabled("%s, %s", path->scan.method.c_str(), path->is_fused ? "fused" : "staged");
+    tip((path->scan.reason + "\n" + path->reason).c_str());
+    choose_row("path", kPaths, state.wanted.path);
+    choose_row("output", kFormats, state.wanted.format);
+    choose_row("skinning", kBlends, state.wanted.blend);
+    check_row("vertices once a frame", state.wanted.skins_once, "in compute, for the shadows and the picture");
+    check_row("only what is seen, as fine as it is seen", state.wanted.culls, "culling and levels of detail");
     if (!state.wanted.culls) return;
-    begin_row("detail");
-    ImGui::SliderFloat("##detail", &state.drawing.lod_pixels, 0.25f, 16, "off by %.2f pixels",
-                       ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
-    ImGui::Checkbox("not who is hidden behind others", &state.drawing.occlusion);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("by the depths of the last frame; pays where large ones hide many");
-    ImGui::Checkbox("small ones less often", &state.wanted.skips_updates);
-    if (ImGui::IsItemHovered())
-        ImGui::SetTooltip("animated in every 2nd, 4th or 8th frame; in between, matrices go on evenly");
+    slider_row("detail", state.drawing.lod_pixels, 0.25f, 16, "off by %.2f pixels", ImGuiSliderFlags_Logarithmic);
+    check_row("not who is hidden behind others", state.drawing.occlusion,
+              "by the depths of the last frame; pays where large ones hide many");
+    check_row("small ones less often", state.wanted.skips_updates,
+              "animated in every 2nd, 4th or 8th frame; in between, matrices go on evenly");
     if (!state.wanted.skips_updates) return;
-    begin_row("smaller than");
-    ImGui::SliderFloat("##full_rate", &state.drawing.full_rate_pixels, 0, 1000, "%.0f pixels",
-                       ImGuiSliderFlags_AlwaysClamp);
-    begin_row("update");
-    ImGui::SliderFloat("##budget", &state.drawing.budget_ms, 0, 100,
-                       state.drawing.budget_ms > 0 ? "at most %.1f ms" : "as long as it takes",
-                       ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
-}
-
-void choose_camera(State& state) {
-    begin_row("camera");
-    if (!ImGui::BeginCombo("##camera", state.camera.c_str())) return;
-    for (const char* name : {kByHand, "orbit", "flyover", "low", "follow"})
-        if (ImGui::Selectable(name, state.camera == name)) state.camera = name;
-    ImGui::EndCombo();
+    slider_row("smaller than", state.drawing.full_rate_pixels, 0, 1000, "%.0f pixels");
+    slider_row("update", state.drawing.budget_ms, 0, 100,
+               state.drawing.budget_ms > 0 ? "at most %.1f ms" : "as long as it takes", ImGuiSliderFlags_Logarithmic);
 }
 
 void picture_section(State& state) {
-    choose_camera(state);
-    ImGui::Checkbox("skeletons", &state.drawing.skeletons);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("a colour for each level");
+    constexpr std::array kCameras{Choice{kByHand}, Choice{"orbit"}, Choice{"flyover"}, Choice{"low"}, Choice{"follow"}};
+    name_row("camera", kCameras, state.camera);
+    check_row("skeletons", state.drawing.skeletons, "a colour for each level");
     ImGui::SameLine(scaled(130));
-    ImGui::Checkbox("boxes", &state.drawing.bounds);
-    ImGui::Checkbox("shadows", &state.drawing.shadows);
+    check_row("boxes", state.drawing.bounds);
+    check_row("shadows", state.drawing.shadows);
     ImGui::SameLine(scaled(130));
-    ImGui::Checkbox("fog", &state.drawing.fog);
-    begin_row("exposure");
-    ImGui::SliderFloat("##exposure", &state.drawing.exposure, 0.25f, 4, "%.2f",
-                       ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
+    check_row("fog", state.drawing.fog);
+    slider_row("exposure", state.drawing.exposure, 0.25f, 4, "%.2f", ImGuiSliderFlags_Logarithmic);
     if (ImGui::Button("whole crowd")) state.resets_view = true;
     ImGui::SameLine();
     if (ImGui::Button("screenshot")) state.takes_screenshot = true;
@@ -196,7 +186,7 @@ void figures_section(Scene& scene, const Measured& measured) {
     std::string drawn;
     for (const uint32_t count : measured.drawn) drawn += (drawn.empty() ? "" : " + ") + std::to_string(count);
     ImGui::TextUnformatted(drawn.c_str());
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("characters of each level of detail, the finest first");
+    tip("characters of each level of detail, the finest first");
 }
 
 }  // namespace
@@ -208,19 +198,25 @@ void begin_row(const char* name) {
     ImGui::SetNextItemWidth(-1);
 }
 
-bool choose_clip(const char* id, const Character& character, uint32_t& clip) {
-    const auto name = [&](uint32_t index) {
-        return index < character.clips.size() ? character.clips[index].name.c_str() : "rest pose";
-    };
-    if (!ImGui::BeginCombo(id, name(clip))) return false;
-    const uint32_t before = clip;
-    for (uint32_t i = 0; i < character.clips.size(); ++i) {
-        ImGui::PushID(static_cast<int>(i));  // names need not differ
-        if (ImGui::Selectable(name(i), i == clip)) clip = i;
-        ImGui::PopID();
-    }
-    ImGui::EndCombo();
-    return clip != before;
+bool slider_row(const char* name, float& value, float least, float most, const char* format, ImGuiSliderFlags flags) {
+    begin_row(name);
+    return ImGui::SliderFloat(id_of(name).c_str(), &value, least, most, format, flags | ImGuiSliderFlags_AlwaysClamp);
+}
+
+bool blend_row(float& weight_of_first) {
+    float second = 1 - weight_of_first;
+    if (!slider_row("blend", second, 0, 1, "%.2f of the second")) return false;
+    weight_of_first = 1 - second;
+    return true;
+}
+
+bool clip_row(const char* name, const Character& character, uint32_t& clip) {
+    std::vector<Choice> choices;
+    for (const auto& one : character.clips) choices.push_back({one.name.c_str()});
+    size_t chosen = clip;
+    const bool changed = combo_row(name, choices, chosen, "rest pose");
+    clip = static_cast<uint32_t>(chosen);
+    return changed;
 }
 
 bool parameter_row(const Controller& controller, uint32_t parameter, float& value) {
@@ -240,25 +236,31 @@ bool parameter_row(const Controller& controller, uint32_t parameter, float& valu
     return changed;
 }
 
-void draw_settings(State& state, Scene& scene, const Measured& measured) {
+void begin_side_panel(const char* name, float width, bool at_right) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const float gap = scaled(kPanelGap);
-    ImGui::SetNextWindowPos({gap, gap});
-    ImGui::SetNextWindowSizeConstraints({scaled(kSettingsWidth), 0}, {scaled(kSettingsWidth), display.y - 2 * gap});
-    ImGui::Begin("settings", nullptr, kFixedPanel | ImGuiWindowFlags_AlwaysAutoResize);
+    ImGui::SetNextWindowPos({at_right ? display.x - gap : gap, gap}, ImGuiCond_Always, {at_right ? 1.0f : 0.0f, 0});
+    ImGui::SetNextWindowSizeConstraints({scaled(width), 0}, {scaled(width), display.y - 2 * gap});
+    ImGui::Begin(name, nullptr, kFixedPanel | ImGuiWindowFlags_AlwaysAutoResize);
+}
+
+bool corner_button(const char* name, float panel_width) {
+    ImGui::SameLine(scaled(panel_width) - scaled(34));
+    return ImGui::SmallButton(name);
+}
+
+void draw_settings(State& state, Scene& scene, const Measured& measured) {
+    begin_side_panel("settings", kSettingsWidth, false);
     ImGui::Text("%.1f frames/s", measured.frame_ms > 0 ? 1000 / double{measured.frame_ms} : 0.0);
     ImGui::SameLine();
     ImGui::TextDisabled("%s", measured.device.substr(0, measured.device.find(" (")).c_str());
-    ImGui::SameLine(scaled(kSettingsWidth) - scaled(34));
-    if (ImGui::SmallButton("?")) state.shows_keys = !state.shows_keys;
-    const auto section = [](const char* name, bool open) {
-        return ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : ImGuiTreeNodeFlags_None);
-    };
-    if (section("Crowd", true)) crowd_section(state);
-    if (section("Animation", true)) animation_section(state, scene);
-    if (section("Update", true)) update_section(state, scene);
-    if (section("Picture", true)) picture_section(state);
-    if (section("Figures", true)) figures_section(scene, measured);
+    if (corner_button("?", kSettingsWidth)) state.shows_keys = !state.shows_keys;
+    const auto section = [](const char* name) { return ImGui::CollapsingHeader(name, ImGuiTreeNodeFlags_DefaultOpen); };
+    if (section("Crowd")) crowd_section(state);
+    if (section("Animation")) animation_section(state, scene);
+    if (section("Update")) update_section(state, scene);
+    if (section("Picture")) picture_section(state);
+    if (section("Figures")) figures_section(scene, measured);
     ImGui::End();
 }
 

@@ -27,12 +27,20 @@ inline constexpr ImGuiWindowFlags kFixedPanel = ImGuiWindowFlags_NoMove | ImGuiW
                                                 ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoTitleBar |
                                                 ImGuiWindowFlags_NoSavedSettings |
                                                 ImGuiWindowFlags_NoBringToFrontOnFocus;
+// Begins one at the upper left, or right, as high as its rows.
+void begin_side_panel(const char* name, float width, bool at_right);
+// At the end of the panel's current row.
+bool corner_button(const char* name, float panel_width);
 
-// Starts a row of a panel: its name in front, the next item in what is left.
+// A row has its name in front; begin_row() leaves the next item what is left. Those that change a value say whether
+// they did. Items of one panel have different names, or stand within an ImGui::PushID().
 void begin_row(const char* name);
-// A box to choose a clip in, by its number. Says whether it was changed.
-bool choose_clip(const char* id, const Character& character, uint32_t& clip);
-// A row with a controller's parameter. Says whether it was changed; a trigger's value is 1 then.
+bool slider_row(const char* name, float& value, float least, float most, const char* format,
+                ImGuiSliderFlags flags = ImGuiSliderFlags_None);
+// Of two clips.
+bool blend_row(float& weight_of_first);
+bool clip_row(const char* name, const Character& character, uint32_t& clip);
+// With a controller's parameter; a trigger's value is 1 when it is changed.
 bool parameter_row(const Controller& controller, uint32_t parameter, float& value);
 
 }  // namespace throng::view

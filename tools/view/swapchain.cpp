@@ -9,12 +9,9 @@ namespace {
 
 // Eight bits a channel whose bytes are written as they are: the picture's are sRGB already.
 VkSurfaceFormatKHR find_format(const Context& context) {
-    uint32_t count = 0;
-    check(vkGetPhysicalDeviceSurfaceFormatsKHR(context.physical_device(), context.surface(), &count, nullptr),
-          "vkGetPhysicalDeviceSurfaceFormatsKHR");
-    std::vector<VkSurfaceFormatKHR> formats(count);
-    check(vkGetPhysicalDeviceSurfaceFormatsKHR(context.physical_device(), context.surface(), &count, formats.data()),
-          "vkGetPhysicalDeviceSurfaceFormatsKHR");
+    const auto formats = list_of<VkSurfaceFormatKHR>("vkGetPhysicalDeviceSurfaceFormatsKHR",
+                                                     vkGetPhysicalDeviceSurfaceFormatsKHR, context.physical_device(),
+                                                     context.surface());
     const auto found = std::find_if(formats.begin(), formats.end(), [](const VkSurfaceFormatKHR& format) {
         return (format.format == VK_FORMAT_B8G8R8A8_UNORM || format.format == VK_FORMAT_R8G8B8A8_UNORM) &&
                format.colorSpace == VK_COLOR_SPACE_SRGB_NONLINEAR_KHR;
@@ -59,15 +56,12 @@ void Swapchain::recreate(VkExtent2D window_size) {
         .oldSwapchain = swapchain_.get()};
     swapchain_ = {context_->device(), vkCreateSwapchainKHR, create, "vkCreateSwapchainKHR"};
 
-    uint32_t count = 0;
-    check(vkGetSwapchainImagesKHR(context_->device(), swapchain_.get(), &count, nullptr), "vkGetSwapchainImagesKHR");
-    images_.resize(count);
-    check(vkGetSwapchainImagesKHR(context_->device(), swapchain_.get(), &count, images_.data()),
-          "vkGetSwapchainImagesKHR");
+    images_ = list_of<VkImage>("vkGetSwapchainImagesKHR", vkGetSwapchainImagesKHR, context_->device(),
+                               swapchain_.get());
     const VkSemaphoreCreateInfo semaphore{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
     acquired_ = {context_->device(), vkCreateSemaphore, semaphore, "vkCreateSemaphore"};
     written_.clear();
-    for (uint32_t i = 0; i < count; ++i)
+    for (size_t i = 0; i < images_.size(); ++i)
         written_.emplace_back(context_->device(), vkCreateSemaphore, semaphore, "vkCreateSemaphore");
     stale_ = false;
 }

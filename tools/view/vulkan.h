@@ -13,6 +13,16 @@ namespace throng::view {
 // Throws, naming the call and its result.
 void check(VkResult result, const char* call);
 
+// All that `function`, named `call` in messages, lists for these arguments.
+template <class T, class Function, class... Arguments>
+std::vector<T> list_of(const char* call, Function function, Arguments... arguments) {
+    uint32_t count = 0;
+    check(function(arguments..., &count, nullptr), call);
+    std::vector<T> all(count);
+    check(function(arguments..., &count, all.data()), call);
+    return all;
+}
+
 // A handle that is destroyed with its owner; movable.
 template <class Handle, auto Destroy>
 class Owned {

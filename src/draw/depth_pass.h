@@ -1,0 +1,32 @@
+// A render pass of depth alone: what the sun sees, or what hides the rest.
+#pragma once
+
+#include "draw/image.h"
+
+namespace throng {
+
+class DepthPass {
+public:
+    DepthPass() = default;
+    // `what` names the depths in messages; `after`: what they are used for behind the pass.
+    DepthPass(std::shared_ptr<Gpu> gpu, std::string_view what, VkExtent2D extent, VkSampleCountFlagBits samples,
+              const ImageUse& after);
+
+    // 0 at first: infinitely far from a camera, lowest towards the sun. Waits for whoever uses the depths before.
+    void begin(VkCommandBuffer commands) const;
+    void end(VkCommandBuffer commands) const;
+
+    VkImage image() const { return image_.handle(); }
+    // For shaders that fetch single texels, with kDepthTexture.
+    VkDescriptorImageInfo texture() const { return {sampler_.get(), image_.view(), kDepthTexture.layout}; }
+    const VkExtent2D& extent() const { return extent_; }
+
+private:
+    std::shared_ptr<Gpu> gpu_;
+    VkExtent2D extent_{};
+    ImageUse after_{};
+    Image image_;
+    OwnedSampler sampler_;
+};
+
+}  // namespace throng

@@ -1,0 +1,5 @@
+// What all shaders of the draw know of the picture.
+#include "draw/draw_io.h"
+#include "gpu/buffers_io.h"
+
+layout(set = 1, binding = kSceneBuffer, std140) uniform Scene { DrawScene scene; };
