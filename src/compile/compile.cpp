@@ -4,8 +4,10 @@
 #include "bind/bind_reference.h"
 #include "compile/file/character_file.h"
 #include "compile/file/character_layout.h"
-#include "compile/clip/clip.h"
+#include "compile/clip/read_clips.h"
 #include "compile/clip/clip_bounds.h"
+#include "compile/clip/sampled_poses.h"
+#include "compile/mesh/influence_boxes.h"
 #include "compile/mesh/lod.h"
 #include "compile/rig/joint_lod.h"
 #include "compile/mesh/mesh.h"
@@ -15,7 +17,6 @@
 #include "compile/clip/root_motion.h"
 #include "compile/rig/uniform_scale.h"
 #include "base/read_file.h"
-#include "scan/scan_reference.h"
 #include "skin/skin_reference.h"
 
 #include <algorithm>
@@ -26,9 +27,7 @@ namespace {
 
 // Bounds of the mesh in the rest pose; of the joints, where there is no mesh.
 void measure(Character& character) {
-    std::vector<AffineT<double>> local;
-    for (const Trs<float>& joint : character.rig.rest) local.push_back(to_affine(joint.as<double>()));
-    const std::vector<AffineT<double>> model = scan_reference(character.rig.parents, local);
+    const std::vector<AffineT<double>> model = rest_model_from_joint(character.rig);
     std::vector<double> weights;
     for (const Morph& morph : character.morphs) weights.push_back(morph.default_weight);
     std::vector<Vec3<double>> points = skin_reference(character, bind_reference(character.palette, model),
@@ -37,14 +36,11 @@ void measure(Character& character) {
         for (const AffineT<double>& m : model) points.push_back({m.row[0][3], m.row[1][3], m.row[2][3]});
 
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    Vec3<double> low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
-    for (const Vec3<double>& p : points) {
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-    character.bounds_min = low.as<float>();
-    character.bounds_max = high.as<float>();
-    character.size = static_cast<float>(length(high - low));
+    Box bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}, false};
+    for (const Vec3<double>& point : points) bounds.add(point);
+    character.bounds_min = bounds.low.as<float>();
+    character.bounds_max = bounds.high.as<float>();
+    character.size = static_cast<float>(length(bounds.high - bounds.low));
     if (character.size == 0) character.size = 1;  // joints without a mesh, all in one place
     if (!std::isfinite(character.size))
         throw Failure(ErrorCode::kInvalidFile, character.name, "the rest pose is not finite");
@@ -70,9 +66,12 @@ Result<Character> compile_character(const Asset& asset, const CompileSettings& s
             compile_mesh(asset, map, character);
             compile_morphs(asset, character);
             measure(character);
-            compile_clips(asset, map, character);
-            if (!settings.root_motion_joint.empty()) extract_root_motion(character, settings.root_motion_joint);
-            if (settings.error > 0) pack_clips(character, settings.error);
+            std::vector<ExactClip> clips = read_clips(asset, map, character);
+            if (!settings.root_motion_joint.empty()) extract_root_motion(clips, settings.root_motion_joint, character);
+            if (settings.error > 0)
+                pack_clips(clips, settings.error, character);
+            else
+                write_exact(clips, character);
             character.rig.uniform_scale = has_uniform_scale(character);
             compile_morph_tracks(asset, character);
             if (settings.lods) {

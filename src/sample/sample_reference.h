@@ -2,14 +2,9 @@
 #pragma once
 
 #include "control/control_reference.h"
+#include "sample/track_value.h"
 
 namespace throng {
-
-// The shortest arc between unit quaternions.
-Quaternion<double> slerp_reference(Quaternion<double> a, Quaternion<double> b, double w);
-
-// parent_from_joint of every joint; clip == clip count is the rest pose.
-std::vector<Trs<double>> sample_reference(const Character& character, uint32_t clip, double local_time_s);
 
 // What a packed track holds in one row: the bits of components 0, 1, 2, and of the fourth of a full rotation.
 using PackedBits = std::array<uint32_t, 4>;
@@ -18,7 +13,31 @@ uint32_t packed_bit_count(const PackedTrack& track, uint32_t component);
 // `count` (0 to 21) bits of `words` from bit `first_bit`.
 uint32_t read_bits(std::span<const uint32_t> words, size_t first_bit, uint32_t count);
 
-// x, y, z, 0 of a translation or scale; of a rotation x, y, z, w, of unit length but for what quantising cost.
-std::array<double, 4> packed_value(const PackedTrack& track, TrackTarget target, const PackedBits& bits);
+// Of a rotation: of unit length but for what quantising cost.
+TrackValue packed_value(const PackedTrack& track, TrackTarget target, const PackedBits& bits);
+
+// One track of a compiled character, exact or packed. Keeps references.
+class TrackReader {
+public:
+    // clip == clip count: of the rest pose.
+    TrackReader(const Character& character, size_t clip, size_t joint, TrackTarget target);
+
+    bool varies() const { return varies_; }
+    uint32_t row_count() const { return varies_ ? clip_->row_count : 1; }
+    const PackedTrack& packed() const { return packed_; }  // of a packed character
+    TrackValue at_row(uint32_t row) const;
+    TrackValue between(const RowCursor& rows) const;
+
+private:
+    const Character& character_;
+    const Clip* clip_;  // none: the rest pose, in which nothing varies
+    TrackTarget target_;
+    uint32_t position_ = 0;  // of Character::keys
+    PackedTrack packed_{};
+    bool varies_ = false, step_ = false;
+};
+
+// parent_from_joint of every joint; clip == clip count is the rest pose.
+std::vector<Trs<double>> sample_reference(const Character& character, uint32_t clip, double local_time_s);
 
 }  // namespace throng

@@ -1,5 +1,6 @@
 // What compilation keeps exactly, and what it may leave out. Tracks are evaluated here once more, from glTF's words
 // alone.
+#include "compile/clip/read_clips.h"
 #include "compile/rig/rig.h"
 #include "control/control_reference.h"
 #include "sample/sample_reference.h"
@@ -279,6 +280,20 @@ TEST(Compile, WhatDoesNotChangeIsStoredOnce) {
     EXPECT_EQ(first.translation, (Vec3<double>{1, 2, 3}));
     EXPECT_EQ(first.scale, (Vec3<double>{2, 2, 2}));
     EXPECT_EQ(second.scale, (Vec3<double>{3, 3, 3}));
+}
+
+TEST(Compile, PassesSeeClipsAsTheyAreWritten) {
+    for (const bool cubic : {false, true}) {
+        const Asset asset = make_asset({.joint_count = 40, .cubic = cubic});
+        Character character = compiled(asset);
+        const std::vector<ExactClip> clips = read_clips(asset, build_rig(asset), character);
+        ASSERT_EQ(clips.size(), character.clips.size());
+        for (uint32_t clip = 0; clip < clips.size(); ++clip)
+            for (int i = -1; i <= 50; ++i) {
+                const double time_s = i / 49.0 * character.clips[clip].duration_s;
+                EXPECT_EQ(sample_exact(clips[clip], character.rig, time_s), sample_reference(character, clip, time_s));
+            }
+    }
 }
 
 TEST(Compile, AClipMayMoveNothingThatShows) {

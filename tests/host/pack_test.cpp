@@ -3,6 +3,7 @@
 #include "compile/clip/clip_packer.h"
 #include "compile/limits.h"
 #include "compile/clip/packed_track.h"
+#include "compile/clip/read_clips.h"
 #include "sample/sample_reference.h"
 #include "tests/shared.h"
 #include "tests/test_rig.h"
@@ -146,11 +147,11 @@ TEST(Pack, EachComponentComesBackWithinHalfAStep) {
         for (int i = 0; i < 100; ++i) {
             const std::array<double, 3> v{random.between(-0.4, 0.4), random.between(0.1, 0.5),
                                           random.between(-0.4, 0.4)};
-            TrackSample value{};
+            TrackValue value{};
             for (uint32_t c = 0; c < 3; ++c) value[(left_out + 1 + c) % 4] = v[c];
             value[left_out] = std::sqrt(1 - v[0] * v[0] - v[1] * v[1] - v[2] * v[2]);
-            const TrackSample got = packed_value(track, TrackTarget::kRotation,
-                                                 quantised(track, TrackTarget::kRotation, value));
+            const TrackValue got = packed_value(track, TrackTarget::kRotation,
+                                                quantised(track, TrackTarget::kRotation, value));
             for (uint32_t c = 0; c < 3; ++c)
                 EXPECT_LE(std::abs(got[(left_out + 1 + c) % 4] - v[c]),
                           double{track.step[c]} * 0.501 + (c == 1 ? double{track.step[1]} / 2 : 0));
@@ -336,11 +337,12 @@ TEST(Pack, ABoundThatTheFinestKeysKeepIsKept) {
 TEST(Pack, ArcsWithoutRowsAreMeasured) {
     OneJoint one;
     one.spin(0.25, 90, {0, 0, 1});
-    const Character exact = compiled(one.asset);
+    Character exact = compiled(one.asset);
     const double bound = 1e-4 * double{exact.size};
     const std::vector<Box> boxes = influence_boxes(exact);
-    EXPECT_LE(pack_clip(exact, 0, boxes, {bound, 1000}).error, bound);
-    const PackedClip limited = pack_clip(exact, 0, boxes, {bound, 1});
+    const std::vector<ExactClip> clips = read_clips(one.asset, build_rig(one.asset), exact);
+    EXPECT_LE(pack_clip(exact, clips[0], boxes, {bound, 1000}).error, bound);
+    const PackedClip limited = pack_clip(exact, clips[0], boxes, {bound, 1});
     EXPECT_EQ(limited.times_s.size(), 2u);
     EXPECT_GT(limited.error, 0.0157);
     EXPECT_LT(limited.error, 0.0157 * 1.5) << "at a corner of the box";
@@ -371,9 +373,10 @@ TEST(Pack, AJumpIsNoArc) {
     values[14] = static_cast<float>(q.z);
     values[15] = static_cast<float>(q.w);
     one.asset.clips[0].tracks[0].values = values;
-    const Character arc = compiled(one.asset);
+    Character arc = compiled(one.asset);
     const std::vector<Box> boxes = influence_boxes(arc);
-    EXPECT_LT(pack_clip(arc, 0, boxes, {1e-4 * double{arc.size}, 1}).error, 2e-3) << "of 30 degrees, not of 98";
+    const std::vector<ExactClip> clips = read_clips(one.asset, build_rig(one.asset), arc);
+    EXPECT_LT(pack_clip(arc, clips[0], boxes, {1e-4 * double{arc.size}, 1}).error, 2e-3) << "of 30 degrees, not of 98";
 }
 
 // 1 of 65 rows shows the joint, and it is none of those at which sensitivities are taken.

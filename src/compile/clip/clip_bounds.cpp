@@ -1,8 +1,7 @@
 #include "compile/clip/clip_bounds.h"
 
+#include "compile/clip/sampled_poses.h"
 #include "compile/mesh/influence_boxes.h"
-#include "sample/sample_reference.h"
-#include "scan/scan_reference.h"
 
 #include <cmath>
 
@@ -26,14 +25,11 @@ void add_posed(Box& bounds, const AffineT<double>& model_from_joint, const Box& 
 
 void measure_clips(Character& character) {
     const std::vector<Box> boxes = influence_boxes(character);
-    std::vector<AffineT<double>> local(boxes.size());
     for (uint32_t number = 0; number < character.clips.size(); ++number) {
         Clip& clip = character.clips[number];
         Box bounds;
         const auto add_pose = [&](double time_s) {
-            const std::vector<Trs<double>> pose = sample_reference(character, number, time_s);
-            for (size_t joint = 0; joint < pose.size(); ++joint) local[joint] = to_affine(pose[joint]);
-            const std::vector<AffineT<double>> model = scan_reference(character.rig.parents, local);
+            const std::vector<AffineT<double>> model = model_from_joint_of(character, {number, time_s});
             for (size_t joint = 0; joint < model.size(); ++joint) add_posed(bounds, model[joint], boxes[joint]);
         };
         for (uint32_t row = 0; row < clip.row_count; ++row) {

@@ -2,37 +2,30 @@
 // arcs of rotations. Points between rows are where the error of a packed clip is measured too.
 #pragma once
 
-#include "compile/clip/packed_track.h"
-
-#include <vector>
+#include "compile/clip/exact_clip.h"
 
 namespace throng {
-
-struct GridTrack {
-    uint32_t joint = 0;
-    TrackTarget target = TrackTarget::kTranslation;
-    bool step = false;
-};
 
 // Whether no float lies between the times of two rows: what is between them is never shown. The importer writes several
 // keys at one time so.
 bool is_jump(float from_s, float to_s);
 
 struct ClipGrid {
-    uint32_t clip = 0;
-    std::vector<float> times_s;      // [row_count]
-    std::vector<bool> fixed;         // [row_count], rows where a STEP track changes
-    uint32_t points_per_row = 1;     // from one row to the next; point p is of row p / points_per_row
-    std::vector<GridTrack> tracks;   // that vary, by joint, each joint's translation, rotation, scale
-    std::vector<TrackKey> values;    // [track][row_count]; rotations of unit length, neighbours in one hemisphere
-    std::vector<Trs<double>> still;  // [joint_count], of the tracks that do not vary
+    const ExactClip& clip;
+    std::vector<float> times_s{};      // [row_count]
+    std::vector<bool> fixed{};         // [row_count], rows where a STEP track changes
+    uint32_t points_per_row = 1;       // from one row to the next; point p is of row p / points_per_row
+    std::vector<ExactTrack> tracks{};  // that vary, at these times; rotations of unit length
+    std::vector<Trs<double>> still{};  // [joint_count], of the tracks that do not vary
 
     size_t row_count() const { return times_s.size(); }
     size_t point_count() const { return (row_count() - 1) * points_per_row + 1; }
     double time_s(size_t point) const;
     bool jumps_after(size_t row) const { return is_jump(times_s[row], times_s[row + 1]); }
-    TrackSample value(size_t track, size_t row) const;
 };
+
+// Of a track in arrays [joint_count][3], in the order of TrackTarget.
+inline size_t slot_of(const ExactTrack& track) { return track.joint * size_t{3} + static_cast<size_t>(track.target); }
 
 struct GridSettings {
     double bound = 0;  // displacement in model space that straight lines instead of arcs may cause
@@ -40,13 +33,9 @@ struct GridSettings {
     uint64_t joint_rows = 4'000'000;
 };
 
-// Of a character with exact keys. `reaches[joint_count]`: how far in model space a rotation of the joint by 1 rad moves
+// Keeps a reference to the clip. `reaches[joint_count]`: how far in model space a rotation of the joint by 1 rad moves
 // a point at most.
-ClipGrid make_clip_grid(const Character& character, uint32_t clip, std::span<const double> reaches,
+ClipGrid make_clip_grid(const ExactClip& clip, const Rig& rig, std::span<const double> reaches,
                         const GridSettings& settings);
-
-// The component of a joint's transform which a track animates.
-void set_component(Trs<double>& trs, TrackTarget target, const TrackSample& value);
-TrackSample component(const Trs<double>& trs, TrackTarget target);
 
 }  // namespace throng

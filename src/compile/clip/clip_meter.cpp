@@ -8,14 +8,6 @@ namespace {
 constexpr size_t kLookAhead = 64;          // rows; keeps the work linear
 constexpr size_t kCachedModels = 1 << 18;  // exact transforms that are kept: 24 MiB
 
-void mix(Trs<double>& trs, const GridTrack& track, const TrackKey& earlier, const TrackKey& later, double w) {
-    if (track.step) w = 0;
-    TrackSample value;
-    for (size_t c = 0; c < 4; ++c) value[c] = double{earlier[c]} * (1 - w) + double{later[c]} * w;
-    set_component(trs, track.target, value);
-    if (track.target == TrackTarget::kRotation) trs.rotation = normalized(trs.rotation);
-}
-
 }  // namespace
 
 ClipMeter::ClipMeter(const Character& character, const ClipGrid& grid, std::span<const Box> boxes)
@@ -38,11 +30,10 @@ ClipMeter::ClipMeter(const Character& character, const ClipGrid& grid, std::span
 
 std::span<const AffineT<double>> ClipMeter::compute_exact(size_t point) {
     if (point % grid_.points_per_row != 0)
-        exact_pose_ = sample_reference(character_, grid_.clip, grid_.time_s(point));
+        exact_pose_ = sample_exact(grid_.clip, character_.rig, grid_.time_s(point));
     else
-        for (size_t track = 0; track < grid_.tracks.size(); ++track)
-            set_component(exact_pose_[grid_.tracks[track].joint], grid_.tracks[track].target,
-                          grid_.value(track, point / grid_.points_per_row));
+        for (const ExactTrack& track : grid_.tracks)
+            set_component(exact_pose_[track.joint], track.target, track.at_row(point / grid_.points_per_row));
     const std::vector<uint32_t>& parents = character_.rig.parents;
     for (size_t joint = 0; joint < parents.size(); ++joint) {
         const AffineT<double> parent_from_joint = to_affine(exact_pose_[joint]);
@@ -95,16 +86,23 @@ bool ClipMeter::reproduces(size_t from_row, size_t to_row, double bound) {
     const size_t parts = grid_.points_per_row;
     pose_ = grid_.still;
     for (size_t row = from_row + 1; row < to_row; ++row) {
-        const double w = fraction(from_row, to_row, row * parts);
-        for (size_t track = 0; track < grid_.tracks.size(); ++track) {
-            const TrackKey* values = &grid_.values[track * grid_.row_count()];
-            mix(pose_[grid_.tracks[track].joint], grid_.tracks[track], values[from_row], values[to_row], w);
-        }
+        mix(grid_.tracks, from_row, to_row, fraction(from_row, to_row, row * parts));
         const std::span<const AffineT<double>> wanted = exact(row * parts);
         for (size_t joint = 0; joint < boxes_.size(); ++joint)
             if (!(place(joint, pose_[joint], wanted) <= bound)) return false;
     }
     return true;
+}
+
+// Sets the pose to what the sample stage makes of packed keys.
+void ClipMeter::mix(std::span<const ExactTrack> tracks, size_t earlier, size_t later, double fraction) {
+    for (const ExactTrack& track : tracks) {
+        if (track.keys.empty()) continue;
+        Trs<double>& joint = pose_[track.joint];
+        set_component(joint, track.target,
+                      lerp(value_of(track.keys[earlier]), value_of(track.keys[later]), track.step ? 0 : fraction));
+        if (track.target == TrackTarget::kRotation) joint.rotation = normalized(joint.rotation);
+    }
 }
 
 double ClipMeter::fraction(size_t from_row, size_t to_row, size_t point) const {
@@ -119,11 +117,7 @@ double ClipMeter::largest_between(const Rows& rows, size_t interval, double enou
     for (size_t row = 0; row + 1 < row_count && largest <= enough; row += interval)
         for (size_t point = rows.of_grid[row] * parts + 1; point < rows.of_grid[row + 1] * parts; ++point) {
             if (grid_.jumps_after(point / parts)) continue;
-            const double w = fraction(rows.of_grid[row], rows.of_grid[row + 1], point);
-            for (const size_t track : rows.moving) {
-                const TrackKey* pair = &rows.values[track * row_count + row];
-                mix(pose_[grid_.tracks[track].joint], grid_.tracks[track], pair[0], pair[1], w);
-            }
+            mix(rows.tracks, row, row + 1, fraction(rows.of_grid[row], rows.of_grid[row + 1], point));
             const std::span<const AffineT<double>> wanted = exact(point);
             for (size_t joint = 0; joint < boxes_.size(); ++joint)
                 largest = std::max(largest, place(joint, pose_[joint], wanted));

@@ -21,12 +21,11 @@ public:
     double place(size_t joint, const Trs<double>& parent_from_joint, std::span<const AffineT<double>> wanted);
     const AffineT<double>& model_from_joint(size_t joint) const { return models_[joint]; }
 
-    // What is read from rows. Tracks are the grid's.
+    // What is read from rows.
     struct Rows {
         std::span<const size_t> of_grid;        // [row_count]
-        std::span<const size_t> moving;         // tracks that have a value in each row
-        std::span<const TrackKey> values;       // [track][row_count]
-        const std::vector<Trs<double>>& still;  // [joint_count], what the others have
+        std::span<const ExactTrack> tracks;     // what is read from their keys [row_count]; without: as in `still`
+        const std::vector<Trs<double>>& still;  // [joint_count]
     };
     // Largest displacement at the points between rows, looking at every `interval`-th pair of them. May stop above
     // `enough`.
@@ -39,6 +38,7 @@ public:
 private:
     std::span<const AffineT<double>> compute_exact(size_t point);
     bool reproduces(size_t from_row, size_t to_row, double bound);
+    void mix(std::span<const ExactTrack> tracks, size_t earlier, size_t later, double fraction);
     double fraction(size_t from_row, size_t to_row, size_t point) const;
 
     const Character& character_;

@@ -2,6 +2,7 @@
 
 #include "base/failure.h"
 #include "compile/clip/row_encoder.h"
+#include "compile/clip/packed_track.h"
 
 #include <algorithm>
 #include <limits>
@@ -23,45 +24,41 @@ constexpr double kAboveFinest = 1.2;
 
 // Each joint with the largest components of scale and translation in all rows: nothing reaches further, and what is
 // hidden by a scale of 0 in the sampled rows is there.
-std::vector<Trs<double>> extended_pose(const Character& character, uint32_t index) {
-    const Clip& clip = character.clips[index];
-    std::vector<Trs<double>> pose = sample_reference(character, index, 0);
-    const auto larger = [](double a, double b) { return std::abs(a) < std::abs(b) ? b : a; };
-    const auto extend = [&](Vec3<double>& value, uint32_t word) {
-        for (uint32_t row = 0; word & kTrackAnimated && row < clip.row_count; ++row) {
-            const auto& key = character.keys[(word & kTrackPosition) + size_t{row} * clip.row_stride];
-            value = {larger(value.x, key[0]), larger(value.y, key[1]), larger(value.z, key[2])};
-        }
-    };
-    for (size_t joint = 0; joint < pose.size(); ++joint) {
-        const JointTracks& tracks = character.tracks[index * pose.size() + joint];
-        extend(pose[joint].translation, tracks.translation);
-        extend(pose[joint].scale, tracks.scale);
+std::vector<Trs<double>> extended_pose(const ExactClip& clip, const Rig& rig) {
+    std::vector<Trs<double>> pose = sample_exact(clip, rig, 0);
+    for (const ExactTrack& track : clip.tracks) {
+        if (track.target == TrackTarget::kRotation) continue;
+        TrackValue value = component(pose[track.joint], track.target);
+        for (size_t row = 0; track.varies() && row < track.keys.size(); ++row)
+            for (size_t c = 0; c < 3; ++c)
+                if (const double other = double{track.keys[row][c]}; std::abs(value[c]) < std::abs(other))
+                    value[c] = other;
+        set_component(pose[track.joint], track.target, value);
     }
     return pose;
 }
 
 // The last is the extended one.
-std::vector<std::vector<Trs<double>>> sample_poses(const Character& character, uint32_t index) {
-    const Clip& clip = character.clips[index];
-    const size_t count = std::min<size_t>(clip.row_count, kSampledRows);
+std::vector<std::vector<Trs<double>>> sample_poses(const ExactClip& clip, const Rig& rig) {
+    const size_t row_count = clip.times_s.size(), count = std::min(row_count, kSampledRows);
     std::vector<std::vector<Trs<double>>> poses;
     for (size_t i = 0; i < count; ++i) {
-        const size_t row = count == 1 ? 0 : i * (clip.row_count - 1) / (count - 1);
-        poses.push_back(sample_reference(character, index, double{character.times_s[clip.first_time + row]}));
+        const size_t row = count == 1 ? 0 : i * (row_count - 1) / (count - 1);
+        poses.push_back(sample_exact(clip, rig, double{clip.times_s[row]}));
     }
-    poses.push_back(extended_pose(character, index));
+    poses.push_back(extended_pose(clip, rig));
     return poses;
 }
 
 class ClipPacker {
 public:
-    ClipPacker(const Character& character, uint32_t clip, std::span<const Box> boxes, const PackSettings& settings)
+    ClipPacker(const Character& character, const ExactClip& clip, std::span<const Box> boxes,
+               const PackSettings& settings)
         : character_(character),
           boxes_(boxes),
           bound_(settings.bound),
-          poses_(sample_poses(character, clip)),
-          grid_(make_clip_grid(character, clip, joint_reaches(character, boxes, poses_.back()),
+          poses_(sample_poses(clip, character.rig)),
+          grid_(make_clip_grid(clip, character.rig, joint_reaches(character, boxes, poses_.back()),
                                {kArcShare * bound_, settings.joint_rows})),
           meter_(character, grid_, boxes),
           encoder_(character, grid_, meter_) {}
@@ -78,7 +75,7 @@ public:
             if (finest > bound_) finest = take_finest(0);
             if (finest > bound_) finest = take_finest(kArcShare * bound_);  // all rows do not help either
             if (!(finest < kInfinity)) {
-                const std::string name = printable(character_.clips[grid_.clip].name);
+                const std::string name = printable(grid_.clip.facts.name);
                 throw Failure(ErrorCode::kInvalidFile, printable(character_.name, 120),
                               "clip '" + name + "': its poses are not finite");
             }
@@ -117,8 +114,7 @@ private:
         const double in_rows = encode(scale);
         if (in_rows > enough) return in_rows;
         return std::max(in_rows,
-                        meter_.largest_between({rows_, encoder_.moving(), encoder_.decoded(), encoder_.still()},
-                                               row_interval, enough));
+                        meter_.largest_between({rows_, encoder_.decoded(), encoder_.still()}, row_interval, enough));
     }
 
     // The largest scale that keeps the goal. Error goes about linearly with it, in small steps.
@@ -174,7 +170,7 @@ private:
     }
 
     void keep(double error) {
-        const size_t row_count = encoder_.moving().empty() ? 1 : rows_.size();
+        const size_t row_count = encoder_.row_stride() == 0 ? 1 : rows_.size();
         const size_t bytes = size_bytes(row_count);
         if (best_ && bytes >= best_bytes_) return;
         best_bytes_ = bytes;
@@ -202,7 +198,7 @@ private:
 
 }  // namespace
 
-PackedClip pack_clip(const Character& character, uint32_t clip, std::span<const Box> boxes,
+PackedClip pack_clip(const Character& character, const ExactClip& clip, std::span<const Box> boxes,
                      const PackSettings& settings) {
     return ClipPacker(character, clip, boxes, settings).run();
 }

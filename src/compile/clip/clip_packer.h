@@ -1,8 +1,8 @@
 // One clip: which rows are kept, and how finely each track is quantised.
 #pragma once
 
+#include "compile/clip/exact_clip.h"
 #include "compile/mesh/influence_boxes.h"
-#include "compile/clip/packed_track.h"
 
 namespace throng {
 
@@ -20,8 +20,8 @@ struct PackSettings {
     uint64_t joint_rows = 0;  // of GridSettings
 };
 
-// Of a character with exact keys. Throws kInvalidFile where poses of the clip are not finite.
-PackedClip pack_clip(const Character& character, uint32_t clip, std::span<const Box> boxes,
+// Throws kInvalidFile where poses of the clip are not finite.
+PackedClip pack_clip(const Character& character, const ExactClip& clip, std::span<const Box> boxes,
                      const PackSettings& settings);
 
 }  // namespace throng

@@ -25,7 +25,7 @@ uint32_t packed_row_bits(const PackedTrack& track) {
     return count;
 }
 
-PackedBits quantised(const PackedTrack& track, TrackTarget target, const TrackSample& value) {
+PackedBits quantised(const PackedTrack& track, TrackTarget target, const TrackValue& value) {
     const auto nearest = [&](uint32_t component, uint32_t of_track, double v) {
         const uint32_t count = packed_bit_count(track, component);
         if (count == 0) return 0u;

@@ -5,9 +5,6 @@
 
 namespace throng {
 
-using TrackKey = std::array<float, 4>;
-using TrackSample = std::array<double, 4>;
-
 // A track of one value. Rotations: unit length.
 PackedTrack constant_track(TrackTarget target, const TrackKey& value);
 
@@ -15,7 +12,7 @@ PackedTrack constant_track(TrackTarget target, const TrackKey& value);
 uint32_t packed_row_bits(const PackedTrack& track);
 
 // The nearest bits. Rotations: unit length, and of the sign with which `left_out` is positive.
-PackedBits quantised(const PackedTrack& track, TrackTarget target, const TrackSample& value);
+PackedBits quantised(const PackedTrack& track, TrackTarget target, const TrackValue& value);
 
 // Bits that are 0 so far.
 void write_bits(std::span<uint32_t> words, size_t first_bit, uint32_t bits, uint32_t count);

@@ -1,5 +1,7 @@
 #include "compile/clip/row_encoder.h"
 
+#include "compile/clip/packed_track.h"
+
 #include <algorithm>
 
 namespace throng {
@@ -29,22 +31,20 @@ RowEncoder::RowEncoder(const Character& character, const ClipGrid& grid, ClipMet
       meter_(meter),
       track_of_(grid.still.size() * 3),
       tracks_(track_of_.size()),
-      bit_counts_(track_of_.size()) {
-    for (size_t track = 0; track < grid.tracks.size(); ++track)
-        track_of_[grid.tracks[track].joint * 3 + static_cast<size_t>(grid.tracks[track].target)] = track;
+      bit_counts_(track_of_.size()),
+      decoded_(grid.tracks) {
+    for (size_t track = 0; track < grid.tracks.size(); ++track) track_of_[slot_of(grid.tracks[track])] = track;
 }
 
 void RowEncoder::plan(std::span<const TrackShape> shapes, std::span<const double> tolerances) {
     uint32_t bit = 0;
     still_ = grid_.still;
-    moving_.clear();
     for (size_t slot = 0; slot < tracks_.size(); ++slot) {
         PackedTrack& track = tracks_[slot] = plan_track(shapes[slot], tolerances[slot / 3]);
         bit_counts_[slot] = packed_row_bits(track);
         if (moves(slot)) {
             track.first_bit = bit;
             bit += bit_counts_[slot];
-            moving_.push_back(track_of_[slot]);
         } else {
             set_component(still_[slot / 3], shapes[slot].target, packed_value(track, shapes[slot].target, {}));
         }
@@ -55,7 +55,7 @@ void RowEncoder::plan(std::span<const TrackShape> shapes, std::span<const double
 
 double RowEncoder::encode(std::span<const TrackShape> shapes, std::span<const size_t> rows) {
     words_.assign(rows.size() * row_stride_, 0);
-    decoded_.resize(grid_.tracks.size() * rows.size());
+    for (ExactTrack& track : decoded_) track.keys.resize(moves(slot_of(track)) ? rows.size() : 0);
     double largest = 0;
     for (size_t row = 0; row < rows.size(); ++row) {
         const std::span<const AffineT<double>> wanted = meter_.exact(rows[row] * grid_.points_per_row);
@@ -72,19 +72,19 @@ Trs<double> RowEncoder::encode_joint(std::span<const TrackShape> shapes, std::sp
     if (!moves(first) && !moves(first + 1) && !moves(first + 2)) return packed;
     Trs<double> local = packed;
     for (size_t slot = first; slot < first + 3; ++slot)
-        if (moves(slot)) set_component(local, shapes[slot].target, grid_.value(track_of_[slot], rows[row]));
+        if (moves(slot)) set_component(local, shapes[slot].target, grid_.tracks[track_of_[slot]].at_row(rows[row]));
     const Trs<double> aimed = aim(joint, local, wanted);
     for (size_t slot = first; slot < first + 3; ++slot) {
         if (!moves(slot)) continue;
         const TrackTarget target = shapes[slot].target;
         // What holds must not follow what moves
-        TrackSample value = component(shapes[slot].step ? local : aimed, target);
+        TrackValue value = component(shapes[slot].step ? local : aimed, target);
         if (target == TrackTarget::kRotation && !shapes[slot].full && value[shapes[slot].left_out] < 0)
             for (double& v : value) v = -v;
         const PackedBits bits = quantised(tracks_[slot], target, value);
         write_row(words_, row * row_stride_ * 32, tracks_[slot], bits);
-        const TrackSample got = packed_value(tracks_[slot], target, bits);
-        for (size_t c = 0; c < 4; ++c) decoded_[track_of_[slot] * rows.size() + row][c] = static_cast<float>(got[c]);
+        const TrackValue got = packed_value(tracks_[slot], target, bits);
+        decoded_[track_of_[slot]].keys[row] = key_of(got);
         set_component(packed, target, got);
     }
     packed.rotation = normalized(packed.rotation);

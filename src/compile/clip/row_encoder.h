@@ -20,10 +20,9 @@ public:
 
     // [joint_count][3], in the order of TrackTarget
     const std::vector<PackedTrack>& tracks() const { return tracks_; }
-    const std::vector<size_t>& moving() const { return moving_; }      // tracks of the grid that have bits
-    const std::vector<Trs<double>>& still() const { return still_; }   // [joint_count], of the tracks without
-    const std::vector<TrackKey>& decoded() const { return decoded_; }  // [track of the grid][row]
-    const std::vector<uint32_t>& words() const { return words_; }      // [row][row_stride()]
+    const std::vector<Trs<double>>& still() const { return still_; }     // [joint_count], of the tracks without bits
+    const std::vector<ExactTrack>& decoded() const { return decoded_; }  // those of the grid; without bits, no keys
+    const std::vector<uint32_t>& words() const { return words_; }        // [row][row_stride()]
     uint32_t row_stride() const { return row_stride_; }
 
 private:
@@ -38,9 +37,8 @@ private:
     std::vector<size_t> track_of_;  // [joint_count][3], of the grid
     std::vector<PackedTrack> tracks_;
     std::vector<uint32_t> bit_counts_;  // [joint_count][3], of a row
-    std::vector<size_t> moving_;
     std::vector<Trs<double>> still_;
-    std::vector<TrackKey> decoded_;
+    std::vector<ExactTrack> decoded_;
     std::vector<uint32_t> words_;
     uint32_t row_stride_ = 0;
 };

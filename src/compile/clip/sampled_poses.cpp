@@ -16,15 +16,21 @@ std::vector<SampledPose> sampled_poses(const Character& character, uint32_t coun
     return poses;
 }
 
-std::vector<AffineT<double>> model_from_joint_of(const Character& character, const SampledPose& pose) {
+std::vector<AffineT<double>> model_from_joint_of(const Rig& rig, std::span<const Trs<double>> pose) {
     std::vector<AffineT<double>> local;
-    if (pose.clip < character.clips.size()) {
-        for (const Trs<double>& joint : sample_reference(character, pose.clip, pose.time_s))
-            local.push_back(to_affine(joint));
-    } else {
-        for (const Trs<float>& joint : character.rig.rest) local.push_back(to_affine(joint.as<double>()));
-    }
-    return scan_reference(character.rig.parents, local);
+    for (const Trs<double>& joint : pose) local.push_back(to_affine(joint));
+    return scan_reference(rig.parents, local);
+}
+
+std::vector<AffineT<double>> rest_model_from_joint(const Rig& rig) {
+    std::vector<Trs<double>> pose;
+    for (const Trs<float>& joint : rig.rest) pose.push_back(joint.as<double>());
+    return model_from_joint_of(rig, pose);
+}
+
+std::vector<AffineT<double>> model_from_joint_of(const Character& character, const SampledPose& pose) {
+    if (pose.clip >= character.clips.size()) return rest_model_from_joint(character.rig);
+    return model_from_joint_of(character.rig, sample_reference(character, pose.clip, pose.time_s));
 }
 
 }  // namespace throng

@@ -3,6 +3,7 @@
 
 #include <throng/character.h>
 
+#include <span>
 #include <vector>
 
 namespace throng {
@@ -16,6 +17,8 @@ struct SampledPose {
 std::vector<SampledPose> sampled_poses(const Character& character, uint32_t count);
 
 // [joint_count]
+std::vector<AffineT<double>> model_from_joint_of(const Rig& rig, std::span<const Trs<double>> pose);
+std::vector<AffineT<double>> rest_model_from_joint(const Rig& rig);
 std::vector<AffineT<double>> model_from_joint_of(const Character& character, const SampledPose& pose);
 
 }  // namespace throng

@@ -1,6 +1,5 @@
 #include "compile/clip/source_track.h"
 
-#include "control/control_reference.h"
 #include "sample/sample_reference.h"
 
 #include <algorithm>
@@ -8,14 +7,7 @@
 namespace throng {
 namespace {
 
-Quaternion<double> quaternion(const TrackValue& v) { return normalized(Quaternion<double>{v[0], v[1], v[2], v[3]}); }
-TrackValue value_of(const Quaternion<double>& q) { return {q.x, q.y, q.z, q.w}; }
-
-TrackValue mix(const TrackValue& a, const TrackValue& b, double w) {
-    TrackValue out;
-    for (size_t i = 0; i < 4; ++i) out[i] = a[i] * (1 - w) + b[i] * w;
-    return out;
-}
+TrackValue unit(const TrackValue& v) { return value_of(normalized(quaternion_of(v))); }
 
 }  // namespace
 
@@ -27,29 +19,18 @@ TrackValue SourceTrack::value(size_t index) const {
 }
 
 TrackValue SourceTrack::mapped(const TrackValue& v) const {
-    if (track_.target == TrackTarget::kRotation) return value_of(prefix_.rotation * quaternion(v));
-    const Vec3<double> out = track_.target == TrackTarget::kTranslation
-                                 ? prefix_.point({v[0], v[1], v[2]})
-                                 : Vec3<double>{v[0], v[1], v[2]} * prefix_.scale;
-    return {out.x, out.y, out.z, 0};
+    if (track_.target == TrackTarget::kRotation) return value_of(prefix_.rotation * normalized(quaternion_of(v)));
+    return value_of(track_.target == TrackTarget::kTranslation ? prefix_.point(vector_of(v))
+                                                               : vector_of(v) * prefix_.scale);
 }
 
 bool SourceTrack::is_constant() const {
-    const size_t components = track_.target == TrackTarget::kRotation ? 4 : 3;
     const bool cubic = track_.interpolation == Interpolation::kCubicSpline;
-    const size_t key_size = components * (cubic ? 3 : 1), first = cubic ? components : 0;
-    const auto& v = track_.values;
-    for (size_t key = 0; key < track_.times_s.size(); ++key) {
-        const auto at = v.begin() + static_cast<ptrdiff_t>(key * key_size);
-        if (!std::equal(at + static_cast<ptrdiff_t>(first), at + static_cast<ptrdiff_t>(first + components),
-                        v.begin() + static_cast<ptrdiff_t>(first)))
-            return false;
-        const auto is_zero = [](float tangent) { return tangent == 0; };
-        if (cubic && track_.times_s.size() > 1 &&
-            !(std::all_of(at, at + static_cast<ptrdiff_t>(components), is_zero) &&
-              std::all_of(at + static_cast<ptrdiff_t>(2 * components), at + static_cast<ptrdiff_t>(3 * components),
-                          is_zero)))
-            return false;
+    const size_t key_count = track_.times_s.size(), values_a_key = cubic ? 3 : 1, first = cubic ? 1 : 0;
+    for (size_t key = 0; key < key_count; ++key) {
+        const size_t at = key * values_a_key;
+        if (value(at + first) != value(first)) return false;
+        if (cubic && key_count > 1 && (value(at) != TrackValue{} || value(at + 2) != TrackValue{})) return false;
     }
     return true;
 }
@@ -58,11 +39,12 @@ TrackValue SourceTrack::evaluate(double time_s) const {
     const RowCursor keys = find_rows_reference(track_.times_s, time_s);
     const double w = keys.fraction;
     if (track_.interpolation != Interpolation::kCubicSpline) {
-        const TrackValue a = value(keys.earlier), b = value(keys.later);
-        if (track_.target == TrackTarget::kRotation)
-            return mapped(interpolate_rows(track_.target, track_.interpolation, value_of(quaternion(a)),
-                                           value_of(quaternion(b)), w));
-        return mapped(interpolate_rows(track_.target, track_.interpolation, a, b, w));
+        const bool rotates = track_.target == TrackTarget::kRotation;
+        const auto key = [&](uint32_t index) { return rotates ? unit(value(index)) : value(index); };
+        const TrackValue earlier = key(keys.earlier);
+        return mapped(track_.interpolation == Interpolation::kStep
+                          ? earlier
+                          : interpolate_reference(track_.target, earlier, key(keys.later), w));
     }
     // In-tangent, value, out-tangent a key; tangents are per second.
     const TrackValue a = value(keys.earlier * 3 + 1), b = value(keys.later * 3 + 1);
@@ -75,13 +57,6 @@ TrackValue SourceTrack::evaluate(double time_s) const {
         sum[i] = (2 * w3 - 3 * w2 + 1) * a[i] + interval_s * (w3 - 2 * w2 + w) * out_tangent[i] +
                  (3 * w2 - 2 * w3) * b[i] + interval_s * (w3 - w2) * in_tangent[i];
     return mapped(sum);
-}
-
-TrackValue interpolate_rows(TrackTarget target, Interpolation interpolation, const TrackValue& earlier,
-                            const TrackValue& later, double w) {
-    if (interpolation == Interpolation::kStep) return earlier;
-    if (target != TrackTarget::kRotation) return mix(earlier, later, w);
-    return value_of(slerp_reference(quaternion(earlier), quaternion(later), w));
 }
 
 double distance(TrackTarget target, const TrackValue& a, const TrackValue& b) {

@@ -2,11 +2,9 @@
 #pragma once
 
 #include "compile/rig/rig.h"
+#include "sample/track_value.h"
 
 namespace throng {
-
-// Four components of which translations and scales use three.
-using TrackValue = std::array<double, 4>;
 
 // Evaluates one AssetTrack at any time as glTF 2.0, appendix C, says, mapped into its joint's space by `prefix`. Keeps
 // references.
@@ -25,10 +23,6 @@ private:
     const AssetTrack& track_;
     const Similarity& prefix_;
 };
-
-// What the sample stage makes of two rows: slerp, lerp, or the earlier one.
-TrackValue interpolate_rows(TrackTarget target, Interpolation interpolation, const TrackValue& earlier,
-                            const TrackValue& later, double w);
 
 // How far apart two values of a track are, in the unit of its target: radians, metres or a factor.
 double distance(TrackTarget target, const TrackValue& a, const TrackValue& b);

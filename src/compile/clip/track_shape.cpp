@@ -1,5 +1,7 @@
 #include "compile/clip/track_shape.h"
 
+#include "compile/clip/packed_track.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -35,12 +37,11 @@ std::vector<double> joint_radii(const Character& character, std::span<const Box>
     return radii;
 }
 
-// The component that is best left out, and how small it gets.
-std::pair<uint32_t, double> choose_left_out(const ClipGrid& grid, size_t track, std::span<const size_t> rows) {
+// The component that is best left out of a rotation that varies, and how small it gets.
+std::pair<uint32_t, double> choose_left_out(bool step, std::span<const TrackValue> values) {
     std::array<double, 4> low, high, nearest;
     low.fill(1), high.fill(-1), nearest.fill(1);
-    for (const size_t row : rows) {
-        const TrackSample value = grid.value(track, row);
+    for (const TrackValue& value : values) {
         for (size_t c = 0; c < 4; ++c) {
             low[c] = std::min(low[c], value[c]);
             high[c] = std::max(high[c], value[c]);
@@ -49,29 +50,15 @@ std::pair<uint32_t, double> choose_left_out(const ClipGrid& grid, size_t track, 
     }
     std::pair<uint32_t, double> best{3, 0};
     for (uint32_t c = 0; c < 4; ++c)
-        if ((grid.tracks[track].step || low[c] > 0 || high[c] < 0) && nearest[c] > best.second) best = {c, nearest[c]};
+        if ((step || low[c] > 0 || high[c] < 0) && nearest[c] > best.second) best = {c, nearest[c]};
     return best;
 }
 
-std::array<double, 3> stored_components(const TrackShape& shape, const TrackSample& value) {
+std::array<double, 3> stored_components(const TrackShape& shape, const TrackValue& value) {
     if (shape.target != TrackTarget::kRotation) return {value[0], value[1], value[2]};
     const double sign = value[shape.left_out] < 0 ? -1 : 1;
     return {sign * value[(shape.left_out + 1) % 4], sign * value[(shape.left_out + 2) % 4],
             sign * value[(shape.left_out + 3) % 4]};
-}
-
-void begin_shape(TrackShape& shape, const TrackSample& value) {
-    shape.first = value;
-    shape.low = shape.high = stored_components(shape, value);
-}
-
-void add_value(TrackShape& shape, const TrackSample& value, const std::array<double, 3>& rest) {
-    const std::array<double, 3> stored = stored_components(shape, value);
-    for (size_t c = 0; c < 3; ++c) {
-        shape.low[c] = std::min(shape.low[c], stored[c]);
-        shape.high[c] = std::max(shape.high[c], stored[c]);
-        shape.rest_deviation[c] = std::max(shape.rest_deviation[c], std::abs(stored[c] - rest[c]));
-    }
 }
 
 // A displacement with every component at its largest deviation.
@@ -103,46 +90,46 @@ PackedTrack middle_of(const TrackShape& shape) {
     return track;
 }
 
+// Of the track's values in all rows, or the one that it always has.
+TrackShape shape_of(TrackTarget target, bool step, const Trs<float>& rest, std::span<const TrackValue> values) {
+    TrackShape shape{
+        .target = target, .step = step, .rest = key_of(component(rest.as<double>(), target)), .first = values.front()};
+    if (target == TrackTarget::kRotation && values.size() > 1) {
+        const auto [left_out, smallest] = choose_left_out(step, values);
+        shape.left_out = left_out;
+        shape.full = smallest < kSmallestLeftOut;
+    } else if (target == TrackTarget::kRotation) {
+        for (uint32_t c = 0; c < 4; ++c)
+            if (std::abs(shape.first[c]) > std::abs(shape.first[shape.left_out])) shape.left_out = c;
+    }
+    const std::array<double, 3> stored_rest = stored_components(shape, value_of(shape.rest));
+    shape.low = shape.high = stored_components(shape, shape.first);
+    for (const TrackValue& value : values) {
+        const std::array<double, 3> stored = stored_components(shape, value);
+        for (size_t c = 0; c < 3; ++c) {
+            shape.low[c] = std::min(shape.low[c], stored[c]);
+            shape.high[c] = std::max(shape.high[c], stored[c]);
+            shape.rest_deviation[c] = std::max(shape.rest_deviation[c], std::abs(stored[c] - stored_rest[c]));
+        }
+    }
+    return shape;
+}
+
 }  // namespace
 
 std::vector<TrackShape> track_shapes(const Character& character, const ClipGrid& grid, std::span<const size_t> rows) {
-    std::vector<TrackShape> shapes(grid.still.size() * 3);
-    const auto begin = [&](uint32_t joint, TrackTarget target) -> TrackShape& {
-        TrackShape& shape = shapes[joint * 3 + static_cast<size_t>(target)];
-        shape.target = target;
-        const TrackSample rest = component(character.rig.rest[joint].as<double>(), target);
-        for (size_t c = 0; c < 4; ++c) shape.rest[c] = static_cast<float>(rest[c]);
-        return shape;
-    };
-    const auto finish = [&](TrackShape& shape, auto&& values) {
-        const TrackSample rest{shape.rest[0], shape.rest[1], shape.rest[2], shape.rest[3]};
-        const std::array<double, 3> stored_rest = stored_components(shape, rest);
-        values([&](const TrackSample& value) { add_value(shape, value, stored_rest); });
-    };
-    for (uint32_t joint = 0; joint < grid.still.size(); ++joint)
+    const std::vector<Trs<float>>& rest = character.rig.rest;
+    std::vector<TrackShape> shapes;
+    for (size_t joint = 0; joint < rest.size(); ++joint)
         for (const TrackTarget target : {TrackTarget::kTranslation, TrackTarget::kRotation, TrackTarget::kScale}) {
-            TrackShape& shape = begin(joint, target);
-            const TrackSample value = component(grid.still[joint], target);
-            if (target == TrackTarget::kRotation)
-                for (uint32_t c = 0; c < 4; ++c)
-                    if (std::abs(value[c]) > std::abs(value[shape.left_out])) shape.left_out = c;
-            begin_shape(shape, value);
-            finish(shape, [&](auto&& add) { add(value); });
+            const TrackValue value = component(grid.still[joint], target);
+            shapes.push_back(shape_of(target, false, rest[joint], {&value, 1}));
         }
-    for (size_t track = 0; track < grid.tracks.size(); ++track) {
-        const GridTrack& of = grid.tracks[track];
-        TrackShape& shape = begin(of.joint, of.target);
-        shape.step = of.step;
-        if (of.target == TrackTarget::kRotation) {
-            const auto [left_out, smallest] = choose_left_out(grid, track, rows);
-            shape.left_out = left_out;
-            shape.full = smallest < kSmallestLeftOut;
-        }
-        begin_shape(shape, grid.value(track, rows.front()));
-        shape.rest_deviation = {};
-        finish(shape, [&](auto&& add) {
-            for (const size_t row : rows) add(grid.value(track, row));
-        });
+    std::vector<TrackValue> values;
+    for (const ExactTrack& track : grid.tracks) {
+        values.clear();
+        for (const size_t row : rows) values.push_back(track.at_row(row));
+        shapes[slot_of(track)] = shape_of(track.target, track.step, rest[track.joint], values);
     }
     return shapes;
 }
@@ -171,9 +158,9 @@ void add_sensitivity(std::vector<TrackShape>& shapes, const Character& character
         std::array<Vec3<double>, 8> arms;  // from the joint to the corners, in the space of its parent
         for (size_t i = 0; i < 8; ++i) arms[i] = transform_vector(parent_from_joint, levers[joint].corner(i));
         const uint32_t left_out = shape(TrackTarget::kRotation).left_out;
-        const TrackSample q = component(pose[joint], TrackTarget::kRotation);
+        const TrackValue q = component(pose[joint], TrackTarget::kRotation);
         for (uint32_t c = 0; c < 3; ++c) {
-            TrackSample change{};
+            TrackValue change{};
             const uint32_t stored = (left_out + 1 + c) % 4;
             change[stored] = 1;
             change[left_out] = -q[stored] /
@@ -207,11 +194,7 @@ PackedTrack plan_track(const TrackShape& shape, double tolerance) {
     const bool moves_no_skin = shape.sensitivity == std::array<double, 3>{};
     if (moves_no_skin || (displacement_of(shape, shape.rest_deviation) <= kConstant * tolerance && !shape.full))
         return constant_track(shape.target, shape.rest);
-    if (!shape.varies() && !shape.full) {
-        TrackKey value;
-        for (size_t c = 0; c < 4; ++c) value[c] = static_cast<float>(shape.first[c]);
-        return constant_track(shape.target, value);
-    }
+    if (!shape.varies() && !shape.full) return constant_track(shape.target, key_of(shape.first));
     if (shape.full) {
         PackedTrack track = full_rotation();
         track.layout |= flags;

@@ -16,7 +16,7 @@ struct TrackShape {
     bool full = false;                    // a rotation of which no component keeps its sign
     uint32_t left_out = 3;                // of a rotation; its sign is positive in `low` and `high`
     TrackKey rest{};                      // the value of the rest pose
-    TrackSample first{};                  // of the track
+    TrackValue first{};                   // of the track
     std::array<double, 3> low{}, high{};  // of the components that are stored
     // The largest difference between the track's components and those of `rest`
     std::array<double, 3> rest_deviation{};

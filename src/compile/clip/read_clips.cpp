@@ -1,4 +1,4 @@
-#include "compile/clip/clip.h"
+#include "compile/clip/read_clips.h"
 
 #include "base/failure.h"
 #include "compile/limits.h"
@@ -10,17 +10,15 @@
 namespace throng {
 namespace {
 
-constexpr uint64_t kKey_bytes = 16;
-constexpr uint64_t kRawPose_bytes = 10 * sizeof(float);  // rotation, translation, scale
 // Of the character's size; a rotation by as many radians moves no point further
 constexpr double kRelativeBound = 1e-6;
 
 constexpr size_t kRefinedKeyLimit = 4'000'000;  // of cubic tracks: seconds of work, tens of MiB
 
-// One animated track of the clip: its source, and where its flags go.
+// A track of the clip that varies, and where it comes from.
 struct Column {
     SourceTrack source;
-    uint32_t* word;
+    size_t track;  // of ExactClip::tracks
 
     TrackTarget target() const { return source.track().target; }
     Interpolation interpolation() const { return source.track().interpolation; }
@@ -32,50 +30,42 @@ struct HalfTurn {
     float middle_s;
 };
 
-class ClipCompiler {
+class ClipReader {
 public:
-    ClipCompiler(const Asset& asset, const RigMap& map, const AssetClip& source, Character& character)
-        : asset_(asset), map_(map), source_(source), character_(character) {}
+    // `key_count`: of the rest pose and the clips before.
+    ClipReader(const Asset& asset, const RigMap& map, size_t index, uint64_t key_count, Character& character)
+        : map_(map),
+          source_(asset.clips[index]),
+          place_(asset.name + ": animations[" + std::to_string(index) + "]"),
+          keys_before_(key_count),
+          character_(character) {}
 
-    void run(size_t clip_index) {
-        clip_.name = source_.name;
-        clip_.duration_s = static_cast<float>(source_.duration_s);
-        clip_.first_time = static_cast<uint32_t>(character_.times_s.size());
-        place_ = asset_.name + ": animations[" + std::to_string(clip_index) + "]";
-        const uint64_t keys_before = character_.keys.size();
-        sort_tracks(clip_index);
+    ExactClip read() {
+        clip_.facts.name = source_.name;
+        clip_.facts.duration_s = static_cast<float>(source_.duration_s);
+        read_tracks();
         unite_times();
         drop_rows();
         follow_cubic();
-        write_rows();
-        clip_.size_bytes = (character_.keys.size() - keys_before) * kKey_bytes + times_s_.size() * sizeof(float) +
-                           map_.rig.joint_count() * sizeof(JointTracks);
-        clip_.raw_size_bytes = uint64_t{clip_.row_count} * map_.rig.joint_count() * kRawPose_bytes;
-        character_.clips.push_back(clip_);
+        evaluate();
+        return std::move(clip_);
     }
 
 private:
-    // Constants go to the key pool at once; what varies becomes a column.
-    void sort_tracks(size_t clip_index) {
-        const uint32_t joint_count = map_.rig.joint_count();
+    // Constants are evaluated at once; what varies becomes a column.
+    void read_tracks() {
         for (const AssetTrack& track : source_.tracks) {
-            ++clip_.channel_count;
+            ++clip_.facts.channel_count;
             const uint32_t joint = map_.joint_of_node[track.node];
             if (joint == kNone) continue;  // moves nothing that is skinned or drawn
-            JointTracks& tracks = character_.tracks[clip_index * joint_count + joint];
-            uint32_t& word = track.target == TrackTarget::kRotation      ? tracks.rotation
-                             : track.target == TrackTarget::kTranslation ? tracks.translation
-                                                                         : tracks.scale;
-            clip_.source_key_count += track.times_s.size();
+            clip_.facts.source_key_count += track.times_s.size();
             const SourceTrack source(track, map_.parent_from_prefix[joint]);
-            if (source.is_constant()) {
-                word = static_cast<uint32_t>(character_.keys.size());
-                append_key(source.evaluate(0));
-            } else {
-                columns_.push_back({source, &word});
-            }
+            const bool constant = source.is_constant();
+            if (!constant) columns_.push_back({source, clip_.tracks.size()});
+            clip_.tracks.push_back({joint, track.target, !constant && track.interpolation == Interpolation::kStep, {}});
+            if (constant) clip_.tracks.back().keys.push_back(key_of(source.evaluate(0)));
         }
-        clip_.row_stride = clip_.animated_track_count = static_cast<uint32_t>(columns_.size());
+        keys_before_ += clip_.tracks.size() - columns_.size();
     }
 
     void unite_times() {
@@ -118,7 +108,7 @@ private:
     }
 
     void check_size(size_t row_count) const {
-        const uint64_t bytes = (character_.keys.size() + uint64_t{row_count} * columns_.size()) * kKey_bytes;
+        const uint64_t bytes = (keys_before_ + uint64_t{row_count} * columns_.size()) * kKey_bytes;
         if (bytes > kKeyLimit_bytes)
             throw Failure(ErrorCode::kLimit, place_,
                           std::to_string(row_count) + " key times x " + std::to_string(columns_.size()) +
@@ -160,7 +150,7 @@ private:
             return std::all_of(cubic.begin(), cubic.end(), [&](const Column* column) {
                 const TrackValue from = column->source.evaluate(from_s), to = column->source.evaluate(to_s);
                 for (const double w : {0.25, 0.5, 0.75}) {
-                    const TrackValue row = interpolate_rows(column->target(), Interpolation::kLinear, from, to, w);
+                    const TrackValue row = interpolate_reference(column->target(), from, to, w);
                     if (!(distance(column->target(), row, column->source.evaluate(from_s + w * (to_s - from_s))) <=
                           bound(column->target())))
                         return false;
@@ -188,7 +178,7 @@ private:
             }
         }
         refined.push_back(times_s_.back());
-        clip_.refined_row_count = static_cast<uint32_t>(refined.size() - times_s_.size());
+        clip_.facts.refined_row_count = static_cast<uint32_t>(refined.size() - times_s_.size());
         times_s_ = std::move(refined);
         check_size(times_s_.size());
         return 1;
@@ -199,7 +189,7 @@ private:
     void drop_rows() {
         constexpr uint64_t kFarLarger = 4, kWorthIt = 1 << 16, kLookAhead = 32;
         const uint64_t union_keys = uint64_t{times_s_.size()} * columns_.size();
-        if (union_keys < kWorthIt || union_keys < kFarLarger * clip_.source_key_count) return;
+        if (union_keys < kWorthIt || union_keys < kFarLarger * clip_.facts.source_key_count) return;
         const std::vector<std::vector<const Column*>> bends = bends_by_row();
         std::vector<float> kept{times_s_.front()};
         size_t from = 0;
@@ -209,7 +199,7 @@ private:
             kept.push_back(times_s_[to]);
             from = to;
         }
-        clip_.dropped_row_count = static_cast<uint32_t>(times_s_.size() - kept.size());
+        clip_.facts.dropped_row_count = static_cast<uint32_t>(times_s_.size() - kept.size());
         times_s_ = std::move(kept);
     }
 
@@ -239,7 +229,9 @@ private:
             for (const Column* column : bends[row]) {
                 const TrackValue a = column->source.evaluate(times_s_[from]), b = column->source.evaluate(times_s_[to]);
                 if (is_half_turn(*column, a, b)) return false;
-                const TrackValue between = interpolate_rows(column->target(), column->interpolation(), a, b, w);
+                const TrackValue between = column->interpolation() == Interpolation::kStep
+                                               ? a
+                                               : interpolate_reference(column->target(), a, b, w);
                 if (!(distance(column->target(), between, column->source.evaluate(times_s_[row])) <=
                       bound(column->target())))
                     return false;
@@ -248,43 +240,23 @@ private:
         return true;
     }
 
-    void write_rows() {
+    void evaluate() {
         check_size(times_s_.size());
-        const size_t first = character_.keys.size();
-        for (size_t i = 0; i < columns_.size(); ++i)
-            *columns_[i].word = static_cast<uint32_t>(first + i) | kTrackAnimated |
-                                (columns_[i].interpolation() == Interpolation::kStep ? kTrackStep : 0);
-        for (float time_s : times_s_)
-            for (const Column& column : columns_) append_key(column.source.evaluate(time_s));
-        for (size_t i = 0; i < columns_.size(); ++i)
-            if (columns_[i].target() == TrackTarget::kRotation) join_hemispheres(first + i);
-        clip_.row_count = static_cast<uint32_t>(times_s_.size());
-        character_.times_s.insert(character_.times_s.end(), times_s_.begin(), times_s_.end());
-    }
-
-    // q and -q are one rotation; the sample stage expects neighbours in one hemisphere.
-    void join_hemispheres(size_t first) {
-        for (size_t row = 1; row < times_s_.size(); ++row) {
-            const auto& earlier = character_.keys[first + (row - 1) * columns_.size()];
-            auto& later = character_.keys[first + row * columns_.size()];
-            double cosine = 0;
-            for (size_t i = 0; i < 4; ++i) cosine += double{earlier[i]} * later[i];
-            if (cosine < 0)
-                for (float& component : later) component = -component;
+        for (const Column& column : columns_) {
+            ExactTrack& track = clip_.tracks[column.track];
+            track.keys.reserve(times_s_.size());
+            for (const float time_s : times_s_) track.keys.push_back(key_of(column.source.evaluate(time_s)));
+            if (track.target == TrackTarget::kRotation) join_hemispheres(track.keys);
         }
+        clip_.times_s = std::move(times_s_);
     }
 
-    void append_key(const TrackValue& v) {
-        character_.keys.push_back(
-            {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), static_cast<float>(v[3])});
-    }
-
-    const Asset& asset_;
     const RigMap& map_;
     const AssetClip& source_;
+    const std::string place_;
+    uint64_t keys_before_;  // of the rows
     Character& character_;
-    Clip clip_;
-    std::string place_;
+    ExactClip clip_;
     std::vector<Column> columns_;
     std::vector<float> times_s_;
     std::vector<HalfTurn> half_turns_;
@@ -293,7 +265,7 @@ private:
 
 }  // namespace
 
-void compile_clips(const Asset& asset, const RigMap& map, Character& character) {
+std::vector<ExactClip> read_clips(const Asset& asset, const RigMap& map, Character& character) {
     const uint32_t joint_count = map.rig.joint_count();
     const uint64_t table_bytes = (asset.clips.size() + 1) * uint64_t{joint_count} * sizeof(JointTracks);
     if (table_bytes > kKeyLimit_bytes)
@@ -301,21 +273,13 @@ void compile_clips(const Asset& asset, const RigMap& map, Character& character) 
                       std::to_string(asset.clips.size()) + " clips x " + std::to_string(joint_count) +
                           " joints make a track table of " + std::to_string(table_bytes >> 20) +
                           " MiB; the limit is 256 MiB");
-
-    std::vector<JointTracks> rest_tracks;
-    rest_tracks.reserve(joint_count);
-    for (const Trs<float>& rest : map.rig.rest) {
-        const auto first = static_cast<uint32_t>(character.keys.size());
-        character.keys.push_back({rest.rotation.x, rest.rotation.y, rest.rotation.z, rest.rotation.w});
-        character.keys.push_back({rest.translation.x, rest.translation.y, rest.translation.z, 0});
-        character.keys.push_back({rest.scale.x, rest.scale.y, rest.scale.z, 0});
-        rest_tracks.push_back({.rotation = first, .translation = first + 1, .scale = first + 2});
+    std::vector<ExactClip> clips;
+    uint64_t keys = uint64_t{3} * joint_count;
+    for (size_t index = 0; index < asset.clips.size(); ++index) {
+        clips.push_back(ClipReader(asset, map, index, keys, character).read());
+        keys += key_count(clips.back(), clips.back().times_s.size());
     }
-    character.tracks.reserve(static_cast<size_t>(table_bytes / sizeof(JointTracks)));
-    for (size_t clip = 0; clip <= asset.clips.size(); ++clip)
-        character.tracks.insert(character.tracks.end(), rest_tracks.begin(), rest_tracks.end());
-    for (size_t clip = 0; clip < asset.clips.size(); ++clip)
-        ClipCompiler(asset, map, asset.clips[clip], character).run(clip);
+    return clips;
 }
 
 }  // namespace throng

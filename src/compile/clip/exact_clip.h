@@ -1,0 +1,62 @@
+// A clip while it is compiled: read once from the file (read_clips.h), changed by passes (root_motion.h), written once,
+// with exact keys (here) or packed ones (pack.h).
+#pragma once
+
+#include "sample/sample_reference.h"
+
+#include <span>
+#include <vector>
+
+namespace throng {
+
+// What a clip does with one component of a joint's transform.
+struct ExactTrack {
+    uint32_t joint = 0;
+    TrackTarget target = TrackTarget::kTranslation;
+    bool step = false;             // a key holds until the next one
+    std::vector<TrackKey> keys{};  // [row_count], or the one that always holds
+
+    bool varies() const { return keys.size() > 1; }
+    TrackValue at_row(size_t row) const { return value_of(keys[varies() ? row : 0]); }
+    // In a row the key itself, whatever its length.
+    TrackValue between(const RowCursor& rows) const;
+};
+
+struct ExactClip {
+    Clip facts{};                       // all but where its keys lie, which the writers fill in
+    std::vector<float> times_s{};       // [row_count], ascending
+    std::vector<ExactTrack> tracks{};   // what has none stands as in the rest pose
+    std::vector<TrackKey> root_rows{};  // as Character::root_rows
+
+    // A copy; where there is none, the constant one of the rest pose.
+    ExactTrack track(const Rig& rig, uint32_t joint, TrackTarget target) const;
+};
+
+// As sample_reference() of the clip once it is written exactly.
+std::vector<Trs<double>> sample_exact(const ExactClip& clip, const Rig& rig, double time_s);
+
+// Of neighbouring rows: q and -q are one rotation, and the sample stage expects those of one hemisphere.
+template <class T>
+void join_hemispheres(std::vector<std::array<T, 4>>& rotations) {
+    for (size_t row = 1; row < rotations.size(); ++row) {
+        double cosine = 0;
+        for (size_t c = 0; c < 4; ++c) cosine += double{rotations[row - 1][c]} * double{rotations[row][c]};
+        if (cosine < 0)
+            for (T& component : rotations[row]) component = -component;
+    }
+}
+
+inline constexpr uint64_t kKey_bytes = sizeof(TrackKey);
+
+// Keys with so many rows; the rest pose has 3 a joint.
+uint64_t key_count(const ExactClip& clip, size_t row_count);
+
+// Appends the clip's times (of exact rows or those that packing keeps), root rows and record to the character. Its keys
+// take `size_bytes`.
+Clip& append_clip(const ExactClip& clip, std::span<const float> times_s, uint64_t size_bytes, Character& character);
+
+// Fills clips, times_s, keys, root_rows and tracks of the character. Keys: constants of a clip, then its rows, each in
+// the order of its tracks.
+void write_exact(std::span<const ExactClip> clips, Character& character);
+
+}  // namespace throng
