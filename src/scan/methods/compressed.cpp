@@ -1,5 +1,4 @@
 #include "scan/blocks.h"
-#include "scan/scan_io.h"
 #include "scan/scan_table.h"
 
 namespace throng {
