@@ -83,7 +83,7 @@ RendererState::RendererState(std::shared_ptr<Gpu> gpu_in, const RendererSettings
       options(checked(settings.options)),
       targets(gpu, {settings.width, settings.height}, samples),
       shadow_map_(make_shadow_map(gpu, targets.extent())),
-      stamps_(gpu, 4),
+      stamps_(gpu, 4),  // around the occluders, and around the rest
       layout_(make_draw_layout(gpu)),
       pipelines_{gpu, layout_.get(), samples},
       sampling_(gpu),
