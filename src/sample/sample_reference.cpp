@@ -21,11 +21,6 @@ Quaternion<double> slerp_reference(Quaternion<double> a, Quaternion<double> b, d
         Quaternion<double>{from * a.x + to * b.x, from * a.y + to * b.y, from * a.z + to * b.z, from * a.w + to * b.w});
 }
 
-TrackValue interpolate_reference(TrackTarget target, const TrackValue& earlier, const TrackValue& later, double w) {
-    if (target != TrackTarget::kRotation) return lerp(earlier, later, w);
-    return value_of(slerp_reference(normalized(quaternion_of(earlier)), normalized(quaternion_of(later)), w));
-}
-
 uint32_t packed_bit_count(const PackedTrack& track, uint32_t component) {
     if (component == 3) return track.layout & kPackedFull ? kPackedFullBits : 0;
     return (track.layout >> (5 * component)) & 31;
