@@ -67,9 +67,7 @@ TrackReader::TrackReader(const Character& character, size_t clip, size_t joint, 
     packed_ = std::bit_cast<PackedTrack>(halves);
 }
 
-TrackValue TrackReader::at_row(uint32_t row) const {
-    const size_t begin = varies_ ? size_t{row} * clip_->row_stride : 0;
-    if (!character_.packed) return value_of(character_.keys[position_ + begin]);
+TrackValue TrackReader::packed_row(size_t begin) const {
     PackedBits bits{};
     size_t first_bit = varies_ ? (clip_->first_row + begin) * 32 + packed_.first_bit : 0;
     for (uint32_t c = 0; varies_ && c < 4; ++c) {
