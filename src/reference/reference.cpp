@@ -13,14 +13,7 @@
 namespace throng {
 namespace {
 
-std::vector<Trs<double>> sample(const Character& character, const ClipPlayback& slot) {
-    const auto clip_count = static_cast<uint32_t>(character.clips.size());
-    if (slot.clip == kNone) return sample_reference(character, clip_count, 0);
-    return sample_reference(character, slot.clip,
-                            local_time_reference(slot.time_s, character.clips[slot.clip].duration_s, slot.loop));
-}
-
-MorphActiveClip morph_active_clip(const Character& character, const ClipPlayback& slot, double weight) {
+MorphActiveClip active_clip(const Character& character, const ClipPlayback& slot, double weight) {
     if (slot.clip == kNone) return {.clip = static_cast<uint32_t>(character.clips.size()), .weight = weight};
     return {slot.clip, local_time_reference(slot.time_s, character.clips[slot.clip].duration_s, slot.loop), weight};
 }
@@ -45,17 +38,17 @@ Result<ReferencePose> reference_pose(const Character& character, const Playback&
     return as_result([&] {
         check_has_joints(character);
         check_playback(playback, static_cast<uint32_t>(character.clips.size()), character.name);
-        std::vector<Trs<double>> pose = sample(character, playback.weight > 0 ? playback.first : playback.second);
+        const MorphActiveClip first = active_clip(character, playback.first, double{playback.weight}),
+                              second = active_clip(character, playback.second, 1 - double{playback.weight});
+        const auto sample = [&](const MorphActiveClip& of) { return sample_reference(character, of.clip, of.time_s); };
+        std::vector<Trs<double>> pose = sample(playback.weight > 0 ? first : second);
         if (playback.weight > 0 && playback.weight < 1) {
-            const std::vector<Trs<double>> second = sample(character, playback.second);
+            const std::vector<Trs<double>> other = sample(second);
             for (size_t joint = 0; joint < pose.size(); ++joint)
-                pose[joint] = blend_reference(pose[joint], second[joint], playback.weight);
+                pose[joint] = blend_reference(pose[joint], other[joint], playback.weight);
         }
         ReferencePose out = pose_from_local(character, pose);
-        out.morph_weights = morphs_reference(
-            character,
-            {{{.active_clips = {morph_active_clip(character, playback.first, double{playback.weight}),
-                                morph_active_clip(character, playback.second, 1 - double{playback.weight})}}}});
+        out.morph_weights = morphs_reference(character, {{{.active_clips = {first, second}}}});
         return out;
     });
 }

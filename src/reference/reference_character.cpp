@@ -40,6 +40,8 @@ struct ReferenceCharacter::State {
         return sample_reference(character, active_clip.clip, first_s);
     }
 
+    bool begins_layer(size_t i) const { return i == 0 || last.active_clips[i - 1].layer != last.active_clips[i].layer; }
+
     std::vector<Trs<double>> mix() const;
     std::vector<Trs<double>> pose_over(std::vector<Trs<double>> animated) const;
     std::vector<double> mix_morphs() const;
@@ -81,7 +83,7 @@ std::vector<Trs<double>> ReferenceCharacter::State::mix() const {
         std::vector<ReferenceLayer> layers;
         for (size_t i = 0; i < last.active_clips.size(); ++i) {
             const ControllerActiveClip& active_clip = last.active_clips[i];
-            if (i == 0 || last.active_clips[i - 1].layer != active_clip.layer)
+            if (begins_layer(i))
                 layers.push_back({.is_additive = active_clip.mode == io::kModeAdditive,
                                   .weight = active_clip.layer_weight *
                                             (active_clip.mask == kNone ? 1.0 : double{masks[active_clip.mask][joint]}),
@@ -112,7 +114,7 @@ std::vector<double> ReferenceCharacter::State::mix_morphs() const {
     std::vector<MorphLayer> layers;
     for (size_t i = 0; i < last.active_clips.size(); ++i) {
         const ControllerActiveClip& active_clip = last.active_clips[i];
-        if (i == 0 || last.active_clips[i - 1].layer != active_clip.layer)
+        if (begins_layer(i))
             layers.push_back({.is_additive = active_clip.mode == io::kModeAdditive,
                               .weight = active_clip.layer_weight,
                               .active_clips = {}});

@@ -21,11 +21,6 @@ Quaternion<double> slerp_reference(Quaternion<double> a, Quaternion<double> b, d
         Quaternion<double>{from * a.x + to * b.x, from * a.y + to * b.y, from * a.z + to * b.z, from * a.w + to * b.w});
 }
 
-TrackValue interpolate_reference(TrackTarget target, const TrackValue& earlier, const TrackValue& later, double w) {
-    if (target != TrackTarget::kRotation) return lerp(earlier, later, w);
-    return value_of(slerp_reference(normalized(quaternion_of(earlier)), normalized(quaternion_of(later)), w));
-}
-
 uint32_t packed_bit_count(const PackedTrack& track, uint32_t component) {
     if (component == 3) return track.layout & kPackedFull ? kPackedFullBits : 0;
     return (track.layout >> (5 * component)) & 31;
@@ -72,9 +67,7 @@ TrackReader::TrackReader(const Character& character, size_t clip, size_t joint, 
     packed_ = std::bit_cast<PackedTrack>(halves);
 }
 
-TrackValue TrackReader::at_row(uint32_t row) const {
-    const size_t begin = varies_ ? size_t{row} * clip_->row_stride : 0;
-    if (!character_.packed) return value_of(character_.keys[position_ + begin]);
+TrackValue TrackReader::packed_row(size_t begin) const {
     PackedBits bits{};
     size_t first_bit = varies_ ? (clip_->first_row + begin) * 32 + packed_.first_bit : 0;
     for (uint32_t c = 0; varies_ && c < 4; ++c) {

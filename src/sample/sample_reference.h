@@ -25,10 +25,15 @@ public:
     bool varies() const { return varies_; }
     uint32_t row_count() const { return varies_ ? clip_->row_count : 1; }
     const PackedTrack& packed() const { return packed_; }  // of a packed character
-    TrackValue at_row(uint32_t row) const;
+    TrackValue at_row(uint32_t row) const {
+        const size_t begin = varies_ ? size_t{row} * clip_->row_stride : 0;
+        return character_.packed ? packed_row(begin) : value_of(character_.keys[position_ + begin]);
+    }
     TrackValue between(const RowCursor& rows) const;
 
 private:
+    TrackValue packed_row(size_t begin) const;  // `begin`: in words, from where the clip's rows begin
+
     const Character& character_;
     const Clip* clip_;  // none: the rest pose, in which nothing varies
     TrackTarget target_;

@@ -50,6 +50,10 @@ inline TrackValue lerp(const TrackValue& a, const TrackValue& b, double w) {
 Quaternion<double> slerp_reference(Quaternion<double> a, Quaternion<double> b, double w);
 
 // Between two exact keys: the straight line, or the arc between rotations.
-TrackValue interpolate_reference(TrackTarget target, const TrackValue& earlier, const TrackValue& later, double w);
+inline TrackValue interpolate_reference(TrackTarget target, const TrackValue& earlier, const TrackValue& later,
+                                        double w) {
+    if (target != TrackTarget::kRotation) return lerp(earlier, later, w);
+    return value_of(slerp_reference(normalized(quaternion_of(earlier)), normalized(quaternion_of(later)), w));
+}
 
 }  // namespace throng

@@ -17,9 +17,7 @@ TrackValue unit(TrackTarget target, const TrackValue& value) {
 // 0.2113 of the way.
 double chord_lag_rad(const TrackValue& a, const TrackValue& b) {
     constexpr double kWorst = 0.2113;
-    double cosine = 0;
-    for (size_t c = 0; c < 4; ++c) cosine += a[c] * b[c];
-    const double angle = std::acos(std::clamp(cosine, -1.0, 1.0));
+    const double angle = std::acos(std::clamp(dot(quaternion_of(a), quaternion_of(b)), -1.0, 1.0));
     return 2 * std::abs(kWorst * angle - std::atan2(kWorst * std::sin(angle), 1 - kWorst + kWorst * std::cos(angle)));
 }
 
@@ -92,10 +90,8 @@ private:
     }
 
     bool steps_at(size_t row) const {
-        return std::ranges::any_of(tracks_, [&](const ExactTrack* track) {
-            return track->step &&
-                   unit(track->target, track->at_row(row - 1)) != unit(track->target, track->at_row(row));
-        });
+        return std::ranges::any_of(
+            tracks_, [&](const ExactTrack* track) { return track->step && track->keys[row - 1] != track->keys[row]; });
     }
 
     void resample() {

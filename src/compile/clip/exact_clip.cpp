@@ -56,6 +56,11 @@ std::vector<Trs<double>> sample_exact(const ExactClip& clip, const Rig& rig, dou
     return pose;
 }
 
+bool is_half_turn(const TrackValue& a, const TrackValue& b) {
+    constexpr double kCosine = 1e-4;  // between the quaternions; a float's rounding is a thousand times less
+    return std::abs(dot(quaternion_of(a), quaternion_of(b))) < kCosine;
+}
+
 uint64_t key_count(const ExactClip& clip, size_t row_count) {
     uint64_t count = 0;
     for (const ExactTrack& track : clip.tracks) count += track.varies() ? row_count : 1;

@@ -1,5 +1,6 @@
 // A clip while it is compiled: read once from the file (read_clips.h), changed by passes (root_motion.h), written once,
-// with exact keys (here) or packed ones (pack.h).
+// with exact keys (here) or packed ones (pack.h). Passes compute in double precision; keys are floats, as they are
+// stored, so that what packing measures against is what exact keys show.
 #pragma once
 
 #include "sample/sample_reference.h"
@@ -18,12 +19,12 @@ struct ExactTrack {
 
     bool varies() const { return keys.size() > 1; }
     TrackValue at_row(size_t row) const { return value_of(keys[varies() ? row : 0]); }
-    // In a row the key itself, whatever its length.
+    // In a row it is the key itself; a rotation between rows is of unit length.
     TrackValue between(const RowCursor& rows) const;
 };
 
 struct ExactClip {
-    Clip facts{};                       // all but where its keys lie, which the writers fill in
+    Clip facts{};                       // name, duration and counts; the writers fill in the rest
     std::vector<float> times_s{};       // [row_count], ascending
     std::vector<ExactTrack> tracks{};   // what has none stands as in the rest pose
     std::vector<TrackKey> root_rows{};  // as Character::root_rows
@@ -34,6 +35,9 @@ struct ExactClip {
 
 // As sample_reference() of the clip once it is written exactly.
 std::vector<Trs<double>> sample_exact(const ExactClip& clip, const Rig& rig, double time_s);
+
+// Between such rotations a float's rounding would decide which way round the arc goes: they get a row in the middle.
+bool is_half_turn(const TrackValue& a, const TrackValue& b);
 
 // Of neighbouring rows: q and -q are one rotation, and the sample stage expects those of one hemisphere.
 template <class T>

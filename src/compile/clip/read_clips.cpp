@@ -22,6 +22,7 @@ struct Column {
 
     TrackTarget target() const { return source.track().target; }
     Interpolation interpolation() const { return source.track().interpolation; }
+    bool is_arc() const { return target() == TrackTarget::kRotation && interpolation() == Interpolation::kLinear; }
 };
 
 // Two neighbouring keys half a turn apart.
@@ -80,26 +81,17 @@ private:
         check_size(times_s_.size());
     }
 
-    // Between rotations half a turn apart, a float's rounding would decide which way round the arc goes: a row in the
-    // middle does.
     void split_half_turns() {
         for (const Column& column : columns_) {
-            if (column.target() != TrackTarget::kRotation || column.interpolation() != Interpolation::kLinear) continue;
+            if (!column.is_arc()) continue;
             const auto& times = column.source.track().times_s;
             for (size_t key = 0; key + 1 < times.size(); ++key) {
-                if (!is_half_turn(column, column.source.evaluate(times[key]), column.source.evaluate(times[key + 1])))
-                    continue;
+                if (!is_half_turn(column.source.evaluate(times[key]), column.source.evaluate(times[key + 1]))) continue;
                 const float middle_s = times[key] + (times[key + 1] - times[key]) / 2;
                 half_turns_.push_back({&column, middle_s});
                 times_s_.push_back(middle_s);
             }
         }
-    }
-
-    static bool is_half_turn(const Column& column, const TrackValue& a, const TrackValue& b) {
-        constexpr double kCosine = 1e-4;  // between the quaternions; a float's rounding is a thousand times less
-        return column.target() == TrackTarget::kRotation && column.interpolation() == Interpolation::kLinear &&
-               std::abs(a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]) < kCosine;
     }
 
     void unique_times() {
@@ -116,8 +108,14 @@ private:
                               " MiB of keys with the clips before; the limit is 256 MiB a character");
     }
 
-    double bound(TrackTarget target) const {
-        return target == TrackTarget::kTranslation ? relative_bound_ * character_.size : relative_bound_;
+    // Whether what is read at part `w` of the way between two rows is near enough to the source.
+    bool follows(const Column& column, const TrackValue& earlier, const TrackValue& later, double w,
+                 double time_s) const {
+        const TrackTarget target = column.target();
+        const bool step = column.interpolation() == Interpolation::kStep;
+        const double bound = target == TrackTarget::kTranslation ? relative_bound_ * character_.size : relative_bound_;
+        return distance(target, step ? earlier : interpolate_reference(target, earlier, later, w),
+                        column.source.evaluate(time_s)) <= bound;
     }
 
     // Rows between the keys of cubic tracks. A track that swings too wildly for the bound is followed less closely,
@@ -149,13 +147,9 @@ private:
         const auto fits = [&](double from_s, double to_s) {
             return std::all_of(cubic.begin(), cubic.end(), [&](const Column* column) {
                 const TrackValue from = column->source.evaluate(from_s), to = column->source.evaluate(to_s);
-                for (const double w : {0.25, 0.5, 0.75}) {
-                    const TrackValue row = interpolate_reference(column->target(), from, to, w);
-                    if (!(distance(column->target(), row, column->source.evaluate(from_s + w * (to_s - from_s))) <=
-                          bound(column->target())))
-                        return false;
-                }
-                return true;
+                return std::ranges::all_of(std::array{0.25, 0.5, 0.75}, [&](double w) {
+                    return follows(*column, from, to, w, from_s + w * (to_s - from_s));
+                });
             });
         };
         std::vector<float> refined;
@@ -228,13 +222,8 @@ private:
             const double w = (double{times_s_[row]} - times_s_[from]) / (double{times_s_[to]} - times_s_[from]);
             for (const Column* column : bends[row]) {
                 const TrackValue a = column->source.evaluate(times_s_[from]), b = column->source.evaluate(times_s_[to]);
-                if (is_half_turn(*column, a, b)) return false;
-                const TrackValue between = column->interpolation() == Interpolation::kStep
-                                               ? a
-                                               : interpolate_reference(column->target(), a, b, w);
-                if (!(distance(column->target(), between, column->source.evaluate(times_s_[row])) <=
-                      bound(column->target())))
-                    return false;
+                if (column->is_arc() && is_half_turn(a, b)) return false;
+                if (!follows(*column, a, b, w, times_s_[row])) return false;
             }
         }
         return true;

@@ -18,18 +18,14 @@ namespace throng {
 namespace {
 
 constexpr double kRowsPerSecond = 60;
-constexpr double kStill = 1e-6;           // of the character's size, and radians: less is no motion
-constexpr double kFollowed = 1e-4;        // likewise: how closely keys follow what is left of the joint's motion
-constexpr double kUniformScale = 1e-5;    // relative: what converters leave of a uniform scale
-constexpr double kHalfTurnCosine = 1e-4;  // as in read_clips.cpp
+constexpr double kStill = 1e-6;         // of the character's size, and radians: less is no motion
+constexpr double kFollowed = 1e-4;      // likewise: how closely keys follow what is left of the joint's motion
+constexpr double kUniformScale = 1e-5;  // relative: what converters leave of a uniform scale
 // Squared cosine of half the swing: within 0.02 degrees of upside down there is no heading
 constexpr double kUpsideDown = 1e-8;
 
 Quaternion<double> conjugate(const Quaternion<double>& q) { return {-q.x, -q.y, -q.z, q.w}; }
 
-Similarity operator*(const Similarity& a, const Similarity& b) {
-    return {normalized(a.rotation * b.rotation), a.point(b.translation), a.scale * b.scale};
-}
 Similarity inverse(const Similarity& a) {
     Similarity out{conjugate(a.rotation), {}, 1 / a.scale};
     out.translation = out.vector(a.translation) * -1.0;
@@ -172,12 +168,12 @@ private:
     }
 
     // Halves an interval between keys, at times of rows (between them the motion hardly bends), until the keys follow
-    // what is left of it. Keys half a turn apart get one in the middle, as in read_clips.cpp.
+    // what is left of it. Keys half a turn apart get one in the middle.
     void add_between(float from_s, float to_s, std::vector<float>& times_s) const {
         const std::vector<float> rows_s = rows_between(from_s, to_s);
         const Left from = left_at(from_s), to = left_at(to_s);
         float middle_s = from_s;
-        if (std::abs(dot(quaternion_of(from.rotation), quaternion_of(to.rotation))) < kHalfTurnCosine)
+        if (is_half_turn(from.rotation, to.rotation))
             middle_s = from_s + (to_s - from_s) / 2;
         else if (!follows(from_s, from, to_s, to, rows_s))
             middle_s = rows_s[rows_s.size() / 2];
@@ -234,10 +230,13 @@ public:
     void run() {
         bool moves = false;
         for (ExactClip& clip : clips_) {
-            std::optional<Extracted> extracted =
-                JointMotion(clip, character_.rig, joint_, model_from_parent(clip), character_.size).extract(place_);
+            JointMotion motion(clip, character_.rig, joint_, model_from_parent(clip), character_.size);
+            std::optional<Extracted> extracted = motion.extract(place_);
+            if (extracted)
+                take_out(clip, std::move(*extracted));
+            else
+                count_keys(clip, key_count(clip, clip.times_s.size()));
             moves = moves || extracted;
-            take_out(clip, std::move(extracted));
         }
         if (!moves)
             character_.warnings.push_back("root motion: joint " + quoted(joint_) + " moves over the ground in no clip");
@@ -263,24 +262,13 @@ private:
                                       "'; the joint of root motion has nothing animated above it");
     }
 
-    // Rows of the other tracks are added at the joint's new times.
-    void take_out(ExactClip& clip, std::optional<Extracted> extracted) {
-        std::vector<ExactTrack> replaced;
-        if (extracted) {
-            std::erase_if(clip.tracks, [&](const ExactTrack& track) {
-                return track.joint == joint_ && track.target != TrackTarget::kScale;
-            });
-            replaced = {std::move(extracted->rest.rotation), std::move(extracted->rest.translation)};
-        }
-        const std::vector<float> times_s = extracted ? std::move(extracted->rest.times_s) : clip.times_s;
-        key_count_ += key_count(clip, times_s.size());
-        for (const ExactTrack& track : replaced) key_count_ += track.keys.size();
-        if (key_count_ * kKey_bytes > kKeyLimit_bytes)
-            throw Failure(ErrorCode::kLimit, printable(character_.name, 120),
-                          "clip '" + printable(clip.facts.name, 120) +
-                              "' has too many keys with root motion; the limit is " +
-                              std::to_string(kKeyLimit_bytes >> 20) + " MiB a character");
-        if (!extracted) return;
+    // The other tracks get the rows of the joint's new ones.
+    void take_out(ExactClip& clip, Extracted extracted) {
+        auto& [times_s, rotation, translation] = extracted.rest;
+        std::erase_if(clip.tracks, [&](const ExactTrack& track) {
+            return track.joint == joint_ && track.target != TrackTarget::kScale;
+        });
+        count_keys(clip, key_count(clip, times_s.size()) + rotation.keys.size() + translation.keys.size());
         for (ExactTrack& track : clip.tracks) {
             if (!track.varies()) continue;
             std::vector<TrackKey> keys;
@@ -288,14 +276,24 @@ private:
                 keys.push_back(key_of(track.between(find_rows_reference(clip.times_s, time_s))));
             track.keys = std::move(keys);
         }
-        std::ranges::move(replaced, std::back_inserter(clip.tracks));
+        clip.tracks.push_back(std::move(rotation));
+        clip.tracks.push_back(std::move(translation));
         clip.facts.refined_row_count += static_cast<uint32_t>(times_s.size() - clip.times_s.size());
-        clip.times_s = times_s;
-        clip.root_rows = std::move(extracted->root_rows);
+        clip.times_s = std::move(times_s);
+        clip.root_rows = std::move(extracted.root_rows);
         root_row_count_ += clip.root_rows.size();
         if (root_row_count_ * sizeof(TrackKey) > kKeyLimit_bytes)
             throw Failure(ErrorCode::kLimit, printable(character_.name, 120),
                           "more than " + std::to_string(kKeyLimit_bytes >> 20) + " MiB of rows of root motion");
+    }
+
+    void count_keys(const ExactClip& clip, uint64_t count) {
+        key_count_ += count;
+        if (key_count_ * kKey_bytes > kKeyLimit_bytes)
+            throw Failure(ErrorCode::kLimit, printable(character_.name, 120),
+                          "clip '" + printable(clip.facts.name, 120) +
+                              "' has too many keys with root motion; the limit is " +
+                              std::to_string(kKeyLimit_bytes >> 20) + " MiB a character");
     }
 
     // What is above the joint does not move.

@@ -107,9 +107,7 @@ RigMap build_rig(const Asset& asset) {
         uint32_t joint = visit.parent_joint;
         Similarity prefix;
         if (!needed[visit.node] && !facts.animated[visit.node] && similarity) {
-            const Similarity& a = visit.prefix;
-            prefix = {normalized(a.rotation * similarity->rotation), a.point(similarity->translation),
-                      a.scale * similarity->scale};
+            prefix = visit.prefix * *similarity;
             ++map.folded_node_count;
         } else {
             if (map.rig.parents.size() == kJointLimit)

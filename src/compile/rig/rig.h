@@ -17,6 +17,9 @@ struct Similarity {
 
     Vec3<double> vector(const Vec3<double>& v) const;
     Vec3<double> point(const Vec3<double>& p) const { return vector(p) + translation; }
+    Similarity operator*(const Similarity& b) const {
+        return {normalized(rotation * b.rotation), point(b.translation), scale * b.scale};
+    }
     Trs<double> operator*(const Trs<double>& t) const {
         return {rotation * t.rotation, point(t.translation), t.scale * scale};
     }
