@@ -35,11 +35,10 @@ void check_clips(const Controller& controller, const Character& character) {
     }
     for (size_t i = 0; i < controller.layers.size(); ++i)
         for (const ControllerState& state : controller.layers[i].states) {
-            const std::string place = place_of(place_of(place_of("layers", i), "states"), state.name);
+            const std::string place = place_of("layers", i, "states", state.name);
             for (size_t k = 0; k < state.points.size(); ++k)
-                clips.require(
-                    state.points[k].clip,
-                    place_of(state.x_parameter.empty() ? place : place_of(place_of(place, "clips"), k), "clip"));
+                clips.require(state.points[k].clip,
+                              place_of(state.x_parameter.empty() ? place : place_of(place, "clips", k), "clip"));
         }
 }
 
@@ -48,7 +47,7 @@ void check_joints(const Controller& controller, const Character& character) {
     for (const std::string& joint : character.rig.names) joints.add(joint);
     for (const JointMask& mask : controller.masks)
         for (size_t i = 0; i < mask.items.size(); ++i)
-            joints.require(mask.items[i].joint, place_of(place_of(place_of("masks", mask.name), i), "joint"));
+            joints.require(mask.items[i].joint, place_of("masks", mask.name, i, "joint"));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "controller/controller_arrays.h"
 
+#include "base/count.h"
 #include "controller/blend_space.h"
 
 #include <algorithm>
@@ -7,11 +8,6 @@
 
 namespace throng {
 namespace {
-
-template <class T>
-uint32_t size_of(const std::vector<T>& items) {
-    return static_cast<uint32_t>(items.size());
-}
 
 // Position of the item with this name, or kNone.
 template <class T>
@@ -35,43 +31,44 @@ public:
 private:
     void add_clip(uint32_t index) {
         const Clip& clip = character_.clips[index];
-        io::ControlClip added{.rate = clip.duration_s > 0 ? 1 / clip.duration_s : 0,
-                              .first_event = size_of(out.events)};
-        if (!std::isfinite(added.rate)) added.rate = 0;
+        const uint32_t first_event = count_of(out.events);
         for (uint32_t event = 0; event < controller_.events.size(); ++event)
             if (event_clips_[event] == index)
                 out.events.push_back({phase_at(controller_.events[event].time_s, clip.duration_s, false), event});
-        std::stable_sort(out.events.begin() + added.first_event, out.events.end(),
-                         [](const auto& a, const auto& b) { return a.phase < b.phase; });
-        added.event_count = size_of(out.events) - added.first_event;
-        added.first_root = clip.first_root_row;
-        added.root_count = clip.root_row_count;
-        out.clips.push_back(added);
+        std::ranges::stable_sort(out.events.begin() + first_event, out.events.end(), {}, &io::ControlEvent::phase);
+        const float rate = clip.duration_s > 0 ? 1 / clip.duration_s : 0;
+        out.clips.push_back({.rate = std::isfinite(rate) ? rate : 0,
+                             .first_event = first_event,
+                             .event_count = count_of(out.events) - first_event,
+                             .first_root = clip.first_root_row,
+                             .root_count = clip.root_row_count});
     }
 
     void add_layer(const ControllerLayer& layer) {
-        io::ControlLayer added{.first_state = size_of(out.states), .state_count = size_of(layer.states)};
-        added.mode = layer.mode == LayerMode::kAdditive ? io::kModeAdditive : io::kModeOverride;
-        added.mask = layer.mask.empty() ? kNone : find(controller_.masks, layer.mask);
-        added.weight = layer.weight;
-        added.weight_parameter = parameter(layer.weight_parameter);
-        added.model_rotations = layer.model_space_rotations ? 1 : 0;
-        out.layers.push_back(added);
+        const uint32_t first_state = count_of(out.states);
+        out.layers.push_back({.first_state = first_state,
+                              .state_count = count_of(layer.states),
+                              .mode = layer.mode == LayerMode::kAdditive ? io::kModeAdditive : io::kModeOverride,
+                              .mask = layer.mask.empty() ? kNone : find(controller_.masks, layer.mask),
+                              .weight = layer.weight,
+                              .weight_parameter = parameter(layer.weight_parameter),
+                              .model_rotations = layer.model_space_rotations ? 1u : 0u});
         std::vector<std::string> sync_groups;
         for (const ControllerState& state : layer.states) add_state(state, sync_groups);
-        add_transitions(layer, added.first_state);
+        add_transitions(layer, first_state);
     }
 
     void add_state(const ControllerState& state, std::vector<std::string>& sync_groups) {
-        io::ControlState added{.first_point = size_of(out.points), .point_count = size_of(state.points)};
-        added.first_triangle = size_of(out.triangles);
-        added.first_edge = size_of(out.edges);
-        added.x_parameter = parameter(state.x_parameter);
-        added.y_parameter = parameter(state.y_parameter);
-        added.speed_parameter = parameter(state.speed_parameter);
-        added.speed = state.speed;
-        added.loop = state.loop;
-        added.sync = state.sync.empty() ? kNone : group(sync_groups, state.sync);
+        io::ControlState added{.first_point = count_of(out.points),
+                               .point_count = count_of(state.points),
+                               .first_triangle = count_of(out.triangles),
+                               .first_edge = count_of(out.edges),
+                               .x_parameter = parameter(state.x_parameter),
+                               .y_parameter = parameter(state.y_parameter),
+                               .speed_parameter = parameter(state.speed_parameter),
+                               .speed = state.speed,
+                               .loop = state.loop,
+                               .sync = state.sync.empty() ? kNone : group(sync_groups, state.sync)};
         for (const BlendPoint& point : state.points)
             out.points.push_back({find(character_.clips, point.clip), point.x, point.y, 0});
         if (!state.y_parameter.empty())
@@ -85,12 +82,12 @@ private:
         const BlendSpace space = make_blend_space(state.points);
         out.triangles.insert(out.triangles.end(), space.triangles.begin(), space.triangles.end());
         out.edges.insert(out.edges.end(), space.edges.begin(), space.edges.end());
-        added.triangle_count = size_of(space.triangles);
-        added.edge_count = size_of(space.edges);
+        added.triangle_count = count_of(space.triangles);
+        added.edge_count = count_of(space.edges);
     }
 
     void add_spans(const io::ControlState& added) {
-        for (uint32_t i = added.first_point; i + 1 < size_of(out.points); ++i)
+        for (uint32_t i = added.first_point; i + 1 < count_of(out.points); ++i)
             out.points[i].inverse_span = static_cast<float>(1 / (double{out.points[i + 1].x} - out.points[i].x));
     }
 
@@ -100,27 +97,28 @@ private:
         for (const ControllerTransition& transition : layer.transitions) all.push_back(converted(transition, layer));
         for (uint32_t state = 0; state < layer.states.size(); ++state) {
             io::ControlState& from = out.states[first_state + state];
-            from.first_transition = size_of(out.transitions);
+            from.first_transition = count_of(out.transitions);
             for (size_t i = 0; i < all.size(); ++i) {
                 const std::string& named = layer.transitions[i].from;
                 if (named.empty() ? all[i].to != state : named == layer.states[state].name)
                     out.transitions.push_back(all[i]);
             }
-            from.transition_count = size_of(out.transitions) - from.first_transition;
+            from.transition_count = count_of(out.transitions) - from.first_transition;
         }
     }
 
     io::ControlTransition converted(const ControllerTransition& transition, const ControllerLayer& layer) {
-        io::ControlTransition added{.to = find(layer.states, transition.to),
-                                    .first_condition = size_of(out.conditions),
-                                    .condition_count = size_of(transition.conditions)};
         // One less, so that what stops at kLastPhase has played its cycle.
         const auto exit = static_cast<uint64_t>(std::max(std::round(transition.exit * 0x1p32) - 1, 0.0));
-        added.exit_loops = static_cast<uint32_t>(exit >> 32);
-        added.exit_phase = static_cast<uint32_t>(exit);
-        added.fade_rate = transition.fade_s > 0 ? 1 / transition.fade_s : 0;
-        added.flags = (transition.interrupts ? io::kTransitionInterrupts : 0) |
-                      (transition.fade == FadeKind::kInertial ? io::kTransitionInertial : 0);
+        const io::ControlTransition added{
+            .to = find(layer.states, transition.to),
+            .first_condition = count_of(out.conditions),
+            .condition_count = count_of(transition.conditions),
+            .exit_loops = static_cast<uint32_t>(exit >> 32),
+            .exit_phase = static_cast<uint32_t>(exit),
+            .fade_rate = transition.fade_s > 0 ? 1 / transition.fade_s : 0,
+            .flags = (transition.interrupts ? io::kTransitionInterrupts : 0) |
+                     (transition.fade == FadeKind::kInertial ? io::kTransitionInertial : 0)};
         for (const ControllerCondition& condition : transition.conditions)
             out.conditions.push_back(
                 {parameter(condition.parameter), static_cast<uint32_t>(condition.test), condition.value});

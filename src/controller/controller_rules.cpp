@@ -10,8 +10,9 @@
 namespace throng {
 namespace {
 
-[[noreturn]] void refuse(const std::string& place, const std::string& message) {
-    throw Failure(ErrorCode::kInvalidArgument, place, message);
+template <class... Parts>
+[[noreturn]] void refuse(const std::string& place, const Parts&... message) {
+    throw Failure(ErrorCode::kInvalidArgument, place, message...);
 }
 
 std::string text(float value) {
@@ -32,7 +33,7 @@ void require_finite(float value, const std::string& place) {
 
 void require_between(float low, float high, float value, const std::string& place) {
     if (!(value >= low && value <= high))
-        refuse(place, text(value) + " is not between " + text(low) + " and " + text(high));
+        refuse(place, text(value), " is not between ", text(low), " and ", text(high));
 }
 
 void require_name(std::string_view name, const std::string& place) {
@@ -50,7 +51,7 @@ void require_printable_name(std::string_view name, const std::string& place) {
 
 void add_unique(KnownNames& names, std::string_view name, const std::string& place) {
     require_printable_name(name, place);
-    if (!names.add(name)) refuse(place, "the name '" + printable(name) + "' is taken; rename one");
+    if (!names.add(name)) refuse(place, "the name '", printable(name), "' is taken; rename one");
 }
 
 // The checks in the controller's order, and the names that later ones look up.
@@ -84,8 +85,8 @@ private:
             add_unique(masks_, mask.name, place);
             require_at_most(kMaskItemLimit, mask.items.size(), place, "items");
             for (size_t i = 0; i < mask.items.size(); ++i) {
-                require_name(mask.items[i].joint, place_of(place_of(place, i), "joint"));
-                require_between(0, 1, mask.items[i].weight, place_of(place_of(place, i), "weight"));
+                require_name(mask.items[i].joint, place_of(place, i, "joint"));
+                require_between(0, 1, mask.items[i].weight, place_of(place, i, "weight"));
             }
         }
     }
@@ -128,7 +129,7 @@ private:
         require_at_most(kTransitionLimit, layer.transitions.size(), place_of(place, "transitions"), "transitions");
         KnownNames states("state");
         for (const ControllerState& state : layer.states) {
-            const std::string state_place = place_of(place_of(place, "states"), state.name);
+            const std::string state_place = place_of(place, "states", state.name);
             add_unique(states, state.name, state_place);
             if (state.name == "*") refuse(state_place, "'*' means any state; name it otherwise");
             check_factor(state.speed, state.speed_parameter, place_of(state_place, "speed"));
@@ -137,14 +138,14 @@ private:
         if (layer.states.empty() && !layer.transitions.empty())
             refuse(place_of(place, "transitions"), "the layer has no states to go between; give it 'states'");
         for (size_t i = 0; i < layer.transitions.size(); ++i)
-            check_transition(layer, layer.transitions[i], states, place_of(place_of(place, "transitions"), i));
+            check_transition(layer, layer.transitions[i], states, place_of(place, "transitions", i));
     }
 
     // What a number is multiplied by: a float or a bool.
     void check_number(const std::string& parameter, const std::string& place) const {
         const uint32_t index = parameters_.require(parameter, place);
         if (controller_.parameters[index].type == ParameterType::kTrigger)
-            refuse(place, "'" + printable(parameter) + "' is a trigger, which is no number; use a float or a bool");
+            refuse(place, "'", printable(parameter), "' is a trigger, which is no number; use a float or a bool");
     }
     void check_factor(float value, const std::string& parameter, const std::string& place) const {
         require_finite(value, place);
@@ -162,9 +163,8 @@ private:
         if (of_two) check_number(state.y_parameter, place_of(blend, 1));
         for (size_t i = 0; i < state.points.size(); ++i) {
             const BlendPoint& point = state.points[i];
-            require_name(point.clip,
-                         state.x_parameter.empty() ? place_of(place, "clip") : place_of(place_of(clips, i), "clip"));
-            if (!state.x_parameter.empty()) check_distances(state, i, place_of(place_of(clips, i), "at"));
+            require_name(point.clip, state.x_parameter.empty() ? place_of(place, "clip") : place_of(clips, i, "clip"));
+            if (!state.x_parameter.empty()) check_distances(state, i, place_of(clips, i, "at"));
         }
     }
 
@@ -174,13 +174,13 @@ private:
         require_between(-kBlendPlaceLimit, kBlendPlaceLimit, point.y, place);
         if (state.y_parameter.empty()) {
             if (i > 0 && !(point.x - state.points[i - 1].x >= kLeastBlendDistance))
-                refuse(place, text(point.x) + " does not lie above the " + text(state.points[i - 1].x) +
-                                  " of the clip before; sort them, and keep them 0.000001 apart");
+                refuse(place, text(point.x), " does not lie above the ", text(state.points[i - 1].x),
+                       " of the clip before; sort them, and keep them 0.000001 apart");
             return;
         }
         for (size_t k = 0; k < i; ++k)
             if (std::hypot(point.x - state.points[k].x, point.y - state.points[k].y) < kLeastBlendDistance)
-                refuse(place, "clips[" + std::to_string(k) + "] is at this place already; keep them 0.000001 apart");
+                refuse(place, "clips[", k, "] is at this place already; keep them 0.000001 apart");
     }
 
     void check_transition(const ControllerLayer& layer, const ControllerTransition& transition,
@@ -192,8 +192,8 @@ private:
         require_between(0, kExitLimit, transition.exit, exit);
         if (transition.fade_s != 0) require_between(kLeastFade_s, kMostFade_s, transition.fade_s, fade);
         if (from != kNone && !layer.states[from].loop && transition.exit > 1)
-            refuse(exit, "is never reached: state '" + printable(transition.from) +
-                             "' does not loop, so it ends after 1 cycle; give 1 or less");
+            refuse(exit, "is never reached: state '", printable(transition.from),
+                   "' does not loop, so it ends after 1 cycle; give 1 or less");
         if (transition.conditions.empty() && transition.exit == 0) {
             if (from == kNone)
                 refuse(place,
@@ -213,15 +213,15 @@ private:
         const bool compares = condition.test == Test::kAbove || condition.test == Test::kBelow;
         require_finite(condition.value, place);
         if (type == ParameterType::kFloat && !compares)
-            refuse(place, name + R"( is a float; compare it: {"above": 0.1}, {"below": 2})");
+            refuse(place, name, R"( is a float; compare it: {"above": 0.1}, {"below": 2})");
         if (type == ParameterType::kBool && (compares || condition.test == Test::kTriggered))
-            refuse(place, name + " is a bool; ask for true or false");
+            refuse(place, name, " is a bool; ask for true or false");
         if (type == ParameterType::kTrigger && condition.test != Test::kTriggered)
-            refuse(place, name + R"( is a trigger; ask for "triggered")");
+            refuse(place, name, R"( is a trigger; ask for "triggered")");
         if (i == 0 || conditions[i - 1].parameter != condition.parameter) return;
         if (conditions[i - 1].test == Test::kAbove && condition.test == Test::kBelow &&
             !(conditions[i - 1].value < condition.value))
-            refuse(place, "nothing is above " + text(conditions[i - 1].value) + " and below " + text(condition.value));
+            refuse(place, "nothing is above ", text(conditions[i - 1].value), " and below ", text(condition.value));
     }
 
     const Controller& controller_;

@@ -1,5 +1,6 @@
 #include "controller/controller_tables.h"
 
+#include "base/count.h"
 #include "base/failure.h"
 #include "controller/controller_arrays.h"
 #include "controller/joint_mask.h"
@@ -19,7 +20,7 @@ auto words_of(const T& item) {
 // Appends the structs as words and returns where they begin.
 template <class T>
 uint32_t append(std::vector<uint32_t>& words, const std::vector<T>& items) {
-    const auto begin = static_cast<uint32_t>(words.size());
+    const auto begin = count_of(words);
     for (const T& item : items) {
         const auto added = words_of(item);
         words.insert(words.end(), added.begin(), added.end());
@@ -71,9 +72,9 @@ ControllerTables make_controller_tables(const Controller& controller, const Char
         .transitions = append(words, arrays.transitions),
         .conditions = append(words, arrays.conditions),
         .events = append(words, arrays.events),
-        .layer_count = static_cast<uint32_t>(controller.layers.size()),
-        .parameter_count = static_cast<uint32_t>(controller.parameters.size()),
-        .clip_count = static_cast<uint32_t>(character.clips.size()),
+        .layer_count = count_of(controller.layers),
+        .parameter_count = count_of(controller.parameters),
+        .clip_count = count_of(character.clips),
     };
     std::ranges::copy(words_of(tables.layout), words.begin());
     for (const JointMask& mask : controller.masks) {

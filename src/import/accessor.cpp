@@ -61,7 +61,7 @@ uint32_t AccessorView::integer(uint32_t element, uint32_t component) const {
                            [&](auto zero) { return uint32_t(load<decltype(zero)>(element, component)); });
 }
 
-AccessorFormat Accessors::format(const JsonView& user, const char* key) const {
+AccessorFormat Accessors::format(const JsonView& user, std::string_view key) const {
     AccessorFormat out;
     out.index = user.required_index(key, accessors_.size(), "accessors");
     const JsonView json = accessors_[out.index];

@@ -75,8 +75,8 @@ public:
 
     // The accessor whose index is `user`'s member `key`. Fails at `user.key` for an index out of range, and at the
     // accessor, or its buffer view, for what is wrong there.
-    AccessorFormat format(const JsonView& user, const char* key) const;
-    AccessorView open(const JsonView& user, const char* key) { return open(format(user, key)); }
+    AccessorFormat format(const JsonView& user, std::string_view key) const;
+    AccessorView open(const JsonView& user, std::string_view key) { return open(format(user, key)); }
     AccessorView open(const AccessorFormat& format);
 
 private:

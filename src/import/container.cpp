@@ -55,9 +55,8 @@ Container open_glb(std::span<const std::byte> file, Warnings& warnings) {
         if (chunk == 0) {
             out.json = as_text(content);
         } else if (type == kBinChunk) {
-            if (out.has_bin) fail(name, ": is BIN a second time");
+            if (out.bin) fail(name, ": is BIN a second time");
             out.bin = content;
-            out.has_bin = true;
         }
         offset += size_bytes;
     }
@@ -73,17 +72,15 @@ Container open_container(std::span<const std::byte> file, Warnings& warnings) {
     const std::string_view text = as_text(file);
     const size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");  // byte order mark: forbidden, but met
     if (first == text.npos || text[first] != '{') fail("neither a GLB file nor the JSON of a glTF file");
-    return Container{text, false, {}};
+    return Container{text, {}};
 }
 
 Buffers::Buffers(JsonView root, const Container& container, std::filesystem::path folder, Budget& budget)
     : buffers_(root.optional_array("buffers")),
       views_(root.optional_array("bufferViews")),
       bin_(container.bin),
-      has_bin_(container.has_bin),
       folder_(std::move(folder)),
-      budget_(budget),
-      loaded_buffers_(buffers_.size()) {}
+      budget_(budget) {}
 
 Buffers::View Buffers::view_of(const JsonView& user) {
     const uint32_t index = user.required_index("bufferView", views_.size(), "bufferViews");
@@ -115,8 +112,9 @@ std::span<const std::byte> Buffers::range(const JsonView& json) {
 }
 
 std::span<const std::byte> Buffers::buffer(uint32_t index) {
-    Loaded& loaded = loaded_buffers_[index];
-    if (loaded.done) return loaded.bytes;
+    const auto known = loaded_buffers_.find(index);
+    if (known != loaded_buffers_.end()) return known->second.bytes;
+    Loaded loaded;
     const JsonView json = buffers_[index];
     const std::string place = json.place_of("uri");
     const uint64_t size_bytes = json.required_uint("byteLength");
@@ -126,14 +124,13 @@ std::span<const std::byte> Buffers::buffer(uint32_t index) {
                            : side_file(*uri, place);
         loaded.bytes = *loaded.owner;
     } else {
-        if (index != 0 || !has_bin_) json.fail("has no uri, and the file has no BIN chunk for it");
-        loaded.bytes = bin_;
+        if (index != 0 || !bin_) json.fail("has no uri, and the file has no BIN chunk for it");
+        loaded.bytes = *bin_;
     }
     if (size_bytes > loaded.bytes.size())
         json.fail("byteLength is ", size_bytes, ", but there are ", loaded.bytes.size(), " bytes");
     loaded.bytes = loaded.bytes.first(size_bytes);
-    loaded.done = true;
-    return loaded.bytes;
+    return loaded_buffers_.emplace(index, std::move(loaded)).first->second.bytes;
 }
 
 std::shared_ptr<const std::vector<std::byte>> Buffers::side_file(std::string_view uri, const std::string& place) {

@@ -16,8 +16,7 @@ namespace throng::gltf {
 // Views into the file's bytes.
 struct Container {
     std::string_view json;
-    bool has_bin = false;
-    std::span<const std::byte> bin;
+    std::optional<std::span<const std::byte>> bin;
 };
 
 // A GLB by its magic, and otherwise JSON as a whole. Fails with kInvalidFile, and kUnsupported for GLB 1 (glTF 1.0).
@@ -45,19 +44,17 @@ private:
     std::span<const std::byte> range(const JsonView& json);
 
     struct Loaded {
-        std::shared_ptr<const std::vector<std::byte>> owner;
+        std::shared_ptr<const std::vector<std::byte>> owner;  // none of the BIN chunk
         std::span<const std::byte> bytes;
-        bool done = false;
     };
 
     JsonView buffers_;
     JsonView views_;
-    std::span<const std::byte> bin_;
-    bool has_bin_;
+    std::optional<std::span<const std::byte>> bin_;
     std::filesystem::path folder_;
     Budget& budget_;
     uint64_t side_files_left_bytes_ = kFileLimitBytes;
-    std::vector<Loaded> loaded_buffers_;
+    std::map<uint32_t, Loaded> loaded_buffers_;
     std::map<uint32_t, std::vector<std::byte>> decompressed_views_;
     std::map<std::filesystem::path, std::shared_ptr<const std::vector<std::byte>>> side_files_;
 };

@@ -66,8 +66,7 @@ void decode(const JsonView& json, draco::DecoderBuffer& buffer, Budget& budget, 
     const draco::DecoderOptions options;
     const draco::Status status = decoder.Decode(options, &buffer, &mesh);
     if (decoder.failure) throw *decoder.failure;
-    if (!status.ok())
-        json.fail("the compressed data are broken (libdraco: ", printable(status.error_msg_string(), 100), ")");
+    if (!status.ok()) throw std::runtime_error(status.error_msg_string());
 }
 
 template <class T>
@@ -113,7 +112,7 @@ DracoMesh::DracoMesh(const JsonView& json, Buffers& buffers, Budget& budget)
 
 DracoMesh::~DracoMesh() = default;
 
-std::optional<AccessorView> DracoMesh::attribute(const char* name, const AccessorFormat& format) const {
+std::optional<AccessorView> DracoMesh::attribute(std::string_view name, const AccessorFormat& format) const {
     const JsonView ids = json_.required_object("attributes");
     const auto id = ids.find(name);
     if (!id) return {};

@@ -20,7 +20,7 @@ public:
     ~DracoMesh();
 
     // The primitive's attribute `name`, in its accessor's format; no value where it is not among the compressed ones.
-    std::optional<AccessorView> attribute(const char* name, const AccessorFormat& format) const;
+    std::optional<AccessorView> attribute(std::string_view name, const AccessorFormat& format) const;
     // Three per triangle, not yet checked against the vertices.
     std::vector<uint32_t> indices() const;
 

@@ -97,6 +97,7 @@ std::vector<float> read_values(Reading& reading, const JsonView& sampler, const 
     reading.budget.charge(uint64_t(output.count()) * format.component_count, sizeof(float), sampler.place_of("output"));
     std::vector<float> out;
     out.reserve(keys.kept.size() * per_key * format.component_count);
+    const bool is_rotation = animated.type == "VEC4";
     bool has_zero = false;
     for (const uint32_t key : keys.kept)
         for (uint64_t part = 0; part < per_key; ++part) {
@@ -108,7 +109,7 @@ std::vector<float> read_values(Reading& reading, const JsonView& sampler, const 
                 out.push_back(value);
             }
             const bool is_tangent = per_key == 3 && part != 1;
-            has_zero = has_zero || (animated.type == "VEC4" && !is_tangent && length_squared == 0);
+            has_zero = has_zero || (is_rotation && !is_tangent && length_squared == 0);
         }
     if (has_zero)
         reading.warnings.add(sampler.place_of("output"),
@@ -218,8 +219,7 @@ private:
 }  // namespace
 
 void read_clips(Reading& reading, Asset& asset) {
-    const JsonView animations = reading.root.optional_array("animations");
-    reading.budget.charge(animations.size(), sizeof(AssetClip), animations.place());
+    const JsonView animations = reading.charged_array("animations", sizeof(AssetClip));
     asset.clips.reserve(animations.size());
     for (const JsonView animation : animations)
         asset.clips.push_back(ClipReader(reading, animation, asset.nodes.size()).take());

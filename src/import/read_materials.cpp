@@ -1,3 +1,4 @@
+#include "base/count.h"
 #include "import/readers.h"
 #include "import/uri.h"
 
@@ -27,7 +28,7 @@ public:
             reading_.warnings.add(texture.place(), "has no PNG or JPEG image: the texture is left out");
             return kNone;
         }
-        const auto [known, is_new] = image_of_.emplace(source, uint32_t(asset_.images.size()));
+        const auto [known, is_new] = image_of_.emplace(source, count_of(asset_.images));
         if (is_new) asset_.images.push_back(read(images_[source]));
         return known->second;
     }
@@ -140,8 +141,7 @@ void read_surface(const JsonView& json, Textures& textures, AssetMaterial& mater
 }  // namespace
 
 std::vector<uint32_t> read_materials(Reading& reading, Asset& asset) {
-    const JsonView materials = reading.root.optional_array("materials");
-    reading.budget.charge(materials.size(), sizeof(AssetMaterial) + sizeof(AssetImage), materials.place());
+    const JsonView materials = reading.charged_array("materials", sizeof(AssetMaterial) + sizeof(AssetImage));
     asset.materials.resize(materials.size());
     std::vector<uint32_t> texcoord_sets(materials.size(), 0);
     Images images(reading, asset);

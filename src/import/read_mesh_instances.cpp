@@ -1,3 +1,4 @@
+#include "base/count.h"
 #include "import/readers.h"
 
 #include <set>
@@ -43,9 +44,10 @@ void check_influences(const JsonView& meshes, const Asset& asset, const AssetMes
         if (influence == joints.size()) continue;
         const size_t vertex = influence / primitives[p].influence_count;
         const size_t set = influence % primitives[p].influence_count / 4;
-        meshes[instance.mesh].fail_at(joined("primitives[", p, "].attributes.JOINTS_", set), "vertex ", vertex,
-                                      " follows joint ", joints[influence], ", but skins[", instance.skin, "] has ",
-                                      joint_count);
+        throw Failure(ErrorCode::kInvalidFile,
+                      joined(meshes[instance.mesh].place(), ".primitives[", p, "].attributes.JOINTS_", set), "vertex ",
+                      vertex, " follows joint ", joints[influence], ", but skins[", instance.skin, "] has ",
+                      joint_count);
     }
 }
 
@@ -64,7 +66,7 @@ void read_mesh_instances(Reading& reading, Asset& asset) {
         if (instance.mesh == kNone || in_scene[i] != kInside) continue;
         if (instance.skin != kNone && checked.emplace(instance.mesh, instance.skin).second)
             check_influences(meshes, asset, instance);
-        instance.weights = read_morph_weights(reading, json, uint32_t(asset.meshes[instance.mesh].weights.size()));
+        instance.weights = read_morph_weights(reading, json, count_of(asset.meshes[instance.mesh].weights));
         asset.mesh_instances.push_back(std::move(instance));
     }
 }

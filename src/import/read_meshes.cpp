@@ -2,6 +2,7 @@
 #include "import/readers.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 #include <set>
@@ -58,11 +59,11 @@ private:
 
     // The attribute's data; `element_bytes` are charged for each element.
     AccessorView open(const std::string& name, uint64_t element_bytes) {
-        const AccessorFormat format = reading_.accessors.format(*attributes_, name.c_str());
+        const AccessorFormat format = reading_.accessors.format(*attributes_, name);
         if (name != "POSITION") require_count(*attributes_, name, format);
         reading_.budget.charge(format.count, element_bytes, place_of(name));
         if (draco_)
-            if (auto view = draco_->attribute(name.c_str(), format)) return *view;
+            if (auto view = draco_->attribute(name, format)) return *view;
         return reading_.accessors.open(format);
     }
 
@@ -105,31 +106,33 @@ private:
         out_.positions = finite_vectors(*attributes_, "POSITION", view);
     }
 
-    // An attribute on which only looks depend: what is not finite is not worth refusing the file. `may_be_integers` is
-    // asked of its format, `element_of` makes an element of a function of its components.
-    template <class Element, class MayBeIntegers, class ElementOf>
-    void read_looks(const std::string& name, std::initializer_list<const char*> types, std::vector<Element>& out,
-                    const MayBeIntegers& may_be_integers, const ElementOf& element_of) {
+    // An attribute on which only looks depend: what is not finite is not worth refusing the file. What the file lacks
+    // of an element is 1.
+    template <class Element, class MayBeIntegers>
+    void read_looks(const std::string& name, std::initializer_list<const char*> types,
+                    const MayBeIntegers& may_be_integers, std::vector<Element>& out) {
         const AccessorView view = open(name, sizeof(Element));
         require(*attributes_, name, view.format, types, may_be_integers(view.format));
         bool mended = false;
         out.reserve(view.count());
-        for (uint32_t v = 0; v < view.count(); ++v)
-            out.push_back(element_of([&](uint32_t component) {
-                const float value = component < view.format.component_count ? view.number(v, component) : 1;
-                mended = mended || !std::isfinite(value);
-                return std::isfinite(value) ? value : 0;
-            }));
+        for (uint32_t v = 0; v < view.count(); ++v) {
+            std::array<float, sizeof(Element) / sizeof(float)> values;
+            for (uint32_t c = 0; c < values.size(); ++c) {
+                values[c] = c < view.format.component_count ? view.number(v, c) : 1;
+                if (std::isfinite(values[c])) continue;
+                mended = true;
+                values[c] = 0;
+            }
+            out.push_back(std::bit_cast<Element>(values));
+        }
         if (mended) reading_.warnings.add(place_of(name), "has values that are not finite: they are set to 0");
     }
 
     void read_normals() {
-        read_looks(
-            "NORMAL", {"VEC3"}, out_.normals,
-            [&](const AccessorFormat& format) { return is_quantized_signed(format) && format.normalized; },
-            [](const auto& at) {
-                return Vec3<float>{at(0), at(1), at(2)};
-            });
+        const auto may_be_integers = [&](const AccessorFormat& format) {
+            return is_quantized_signed(format) && format.normalized;
+        };
+        read_looks("NORMAL", {"VEC3"}, may_be_integers, out_.normals);
     }
 
     void read_texcoords(const AssetMaterial& material, uint32_t set) {
@@ -142,22 +145,14 @@ private:
     bool read_texcoord_set(uint32_t set) {
         const std::string name = joined("TEXCOORD_", set);
         if (!attributes_->has(name)) return false;
-        read_looks(
-            name, {"VEC2"}, out_.texcoords,
-            [&](const AccessorFormat& format) {
-                return is_fraction(format) || (reading_.quantized && is_short(format));
-            },
-            [](const auto& at) {
-                return std::array{at(0), at(1)};
-            });
+        const auto may_be_integers = [&](const AccessorFormat& format) {
+            return is_fraction(format) || (reading_.quantized && is_short(format));
+        };
+        read_looks(name, {"VEC2"}, may_be_integers, out_.texcoords);
         return true;
     }
 
-    void read_colors() {
-        read_looks("COLOR_0", {"VEC4", "VEC3"}, out_.colors, is_fraction, [](const auto& at) {
-            return std::array{at(0), at(1), at(2), at(3)};
-        });
-    }
+    void read_colors() { read_looks("COLOR_0", {"VEC4", "VEC3"}, is_fraction, out_.colors); }
 
     // KHR_draco_mesh_compression leaves morph targets as they are.
     void read_targets() {
@@ -342,8 +337,7 @@ std::vector<float> read_morph_weights(Reading& reading, const JsonView& json, ui
 }
 
 void read_meshes(Reading& reading, const std::vector<uint32_t>& texcoord_sets, Asset& asset) {
-    const JsonView meshes = reading.root.optional_array("meshes");
-    reading.budget.charge(meshes.size(), sizeof(AssetMesh), meshes.place());
+    const JsonView meshes = reading.charged_array("meshes", sizeof(AssetMesh));
     asset.meshes.reserve(meshes.size());
     for (const JsonView json : meshes) {
         AssetMesh mesh;

@@ -54,8 +54,8 @@ Trs<double> decomposed(const std::array<double, 16>& m, bool& has_shear) {
         axes[i] = normalized(axes[i]);
     }
     complete_axes(axes, lengths);
-    has_shear = std::abs(dot(axes[0], axes[1])) > kShearLimit || std::abs(dot(axes[1], axes[2])) > kShearLimit ||
-                std::abs(dot(axes[2], axes[0])) > kShearLimit;
+    has_shear = false;
+    for (size_t i = 0; i < 3; ++i) has_shear = has_shear || std::abs(dot(axes[i], axes[(i + 1) % 3])) > kShearLimit;
     if (dot(cross(axes[0], axes[1]), axes[2]) < 0) {
         axes[0] = axes[0] * -1.0;
         lengths[0] = -lengths[0];
@@ -106,8 +106,7 @@ void refuse_cycles(const JsonView& nodes, const std::vector<AssetNode>& list) {
 }  // namespace
 
 void read_nodes(Reading& reading, Asset& asset) {
-    const JsonView nodes = reading.root.optional_array("nodes");
-    reading.budget.charge(nodes.size(), sizeof(AssetNode), nodes.place());
+    const JsonView nodes = reading.charged_array("nodes", sizeof(AssetNode));
     asset.nodes.resize(nodes.size());
     for (uint32_t i = 0; i < nodes.size(); ++i) {
         const JsonView json = nodes[i];

@@ -27,8 +27,7 @@ std::vector<Affine> read_inverse_binds(Reading& reading, const JsonView& json, s
 }  // namespace
 
 void read_skins(Reading& reading, Asset& asset) {
-    const JsonView skins = reading.root.optional_array("skins");
-    reading.budget.charge(skins.size(), sizeof(AssetSkin), skins.place());
+    const JsonView skins = reading.charged_array("skins", sizeof(AssetSkin));
     asset.skins.reserve(skins.size());
     for (const JsonView json : skins) {
         AssetSkin skin;

@@ -16,6 +16,13 @@ struct Reading {
     Budget& budget;
     Warnings& warnings;
     bool quantized;  // KHR_mesh_quantization is used
+
+    // An array of the file, with `element_bytes` charged for each element.
+    JsonView charged_array(const char* key, uint64_t element_bytes) {
+        JsonView array = root.optional_array(key);
+        budget.charge(array.size(), element_bytes, array.place());
+        return array;
+    }
 };
 
 void read_nodes(Reading& reading, Asset& asset);

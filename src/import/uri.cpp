@@ -72,9 +72,8 @@ bool has_scheme(std::string_view uri) {
 }  // namespace
 
 bool is_data_uri(std::string_view uri) {
-    constexpr std::string_view kData = "data:";
-    return uri.size() >= kData.size() && std::equal(kData.begin(), kData.end(), uri.begin(),
-                                                    [](char a, char b) { return a == (b | 0x20) || a == b; });
+    return std::ranges::equal(uri.substr(0, 5), std::string_view("data:"), {},
+                              [](unsigned char c) { return std::tolower(c); });
 }
 
 std::vector<std::byte> decode_data_uri(std::string_view uri, Budget& budget, const std::string& place) {

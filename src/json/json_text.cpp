@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <iterator>
-#include <numeric>
+#include <map>
 
 namespace throng {
 namespace {
@@ -30,13 +30,7 @@ public:
         ++at_;
         return *this;
     }
-    LineCounter operator++(int) {
-        LineCounter before = *this;
-        ++*this;
-        return before;
-    }
     bool operator==(const LineCounter& other) const { return at_ == other.at_; }
-    bool operator!=(const LineCounter& other) const { return at_ != other.at_; }
 
 private:
     const char* at_;
@@ -45,7 +39,7 @@ private:
 };
 
 // What nlohmann's own builder does; but lines are kept, limits hold, and no object is searched for each of its keys.
-class TreeBuilder : public nlohmann::json_sax<Json> {
+class TreeBuilder final : public nlohmann::json_sax<Json> {
 public:
     TreeBuilder(JsonAuthor author, const std::string& file, const uint32_t& line, Json& root,
                 std::vector<uint32_t>& lines)
@@ -61,15 +55,15 @@ public:
     bool start_object(std::size_t) override { return add(Json::object()); }
     bool start_array(std::size_t) override { return add(Json::array()); }
     bool key(string_t& value) override {
+        if (by_person_)
+            if (const auto [known, is_new] = open_.back().key_lines.emplace(value, line_); !is_new)
+                fail(ErrorCode::kInvalidFile, "'", printable(value), "' stands twice in one object, first in line ",
+                     known->second, "; rename or remove one");
         key_ = std::move(value);
-        if (by_person_) open_.back().member_lines.push_back(line_);
         key_line_ = line_;
         return true;
     }
-    bool end_object() override {
-        if (by_person_) refuse_duplicates(open_.back());
-        return end_array();
-    }
+    bool end_object() override { return end_array(); }
     bool end_array() override {
         open_.pop_back();
         return true;
@@ -88,7 +82,7 @@ public:
 private:
     struct Open {
         Json* value;
-        std::vector<uint32_t> member_lines{};  // of what people write
+        std::map<std::string, uint32_t> key_lines{};  // of what people write
     };
 
     template <class... Parts>
@@ -102,31 +96,20 @@ private:
         const bool opens = value.is_structured(), is_member = !open_.empty() && open_.back().value->is_object();
         lines_.push_back(is_member ? key_line_ : line_);
         Json* added = &root_;
-        if (is_member)
-            added =
-                &open_.back().value->get_ref<Json::object_t&>().emplace_back(std::move(key_), std::move(value)).second;
-        else if (!open_.empty())
+        if (is_member) {
+            auto& members = open_.back().value->get_ref<Json::object_t&>();
+            if (members.empty()) members.reserve(4);  // to grow copies keys
+            added = &members.emplace_back(std::move(key_), std::move(value)).second;
+        } else if (!open_.empty()) {
             added = &open_.back().value->get_ref<Json::array_t&>().emplace_back(std::move(value));
-        else
+        } else {
             root_ = std::move(value);
+        }
         if (!opens) return true;
         if (const size_t limit = by_person_ ? kJsonNestingLimit : kProgramNestingLimit; open_.size() == limit)
             fail(ErrorCode::kLimit, "the JSON is nested deeper than the limit of ", limit);
         open_.push_back({added});  // stays where it is: its parent gets no other child before it is closed
         return true;
-    }
-
-    void refuse_duplicates(const Open& object) const {
-        const auto member = object.value->get_ref<const Json::object_t&>().begin();
-        std::vector<std::ptrdiff_t> sorted(object.member_lines.size());
-        std::iota(sorted.begin(), sorted.end(), 0);
-        std::ranges::stable_sort(sorted, {}, [&](auto i) -> const std::string& { return member[i].first; });
-        const auto twice = std::ranges::adjacent_find(sorted, {},
-                                                      [&](auto i) -> const std::string& { return member[i].first; });
-        if (twice == sorted.end()) return;
-        const auto line = [&](std::ptrdiff_t i) { return object.member_lines[static_cast<size_t>(i)]; };
-        throw Failure(ErrorCode::kInvalidFile, at_line(file_, line(twice[1])), "'", printable(member[*twice].first),
-                      "' stands twice in one object, first in line ", line(twice[0]), "; rename or remove one");
     }
 
     const bool by_person_;

@@ -21,6 +21,12 @@ enum class JsonAuthor : uint8_t { kProgram, kPerson };
 std::string place_of(const std::string& place, std::string_view key);
 std::string place_of(const std::string& place, size_t index);
 
+// Of what is further below.
+template <class Key, class... Keys>
+requires(sizeof...(Keys) > 0) std::string place_of(const std::string& place, const Key& key, const Keys&... below) {
+    return place_of(place_of(place, key), below...);
+}
+
 // A value of the file and its place, such as `animations[2].channels[5]`. The Json must outlive the view.
 // The getters fail with kInvalidFile at the value's place; an `optional_` getter only where the value is there but
 // wrong.

@@ -1,5 +1,6 @@
 #include "json/known_names.h"
 
+#include "base/count.h"
 #include "base/failure.h"
 
 #include <throng/asset.h>
@@ -36,7 +37,7 @@ size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 bool KnownNames::add(std::string_view name) {
-    const bool is_new = indices_.emplace(name, static_cast<uint32_t>(names_.size())).second;
+    const bool is_new = indices_.emplace(name, count_of(names_)).second;
     names_.push_back(name);
     return is_new;
 }

@@ -400,7 +400,7 @@ TEST(CharacterFile, EveryTruncationAndEveryTrailingByteIsRefused) {
             forged.header().size_bytes = size;
             result = load(forged.sealed());
             ASSERT_FALSE(result) << size << " bytes, and its header says so";
-            const bool in_table = size < sizeof(Header) + kSections.size() * sizeof(SectionEntry);
+            const bool in_table = size < sizeof(Header) + kSectionCount * sizeof(SectionEntry);
             ASSERT_TRUE(!in_table || result.error().text().find("section table") != std::string::npos)
                 << result.error().text();
         }
@@ -491,7 +491,7 @@ TEST(CharacterFile, ACraftedTableIsRefused) {
                      const SectionEntry gone = f.entry(S::kScalars);
                      const auto first = f.bytes().begin() + static_cast<ptrdiff_t>(gone.offset_bytes);
                      f.bytes().erase(first, first + static_cast<ptrdiff_t>(gone.size_bytes));
-                     for (uint32_t id = 1; id < kSections.size(); ++id)
+                     for (uint32_t id = 1; id < kSectionCount; ++id)
                          f.entry(static_cast<SectionId>(id)).offset_bytes -= gone.size_bytes;
                      f.entry(S::kScalars).size_bytes = f.entry(S::kScalars).element_count = 0;
                      f.header().size_bytes = f.bytes().size();

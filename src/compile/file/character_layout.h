@@ -2,11 +2,14 @@
 // either.
 #pragma once
 
+#include "compile/limits.h"
+
 #include <throng/character.h>
 
 #include <array>
 #include <bit>
-#include <string_view>
+#include <concepts>
+#include <span>
 #include <type_traits>
 
 namespace throng::file {
@@ -47,8 +50,7 @@ enum class SectionId : uint32_t {
     kTextEnds,
     kText,
     kImageEnds,
-    kImages,  // records of their own
-    // As the Character has them
+    kImages,
     kParents,
     kNodes,
     kRest,
@@ -62,16 +64,17 @@ enum class SectionId : uint32_t {
     kInfluences,
     kIndices,
     kMeshSections,
-    kMorphs,  // records of their own
+    kMorphs,
     kMorphDeltas,
     kMorphTracks,
     kMorphTimes,
-    kMorphValues,  // as the Character has them
+    kMorphValues,
     kLods,
     kLodRanges,
     kLodIndices,
     kJointLods,
 };
+inline constexpr size_t kSectionCount = static_cast<size_t>(SectionId::kJointLods) + 1;
 
 struct ScalarsRecord {
     double mean_depth = 0;
@@ -121,78 +124,125 @@ struct MorphRecord {
 };
 static_assert(sizeof(MorphRecord) == 12);
 
+// What is stored otherwise than the Character has it.
+struct Records {
+    std::vector<ScalarsRecord> scalars;  // one
+    std::vector<ClipRecord> clips;
+    std::vector<SkinRecord> skins;
+    std::vector<MaterialRecord> materials;
+    std::vector<uint64_t> text_ends;  // of each string in `text`
+    std::span<const char> text;
+    std::vector<uint64_t> image_ends;  // of each image in `images`
+    std::span<const std::byte> images;
+    std::vector<MorphRecord> morphs;
+};
+
 // Of what is stored as the Character has it.
 static_assert(sizeof(Trs<float>) == 40 && sizeof(JointTracks) == 16 && sizeof(PaletteEntry) == 52 &&
               sizeof(MeshSection) == 52 && sizeof(Lod) == 4 && sizeof(IndexRange) == 8);
 
-struct SectionKind {
-    std::string_view name;
-    uint32_t element_bytes;
-};
-inline constexpr std::array<SectionKind, 30> kSections{{{"scalars", sizeof(ScalarsRecord)},
-                                                        {"clips", sizeof(ClipRecord)},
-                                                        {"skins", sizeof(SkinRecord)},
-                                                        {"materials", sizeof(MaterialRecord)},
-                                                        {"text ends", 8},
-                                                        {"text", 1},
-                                                        {"image ends", 8},
-                                                        {"images", 1},
-                                                        {"parents", 4},
-                                                        {"nodes", 4},
-                                                        {"rest", sizeof(Trs<float>)},
-                                                        {"times", 4},
-                                                        {"keys", 16},
-                                                        {"words", 4},
-                                                        {"root rows", 16},
-                                                        {"tracks", sizeof(JointTracks)},
-                                                        {"palette", sizeof(PaletteEntry)},
-                                                        {"vertices", sizeof(Vertex)},
-                                                        {"influences", sizeof(Influences)},
-                                                        {"indices", 4},
-                                                        {"mesh sections", sizeof(MeshSection)},
-                                                        {"morphs", sizeof(MorphRecord)},
-                                                        {"morph deltas", sizeof(MorphDelta)},
-                                                        {"morph tracks", 4},
-                                                        {"morph times", 4},
-                                                        {"morph values", 4},
-                                                        {"lods", sizeof(Lod)},
-                                                        {"lod ranges", sizeof(IndexRange)},
-                                                        {"lod indices", 4},
-                                                        {"joint lods", 4}}};
-static_assert(kSections.size() == static_cast<size_t>(SectionId::kJointLods) + 1);
+// All sections in the order of their ids: calls visit(id, name, elements), and visit(id, name, elements, limit_bytes)
+// of those whose size is limited.
+void visit_sections(auto& records, auto& character, const auto& visit) {
+    using enum SectionId;
+    visit(kScalars, "scalars", records.scalars);
+    visit(kClips, "clips", records.clips);
+    visit(kSkins, "skins", records.skins);
+    visit(kMaterials, "materials", records.materials);
+    visit(kTextEnds, "text ends", records.text_ends);
+    visit(kText, "text", records.text);
+    visit(kImageEnds, "image ends", records.image_ends);
+    visit(kImages, "images", records.images);
+    visit(kParents, "parents", character.rig.parents);
+    visit(kNodes, "nodes", character.rig.nodes);
+    visit(kRest, "rest", character.rig.rest);
+    visit(kTimes, "times", character.times_s);
+    visit(kKeys, "keys", character.keys, kKeyLimit_bytes);
+    visit(kWords, "words", character.words, kKeyLimit_bytes);
+    visit(kRootRows, "root rows", character.root_rows, kKeyLimit_bytes);
+    visit(kTracks, "tracks", character.tracks, kKeyLimit_bytes);
+    visit(kPalette, "palette", character.palette);
+    visit(kVertices, "vertices", character.vertices);
+    visit(kInfluences, "influences", character.influences);
+    visit(kIndices, "indices", character.indices);
+    visit(kMeshSections, "mesh sections", character.sections);
+    visit(kMorphs, "morphs", records.morphs);
+    visit(kMorphDeltas, "morph deltas", character.morph_deltas, kKeyLimit_bytes);
+    visit(kMorphTracks, "morph tracks", character.morph_tracks, kKeyLimit_bytes);
+    visit(kMorphTimes, "morph times", character.morph_times_s);
+    visit(kMorphValues, "morph values", character.morph_values, kKeyLimit_bytes);
+    visit(kLods, "lods", character.lods);
+    visit(kLodRanges, "lod ranges", character.lod_ranges);
+    visit(kLodIndices, "lod indices", character.lod_indices);
+    visit(kJointLods, "joint lods", character.joint_lods);
+}
+
+// T, or that as a constant.
+template <class U, class T>
+concept Either = std::same_as<std::remove_const_t<U>, T>;
+
+// Calls visit(stored, value) for each field of a record and what it stores, and visit(stored, value, name) where not
+// every number is a value.
+void visit_fields(Either<ScalarsRecord> auto& record, auto& character, const auto& visit) {
+    visit(record.mean_depth, character.rig.mean_depth);
+    visit(record.level_count, character.rig.level_count);
+    visit(record.leaf_count, character.rig.leaf_count);
+    visit(record.uniform_scale, character.rig.uniform_scale, "uniform_scale");
+    visit(record.packed, character.packed, "packed");
+    visit(record.bounds_min, character.bounds_min);
+    visit(record.bounds_max, character.bounds_max);
+    visit(record.size, character.size);
+}
+void visit_fields(Either<ClipRecord> auto& record, auto& clip, const auto& visit) {
+    visit(record.duration_s, clip.duration_s);
+    visit(record.first_time, clip.first_time);
+    visit(record.row_count, clip.row_count);
+    visit(record.row_stride, clip.row_stride);
+    visit(record.first_row, clip.first_row);
+    visit(record.channel_count, clip.channel_count);
+    visit(record.animated_track_count, clip.animated_track_count);
+    visit(record.refined_row_count, clip.refined_row_count);
+    visit(record.dropped_row_count, clip.dropped_row_count);
+    visit(record.first_root_row, clip.first_root_row);
+    visit(record.root_row_count, clip.root_row_count);
+    visit(record.first_morph_time, clip.first_morph_time);
+    visit(record.morph_row_count, clip.morph_row_count);
+    visit(record.morph_row_stride, clip.morph_row_stride);
+    visit(record.source_key_count, clip.source_key_count);
+    visit(record.size_bytes, clip.size_bytes);
+    visit(record.raw_size_bytes, clip.raw_size_bytes);
+    visit(record.error, clip.error);
+    visit(record.bounds_min, clip.bounds_min);
+    visit(record.bounds_max, clip.bounds_max);
+}
+void visit_fields(Either<MaterialRecord> auto& record, auto& material, const auto& visit) {
+    visit(record.base_color, material.base_color);
+    visit(record.image, material.image);
+    visit(record.alpha_mode, material.alpha_mode, "alpha_mode");
+    visit(record.alpha_cutoff, material.alpha_cutoff);
+    visit(record.double_sided, material.double_sided, "double_sided");
+    visit(record.metallic, material.metallic);
+    visit(record.roughness, material.roughness);
+    visit(record.metallic_roughness_image, material.metallic_roughness_image);
+    visit(record.normal_image, material.normal_image);
+    visit(record.occlusion_image, material.occlusion_image);
+    visit(record.emissive_image, material.emissive_image);
+    visit(record.normal_scale, material.normal_scale);
+    visit(record.occlusion_strength, material.occlusion_strength);
+    visit(record.emissive, material.emissive);
+}
+void visit_fields(Either<SkinRecord> auto& record, auto& skin, const auto& visit) {
+    visit(record.first_entry, skin.first_entry);
+    visit(record.joint_count, skin.joint_count);
+}
+void visit_fields(Either<MorphRecord> auto& record, auto& morph, const auto& visit) {
+    visit(record.node, morph.node);
+    visit(record.target, morph.target);
+    visit(record.default_weight, morph.default_weight);
+}
 
 constexpr uint64_t aligned(uint64_t offset_bytes) {
     return (offset_bytes + kAlignment_bytes - 1) / kAlignment_bytes * kAlignment_bytes;
-}
-
-// Calls visit(id, array) for each array that is stored as it is, in the order of the ids: those before the morphs, and
-// those behind.
-template <class C, class Visit>
-void visit_arrays(C& character, const Visit& visit) {
-    visit(SectionId::kParents, character.rig.parents);
-    visit(SectionId::kNodes, character.rig.nodes);
-    visit(SectionId::kRest, character.rig.rest);
-    visit(SectionId::kTimes, character.times_s);
-    visit(SectionId::kKeys, character.keys);
-    visit(SectionId::kWords, character.words);
-    visit(SectionId::kRootRows, character.root_rows);
-    visit(SectionId::kTracks, character.tracks);
-    visit(SectionId::kPalette, character.palette);
-    visit(SectionId::kVertices, character.vertices);
-    visit(SectionId::kInfluences, character.influences);
-    visit(SectionId::kIndices, character.indices);
-    visit(SectionId::kMeshSections, character.sections);
-}
-template <class C, class Visit>
-void visit_later_arrays(C& character, const Visit& visit) {
-    visit(SectionId::kMorphDeltas, character.morph_deltas);
-    visit(SectionId::kMorphTracks, character.morph_tracks);
-    visit(SectionId::kMorphTimes, character.morph_times_s);
-    visit(SectionId::kMorphValues, character.morph_values);
-    visit(SectionId::kLods, character.lods);
-    visit(SectionId::kLodRanges, character.lod_ranges);
-    visit(SectionId::kLodIndices, character.lod_indices);
-    visit(SectionId::kJointLods, character.joint_lods);
 }
 
 // Calls visit(string) for each string, in the order in which they follow one another in the section of text.

@@ -1,8 +1,9 @@
 #include "compile/file/character_file.h"
 
+#include "base/count.h"
+#include "base/crc64.h"
 #include "base/failure.h"
 #include "compile/file/character_layout.h"
-#include "base/crc64.h"
 
 #include <cassert>
 #include <cstddef>
@@ -13,62 +14,18 @@ namespace {
 
 using namespace file;
 
-ClipRecord record_of(const Clip& clip) {
-    return {.duration_s = clip.duration_s,
-            .first_time = clip.first_time,
-            .row_count = clip.row_count,
-            .row_stride = clip.row_stride,
-            .first_row = clip.first_row,
-            .channel_count = clip.channel_count,
-            .animated_track_count = clip.animated_track_count,
-            .refined_row_count = clip.refined_row_count,
-            .dropped_row_count = clip.dropped_row_count,
-            .first_root_row = clip.first_root_row,
-            .root_row_count = clip.root_row_count,
-            .first_morph_time = clip.first_morph_time,
-            .morph_row_count = clip.morph_row_count,
-            .morph_row_stride = clip.morph_row_stride,
-            .source_key_count = clip.source_key_count,
-            .size_bytes = clip.size_bytes,
-            .raw_size_bytes = clip.raw_size_bytes,
-            .error = clip.error,
-            .bounds_min = clip.bounds_min,
-            .bounds_max = clip.bounds_max};
+template <class Record, class T>
+Record record_of(const T& thing) {
+    Record record;
+    visit_fields(record, thing, [](auto& stored, const auto& value, const char* = "") {
+        stored = static_cast<std::remove_reference_t<decltype(stored)>>(value);
+    });
+    return record;
 }
 
-SkinRecord record_of(const Skin& skin) { return {.first_entry = skin.first_entry, .joint_count = skin.joint_count}; }
-
-MaterialRecord record_of(const AssetMaterial& material) {
-    return {.base_color = material.base_color,
-            .image = material.image,
-            .alpha_mode = static_cast<uint32_t>(material.alpha_mode),
-            .alpha_cutoff = material.alpha_cutoff,
-            .double_sided = material.double_sided,
-            .metallic = material.metallic,
-            .roughness = material.roughness,
-            .metallic_roughness_image = material.metallic_roughness_image,
-            .normal_image = material.normal_image,
-            .occlusion_image = material.occlusion_image,
-            .emissive_image = material.emissive_image,
-            .normal_scale = material.normal_scale,
-            .occlusion_strength = material.occlusion_strength,
-            .emissive = material.emissive};
-}
-
-MorphRecord record_of(const Morph& morph) {
-    return {.node = morph.node, .target = morph.target, .default_weight = morph.default_weight};
-}
-
-ScalarsRecord scalars_of(const Character& character) {
-    return {.mean_depth = character.rig.mean_depth,
-            .level_count = character.rig.level_count,
-            .leaf_count = character.rig.leaf_count,
-            .uniform_scale = character.rig.uniform_scale,
-            .packed = character.packed,
-            .warning_count = static_cast<uint32_t>(character.warnings.size()),
-            .bounds_min = character.bounds_min,
-            .bounds_max = character.bounds_max,
-            .size = character.size};
+template <class Record, class T>
+void store(std::vector<Record>& records, const std::vector<T>& things) {
+    for (const T& thing : things) records.push_back(record_of<Record>(thing));
 }
 
 class Writer {
@@ -76,20 +33,13 @@ public:
     Writer(const std::string& place, uint64_t limit_bytes) : place_(place), limit_bytes_(limit_bytes) {}
 
     std::vector<std::byte> run(const Character& character) {
-        bytes_.resize(sizeof(Header) + kSections.size() * sizeof(SectionEntry));
-        add(SectionId::kScalars, std::vector{scalars_of(character)});
-        add_records(SectionId::kClips, character.clips);
-        add_records(SectionId::kSkins, character.skins);
-        add_records(SectionId::kMaterials, character.materials);
-        add_text(character);
-        add_images(character);
-        const auto add_array = [&](SectionId id, const auto& array) { add(id, array); };
-        visit_arrays(character, add_array);
-        add_records(SectionId::kMorphs, character.morphs);
-        visit_later_arrays(character, add_array);
+        bytes_.resize(sizeof(Header) + kSectionCount * sizeof(SectionEntry));
+        const Records records = records_of(character);
+        visit_sections(records, character,
+                       [&](SectionId id, const char*, const auto& elements, uint64_t = 0) { add(id, elements); });
 
         std::memcpy(bytes_.data() + sizeof(Header), entries_.data(), entries_.size() * sizeof(SectionEntry));
-        Header header{.section_count = static_cast<uint32_t>(entries_.size()), .size_bytes = bytes_.size()};
+        Header header{.section_count = count_of(entries_), .size_bytes = bytes_.size()};
         std::memcpy(bytes_.data(), &header, sizeof(header));
         header.checksum = checksum_of(bytes_);
         std::memcpy(bytes_.data(), &header, sizeof(header));
@@ -97,56 +47,50 @@ public:
     }
 
 private:
-    template <class T>
-    void add(SectionId id, const std::vector<T>& array) {
+    Records records_of(const Character& character) {
+        Records records;
+        records.scalars.push_back(record_of<ScalarsRecord>(character));
+        records.scalars.front().warning_count = count_of(character.warnings);
+        store(records.clips, character.clips);
+        store(records.skins, character.skins);
+        store(records.materials, character.materials);
+        store(records.morphs, character.morphs);
+        visit_strings(character, [&](const std::string& string) {
+            text_ += string;
+            records.text_ends.push_back(text_.size());
+        });
+        records.text = text_;
+        for (const AssetImage& image : character.images) {
+            images_.insert(images_.end(), image.encoded.begin(), image.encoded.end());
+            records.image_ends.push_back(images_.size());
+        }
+        records.images = images_;
+        return records;
+    }
+
+    template <class Elements>
+    void add(SectionId id, const Elements& elements) {
+        using T = typename Elements::value_type;
         static_assert(std::is_trivially_copyable_v<T>);
-        assert(entries_.size() == static_cast<size_t>(id) && sizeof(T) == kSections[entries_.size()].element_bytes);
-        const uint64_t offset_bytes = aligned(bytes_.size()), end_bytes = offset_bytes + array.size() * sizeof(T);
+        assert(entries_.size() == static_cast<size_t>(id));
+        const uint64_t offset_bytes = aligned(bytes_.size()), end_bytes = offset_bytes + elements.size() * sizeof(T);
         if (end_bytes > limit_bytes_)
-            throw Failure(ErrorCode::kLimit, place_,
-                          "a compiled file of " + std::to_string(end_bytes) + " bytes and more; the limit is " +
-                              std::to_string(limit_bytes_));
+            throw Failure(ErrorCode::kLimit, place_, "a compiled file of ", end_bytes, " bytes and more; the limit is ",
+                          limit_bytes_);
         bytes_.resize(offset_bytes);
         entries_.push_back({.id = static_cast<uint32_t>(id),
                             .element_bytes = sizeof(T),
-                            .offset_bytes = bytes_.size(),
-                            .size_bytes = array.size() * sizeof(T),
-                            .element_count = array.size()});
-        const auto* first = reinterpret_cast<const std::byte*>(array.data());
-        bytes_.insert(bytes_.end(), first, first + array.size() * sizeof(T));
-    }
-
-    template <class T>
-    void add_records(SectionId id, const std::vector<T>& things) {
-        std::vector<decltype(record_of(std::declval<T>()))> records;
-        for (const T& thing : things) records.push_back(record_of(thing));
-        add(id, records);
-    }
-
-    void add_text(const Character& character) {
-        std::vector<uint64_t> ends;
-        std::vector<char> text;
-        visit_strings(character, [&](const std::string& string) {
-            text.insert(text.end(), string.begin(), string.end());
-            ends.push_back(text.size());
-        });
-        add(SectionId::kTextEnds, ends);
-        add(SectionId::kText, text);
-    }
-
-    void add_images(const Character& character) {
-        std::vector<uint64_t> ends;
-        std::vector<std::byte> encoded;
-        for (const AssetImage& image : character.images) {
-            encoded.insert(encoded.end(), image.encoded.begin(), image.encoded.end());
-            ends.push_back(encoded.size());
-        }
-        add(SectionId::kImageEnds, ends);
-        add(SectionId::kImages, encoded);
+                            .offset_bytes = offset_bytes,
+                            .size_bytes = elements.size() * sizeof(T),
+                            .element_count = elements.size()});
+        const auto added = std::as_bytes(std::span(elements));
+        bytes_.insert(bytes_.end(), added.begin(), added.end());
     }
 
     const std::string& place_;
     const uint64_t limit_bytes_;
+    std::string text_;               // of all strings
+    std::vector<std::byte> images_;  // of all images
     std::vector<std::byte> bytes_;
     std::vector<SectionEntry> entries_;
 };

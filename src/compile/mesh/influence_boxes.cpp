@@ -36,9 +36,7 @@ void add_unskinned(const Character& character, std::vector<Box>& boxes) {
     constexpr double kReach = 0.02, kReachWithoutMesh = 0.1;  // of the character's size
     constexpr double kHidden = 1e-9;                          // a scale of the rest pose; clips may show the joint
     const bool has_mesh = std::any_of(boxes.begin(), boxes.end(), [](const Box& box) { return !box.empty; });
-    std::vector<AffineT<double>> parent_from_joint;
-    for (const Trs<float>& rest : character.rig.rest) parent_from_joint.push_back(to_affine(rest.as<double>()));
-    const std::vector<AffineT<double>> model_from_joint = scan_reference(character.rig.parents, parent_from_joint);
+    const std::vector<AffineT<double>> model_from_joint = rest_model_from_joint(character.rig);
     for (size_t joint = 0; joint < boxes.size(); ++joint) {
         if (!boxes[joint].empty) continue;
         const auto& row = model_from_joint[joint].row;
@@ -78,6 +76,12 @@ void visit_influences(const Character& character, const Visit& visit) {
 }
 
 }  // namespace
+
+std::vector<AffineT<double>> rest_model_from_joint(const Rig& rig) {
+    std::vector<AffineT<double>> parent_from_joint;
+    for (const Trs<float>& rest : rig.rest) parent_from_joint.push_back(to_affine(rest.as<double>()));
+    return scan_reference(rig.parents, parent_from_joint);
+}
 
 std::vector<Box> influence_boxes(const Character& character) {
     std::vector<Box> boxes(character.rig.joint_count());

@@ -1,5 +1,6 @@
 #include "compile/mesh/lod.h"
 
+#include "base/count.h"
 #include "bind/bind_reference.h"
 #include "compile/clip/sampled_poses.h"
 #include "compile/mesh/triangle_index.h"
@@ -114,49 +115,40 @@ struct Coarse {
 // By both ways of meshoptimizer, in the rest pose: edge collapses towards vertices that are there (M. Garland and P. S.
 // Heckbert, Surface Simplification Using Quadric Error Metrics, SIGGRAPH 1997), which stop where the mesh comes apart,
 // and clusters of vertices, which do not, and lose no thin part that is larger than a cluster.
-class CoarseSection {
-public:
-    // `index` is that of the fine mesh.
-    CoarseSection(std::span<const uint32_t> fine, const TriangleIndex& index, std::span<const Vec3<float>> positions,
-                  double share) {
-        if (fine.empty()) {
-            candidates_.resize(1);
-            return;
-        }
-        const size_t wanted = static_cast<size_t>(share * static_cast<double>(fine.size())) / 3 * 3;
-        std::vector<uint32_t> collapsed(fine.size()), clustered(fine.size());
-        const size_t stride = sizeof positions[0];
-        collapsed.resize(meshopt_simplify(collapsed.data(), fine.data(), fine.size(), &positions[0].x, positions.size(),
-                                          stride, wanted, kLargestError, 0, nullptr));
-        clustered.resize(meshopt_simplifySloppy(clustered.data(), fine.data(), fine.size(), &positions[0].x,
-                                                positions.size(), stride, wanted, kLargestError, nullptr));
-        if (collapsed.empty()) collapsed.assign(fine.begin(), fine.end());  // nothing vanishes
-        const auto is_coarse = [wanted](const std::vector<uint32_t>& mesh) {
-            return static_cast<double>(mesh.size()) <= kAlmost * static_cast<double>(wanted);
-        };
-        // Where not both are as coarse as they should be, the coarser one is taken however far it is off.
-        const bool are_coarse = is_coarse(collapsed) && is_coarse(clustered) && !clustered.empty();
-        const bool prefers_collapsed = clustered.empty() || collapsed.size() <= clustered.size();
-        if (are_coarse || prefers_collapsed) candidates_.emplace_back(std::move(collapsed), index, positions);
-        if (are_coarse || !prefers_collapsed) candidates_.emplace_back(std::move(clustered), index, positions);
-    }
+// `index` is that of the fine mesh. Returns one or two.
+std::vector<Coarse> coarse_meshes(std::span<const uint32_t> fine, const TriangleIndex& index,
+                                  std::span<const Vec3<float>> positions, double share) {
+    if (fine.empty()) return std::vector<Coarse>(1);
+    const size_t wanted = static_cast<size_t>(share * static_cast<double>(fine.size())) / 3 * 3;
+    std::vector<uint32_t> collapsed(fine.size()), clustered(fine.size());
+    const size_t stride = sizeof positions[0];
+    collapsed.resize(meshopt_simplify(collapsed.data(), fine.data(), fine.size(), &positions[0].x, positions.size(),
+                                      stride, wanted, kLargestError, 0, nullptr));
+    clustered.resize(meshopt_simplifySloppy(clustered.data(), fine.data(), fine.size(), &positions[0].x,
+                                            positions.size(), stride, wanted, kLargestError, nullptr));
+    if (collapsed.empty()) collapsed.assign(fine.begin(), fine.end());  // nothing vanishes
+    const auto is_coarse = [wanted](const std::vector<uint32_t>& mesh) {
+        return static_cast<double>(mesh.size()) <= kAlmost * static_cast<double>(wanted);
+    };
+    // Where not both are as coarse as they should be, the coarser one is taken however far it is off.
+    const bool are_coarse = is_coarse(collapsed) && is_coarse(clustered) && !clustered.empty();
+    const bool prefers_collapsed = clustered.empty() || collapsed.size() <= clustered.size();
+    std::vector<Coarse> candidates;
+    if (are_coarse || prefers_collapsed) candidates.emplace_back(std::move(collapsed), index, positions);
+    if (are_coarse || !prefers_collapsed) candidates.emplace_back(std::move(clustered), index, positions);
+    return candidates;
+}
 
-    void measure(const TriangleIndex& fine, std::span<const Vec3<float>> positions, uint64_t& steps) {
-        for (Coarse& coarse : candidates_) coarse.measure(fine, positions, steps);
-    }
-
-    // The one that is off by less.
-    const Coarse& best() const { return *std::ranges::min_element(candidates_, {}, &Coarse::error); }
-
-private:
-    std::vector<Coarse> candidates_;  // one or two
-};
-using CoarseLevel = std::vector<CoarseSection>;  // [sections]
+// The one that is off by less.
+const Coarse& best_of(const std::vector<Coarse>& candidates) {
+    return *std::ranges::min_element(candidates, {}, &Coarse::error);
+}
+using CoarseLevel = std::vector<std::vector<Coarse>>;  // [sections][candidates]
 
 class LodMaker {
 public:
     explicit LodMaker(Character& character) : character_(character), levels_(kLodLimit) {
-        const SampledPose rest{.clip = static_cast<uint32_t>(character.clips.size())};
+        const SampledPose rest{.clip = count_of(character.clips)};
         const std::vector<Vec3<float>> positions = positions_in(character, rest);
         for (const MeshSection& section : character.sections)
             fine_.emplace_back(indices_of(character, section), of_section(section, positions));
@@ -165,7 +157,8 @@ public:
             share *= kShare;
             for (size_t i = 0; i < fine_.size(); ++i) {
                 const MeshSection& section = character.sections[i];
-                level.emplace_back(indices_of(character, section), fine_[i], of_section(section, positions), share);
+                level.push_back(
+                    coarse_meshes(indices_of(character, section), fine_[i], of_section(section, positions), share));
             }
         }
     }
@@ -177,18 +170,37 @@ public:
         for (size_t i = 0; i < fine_.size(); ++i) {
             const std::span<const Vec3<float>> places = of_section(character_.sections[i], positions);
             fine_[i].move(places);
-            for (CoarseLevel& level : levels_) level[i].measure(fine_[i], places, steps_);
+            for (CoarseLevel& level : levels_)
+                for (Coarse& coarse : level[i]) coarse.measure(fine_[i], places, steps_);
         }
     }
 
-    void keep_levels();
+    // As long as triangles become markedly fewer.
+    void keep_levels() {
+        size_t count_before = character_.indices.size();
+        float error = kLeastError * character_.size;
+        for (const CoarseLevel& level : levels_) {
+            size_t count = 0;
+            for (const std::vector<Coarse>& section : level) count += best_of(section).indices.size();
+            if (count_before <= kFewest || static_cast<double>(count) > kWorthwhile * static_cast<double>(count_before))
+                return;
+            count_before = count;
+            for (const std::vector<Coarse>& section : level) {
+                const Coarse& coarse = best_of(section);
+                error = std::max(error, coarse.error);
+                character_.lod_ranges.push_back({count_of(character_.lod_indices), count_of(coarse.indices)});
+                character_.lod_indices.insert(character_.lod_indices.end(), coarse.indices.begin(),
+                                              coarse.indices.end());
+            }
+            character_.lods.push_back({error});
+        }
+    }
 
     uint64_t steps() const { return steps_; }
 
 private:
-    template <class Positions>
-    static std::span<const Vec3<float>> of_section(const MeshSection& section, const Positions& positions) {
-        return std::span(positions).subspan(section.first_vertex, section.vertex_count);
+    static std::span<const Vec3<float>> of_section(const MeshSection& section, std::span<const Vec3<float>> positions) {
+        return positions.subspan(section.first_vertex, section.vertex_count);
     }
 
     Character& character_;
@@ -196,27 +208,6 @@ private:
     std::vector<CoarseLevel> levels_;
     uint64_t steps_ = 0;
 };
-
-// As long as triangles become markedly fewer.
-void LodMaker::keep_levels() {
-    size_t count_before = character_.indices.size();
-    float error = kLeastError * character_.size;
-    for (const CoarseLevel& level : levels_) {
-        size_t count = 0;
-        for (const CoarseSection& section : level) count += section.best().indices.size();
-        if (count_before <= kFewest || static_cast<double>(count) > kWorthwhile * static_cast<double>(count_before))
-            return;
-        count_before = count;
-        for (const CoarseSection& section : level) {
-            const Coarse& coarse = section.best();
-            error = std::max(error, coarse.error);
-            character_.lod_ranges.push_back(
-                {static_cast<uint32_t>(character_.lod_indices.size()), static_cast<uint32_t>(coarse.indices.size())});
-            character_.lod_indices.insert(character_.lod_indices.end(), coarse.indices.begin(), coarse.indices.end());
-        }
-        character_.lods.push_back({error});
-    }
-}
 
 }  // namespace
 

@@ -1,8 +1,9 @@
 #include "compile/mesh/mesh.h"
 
+#include "base/count.h"
 #include "base/failure.h"
 #include "compile/limits.h"
-#include "scan/scan_reference.h"
+#include "compile/mesh/influence_boxes.h"
 
 #include <algorithm>
 #include <map>
@@ -51,11 +52,7 @@ std::vector<Vec3<float>> computed_normals(const AssetPrimitive& primitive) {
 class MeshCompiler {
 public:
     MeshCompiler(const Asset& asset, const RigMap& map, Character& character)
-        : asset_(asset), map_(map), character_(character) {
-        std::vector<AffineT<double>> rest;
-        for (const Trs<float>& joint : map.rig.rest) rest.push_back(to_affine(joint.as<double>()));
-        rest_model_from_joint_ = scan_reference(map.rig.parents, rest);
-    }
+        : asset_(asset), map_(map), character_(character), rest_model_from_joint_(rest_model_from_joint(map.rig)) {}
 
     void run() {
         for (const AssetSkin& skin : asset_.skins) add_skin(skin);
@@ -91,7 +88,7 @@ private:
                 return;
             }
         }
-        character_.skins.push_back({skin.name, add_entries(entries), static_cast<uint32_t>(entries.size())});
+        character_.skins.push_back({skin.name, add_entries(entries), count_of(entries)});
     }
 
     // The palette entry of a mesh that follows its node.
@@ -105,18 +102,17 @@ private:
     void add_section(const AssetMeshInstance& instance, uint32_t primitive_index) {
         const AssetPrimitive& primitive = asset_.meshes[instance.mesh].primitives[primitive_index];
         const bool skinned = instance.skin != kNone && primitive.influence_count > 0;
-        MeshSection section;
-        section.node = instance.node;
-        section.mesh = instance.mesh;
-        section.primitive = primitive_index;
-        section.skin = skinned ? instance.skin : kNone;
-        section.first_vertex = static_cast<uint32_t>(character_.vertices.size());
-        section.vertex_count = static_cast<uint32_t>(primitive.positions.size());
-        section.first_influences = static_cast<uint32_t>(character_.influences.size());
-        section.influence_sets = skinned ? primitive.influence_count / 4 : 1;
-        section.first_index = static_cast<uint32_t>(character_.indices.size());
-        section.index_count = static_cast<uint32_t>(primitive.indices.size());
-        section.material = primitive.material;
+        const MeshSection section{.node = instance.node,
+                                  .mesh = instance.mesh,
+                                  .primitive = primitive_index,
+                                  .skin = skinned ? instance.skin : kNone,
+                                  .first_vertex = count_of(character_.vertices),
+                                  .vertex_count = count_of(primitive.positions),
+                                  .first_influences = count_of(character_.influences),
+                                  .influence_sets = skinned ? primitive.influence_count / 4 : 1,
+                                  .first_index = count_of(character_.indices),
+                                  .index_count = count_of(primitive.indices),
+                                  .material = primitive.material};
         add_vertices(primitive);
         if (skinned) {
             add_influences(instance, primitive_index);
@@ -153,8 +149,7 @@ private:
             for (uint32_t i = 0; i < count; ++i) sum += primitive.influence_weights[v * count + i];
             const bool weightless = !(sum > 0);
             if (weightless && weightless_count_++ == 0)
-                first_weightless_ = "meshes[" + std::to_string(instance.mesh) + "].primitives[" +
-                                    std::to_string(primitive_index) + "]";
+                first_weightless_ = joined("meshes[", instance.mesh, "].primitives[", primitive_index, "]");
             for (uint32_t set = 0; set < count / 4; ++set) {
                 Influences influences;
                 for (uint32_t i = 0; i < 4; ++i) {
@@ -175,10 +170,9 @@ private:
     // One line for all, however many primitives a file has.
     void warn_of_weightless() {
         if (weightless_count_ == 0) return;
-        character_.warnings.push_back(
-            asset_.name + ": " + first_weightless_ + ": " + std::to_string(weightless_count_) + " of " +
-            std::to_string(skinned_count_) +
-            " skinned vertices, the first of them here, have no weight: they follow their first joint (JOINTS_0)");
+        character_.warnings.push_back(joined(
+            asset_.name, ": ", first_weightless_, ": ", weightless_count_, " of ", skinned_count_,
+            " skinned vertices, the first of them here, have no weight: they follow their first joint (JOINTS_0)"));
     }
 
     // glTF 2.0, section 3.7.4: a node that mirrors reverses the winding.
@@ -194,7 +188,7 @@ private:
     const Asset& asset_;
     const RigMap& map_;
     Character& character_;
-    std::vector<AffineT<double>> rest_model_from_joint_;
+    const std::vector<AffineT<double>> rest_model_from_joint_;
     std::map<uint32_t, uint32_t> rigid_entries_;         // node -> palette entry
     uint64_t skinned_count_ = 0, weightless_count_ = 0;  // vertices
     std::string first_weightless_;                       // the primitive

@@ -1,5 +1,6 @@
 #include "compile/mesh/morph.h"
 
+#include "base/count.h"
 #include "base/failure.h"
 #include "compile/limits.h"
 #include "control/control_reference.h"
@@ -18,9 +19,10 @@ constexpr size_t kMorphNameLimit = 256;  // bytes; longer names are cut
 constexpr double kFollowed = 1e-4;
 constexpr size_t kRefinedWeightLimit = 4'000'000;  // of a clip's cubic tracks: seconds of work
 
-[[noreturn]] void exceeds(const std::string& place, uint64_t size_bytes, const char* of) {
-    throw Failure(ErrorCode::kLimit, place, size_bytes >> 20, " MiB of ", of, "; the limit is ", kKeyLimit_bytes >> 20,
-                  " MiB a character");
+void require_size(uint64_t size_bytes, const std::string& place, const char* of) {
+    if (size_bytes > kKeyLimit_bytes)
+        throw Failure(ErrorCode::kLimit, place, size_bytes >> 20, " MiB of ", of, "; the limit is ",
+                      kKeyLimit_bytes >> 20, " MiB a character");
 }
 
 std::string place_of(const Asset& asset) { return printable(asset.name, 120) + ": morph targets"; }
@@ -53,8 +55,7 @@ void add_deltas(const AssetPrimitive& primitive, const MeshSection& section, Cha
                                                                                          1);
         for (const AssetMorphTarget& target : primitive.targets)
             character.morph_deltas.push_back({at(target.positions, v), pack_normal_difference(at(target.normals, v))});
-        const uint64_t size_bytes = character.morph_deltas.size() * sizeof(MorphDelta);
-        if (size_bytes > kKeyLimit_bytes) exceeds(place, size_bytes, "differences and more");
+        require_size(character.morph_deltas.size() * sizeof(MorphDelta), place, "differences and more");
     }
 }
 
@@ -109,7 +110,7 @@ public:
 
     void add(const WeightTrack& track, uint32_t& word) {
         if (track.is_constant()) {
-            word = static_cast<uint32_t>(character_.morph_values.size());
+            word = count_of(character_.morph_values);
             character_.morph_values.push_back(static_cast<float>(track.evaluate(0)));
         } else {
             columns_.push_back({track, &word});
@@ -117,7 +118,7 @@ public:
     }
 
     void write(Clip& clip) {
-        clip.first_morph_time = static_cast<uint32_t>(character_.morph_times_s.size());
+        clip.first_morph_time = count_of(character_.morph_times_s);
         if (columns_.empty()) return check_size(0);
         unite_times();
         refine();
@@ -129,8 +130,8 @@ public:
         for (const float time_s : times_s_)
             for (const Column& column : columns_) character_.morph_values.push_back(value_of(column.track, time_s));
         character_.morph_times_s.insert(character_.morph_times_s.end(), times_s_.begin(), times_s_.end());
-        clip.morph_row_count = static_cast<uint32_t>(times_s_.size());
-        clip.morph_row_stride = static_cast<uint32_t>(columns_.size());
+        clip.morph_row_count = count_of(times_s_);
+        clip.morph_row_stride = count_of(columns_);
     }
 
 private:
@@ -140,9 +141,8 @@ private:
     };
 
     void check_size(size_t row_count) const {
-        const uint64_t size_bytes = (character_.morph_values.size() + uint64_t{row_count} * columns_.size()) *
-                                    sizeof(float);
-        if (size_bytes > kKeyLimit_bytes) exceeds(place_, size_bytes, "weights of morph targets");
+        require_size((character_.morph_values.size() + uint64_t{row_count} * columns_.size()) * sizeof(float), place_,
+                     "weights of morph targets");
     }
 
     float value_of(const WeightTrack& track, float time_s) const {
@@ -262,7 +262,7 @@ void compile_morphs(const Asset& asset, Character& character) {
 
 void compile_morph_tracks(const Asset& asset, Character& character) {
     const uint64_t table_bytes = character.clips.size() * uint64_t{character.morphs.size()} * sizeof(uint32_t);
-    if (table_bytes > kKeyLimit_bytes) exceeds(place_of(asset), table_bytes, "tracks (clips x morph targets)");
+    require_size(table_bytes, place_of(asset), "tracks (clips x morph targets)");
     character.morph_tracks.assign(character.clips.size() * character.morphs.size(), kNone);
     const std::map<uint32_t, NodeMorphs> by_node = morphs_by_node(character);
     for (size_t index = 0; index < character.clips.size(); ++index) {

@@ -1,5 +1,7 @@
 #include "compile/mesh/triangle_index.h"
 
+#include "base/count.h"
+
 #include <algorithm>
 #include <type_traits>
 
@@ -78,8 +80,8 @@ TriangleIndex::TriangleIndex(std::span<const uint32_t> indices, std::span<const 
 
 // Into halves of equal number, along the longest side of their box.
 void TriangleIndex::split(std::span<Centroid> centroids, uint32_t first, uint32_t parent) {
-    const auto at = static_cast<uint32_t>(nodes_.size());
-    nodes_.push_back({.first = first, .count = static_cast<uint32_t>(centroids.size()), .parent = parent});
+    const auto at = count_of(nodes_);
+    nodes_.push_back({.first = first, .count = count_of(centroids), .parent = parent});
     if (centroids.size() <= kLeafTriangles) {
         std::fill_n(leaves_.begin() + first, centroids.size(), at);
         return;
@@ -97,7 +99,7 @@ void TriangleIndex::split(std::span<Centroid> centroids, uint32_t first, uint32_
         });
     split(centroids.first(half), first, at);
     nodes_[at].count = 0;
-    nodes_[at].first = static_cast<uint32_t>(nodes_.size());
+    nodes_[at].first = count_of(nodes_);
     split(centroids.subspan(half), first + static_cast<uint32_t>(half), at);
 }
 

@@ -1,0 +1,15 @@
+// Counts as the GPU and files have them.
+#pragma once
+
+#include <cstdint>
+#include <iterator>
+
+namespace throng {
+
+// Of what limits keep below 2^32.
+template <class Items>
+uint32_t count_of(const Items& items) {
+    return static_cast<uint32_t>(std::size(items));
+}
+
+}  // namespace throng

@@ -1,0 +1,81 @@
+// JSON whose values know their place, read as programs write it and as people do.
+#include "json/json_text.h"
+
+#include <gtest/gtest.h>
+
+namespace throng {
+namespace {
+
+std::string error_of(const auto& what) {
+    const auto result = as_result([&] { what(); });
+    return result ? "" : result.error().text();
+}
+
+TEST(Json, APlaceNamesItsWay) {
+    EXPECT_EQ(place_of("", "nodes"), "nodes");
+    EXPECT_EQ(place_of("nodes", size_t{3}, "name"), "nodes[3].name");
+    EXPECT_EQ(place_of("masks", "left arm"), "masks[\"left arm\"]");
+    EXPECT_EQ(place_of("masks", ""), "masks[\"\"]");
+    EXPECT_EQ(place_of("masks", "a\nb", size_t{0}), "masks[\"a?b\"][0]") << "a place is one line";
+}
+
+TEST(Json, MembersKeepTheirOrder) {
+    const JsonText text(R"({"z": 1, "a": [true, "b"], "m": {}})", JsonAuthor::kPerson);
+    std::string all;
+    for (const JsonView member : text.view()) all += member.key() + "=" + member.place() + " ";
+    EXPECT_EQ(all, "z=z a=a m=m ");
+    EXPECT_EQ(text.view().required_array("a")[1].as_string(), "b");
+    EXPECT_EQ(text.view().required("z").size(), 0u) << "of a number";
+    EXPECT_EQ(text.view().optional_array("none").size() + text.view().optional_members("none").size(), 0u);
+}
+
+TEST(Json, OfSeveralKeysThatAProgramWritesTheLastCounts) {
+    const char* twice = "{\"a\": 1, \"b\": 2,\n\"a\": 3}";
+    const JsonText text(twice, JsonAuthor::kProgram);
+    EXPECT_EQ(text.view().required_uint("a"), 3u);
+    EXPECT_EQ(error_of([&] { JsonText(twice, JsonAuthor::kPerson, "x.json"); }),
+              "x.json:2: 'a' stands twice in one object, first in line 1; rename or remove one");
+}
+
+TEST(Json, ProgramsAndPeopleAreToldWhatTheyNeed) {
+    const char* json = R"({"n": 7, "big": 1e39, "list": [1, 2]})";
+    const JsonText by_program(json, JsonAuthor::kProgram), by_person(json, JsonAuthor::kPerson);
+    const JsonView p = by_program.view(), q = by_person.view();
+    EXPECT_EQ(error_of([&] { p.required_string("n"); }), "n: must be a string, but is the number 7");
+    EXPECT_EQ(error_of([&] { q.required_string("n"); }), "n: must be a string, but is a number");
+    EXPECT_EQ(error_of([&] { p.required("x"); }), "x: is missing");
+    EXPECT_EQ(error_of([&] { q.required("x"); }), "'x' is missing");
+    EXPECT_EQ(error_of([&] { p.optional_float("big", 0); }), "big: the number 1e+39 does not fit a 32-bit float");
+    EXPECT_EQ(error_of([&] { q.optional_float("big", 0); }), "big: is too large for a 32-bit float");
+    EXPECT_EQ(error_of([&] { p.required_index("n", 1, "nodes"); }), "n: index 7, but nodes has 1 entry");
+    EXPECT_EQ(error_of([&] { p.required_index("n", 0, "nodes"); }), "n: index 7, but nodes has no entries");
+    std::array<double, 3> three{};
+    EXPECT_EQ(error_of([&] { p.optional_numbers("list", three); }), "list: must have 3 numbers, but has 2");
+    EXPECT_EQ(error_of([&] {
+                  q.allow({"n", "bug", "list"});
+              }),
+              "big: there is no field 'big'; did you mean 'bug'? There are: n, bug, list");
+}
+
+TEST(Json, APlaceHasItsLine) {
+    const JsonText text("{\n\"a\": [\n1,\n{\"b\": 2}\n],\n\"ab\":\n3}", JsonAuthor::kPerson);
+    EXPECT_EQ(text.located("f", ""), "f:1");
+    EXPECT_EQ(text.located("f", "a"), "f:2: a");
+    EXPECT_EQ(text.located("f", "a[0]"), "f:3: a[0]");
+    EXPECT_EQ(text.located("f", "a[1].b"), "f:4: a[1].b");
+    EXPECT_EQ(text.located("f", "a[1].c.d"), "f:4: a[1].c.d") << "that of what is around it";
+    EXPECT_EQ(text.located("f", "ab"), "f:6: ab") << "that of the key";
+}
+
+TEST(Json, TooMuchIsRefused) {
+    const std::string deep(kProgramNestingLimit + 1, '[');
+    EXPECT_EQ(error_of([&] { JsonText(deep, JsonAuthor::kProgram); }),
+              "the JSON is nested deeper than the limit of 64");
+    EXPECT_EQ(error_of([&] { JsonText(deep, JsonAuthor::kPerson, "x"); }),
+              "x:1: the JSON is nested deeper than the limit of 32");
+    EXPECT_EQ(error_of([&] { JsonText(deep.substr(1), JsonAuthor::kProgram); }).substr(0, 24),
+              "the JSON cannot be read:");
+}
+
+}  // namespace
+}  // namespace throng
