@@ -33,6 +33,8 @@ std::set<std::string> keys(const Json& object) {
     return out;
 }
 
+std::set<std::string> set_of(const Words& words) { return {words.begin(), words.end()}; }
+
 // One a line.
 std::vector<Json> records_of(const std::string& text) {
     std::vector<Json> records;
@@ -176,10 +178,10 @@ TEST_F(Cli, InfoAndReferencePoseNeedNoGpu) {
 
 TEST_F(Cli, PoseHasItsDocumentedShape) {
     const Json all = pose("--clip walk --time 0.3 --vertices all"), some = pose("--clip walk --time 0.3 --vertices 5");
-    EXPECT_EQ(keys(all), (std::set<std::string>{"file", "device", "skins", "primitives"}));
+    EXPECT_EQ(keys(all), set_of("file device skins primitives"));
     ASSERT_EQ(all["skins"].size(), 1u);
     const Json& skin = all["skins"][0];
-    EXPECT_EQ(keys(skin), (std::set<std::string>{"skin", "joints", "jointWorld", "skinMatrix"}));
+    EXPECT_EQ(keys(skin), set_of("skin joints jointWorld skinMatrix"));
     EXPECT_EQ(skin["joints"].size(), size_t{kJoints});
     for (const char* key : {"jointWorld", "skinMatrix"}) {
         ASSERT_EQ(skin[key].size(), size_t{kJoints});
@@ -190,7 +192,7 @@ TEST_F(Cli, PoseHasItsDocumentedShape) {
     }
     ASSERT_EQ(all["primitives"].size(), 1u);
     const Json &every = all["primitives"][0], &few = some["primitives"][0];
-    EXPECT_EQ(keys(every), (std::set<std::string>{"node", "mesh", "primitive", "skin", "vertices", "positions"}));
+    EXPECT_EQ(keys(every), set_of("node mesh primitive skin vertices positions"));
     EXPECT_EQ(every["vertices"].size(), json_of("info creature.glb")["vertices"].get<size_t>());
     ASSERT_EQ(few["vertices"].size(), 5u);
     for (size_t i = 0; i < 5; ++i) EXPECT_EQ(few["positions"][i], every["positions"][few["vertices"][i].get<size_t>()]);
@@ -310,10 +312,8 @@ TEST_F(Cli, BenchHasARecordForEachScanMethod) {
     const Outcome run = succeed("bench creature.glb --count 50 --samples 2 --json", kOfCommit);
     std::set<std::string> scans;
     for (const Json& record : records_of(run.out)) {
-        EXPECT_EQ(keys(record),
-                  (std::set<std::string>{"bench", "scan", "path", "characters", "joints", "files", "clips_blended",
-                                         "samples", "stages", "total", "ns_per_joint", "max_error", "memory_bytes",
-                                         "device", "driver", "subgroup_size", "commit", "date"}));
+        EXPECT_EQ(keys(record), set_of("bench scan path characters joints files clips_blended samples stages total "
+                                       "ns_per_joint max_error memory_bytes device driver subgroup_size commit date"));
         EXPECT_EQ(record["path"], "staged");
         EXPECT_EQ(record["stages"]["fused"]["median_ms"], 0);
         EXPECT_GT(record["stages"]["sample"]["median_ms"], 0);
@@ -325,13 +325,12 @@ TEST_F(Cli, BenchHasARecordForEachScanMethod) {
         EXPECT_GE(record["memory_bytes"], 50 * kJoints * 48);
         EXPECT_EQ(keys(record["stages"]), std::set<std::string>(kStageNames.begin(), kStageNames.end()));
         for (const Json& spread : {record["stages"]["scan"], record["total"]}) {
-            EXPECT_EQ(keys(spread), (std::set<std::string>{"median_ms", "p5_ms", "p95_ms"}));
+            EXPECT_EQ(keys(spread), set_of("median_ms p5_ms p95_ms"));
             EXPECT_LE(spread["p5_ms"], spread["median_ms"]);
             EXPECT_LE(spread["median_ms"], spread["p95_ms"]);
         }
         ASSERT_EQ(record["files"].size(), 1u);
-        EXPECT_EQ(keys(record["files"][0]), (std::set<std::string>{"name", "joints", "levels", "mean_depth", "leaves",
-                                                                   "palette_entries", "keys"}));
+        EXPECT_EQ(keys(record["files"][0]), set_of("name joints levels mean_depth leaves palette_entries keys"));
         EXPECT_TRUE(record["files"][0]["keys"].get<std::string>().ends_with(" %"));
         EXPECT_TRUE(scans.insert(record["scan"]).second) << "twice: " << record["scan"];
         EXPECT_TRUE(contains(text.out, record["scan"].get<std::string>()));
@@ -385,18 +384,15 @@ TEST_F(Cli, BenchScanHasARecordForEachMethodAndCase) {
     std::set<std::string> cases;
     for (const Json& record : records_of(read_file("scan.jsonl"))) {
         const bool on_chip = record["experiment"] == "on_chip";
-        std::set<std::string> wanted{"bench",      "experiment", "method",        "shape",      "seed",
-                                     "characters", "joints",     "levels",        "mean_depth", "leaves",
-                                     "device",     "driver",     "subgroup_size", "commit",     "date"};
+        std::set<std::string> wanted = set_of(
+            "bench experiment method shape seed characters joints levels "
+            "mean_depth leaves device driver subgroup_size commit date");
         if (!record.contains("unsupported_reason")) {
-            wanted.merge(std::set<std::string>{"threads", "multiplications", "longest_thread", "barriers",
-                                               "shared_bytes", "max_error", "samples"});
+            wanted.merge(set_of("threads multiplications longest_thread barriers shared_bytes max_error samples"));
             if (on_chip)
-                wanted.merge(std::set<std::string>{"workgroup_size", "on_chip_ns_per_joint", "on_chip_p5",
-                                                   "on_chip_p95", "barrier_share"});
+                wanted.merge(set_of("workgroup_size on_chip_ns_per_joint on_chip_p5 on_chip_p95 barrier_share"));
             else
-                wanted.merge(std::set<std::string>{"bytes", "median_ms", "p5_ms", "p95_ms", "copy_ms", "times_copy",
-                                                   "ns_per_joint"});
+                wanted.merge(set_of("bytes median_ms p5_ms p95_ms copy_ms times_copy ns_per_joint"));
             EXPECT_LE(record["max_error"], 1e-5);
             EXPECT_EQ(record["samples"], 2);
         } else {
@@ -423,9 +419,9 @@ TEST_F(Cli, BenchScanHasARecordForEachMethodAndCase) {
             << "twice: " << record;
         EXPECT_TRUE(contains(run.out, record["method"].get<std::string>()));
     }
-    EXPECT_EQ(cases, (std::set<std::string>{"levels5auto", "levels5serial", "levels5compressed", "levels9auto",
-                                            "levels9serial", "levels9compressed", "on_chip5serial",
-                                            "on_chip5compressed", "on_chip9serial", "on_chip9compressed"}));
+    EXPECT_EQ(cases, set_of("levels5auto levels5serial levels5compressed levels9auto levels9serial "
+                            "levels9compressed on_chip5serial on_chip5compressed on_chip9serial "
+                            "on_chip9compressed"));
     const std::string help = run_tool("bench scan --help").out;
     EXPECT_TRUE(contains(help, "Examples:\n  throng bench scan")) << help;
 }
@@ -434,21 +430,22 @@ TEST_F(Cli, BenchFrameHasARecordForEachVariantOfEachConfiguration) {
     const Outcome run = succeed("bench frame --quick --count 20 --samples 2 --json", kOfCommit);
     std::map<std::string, std::set<std::string>> variants;  // of each configuration
     for (const Json& record : records_of(run.out)) {
-        std::set<std::string> wanted{
-            "bench",           "configuration", "variant", "path",   "characters",    "joints", "levels", "mean_depth",
-            "palette_entries", "bytes",         "device",  "driver", "subgroup_size", "commit", "date"};
+        std::set<std::string> wanted = set_of(
+            "bench configuration variant path characters joints levels "
+            "mean_depth palette_entries bytes device driver subgroup_size "
+            "commit date");
         const bool is_copy = record["path"] == "copy", is_floor = is_copy || record["path"] == "fill";
         if (is_floor)
             wanted.insert("by");
         else
-            wanted.merge(std::set<std::string>{"clips", "keys"});
+            wanted.merge(set_of("clips keys"));
         if (!is_copy) wanted.insert("skin_format");
         if (record.contains("unsupported_reason"))
             wanted.insert("unsupported_reason");
         else
-            wanted.merge(std::set<std::string>{"samples", "host_samples", "ms", "ns_per_joint", "gb_per_s"});
+            wanted.merge(set_of("samples host_samples ms ns_per_joint gb_per_s"));
         if (!is_floor && !record.contains("unsupported_reason"))
-            wanted.merge(std::set<std::string>{"scan", "max_error", "stages", "times_fill_floor"});
+            wanted.merge(set_of("scan max_error stages times_fill_floor"));
         EXPECT_EQ(keys(record), wanted) << record;
         EXPECT_EQ(record["bench"], "frame");
         EXPECT_EQ(record["characters"], 20);
@@ -478,10 +475,10 @@ TEST_F(Cli, BenchViewTellsWhatLeavingOutGains) {
     const Outcome run = succeed(command + " --json", kOfCommit);
     std::set<std::string> variants;
     for (const Json& record : records_of(run.out)) {
-        std::set<std::string> wanted{"bench",  "configuration", "variant",      "path",      "characters",    "joints",
-                                     "levels", "drawn",         "memory_bytes", "max_error", "samples",       "ms",
-                                     "stages", "times_faster",  "device",       "driver",    "subgroup_size", "commit",
-                                     "date"};
+        std::set<std::string> wanted = set_of(
+            "bench configuration variant path characters joints levels drawn "
+            "memory_bytes max_error samples ms stages times_faster device "
+            "driver subgroup_size commit date");
         if (record["variant"] != "everything") wanted.insert("lod_pixels");
         if (record.contains("max_pixels")) wanted.insert("max_pixels");
         if (record.contains("full_rate_pixels")) wanted.insert("full_rate_pixels");
@@ -537,9 +534,8 @@ TEST_F(Cli, DevicesAreListed) {
     ASSERT_FALSE(devices.empty());
     for (size_t i = 0; i < devices.size(); ++i) {
         EXPECT_EQ(devices[i]["index"], i);
-        EXPECT_EQ(keys(devices[i]),
-                  (std::set<std::string>{"index", "name", "type", "driver", "vulkan", "subgroup_size",
-                                         "shared_memory_bytes", "storage_buffer_range_bytes", "usable"}));
+        EXPECT_EQ(keys(devices[i]), set_of("index name type driver vulkan subgroup_size shared_memory_bytes "
+                                           "storage_buffer_range_bytes usable"));
     }
     const Outcome text = run_tool("devices");
     EXPECT_TRUE(contains(text.out, devices[0]["name"].get<std::string>())) << text;
