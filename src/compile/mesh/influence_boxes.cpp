@@ -1,6 +1,6 @@
 #include "compile/mesh/influence_boxes.h"
 
-#include "scan/scan_reference.h"
+#include "compile/clip/sampled_poses.h"
 
 #include <algorithm>
 #include <limits>
@@ -40,7 +40,7 @@ void add_unskinned(const Character& character, std::vector<Box>& boxes) {
     for (size_t joint = 0; joint < boxes.size(); ++joint) {
         if (!boxes[joint].empty) continue;
         const auto& row = model_from_joint[joint].row;
-        // Of lengths, from joint to model space
+        // By which lengths grow from joint to model space
         const double scale = length(Vec3<double>{row[0][0], row[1][0], row[2][0]});
         const double half = character.size * (has_mesh ? kReach : kReachWithoutMesh) /
                             (std::sqrt(3.0) * (scale > kHidden ? scale : 1));
@@ -76,12 +76,6 @@ void visit_influences(const Character& character, const Visit& visit) {
 }
 
 }  // namespace
-
-std::vector<AffineT<double>> rest_model_from_joint(const Rig& rig) {
-    std::vector<AffineT<double>> parent_from_joint;
-    for (const Trs<float>& rest : rig.rest) parent_from_joint.push_back(to_affine(rest.as<double>()));
-    return scan_reference(rig.parents, parent_from_joint);
-}
 
 std::vector<Box> influence_boxes(const Character& character) {
     std::vector<Box> boxes(character.rig.joint_count());

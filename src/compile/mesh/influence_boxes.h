@@ -17,9 +17,6 @@ struct Box {
     double largest_distance() const;          // of a corner from the origin
 };
 
-// [joint_count], model_from_joint of the rest pose.
-std::vector<AffineT<double>> rest_model_from_joint(const Rig& rig);
-
 // [joint_count], in joint space: the vertices that the joint's palette entries move with a weight above 0; for joints
 // that move none, a cube whose half diagonal is 2 % of the character's size, or 10 % where no joint moves any.
 std::vector<Box> influence_boxes(const Character& character);

@@ -2,8 +2,8 @@
 
 #include "base/count.h"
 #include "base/failure.h"
+#include "compile/clip/sampled_poses.h"
 #include "compile/limits.h"
-#include "compile/mesh/influence_boxes.h"
 
 #include <algorithm>
 #include <map>
