@@ -115,7 +115,7 @@ private:
     uint64_t instance_count() const { return frame_.playback.size(); }
     uint64_t joint_count() const { return frame_.character->rig.joint_count(); }
 
-    // Of some instances, at the times that they were given.
+    // The largest error of some instances, at the times that they were given.
     double error_of(const Entrant& entrant) const {
         constexpr uint64_t kChecked = 16;
         value_of(entrant.crowd()->set_playback(0, *entrant.playback));
@@ -160,7 +160,7 @@ private:
                 [fill](VkCommandBuffer commands) { fill->record_transfer(commands); });
     }
 
-    // Of the bytes that the staged update moves.
+    // A copy of the bytes that the staged update moves.
     void add_copy() {
         Floor floor{
             .record = {{"variant", "copy as staged"}, {"path", "copy"}, {"bytes", bytes_of(entrants_.front())}}};

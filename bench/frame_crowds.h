@@ -34,7 +34,7 @@ public:
     // than it has, as lavapipe does, would swap or be killed.
     std::string memory_unsupported_reason(uint64_t needed_bytes) const;
 
-    // Of one of the staged update's intermediates.
+    // Size of one of the staged update's intermediates.
     uint64_t arena_buffer_bytes(const Character& character) const;
 
 private:

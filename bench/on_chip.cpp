@@ -104,7 +104,7 @@ public:
 
     const ScanPlan& plan() const { return plan_; }
 
-    // Of a run of so many repeats; one that ended early leaves NaN.
+    // The error after a run of so many repeats; one that ended early leaves NaN.
     double max_error(const PoseSet& pose, uint32_t repeat_count) const {
         gpu_->submit_and_wait([&](VkCommandBuffer commands) {
             gpu_->vk.vkCmdFillBuffer(commands, model_.handle(), 0, VK_WHOLE_SIZE, 0xFFFFFFFF);

@@ -107,7 +107,7 @@ std::vector<Json> measure_with_planner(const std::shared_ptr<Gpu>& gpu, const Sc
                                        const Progress& progress) {
     const ScanChoice chosen =
         choose_scan(kAuto, cell.rig(), cell.characters, scan_limits(*gpu), scan_costs(*gpu)).choice;
-    // Of a method with a choice of threads only the fastest ones have a row.
+    // A method with a choice of threads has a row for the fastest choices only.
     const bool has_row = chosen.threads == 0 &&
                          std::any_of(entrants.begin(), entrants.end(), [&](const Entrant& entrant) {
                              return entrant.choices.front().method == chosen.method;

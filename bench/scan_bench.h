@@ -17,7 +17,7 @@ struct ScanBenchSettings {
     // Names of scan_methods(), "name:threads" to fix the invocations a character; empty: all
     std::vector<std::string> methods;
     std::vector<std::string> experiments = default_scan_experiments();
-    // Of the experiments "levels" and "on_chip".
+    // What the experiments "levels" and "on_chip" measure.
     uint32_t characters = 10'000, joints = 300;
     std::vector<uint32_t> levels{15, 30, 45, 60, 90, 120};
     SkeletonShape shape = SkeletonShape::kRandom;

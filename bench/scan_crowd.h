@@ -51,7 +51,7 @@ public:
 
     // Fills the results with NaN, so that what a method leaves out is seen.
     void poison() const;
-    // Of every matrix of every instance.
+    // The largest error of all matrices of all instances.
     double max_error(ScanLayout layout) const;
 
 private:

@@ -98,8 +98,8 @@ private:
         return all;
     }
 
-    // Of some of those that are drawn of each level of detail: skin matrices; where they have fewer joints, how far
-    // these take vertices away, as the view sees it.
+    // Looks at some instances of each level of detail that is drawn: at their skin matrices, and where they have fewer
+    // joints at how far these take vertices away, as the view sees it.
     void compare(Entrant& entrant) const {
         std::vector<DrawnInstance> drawn = drawn_by(entrant);
         std::ranges::stable_sort(drawn, {}, &DrawnInstance::lod);  // large crowds are listed batch by batch

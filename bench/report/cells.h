@@ -50,7 +50,7 @@ Best best_over(const Cells& cells, const char* field, const char* quantity);
 const Json* fastest(const Cells& cells);
 const Json* planned(const Cells& cells);
 
-// Of first over second, over all values of `field` that both have; NaN where there is none.
+// Geometric mean of first over second, over all values of `field` that both have; NaN where there is none.
 double geometric_mean_ratio(const Best& first, const Best& second, const char* quantity);
 
 }  // namespace throng::bench

@@ -6,7 +6,7 @@
 
 namespace throng {
 
-// Of what limits keep below 2^32.
+// The number of items, where limits keep it below 2^32.
 template <class Items>
 uint32_t count_of(const Items& items) {
     return static_cast<uint32_t>(std::size(items));

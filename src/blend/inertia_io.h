@@ -4,7 +4,7 @@
 #include "sample/sample_io.h"
 THRONG_IO_BEGIN
 
-// Of each: in xyz the offset when the transition began, in w its speed along itself, per second; not above 0: it
+// In each vector: in xyz the offset when the transition began, in w its speed along itself, per second; not above 0: it
 // shrinks.
 struct InertiaJoint {
     vec4 rotation;  // axis times angle, radians

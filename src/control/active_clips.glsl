@@ -32,7 +32,7 @@ void store_active_clip(uint index, ActiveClip active_clip) {
     store_end(index, active_clip);
 }
 
-// Of a layer that has active clips.
+// Begins a layer that has active clips.
 void begin_layer(LayerState state, ControlLayer layer, float weight) {
     layer_flags = (state.mode == kModeAdditive ? kActiveClipAdditive : 0) |
                   (state.mask == kNone ? 0 : kActiveClipMasked | state.mask << kActiveClipMaskShift) |

@@ -55,8 +55,8 @@ struct ControlTriangle {
     float bx, by, b0;
 };
 
-// Of the hull of the points, or the line they all lie on: the nearest place is a + t (b - a), t = clamp(((x, y) - a) .
-// (dx, dy), 0, 1).
+// An edge of the hull of the points, or of the line they all lie on. The nearest place is a + t (b - a), t = clamp(((x,
+// y) - a) . (dx, dy), 0, 1).
 struct ControlEdge {
     uint a, b;
     float dx, dy;  // (b - a) / |b - a|^2

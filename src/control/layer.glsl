@@ -4,7 +4,7 @@
 // begin_layer(), add_active_clip(), add_move() and emit_events(); these go by control/plays.glsl, so that comes before.
 
 bool has_taken = false;  // a transition, in any layer
-// Of an inertial transition or play that this update begins with, of the highest layer that has one; 0: none
+// Duration of the inertial transition or play that this update begins with, in the highest layer that has one; 0: none
 float begun_duration_s = 0;
 
 void note_transition(LayerState state) {
@@ -30,7 +30,7 @@ float advance_weight(INOUT(LayerState) state, ControlLayer layer) {
 
 bool is_in_step(ClipMix leading, ClipMix other) { return leading.sync != kNone && other.sync == leading.sync; }
 
-// Of the layer's plays; from play_count on of no meaning: neither heard nor stored
+// The layer's plays; those from play_count on have no meaning: they are neither shown nor stored
 ClipMix mixes[kStackSize];
 PhaseStep steps[kStackSize];
 

@@ -42,7 +42,7 @@ void require_name(std::string_view name, const std::string& place) {
     throw Failure(ErrorCode::kLimit, place, "the name is longer than the limit of ", kNameLimit, " bytes");
 }
 
-// Of what the controller itself names, and others print.
+// For names that the controller itself gives, and others print.
 void require_printable_name(std::string_view name, const std::string& place) {
     require_name(name, place);
     if (printable(name, kNameLimit) != name)

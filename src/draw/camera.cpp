@@ -21,7 +21,7 @@ Axes look_along(const Vec3<float>& direction) {
     return {right, cross(right, forward), forward};
 }
 
-// Of the box that each group has in model space.
+// World bounds of the boxes that groups have in model space.
 Bounds bounds_of(const CrowdState& state, Vec3<float> Group::*box_min, Vec3<float> Group::*box_max) {
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     Bounds bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};

@@ -29,8 +29,8 @@ private:
     std::vector<std::array<Bindings, 2>> batches_;  // [batch_count][current_skin]
 };
 
-// Of all crowds that a renderer has drawn and that still live. What belonged to others may go: their commands have
-// finished before them.
+// Bindings of all crowds that a renderer has drawn and that still live. What belonged to others may go: their commands
+// have finished before them.
 class CrowdBindingsCache {
 public:
     // Submits and waits where the crowd is new.

@@ -17,7 +17,7 @@ struct CrowdDrawing {
     const LinePipelines* lines;  // where there are some
 
     void draw(VkCommandBuffer commands, DrawPass pass) const;
-    // Of all instances, or of those that are listed. Skeletons need CrowdSettings::keep_model_matrices.
+    // For all instances, or those that are listed. Skeletons need CrowdSettings::keep_model_matrices.
     void draw_skeletons(VkCommandBuffer commands) const;
     void draw_bounds(VkCommandBuffer commands) const;
 

@@ -50,7 +50,7 @@ struct JointLevel {
     uint level;
 };
 
-// Of the lines over a crowd.
+// Push constants of the lines over a crowd.
 struct LinePush {
     vec4 box_centre, box_half_extent;  // of boxes: model space
     uint joint_count;                  // of skeletons

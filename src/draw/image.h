@@ -47,7 +47,7 @@ inline constexpr ImageUse kColorTarget{VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
     kCopySource{VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, kTransferRead},
     kCopyTarget{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, kTransferWrite};
 
-// Of depths where one of the two is a use of depths.
+// The aspect is depth where one of the two is a use of depths, else colour.
 void transition(const Gpu& gpu, VkCommandBuffer commands, VkImage image, const ImageUse& from, const ImageUse& to,
                 uint32_t first_mip = 0, uint32_t mip_count = VK_REMAINING_MIP_LEVELS);
 

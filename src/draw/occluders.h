@@ -10,7 +10,7 @@ namespace throng {
 
 class Occluders {
 public:
-    // Of as many samples as the picture has: what shows at one of them alone hides nothing.
+    // Has as many samples as the picture: what shows at one of them alone hides nothing.
     Occluders(std::shared_ptr<Gpu> gpu, VkExtent2D extent, VkSampleCountFlagBits samples);
 
     // Begins and ends the pass that draws depths.

@@ -17,7 +17,7 @@ inline constexpr VkFormat kFarthestFormat = VK_FORMAT_R32_SFLOAT;  // draw/occlu
 // scene and the shadow map; the textures of a material.
 enum DrawSet : uint32_t { kBatchSet, kSceneSet, kMaterialSet };
 
-// Of all shaders of the draw, so that a set stays bound when the pipeline changes.
+// The layout of all shaders of the draw, so that a set stays bound when the pipeline changes.
 ShaderLayout make_draw_layout(const std::shared_ptr<Gpu>& gpu);
 
 // What pipelines of a picture are made with.

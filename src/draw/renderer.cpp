@@ -179,7 +179,7 @@ void RendererState::record_frame(VkCommandBuffer commands, Frame& frame) {
     stamps_.publish(commands);
 }
 
-// Of the newest frame that has finished: from each stamp at which drawing begins to the next, where it ends.
+// The time of the newest frame that has finished: from each stamp at which drawing begins to the next, where it ends.
 double RendererState::draw_ms() const {
     double sum_ms = 0;
     if (const std::optional<Timestamps::Frame> frame = stamps_.newest())

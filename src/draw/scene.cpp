@@ -27,7 +27,7 @@ float ground_height(const CrowdState& state, const Bounds& bounds) {
     return height;
 }
 
-// Of the largest.
+// The size of the largest character.
 float character_size(const CrowdState& state) {
     float size = 0;
     for (const Batch& batch : state.batches) {

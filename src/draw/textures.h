@@ -13,7 +13,7 @@ namespace throng {
 
 inline constexpr uint32_t kTextureDimensionLimit = 16'384;
 inline constexpr uint64_t kTexturePixelLimit = uint64_t{1} << 26;  // 256 MiB decoded
-// Of all textures of a crowd, with mipmaps: a small file may ask for a lot
+// Size of all textures of a crowd, with mipmaps: a small file may ask for a lot
 inline constexpr uint64_t kTexturesLimit_bytes = uint64_t{1} << 31;
 
 // PNG or JPEG. Takes what it needs with mipmaps from `room_bytes`, before it decodes. Throws kInvalidFile, and kLimit

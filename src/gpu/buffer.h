@@ -97,7 +97,7 @@ VkBufferUsageFlags table_usage(const Gpu& gpu, std::string_view what, uint64_t s
 void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, VkDeviceSize offset_bytes,
                    std::span<const std::byte> data);
 
-// Of a buffer of Ts, those from `first` on.
+// Writes into a buffer of Ts, from `first` on.
 template <class T>
 void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, uint64_t first,
                    std::span<const T> items) {

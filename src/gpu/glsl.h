@@ -63,7 +63,7 @@ T inversesqrt(T x) {
 inline uint findLSB(uint bits) { return static_cast<uint>(std::countr_zero(bits)); }
 inline float uintBitsToFloat(uint bits) { return std::bit_cast<float>(bits); }
 
-// Of a number and NaN, the second, as on devices.
+// The second one where one of the two is NaN, as on devices.
 template <class T>
 T min(T a, Scalar<T> b) {
     return a < b ? a : b;

@@ -85,7 +85,7 @@ public:
     mutable GpuCounts counts;
 
 private:
-    // Of an application's device nothing is kept that no crowd uses: the application may destroy it before this object.
+    // On an application's device nothing is kept that no crowd uses: the application may destroy it before this object.
     explicit Gpu(bool owns_device);
     void create_instance(Validation validation);
     void create_device(const DeviceSettings& settings);

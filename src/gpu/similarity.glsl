@@ -21,8 +21,8 @@ Affine affine_from_similarity(Similarity s) {
     return affine_from_trs(s.rotation, s.translation_scale.xyz, s.translation_scale.www);
 }
 
-// Of the rows of a rotation matrix. Source: S. W. Shepperd, Quaternion from Rotation Matrix, J. Guidance and Control 1
-// (3), 1978: the largest component first, so that no digits are lost.
+// The quaternion of a rotation matrix. Source: S. W. Shepperd, Quaternion from Rotation Matrix, J. Guidance and Control
+// 1 (3), 1978: the largest component first, so that no digits are lost.
 vec4 quaternion_from_rows(vec3 r0, vec3 r1, vec3 r2) {
     const vec4 squares = 1 + vec4(r0.x - r1.y - r2.z, r1.y - r0.x - r2.z, r2.z - r0.x - r1.y, r0.x + r1.y + r2.z);
     const vec3 sums = vec3(r1.z + r2.y, r0.z + r2.x, r0.y + r1.x),
@@ -41,7 +41,7 @@ vec4 quaternion_from_rows(vec3 r0, vec3 r1, vec3 r2) {
     return q * inversesqrt(dot(q, q));
 }
 
-// Of a matrix whose linear part is a rotation times one factor, which may be negative.
+// `m`: its linear part is a rotation times one factor, which may be negative.
 Similarity similarity_from_affine(Affine m) {
     const float size = sqrt(dot(m.row0.xyz, m.row0.xyz));
     const float scale = dot(m.row0.xyz, cross(m.row1.xyz, m.row2.xyz)) < 0 ? -size : size;

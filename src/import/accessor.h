@@ -56,7 +56,7 @@ struct AccessorView {
     uint32_t count() const { return format.count; }
     // Normalised integers are mapped to [0, 1] or [-1, 1], others are converted.
     float number(uint32_t element, uint32_t component) const;
-    // Of unsigned component types.
+    // For unsigned component types.
     uint32_t integer(uint32_t element, uint32_t component) const;
 
 private:

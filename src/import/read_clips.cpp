@@ -28,7 +28,8 @@ Interpolation read_interpolation(const JsonView& sampler) {
 // glTF 2.0, 3.11, wants times that increase strictly. Keys that go back in time are sorted, as Filament (gltfio,
 // Animator.cpp: a std::map) and Blender (FCurve.update() after the import) do; three.js (Interpolant.js) and Khronos'
 // viewer (interpolator.js) search them as if they were sorted, and what they find depends on the time shown before.
-// Of keys at one time the value goes to the first and goes on from the last, as in three.js and Khronos' viewer.
+// Where several keys have one time, the value arrives at the first and goes on from the last, as in three.js and
+// Khronos' viewer.
 Keys read_times(Reading& reading, const JsonView& sampler, Interpolation interpolation) {
     const AccessorView input = reading.accessors.open(sampler, "input");
     const std::string place = sampler.place_of("input");

@@ -7,7 +7,7 @@
 
 namespace throng {
 
-// Of what people write: its size, how deep it is nested, and how many values it has
+// Limits of what people write: size, nesting, number of values
 inline constexpr size_t kJsonTextLimit_bytes = size_t{4} << 20;
 inline constexpr size_t kJsonNestingLimit = 32;
 inline constexpr size_t kJsonValueLimit = 500'000;

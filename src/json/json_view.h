@@ -21,7 +21,7 @@ enum class JsonAuthor : uint8_t { kProgram, kPerson };
 std::string place_of(const std::string& place, std::string_view key);
 std::string place_of(const std::string& place, size_t index);
 
-// Of what is further below.
+// The place of what is further below.
 template <class Key, class... Keys>
 requires(sizeof...(Keys) > 0) std::string place_of(const std::string& place, const Key& key, const Keys&... below) {
     return place_of(place_of(place, key), below...);
@@ -47,7 +47,7 @@ public:
         throw Failure(ErrorCode::kInvalidFile, place_of(key), message...);
     }
 
-    // Of an object.
+    // For objects.
     bool has(std::string_view key) const { return is_object() && member(key); }
     std::optional<JsonView> find(std::string_view key) const;
     JsonView required(std::string_view key) const;
@@ -72,7 +72,7 @@ public:
     // Refuses members of any other name.
     void allow(std::initializer_list<std::string_view> keys) const;
 
-    // Of an array or an object: `for (const JsonView child : view)`. Other values have none.
+    // For arrays and objects: `for (const JsonView child : view)`. Other values have none.
     size_t size() const;
     JsonView operator[](size_t index) const;
     struct Iterator {
@@ -86,7 +86,7 @@ public:
     Iterator begin() const { return {this, 0}; }
     Iterator end() const { return {this, size()}; }
 
-    // Of the value itself. Numbers fit a float, integers are below 2^53.
+    // The value itself. Numbers fit a float, integers are below 2^53.
     const std::string& key() const { return *key_; }  // of a member of an object that was iterated over
     bool is_bool() const;
     bool is_number() const;

@@ -17,7 +17,7 @@ static_assert(sizeof(io::ActiveMorph) == 8);
 uint32_t up_to_four(size_t count) { return static_cast<uint32_t>((count + 3) / 4 * 4); }
 
 std::vector<uint32_t> timelines_of(const Character& character) {
-    // Of no meaning: all weights that the clip animates are constant
+    // Stands for rows where all weights that the clip animates are constant
     constexpr io::ClipTimeline kNoRows{
         .first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0};
     std::vector<io::ClipTimeline> timelines;

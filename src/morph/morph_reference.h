@@ -38,7 +38,7 @@ struct WeightedMorph {
     double weight = 0;
 };
 
-// Of all weights, [morph], the kActiveMorphLimit largest by magnitude, largest first, equals by index; none that is not
+// The kActiveMorphLimit largest of all weights, [morph], by magnitude, largest first, equals by index; none that is not
 // above kLeastMorphWeight.
 std::vector<WeightedMorph> active_morphs_reference(std::span<const double> weights);
 

@@ -12,7 +12,7 @@ vec3 origin_of(Affine m) { return vec3(m.row0.w, m.row1.w, m.row2.w); }
 // The instance's, in the true world.
 vec3 instance_origin() { return origin_of(placement()); }
 
-// Of a joint's parent: all above it, and the placement.
+// Where a joint's parent is: all joints above it, and the placement.
 Affine world_from_parent_of(uint joint) {
     Affine model_from_parent = kIdentity;
     for (uint above = parent_of(joint); above != kNone; above = parent_of(above))

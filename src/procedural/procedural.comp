@@ -46,7 +46,7 @@ Affine load_local(uint joint) {
     return Affine(unpack(local[3 * index]), unpack(local[3 * index + 1]), unpack(local[3 * index + 2]));
 }
 
-// Of a turn of the joint in its parent's space comes `turned`.
+// `turned` is what comes of a turn of the joint in its parent's space.
 void store_turned(uint joint, vec4 turn, Affine turned) {
     const uint index = instance * push.joint_count + joint;
     if (kSimilarity) {

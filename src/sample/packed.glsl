@@ -23,7 +23,7 @@ uvec4 unpack_fields(uint word, uint shift, uvec3 bits) {
 }
 
 PackedPair fetch_packed(uint track, SlotCursor cursor) {
-    // Of a constant the tail is another track's, and unused
+    // A constant has no tail: this is another track's, and unused
     const uvec4 head = ROW_AT(keys, track), tail = ROW_AT(keys, track + 1);
     const uvec3 bits = uvec3(head.w, head.w >> 5, head.w >> 10) & 31u;
     const bool is_constant = (head.w & kPackedBitsMask) == 0, is_step = (head.w & kPackedStep) != 0;

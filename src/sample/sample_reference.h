@@ -13,7 +13,7 @@ uint32_t packed_bit_count(const PackedTrack& track, uint32_t component);
 // `count` (0 to 21) bits of `words` from bit `first_bit`.
 uint32_t read_bits(std::span<const uint32_t> words, size_t first_bit, uint32_t count);
 
-// Of a rotation: of unit length but for what quantising cost.
+// A rotation has unit length but for what quantising cost.
 TrackValue packed_value(const PackedTrack& track, TrackTarget target, const PackedBits& bits);
 
 // One track of a compiled character, exact or packed. Keeps references.

@@ -163,7 +163,7 @@ uint32_t longest(const std::vector<std::vector<uint32_t>>& lists) {
 
 PieceCut cut_into_pieces(const ScanRig& rig, uint32_t most_pieces) {
     const Children children = children_of(rig);
-    // Of joints a piece; high always suffices
+    // Bounds of the number of joints a piece; high always suffices
     uint32_t low = (rig.joint_count() + most_pieces - 1) / most_pieces, high = rig.joint_count();
     while (low < high) {
         const uint32_t middle = low + (high - low) / 2;
@@ -187,7 +187,7 @@ PieceTable piece_table(const ScanRig& rig, uint32_t threads, double rows_of_loca
     std::vector<std::vector<uint32_t>> ancestors, walks;
     for (uint32_t p = 0; p < cut.pieces.size(); ++p) {
         walks.push_back(walk_words(rig, cut.pieces[p], children_inside, table.slot_count));
-        // Of the chain of pieces above those 1, 2, 4, … above
+        // The pieces 1, 2, 4, … above it
         std::vector<uint32_t>& words = ancestors.emplace_back();
         uint32_t distance = 1;
         for (uint32_t piece = above[p]; piece != kNone; piece = above[piece], ++distance)

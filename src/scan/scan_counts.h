@@ -13,7 +13,7 @@ struct ScanCounts {
     uint32_t barriers = 0;         // of the workgroup
     uint32_t shared_bytes = 0;     // a character
     double issue_steps = 0;        // multiplications that a subgroup issues, idle lanes or not
-    // Of the subgroup that has the most, all its loops together; rather too many than too few
+    // Iterations of the subgroup that has the most, all its loops together; rather too many than too few
     uint64_t loop_iterations = 0;
     // The lanes of a subgroup load and store rows that lie a piece or a whole character apart
     bool scattered = false;

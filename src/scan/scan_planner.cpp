@@ -22,7 +22,7 @@ std::string join_names() {
     return names;
 }
 
-// Of one method, with each number of threads that applies.
+// Predictions for one method, with each number of threads that applies.
 std::vector<ScanPrediction> predict_method(const ScanMethod& method, const ScanRig& rig, uint32_t instance_count,
                                            const ScanLimits& limits, const ScanCosts& costs) {
     std::vector<ScanPrediction> out;
@@ -55,7 +55,7 @@ ScanRequest parse_scan_request(const std::string& wanted) {
 double predict_ms(const ScanPlan& plan, const ScanRig& rig, const ScanMethod& method, uint32_t instance_count,
                   const ScanLimits& limits, const ScanCosts& costs) {
     const double workgroups = std::ceil(static_cast<double>(instance_count) / plan.instances_per_workgroup);
-    // Of a workgroup
+    // Subgroups of a workgroup
     const double subgroups = std::ceil(static_cast<double>(plan.workgroup_size) / limits.subgroup_size);
     const ScanCounts& counts = plan.counts;
 

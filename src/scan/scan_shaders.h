@@ -15,7 +15,7 @@ struct ScanShaders {
     std::span<const uint32_t> fused, fused_software;
 };
 
-// Of the method with this name. Throws kInvalidArgument where the build has none.
+// The shaders of the method with this name. Throws kInvalidArgument where the build has none.
 const ScanShaders& scan_shaders(std::string_view name);
 
 }  // namespace throng

@@ -21,7 +21,7 @@ struct ScanLimits {
     uint32_t subgroup_size = 0;   // smallest that the device may choose
     bool shuffle = false;         // subgroups can exchange registers
     bool is_cpu = false;
-    // Of an invocation, all loops together, after which the device silently ends them
+    // Iterations of an invocation, all loops together, after which the device silently ends them
     uint32_t loop_iterations = 0xFFFFFFFF;
     uint32_t storage_buffers = 0xFFFFFFFF;  // that one kernel can bind
 };

@@ -2,7 +2,7 @@
 
 // Others are met from so many times the distance at which they touch; the width of a cell is that of the largest two
 const float kReach = 2;
-// Of its speed: how strongly it goes out of the way of one that it all but coincides with
+// As a part of its speed: how strongly it goes out of the way of one that it all but coincides with
 const float kShyness = 6;
 const float kPassing = 1.5;     // as a part of that: how strongly it passes on the right
 const float kHorizon_s = 0.25;  // of the way that there is to somebody, it takes half in so many seconds

@@ -18,7 +18,7 @@ struct ControlOptions {
     bool json = false;
 };
 
-// Of a crowd that is measured with all its joints; larger ones get fewer, as small characters in the distance have
+// Joints of a crowd that is measured with all of them; larger ones get fewer, as small characters in the distance have
 constexpr uint64_t kMostJoints = 4'000'000;
 
 void print_row(const Json& record) {

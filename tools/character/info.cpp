@@ -19,7 +19,7 @@ size_t instance_bytes(const Character& character) {
 
 size_t face_count(const Character& character) { return character.indices.size() / 3; }
 
-// Of a coarser level, 1 and on.
+// A coarser level of detail.
 struct Lod {
     size_t faces = 0;
     uint32_t joints = 0;

@@ -48,7 +48,7 @@ struct Cycle {
     double turn_degrees;  // about +y, -180 to 180
 };
 
-// Of all clips.
+// Sums over all clips.
 struct ClipTotals {
     explicit ClipTotals(const Character& character);
 

@@ -39,7 +39,7 @@ Check scan_name(const std::vector<std::string>& others) {
                 const bool known = std::find(names.begin(), names.end(), text.substr(0, text.find(':'))) != names.end();
                 return known ? std::string() : "'" + text + "' is no scan method; the methods are: " + list;
             },
-            "METHOD[:LANES]:{" + list + "}"};
+            "METHOD[:THREADS]:{" + list + "}"};
 }
 
 Check writable_file() {

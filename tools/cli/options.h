@@ -23,7 +23,7 @@ class Option;
 
 namespace throng::tools {
 
-// Of the text of an option, before it is taken.
+// A check of the text of an option, before it is taken.
 struct Check {
     std::function<std::string(const std::string& text)> what_is_wrong;  // nothing, where the text is right
     std::string values{};                                               // what help calls them

@@ -20,7 +20,7 @@ Influences influences_at(const Bones& bones, double t, double scale = 1);
 
 // The joint that the limb hangs from comes first, so that the skin does not tear there.
 Bones bones_of(const Chain& chain);
-// Of what does not bend by itself.
+// The bones of what does not bend by itself.
 Bones stiff(Influences base);
 
 // Both together; their weights already sum to 1.

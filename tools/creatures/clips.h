@@ -28,7 +28,7 @@ struct Moment {
 
     double along() const { return (k + 0.5) / chain.joint_count; }
     double share() const { return 1.0 / chain.joint_count; }  // of a bend of the whole chain
-    // Of a bend spread smoothly over from … to of the chain; all joints together have 1.
+    // The joint's share of a bend that is spread smoothly over from … to of the chain; all joints together have 1.
     double share_between(double from, double to) const {
         return smooth_step(from, to, (k + 1) * share()) - smooth_step(from, to, k * share());
     }

@@ -310,7 +310,7 @@ private:
                  .segments = {3}});
     }
 
-    // Of what grows on the head.
+    // The bones of what grows on the head.
     Bones head() const { return stiff(influences_at(spine_bones_, kHeadAt + 0.1)); }
 
     void add_hair() {
@@ -406,7 +406,8 @@ constexpr double kThigh = 0.41, kShin = 0.41;  // m
 bool moves(uint32_t clip) { return clip == kWalk || clip == kRun; }
 double step_of(double loop, double side) { return loop + (side > 0 ? 0.5 : 0); }
 
-// Of one leg; backward is positive. The step begins with the foot far in front; it is on the ground for the first half.
+// Bends of one leg; backward is positive. The step begins with the foot far in front; it is on the ground for the first
+// half.
 struct LegPose {
     double hip, knee, foot;
 };
@@ -436,7 +437,7 @@ double hips_height(uint32_t clip, double loop) {
     return 0.5 * (left + right + std::sqrt(apart * apart + softness * softness)) - kThigh - kShin;
 }
 
-// Of the bend between two of a limb's four bones.
+// The joint's share of the bend between two of a limb's four bones.
 double hinge(const Moment& m, uint32_t number) { return m.share_between(0.25 * number, 0.25 * number + 0.1); }
 
 Bend bend_of_leg(const Moment& m) {

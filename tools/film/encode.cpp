@@ -10,7 +10,7 @@
 namespace throng::tools {
 namespace {
 
-// Of the encoder, whose bytes depend on their number: else it takes as many as there are cores
+// Threads of the encoder, whose bytes depend on their number: else it takes as many as there are cores
 constexpr const char* kThreads = "8";
 
 // Throws with the last line that ffmpeg had to say.

@@ -15,7 +15,7 @@ struct FrameTimes {
     double draw_ms = 0;
 };
 
-// Of each time for itself; of none, zeros.
+// The median of each time for itself; zeros where there is no frame.
 FrameTimes median_of(std::span<const FrameTimes> frames);
 
 nlohmann::json to_json(const FrameTimes& times);

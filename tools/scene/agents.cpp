@@ -24,7 +24,7 @@ float slowest_place(const Controller& controller, const std::string& parameter) 
 }  // namespace
 
 Steering steering_of(const Character& character, const Controller* controller, double scale) {
-    // Of the footprint: arms are held nearer to the body than in rest poses; a walk's
+    // As a part of the footprint: arms are held nearer to the body than in rest poses; a walk's
     constexpr double kRadius = 0.35, kHeights_per_s = 0.8;
     const float height = character.bounds_max.y - character.bounds_min.y;
     Steering steering{.radius = static_cast<float>(std::max(kRadius * footprint(character) * scale, 1e-3)),

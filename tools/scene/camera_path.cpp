@@ -34,8 +34,8 @@ Camera fit(double, const CameraSubject& subject, const Values&) {
 Camera orbit(double time_s, const CameraSubject& subject, const Values& values) {
     const double turn_rad = angle_rad(time_s, values);
     const Vec3<float> centre = centre_of(subject.bounds), half = (subject.bounds.max - subject.bounds.min) * 0.5f;
-    // Of the drum's radius: half the side of a box that looks about as wide from the fit camera's side; corners of a
-    // square crowd pass through the picture's edges
+    // As a part of the drum's radius: half the side of a box that looks about as wide from the fit camera's side;
+    // corners of a square crowd pass through the picture's edges
     constexpr float kFitted = 0.72f;
     const float side = std::hypot(half.x, half.z) * kFitted;
     Camera camera = fit_camera({centre - Vec3<float>{side, half.y, side}, centre + Vec3<float>{side, half.y, side}},

@@ -29,7 +29,7 @@ public:
     explicit CameraPath(const Camera& still) : still_(still) {}
 
     Camera at(double time_s, const CameraSubject& subject) const;
-    // Of the crowd, for CameraSubject.
+    // What CameraSubject needs of the crowd.
     bool follows() const { return name_ == "follow"; }
     uint32_t followed_character() const;
 

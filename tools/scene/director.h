@@ -21,7 +21,7 @@ ParameterRange parameter_range(const Controller& controller, uint32_t parameter)
 
 class Director {
 public:
-    // Of the groups of a crowd; those without a controller are left alone.
+    // Directs the groups of a crowd; those without a controller are left alone.
     Director(std::span<const CrowdGroup> groups, uint64_t seed);
 
     // Before an update by `step_s`: in each second about a third of the characters are told one of their parameters.

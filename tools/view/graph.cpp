@@ -7,8 +7,8 @@
 namespace throng::view {
 namespace {
 
-// Of the stages in their order, drawing last: by hue, in steps that stay apart for the colour-blind too (after Okabe
-// and Ito, 2008).
+// Colours of the stages in their order, drawing last: by hue, in steps that stay apart for the colour-blind too (after
+// Okabe and Ito, 2008).
 constexpr auto kColors = std::to_array<ImU32>(
     {IM_COL32(204, 121, 167, 255), IM_COL32(230, 159, 0, 255), IM_COL32(140, 100, 60, 255), IM_COL32(0, 158, 115, 255),
      IM_COL32(86, 180, 233, 255), IM_COL32(170, 170, 80, 255), IM_COL32(213, 94, 0, 255), IM_COL32(240, 228, 66, 255),

@@ -29,7 +29,7 @@ constexpr std::array kBlends{Choice{"linear", "weighted sums of skin matrices"},
 
 std::string id_of(const char* name) { return std::string("##") + name; }
 
-// Of the last item.
+// A tooltip for the last item.
 void tip(const char* text) {
     if (text && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text);
 }
@@ -173,7 +173,7 @@ void picture_section(State& state) {
     if (ImGui::Button("screenshot")) state.takes_screenshot = true;
 }
 
-// Of the crowd and its characters.
+// Figures of the crowd and its characters.
 void figures_section(Scene& scene, const Measured& measured) {
     uint64_t joints = 0;
     for (uint32_t group = 0; group < scene.cast().characters.size(); ++group)

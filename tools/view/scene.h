@@ -22,7 +22,7 @@ struct Cast {
     std::vector<uint32_t> shares;                        // [characters], of the whole number
     std::vector<double> heights;                         // as ScatterSettings has them
 
-    // Of each as many, without controllers, of one size.
+    // As many of each, without controllers, of one size.
     explicit Cast(std::vector<Character> of)
         : characters(std::move(of)), controllers(characters.size()), shares(characters.size(), 1) {}
 };
@@ -78,7 +78,7 @@ public:
         return cast().controllers[group] ? &*cast().controllers[group] : nullptr;
     }
 
-    // Of groups without a controller.
+    // For groups without a controller.
     const GroupPlayback& group_playback(uint32_t group) const { return shown_.playback[group]; }
     void set_group_playback(uint32_t group, const GroupPlayback& playback);
     Playback playback_of(uint32_t instance) const;  // as it is now: times have moved on
@@ -89,7 +89,7 @@ public:
     void set_directs(bool directs) { directs_ = directs; }
     // What all characters of a group with a controller have been told last, at first what they start with.
     const std::vector<float>& parameters(uint32_t group) const { return shown_.parameters[group]; }
-    // Of all characters of the group, or of one.
+    // For all characters of the group, or for one.
     void set_parameter(uint32_t group, uint32_t parameter, float value);
     void set_parameter_of(uint32_t instance, uint32_t parameter, float value);
 

@@ -12,7 +12,7 @@ class Swapchain {
 public:
     explicit Swapchain(const Context& context) : context_(&context) {}
 
-    // Of the window's size, if it says none itself. The device must be idle.
+    // Makes it anew, in the window's size where the surface says none itself. The device must be idle.
     void recreate(VkExtent2D window_size);
     // Whether the window has changed so that recreate() is due.
     bool is_stale(VkExtent2D window_size) const {

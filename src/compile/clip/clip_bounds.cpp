@@ -8,7 +8,7 @@
 namespace throng {
 namespace {
 
-// Of the box in a pose.
+// Adds the box as the pose has it.
 void add_posed(Box& bounds, const AffineT<double>& model_from_joint, const Box& box) {
     const Vec3<double> middle = transform_point(model_from_joint, (box.low + box.high) * 0.5),
                        half = (box.high - box.low) * 0.5;

@@ -24,7 +24,7 @@ struct ClipGrid {
     bool jumps_after(size_t row) const { return is_jump(times_s[row], times_s[row + 1]); }
 };
 
-// Of a track in arrays [joint_count][3], in the order of TrackTarget.
+// The index of a track in arrays [joint_count][3], in the order of TrackTarget.
 inline size_t slot_of(const ExactTrack& track) { return track.joint * size_t{3} + static_cast<size_t>(track.target); }
 
 struct GridSettings {

@@ -15,7 +15,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr size_t kSampledRows = 16;     // for sensitivities
 constexpr size_t kSearchPoints = 1024;  // at which the search measures between rows; its result is measured at all
 constexpr double kArcShare = 0.1;       // of the bound, for arcs as straight lines where all rows are kept
-// Of the bound, for leaving out rows; what is left is for quantising. The smaller result counts
+// Parts of the bound that may be spent on leaving out rows; the rest is for quantising. The smaller result counts
 constexpr std::array kRowShares{0.4, 0.75};
 constexpr double kMargin = 0.99;     // the points of the grid may miss the largest displacement by a little
 constexpr double kFirstScale = 0.3;  // of tolerances, where a search begins

@@ -39,7 +39,7 @@ std::vector<Trs<double>> sample_exact(const ExactClip& clip, const Rig& rig, dou
 // Between such rotations a float's rounding would decide which way round the arc goes: they get a row in the middle.
 bool is_half_turn(const TrackValue& a, const TrackValue& b);
 
-// Of neighbouring rows: q and -q are one rotation, and the sample stage expects those of one hemisphere.
+// q and -q are one rotation, and the sample stage expects neighbouring rows in one hemisphere.
 template <class T>
 void join_hemispheres(std::vector<std::array<T, 4>>& rotations) {
     for (size_t row = 1; row < rotations.size(); ++row) {

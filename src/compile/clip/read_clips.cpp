@@ -10,7 +10,7 @@
 namespace throng {
 namespace {
 
-// Of the character's size; a rotation by as many radians moves no point further
+// As a part of the character's size; a rotation by as many radians moves no point further
 constexpr double kRelativeBound = 1e-6;
 
 constexpr size_t kRefinedKeyLimit = 4'000'000;  // of cubic tracks: seconds of work, tens of MiB

@@ -90,7 +90,7 @@ PackedTrack middle_of(const TrackShape& shape) {
     return track;
 }
 
-// Of the track's values in all rows, or the one that it always has.
+// From the track's values in all rows, or the one that it always has.
 TrackShape shape_of(TrackTarget target, bool step, const Trs<float>& rest, std::span<const TrackValue> values) {
     TrackShape shape{
         .target = target, .step = step, .rest = key_of(component(rest.as<double>(), target)), .first = values.front()};

@@ -201,7 +201,7 @@ private:
         }
     }
 
-    // Of the last key of a track of exact keys or weights.
+    // Position of the last key of a track of exact keys or weights.
     static uint64_t last_key(uint32_t word, uint32_t row_count, uint32_t row_stride) {
         const bool animated = (word & kTrackAnimated) != 0;
         return (word & kTrackPosition) + (animated ? (row_count - uint64_t{1}) * row_stride : 0);

@@ -20,7 +20,7 @@ std::vector<std::byte> write_character(const Character& character, uint64_t limi
 // each message. Throws kUnsupported for another version, else kInvalidFile or kLimit.
 Character read_character(std::span<const std::byte> bytes, const std::string& place);
 
-// Of a whole file, as its header has it.
+// The checksum of a whole file, as its header has it.
 uint64_t checksum_of(std::span<const std::byte> file);
 
 // Throws `code` where an index or a range leads out of its array, a number is not finite, scales are less uniform than

@@ -87,7 +87,7 @@ struct ScalarsRecord {
 };
 static_assert(sizeof(ScalarsRecord) == 64);
 
-// Of a Clip, all but its name.
+// A Clip, all but its name.
 struct ClipRecord {
     float duration_s = 0;
     uint32_t first_time = 0, row_count = 0, row_stride = 0, first_row = 0;
@@ -117,7 +117,7 @@ struct MaterialRecord {
 };
 static_assert(sizeof(MaterialRecord) == 76);
 
-// Of a Morph, all but its name.
+// A Morph, all but its name.
 struct MorphRecord {
     uint32_t node = 0, target = 0;
     float default_weight = 0;
@@ -137,7 +137,7 @@ struct Records {
     std::vector<MorphRecord> morphs;
 };
 
-// Of what is stored as the Character has it.
+// These are stored as the Character has them.
 static_assert(sizeof(Trs<float>) == 40 && sizeof(JointTracks) == 16 && sizeof(PaletteEntry) == 52 &&
               sizeof(MeshSection) == 52 && sizeof(Lod) == 4 && sizeof(IndexRange) == 8);
 

@@ -58,7 +58,7 @@ Vec3<float> middle_of(const Triangle& triangle, size_t which) {
     return (which == 1 ? a + b : which == 2 ? b + c : c + a) * 0.5f;
 }
 
-// Of each of some places, a triangle of the mesh that was near to it when it was looked at last. Most often it is near
+// For each of some places, a triangle of the mesh that was near to it when it was looked at last. Most often it is near
 // enough in the next pose too, and the place is done with.
 using NearTriangles = std::vector<uint32_t>;
 

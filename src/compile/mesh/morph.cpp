@@ -15,7 +15,7 @@ namespace throng {
 namespace {
 
 constexpr size_t kMorphNameLimit = 256;  // bytes; longer names are cut
-// Of a weight, of the track's largest where that exceeds 1: how closely rows follow cubic tracks
+// How closely rows follow cubic tracks of weights; as a part of the track's largest where that exceeds 1
 constexpr double kFollowed = 1e-4;
 constexpr size_t kRefinedWeightLimit = 4'000'000;  // of a clip's cubic tracks: seconds of work
 
@@ -93,7 +93,7 @@ public:
     }
 
 private:
-    // Of cubic tracks: in-tangent, value, out-tangent; tangents are per second.
+    // A key of a cubic track has an in-tangent, a value and an out-tangent; tangents are per second.
     double part(size_t key, size_t which) const { return track_.values[(key * 3 + which) * target_count_ + target_]; }
     double value(size_t key) const {
         return is_cubic() ? part(key, 1) : double{track_.values[key * target_count_ + target_]};

@@ -45,7 +45,7 @@ public:
     std::span<const Entry> of_joint(uint32_t joint) const {
         return std::ranges::equal_range(entries_, joint, {}, &Entry::joint);
     }
-    // Of another joint, in the entry's skin; kNone where it has none.
+    // The entry of another joint in the entry's skin; kNone where it has none.
     uint32_t counterpart(uint32_t entry, uint32_t joint) const {
         const auto found = std::ranges::lower_bound(entries_, std::pair{joint, skins_[entry]}, {}, &Entry::key);
         return found == entries_.end() || found->key() != std::pair{joint, skins_[entry]} ? kNone : found->entry;
