@@ -17,7 +17,6 @@ static_assert(io::kTrackAnimatedBit == kTrackAnimated && io::kTrackStepBit == kT
 static_assert(io::kPackedBitsMask == kPackedBitsMask && io::kPackedLeftOutShift == kPackedLeftOutShift &&
               io::kPackedFull == kPackedFull && io::kPackedStep == kPackedStep &&
               io::kPackedFullBits == kPackedFullBits);
-static_assert(io::kScanNoJoint == kNone);
 static_assert(sizeof(io::VertexRows) == sizeof(Vertex));
 
 constexpr size_t kSocketLimit = 64;  // as include/throng/crowd.h says

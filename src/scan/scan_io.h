@@ -4,8 +4,6 @@
 #include "gpu/shader_types.h"
 THRONG_IO_BEGIN
 
-THRONG_IO_CONSTANT kScanNoJoint = 0xFFFFFFFFu;
-
 struct ScanPush {
     uint joint_count;
     uint instance_count;

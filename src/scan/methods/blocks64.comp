@@ -46,7 +46,7 @@ void scan() {
     // From block to block.
     for (uint joint = thread; joint < push.joint_count; joint += threads) {
         if (kReload) product = load_product(instance, joint, true);
-        for (uint ancestor = outside(joint); ancestor != kScanNoJoint; ancestor = outside(ancestor))
+        for (uint ancestor = outside(joint); ancestor != kNone; ancestor = outside(ancestor))
             product = affine_multiply(load_product(instance, ancestor, true), product);
         store_model(instance, joint, product);
     }

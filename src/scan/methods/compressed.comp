@@ -60,7 +60,7 @@ void scan() {
     // Strides of eight, up to the block's edge.
     for (uint joint = thread; joint < push.joint_count; joint += threads) {
         Affine product = load_stride(instance, joint);
-        for (uint ancestor = link(joint, kEighth); ancestor != kScanNoJoint; ancestor = link(ancestor, kEighth))
+        for (uint ancestor = link(joint, kEighth); ancestor != kNone; ancestor = link(ancestor, kEighth))
             product = affine_multiply(load_stride(instance, ancestor), product);
         if (kInShared)
             shared_blocks[joint] = pack(product);
@@ -72,7 +72,7 @@ void scan() {
     // From block to block.
     for (uint joint = thread; joint < push.joint_count; joint += threads) {
         Affine product = load_block(instance, joint);
-        for (uint ancestor = link(joint, kOutside); ancestor != kScanNoJoint; ancestor = link(ancestor, kOutside))
+        for (uint ancestor = link(joint, kOutside); ancestor != kNone; ancestor = link(ancestor, kOutside))
             product = affine_multiply(load_block(instance, ancestor), product);
         store_model(instance, joint, product);
     }

@@ -22,8 +22,6 @@ layout(constant_id = 1) const uint kSharedJoints = 1;  // joints that shared mem
 layout(constant_id = 2) const bool kInShared = true;   // false: the character does not fit it
 layout(constant_id = 3) const uint kRounds = 1;
 
-const uint kNoAncestor = ~0u;
-
 shared StoredAffine shared_products[2 * kSharedJoints];  // [slot][joint]
 
 // Rounds take turns with two slots, so that none is read and written between two barriers. Without shared memory the
@@ -58,7 +56,7 @@ void scan() {
         for (uint joint = thread; joint < push.joint_count; joint += threads) {
             Affine product = load_product(instance, joint, round);
             uint ancestor = link(links + joint);
-            for (uint i = 0; i < 3 && ancestor != kNoAncestor; ++i) {
+            for (uint i = 0; i < 3 && ancestor != kNone; ++i) {
                 product = affine_multiply(load_product(instance, ancestor, round), product);
                 ancestor = link(links + ancestor);
             }

@@ -16,7 +16,7 @@ void scan() {
     const uint instance = gl_WorkGroupID.x;
     for (uint joint = gl_LocalInvocationID.x; joint < push.joint_count; joint += gl_WorkGroupSize.x) {
         Transform product = load_local(instance, joint);
-        for (uint ancestor = link(joint); ancestor != kScanNoJoint; ancestor = link(ancestor))
+        for (uint ancestor = link(joint); ancestor != kNone; ancestor = link(ancestor))
             product = multiply(load_local(instance, ancestor), product);
         store_model(instance, joint, product);
     }

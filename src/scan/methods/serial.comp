@@ -22,7 +22,7 @@ void scan() {
     for (uint word = 1, end = 1 + 3 * link(0); word < end; word += 3) {
         const uint end_joint = link(word + 1), parent = link(word + 2);
         Affine last = kIdentity;
-        if (parent != kScanNoJoint) last = unpack(model[at(instance, parent)]);
+        if (parent != kNone) last = unpack(model[at(instance, parent)]);
         for (uint joint = link(word); joint < end_joint; ++joint) {
             last = affine_multiply(last, to_affine(load_local(instance, joint)));
             model[at(instance, joint)] = pack(last);
