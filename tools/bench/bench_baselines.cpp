@@ -199,7 +199,8 @@ void print_table(const std::vector<Json>& records) {
                                {" %8.1e\n", "blend_error_of_size_max"}});
     }
     std::printf("  throng's stages, ms:");
-    for (const char* name : kStageNames) std::printf(" %s %.3f", name, real(first, std::string("stages_ms/") + name));
+    for (const char* name : kStageNames)
+        if (const double ms = real(first, std::string("stages_ms/") + name); ms > 0) std::printf(" %s %.3f", name, ms);
     std::printf("\n");
 }
 

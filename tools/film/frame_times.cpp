@@ -30,7 +30,8 @@ nlohmann::json to_json(const FrameTimes& times) {
 
 void print_times(const FrameTimes& times) {
     std::printf(" ");
-    for (size_t s = 0; s < kStageNames.size(); ++s) std::printf(" %s %.2f ms,", kStageNames[s], times.stages.ms[s]);
+    for (size_t s = 0; s < kStageNames.size(); ++s)
+        if (times.stages.ms[s] > 0) std::printf(" %s %.2f ms,", kStageNames[s], times.stages.ms[s]);
     std::printf(" skin+draw %.2f ms\n", times.draw_ms);
 }
 
