@@ -19,7 +19,7 @@ struct FrameCrowdKey {
 
 struct FrameCrowd {
     FrameCrowdKey key;
-    std::unique_ptr<Crowd> crowd;  // none where `obstacle` says why
+    std::unique_ptr<Crowd> crowd;  // none where `unsupported_reason` says why
     std::string unsupported_reason;
 };
 

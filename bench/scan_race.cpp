@@ -48,8 +48,8 @@ private:
     std::vector<Bindings> bindings_;
 };
 
-// The kernel of the choice that is fastest here, compiled and warm; none where no choice applies, and `obstacle` says
-// why.
+// The kernel of the choice that is fastest here, compiled and warm; none where no choice applies, and
+// `unsupported_reason` says why.
 std::optional<Runner> fastest(const std::shared_ptr<Gpu>& gpu, const GpuClock& clock, const Entrant& entrant,
                               const ScanRig& rig, ScanCrowd& crowd, std::string& unsupported_reason) {
     // A software device's time is proportional to the characters, where they are many: some of them will tell.

@@ -455,7 +455,7 @@ TEST(ActiveClips, AreReadFromATableThatTheDeviceWrote) {
     Random random(5);
     const std::vector<io::ActiveClip> active_clips = stage.active_clips(
         {random_layers(random, stage.character(), 5), random_layers(random, stage.character(), 8)}, 8);
-    const Buffer table = make_table<io::ActiveClip>(test_gpu(), "voices", active_clips.size());
+    const Buffer table = make_table<io::ActiveClip>(test_gpu(), "active clips", active_clips.size());
     test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
         test_gpu()->vk.vkCmdUpdateBuffer(commands, table.handle(), 0, table.size_bytes(), active_clips.data());
     });

@@ -1,6 +1,6 @@
 #!/bin/sh
 # compare_builds.sh COMMIT|BUILD: what this checkout and COMMIT write, byte for byte; COMMIT is built, in build/compare,
-# or BUILD is the folder of a build of it (build/release). Both make creatures, compiled files and poses of each character
+# or BUILD is the folder of its build in another checkout. Both make creatures, compiled files and poses of each character
 # (CHARACTERS, ../shared/characters if not set), pictures, a film, and what the examples print of events and sockets.
 # Prints what differs, and fails where anything does.
 set -eu
@@ -15,11 +15,19 @@ build() { cmake --preset release >/dev/null && cmake --build build/release --tar
 
 rm -rf "$work/old" "$work/new"
 mkdir -p "$work/old" "$work/new"
+if [ "$old" = "$here/build/release" ]; then
+  echo "compare_builds.sh: '$1' is this checkout's own build; give that of another checkout" >&2
+  exit 2
+fi
 if [ ! -x "$old/tools/throng" ]; then
-  git rev-parse --verify --quiet "$1^{commit}" >/dev/null ||
+  commit=$(git rev-parse --verify --quiet "$1^{commit}") ||
     { echo "compare_builds.sh: '$1' is neither a commit nor the folder of a build" >&2; exit 2; }
-  if [ ! -d "$work/source" ]; then git worktree prune; git worktree add --quiet --detach "$work/source" "$1"; fi
-  (cd "$work/source" && git checkout --quiet --detach "$1" && build)
+  if [ ! -e "$work/source/.git" ]; then
+    rm -rf "$work/source"
+    git worktree prune
+    git worktree add --quiet --detach "$work/source" "$commit"
+  fi
+  (cd "$work/source" && git checkout --quiet --detach "$commit" && build)
   old=$work/source/build/release
 fi
 build

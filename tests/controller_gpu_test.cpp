@@ -184,8 +184,8 @@ void expect_active_clips(std::span<const io::ActiveClip> device, std::span<const
                          const Character& character) {
     const std::vector<io::ActiveClip> wanted = to_io(reference, character);
     for (size_t i = 0; i < wanted.size(); ++i) {
-        ASSERT_EQ(device[i].first_track, wanted[i].first_track) << "voice " << i;
-        ASSERT_EQ(device[i].flags, wanted[i].flags) << "voice " << i;
+        ASSERT_EQ(device[i].first_track, wanted[i].first_track) << "active clip " << i;
+        ASSERT_EQ(device[i].flags, wanted[i].flags) << "active clip " << i;
         EXPECT_EQ(device[i].weight, wanted[i].weight);
         EXPECT_EQ(device[i].layer_weight, wanted[i].layer_weight);
         EXPECT_EQ(device[i].reference_row, wanted[i].reference_row);
@@ -244,7 +244,7 @@ void follow(const Controller& controller, uint32_t instance_count, uint32_t upda
             for (size_t k = 0; k < wanted.active_clips.size(); ++k)
                 EXPECT_NEAR(active_clip_times[i * size_t{kernels.made().active_clip_limit} + k],
                             wanted.active_clips[k].time_s, 1e-5)
-                    << "of voice " << k;
+                    << "of active clip " << k;
             for (const ControllerEventAt& event : wanted.events)
                 wanted_events[{1000 + i, event.layer, event.event}].push_back(event.time_s);
             for (const io::LayerState& state : references[i].layers) transition_count += state.taken != kNone;

@@ -200,7 +200,8 @@ TEST(GpuMemory, WhereABlockDoesNotFitWhatIsNeededMay) {
     EXPECT_EQ(refused.error().code, ErrorCode::kOutOfMemory);
     EXPECT_TRUE(contains(refused.error().text(), "too much")) << refused.error().text();
     buffer.reset();
-    EXPECT_EQ(gpu.memory.block_count(), 1u) << "the one that is kept";
+    gpu.memory.clear();  // one of each memory type is kept
+    EXPECT_EQ(gpu.memory.block_count(), 0u);
 }
 
 // ---- Uploads
@@ -303,7 +304,8 @@ TEST(GpuMemory, ACrowdOfManyGroupsAsksLittleOfTheDriver) {
             EXPECT_EQ(counts.submissions - submissions, 1u) << of.name;
             EXPECT_LE(counts.pipelines - pipelines, again ? 0 : of.most_pipelines) << of.name;
         }
-        EXPECT_EQ(device.gpu()->memory.block_count(), 1u) << "an empty one, which is kept";
+        EXPECT_LE(device.gpu()->memory.block_count(), device.gpu()->memory_properties.memoryTypeCount)
+            << "no more than an empty one of each memory type, which is kept";
     }
 }
 

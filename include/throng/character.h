@@ -196,7 +196,7 @@ struct Character {
     std::vector<uint32_t> indices{};  // relative to the section's first vertex
     std::vector<MeshSection> sections{};
     std::vector<Lod> lods{};               // at most kLodLimit
-    std::vector<IndexRange> lod_ranges{};  // [details][sections], of lod_indices
+    std::vector<IndexRange> lod_ranges{};  // [lods][sections], of lod_indices
     std::vector<uint32_t> lod_indices{};   // relative to the section's first vertex
     // [joint_count], or empty, as of a character without clips, of which nothing is known: the coarsest level of detail
     // in which the joint moves by itself, not above its parent's. In coarser ones its skin matrices are those of the

@@ -1,4 +1,4 @@
-// Playback state -> time -> rows of keys. The includer declares the tables `axes` and `times`, words both.
+// Playback state -> time -> rows of keys. The includer declares the tables `timelines` and `times`, words both.
 #include "control/control_io.h"
 
 ClipTimeline load_timeline(uint clip) { return CLIP_TIMELINE_AT(timelines, kClipTimelineWords * clip); }

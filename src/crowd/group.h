@@ -67,7 +67,7 @@ struct Group {
     Vec3<float> bounds_min, bounds_max;
     Vec3<float> posed_min, posed_max;  // cull: of all poses
     std::vector<Lod> lods;
-    std::vector<IndexRange> lod_ranges;  // [1 + details][sections], of indices
+    std::vector<IndexRange> lod_ranges;  // [1 + lods][sections], of indices
 
     Buffers buffers;  // what kernels read of the character, and of what the group's settings ask for
     Buffer indices;   // draw: of all levels of detail

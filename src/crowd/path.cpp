@@ -6,7 +6,7 @@
 namespace throng {
 namespace {
 
-// A method by name, with the lanes asked for or the first ones that apply.
+// A method by name, with the threads asked for or the first ones that apply.
 FusedPlan plan_named(const std::string& wanted, const FusedRig& rig, const ScanLimits& limits) {
     const ScanRequest request = parse_scan_request(wanted);
     if (request.threads) return plan_fused({request.method, *request.threads}, rig, limits);

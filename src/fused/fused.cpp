@@ -81,11 +81,11 @@ FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLi
 }
 
 FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits) {
-    std::map<uint32_t, ScanChoice> choices;  // by their order
+    std::multimap<uint32_t, ScanChoice> choices;  // by their order
     for (const ScanMethod& method : scan_table())
         if (const FusedPlace place = method.fused_place(limits); place.order > 0)
-            choices[place.order] = {&method, place.threads};
-    FusedPlan plan;
+            choices.emplace(place.order, ScanChoice{&method, place.threads});
+    FusedPlan plan{.unsupported_reason = "no scan method has a fused form here"};
     for (const auto& [order, choice] : choices) {
         plan = plan_fused(choice, rig, limits);
         if (plan.unsupported_reason.empty()) break;

@@ -46,7 +46,7 @@ struct FusedPlan {
 
 FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLimits& limits);
 
-// For a device: the first plan without obstacle of those that are likely best, or the last one's obstacle.
+// For a device: the first of the plans that are likely best that applies, or why the last one does not.
 FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits);
 
 // What the kernel reads of a character beside its clips: kScanLinksBuffer of the plan, kBindRangesBuffer,

@@ -37,8 +37,10 @@ MemoryPart MemoryBlocks::take(uint32_t memory_type, VkDeviceSize size_bytes, VkD
     try {
         blocks.push_back(make_block(memory_type, shared_bytes));
     } catch (const Failure& failure) {
-        // Where little is left, what is asked for may still fit.
-        if (failure.error.code != ErrorCode::kOutOfMemory || shared_bytes == size_bytes) throw;
+        if (failure.error.code != ErrorCode::kOutOfMemory) throw;
+        // Where little is left, what is asked for may still fit, once what is kept empty has gone.
+        for (Blocks& of_type : blocks_)
+            std::erase_if(of_type, [](const auto& block) { return block->free.all_free(); });
         blocks.push_back(make_block(memory_type, size_bytes));
     }
     return part_of(*blocks.back(), *blocks.back()->free.take(size_bytes, alignment));

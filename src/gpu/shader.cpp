@@ -41,6 +41,10 @@ ShaderLayout::ShaderLayout(const std::shared_ptr<const Gpu>& gpu, std::span<cons
             if (binding.set >= sets_.size()) sets_.resize(binding.set + 1), merged.resize(binding.set + 1);
             const auto [entry, is_new] = merged[binding.set].try_emplace(
                 binding.binding, VkDescriptorSetLayoutBinding{binding.binding, descriptor_type(binding.kind), 1});
+            if (entry->second.descriptorType != descriptor_type(binding.kind))
+                throw Failure(ErrorCode::kInvalidArgument, "shaders",
+                              "binding " + std::to_string(binding.binding) + " of set " + std::to_string(binding.set) +
+                                  " is not the same in all of them");
             entry->second.stageFlags |= shader.stage;
             if (is_new) sets_[binding.set].bindings.push_back(binding);
         }
@@ -120,6 +124,9 @@ Bindings::Bindings(const std::shared_ptr<const Gpu>& gpu, std::string_view what,
                                  .descriptorCount = 1,
                                  .descriptorType = descriptor_type(binding.kind)});
         if (binding.kind == BindingKind::kImage) {
+            if (binding.binding >= images.size())
+                throw Failure(ErrorCode::kInvalidArgument, std::string(what),
+                              "there is no image for binding " + std::to_string(binding.binding));
             write.pImageInfo = &images[binding.binding];
             continue;
         }

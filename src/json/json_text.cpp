@@ -39,6 +39,7 @@ private:
 };
 
 // What nlohmann's own builder does; but lines are kept, limits hold, and no object is searched for each of its keys.
+// Members are collected aside until their object ends, since an object of nlohmann's copies them whenever it grows.
 class TreeBuilder final : public nlohmann::json_sax<Json> {
 public:
     TreeBuilder(JsonAuthor author, const std::string& file, const uint32_t& line, Json& root,
@@ -52,8 +53,8 @@ public:
     bool number_float(number_float_t value, const string_t&) override { return add(value); }
     bool string(string_t& value) override { return add(std::move(value)); }
     bool binary(binary_t&) override { return false; }  // not in text
-    bool start_object(std::size_t) override { return add(Json::object()); }
-    bool start_array(std::size_t) override { return add(Json::array()); }
+    bool start_object(std::size_t) override { return open(Json::object()); }
+    bool start_array(std::size_t) override { return open(Json::array()); }
     bool key(string_t& value) override {
         if (by_person_)
             if (const auto [known, is_new] = open_.back().key_lines.emplace(value, line_); !is_new)
@@ -63,9 +64,18 @@ public:
         key_line_ = line_;
         return true;
     }
-    bool end_object() override { return end_array(); }
+    bool end_object() override {
+        auto& members = open_.back().members;
+        if (!by_person_) sort_by_key(members);
+        auto& object = open_.back().value.get_ref<Json::object_t&>();
+        object.reserve(members.size());
+        for (auto& [key, value] : members) object.emplace_back(std::move(key), std::move(value));
+        return end_array();
+    }
     bool end_array() override {
+        Open closed = std::move(open_.back());
         open_.pop_back();
+        put(std::move(closed.key), std::move(closed.value));
         return true;
     }
     bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception& error) override {
@@ -80,8 +90,11 @@ public:
     }
 
 private:
+    using Member = std::pair<std::string, Json>;
     struct Open {
-        Json* value;
+        Json value;
+        std::string key;  // in the object around it
+        std::vector<Member> members{};
         std::map<std::string, uint32_t> key_lines{};  // of what people write
     };
 
@@ -90,26 +103,38 @@ private:
         throw Failure(code, by_person_ ? at_line(file_, line_) : "", message...);
     }
 
-    bool add(Json value) {
+    // For JsonView::member(). Of several members with one key the last counts.
+    static void sort_by_key(std::vector<Member>& members) {
+        std::ranges::stable_sort(members, {}, &Member::first);
+        const auto end = std::unique(members.rbegin(), members.rend(),
+                                     [](const Member& a, const Member& b) { return a.first == b.first; });
+        members.erase(members.begin(), end.base());
+    }
+
+    void count() {
         if (by_person_ && lines_.size() == kJsonValueLimit)
             fail(ErrorCode::kLimit, "the JSON has more than the limit of ", kJsonValueLimit, " values");
-        const bool opens = value.is_structured(), is_member = !open_.empty() && open_.back().value->is_object();
-        lines_.push_back(is_member ? key_line_ : line_);
-        Json* added = &root_;
-        if (is_member) {
-            auto& members = open_.back().value->get_ref<Json::object_t&>();
-            if (members.empty()) members.reserve(4);  // to grow copies keys
-            added = &members.emplace_back(std::move(key_), std::move(value)).second;
-        } else if (!open_.empty()) {
-            added = &open_.back().value->get_ref<Json::array_t&>().emplace_back(std::move(value));
-        } else {
-            root_ = std::move(value);
-        }
-        if (!opens) return true;
+        lines_.push_back(!open_.empty() && open_.back().value.is_object() ? key_line_ : line_);
+    }
+    bool add(Json value) {
+        count();
+        put(std::move(key_), std::move(value));
+        return true;
+    }
+    bool open(Json value) {
+        count();
         if (const size_t limit = by_person_ ? kJsonNestingLimit : kProgramNestingLimit; open_.size() == limit)
             fail(ErrorCode::kLimit, "the JSON is nested deeper than the limit of ", limit);
-        open_.push_back({added});  // stays where it is: its parent gets no other child before it is closed
+        open_.push_back({.value = std::move(value), .key = std::move(key_)});
         return true;
+    }
+    void put(std::string key, Json value) {
+        if (open_.empty())
+            root_ = std::move(value);
+        else if (open_.back().value.is_object())
+            open_.back().members.emplace_back(std::move(key), std::move(value));
+        else
+            open_.back().value.get_ref<Json::array_t&>().emplace_back(std::move(value));
     }
 
     const bool by_person_;

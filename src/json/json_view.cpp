@@ -27,7 +27,7 @@ std::string entries(size_t count, const char* of) {
 }  // namespace
 
 std::string place_of(const std::string& place, std::string_view key) {
-    if (is_word(key)) return joined(place, place.empty() ? "" : ".", key);
+    if (key.size() <= kNameLimit && is_word(key)) return joined(place, place.empty() ? "" : ".", key);
     return joined(place, "[\"", printable(key, kNameLimit), "\"]");
 }
 
@@ -52,9 +52,12 @@ const JsonView& JsonView::expect(bool is, const char* what) const {
 
 const Json* JsonView::member(std::string_view key) const {
     const auto& members = json_->get_ref<const Json::object_t&>();
-    // The last of several counts
-    const auto found = std::find_if(members.rbegin(), members.rend(), [&](const auto& m) { return m.first == key; });
-    return found == members.rend() ? nullptr : &found->second;
+    // What programs write may have any number of members, which JsonText has sorted.
+    const auto found = author_ == JsonAuthor::kProgram
+                           ? std::ranges::lower_bound(members, key, {},
+                                                      [](const auto& m) { return std::string_view(m.first); })
+                           : std::ranges::find_if(members, [&](const auto& m) { return m.first == key; });
+    return found == members.end() || found->first != key ? nullptr : &found->second;
 }
 
 std::optional<JsonView> JsonView::find(std::string_view key) const {

@@ -1,5 +1,5 @@
 // Clips and their times -> weights of morphs -> the largest of them; defined by morph_reference.h. The includer
-// declares the tables `axes`, `times`, `tracks` (rows: four morphs each, [clip][quad]) and `values` (the default
+// declares the tables `timelines`, `times`, `tracks` (rows: four morphs each, [clip][quad]) and `values` (the default
 // weights first), and for layers `active_clips` and `active_clip_times` ([instance][push.active_clip_limit]). Morphs go
 // by fours, a quad; layers look a clip's rows up once for each.
 #include "control/control.glsl"

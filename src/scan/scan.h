@@ -20,7 +20,7 @@ struct ScanChoice {
 class ScanStage {
 public:
     ScanStage() = default;
-    // Throws kUnsupported with the plan's obstacle where the method does not apply. `limits` may be lower than the
+    // Throws kUnsupported with the plan's reason where the method does not apply. `limits` may be lower than the
     // device's.
     ScanStage(Uploads& uploads, const ScanChoice& choice, const ScanRig& rig, const ScanLimits& limits);
     // Submits and waits.

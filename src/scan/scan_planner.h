@@ -24,7 +24,7 @@ double predict_ms(const ScanPlan& plan, const ScanRig& rig, const ScanMethod& me
 std::vector<ScanPrediction> predict_scans(const ScanRig& rig, uint32_t instance_count, const ScanLimits& limits,
                                           const ScanCosts& costs);
 
-// "subgroup:8", or the name alone where lanes are no choice.
+// "subgroup:8", or the name alone where threads are no choice.
 std::string name_of(const ScanChoice& choice);
 
 // "subgroup" or "subgroup:8". Throws kInvalidArgument where there is no such method, or what follows the colon is no
@@ -40,8 +40,8 @@ struct ExplainedChoice {
     std::string reason;  // one line
 };
 
-// `wanted` is "auto", a method's name, or a name with lanes: "subgroup:8". A name without lanes gets its fastest ones.
-// Throws kInvalidArgument where the name is unknown, kUnsupported where the method does not apply.
+// `wanted` is "auto", a method's name, or a name with threads: "subgroup:8". A name without threads gets its fastest
+// ones. Throws kInvalidArgument where the name is unknown, kUnsupported where the method does not apply.
 ExplainedChoice choose_scan(const std::string& wanted, const ScanRig& rig, uint32_t instance_count,
                             const ScanLimits& limits, const ScanCosts& costs);
 

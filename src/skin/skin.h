@@ -13,7 +13,7 @@
 namespace throng {
 
 // Fills kSkinSectionsBuffer and kListedVerticesBuffer: which vertices of a character a level of detail has. Level 0 has
-// all of them, the others those that their triangles have. `influence_offsets`: [1 + details], of each level's
+// all of them, the others those that their triangles have. `influence_offsets`: [1 + lods], of each level's
 // influences from the finest's.
 void upload_skin_tables(Uploads& uploads, const Character& character, std::span<const uint32_t> influence_offsets,
                         Buffers& buffers);

@@ -76,7 +76,7 @@ TEST(AnyController, HowTimeIsDividedIntoStepsChangesNoEvent) {
         for (const auto& [event, times] : of_whole) total += times;
     }
     EXPECT_GT(total, 50'000u);
-    std::printf("  300 controllers, %zu events, at most %zu voices\n", total, active_clips);
+    std::printf("  300 controllers, %zu events, at most %zu active clips\n", total, active_clips);
 }
 
 TEST(AnyController, AsManyEventsAsLoops) {
@@ -151,7 +151,7 @@ TEST(AnyController, WhateverHappensLayersAreWhole) {
         }
     }
     EXPECT_GT(taken, 5'000u);
-    std::printf("  at most %zu voices, %zu transitions\n", most, taken);
+    std::printf("  at most %zu active clips, %zu transitions\n", most, taken);
 }
 
 }  // namespace

@@ -77,5 +77,26 @@ TEST(Json, TooMuchIsRefused) {
               "the JSON cannot be read:");
 }
 
+// In any order; of several with one key the last counts.
+TEST(Json, MembersOfProgramsAreFoundByTheirKeys) {
+    constexpr uint64_t kCount = 1000;
+    std::string text = "{";
+    for (uint64_t i = 0; i < kCount; ++i) {
+        const uint64_t key = i * 389 % kCount;  // a permutation
+        text += "\"k" + std::to_string(key) + "\": " + std::to_string(key) + ", ";
+    }
+    const JsonText json(text + "\"k7\": 70, \"k7\": 77}", JsonAuthor::kProgram);
+    EXPECT_EQ(json.view().size(), kCount);
+    for (uint64_t key = 0; key < kCount; ++key)
+        EXPECT_EQ(json.view().required_uint("k" + std::to_string(key)), key == 7 ? 77 : key);
+    EXPECT_FALSE(json.view().has("k"));
+    EXPECT_FALSE(json.view().has("k1000"));
+}
+
+TEST(Json, LongKeysAreCutInPlaces) {
+    const std::string key(100'000, 'a');
+    EXPECT_LT(place_of("masks", key).size(), 1000u);
+}
+
 }  // namespace
 }  // namespace throng

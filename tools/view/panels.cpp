@@ -67,8 +67,9 @@ void name_row(const char* row, std::span<const Choice> choices, std::string& nam
 }
 
 void scan_row(std::string& scan) {
+    const std::vector<ScanMethodInfo> methods = scan_methods();
     std::vector<Choice> choices{{"auto"}};
-    for (const ScanMethodInfo& method : scan_methods())
+    for (const ScanMethodInfo& method : methods)
         if (method.in_crowds) choices.push_back({method.name.c_str(), method.summary.c_str()});
     name_row("scan", choices, scan);
 }

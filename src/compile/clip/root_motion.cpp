@@ -252,14 +252,16 @@ private:
     }
 
     void check_ancestors() const {
+        std::vector<const ExactClip*> animated_in(character_.rig.joint_count());  // the first clip, or null
+        for (const ExactClip& clip : clips_)
+            for (const ExactTrack& track : clip.tracks)
+                if (track.varies() && !animated_in[track.joint]) animated_in[track.joint] = &clip;
         for (const uint32_t joint : ancestors_)
-            for (const ExactClip& clip : clips_)
-                if (std::ranges::any_of(
-                        clip.tracks, [&](const ExactTrack& track) { return track.joint == joint && track.varies(); }))
-                    throw Failure(ErrorCode::kUnsupported, place_,
-                                  quoted(joint) + ", above " + quoted(joint_) + ", is animated in clip '" +
-                                      printable(clip.facts.name, 120) +
-                                      "'; the joint of root motion has nothing animated above it");
+            if (animated_in[joint])
+                throw Failure(ErrorCode::kUnsupported, place_,
+                              quoted(joint) + ", above " + quoted(joint_) + ", is animated in clip '" +
+                                  printable(animated_in[joint]->facts.name, 120) +
+                                  "'; the joint of root motion has nothing animated above it");
     }
 
     // The other tracks get the rows of the joint's new ones.
@@ -298,9 +300,13 @@ private:
 
     // What is above the joint does not move.
     Similarity model_from_parent(const ExactClip& clip) const {
+        std::vector<Trs<double>> first_pose;
+        for (const Trs<float>& rest : character_.rig.rest) first_pose.push_back(rest.as<double>());
+        for (const ExactTrack& track : clip.tracks)
+            set_component(first_pose[track.joint], track.target, track.at_row(0));
         Similarity out;
         for (const uint32_t joint : ancestors_) {
-            const auto value = [&](TrackTarget target) { return clip.track(character_.rig, joint, target).at_row(0); };
+            const auto value = [&](TrackTarget target) { return component(first_pose[joint], target); };
             const Vec3<double> s = vector_of(value(TrackTarget::kScale));
             const double tolerance = kUniformScale * std::abs(s.x);
             if (s.x == 0 || !(std::abs(s.y - s.x) <= tolerance) || !(std::abs(s.z - s.x) <= tolerance))

@@ -7,7 +7,7 @@
 
 namespace throng {
 
-// Fills details, lod_ranges and lod_indices from the mesh in its rest pose, and measures errors in that and in
+// Fills lods, lod_ranges and lod_indices from the mesh in its rest pose, and measures errors in that and in
 // poses of clips; they are above 0. A character of no more than 64 triangles has none, nor one that cannot be made
 // markedly coarser. Returns how many boxes and triangles were looked at to measure the errors, which must not grow
 // faster than the mesh.
