@@ -134,7 +134,8 @@ Json measure_control(const Device& device, const ControlCase& control, const Pro
                              }};
     run_rounds({&updates, 1}, control.samples, progress);
     const Spread of_control = times.stage(index_of_stage("control")), of_update = times.total();
-    record.update({{"control_ms", spread_json(of_control)},
+    record.update({{"host_samples", times.count_by_host()},
+                   {"control_ms", spread_json(of_control)},
                    {"update_ms", spread_json(of_update)},
                    {"ns_per_character", of_control.median * 1e6 / control.count},
                    {"share", of_control.median / of_update.median}});

@@ -314,8 +314,9 @@ TEST_F(Cli, BenchHasARecordForEachScanMethod) {
     const Outcome run = succeed("bench creature.glb --count 50 --samples 2 --json", kOfCommit);
     std::set<std::string> scans;
     for (const Json& record : records_of(run.out)) {
-        EXPECT_EQ(keys(record), set_of("bench scan path characters joints files clips_blended samples stages total "
-                                       "ns_per_joint max_error memory_bytes device driver subgroup_size commit date"));
+        EXPECT_EQ(keys(record),
+                  set_of("bench scan path characters joints files clips_blended samples host_samples stages total "
+                         "ns_per_joint max_error memory_bytes device driver subgroup_size commit date"));
         EXPECT_EQ(record["path"], "staged");
         EXPECT_EQ(record["stages"]["fused"]["median_ms"], 0);
         EXPECT_GT(record["stages"]["sample"]["median_ms"], 0);

@@ -83,6 +83,7 @@ Json run_case(const Device& device, const std::vector<Character>& characters, co
                    {"files", files},
                    {"clips_blended", 2},
                    {"samples", options.samples},
+                   {"host_samples", times.count_by_host()},
                    {"stages", stages},
                    {"total", bench::spread_json(times.total(), "_ms")},
                    {"ns_per_joint", times.total().median * 1e6 / static_cast<double>(joints)},
