@@ -204,6 +204,31 @@ TEST(GpuMemory, WhereABlockDoesNotFitWhatIsNeededMay) {
     EXPECT_EQ(gpu.memory.block_count(), 0u);
 }
 
+PFN_vkFreeMemory driver_free = nullptr;
+
+VKAPI_ATTR void VKAPI_CALL free_and_have_more(VkDevice device, VkDeviceMemory memory,
+                                              const VkAllocationCallbacks* callbacks) {
+    driver_free(device, memory, callbacks);
+    most_allocated_bytes = 64 * kMiB;
+}
+
+TEST(GpuMemory, WhatIsKeptGoesWhereMemoryIsOut) {
+    const Device device = another_device();
+    Gpu& gpu = *device.gpu();
+    const uint32_t type = gpu.memory_type(~0u, 0, 0);
+    gpu.memory.give_back(gpu.memory.take(type, 20 * kMiB, 64));
+    ASSERT_EQ(gpu.memory.block_count(), 1u) << "kept, and too small for what follows";
+    driver_allocate = std::exchange(gpu.vk.vkAllocateMemory, &allocate_little);
+    driver_free = std::exchange(gpu.vk.vkFreeMemory, &free_and_have_more);
+    most_allocated_bytes = 0;
+    const MemoryPart part = gpu.memory.take(type, 30 * kMiB, 64);
+    EXPECT_EQ(gpu.memory.block_count(), 1u);
+    gpu.memory.give_back(part);
+    gpu.memory.clear();
+    gpu.vk.vkAllocateMemory = driver_allocate;
+    gpu.vk.vkFreeMemory = driver_free;
+}
+
 // ---- Uploads
 
 std::vector<uint32_t> numbers(size_t count, uint32_t seed) {

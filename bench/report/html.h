@@ -13,7 +13,7 @@ std::string escape(std::string_view text);
 std::string digits(double value);
 std::string whole(double value);
 
-// What is shown where its summary is clicked at, or at once. Empty where there is no content.
+// A section that opens when its summary is clicked, or is open from the start; empty without content.
 std::string details(const std::string& summary, const std::string& content, bool open);
 
 std::string html_page(const std::string& title, const std::string& body);

@@ -21,7 +21,7 @@ struct CrowdView {
     // pose and in clips (Lod::error), as long as they are in the middle of the picture, which stretches towards
     // its edges
     float lod_pixels = 1;
-    // What is drawn throws its shadow as far as this, world space: so what is outside but throws one inside is drawn
+    // How far a character's shadow reaches, world space: one outside of the view whose shadow falls into it is drawn
     // too
     Vec3<float> shadow{};
     float ground = -1e30f;  // world y; nothing below it is seen, so a shadow that falls goes no farther
@@ -33,8 +33,8 @@ struct CrowdView {
     // long as it takes longer, full_rate_pixels (at least 1) is raised from update to update, and lowered again, not
     // below itself, when there is time to spare. 0: as long as it takes. Needs timestamps.
     float budget_ms = 0;
-    // What is hidden is left out too: record() animates and lists only what was visible in the last update, and
-    // record_disoccluded() the rest of what is visible.
+    // Leaves out characters hidden behind others too: record() animates and lists only those that were visible in the
+    // last update, and record_disoccluded() the rest of those that are visible.
     bool occlusion = false;
 };
 

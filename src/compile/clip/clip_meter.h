@@ -21,7 +21,7 @@ public:
     double place(size_t joint, const Trs<double>& parent_from_joint, std::span<const AffineT<double>> wanted);
     const AffineT<double>& model_from_joint(size_t joint) const { return models_[joint]; }
 
-    // What is read from rows.
+    // Some tracks with a key in each row, and how everything else stands.
     struct Rows {
         std::span<const size_t> of_grid;        // [row_count]
         std::span<const ExactTrack> tracks;     // what is read from their keys [row_count]; without: as in `still`
