@@ -162,13 +162,14 @@ public:
     // Records one update into the caller's command buffer (recording, outside a render pass, of the adopted queue's
     // family): advances every instance by `time_step_s` times its speed, then control, and sample, blend, scan, bind or
     // all four in one. A playback set since the last record() starts at its time plus this step. The recorded commands
-    // must have finished before the crowd is destroyed, and may be submitted once.
+    // must have finished before the crowd is destroyed, and may be submitted once. On a native device the command
+    // buffer is VK_NULL_HANDLE, and the update is done when the call returns, as by update().
     //
     // With a view, where CrowdSettings::culls: all instances go on in time, and of groups that are fused, without
     // sockets or inertial transitions, only those that it sees are animated (others' groups entirely). Without one, all
     // are, and all are listed. A box around all clips' poses decides, a tenth of the character's size wider than these,
     // or half of it where a controller, rules or poses from outside go beyond them. Errors: kInvalidArgument (the time
-    // step or the view is not finite; a view and no culls).
+    // step or the view is not finite; a view and no culls), kUnsupported (CrowdView::occlusion on a native device).
     Result<void> record(VkCommandBuffer commands, float time_step_s, const CrowdView* view = nullptr);
     // The second half of an update for a view with CrowdView::occlusion, recorded after its record() and what draws the
     // depths: tests the boxes of everything in view against these, and animates those that are visible and were not in
@@ -183,9 +184,9 @@ public:
     // outputs() change back too. (A pose whose fade ended in that update is not back where CrowdGroup::pose_capacity
     // was exhausted and its room has been given to another.) Of a dropped update that nobody tells of, the changes are
     // lost, and after four in a row record() fails where there is feedback(). Errors: kInvalidArgument (nothing has
-    // been recorded since the last discard).
+    // been recorded since the last discard), kUnsupported (a native device has run it).
     Result<void> discard_last_record();
-    // record(), submit to the device's queue, and wait.
+    // record(), submit to the device's queue, and wait; a native device computes here.
     Result<void> update(float time_step_s, const CrowdView* view = nullptr);
 
     std::span<const OutputBlock> outputs() const;

@@ -1,6 +1,7 @@
 // The Vulkan device that throng works on: one of its own, or the application's.
 #pragma once
 
+#include <throng/jobs.h>
 #include <throng/result.h>
 
 #include <vulkan/vulkan_core.h>
@@ -15,7 +16,7 @@ namespace throng {
 struct DeviceInfo {
     uint32_t index = 0;  // as DeviceSettings::select takes it
     std::string name{};
-    std::string type{};        // "discrete", "integrated", "virtual", "cpu" or "other"
+    std::string type{};        // "discrete", "integrated", "virtual", "cpu", "native" or "other"
     std::string driver{};      // name and version
     uint32_t api_version = 0;  // VK_MAKE_API_VERSION
     uint32_t subgroup_size = 0;
@@ -28,9 +29,18 @@ struct DeviceInfo {
 enum class Validation { kOff, kStandard, kSynchronization, kGpuAssisted };
 
 struct DeviceSettings {
-    // Empty: a discrete GPU if there is one, else an integrated one, else a virtual one, else the software device.
-    // Else an index of list_devices(), "cpu", or a part of a device's name in any case.
+    // Empty: a discrete GPU if there is one, else an integrated one, else a virtual one, else the software device, else
+    // the native one. Else an index of list(), "cpu" for the software device, "native", or a part of a device's name in
+    // any case.
+    //
+    // The native device needs neither Vulkan nor a GPU: this machine's processor computes. Crowds are updated by
+    // Crowd::update(), and OutputBlock::host is where the results are.
     std::string select{};
+    // Of a native device: threads that compute, the calling one included; 0: as many as the processor runs side by
+    // side. Results do not depend on it.
+    uint32_t threads = 0;
+    // Of a native device: the application's job system, in place of threads of its own.
+    std::shared_ptr<JobSystem> jobs{};
     Validation validation = Validation::kOff;
     // What the driver has compiled is kept in $XDG_CACHE_HOME/throng or ~/.cache/throng, a file for each device and
     // driver, and need not be compiled at the next start. The file is written when the device goes; where it cannot be
@@ -60,7 +70,7 @@ class Gpu;  // internal
 // submit (Crowd::update, read_*, Renderer::render) need the caller's lock when made from several threads.
 class Device {
 public:
-    // All physical devices of this machine. Errors: kNoDevice where no Vulkan loader or no driver is installed.
+    // All physical devices of this machine, and the native one, which is the last.
     static Result<std::vector<DeviceInfo>> list();
     static Result<Device> create(const DeviceSettings& settings = {});
     // throng submits to the adopted queue only in the calls that say so; the application guards the queue there.

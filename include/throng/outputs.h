@@ -4,7 +4,10 @@
 #include <throng/device.h>
 #include <throng/transform.h>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace throng {
 
@@ -12,6 +15,32 @@ namespace throng {
 struct SkinnedVertex {
     Vec3<float> position{};
     uint32_t normal_octahedral = 0;  // of length 1, as Vertex's
+};
+
+// An entry of OutputBlock::root_buffer.
+struct RootMotion {
+    std::array<float, 4> move{};  // as there
+    std::array<std::array<float, 4>, 4> internal{};
+};
+
+// A morph that an instance shows.
+struct ShownMorph {
+    uint32_t morph = 0;
+    float weight = 0;
+};
+
+// What an OutputBlock says of its buffers, on a native device in host memory; empty on others. The spans stay where
+// they are as long as the crowd lives, but for skin and previous_skin, which change places as their buffers do. What is
+// not const may be written between two updates.
+struct HostOutputs {
+    std::span<const std::byte> skin{}, previous_skin{};
+    std::span<const Affine> model{}, placement{}, socket{};
+    std::span<float> parameter{};
+    std::span<const RootMotion> root{};
+    std::span<std::array<float, 4>> target{}, destination{};
+    std::span<const ShownMorph> morph{};
+    std::span<const uint32_t> list{};
+    std::span<const SkinnedVertex> skinned{};
 };
 
 // Results of consecutive instances of one group. Each buffer holds one entry after the other from offset 0, in the
@@ -77,6 +106,9 @@ struct OutputBlock {
     // Character::vertices, with CrowdSettings::skins_once; where the crowd culls, only those that the listed instances
     // have in their level of detail.
     VkBuffer skinned_buffer = VK_NULL_HANDLE;
+
+    // On a native device, in place of the buffers.
+    HostOutputs host{};
 };
 
 }  // namespace throng

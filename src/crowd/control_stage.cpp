@@ -70,7 +70,7 @@ void ControlStage::set(uint32_t first_instance, std::span<const Playback> playba
 void ControlStage::begin(const Update& update) {
     for (const Member& member : members_) batches_[member.batch].blends = member.blending_count > 0;
     for_each_part(batches_, dirty_.take(), [&](const Batch& batch, uint32_t first, uint32_t count) {
-        if (batch[io::kPlaybacksBuffer].handle())
+        if (batch[io::kPlaybacksBuffer])
             record_update(*gpu_, update.commands, batch[io::kPlaybacksBuffer], first - batch.first_instance,
                           std::span<const io::InstancePlayback>(playbacks_).subspan(first, count));
     });

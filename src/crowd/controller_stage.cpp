@@ -55,7 +55,7 @@ ControllerStage::ControllerStage(const StageContext& context)
 
 void ControllerStage::add(uint32_t batch, const io::ControlCommand& command) {
     Member& member = members_[member_of_batch_[batch]];
-    if (!member.uploaded.handle()) make_uploads(member);  // here, since it may fail: an update that has begun may not
+    if (!member.uploaded) make_uploads(member);  // here, since it may fail: an update that has begun may not
     member.pending.push_back(command);
 }
 
@@ -112,8 +112,8 @@ void ControllerStage::record(const Update& update) {
         const Batch& batch = batches_[member.batch];
         const Group& group = group_of(batch);
         const uint32_t inertia_flags = group.controller->is_inertial ? io::kPushIsInertial : 0;
-        const uint32_t morph_flags = batch[io::kActiveClipTimesBuffer].handle() ? io::kPushTellsTimes : 0;
-        const uint32_t root_flags = batch[io::kRootsBuffer].handle()
+        const uint32_t morph_flags = batch[io::kActiveClipTimesBuffer] ? io::kPushTellsTimes : 0;
+        const uint32_t root_flags = batch[io::kRootsBuffer]
                                         ? io::kPushHasRootMotion |
                                               (group.controller->moves_placements ? io::kPushMovesPlacements : 0)
                                         : 0;

@@ -82,6 +82,32 @@ void CrowdState::make_batches(Uploads& uploads, const BatchPlan& plan, uint32_t 
     instance_count += count;
 }
 
+namespace {
+
+template <class T>
+std::span<T> in_host_memory(const Gpu& gpu, const Buffer& buffer) {
+    if (!gpu.native || !buffer) return {};
+    return {reinterpret_cast<T*>(buffer.mapped()), buffer.size_bytes() / sizeof(T)};
+}
+
+}  // namespace
+
+HostOutputs CrowdState::host_outputs(const Batch& batch) const {
+    static_assert(sizeof(RootMotion) == sizeof(io::RootState) && sizeof(ShownMorph) == sizeof(io::ActiveMorph));
+    return {.skin = in_host_memory<const std::byte>(*gpu, batch.skins[0]),
+            .previous_skin = in_host_memory<const std::byte>(*gpu, batch.skins[1]),
+            .model = in_host_memory<const Affine>(*gpu, batch[io::kModelBuffer]),
+            .placement = in_host_memory<const Affine>(*gpu, batch[io::kPlacementsBuffer]),
+            .socket = in_host_memory<const Affine>(*gpu, batch[io::kSocketsBuffer]),
+            .parameter = in_host_memory<float>(*gpu, batch[io::kParametersBuffer]),
+            .root = in_host_memory<const RootMotion>(*gpu, batch[io::kRootsBuffer]),
+            .target = in_host_memory<std::array<float, 4>>(*gpu, batch[io::kTargetsBuffer]),
+            .destination = in_host_memory<std::array<float, 4>>(*gpu, batch[io::kDestinationsBuffer]),
+            .morph = in_host_memory<const ShownMorph>(*gpu, batch[io::kActiveMorphsBuffer]),
+            .list = in_host_memory<const uint32_t>(*gpu, batch[io::kListBuffer]),
+            .skinned = in_host_memory<const SkinnedVertex>(*gpu, batch[io::kSkinnedBuffer])};
+}
+
 void CrowdState::add_output(const Batch& batch) {
     const Group& group = groups[batch.group];
     outputs.push_back({.group = batch.group,
@@ -105,7 +131,8 @@ void CrowdState::add_output(const Batch& batch) {
                        .list_buffer = batch[io::kListBuffer].handle(),
                        .draw_buffer = batch[io::kDrawsBuffer].handle(),
                        .vertex_count = group.vertex_count,
-                       .skinned_buffer = batch[io::kSkinnedBuffer].handle()});
+                       .skinned_buffer = batch[io::kSkinnedBuffer].handle(),
+                       .host = host_outputs(batch)});
 }
 
 void CrowdState::make_feedback(const CrowdSettings& settings) {

@@ -27,9 +27,8 @@ void CrowdState::watch(std::span<const uint32_t> instances) {
         const Batch& batch = batch_of(instance);
         const Group& group = groups[batch.group];
         const auto part = [&](const Buffer& buffer, uint64_t stride_bytes, uint64_t size_bytes) {
-            return buffer.handle()
-                       ? BufferRange(buffer.handle(), (instance - batch.first_instance) * stride_bytes, size_bytes)
-                       : BufferRange();
+            return buffer ? BufferRange(buffer, (instance - batch.first_instance) * stride_bytes, size_bytes)
+                          : BufferRange();
         };
         const auto all = [&](const Buffer& buffer, uint64_t size_bytes) {
             return part(buffer, size_bytes, size_bytes);
@@ -58,12 +57,12 @@ std::vector<Affine> CrowdState::read_matrices(uint32_t instance, bool model) con
     check_range(instance, 1, "read-back");
     const Batch& batch = batch_of(instance);
     const Group& group = groups[batch.group];
-    if (model && !batch[io::kModelBuffer].handle())
+    if (model && !batch[io::kModelBuffer])
         throw Failure(ErrorCode::kInvalidArgument, "read-back",
                       "model matrices are kept only with CrowdSettings::keep_model_matrices");
     const uint64_t size_bytes = model ? group.joint_count * kMatrix_bytes
                                       : uint64_t{group.palette_count} * skin_format_bytes(skin_format);
-    const BufferRange range(model ? batch[io::kModelBuffer].handle() : batch.skin().handle(),
+    const BufferRange range(model ? batch[io::kModelBuffer] : batch.skin(),
                             (instance - batch.first_instance) * size_bytes, size_bytes);
     return unpack_skin(model ? SkinFormat::kAffine : skin_format, download<std::byte>(gpu, range));
 }
@@ -91,9 +90,9 @@ std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
 
 // The set of joints that an instance's skin matrices were written for; the finest, where it has not been drawn.
 uint32_t CrowdState::joint_set_of(const Batch& batch, uint32_t instance) const {
-    return batch[io::kStatesBuffer].handle()
-               ? download<uint32_t>(gpu, BufferRange(batch[io::kStatesBuffer].handle(), instance * sizeof(uint32_t),
-                                                     sizeof(uint32_t)))[0] >>
+    return batch[io::kStatesBuffer]
+               ? download<uint32_t>(
+                     gpu, BufferRange(batch[io::kStatesBuffer], instance * sizeof(uint32_t), sizeof(uint32_t)))[0] >>
                      io::kStateSetShift
                : 0;
 }

@@ -88,7 +88,12 @@ Update CrowdState::update_of(VkCommandBuffer commands, float time_step_s, const 
 }
 
 void CrowdState::record(VkCommandBuffer commands, float time_step_s, const CrowdView* view) {
+    if (gpu->native ? commands != VK_NULL_HANDLE : commands == VK_NULL_HANDLE)
+        throw Failure(ErrorCode::kInvalidArgument, "command buffer",
+                      gpu->native ? "a native device has none: call update()" : "there is none");
     if (view && !cull) throw Failure(ErrorCode::kInvalidArgument, "view", "CrowdSettings::culls is not set");
+    if (view && view->occlusion && gpu->native)
+        throw Failure(ErrorCode::kUnsupported, "occlusion", "a native device has no depths to test");
     if (!std::isfinite(time_step_s)) throw Failure(ErrorCode::kInvalidArgument, "time step", "must be finite");
     const io::CullView seen = cull_view_of(view, budgeted_full_rate_pixels(view));
     constexpr Access kConsumers = kShaderRead | kVertexRead | kTransferRead | kIndirectRead;
@@ -123,6 +128,8 @@ void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& 
 // What the update has taken up is pending again, and what it let go on goes back; the timer notices by itself that it
 // never runs.
 void CrowdState::discard_last_record() {
+    if (gpu->native)
+        throw Failure(ErrorCode::kUnsupported, "discard", "a native device runs an update where it is recorded");
     if (!can_discard_)
         throw Failure(ErrorCode::kInvalidArgument, "discard",
                       "there is no record() to discard, or it has been discarded");
@@ -152,9 +159,10 @@ float CrowdState::budgeted_full_rate_pixels(const CrowdView* view) {
 // What was current becomes previous.
 void CrowdState::take_turns() {
     for (size_t i = 0; i < batches.size(); ++i) {
-        if (!batches[i].skins[1].handle()) continue;
+        if (!batches[i].skins[1]) continue;
         batches[i].current_skin ^= 1;
         std::swap(outputs[i].skin_buffer, outputs[i].previous_skin_buffer);
+        std::swap(outputs[i].host.skin, outputs[i].host.previous_skin);
     }
 }
 
@@ -163,9 +171,7 @@ void CrowdState::copy_to_previous(VkCommandBuffer commands) const {
     memory_barrier(*gpu, commands, kShaderRead | kShaderWrite, kTransferRead | kTransferWrite);
     for (const Batch& batch : batches) {
         const Buffer& previous = batch.skins[1 - batch.current_skin];
-        if (!previous.handle()) continue;
-        const VkBufferCopy copy{0, 0, previous.size_bytes()};
-        gpu->vk.vkCmdCopyBuffer(commands, batch.skin().handle(), previous.handle(), 1, &copy);
+        if (previous) record_copy(*gpu, commands, batch.skin(), previous);
     }
 }
 

@@ -80,6 +80,7 @@ private:
     void check_memory(uint64_t needed_bytes) const;
     void make_batches(Uploads& uploads, const BatchPlan& plan, uint32_t group, uint32_t count);
     void add_output(const Batch& batch);
+    HostOutputs host_outputs(const Batch& batch) const;
     void make_feedback(const CrowdSettings& settings);
     void make_stages(Uploads& uploads, const CrowdSettings& settings);
     Update update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const;

@@ -30,29 +30,20 @@ FeedbackRing::FeedbackRing(std::shared_ptr<Gpu> gpu, uint32_t event_capacity, ui
     for (Slot& slot : slots_) {
         slot.copy = Buffer(gpu_, "feedback", size_bytes + watch_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                            MemoryKind::kReadback);
-        const VkEventCreateInfo info{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO};
-        check(gpu_->vk.vkCreateEvent(gpu_->device, &info, nullptr, &slot.done), "creating an event");
+        slot.done = DeviceEvent(gpu_);
     }
-}
-
-FeedbackRing::~FeedbackRing() {
-    for (const Slot& slot : slots_) gpu_->vk.vkDestroyEvent(gpu_->device, slot.done, nullptr);
-}
-
-bool FeedbackRing::is_done(const Slot& slot) const {
-    return gpu_->vk.vkGetEventStatus(gpu_->device, slot.done) == VK_EVENT_SET;
 }
 
 // Never submitted, and nobody said so: a later update has run, and updates run in the order in which they were
 // recorded.
 bool FeedbackRing::was_dropped(const Slot& slot) const {
     return std::ranges::any_of(
-        slots_, [&](const Slot& other) { return other.update.number > slot.update.number && is_done(other); });
+        slots_, [&](const Slot& other) { return other.update.number > slot.update.number && other.done.is_set(); });
 }
 
 void FeedbackRing::begin(VkCommandBuffer commands) {
     Slot& slot = slots_[update_count_ % slots_.size()];
-    const bool is_free = slot.update.number == 0 || is_done(slot);
+    const bool is_free = slot.update.number == 0 || slot.done.is_set();
     if (!is_free && !was_dropped(slot)) {
         const std::string count = std::to_string(slots_.size());
         throw Failure(ErrorCode::kInvalidArgument, "crowd",
@@ -60,41 +51,38 @@ void FeedbackRing::begin(VkCommandBuffer commands) {
                           " may be in flight; of one that will never be submitted, tell by discard_last_record()");
     }
     if (!is_free) slot.update.is_read = true;  // there is nothing to read
-    check(gpu_->vk.vkResetEvent(gpu_->device, slot.done), "resetting an event");
+    slot.done.reset();
     slot.before = std::exchange(slot.update, {.number = ++update_count_, .is_read = false, .watched = {}});
-    gpu_->vk.vkCmdFillBuffer(commands, events_.handle(), 0, sizeof(io::EventHead), 0);
+    record_fill(*gpu_, commands, BufferRange(events_, 0, sizeof(io::EventHead)), 0);
 }
 
 void FeedbackRing::discard() {
     Slot& slot = last_slot();
     slot.update = std::move(slot.before);
-    // As it was: the update before it is done, or was dropped
-    check(gpu_->vk.vkSetEvent(gpu_->device, slot.done), "setting an event");
+    slot.done.set();  // as it was: the update before it is done, or was dropped
     --update_count_;
 }
 
 void FeedbackRing::end(VkCommandBuffer commands, std::span<const Watched> watched) {
     Slot& slot = last_slot();
     memory_barrier(*gpu_, commands, kShaderWrite | kTransferWrite, kTransferRead | kTransferWrite);
-    const VkBufferCopy copy{0, 0, events_.size_bytes()};
-    gpu_->vk.vkCmdCopyBuffer(commands, events_.handle(), slot.copy.handle(), 1, &copy);
+    record_copy(*gpu_, commands, events_, BufferRange(slot.copy, 0, events_.size_bytes()));
     VkDeviceSize at = events_.size_bytes();
     for (const Watched& one : watched) {
         for (const BufferRange& range : one.parts()) {
             if (range.size_bytes == 0) continue;
-            const VkBufferCopy part{range.offset_bytes, at, range.size_bytes};
-            gpu_->vk.vkCmdCopyBuffer(commands, range.buffer, slot.copy.handle(), 1, &part);
-            at += part.size;
+            record_copy(*gpu_, commands, range, BufferRange(slot.copy, at, range.size_bytes));
+            at += range.size_bytes;
         }
     }
     slot.update.watched.assign(watched.begin(), watched.end());
-    set_event_for_host(*gpu_, commands, slot.done);
+    slot.done.record_set(commands);
 }
 
 std::vector<Feedback> FeedbackRing::take() {
     std::vector<Feedback> taken;
     for (Slot& slot : slots_) {
-        if (slot.update.number == 0 || slot.update.is_read || !is_done(slot)) continue;
+        if (slot.update.number == 0 || slot.update.is_read || !slot.done.is_set()) continue;
         taken.push_back(read(slot));
         slot.update.is_read = true;
     }

@@ -4,6 +4,7 @@
 
 #include "control/layer_commands.h"
 #include "gpu/buffer.h"
+#include "gpu/event.h"
 
 #include <throng/crowd.h>
 
@@ -14,12 +15,12 @@ namespace throng {
 
 // What is read of an instance, where it lies on the device.
 struct Watched {
-    uint32_t instance = 0;   // of the crowd
-    BufferRange placement;   // Affine
-    BufferRange move;        // float4: x, z, cosine, sine; without a buffer where there is no root motion
-    BufferRange sockets;     // Affine[]; likewise
-    BufferRange parameters;  // float[]; without a buffer where there is no controller
-    BufferRange layers;      // io::LayerState[layer_kinds]; likewise
+    uint32_t instance = 0;                   // of the crowd
+    BufferRange placement;                   // Affine
+    BufferRange move;                        // float4: x, z, cosine, sine; none where there is no root motion
+    BufferRange sockets;                     // Affine[]; likewise
+    BufferRange parameters;                  // float[]; none where there is no controller
+    BufferRange layers;                      // io::LayerState[layer_kinds]; likewise
     std::span<const LayerKind> layer_kinds;  // of the group
     uint32_t clip_count = 0;                 // of the character
 
@@ -30,7 +31,6 @@ class FeedbackRing {
 public:
     // watch_bytes: of all that end() copies of watched instances at most.
     FeedbackRing(std::shared_ptr<Gpu> gpu, uint32_t event_capacity, uint64_t watch_bytes);
-    ~FeedbackRing();
     FeedbackRing(const FeedbackRing&) = delete;
     FeedbackRing& operator=(const FeedbackRing&) = delete;
 
@@ -55,11 +55,10 @@ private:
     };
     struct Slot {
         Buffer copy;
-        VkEvent done = VK_NULL_HANDLE;
+        DeviceEvent done;
         Update update, before;  // what the slot had before the update, which may be discarded
     };
     Slot& last_slot() { return slots_[(update_count_ - 1) % slots_.size()]; }
-    bool is_done(const Slot& slot) const;
     bool was_dropped(const Slot& slot) const;
     Feedback read(const Slot& slot) const;
 

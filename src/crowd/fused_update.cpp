@@ -73,8 +73,8 @@ void FusedUpdate::bind(Member& member) const {
                 batch.table(group, skin).add(group.fused[set].tables).set({{io::kSkinBuffer, skin}}));
         };
         for (size_t k = 0; k < batch.skins.size(); ++k)
-            if (batch.skins[k].handle()) bindings.skins[k] = bound(batch.skins[k]);
-        if (batch[io::kSkinTargetBuffer].handle()) bindings.target = bound(batch[io::kSkinTargetBuffer]);
+            if (batch.skins[k]) bindings.skins[k] = bound(batch.skins[k]);
+        if (batch[io::kSkinTargetBuffer]) bindings.target = bound(batch[io::kSkinTargetBuffer]);
     }
 }
 
@@ -123,7 +123,7 @@ void FusedUpdate::record_set(VkCommandBuffer commands, const Member& member, uin
     push.section = io::kAnimated + set;
     kernel.dispatch_indirect(commands, bindings.skins[batch.current_skin], push, batch[io::kDispatchesBuffer],
                              push.section);
-    if (!batch[io::kSkinTargetBuffer].handle()) return;
+    if (!batch[io::kSkinTargetBuffer]) return;
     push.section = io::kAnimatedAhead + set;
     kernel.dispatch_indirect(commands, bindings.target, push, batch[io::kDispatchesBuffer], push.section);
 }

@@ -27,9 +27,22 @@ std::string staged_only(const CrowdGroup& group) {
     return {};
 }
 
+// A native device walks hierarchies in one way.
+PathChoice native_path(const CrowdSettings& settings, const CrowdGroup& group) {
+    const std::string serial = "serial";
+    if (settings.scan != "auto" && settings.scan != serial)
+        throw Failure(ErrorCode::kUnsupported, group.character->name + ": scan method '" + settings.scan + "'",
+                      "on a native device there is only '" + serial + "'");
+    return {.fused = {},
+            .scan = {parse_scan_request(serial).method, 1},
+            .scan_reason = "the one that a native device has",
+            .path_reason = "staged: asked for"};
+}
+
 }  // namespace
 
 PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
+    if (gpu.native) return native_path(settings, group);
     const Character& character = *group.character;
     const ScanLimits limits = scan_limits(gpu);
     const bool any_scan = settings.scan == "auto";

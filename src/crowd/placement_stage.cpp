@@ -33,7 +33,7 @@ void PlacementStage::begin(const Update& update) {
         const uint32_t first_of_batch = first - batch.first_instance;
         record_update(*gpu_, update.commands, batch[io::kPlacementsBuffer], first_of_batch,
                       std::span<const Affine>(placements_).subspan(first, count));
-        if (!batch[io::kRootsBuffer].handle()) return;
+        if (!batch[io::kRootsBuffer]) return;
         std::vector<io::RootState> roots;
         for (uint32_t i = first; i < first + count; ++i) roots.push_back(standing_at(placements_[i]));
         record_update(*gpu_, update.commands, batch[io::kRootsBuffer], first_of_batch,

@@ -29,7 +29,7 @@ SkinStage::SkinStage(const StageContext& context)
         const Group& group = group_of(batch);
         if (group.vertex_count == 0) continue;
         for (size_t k = 0; k < member.size(); ++k)
-            if (batch.skins[k].handle())
+            if (batch.skins[k])
                 member[k] = kernel_.bind(skin_buffers(group, batch, batch.skins[k], batch[io::kSkinnedBuffer]));
     }
 }
@@ -43,7 +43,7 @@ void SkinStage::record(const Update& update, bool only_animated) const {
         io::SkinPush push = skin_push(group);
         push.only_animated = only_animated;
         const Bindings& bindings = members_[i][batch.current_skin];
-        if (batch[io::kListBuffer].handle())
+        if (batch[io::kListBuffer])
             kernel_.dispatch_indirect(update.commands, bindings, push, batch[io::kDispatchesBuffer], io::kWorkSections);
         else
             kernel_.dispatch_workgroups(update.commands, bindings, push, batch.instance_count);

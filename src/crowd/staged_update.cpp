@@ -79,11 +79,9 @@ void StagedUpdate::bind_member(Member& member) {
     const Batch& batch = batches_[member.batch];
     const Group& group = group_of(batch);
     const uint64_t size_bytes = batch.instance_count * uint64_t{group.joint_count} * sizeof(Affine);
-    const auto slice = [&](const Buffer& buffer) {
-        return BufferRange(buffer.handle(), member.arena_offset_bytes, size_bytes);
-    };
+    const auto slice = [&](const Buffer& buffer) { return BufferRange(buffer, member.arena_offset_bytes, size_bytes); };
     const BufferRange first = slice(first_poses_), second = slice(second_poses_), local = slice(local_);
-    const BufferRange model = batch[io::kModelBuffer].handle() ? BufferRange(batch[io::kModelBuffer]) : slice(model_);
+    const BufferRange model = batch[io::kModelBuffer] ? BufferRange(batch[io::kModelBuffer]) : slice(model_);
     const BufferTable table = batch
                                   .table(group,
                                          group.controller ? batch[io::kLayersBuffer] : group[io::kVerticesBuffer])
@@ -96,7 +94,7 @@ void StagedUpdate::bind_member(Member& member) {
     if (group.procedural) member.procedural = procedural_.bind(member.batch, local);
     member.scan = group.scan->bind(table);
     for (size_t i = 0; i < batch.skins.size(); ++i)
-        if (batch.skins[i].handle()) member.bind[i] = bind_->bind(table.with({{io::kSkinBuffer, batch.skins[i]}}));
+        if (batch.skins[i]) member.bind[i] = bind_->bind(table.with({{io::kSkinBuffer, batch.skins[i]}}));
     if (group.sockets) {
         if (!sockets_) sockets_ = socket_kernel(gpu_);
         member.sockets = sockets_->bind(table);

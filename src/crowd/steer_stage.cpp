@@ -80,7 +80,7 @@ void SteerStage::begin(const Update& update) {
         for (const auto& [first, count] : member.dirty.take())
             record_update(*gpu_, update.commands, batches_[member.batch][io::kDestinationsBuffer], first,
                           std::span<const io::vec4>(member.destinations).subspan(first, count));
-    gpu_->vk.vkCmdFillBuffer(update.commands, heads_.handle(), 0, VK_WHOLE_SIZE, kNone);
+    record_fill(*gpu_, update.commands, heads_, kNone);
 }
 
 void SteerStage::discard() {
@@ -115,7 +115,7 @@ void SteerStage::record_steps(VkCommandBuffer commands, const Member& member, fl
                              .turn_cos = static_cast<float>(std::cos(turn_rad)),
                              .turn_sin = static_cast<float>(std::sin(turn_rad)),
                              .time_step_s = time_step_s,
-                             .is_carried = batch[io::kRootsBuffer].handle() && group.controller->moves_placements,
+                             .is_carried = batch[io::kRootsBuffer] && group.controller->moves_placements,
                              .parameter_count = group.controller ? group.controller->parameter_count : 0,
                              .speed_parameter = group.steering->speed_parameter};
     kernels_->steer.dispatch_invocations(commands, member.steer, push, batch.instance_count);

@@ -18,7 +18,7 @@ CrowdBindings::CrowdBindings(const ShaderLayout& layout, const MaterialSampling&
     : life_(crowd.life), joint_levels_(crowd.groups.size()) {
     Uploads uploads(crowd.gpu);
     TextureAccount textures{warnings};
-    const bool has_skeletons = crowd.batches.front()[io::kModelBuffer].handle();
+    const bool has_skeletons = static_cast<bool>(crowd.batches.front()[io::kModelBuffer]);
     for (size_t g = 0; g < crowd.groups.size(); ++g) {
         const Group& group = crowd.groups[g];
         materials.emplace_back(uploads, group, layout.set(kMaterialSet), sampling, textures);
@@ -32,7 +32,7 @@ CrowdBindings::CrowdBindings(const ShaderLayout& layout, const MaterialSampling&
             batch.table(group, group[io::kVerticesBuffer]).set({{io::kJointLevelsBuffer, joint_levels_[batch.group]}});
         std::array<Bindings, 2>& of_batch = batches_.emplace_back();
         for (size_t skin = 0; skin < 2; ++skin)
-            if (batch.skins[skin].handle())
+            if (batch.skins[skin])
                 of_batch[skin] = Bindings(crowd.gpu, group.name, layout.set(kBatchSet),
                                           table.with({{io::kSkinBuffer, batch.skins[skin]}}));
     }

@@ -19,6 +19,9 @@ constexpr Access kDrawRead{
     VK_ACCESS_2_INDEX_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT};
 
 std::shared_ptr<Gpu> with_graphics(std::shared_ptr<Gpu> gpu) {
+    if (gpu->native)
+        throw Failure(ErrorCode::kNoDevice, "renderer",
+                      "the native device draws nothing: it needs Vulkan (mesa-vulkan-drivers has a software device)");
     if (!gpu->has_graphics())
         throw Failure(
             ErrorCode::kNoDevice, "renderer",
@@ -127,7 +130,7 @@ void RendererState::record(VkCommandBuffer commands, Crowd& crowd, float time_st
 RendererState::Frame RendererState::prepare(const Crowd& crowd, const Camera& camera) {
     const CrowdState& state = crowd.state();
     if (state.gpu != gpu) throw Failure(ErrorCode::kInvalidArgument, "render", "the crowd lives on another device");
-    if (options.skeletons && !state.batches.front()[io::kModelBuffer].handle())
+    if (options.skeletons && !state.batches.front()[io::kModelBuffer])
         throw Failure(ErrorCode::kInvalidArgument, "skeletons",
                       "the crowd keeps no model matrices; set CrowdSettings::keep_model_matrices");
     const io::DrawScene scene = make_scene(state, camera, targets.extent(), shadow_map_.extent().width, options);

@@ -40,18 +40,10 @@ inline VkDependencyInfo dependency_of(const VkMemoryBarrier2& barrier) {
 
 // All memory: what `before` wrote is visible to `after`, and `after` waits for `before` even where that only read.
 inline void memory_barrier(const Gpu& gpu, VkCommandBuffer commands, Access before, Access after) {
+    if (gpu.native) return;  // it does one thing after the other
     const VkMemoryBarrier2 barrier = barrier_between(before, after);
     const VkDependencyInfo dependency = dependency_of(barrier);
     gpu.vk.vkCmdPipelineBarrier2(commands, &dependency);
-}
-
-// Sets the event behind all copies so far, and makes what they wrote visible to a CPU that finds the event set.
-inline void set_event_for_host(const Gpu& gpu, VkCommandBuffer commands, VkEvent event) {
-    // An event's own barrier works only for who waits for it on the GPU, so the one for the CPU comes before.
-    memory_barrier(gpu, commands, kTransferWrite, kHostRead);
-    const VkMemoryBarrier2 barrier = barrier_between(kTransferWrite, kHostRead);
-    const VkDependencyInfo dependency = dependency_of(barrier);
-    gpu.vk.vkCmdSetEvent2(commands, event, &dependency);
 }
 
 }  // namespace throng

@@ -41,6 +41,12 @@ Buffer::Buffer(std::shared_ptr<Gpu> gpu, std::string_view what, VkDeviceSize siz
 }
 
 void Buffer::Content::create(VkDeviceSize size, VkBufferUsageFlags usage, MemoryKind kind) {
+    if (gpu->native) {
+        native_memory = NativeMemory(size);
+        mapped = native_memory.bytes();
+        size_bytes = size;
+        return;
+    }
     const VkBufferCreateInfo create{
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
         .size = size,
@@ -65,7 +71,7 @@ void Buffer::Content::create(VkDeviceSize size, VkBufferUsageFlags usage, Memory
 }
 
 Buffer::Content::~Content() {
-    gpu->vk.vkDestroyBuffer(gpu->device, buffer, nullptr);
+    if (buffer) gpu->vk.vkDestroyBuffer(gpu->device, buffer, nullptr);
     if (memory.block) gpu->memory.give_back(memory);
 }
 
@@ -79,6 +85,10 @@ Buffer make_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, 
 
 void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, VkDeviceSize offset_bytes,
                    std::span<const std::byte> data) {
+    if (gpu.native) {
+        if (!data.empty()) std::memcpy(target.bytes() + offset_bytes, data.data(), data.size());
+        return;
+    }
     constexpr size_t kLimit_bytes = 65536;  // of vkCmdUpdateBuffer
     for (size_t at = 0; at < data.size(); at += kLimit_bytes) {
         const auto part = data.subspan(at, std::min(kLimit_bytes, data.size() - at));
@@ -87,13 +97,34 @@ void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& 
     }
 }
 
+void record_copy(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& from, const BufferRange& to) {
+    if (gpu.native) {
+        std::memcpy(to.bytes(), from.bytes(), from.size_bytes);
+        return;
+    }
+    const VkBufferCopy copy{from.offset_bytes, to.offset_bytes, from.size_bytes};
+    gpu.vk.vkCmdCopyBuffer(commands, from.buffer, to.buffer, 1, &copy);
+}
+
+void record_fill(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, uint32_t word) {
+    if (gpu.native) {
+        for (VkDeviceSize at = 0; at < target.size_bytes; at += sizeof word)
+            std::memcpy(target.bytes() + at, &word, sizeof word);
+        return;
+    }
+    gpu.vk.vkCmdFillBuffer(commands, target.buffer, target.offset_bytes, target.size_bytes, word);
+}
+
 void download_bytes(const std::shared_ptr<Gpu>& gpu, const BufferRange& range, std::span<std::byte> out) {
     if (out.empty()) return;
+    if (gpu->native) {
+        std::memcpy(out.data(), range.bytes(), out.size());
+        return;
+    }
     Buffer staging(gpu, "read-back", range.size_bytes, 0, MemoryKind::kReadback);
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
         memory_barrier(*gpu, commands, kShaderWrite, kTransferRead);
-        const VkBufferCopy copy{range.offset_bytes, 0, range.size_bytes};
-        gpu->vk.vkCmdCopyBuffer(commands, range.buffer, staging.handle(), 1, &copy);
+        record_copy(*gpu, commands, range, BufferRange(staging, 0, range.size_bytes));
         memory_barrier(*gpu, commands, kTransferWrite, kHostRead);
     });
     std::memcpy(out.data(), staging.mapped(), out.size());

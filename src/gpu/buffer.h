@@ -29,10 +29,13 @@ public:
     Buffer(Buffer&&) noexcept = default;
     Buffer& operator=(Buffer&&) noexcept = default;
 
+    explicit operator bool() const { return content_ != nullptr; }
+    // Null of a native device.
     VkBuffer handle() const { return content_ ? content_->buffer : VK_NULL_HANDLE; }
     // This buffer where there is one, else another: a binding that a kernel does not use must have some.
     const Buffer& or_else(const Buffer& other) const { return content_ ? *this : other; }
     VkDeviceSize size_bytes() const { return content_ ? content_->size_bytes : 0; }
+    // Where the CPU sees it: what is mapped, and of a native device every buffer.
     std::byte* mapped() const { return content_ ? content_->mapped : nullptr; }
     // 4 or 16: a kernel may read the buffer as texels of one or four components; 0: only as a storage buffer.
     uint32_t texel_bytes() const { return content_ ? content_->texel_bytes : 0; }
@@ -51,6 +54,7 @@ private:
         std::shared_ptr<Gpu> gpu;
         VkBuffer buffer = VK_NULL_HANDLE;
         MemoryPart memory;
+        NativeMemory native_memory;
         VkDeviceSize size_bytes = 0;
         std::byte* mapped = nullptr;
         uint32_t texel_bytes = 0;
@@ -61,15 +65,22 @@ private:
 // Part of a buffer, as a descriptor takes it.
 struct BufferRange {
     VkBuffer buffer = VK_NULL_HANDLE;
+    std::byte* mapped = nullptr;  // of the whole buffer, as Buffer has it
     VkDeviceSize offset_bytes = 0;
     VkDeviceSize size_bytes = 0;
     uint32_t texel_bytes = 0;  // as Buffer has it
 
     BufferRange() = default;
     BufferRange(const Buffer& whole)
-        : buffer(whole.handle()), size_bytes(whole.size_bytes()), texel_bytes(whole.texel_bytes()) {}
-    BufferRange(VkBuffer handle, VkDeviceSize offset, VkDeviceSize size)
-        : buffer(handle), offset_bytes(offset), size_bytes(size) {}
+        : buffer(whole.handle()),
+          mapped(whole.mapped()),
+          size_bytes(whole.size_bytes()),
+          texel_bytes(whole.texel_bytes()) {}
+    BufferRange(const Buffer& of, VkDeviceSize offset, VkDeviceSize size)
+        : buffer(of.handle()), mapped(of.mapped()), offset_bytes(offset), size_bytes(size) {}
+
+    explicit operator bool() const { return buffer || mapped; }
+    std::byte* bytes() const { return mapped ? mapped + offset_bytes : nullptr; }
 };
 
 // A table that kernels write, as a storage buffer, and later ones read by gpu/table.glsl, in words (4 bytes) or rows of
@@ -103,6 +114,11 @@ void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& 
                    std::span<const T> items) {
     record_update(gpu, commands, target, first * sizeof(T), std::as_bytes(items));
 }
+
+// Both of the same size.
+void record_copy(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& from, const BufferRange& to);
+// Each word of the range becomes `word`.
+void record_fill(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, uint32_t word);
 
 // Copies a range back. Submits and waits; sees all work submitted to the queue before.
 void download_bytes(const std::shared_ptr<Gpu>& gpu, const BufferRange& range, std::span<std::byte> out);

@@ -17,7 +17,7 @@ class Buffers {
 public:
     Buffer& operator[](uint32_t number) { return buffers_[number]; }
     const Buffer& operator[](uint32_t number) const { return buffers_[number]; }
-    bool has(uint32_t number) const { return buffers_[number].handle() != VK_NULL_HANDLE; }
+    bool has(uint32_t number) const { return static_cast<bool>(buffers_[number]); }
     uint64_t size_bytes() const;
 
 private:
@@ -48,7 +48,7 @@ public:
 
 private:
     const BufferRange& or_else(uint32_t number, const BufferRange& absent) const {
-        return ranges_[number].buffer ? ranges_[number] : absent;
+        return ranges_[number] ? ranges_[number] : absent;
     }
 
     std::array<BufferRange, io::kBufferCount> ranges_;

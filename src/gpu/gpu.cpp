@@ -15,6 +15,7 @@ namespace throng {
 namespace {
 
 constexpr uint32_t kApiVersion = VK_API_VERSION_1_3;
+constexpr const char* kNative = "native";  // in DeviceSettings::select
 
 // Instance-level entry points of volk are process-wide; every use of them holds this lock.
 std::mutex& instance_level_mutex() {
@@ -47,7 +48,7 @@ const char* type_name(VkPhysicalDeviceType type) {
 
 // Lower is better.
 int preference(const DeviceInfo& info) {
-    constexpr std::array order{"discrete", "integrated", "virtual", "other", "cpu"};
+    constexpr std::array order{"discrete", "integrated", "virtual", "other", "cpu", kNative};
     return static_cast<int>(std::find(order.begin(), order.end(), info.type) - order.begin());
 }
 
@@ -94,10 +95,22 @@ std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
     return devices;
 }
 
+// With the native device, which is the last.
 std::vector<DeviceInfo> describe_all(const std::vector<VkPhysicalDevice>& devices) {
     std::vector<DeviceInfo> infos;
     for (VkPhysicalDevice physical : devices) infos.push_back(describe(physical, static_cast<uint32_t>(infos.size())));
+    infos.push_back(NativeDevice::info(static_cast<uint32_t>(infos.size())));
     return infos;
+}
+
+// Whether DeviceSettings::select means this device, maybe among others.
+bool fits(const DeviceInfo& info, const std::string& select) {
+    if (select.empty()) return true;
+    uint32_t index = 0;
+    const auto [end, parse] = std::from_chars(select.data(), select.data() + select.size(), index);
+    if (parse == std::errc{} && end == select.data() + select.size()) return info.index == index;
+    if (select == "cpu") return info.type == "cpu";
+    return lower(info.name).find(lower(select)) != std::string::npos;
 }
 
 DeviceInfo select_device(const std::vector<DeviceInfo>& infos, const std::string& select) {
@@ -105,22 +118,13 @@ DeviceInfo select_device(const std::vector<DeviceInfo>& infos, const std::string
     for (const auto& info : infos)
         names += (names.empty() ? "" : ", ") + std::to_string(info.index) + " (" + info.name + ")";
     const auto refuse = [&](const std::string& why) -> Failure {
-        return Failure(ErrorCode::kNoDevice, "device '" + select + "'",
-                       why + "; the devices are: " + (names.empty() ? "none" : names));
+        return Failure(ErrorCode::kNoDevice, "device '" + select + "'", why + "; the devices are: " + names);
     };
 
     std::vector<DeviceInfo> candidates;
-    uint32_t index = 0;
-    const auto [end, parse] = std::from_chars(select.data(), select.data() + select.size(), index);
-    const bool is_index = parse == std::errc{} && end == select.data() + select.size();
-    for (const auto& info : infos) {
-        const bool fits = select.empty()    ? true
-                          : is_index        ? info.index == index
-                          : select == "cpu" ? info.type == "cpu"
-                                            : lower(info.name).find(lower(select)) != std::string::npos;
-        if (fits) candidates.push_back(info);
-    }
-    if (candidates.empty()) throw refuse(infos.empty() ? "no Vulkan driver is installed" : "no such device");
+    std::ranges::copy_if(infos, std::back_inserter(candidates),
+                         [&](const DeviceInfo& info) { return fits(info, select); });
+    if (candidates.empty()) throw refuse("no such device");
     std::erase_if(candidates, [](const DeviceInfo& info) { return !info.usable; });
     if (candidates.empty()) throw refuse("Vulkan 1.3 and a compute queue are needed");
     return *std::min_element(candidates.begin(), candidates.end(),
@@ -144,18 +148,49 @@ std::vector<DeviceInfo> Gpu::list() {
     // Before the lock: its destructor takes the lock, also where something below throws
     const std::shared_ptr<Gpu> gpu(new Gpu(true));
     const std::lock_guard lock(instance_level_mutex());
-    load_vulkan();
-    gpu->create_instance(Validation::kOff);
+    try {
+        load_vulkan();
+        gpu->create_instance(Validation::kOff);
+    } catch (const Failure& failure) {
+        if (failure.error.code != ErrorCode::kNoDevice) throw;
+        return describe_all({});
+    }
     return describe_all(physical_devices(gpu->instance_));
 }
 
 std::shared_ptr<Gpu> Gpu::create(const DeviceSettings& settings) {
     std::shared_ptr<Gpu> gpu(new Gpu(true));  // before the lock, as in list()
+    if (lower(settings.select) == kNative) {  // and Vulkan is not even loaded
+        gpu->make_native(settings, NativeDevice::info(0));
+        return gpu;
+    }
     const std::lock_guard lock(instance_level_mutex());
-    load_vulkan();
-    gpu->create_instance(settings.validation);
-    gpu->create_device(settings);
+    try {
+        load_vulkan();
+        gpu->create_instance(settings.validation);
+    } catch (const Failure& failure) {
+        const DeviceInfo native = describe_all({}).front();
+        if (failure.error.code != ErrorCode::kNoDevice || settings.validation != Validation::kOff ||
+            !fits(native, settings.select))
+            throw;
+        gpu->make_native(settings, native);
+        return gpu;
+    }
+    const std::vector<VkPhysicalDevice> devices = physical_devices(gpu->instance_);
+    const DeviceInfo selected = select_device(describe_all(devices), settings.select);
+    if (selected.type == kNative)
+        gpu->make_native(settings, selected);
+    else
+        gpu->create_device(settings, devices[selected.index], selected);
     return gpu;
+}
+
+void Gpu::make_native(const DeviceSettings& settings, const DeviceInfo& of) {
+    native = std::make_unique<NativeDevice>(settings);
+    info = of;
+    properties = NativeDevice::properties();
+    max_allocation_bytes = NativeDevice::memory_bytes();
+    timestamp_valid_bits = 64;
 }
 
 std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
@@ -224,10 +259,8 @@ void Gpu::create_instance(Validation validation) {
     set_name_ = vkSetDebugUtilsObjectNameEXT;
 }
 
-void Gpu::create_device(const DeviceSettings& settings) {
-    const std::vector<VkPhysicalDevice> devices = physical_devices(instance_);
-    info = select_device(describe_all(devices), settings.select);
-    VkPhysicalDevice physical = devices[info.index];
+void Gpu::create_device(const DeviceSettings& settings, VkPhysicalDevice physical, const DeviceInfo& of) {
+    info = of;
     queue_family = *find_family(physical);
     read_properties(physical);
 
@@ -292,6 +325,7 @@ Gpu::~Gpu() {
     kernels.clear();
     memory.clear();
     own_cache_.reset();
+    if (native) return;
     const std::lock_guard lock(instance_level_mutex());
     if (owns_device_ && device) {
         vk.vkDeviceWaitIdle(device);
@@ -302,6 +336,7 @@ Gpu::~Gpu() {
 }
 
 void Gpu::submit_and_wait(const std::function<void(VkCommandBuffer)>& body) const {
+    if (native) return body(VK_NULL_HANDLE);
     // A pool and a fence of its own: rare calls, and nothing to share between threads.
     const VkCommandPoolCreateInfo pool_create{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                               .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
@@ -381,6 +416,7 @@ uint32_t Gpu::memory_type(uint32_t type_bits, VkMemoryPropertyFlags required, Vk
 }
 
 uint64_t Gpu::largest_heap_bytes() const {
+    if (native) return NativeDevice::memory_bytes();
     uint64_t largest_bytes = 0;
     for (uint32_t heap = 0; heap < memory_properties.memoryHeapCount; ++heap)
         largest_bytes = std::max<uint64_t>(largest_bytes, memory_properties.memoryHeaps[heap].size);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gpu/memory.h"
+#include "gpu/native.h"
 #include "gpu/shared_kernels.h"
 #include "gpu/vulkan.h"
 
@@ -37,7 +38,8 @@ public:
     // Does not keep the device: for what it keeps itself.
     std::shared_ptr<const Gpu> unowned() const { return {std::shared_ptr<const Gpu>(), this}; }
 
-    // Records `body` into a fresh command buffer, submits it to the queue and waits for it.
+    // Records `body` into a fresh command buffer, submits it to the queue and waits for it. A native device runs what
+    // it records; there the command buffer is null.
     void submit_and_wait(const std::function<void(VkCommandBuffer)>& body) const;
 
     // With the device's pipeline cache, where it has one.
@@ -61,6 +63,7 @@ public:
     uint64_t largest_heap_bytes() const;
     bool has_timestamps() const { return timestamp_valid_bits != 0 && properties.limits.timestampPeriod > 0; }
 
+    std::unique_ptr<NativeDevice> native;  // a device without Vulkan, which has none of the handles
     VkPhysicalDevice physical_device = VK_NULL_HANDLE;
     VkDevice device = VK_NULL_HANDLE;
     VkQueue queue = VK_NULL_HANDLE;
@@ -87,8 +90,9 @@ public:
 private:
     // On an application's device nothing is kept that no crowd uses: the application may destroy it before this object.
     explicit Gpu(bool owns_device);
+    void make_native(const DeviceSettings& settings, const DeviceInfo& of);
     void create_instance(Validation validation);
-    void create_device(const DeviceSettings& settings);
+    void create_device(const DeviceSettings& settings, VkPhysicalDevice physical, const DeviceInfo& of);
     void read_properties(VkPhysicalDevice physical);
     void set_name(VkObjectType type, uint64_t handle, std::string_view what) const;
     template <class Info, class Create>

@@ -53,6 +53,15 @@ SharedKernels::Key key_of(const KernelSettings& settings) {
 }  // namespace
 
 Kernel::Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings) : gpu_(std::move(gpu)), name_(settings.name) {
+    if (gpu_->native) {
+        if (!settings.native)
+            throw Failure(ErrorCode::kUnsupported, name_, "this kernel has no form for a native device");
+        native_ = settings.native;
+        workgroup_size_ = settings.workgroup_size != 0 ? settings.workgroup_size : native_->workgroup_size;
+        constants_.push_back(workgroup_size_);
+        constants_.insert(constants_.end(), settings.constants.begin(), settings.constants.end());
+        return;
+    }
     SharedKernels::Key key = key_of(settings);
     compiled_ = gpu_->kernels.find(key);
     if (compiled_)
@@ -63,11 +72,12 @@ Kernel::Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings) : gpu_(
 }
 
 Bindings Kernel::bind(const BufferTable& buffers) const {
-    return Bindings(gpu_, name_, compiled_->layout.set(0), buffers);
+    return native_ ? Bindings(buffers) : Bindings(gpu_, name_, compiled_->layout.set(0), buffers);
 }
 
 void Kernel::dispatch(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes,
                       uint32_t workgroup_count) const {
+    if (native_) return run_native(bindings, push, push_bytes, workgroup_count);
     if (workgroup_count > gpu_->properties.limits.maxComputeWorkGroupCount[0])
         throw Failure(ErrorCode::kLimit, name_,
                       std::to_string(workgroup_count) + " workgroups exceed the device's " +
@@ -76,11 +86,31 @@ void Kernel::dispatch(VkCommandBuffer commands, const Bindings& bindings, const 
     gpu_->vk.vkCmdDispatch(commands, workgroup_count, 1, 1);
 }
 
+void Kernel::dispatch_indirect(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes,
+                               const BufferRange& workgroups) const {
+    if (native_) {
+        VkDispatchIndirectCommand command;
+        std::memcpy(&command, workgroups.bytes(), sizeof command);
+        return run_native(bindings, push, push_bytes, command.x);
+    }
+    prepare(commands, bindings, push, push_bytes);
+    gpu_->vk.vkCmdDispatchIndirect(commands, workgroups.buffer, workgroups.offset_bytes);
+}
+
+void Kernel::run_native(const Bindings& bindings, const void* push, size_t push_bytes, uint32_t workgroup_count) const {
+    check_push(native_->push_bytes, push_bytes);
+    gpu_->native->run(*native_, {.buffers = bindings.native(), .constants = constants_, .push = push}, workgroup_count);
+}
+
+void Kernel::check_push(size_t expected_bytes, size_t push_bytes) const {
+    if (push_bytes != expected_bytes)
+        throw Failure(
+            ErrorCode::kInvalidArgument, name_,
+            "the push constants have " + std::to_string(expected_bytes) + " bytes, not " + std::to_string(push_bytes));
+}
+
 void Kernel::prepare(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes) const {
-    if (push_bytes != compiled_->info.push_constant_bytes)
-        throw Failure(ErrorCode::kInvalidArgument, name_,
-                      "the push constants have " + std::to_string(compiled_->info.push_constant_bytes) +
-                          " bytes, not " + std::to_string(push_bytes));
+    check_push(compiled_->info.push_constant_bytes, push_bytes);
     const VkDescriptorSet set = bindings.set();
     gpu_->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, compiled_->pipeline.get());
     gpu_->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, compiled_->layout.get(), 0, 1, &set, 0,

@@ -13,6 +13,7 @@ struct KernelSettings {
     uint32_t workgroup_size = 0;           // constant_id 0; 0 where the shader fixes its own
     std::vector<uint32_t> constants = {};  // constant_id 1, 2, …
     bool full_subgroups = false;           // no idle invocations in them, where the device can promise it
+    const NativeKernel* native = nullptr;  // what a native device runs; null where there is none
 };
 
 // A handle: kernels of one device that are made of the same share one pipeline (gpu/shared_kernels.h).
@@ -25,6 +26,8 @@ public:
         std::swap(gpu_, other.gpu_);
         std::swap(name_, other.name_);
         std::swap(compiled_, other.compiled_);
+        std::swap(native_, other.native_);
+        std::swap(constants_, other.constants_);
         std::swap(workgroup_size_, other.workgroup_size_);
         return *this;
     }
@@ -52,18 +55,25 @@ public:
     template <class Push>
     void dispatch_indirect(VkCommandBuffer commands, const Bindings& bindings, const Push& push,
                            const Buffer& workgroups, uint32_t command) const {
-        prepare(commands, bindings, &push, sizeof push);
-        gpu_->vk.vkCmdDispatchIndirect(commands, workgroups.handle(), command * sizeof(VkDispatchIndirectCommand));
+        dispatch_indirect(
+            commands, bindings, &push, sizeof push,
+            BufferRange(workgroups, command * sizeof(VkDispatchIndirectCommand), sizeof(VkDispatchIndirectCommand)));
     }
 
 private:
     void dispatch(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes,
                   uint32_t workgroup_count) const;
+    void dispatch_indirect(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes,
+                           const BufferRange& workgroups) const;
+    void run_native(const Bindings& bindings, const void* push, size_t push_bytes, uint32_t workgroup_count) const;
+    void check_push(size_t expected_bytes, size_t push_bytes) const;
     void prepare(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes) const;
 
     std::shared_ptr<Gpu> gpu_;
     std::string name_;
-    std::shared_ptr<const CompiledKernel> compiled_;
+    std::shared_ptr<const CompiledKernel> compiled_;  // null on a native device
+    const NativeKernel* native_ = nullptr;            // null on others
+    std::vector<uint32_t> constants_;                 // of native_: constant_id 0, 1, …
     uint32_t workgroup_size_ = 0;
 };
 

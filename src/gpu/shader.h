@@ -5,6 +5,8 @@
 #include "gpu/owned.h"
 #include "gpu/spirv_info.h"
 
+#include <array>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -63,9 +65,14 @@ public:
     Bindings(const std::shared_ptr<const Gpu>& gpu, std::string_view what, const ShaderLayout::Set& set,
              const BufferTable& buffers, std::span<const VkDescriptorImageInfo> images = {});
 
+    // Of a kernel of a native device.
+    explicit Bindings(const BufferTable& buffers);
+
     VkDescriptorSet set() const { return set_; }
+    const std::array<std::byte*, io::kBufferCount>& native() const { return *native_; }
 
 private:
+    std::unique_ptr<const std::array<std::byte*, io::kBufferCount>> native_;
     OwnedPool pool_;
     std::vector<OwnedBufferView> views_;
     VkDescriptorSet set_ = VK_NULL_HANDLE;

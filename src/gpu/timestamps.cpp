@@ -4,8 +4,16 @@
 
 #include <atomic>
 #include <cassert>
+#include <chrono>
 
 namespace throng {
+namespace {
+
+uint64_t nanoseconds_now() {
+    return static_cast<uint64_t>(std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
+}
+
+}  // namespace
 
 Timestamps::Timestamps(std::shared_ptr<Gpu> gpu, uint32_t stamps_per_frame)
     : gpu_(std::move(gpu)), stamps_per_frame_(stamps_per_frame) {
@@ -14,7 +22,7 @@ Timestamps::Timestamps(std::shared_ptr<Gpu> gpu, uint32_t stamps_per_frame)
                                         .queryType = VK_QUERY_TYPE_TIMESTAMP,
                                         .queryCount = stamps_per_frame_};
     for (Slot& slot : slots_) {
-        slot.queries = OwnedQueries(gpu_, gpu_->vk.vkCreateQueryPool, queries, "vkCreateQueryPool");
+        if (!gpu_->native) slot.queries = OwnedQueries(gpu_, gpu_->vk.vkCreateQueryPool, queries, "vkCreateQueryPool");
         const VkDeviceSize size_bytes = (1 + VkDeviceSize{stamps_per_frame_}) * sizeof(uint64_t);
         slot.copy = Buffer(gpu_, "timestamps", size_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::kReadback);
         std::memset(slot.copy.mapped(), 0, sizeof(uint64_t));  // no publication's number
@@ -27,15 +35,18 @@ void Timestamps::begin(VkCommandBuffer commands) {
     slot.frame_number = frame_count_;
     slot.publication = 0;
     slot.stamp_count = slot.published_count = 0;
-    gpu_->vk.vkCmdResetQueryPool(commands, slot.queries.get(), 0, stamps_per_frame_);
+    if (!gpu_->native) gpu_->vk.vkCmdResetQueryPool(commands, slot.queries.get(), 0, stamps_per_frame_);
 }
 
 void Timestamps::write(VkCommandBuffer commands) {
     if (!gpu_->has_timestamps()) return;
     Slot& slot = slots_[frame_count_ % kFrames];
     assert(slot.stamp_count < stamps_per_frame_);
-    gpu_->vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, slot.queries.get(),
-                                  slot.stamp_count++);
+    const uint32_t index = slot.stamp_count++;
+    if (gpu_->native)
+        reinterpret_cast<uint64_t*>(slot.copy.mapped())[1 + index] = nanoseconds_now();
+    else
+        gpu_->vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, slot.queries.get(), index);
 }
 
 // The number of the publication comes last: with it the stamps are complete, and none of an earlier frame in the slot.
@@ -43,6 +54,10 @@ void Timestamps::publish(VkCommandBuffer commands) {
     if (!gpu_->has_timestamps()) return;
     Slot& slot = slots_[frame_count_ % kFrames];
     slot.publication = ++publication_count_;
+    if (gpu_->native) {
+        std::memcpy(slot.copy.mapped(), &slot.publication, sizeof slot.publication);
+        return;
+    }
     memory_barrier(*gpu_, commands, kTransferWrite, kTransferWrite);
     gpu_->vk.vkCmdCopyQueryPoolResults(commands, slot.queries.get(), slot.published_count,
                                        slot.stamp_count - slot.published_count, slot.copy.handle(),

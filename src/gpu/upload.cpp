@@ -17,14 +17,17 @@ VkDeviceSize aligned(VkDeviceSize size_bytes) {
 }  // namespace
 
 void Uploads::add(const Buffer& target, std::span<const std::byte> data) {
+    if (gpu_->native) {  // whose buffers are zero until something is written
+        if (!data.empty()) std::memcpy(target.mapped(), data.data(), data.size());
+        return;
+    }
     Pending pending;
     std::byte* staged = stage(target.size_bytes(), pending.staged);
     if (!data.empty()) std::memcpy(staged, data.data(), data.size());
     std::memset(staged + data.size(), 0, target.size_bytes() - data.size());
-    pending.record = [gpu = gpu_.get(), handle = target.handle(), alive = target.keep_alive()](
+    pending.record = [gpu = gpu_.get(), whole = BufferRange(target), alive = target.keep_alive()](
                          VkCommandBuffer commands, const BufferRange& range) {
-        const VkBufferCopy copy{range.offset_bytes, 0, range.size_bytes};
-        gpu->vk.vkCmdCopyBuffer(commands, range.buffer, handle, 1, &copy);
+        record_copy(*gpu, commands, range, whole);
     };
     pending_.push_back(std::move(pending));
 }
@@ -47,7 +50,7 @@ std::byte* Uploads::stage(VkDeviceSize size_bytes, BufferRange& staged) {
         used_bytes_ = 0;
     }
     const Buffer& buffer = staging_.back();
-    staged = BufferRange(buffer.handle(), used_bytes_, size_bytes);
+    staged = BufferRange(buffer, used_bytes_, size_bytes);
     used_bytes_ += taken_bytes;
     staged_bytes_ += taken_bytes;
     return buffer.mapped() + staged.offset_bytes;

@@ -1,0 +1,60 @@
+#include "base/thread_pool.h"
+
+#include <algorithm>
+
+namespace throng {
+
+ThreadPool::ThreadPool(uint32_t concurrency) {
+    if (concurrency == 0) concurrency = std::max(1u, std::thread::hardware_concurrency());
+    for (uint32_t i = 1; i < concurrency; ++i) threads_.emplace_back([this] { work(); });
+}
+
+ThreadPool::~ThreadPool() {
+    {
+        const std::lock_guard lock(mutex_);
+        ends_ = true;
+    }
+    begun_.notify_all();
+    for (std::thread& thread : threads_) thread.join();
+}
+
+void ThreadPool::run(uint32_t count, void (*job)(void* context, uint32_t index), void* context) {
+    const Loop loop{count, job, context};
+    const std::unique_lock caller(callers_, std::try_to_lock);
+    if (!caller || threads_.empty()) {
+        for (uint32_t i = 0; i < count; ++i) job(context, i);
+        return;
+    }
+    {
+        const std::lock_guard lock(mutex_);
+        next_ = 0;
+        loop_ = loop;
+        ++loop_number_;
+        busy_ = static_cast<uint32_t>(threads_.size());
+    }
+    begun_.notify_all();
+    take_part(loop);
+    std::unique_lock lock(mutex_);
+    done_.wait(lock, [this] { return busy_ == 0; });
+}
+
+void ThreadPool::take_part(const Loop& loop) {
+    for (uint32_t i = next_++; i < loop.count; i = next_++) loop.job(loop.context, i);
+}
+
+void ThreadPool::work() {
+    uint64_t seen = 0;
+    std::unique_lock lock(mutex_);
+    for (;;) {
+        begun_.wait(lock, [&] { return ends_ || loop_number_ != seen; });
+        if (ends_) return;
+        seen = loop_number_;
+        const Loop loop = loop_;
+        lock.unlock();
+        take_part(loop);
+        lock.lock();
+        if (--busy_ == 0) done_.notify_one();
+    }
+}
+
+}  // namespace throng

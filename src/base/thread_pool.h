@@ -1,0 +1,56 @@
+// A few threads that share a loop.
+#pragma once
+
+#include <throng/jobs.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace throng {
+
+// The calling thread takes part. A call that finds the threads busy with another one runs on its own thread alone: many
+// small crowds on many threads do not wait for each other.
+class ThreadPool : public JobSystem {
+public:
+    // `concurrency` threads in all, the calling one included; 0: as many as the processor runs side by side.
+    explicit ThreadPool(uint32_t concurrency);
+    ~ThreadPool() override;
+    ThreadPool(const ThreadPool&) = delete;
+    ThreadPool& operator=(const ThreadPool&) = delete;
+
+    uint32_t concurrency() const override { return static_cast<uint32_t>(threads_.size()) + 1; }
+    void run(uint32_t count, void (*job)(void* context, uint32_t index), void* context) override;
+
+private:
+    struct Loop {
+        uint32_t count = 0;
+        void (*job)(void* context, uint32_t index) = nullptr;
+        void* context = nullptr;
+    };
+    void work();
+    void take_part(const Loop& loop);
+
+    std::mutex callers_;  // held by the one whose loop it is
+    std::mutex mutex_;    // guards what follows, but for next_
+    std::condition_variable begun_, done_;
+    Loop loop_;
+    uint64_t loop_number_ = 0;
+    uint32_t busy_ = 0;  // threads that have not finished the loop
+    bool ends_ = false;
+    std::atomic<uint32_t> next_{0};
+    std::vector<std::thread> threads_;
+};
+
+// Runs body(index) for each of `count` jobs.
+template <class Body>
+void for_each_job(JobSystem& jobs, uint32_t count, Body&& body) {
+    if (count == 1) return body(0u);
+    jobs.run(
+        count, [](void* context, uint32_t index) { (*static_cast<std::remove_reference_t<Body>*>(context))(index); },
+        &body);
+}
+
+}  // namespace throng

@@ -1,0 +1,93 @@
+#include "gpu/native.h"
+
+#include "base/thread_pool.h"
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <new>
+
+namespace throng {
+namespace {
+
+constexpr uint64_t kAlignment_bytes = 64, kHugePage_bytes = uint64_t{2} << 20;
+constexpr uint32_t kWorkgroupSize = 64;     // of kernels that leave it open
+constexpr uint32_t kJobsOfThread = 8;       // so that none waits long for the last one
+constexpr uint32_t kInvocationsOfJob = 64;  // below this, telling another thread takes longer
+
+std::string processor_name() {
+    std::ifstream file("/proc/cpuinfo");
+    for (std::string line; std::getline(file, line);)
+        if (line.starts_with("model name"))
+            if (const size_t at = line.find(": "); at != std::string::npos) return line.substr(at + 2);
+    return "this machine's processor";
+}
+
+}  // namespace
+
+NativeDevice::NativeDevice(const DeviceSettings& settings)
+    : jobs_(settings.jobs ? settings.jobs : std::make_shared<ThreadPool>(settings.threads)) {}
+
+DeviceInfo NativeDevice::info(uint32_t index) {
+    return {.index = index,
+            .name = "native (" + processor_name() + ")",
+            .type = "native",
+            .driver = "throng",
+            .api_version = 0,
+            .subgroup_size = 1,
+            .shared_memory_bytes = 0,
+            .storage_buffer_range_bytes = properties().limits.maxStorageBufferRange,
+            .usable = true};
+}
+
+uint64_t NativeDevice::memory_bytes() {
+    const long pages = sysconf(_SC_PHYS_PAGES), page_bytes = sysconf(_SC_PAGESIZE);
+    return static_cast<uint64_t>(std::max(pages, 0L)) * static_cast<uint64_t>(std::max(page_bytes, 0L));
+}
+
+// Of the limits those that throng asks for; shaders count in 32 bits.
+VkPhysicalDeviceProperties NativeDevice::properties() {
+    constexpr uint32_t kMost = std::numeric_limits<uint32_t>::max();
+    VkPhysicalDeviceProperties properties{};
+    properties.limits.maxStorageBufferRange = kMost;
+    properties.limits.maxTexelBufferElements = kMost;
+    properties.limits.maxPerStageDescriptorStorageBuffers = kMost;
+    properties.limits.minStorageBufferOffsetAlignment = kAlignment_bytes;
+    properties.limits.timestampPeriod = 1;
+    std::ranges::fill(properties.limits.maxComputeWorkGroupCount, kMost);
+    std::ranges::fill(properties.limits.maxComputeWorkGroupSize, kWorkgroupSize);
+    properties.limits.maxComputeWorkGroupInvocations = kWorkgroupSize;
+    return properties;
+}
+
+void NativeDevice::run(const NativeKernel& kernel, const NativeDispatch& dispatch, uint32_t workgroup_count) const {
+    const uint32_t workgroup_size = kernel.workgroup_size > 0 ? kernel.workgroup_size : dispatch.constants[0];
+    const uint64_t invocations = uint64_t{workgroup_count} * workgroup_size;
+    const auto job_count = static_cast<uint32_t>(
+        std::clamp<uint64_t>(invocations / kInvocationsOfJob, 1,
+                             std::min(jobs_->concurrency() * kJobsOfThread, std::max(workgroup_count, 1u))));
+    for_each_job(*jobs_, job_count, [&](uint32_t job) {
+        const auto at = [&](uint32_t i) { return static_cast<uint32_t>(uint64_t{workgroup_count} * i / job_count); };
+        kernel.run(dispatch, at(job), at(job + 1));
+    });
+}
+
+NativeMemory::NativeMemory(uint64_t size_bytes) {
+    const uint64_t alignment_bytes = size_bytes >= kHugePage_bytes ? kHugePage_bytes : kAlignment_bytes;
+    const uint64_t taken_bytes = (std::max<uint64_t>(size_bytes, 1) + alignment_bytes - 1) / alignment_bytes *
+                                 alignment_bytes;
+    bytes_ = static_cast<std::byte*>(std::aligned_alloc(alignment_bytes, taken_bytes));
+    if (!bytes_) throw std::bad_alloc();
+    // Fewer misses of the page table where rows and matrices of a crowd are walked; only a wish
+    if (alignment_bytes == kHugePage_bytes) madvise(bytes_, taken_bytes, MADV_HUGEPAGE);
+    std::memset(bytes_, 0, taken_bytes);
+}
+
+NativeMemory::~NativeMemory() { std::free(bytes_); }
+
+}  // namespace throng
