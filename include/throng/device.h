@@ -36,10 +36,10 @@ struct DeviceSettings {
     // The native device needs neither Vulkan nor a GPU: this machine's processor computes. Crowds are updated by
     // Crowd::update(), and OutputBlock::host is where the results are.
     std::string select{};
-    // Of a native device: threads that compute, the calling one included; 0: as many as the processor runs side by
-    // side. Results do not depend on it.
+    // Native and software devices: threads that compute updates, the calling one included; 0: as many as the processor
+    // runs side by side. Results do not depend on it.
     uint32_t threads = 0;
-    // Of a native device: the application's job system, in place of threads of its own.
+    // The same by the application's job system, in place of threads of the device's own.
     std::shared_ptr<JobSystem> jobs{};
     Validation validation = Validation::kOff;
     // What the driver has compiled is kept in $XDG_CACHE_HOME/throng or ~/.cache/throng, a file for each device and
@@ -61,6 +61,9 @@ struct AdoptedDevice {
     // The application's, which it keeps: throng's pipelines are made with it. Null: without one. It must not have been
     // created as externally synchronized.
     VkPipelineCache pipeline_cache = VK_NULL_HANDLE;
+    // Of software devices, as DeviceSettings has them.
+    uint32_t threads = 0;
+    std::shared_ptr<JobSystem> jobs{};
 };
 
 class Gpu;  // internal

@@ -86,7 +86,7 @@ namespace {
 
 template <class T>
 std::span<T> in_host_memory(const Gpu& gpu, const Buffer& buffer) {
-    if (!gpu.native || !buffer) return {};
+    if (!gpu.is_native() || !buffer) return {};
     return {reinterpret_cast<T*>(buffer.mapped()), buffer.size_bytes() / sizeof(T)};
 }
 

@@ -88,11 +88,11 @@ Update CrowdState::update_of(VkCommandBuffer commands, float time_step_s, const 
 }
 
 void CrowdState::record(VkCommandBuffer commands, float time_step_s, const CrowdView* view) {
-    if (gpu->native ? commands != VK_NULL_HANDLE : commands == VK_NULL_HANDLE)
+    if (gpu->is_native() ? commands != VK_NULL_HANDLE : commands == VK_NULL_HANDLE)
         throw Failure(ErrorCode::kInvalidArgument, "command buffer",
-                      gpu->native ? "a native device has none: call update()" : "there is none");
+                      gpu->is_native() ? "a native device has none: call update()" : "there is none");
     if (view && !cull) throw Failure(ErrorCode::kInvalidArgument, "view", "CrowdSettings::culls is not set");
-    if (view && view->occlusion && gpu->native)
+    if (view && view->occlusion && gpu->is_native())
         throw Failure(ErrorCode::kUnsupported, "occlusion", "a native device has no depths to test");
     if (!std::isfinite(time_step_s)) throw Failure(ErrorCode::kInvalidArgument, "time step", "must be finite");
     const io::CullView seen = cull_view_of(view, budgeted_full_rate_pixels(view));
@@ -128,7 +128,7 @@ void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& 
 // What the update has taken up is pending again, and what it let go on goes back; the timer notices by itself that it
 // never runs.
 void CrowdState::discard_last_record() {
-    if (gpu->native)
+    if (gpu->is_native())
         throw Failure(ErrorCode::kUnsupported, "discard", "a native device runs an update where it is recorded");
     if (!can_discard_)
         throw Failure(ErrorCode::kInvalidArgument, "discard",

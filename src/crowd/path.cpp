@@ -42,7 +42,7 @@ PathChoice native_path(const CrowdSettings& settings, const CrowdGroup& group) {
 }  // namespace
 
 PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
-    if (gpu.native) return native_path(settings, group);
+    if (gpu.is_native()) return native_path(settings, group);
     const Character& character = *group.character;
     const ScanLimits limits = scan_limits(gpu);
     const bool any_scan = settings.scan == "auto";

@@ -19,7 +19,7 @@ constexpr Access kDrawRead{
     VK_ACCESS_2_INDEX_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT};
 
 std::shared_ptr<Gpu> with_graphics(std::shared_ptr<Gpu> gpu) {
-    if (gpu->native)
+    if (gpu->is_native())
         throw Failure(ErrorCode::kNoDevice, "renderer",
                       "the native device draws nothing: it needs Vulkan (mesa-vulkan-drivers has a software device)");
     if (!gpu->has_graphics())

@@ -41,7 +41,7 @@ Buffer::Buffer(std::shared_ptr<Gpu> gpu, std::string_view what, VkDeviceSize siz
 }
 
 void Buffer::Content::create(VkDeviceSize size, VkBufferUsageFlags usage, MemoryKind kind) {
-    if (gpu->native) {
+    if (gpu->is_native()) {
         native_memory = NativeMemory(size);
         mapped = native_memory.bytes();
         size_bytes = size;
@@ -67,7 +67,7 @@ void Buffer::Content::create(VkDeviceSize size, VkBufferUsageFlags usage, Memory
     if (kind != MemoryKind::kDevice && !memory.mapped)
         throw Failure(ErrorCode::kOutOfMemory, "vkMapMemory", "memory for the CPU cannot be mapped");
     check(gpu->vk.vkBindBufferMemory(gpu->device, buffer, memory.memory, memory.offset_bytes), "vkBindBufferMemory");
-    if (kind != MemoryKind::kDevice) mapped = memory.mapped;
+    if (kind != MemoryKind::kDevice || gpu->native) mapped = memory.mapped;
 }
 
 Buffer::Content::~Content() {
@@ -85,7 +85,7 @@ Buffer make_table_bytes(const std::shared_ptr<Gpu>& gpu, std::string_view what, 
 
 void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, VkDeviceSize offset_bytes,
                    std::span<const std::byte> data) {
-    if (gpu.native) {
+    if (!commands) {
         if (!data.empty()) std::memcpy(target.bytes() + offset_bytes, data.data(), data.size());
         return;
     }
@@ -98,7 +98,7 @@ void record_update(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& 
 }
 
 void record_copy(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& from, const BufferRange& to) {
-    if (gpu.native) {
+    if (!commands) {
         std::memcpy(to.bytes(), from.bytes(), from.size_bytes);
         return;
     }
@@ -107,7 +107,7 @@ void record_copy(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& fr
 }
 
 void record_fill(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& target, uint32_t word) {
-    if (gpu.native) {
+    if (!commands) {
         for (VkDeviceSize at = 0; at < target.size_bytes; at += sizeof word)
             std::memcpy(target.bytes() + at, &word, sizeof word);
         return;
@@ -117,7 +117,7 @@ void record_fill(const Gpu& gpu, VkCommandBuffer commands, const BufferRange& ta
 
 void download_bytes(const std::shared_ptr<Gpu>& gpu, const BufferRange& range, std::span<std::byte> out) {
     if (out.empty()) return;
-    if (gpu->native) {
+    if (gpu->is_native()) {
         std::memcpy(out.data(), range.bytes(), out.size());
         return;
     }

@@ -30,12 +30,12 @@ public:
     Buffer& operator=(Buffer&&) noexcept = default;
 
     explicit operator bool() const { return content_ != nullptr; }
-    // Null of a native device.
+    // Null on a native device.
     VkBuffer handle() const { return content_ ? content_->buffer : VK_NULL_HANDLE; }
     // This buffer where there is one, else another: a binding that a kernel does not use must have some.
     const Buffer& or_else(const Buffer& other) const { return content_ ? *this : other; }
     VkDeviceSize size_bytes() const { return content_ ? content_->size_bytes : 0; }
-    // Where the CPU sees it: what is mapped, and of a native device every buffer.
+    // Where the CPU sees it: what is mapped, and every buffer where kernels may run natively (Gpu::native).
     std::byte* mapped() const { return content_ ? content_->mapped : nullptr; }
     // 4 or 16: a kernel may read the buffer as texels of one or four components; 0: only as a storage buffer.
     uint32_t texel_bytes() const { return content_ ? content_->texel_bytes : 0; }
@@ -102,6 +102,8 @@ Buffer make_table(const std::shared_ptr<Gpu>& gpu, std::string_view what, uint64
 
 // How shaders read a table (gpu/table.glsl): a software device as texels alone, since its storage buffers are smaller.
 VkBufferUsageFlags table_usage(const Gpu& gpu, std::string_view what, uint64_t size_bytes, uint32_t texel_bytes);
+
+// In what follows a command buffer of VK_NULL_HANDLE means: now, by this machine's processor (Gpu::native).
 
 // The data travels inside the command buffer, so that no staging memory has to outlive the call; offset and size are
 // multiples of four bytes.

@@ -5,31 +5,31 @@
 namespace throng {
 
 DeviceEvent::DeviceEvent(std::shared_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {
-    if (gpu_->native) return;
+    if (gpu_->is_native()) return;
     const VkEventCreateInfo create{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO};
     event_ = {gpu_, gpu_->vk.vkCreateEvent, create, "vkCreateEvent"};
 }
 
 bool DeviceEvent::is_set() const {
-    return gpu_->native ? is_set_ : gpu_->vk.vkGetEventStatus(gpu_->device, event_.get()) == VK_EVENT_SET;
+    return gpu_->is_native() ? is_set_ : gpu_->vk.vkGetEventStatus(gpu_->device, event_.get()) == VK_EVENT_SET;
 }
 
 void DeviceEvent::set() {
-    if (gpu_->native)
+    if (gpu_->is_native())
         is_set_ = true;
     else
         check(gpu_->vk.vkSetEvent(gpu_->device, event_.get()), "vkSetEvent");
 }
 
 void DeviceEvent::reset() {
-    if (gpu_->native)
+    if (gpu_->is_native())
         is_set_ = false;
     else
         check(gpu_->vk.vkResetEvent(gpu_->device, event_.get()), "vkResetEvent");
 }
 
 void DeviceEvent::record_set(VkCommandBuffer commands) {
-    if (gpu_->native) return set();
+    if (!commands) return set();
     // An event's own barrier works only for who waits for it on the GPU, so the one for the CPU comes before.
     memory_barrier(*gpu_, commands, kTransferWrite, kHostRead);
     const VkMemoryBarrier2 barrier = barrier_between(kTransferWrite, kHostRead);

@@ -185,8 +185,19 @@ std::shared_ptr<Gpu> Gpu::create(const DeviceSettings& settings) {
     return gpu;
 }
 
+// A software device's memory is this machine's.
+bool Gpu::computes_in_host_memory() const {
+    constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    const auto types = std::span(memory_properties.memoryTypes).first(memory_properties.memoryTypeCount);
+    return is_cpu() &&
+           std::ranges::all_of(types, [](const VkMemoryType& type) { return (type.propertyFlags & kHost) == kHost; });
+}
+
+void Gpu::wait_idle() const { check(vk.vkQueueWaitIdle(queue), "vkQueueWaitIdle"); }
+
 void Gpu::make_native(const DeviceSettings& settings, const DeviceInfo& of) {
     native = std::make_unique<NativeDevice>(settings);
+    is_native_ = true;
     info = of;
     properties = NativeDevice::properties();
     max_allocation_bytes = NativeDevice::memory_bytes();
@@ -215,6 +226,8 @@ std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
                       "queue family " + std::to_string(adopted.queue_family) + " has no compute");
     volkLoadDeviceTable(&gpu->vk, gpu->device);
     gpu->adopted_cache_ = adopted.pipeline_cache;
+    if (gpu->computes_in_host_memory())
+        gpu->native = std::make_unique<NativeDevice>(DeviceSettings{.threads = adopted.threads, .jobs = adopted.jobs});
     return gpu;
 }
 
@@ -293,6 +306,7 @@ void Gpu::create_device(const DeviceSettings& settings, VkPhysicalDevice physica
                                     .pQueueCreateInfos = &queue_create};
     check(vkCreateDevice(physical, &create, nullptr, &device), "vkCreateDevice");
     volkLoadDeviceTable(&vk, device);
+    if (computes_in_host_memory()) native = std::make_unique<NativeDevice>(settings);
     vk.vkGetDeviceQueue(device, queue_family, 0, &queue);
     if (!settings.pipeline_cache) return;
     if (const std::filesystem::path file = pipeline_cache_file(properties); !file.empty())
@@ -325,7 +339,7 @@ Gpu::~Gpu() {
     kernels.clear();
     memory.clear();
     own_cache_.reset();
-    if (native) return;
+    if (is_native()) return;
     const std::lock_guard lock(instance_level_mutex());
     if (owns_device_ && device) {
         vk.vkDeviceWaitIdle(device);
@@ -336,7 +350,7 @@ Gpu::~Gpu() {
 }
 
 void Gpu::submit_and_wait(const std::function<void(VkCommandBuffer)>& body) const {
-    if (native) return body(VK_NULL_HANDLE);
+    if (is_native()) return body(VK_NULL_HANDLE);
     // A pool and a fence of its own: rare calls, and nothing to share between threads.
     const VkCommandPoolCreateInfo pool_create{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                               .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
@@ -416,7 +430,7 @@ uint32_t Gpu::memory_type(uint32_t type_bits, VkMemoryPropertyFlags required, Vk
 }
 
 uint64_t Gpu::largest_heap_bytes() const {
-    if (native) return NativeDevice::memory_bytes();
+    if (is_native()) return NativeDevice::memory_bytes();
     uint64_t largest_bytes = 0;
     for (uint32_t heap = 0; heap < memory_properties.memoryHeapCount; ++heap)
         largest_bytes = std::max<uint64_t>(largest_bytes, memory_properties.memoryHeaps[heap].size);

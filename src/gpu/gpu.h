@@ -38,9 +38,15 @@ public:
     // Does not keep the device: for what it keeps itself.
     std::shared_ptr<const Gpu> unowned() const { return {std::shared_ptr<const Gpu>(), this}; }
 
-    // Records `body` into a fresh command buffer, submits it to the queue and waits for it. A native device runs what
-    // it records; there the command buffer is null.
+    // Whether it is a device without Vulkan, which has none of the handles.
+    bool is_native() const { return is_native_; }
+
+    // Records `body` into a fresh command buffer, submits it to the queue and waits for it. On a native device the
+    // command buffer is null.
     void submit_and_wait(const std::function<void(VkCommandBuffer)>& body) const;
+
+    // Until the queue has done all that was submitted to it.
+    void wait_idle() const;
 
     // With the device's pipeline cache, where it has one.
     VkPipeline make_pipeline(const VkComputePipelineCreateInfo& create) const;
@@ -63,7 +69,9 @@ public:
     uint64_t largest_heap_bytes() const;
     bool has_timestamps() const { return timestamp_valid_bits != 0 && properties.limits.timestampPeriod > 0; }
 
-    std::unique_ptr<NativeDevice> native;  // a device without Vulkan, which has none of the handles
+    // Native and software devices: runs kernels on this machine's processor, at once, where the command buffer that
+    // they are recorded into is null. Then nothing of the queue may be under way (wait_idle()).
+    std::unique_ptr<NativeDevice> native;
     VkPhysicalDevice physical_device = VK_NULL_HANDLE;
     VkDevice device = VK_NULL_HANDLE;
     VkQueue queue = VK_NULL_HANDLE;
@@ -90,6 +98,7 @@ public:
 private:
     // On an application's device nothing is kept that no crowd uses: the application may destroy it before this object.
     explicit Gpu(bool owns_device);
+    bool computes_in_host_memory() const;
     void make_native(const DeviceSettings& settings, const DeviceInfo& of);
     void create_instance(Validation validation);
     void create_device(const DeviceSettings& settings, VkPhysicalDevice physical, const DeviceInfo& of);
@@ -99,6 +108,7 @@ private:
     VkPipeline make_pipeline(Info create, uint32_t stage_count, Create function, const char* call) const;
 
     const bool owns_device_;
+    bool is_native_ = false;
     VkInstance instance_ = VK_NULL_HANDLE;  // null where adopted
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
     // Null in instances without the extension: volk's may be another's

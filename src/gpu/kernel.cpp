@@ -53,13 +53,14 @@ SharedKernels::Key key_of(const KernelSettings& settings) {
 }  // namespace
 
 Kernel::Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings) : gpu_(std::move(gpu)), name_(settings.name) {
-    if (gpu_->native) {
-        if (!settings.native)
-            throw Failure(ErrorCode::kUnsupported, name_, "this kernel has no form for a native device");
+    if (gpu_->native && settings.native) {
         native_ = settings.native;
         workgroup_size_ = settings.workgroup_size != 0 ? settings.workgroup_size : native_->workgroup_size;
         constants_.push_back(workgroup_size_);
         constants_.insert(constants_.end(), settings.constants.begin(), settings.constants.end());
+    }
+    if (gpu_->is_native()) {
+        if (!native_) throw Failure(ErrorCode::kUnsupported, name_, "this kernel has no form for a native device");
         return;
     }
     SharedKernels::Key key = key_of(settings);
@@ -72,12 +73,15 @@ Kernel::Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings) : gpu_(
 }
 
 Bindings Kernel::bind(const BufferTable& buffers) const {
-    return native_ ? Bindings(buffers) : Bindings(gpu_, name_, compiled_->layout.set(0), buffers);
+    Bindings bindings;
+    if (compiled_) bindings = Bindings(gpu_, name_, compiled_->layout.set(0), buffers);
+    if (native_) bindings.add_native(buffers);
+    return bindings;
 }
 
 void Kernel::dispatch(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes,
                       uint32_t workgroup_count) const {
-    if (native_) return run_native(bindings, push, push_bytes, workgroup_count);
+    if (!commands) return run_native(bindings, push, push_bytes, workgroup_count);
     if (workgroup_count > gpu_->properties.limits.maxComputeWorkGroupCount[0])
         throw Failure(ErrorCode::kLimit, name_,
                       std::to_string(workgroup_count) + " workgroups exceed the device's " +
@@ -88,7 +92,7 @@ void Kernel::dispatch(VkCommandBuffer commands, const Bindings& bindings, const 
 
 void Kernel::dispatch_indirect(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes,
                                const BufferRange& workgroups) const {
-    if (native_) {
+    if (!commands) {
         VkDispatchIndirectCommand command;
         std::memcpy(&command, workgroups.bytes(), sizeof command);
         return run_native(bindings, push, push_bytes, command.x);
@@ -98,6 +102,7 @@ void Kernel::dispatch_indirect(VkCommandBuffer commands, const Bindings& binding
 }
 
 void Kernel::run_native(const Bindings& bindings, const void* push, size_t push_bytes, uint32_t workgroup_count) const {
+    if (!native_) throw Failure(ErrorCode::kUnsupported, name_, "this kernel runs on Vulkan alone");
     check_push(native_->push_bytes, push_bytes);
     gpu_->native->run(*native_, {.buffers = bindings.native(), .constants = constants_, .push = push}, workgroup_count);
 }

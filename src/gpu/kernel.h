@@ -13,7 +13,7 @@ struct KernelSettings {
     uint32_t workgroup_size = 0;           // constant_id 0; 0 where the shader fixes its own
     std::vector<uint32_t> constants = {};  // constant_id 1, 2, …
     bool full_subgroups = false;           // no idle invocations in them, where the device can promise it
-    const NativeKernel* native = nullptr;  // what a native device runs; null where there is none
+    const NativeKernel* native = nullptr;  // what Gpu::native runs; null: nothing
 };
 
 // A handle: kernels of one device that are made of the same share one pipeline (gpu/shared_kernels.h).
@@ -72,7 +72,7 @@ private:
     std::shared_ptr<Gpu> gpu_;
     std::string name_;
     std::shared_ptr<const CompiledKernel> compiled_;  // null on a native device
-    const NativeKernel* native_ = nullptr;            // null on others
+    const NativeKernel* native_ = nullptr;            // where there is Gpu::native
     std::vector<uint32_t> constants_;                 // of native_: constant_id 0, 1, …
     uint32_t workgroup_size_ = 0;
 };

@@ -30,8 +30,14 @@ std::string processor_name() {
 
 }  // namespace
 
-NativeDevice::NativeDevice(const DeviceSettings& settings)
-    : jobs_(settings.jobs ? settings.jobs : std::make_shared<ThreadPool>(settings.threads)) {}
+NativeDevice::NativeDevice(const DeviceSettings& settings) : jobs_(settings.jobs), threads_(settings.threads) {}
+
+JobSystem& NativeDevice::jobs() const {
+    std::call_once(jobs_made_, [&] {
+        if (!jobs_) jobs_ = std::make_shared<ThreadPool>(threads_);
+    });
+    return *jobs_;
+}
 
 DeviceInfo NativeDevice::info(uint32_t index) {
     return {.index = index,
@@ -70,8 +76,8 @@ void NativeDevice::run(const NativeKernel& kernel, const NativeDispatch& dispatc
     const uint64_t invocations = uint64_t{workgroup_count} * workgroup_size;
     const auto job_count = static_cast<uint32_t>(
         std::clamp<uint64_t>(invocations / kInvocationsOfJob, 1,
-                             std::min(jobs_->concurrency() * kJobsOfThread, std::max(workgroup_count, 1u))));
-    for_each_job(*jobs_, job_count, [&](uint32_t job) {
+                             std::min(jobs().concurrency() * kJobsOfThread, std::max(workgroup_count, 1u))));
+    for_each_job(jobs(), job_count, [&](uint32_t job) {
         const auto at = [&](uint32_t i) { return static_cast<uint32_t>(uint64_t{workgroup_count} * i / job_count); };
         kernel.run(dispatch, at(job), at(job + 1));
     });

@@ -7,6 +7,7 @@
 #include <throng/jobs.h>
 
 #include <memory>
+#include <mutex>
 
 namespace throng {
 
@@ -19,12 +20,14 @@ public:
     static uint64_t memory_bytes();  // of this machine
     static VkPhysicalDeviceProperties properties();
 
-    JobSystem& jobs() const { return *jobs_; }
+    JobSystem& jobs() const;  // made at the first call, where they are the device's own
     // All workgroups, on as many threads as are worth it; returns when they are done.
     void run(const NativeKernel& kernel, const NativeDispatch& dispatch, uint32_t workgroup_count) const;
 
 private:
-    std::shared_ptr<JobSystem> jobs_;
+    mutable std::shared_ptr<JobSystem> jobs_;
+    mutable std::once_flag jobs_made_;
+    uint32_t threads_ = 0;
 };
 
 // Memory of buffers, zero at first, at a multiple of 64 bytes.

@@ -149,7 +149,7 @@ Bindings::Bindings(const std::shared_ptr<const Gpu>& gpu, std::string_view what,
 }
 
 // Where there is no buffer a text may yet read what stands for a table, and throw it away.
-Bindings::Bindings(const BufferTable& buffers) {
+void Bindings::add_native(const BufferTable& buffers) {
     std::array<std::byte*, io::kBufferCount> bytes;
     for (uint32_t number = 0; number < io::kBufferCount; ++number) bytes[number] = buffers.table(number).bytes();
     native_ = std::make_unique<const std::array<std::byte*, io::kBufferCount>>(bytes);

@@ -65,8 +65,8 @@ public:
     Bindings(const std::shared_ptr<const Gpu>& gpu, std::string_view what, const ShaderLayout::Set& set,
              const BufferTable& buffers, std::span<const VkDescriptorImageInfo> images = {});
 
-    // Of a kernel of a native device.
-    explicit Bindings(const BufferTable& buffers);
+    // For a kernel that Gpu::native runs.
+    void add_native(const BufferTable& buffers);
 
     VkDescriptorSet set() const { return set_; }
     const std::array<std::byte*, io::kBufferCount>& native() const { return *native_; }

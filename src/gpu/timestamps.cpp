@@ -22,7 +22,8 @@ Timestamps::Timestamps(std::shared_ptr<Gpu> gpu, uint32_t stamps_per_frame)
                                         .queryType = VK_QUERY_TYPE_TIMESTAMP,
                                         .queryCount = stamps_per_frame_};
     for (Slot& slot : slots_) {
-        if (!gpu_->native) slot.queries = OwnedQueries(gpu_, gpu_->vk.vkCreateQueryPool, queries, "vkCreateQueryPool");
+        if (!gpu_->is_native())
+            slot.queries = OwnedQueries(gpu_, gpu_->vk.vkCreateQueryPool, queries, "vkCreateQueryPool");
         const VkDeviceSize size_bytes = (1 + VkDeviceSize{stamps_per_frame_}) * sizeof(uint64_t);
         slot.copy = Buffer(gpu_, "timestamps", size_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::kReadback);
         std::memset(slot.copy.mapped(), 0, sizeof(uint64_t));  // no publication's number
@@ -35,7 +36,7 @@ void Timestamps::begin(VkCommandBuffer commands) {
     slot.frame_number = frame_count_;
     slot.publication = 0;
     slot.stamp_count = slot.published_count = 0;
-    if (!gpu_->native) gpu_->vk.vkCmdResetQueryPool(commands, slot.queries.get(), 0, stamps_per_frame_);
+    if (commands) gpu_->vk.vkCmdResetQueryPool(commands, slot.queries.get(), 0, stamps_per_frame_);
 }
 
 void Timestamps::write(VkCommandBuffer commands) {
@@ -43,7 +44,7 @@ void Timestamps::write(VkCommandBuffer commands) {
     Slot& slot = slots_[frame_count_ % kFrames];
     assert(slot.stamp_count < stamps_per_frame_);
     const uint32_t index = slot.stamp_count++;
-    if (gpu_->native)
+    if (!commands)
         reinterpret_cast<uint64_t*>(slot.copy.mapped())[1 + index] = nanoseconds_now();
     else
         gpu_->vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, slot.queries.get(), index);
@@ -54,7 +55,7 @@ void Timestamps::publish(VkCommandBuffer commands) {
     if (!gpu_->has_timestamps()) return;
     Slot& slot = slots_[frame_count_ % kFrames];
     slot.publication = ++publication_count_;
-    if (gpu_->native) {
+    if (!commands) {
         std::memcpy(slot.copy.mapped(), &slot.publication, sizeof slot.publication);
         return;
     }

@@ -17,7 +17,7 @@ VkDeviceSize aligned(VkDeviceSize size_bytes) {
 }  // namespace
 
 void Uploads::add(const Buffer& target, std::span<const std::byte> data) {
-    if (gpu_->native) {  // whose buffers are zero until something is written
+    if (gpu_->is_native()) {  // whose buffers are zero until something is written
         if (!data.empty()) std::memcpy(target.mapped(), data.data(), data.size());
         return;
     }
