@@ -1,4 +1,3 @@
-#version 460
 // copy: the same bytes as a scan of 3x4 matrices, 48 read and 48 written a joint, and nothing else: the floor under
 // every method. Neighbouring invocations copy neighbouring rows, which is what a GPU likes best; GPU_SOFTWARE is what a
 // software device likes best.
@@ -10,10 +9,10 @@
 #define Row vec4
 #endif
 
-layout(local_size_x_id = 0) in;
-layout(constant_id = 1) const uint kRowsPerInvocation = 3;
-layout(set = 0, binding = 0, std430) readonly buffer From { Row from[]; };
-layout(set = 0, binding = 1, std430) writeonly buffer To { Row to[]; };
+WORKGROUP_OF_CONSTANT;
+CONSTANT(1, uint, kRowsPerInvocation, 3);
+READONLY_BUFFER(0, Row, from);
+WRITEONLY_BUFFER(1, Row, to);
 layout(push_constant) uniform Push { uint row_count; };
 
 void main() {

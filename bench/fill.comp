@@ -1,4 +1,3 @@
-#version 460
 // fill: writes as many bytes as an update's skin matrices have, and reads nothing: the floor under every update.
 // Neighbouring invocations write neighbouring rows, which is what a GPU likes best; GPU_SOFTWARE is what a software
 // device likes best.
@@ -10,9 +9,9 @@
 #define Row uvec4
 #endif
 
-layout(local_size_x_id = 0) in;
-layout(constant_id = 1) const uint kRowsPerInvocation = 4;
-layout(set = 0, binding = 0, std430) writeonly buffer To { Row to[]; };
+WORKGROUP_OF_CONSTANT;
+CONSTANT(1, uint, kRowsPerInvocation, 4);
+WRITEONLY_BUFFER(0, Row, to);
 layout(push_constant) uniform Push { uint row_count; };
 
 void main() {

@@ -12,8 +12,8 @@ function(throng_add_shader target shader output_name)
   list(TRANSFORM defines PREPEND -D)
   add_custom_command(
     OUTPUT ${output}
-    COMMAND ${GLSLC} --target-env=vulkan1.3 -O -Werror -mfmt=num ${defines} -I ${PROJECT_SOURCE_DIR}/src -I
-    ${THRONG_GENERATED_DIR} -MD -MF ${output}.d -o ${output} ${source}
+    COMMAND ${GLSLC} -std=460 --target-env=vulkan1.3 -O -Werror -mfmt=num ${defines} -I ${PROJECT_SOURCE_DIR}/src
+    -I ${THRONG_GENERATED_DIR} -MD -MF ${output}.d -o ${output} ${source}
     DEPENDS ${source}
     DEPFILE ${output}.d
     COMMENT "Compiling shader ${output_name}"
@@ -21,8 +21,8 @@ function(throng_add_shader target shader output_name)
   target_sources(${target} PRIVATE ${output})
 endfunction()
 
-# throng_add_kernel(target kernel [SOFTWARE]): a compute shader, relative to src/ and without its ending, and with SOFTWARE
-# its variant for software devices, as the KernelCode kernels::<file> in <kernel>.kernel.h.
+# throng_add_kernel(target kernel [SOFTWARE]): a compute shader, relative to src/ and without its ending, and with
+# SOFTWARE its variant for software devices, as the KernelCode kernels::<file> in <kernel>.kernel.h.
 function(throng_add_kernel target kernel)
   cmake_path(GET kernel FILENAME name)
   throng_add_shader(${target} ${kernel}.comp ${kernel}.comp.inc)

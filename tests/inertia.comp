@@ -1,11 +1,10 @@
-#version 460
 // One joint an invocation: begins a transition and applies it.
 #include "blend/inertia.glsl"
 
-layout(local_size_x = 64) in;
+WORKGROUP(64);
 // [joint]: shown, shown before, target, target before
-layout(set = 0, binding = 0, std430) readonly buffer Poses { JointPose poses[]; };
-layout(set = 0, binding = 1, std430) writeonly buffer Results { JointPose results[]; };
+READONLY_BUFFER(0, JointPose, poses);
+WRITEONLY_BUFFER(1, JointPose, results);
 layout(push_constant) uniform Push {
     uint joint_count;
     float time_step_s, elapsed_s, duration_s;

@@ -18,4 +18,4 @@ endforeach()
 file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/io_headers.inc @ONLY CONTENT "${includes}")
 file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/io_structs.inc @ONLY CONTENT "${in_cpp}")
 file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/io_structs.comp @ONLY CONTENT
-  "#version 460\n#include \"gpu/affine.glsl\"\n${includes}${buffers}void main() {}\n")
+  "#include \"gpu/affine.glsl\"\n${includes}${buffers}void main() {}\n")

@@ -1,4 +1,3 @@
-#version 460
 // baked: every frame of every clip is stored as skin matrices; two frames are fetched and interpolated, matrix by
 // matrix. Source: B. Dudash, Skinned Instancing, NVIDIA white paper, 2007. Difference: storage buffers and a compute
 // shader, where the source
@@ -13,14 +12,12 @@
 #include "baselines_io.h"
 #include "gpu/stored.glsl"
 
-layout(local_size_x = kBaselineWorkgroupSize) in;
-layout(set = 0, binding = kCursorsBuffer, std430) readonly buffer Cursors { InstanceCursor cursors[]; };
-layout(set = 0, binding = kTracksBuffer, std430) readonly buffer Tracks {
-    uvec4 tracks[];
-};  // one a clip: its first matrix
-layout(set = 0, binding = kKeysBuffer, std430) readonly buffer Frames { StoredAffine frames[]; };
-layout(set = 0, binding = kSkinBuffer, std430) writeonly buffer Skin { StoredAffine skin[]; };
-layout(push_constant) uniform Push { BaselinePush push; };
+WORKGROUP(kBaselineWorkgroupSize);
+READONLY_BUFFER(kCursorsBuffer, InstanceCursor, cursors);
+READONLY_BUFFER(kTracksBuffer, uvec4, tracks);  // one a clip: its first matrix
+READONLY_BUFFER(kKeysBuffer, StoredAffine, frames);
+WRITEONLY_BUFFER(kSkinBuffer, StoredAffine, skin);
+PUSH(BaselinePush);
 
 Affine mix_matrices(Affine a, Affine b, float w) {
     return Affine(mix(a.row0, b.row0, w), mix(a.row1, b.row1, w), mix(a.row2, b.row2, w));

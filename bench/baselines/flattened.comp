@@ -1,4 +1,3 @@
-#version 460
 // flattened: the hierarchy is removed offline, so that clips hold each joint's pose in model space; sampled, blended
 // and bound there. Source: J. Shopf, J. Barczak, C. Oat, N. Tatarchuk, March of the Froblins, SIGGRAPH course notes,
 // 2008. Difference: rotation,
@@ -16,16 +15,14 @@
 #include "gpu/table.glsl"
 #include "blend/blend.glsl"
 
-layout(local_size_x = kBaselineWorkgroupSize) in;
-layout(set = 0, binding = kCursorsBuffer, std430) readonly buffer Cursors { InstanceCursor cursors[]; };
-TABLE_OF_ROWS(kTracksBuffer, Tracks, tracks);
-TABLE_OF_ROWS(kKeysBuffer, Keys, keys);
-layout(set = 0, binding = kPaletteJointsBuffer, std430) readonly buffer PaletteJoints { uint palette_joints[]; };
-layout(set = 0, binding = kJointFromBindBuffer, std430) readonly buffer JointFromBind {
-    StoredAffine joint_from_bind[];
-};
-layout(set = 0, binding = kSkinBuffer, std430) writeonly buffer Skin { StoredAffine skin[]; };
-layout(push_constant) uniform Push { BaselinePush push; };
+WORKGROUP(kBaselineWorkgroupSize);
+READONLY_BUFFER(kCursorsBuffer, InstanceCursor, cursors);
+TABLE_OF_ROWS(kTracksBuffer, tracks);
+TABLE_OF_ROWS(kKeysBuffer, keys);
+READONLY_BUFFER(kPaletteJointsBuffer, uint, palette_joints);
+READONLY_BUFFER(kJointFromBindBuffer, StoredAffine, joint_from_bind);
+WRITEONLY_BUFFER(kSkinBuffer, StoredAffine, skin);
+PUSH(BaselinePush);
 
 #include "sample/exact.glsl"
 

@@ -1,4 +1,3 @@
-#version 460
 // bind: skin matrix = model_from_joint * joint_from_bind, for every palette entry of every instance.
 // One workgroup per instance, entries in strides. Reads 48 bytes of model matrix an entry, writes 24 to 48; the rest
 // stays in caches.
@@ -7,12 +6,12 @@
 #include "gpu/stored.glsl"
 #include "gpu/table.glsl"
 
-layout(local_size_x = kBindWorkgroupSize) in;
-layout(set = 0, binding = kModelBuffer, std430) readonly buffer Model { StoredAffine model[]; };
-TABLE_OF_WORDS(kPaletteJointsBuffer, PaletteJoints, palette_joints);
-TABLE_OF_ROWS(kJointFromBindBuffer, JointFromBind, joint_from_bind);
-layout(constant_id = 1) const uint kSkinFormat = kSkinAffine;
-layout(push_constant) uniform Push { BindPush push; };
+WORKGROUP(kBindWorkgroupSize);
+READONLY_BUFFER(kModelBuffer, StoredAffine, model);
+TABLE_OF_WORDS(kPaletteJointsBuffer, palette_joints);
+TABLE_OF_ROWS(kJointFromBindBuffer, joint_from_bind);
+CONSTANT(1, uint, kSkinFormat, kSkinAffine);
+PUSH(BindPush);
 
 #define SKIN_STORES
 #include "bind/skin_format.glsl"

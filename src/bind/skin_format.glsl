@@ -5,17 +5,14 @@
 #include "gpu/stored.glsl"
 
 #ifdef SKIN_STORES
-#define SKIN_ACCESS writeonly
+#define SKIN_BUFFER WRITEONLY_BUFFER
 #else
-#define SKIN_ACCESS readonly
+#define SKIN_BUFFER READONLY_BUFFER
 #endif
 
-layout(set = 0, binding = kSkinBuffer, std430) SKIN_ACCESS buffer SkinAffines { StoredAffine skin_affines[]; };
-// A row of four each
-layout(set = 0, binding = kSkinBuffer, std430) SKIN_ACCESS buffer SkinHalves { StoredPair skin_halves[]; };
-layout(set = 0, binding = kSkinBuffer, std430) SKIN_ACCESS buffer SkinSimilarities {
-    StoredSimilarity skin_similarities[];
-};
+SKIN_BUFFER(kSkinBuffer, StoredAffine, skin_affines);
+SKIN_BUFFER(kSkinBuffer, StoredPair, skin_halves);  // a row of four each
+SKIN_BUFFER(kSkinBuffer, StoredSimilarity, skin_similarities);
 
 #ifdef SKIN_STORES
 

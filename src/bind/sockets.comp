@@ -1,4 +1,3 @@
-#version 460
 // sockets: transforms of the joints that things are attached to, of every instance, for other passes and the CPU.
 // One invocation per instance and socket. Fused updates have written model_from_joint already; of staged ones it is
 // gathered here.
@@ -7,12 +6,12 @@
 #include "gpu/affine.glsl"
 #include "gpu/table.glsl"
 
-layout(local_size_x = kSocketWorkgroupSize) in;
-layout(set = 0, binding = kModelBuffer, std430) readonly buffer Model { Affine model[]; };  // [instance][joint]
-TABLE_OF_WORDS(kSocketJointsBuffer, Joints, joints);                                        // [socket]
-layout(set = 0, binding = kPlacementsBuffer, std430) readonly buffer Placements { Affine placements[]; };  // [instance]
-layout(set = 0, binding = kSocketsBuffer, std430) buffer Sockets { Affine sockets[]; };  // [instance][socket]
-layout(push_constant) uniform Push { SocketPush push; };
+WORKGROUP(kSocketWorkgroupSize);
+READONLY_BUFFER(kModelBuffer, Affine, model);            // [instance][joint]
+TABLE_OF_WORDS(kSocketJointsBuffer, joints);             // [socket]
+READONLY_BUFFER(kPlacementsBuffer, Affine, placements);  // [instance]
+BUFFER(kSocketsBuffer, Affine, sockets);                 // [instance][socket]
+PUSH(SocketPush);
 
 void main() {
     const uint i = gl_GlobalInvocationID.x;

@@ -1,4 +1,3 @@
-#version 460
 // blend: two poses per joint, weighted per instance, to parent_from_joint; and over them the pose that was set. Reads
 // only the poses that have weight. One workgroup per instance, joints in strides. Reads 48 or 96 bytes a joint, writes
 // 48, or 32 as similarities.
@@ -6,16 +5,16 @@
 #include "blend/blend_io.h"
 #include "gpu/table.glsl"
 
-layout(local_size_x = kBlendWorkgroupSize) in;
-layout(set = 0, binding = kCursorsBuffer, std430) readonly buffer Cursors { InstanceCursor cursors[]; };
-layout(set = 0, binding = kFirstPosesBuffer, std430) readonly buffer FirstPoses { JointPose first_poses[]; };
-layout(set = 0, binding = kSecondPosesBuffer, std430) readonly buffer SecondPoses { JointPose second_poses[]; };
-layout(set = 0, binding = kLocalBuffer, std430) writeonly buffer Local { vec4 local[]; };
-TABLE_OF_WORDS(kPoseOverridesBuffer, PoseOverrides, pose_overrides);
-TABLE_OF_ROWS(kSetPosesBuffer, Poses, poses);
-layout(constant_id = 1) const bool kSimilarity = false;
-layout(constant_id = 2) const bool kPoseOverrides = false;
-layout(push_constant) uniform Push { BlendPush push; };
+WORKGROUP(kBlendWorkgroupSize);
+READONLY_BUFFER(kCursorsBuffer, InstanceCursor, cursors);
+READONLY_BUFFER(kFirstPosesBuffer, JointPose, first_poses);
+READONLY_BUFFER(kSecondPosesBuffer, JointPose, second_poses);
+WRITEONLY_BUFFER(kLocalBuffer, vec4, local);
+TABLE_OF_WORDS(kPoseOverridesBuffer, pose_overrides);
+TABLE_OF_ROWS(kSetPosesBuffer, poses);
+CONSTANT(1, bool, kSimilarity, false);
+CONSTANT(2, bool, kPoseOverrides, false);
+PUSH(BlendPush);
 
 uint rig_joint_count() { return push.joint_count; }
 #include "blend/local.glsl"

@@ -6,21 +6,21 @@
 #include "control/controller_io.h"
 #include "gpu/table.glsl"
 
-layout(local_size_x = kLayeredWorkgroupSize) in;
-TABLE_OF_ROWS(kActiveClipsBuffer, ActiveClips, active_clips);
-TABLE_OF_WORDS(kMasksBuffer, Masks, masks);
-TABLE_OF_ROWS(kTracksBuffer, Tracks, tracks);
-TABLE_OF_ROWS(kKeysBuffer, Keys, keys);
-TABLE_OF_WORDS(kWordsBuffer, Words, words);
-layout(set = 0, binding = kLocalBuffer, std430) writeonly buffer Local { vec4 local[]; };
-layout(set = 0, binding = kInertiasBuffer, std430) readonly buffer Inertias { InstanceInertia inertias[]; };
-layout(set = 0, binding = kInertiaStatesBuffer, std430) buffer InertiaStates { InertiaState inertia_states[]; };
-TABLE_OF_WORDS(kPoseOverridesBuffer, PoseOverrides, pose_overrides);
-TABLE_OF_ROWS(kSetPosesBuffer, Poses, poses);
-layout(constant_id = 1) const bool kPacked = false;
-layout(constant_id = 2) const bool kSimilarity = false;
-layout(constant_id = 3) const bool kInertial = false;
-layout(constant_id = 4) const bool kPoseOverrides = false;
+WORKGROUP(kLayeredWorkgroupSize);
+TABLE_OF_ROWS(kActiveClipsBuffer, active_clips);
+TABLE_OF_WORDS(kMasksBuffer, masks);
+TABLE_OF_ROWS(kTracksBuffer, tracks);
+TABLE_OF_ROWS(kKeysBuffer, keys);
+TABLE_OF_WORDS(kWordsBuffer, words);
+WRITEONLY_BUFFER(kLocalBuffer, vec4, local);
+READONLY_BUFFER(kInertiasBuffer, InstanceInertia, inertias);
+BUFFER(kInertiaStatesBuffer, InertiaState, inertia_states);
+TABLE_OF_WORDS(kPoseOverridesBuffer, pose_overrides);
+TABLE_OF_ROWS(kSetPosesBuffer, poses);
+CONSTANT(1, bool, kPacked, false);
+CONSTANT(2, bool, kSimilarity, false);
+CONSTANT(3, bool, kInertial, false);
+CONSTANT(4, bool, kPoseOverrides, false);
 
 uint rig_joint_count() { return push.joint_count; }
 #include "blend/local.glsl"

@@ -1,4 +1,3 @@
-#version 460
 // layered, in order: as layered.comp, where layers blend rotations in model space: these need what lies above a joint,
 // so an invocation walks its instance's joints, parents before children. Reads and writes beside what layered.comp does
 // 96 bytes a joint and layer in model space. A dispatch takes the joints that a software device's loops can go through
@@ -7,9 +6,9 @@
 #include "blend/layered_io.h"
 #include "gpu/table.glsl"
 
-layout(push_constant) uniform Push { LayeredInOrderPush push; };
-TABLE_OF_WORDS(kParentsBuffer, Parents, parents);
-layout(set = 0, binding = kRotationsBuffer, std430) buffer Rotations { ModelRotations rotations[]; };
+PUSH(LayeredInOrderPush);
+TABLE_OF_WORDS(kParentsBuffer, parents);
+BUFFER(kRotationsBuffer, ModelRotations, rotations);
 #define ACTIVE_CLIPS_IN_ORDER
 #include "blend/layered.glsl"
 

@@ -1,16 +1,13 @@
-#version 460
 // commands: what the CPU asks of instances since the last update. Commands lie sorted by instance; the invocation of an
 // instance's first one applies them all, in their order.
 #include "gpu/buffers_io.h"
 #include "control/controller_io.h"
 
-layout(local_size_x = kControllerWorkgroupSize) in;
-layout(set = 0, binding = kCommandsBuffer, std430) readonly buffer Commands { ControlCommand commands[]; };
-layout(set = 0, binding = kLayersBuffer, std430) buffer Layers { LayerState layers[]; };  // [instance][layer]
-layout(set = 0, binding = kParametersBuffer, std430) buffer Parameters {
-    float parameters[];
-};  // [instance][parameter]
-layout(push_constant) uniform Push { CommandPush push; };
+WORKGROUP(kControllerWorkgroupSize);
+READONLY_BUFFER(kCommandsBuffer, ControlCommand, commands);
+BUFFER(kLayersBuffer, LayerState, layers);     // [instance][layer]
+BUFFER(kParametersBuffer, float, parameters);  // [instance][parameter]
+PUSH(CommandPush);
 
 #include "control/rounded.glsl"
 #include "control/stack.glsl"

@@ -1,20 +1,19 @@
-#version 460
 // control: advances each instance's clips by the time step and finds the rows of keys that the sample stage
 // interpolates. One invocation per instance; cost: a binary search per clip.
 #include "gpu/buffers_io.h"
 #include "control/control_io.h"
 #include "gpu/table.glsl"
 
-layout(local_size_x = kControlWorkgroupSize) in;
-layout(set = 0, binding = kPlaybacksBuffer, std430) buffer Playbacks { InstancePlayback playbacks[]; };
-TABLE_OF_WORDS(kTimelineBuffer, Timelines, timelines);
-TABLE_OF_WORDS(kTimesBuffer, Times, times);
-layout(set = 0, binding = kCursorsBuffer, std430) writeonly buffer Cursors { InstanceCursor cursors[]; };
-layout(push_constant) uniform Push { ControlPush push; };
+WORKGROUP(kControlWorkgroupSize);
+BUFFER(kPlaybacksBuffer, InstancePlayback, playbacks);
+TABLE_OF_WORDS(kTimelineBuffer, timelines);
+TABLE_OF_WORDS(kTimesBuffer, times);
+WRITEONLY_BUFFER(kCursorsBuffer, InstanceCursor, cursors);
+PUSH(ControlPush);
 
 #include "control/control.glsl"
 
-SlotCursor advance(inout SlotPlayback slot) {
+SlotCursor advance(INOUT(SlotPlayback) slot) {
     const ClipTimeline timeline = load_timeline(slot.clip);
     slot.time_s = local_time(slot.time_s + push.time_step_s * slot.speed, timeline.duration_s, slot.loop != 0);
     SlotCursor cursor = find_rows(timeline, slot.time_s);

@@ -1,4 +1,3 @@
-#version 460
 // controller: one update of each instance's layers: transitions, fades, times, events, root motion; writes the clips
 // that its pose is made of. One invocation per instance. Defined in docs/controller.md; nothing that decides a state is
 // divided or fused, so that all devices agree. Loops test when a round is over: a software device goes round one that
@@ -8,32 +7,25 @@
 #include "gpu/table.glsl"
 #include "control/controller_io.h"
 
-layout(local_size_x = kControllerWorkgroupSize) in;
-TABLE_OF_WORDS(kControllerBuffer, Tables, tables);
-TABLE_OF_WORDS(kTimelineBuffer, Timelines, timelines);
-TABLE_OF_WORDS(kTimesBuffer, Times, times);
-TABLE_OF_ROWS(kRootRowsBuffer, RootRows, root_rows);
-layout(set = 0, binding = kLayersBuffer, std430) buffer Layers { LayerState layers[]; };  // [instance][layer]
-layout(set = 0, binding = kParametersBuffer, std430) buffer Parameters {
-    float parameters[];
-};  // [instance][parameter]
+WORKGROUP(kControllerWorkgroupSize);
+TABLE_OF_WORDS(kControllerBuffer, tables);
+TABLE_OF_WORDS(kTimelineBuffer, timelines);
+TABLE_OF_WORDS(kTimesBuffer, times);
+TABLE_OF_ROWS(kRootRowsBuffer, root_rows);
+BUFFER(kLayersBuffer, LayerState, layers);     // [instance][layer]
+BUFFER(kParametersBuffer, float, parameters);  // [instance][parameter]
 // [instance][active_clip_limit], four pairs of words each
-layout(set = 0, binding = kActiveClipsBuffer, std430) writeonly buffer ActiveClips { StoredPair active_clips[]; };
-layout(set = 0, binding = kEventsBuffer, std430) buffer Events {
-    EventHead event_head;
-    EventRecord events[];
-};
-layout(set = 0, binding = kRootsBuffer, std430) buffer Roots { RootState roots[]; };
+WRITEONLY_BUFFER(kActiveClipsBuffer, StoredPair, active_clips);
+BUFFER_WITH_HEAD(kEventsBuffer, EventHead, event_head, EventRecord, events);
+BUFFER(kRootsBuffer, RootState, roots);
 // world_from_model, three rows each
-layout(set = 0, binding = kPlacementsBuffer, std430) writeonly buffer Placements { vec4 placements[]; };
-// The same as layers and parameters: to read them, which a software device does
-TABLE_OF_WORDS(kLayersBeforeBuffer, LayersBefore, layers_before);
-TABLE_OF_WORDS(kParametersBeforeBuffer, ParametersBefore, parameters_before);  // faster as tables
-layout(set = 0, binding = kInertiasBuffer, std430) buffer Inertias { InstanceInertia inertias[]; };
-layout(set = 0, binding = kActiveClipTimesBuffer, std430) writeonly buffer ActiveClipTimes {
-    float active_clip_times[];
-};  // [instance][active_clip_limit]
-layout(push_constant) uniform Push { ControllerPush push; };
+WRITEONLY_BUFFER(kPlacementsBuffer, vec4, placements);
+// The same as layers and parameters: to read them, which a software device does faster as tables
+TABLE_OF_WORDS(kLayersBeforeBuffer, layers_before);
+TABLE_OF_WORDS(kParametersBeforeBuffer, parameters_before);
+BUFFER(kInertiasBuffer, InstanceInertia, inertias);
+WRITEONLY_BUFFER(kActiveClipTimesBuffer, float, active_clip_times);  // [instance][active_clip_limit]
+PUSH(ControllerPush);
 
 uint instance, first_parameter;
 

@@ -2,7 +2,7 @@
 // then count_end(), each by all invocations.
 #include "gpu/buffers_io.h"
 
-layout(set = 0, binding = kCountsBuffer, std430) writeonly buffer Counts { uint counts[]; };  // [workgroup][kCounters]
+WRITEONLY_BUFFER(kCountsBuffer, uint, counts);  // [workgroup][kCounters]
 
 shared uint found[kCounters];
 

@@ -1,14 +1,13 @@
-#version 460
 // cull: which instances a view sees, each in which level of detail, and which of them are animated; and how many of
 // each a workgroup has found. One invocation per instance. Cost: 52 bytes read, 8 written, some 100 operations.
 #include "gpu/buffers_io.h"
 #include "cull/cull.glsl"
 
-layout(local_size_x = kCullWorkgroupSize) in;
-layout(set = 0, binding = kStatesBuffer, std430) buffer States { uint states[]; };
-layout(set = 0, binding = kVerdictsBuffer, std430) writeonly buffer Verdicts { uint verdicts[]; };
+WORKGROUP(kCullWorkgroupSize);
+BUFFER(kStatesBuffer, uint, states);
+WRITEONLY_BUFFER(kVerdictsBuffer, uint, verdicts);
 #include "cull/count.glsl"
-layout(push_constant) uniform Push { CullPush push; };
+PUSH(CullPush);
 
 void main() {
     const uint instance = gl_GlobalInvocationID.x;

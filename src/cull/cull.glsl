@@ -4,8 +4,8 @@
 #include "gpu/affine.glsl"
 #include "gpu/table.glsl"
 
-TABLE_OF_ROWS(kViewBuffer, View, view_rows);                   // CullView
-TABLE_OF_ROWS(kPlacementsBuffer, Placements, placement_rows);  // world_from_model
+TABLE_OF_ROWS(kViewBuffer, view_rows);             // CullView
+TABLE_OF_ROWS(kPlacementsBuffer, placement_rows);  // world_from_model
 
 vec4 view_row(uint index) { return uintBitsToFloat(ROW_AT(view_rows, index)); }
 
@@ -76,7 +76,7 @@ uint period_of(CullView view, float distance_to_it, float scale, vec3 half_exten
 }
 
 // What is done with an instance that is drawn; `state` is that of the last update, and becomes that of this one.
-uint verdict_of(CullView view, CullPush push, Affine world_from_model, uint instance, inout uint state) {
+uint verdict_of(CullView view, CullPush push, Affine world_from_model, uint instance, INOUT(uint) state) {
     const float distance_to_it = distance_to_box(view, world_from_model, push.centre.xyz, push.half_extent.xyz),
                 scale = largest_scale(world_from_model);
     const uint lod = lod_of(view, distance_to_it, scale, push.lod_errors, push.lod_count);

@@ -1,15 +1,14 @@
-#version 460
 // list: instances that are drawn, those of a level together, and those of each section of the work, in ascending order,
 // so that the same view has the same lists. One invocation per instance.
 #include "gpu/buffers_io.h"
 #include "cull/cull_io.h"
 
-layout(local_size_x = kCullWorkgroupSize) in;
-layout(set = 0, binding = kVerdictsBuffer, std430) readonly buffer Verdicts { uint verdicts[]; };
-layout(set = 0, binding = kCountsBuffer, std430) readonly buffer Offsets { uint offsets[]; };  // [workgroup][kCounters]
-layout(set = 0, binding = kListBuffer, std430) writeonly buffer List { uint list[]; };
-layout(set = 0, binding = kWorkBuffer, std430) writeonly buffer Work { uint work[]; };
-layout(push_constant) uniform Push { CullPush push; };
+WORKGROUP(kCullWorkgroupSize);
+READONLY_BUFFER(kVerdictsBuffer, uint, verdicts);
+READONLY_BUFFER(kCountsBuffer, uint, offsets);  // [workgroup][kCounters]
+WRITEONLY_BUFFER(kListBuffer, uint, list);
+WRITEONLY_BUFFER(kWorkBuffer, uint, work);
+PUSH(CullPush);
 
 // A byte for each counter: how many invocations up to this one it counts; at most 64
 shared uvec4 ranks[2][kCullWorkgroupSize];

@@ -1,18 +1,17 @@
-#version 460
 // offsets: counts of workgroups -> where each writes into the list and the work; and what is dispatched and drawn for
 // them. One workgroup for a batch.
 #include "gpu/buffers_io.h"
 #include "cull/cull_io.h"
 
-layout(local_size_x = kCullWorkgroupSize) in;
+WORKGROUP(kCullWorkgroupSize);
 // [workgroup][kCounters / 4]: before, how many; after, where they begin
-layout(set = 0, binding = kCountsBuffer, std430) buffer Counts { uvec4 counts[]; };
-layout(set = 0, binding = kListBuffer, std430) writeonly buffer List { uint list[]; };
-layout(set = 0, binding = kWorkBuffer, std430) writeonly buffer Work { uint work[]; };
+BUFFER(kCountsBuffer, uvec4, counts);
+WRITEONLY_BUFFER(kListBuffer, uint, list);
+WRITEONLY_BUFFER(kWorkBuffer, uint, work);
 // [kWorkSections + 1] of three words
-layout(set = 0, binding = kDispatchesBuffer, std430) writeonly buffer Dispatches { uint dispatches[]; };
-layout(set = 0, binding = kDrawsBuffer, std430) buffer Draws { DrawCommand draws[]; };  // [section][kLodCount]
-layout(push_constant) uniform Push { OffsetsPush push; };
+WRITEONLY_BUFFER(kDispatchesBuffer, uint, dispatches);
+BUFFER(kDrawsBuffer, DrawCommand, draws);  // [section][kLodCount]
+PUSH(OffsetsPush);
 
 const uint kFours = kCounters / 4;
 shared uvec4 sums[kCullWorkgroupSize][kFours];

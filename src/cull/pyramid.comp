@@ -1,13 +1,12 @@
-#version 460
 // pyramid: a level of a depth pyramid from the one before it, or from the picture. One invocation for each texel that
 // is written, or for several.
 #include "gpu/buffers_io.h"
 #include "cull/cull_io.h"
 
-layout(local_size_x = kCullWorkgroupSize) in;
-layout(set = 0, binding = kDepthsBuffer, std430) readonly buffer Fine { float fine[]; };
-layout(set = 0, binding = kCoarserDepthsBuffer, std430) writeonly buffer Coarse { float coarse[]; };
-layout(push_constant) uniform Push { PyramidPush push; };
+WORKGROUP(kCullWorkgroupSize);
+READONLY_BUFFER(kDepthsBuffer, float, fine);
+WRITEONLY_BUFFER(kCoarserDepthsBuffer, float, coarse);
+PUSH(PyramidPush);
 
 void main() {
     const uint width = (push.width + 1) / 2, count = width * ((push.height + 1) / 2),

@@ -1,4 +1,3 @@
-#version 460
 // reveal: which of the instances in view are hidden behind what has been drawn, by a depth pyramid; those that waited
 // and are not hidden are drawn too. Source: N. Greene, M. Kass and G. Miller, Hierarchical Z-Buffer Visibility,
 // SIGGRAPH 1993; two passes as S. Haar and U. Aaltonen, GPU-Driven Rendering Pipelines, SIGGRAPH 2015. One invocation
@@ -6,12 +5,12 @@
 #include "gpu/buffers_io.h"
 #include "cull/cull.glsl"
 
-layout(local_size_x = kCullWorkgroupSize) in;
-layout(set = 0, binding = kStatesBuffer, std430) buffer States { uint states[]; };
-layout(set = 0, binding = kVerdictsBuffer, std430) buffer Verdicts { uint verdicts[]; };
+WORKGROUP(kCullWorkgroupSize);
+BUFFER(kStatesBuffer, uint, states);
+BUFFER(kVerdictsBuffer, uint, verdicts);
 #include "cull/count.glsl"
-layout(set = 0, binding = kCoarserDepthsBuffer, std430) readonly buffer Pyramid { float pyramid[]; };
-layout(push_constant) uniform Push { RevealPush push; };
+READONLY_BUFFER(kCoarserDepthsBuffer, float, pyramid);
+PUSH(RevealPush);
 
 #include "cull/occlusion.glsl"
 

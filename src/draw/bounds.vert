@@ -1,14 +1,13 @@
-#version 460
 // bounds: the edges of the box that culling tests of an instance.
 #include "cull/cull_io.h"
 #include "draw/scene.glsl"
 #include "gpu/affine.glsl"
 
-layout(constant_id = 0) const bool kListed = false;
+CONSTANT(0, bool, kListed, false);
 
-layout(set = 0, binding = kPlacementsBuffer, std430) readonly buffer Placements { Affine world_from_model[]; };
-layout(set = 0, binding = kListBuffer, std430) readonly buffer List { uint list[]; };  // cull/cull_io.h
-layout(push_constant) uniform Push { LinePush push; };
+READONLY_BUFFER(kPlacementsBuffer, Affine, world_from_model);
+READONLY_BUFFER(kListBuffer, uint, list);  // cull/cull_io.h
+PUSH(LinePush);
 
 layout(location = 0) flat out vec3 out_color;
 

@@ -1,9 +1,8 @@
-#version 460
 // character: its material, lit.
 #include "draw/scene.glsl"
 
-layout(constant_id = 0) const bool kDiscards = false;  // masked materials, and batches with mirrored instances
-layout(constant_id = 1) const bool kMaps = false;      // materials with more textures than that of the base colour
+CONSTANT(0, bool, kDiscards, false);  // masked materials, and batches with mirrored instances
+CONSTANT(1, bool, kMaps, false);      // materials with more textures than that of the base colour
 
 layout(set = 1, binding = 0) uniform sampler2D shadow_map;
 layout(set = 2, binding = 0) uniform sampler2D base_color_texture;
@@ -11,7 +10,7 @@ layout(set = 2, binding = 1) uniform sampler2D metallic_roughness_texture;
 layout(set = 2, binding = 2) uniform sampler2D normal_texture;
 layout(set = 2, binding = 3) uniform sampler2D occlusion_texture;
 layout(set = 2, binding = 4) uniform sampler2D emissive_texture;
-layout(push_constant) uniform Push { DrawPush push; };
+PUSH(DrawPush);
 
 layout(location = 0) in vec3 in_world;
 layout(location = 1) in vec3 in_normal;

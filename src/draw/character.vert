@@ -1,4 +1,3 @@
-#version 460
 // character: morphs, skins and places one vertex of one instance. gl_VertexIndex counts within the section,
 // gl_InstanceIndex within the batch, or within the listed instances of a level of detail.
 #include "cull/cull_io.h"
@@ -7,22 +6,22 @@
 #include "morph/morph_io.h"
 #include "skin/skin_io.h"
 
-layout(constant_id = 0) const bool kShadow = false;  // as the sun sees it, for the shadow map
-layout(constant_id = 1) const uint kSkinFormat = 0;  // throng::SkinFormat
-layout(constant_id = 2) const bool kListed = false;  // what is drawn lies in list
-layout(constant_id = 3) const uint kSkinBlend = kSkinLinear;
+CONSTANT(0, bool, kShadow, false);  // as the sun sees it, for the shadow map
+CONSTANT(1, uint, kSkinFormat, 0);  // throng::SkinFormat
+CONSTANT(2, bool, kListed, false);  // what is drawn lies in list
+CONSTANT(3, uint, kSkinBlend, kSkinLinear);
 // In place of skin matrices there are vertices that the skin stage has skinned
-layout(constant_id = 4) const bool kSkinned = false;
+CONSTANT(4, bool, kSkinned, false);
 
-layout(set = 0, binding = kVerticesBuffer, std430) readonly buffer Vertices { VertexRows vertices[]; };
-layout(set = 0, binding = kInfluencesBuffer, std430) readonly buffer InfluenceWords { uvec2 influences[]; };
+READONLY_BUFFER(kVerticesBuffer, VertexRows, vertices);
+READONLY_BUFFER(kInfluencesBuffer, uvec2, influences);
 // [instance][vertex], throng::SkinnedVertex
-layout(set = 0, binding = kSkinnedBuffer, std430) readonly buffer Skinned { uvec4 skinned[]; };
-layout(set = 0, binding = kPlacementsBuffer, std430) readonly buffer Placements { Affine world_from_model[]; };
-layout(set = 0, binding = kMorphDeltasBuffer, std430) readonly buffer MorphDeltas { uvec4 morph_deltas[]; };
-layout(set = 0, binding = kActiveMorphsBuffer, std430) readonly buffer ActiveMorphs { ActiveMorph active_morphs[]; };
-layout(set = 0, binding = kListBuffer, std430) readonly buffer List { uint list[]; };  // cull/cull_io.h
-layout(push_constant) uniform Push { DrawPush push; };
+READONLY_BUFFER(kSkinnedBuffer, uvec4, skinned);
+READONLY_BUFFER(kPlacementsBuffer, Affine, world_from_model);
+READONLY_BUFFER(kMorphDeltasBuffer, uvec4, morph_deltas);
+READONLY_BUFFER(kActiveMorphsBuffer, ActiveMorph, active_morphs);
+READONLY_BUFFER(kListBuffer, uint, list);  // cull/cull_io.h
+PUSH(DrawPush);
 
 layout(location = 0) out vec3 out_world;
 layout(location = 1) out vec3 out_normal;

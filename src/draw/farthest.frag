@@ -1,4 +1,3 @@
-#version 460
 // farthest: of a pixel's samples, where nearer is greater. A device's own resolve need not know the least (lavapipe's
 // does not).
 layout(set = 0, binding = 0) uniform sampler2DMS depths;

@@ -1,4 +1,3 @@
-#version 460
 // ground: where the ray meets the ground, or the sky.
 #include "draw/scene.glsl"
 

@@ -1,4 +1,3 @@
-#version 460
 // ground: one triangle over the whole picture, with the ray through each pixel.
 #include "draw/scene.glsl"
 

@@ -1,4 +1,3 @@
-#version 460
 // line: its colour, as it is.
 layout(location = 0) flat in vec3 in_color;
 layout(location = 0) out vec4 out_color;

@@ -1,9 +1,8 @@
-#version 460
 // shadow: leaves out what a mask leaves out; depth is all that is written.
 #include "draw/draw_io.h"
 
 layout(set = 2, binding = 0) uniform sampler2D base_color_texture;
-layout(push_constant) uniform Push { DrawPush push; };
+PUSH(DrawPush);
 layout(location = 2) in vec2 in_texcoord;
 layout(location = 3) in vec4 in_color;
 

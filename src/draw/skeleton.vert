@@ -1,16 +1,15 @@
-#version 460
 // skeleton: a line from each joint of an instance to its parent, in the colour of the joint's level.
 #include "cull/cull_io.h"
 #include "draw/scene.glsl"
 #include "gpu/affine.glsl"
 
-layout(constant_id = 0) const bool kListed = false;
+CONSTANT(0, bool, kListed, false);
 
-layout(set = 0, binding = kJointLevelsBuffer, std430) readonly buffer Joints { JointLevel joints[]; };
-layout(set = 0, binding = kModelBuffer, std430) readonly buffer Models { Affine model_from_joint[]; };
-layout(set = 0, binding = kPlacementsBuffer, std430) readonly buffer Placements { Affine world_from_model[]; };
-layout(set = 0, binding = kListBuffer, std430) readonly buffer List { uint list[]; };  // cull/cull_io.h
-layout(push_constant) uniform Push { LinePush push; };
+READONLY_BUFFER(kJointLevelsBuffer, JointLevel, joints);
+READONLY_BUFFER(kModelBuffer, Affine, model_from_joint);
+READONLY_BUFFER(kPlacementsBuffer, Affine, world_from_model);
+READONLY_BUFFER(kListBuffer, uint, list);  // cull/cull_io.h
+PUSH(LinePush);
 
 layout(location = 0) flat out vec3 out_color;
 

@@ -15,43 +15,43 @@
 #include "fused/fused_io.h"
 #include "gpu/table.glsl"
 
-layout(local_size_x_id = 0) in;
-layout(set = 0, binding = kCursorsBuffer, std430) readonly buffer Cursors { InstanceCursor cursors[]; };
-TABLE_OF_ROWS(kTracksBuffer, Tracks, tracks);
-TABLE_OF_ROWS(kKeysBuffer, Keys, keys);
-TABLE_OF_WORDS(kWordsBuffer, Words, words);
-TABLE_OF_WORDS(kScanLinksBuffer, Links, link_words);
+WORKGROUP_OF_CONSTANT;
+READONLY_BUFFER(kCursorsBuffer, InstanceCursor, cursors);
+TABLE_OF_ROWS(kTracksBuffer, tracks);
+TABLE_OF_ROWS(kKeysBuffer, keys);
+TABLE_OF_WORDS(kWordsBuffer, words);
+TABLE_OF_WORDS(kScanLinksBuffer, link_words);
 // [joint_count + 1]: where a joint's palette entries begin in the next two
-TABLE_OF_WORDS(kBindRangesBuffer, BindRanges, bind_ranges);
-TABLE_OF_WORDS(kBindEntriesBuffer, BindEntries, bind_entries);  // palette entries, sorted by joint
-TABLE_OF_ROWS(kBindsBuffer, Binds, binds);                      // their inverse binds, three rows each
-layout(set = 0, binding = kModelBuffer, std430) buffer Model { StoredAffine model[]; };
-TABLE_OF_ROWS(kActiveClipsBuffer, ActiveClips, active_clips);  // of layers, in place of cursors
-TABLE_OF_WORDS(kMasksBuffer, Masks, masks);
-TABLE_OF_WORDS(kSocketSlotsBuffer, SocketSlots, socket_slots);  // [joint_count]: 1 + the joint's place in sockets, or 0
-layout(set = 0, binding = kSocketsBuffer, std430) writeonly buffer Sockets { StoredAffine sockets[]; };
-layout(set = 0, binding = kInertiasBuffer, std430) readonly buffer Inertias { InstanceInertia inertias[]; };
-layout(set = 0, binding = kInertiaStatesBuffer, std430) buffer InertiaStates { InertiaState inertia_states[]; };
-TABLE_OF_WORDS(kPoseOverridesBuffer, PoseOverrides, pose_overrides);
-TABLE_OF_ROWS(kSetPosesBuffer, Poses, poses);
-TABLE_OF_WORDS(kWorkBuffer, Work, work);                       // of listed instances (cull/cull_io.h)
-TABLE_OF_WORDS(kAnimatedJointsBuffer, RigJoints, rig_joints);  // of a part of the joints: their numbers in the rig
+TABLE_OF_WORDS(kBindRangesBuffer, bind_ranges);
+TABLE_OF_WORDS(kBindEntriesBuffer, bind_entries);  // palette entries, sorted by joint
+TABLE_OF_ROWS(kBindsBuffer, binds);                // their inverse binds, three rows each
+BUFFER(kModelBuffer, StoredAffine, model);
+TABLE_OF_ROWS(kActiveClipsBuffer, active_clips);  // of layers, in place of cursors
+TABLE_OF_WORDS(kMasksBuffer, masks);
+TABLE_OF_WORDS(kSocketSlotsBuffer, socket_slots);  // [joint_count]: 1 + the joint's place in sockets, or 0
+WRITEONLY_BUFFER(kSocketsBuffer, StoredAffine, sockets);
+READONLY_BUFFER(kInertiasBuffer, InstanceInertia, inertias);
+BUFFER(kInertiaStatesBuffer, InertiaState, inertia_states);
+TABLE_OF_WORDS(kPoseOverridesBuffer, pose_overrides);
+TABLE_OF_ROWS(kSetPosesBuffer, poses);
+TABLE_OF_WORDS(kWorkBuffer, work);                  // of listed instances (cull/cull_io.h)
+TABLE_OF_WORDS(kAnimatedJointsBuffer, rig_joints);  // of a part of the joints: their numbers in the rig
 // Named by methods that exchange through memory where shared memory is too small: no such plan is fused
 #define scratch model
-layout(constant_id = 8) const bool kPacked = false;
-layout(constant_id = 9) const bool kBlends = true;  // false: every instance plays one clip
-layout(constant_id = 10) const bool kKeepsModel = false;
-layout(constant_id = 11) const uint kSkinFormat = kSkinAffine;
-layout(constant_id = 12) const bool kOneBind = false;     // no joint has two palette entries
-layout(constant_id = 13) const uint kTileInstances = 1;   // of a workgroup
-layout(constant_id = 14) const uint kTileTransforms = 1;  // of all of them
-layout(constant_id = 15) const bool kLayered = false;     // instances play active clips in layers, not two clips
-layout(constant_id = 16) const uint kSocketCount = 0;
-layout(constant_id = 17) const bool kInertial = false;       // of layers
-layout(constant_id = 18) const bool kPoseOverrides = false;  // poses may be set
-layout(constant_id = 19) const bool kListed = false;         // only listed instances are animated
-layout(constant_id = 20) const bool kSomeJoints = false;     // not all joints are
-layout(push_constant) uniform Push { FusedPush push; };
+CONSTANT(8, bool, kPacked, false);
+CONSTANT(9, bool, kBlends, true);  // false: every instance plays one clip
+CONSTANT(10, bool, kKeepsModel, false);
+CONSTANT(11, uint, kSkinFormat, kSkinAffine);
+CONSTANT(12, bool, kOneBind, false);     // no joint has two palette entries
+CONSTANT(13, uint, kTileInstances, 1);   // of a workgroup
+CONSTANT(14, uint, kTileTransforms, 1);  // of all of them
+CONSTANT(15, bool, kLayered, false);     // instances play active clips in layers, not two clips
+CONSTANT(16, uint, kSocketCount, 0);
+CONSTANT(17, bool, kInertial, false);       // of layers
+CONSTANT(18, bool, kPoseOverrides, false);  // poses may be set
+CONSTANT(19, bool, kListed, false);         // only listed instances are animated
+CONSTANT(20, bool, kSomeJoints, false);     // not all joints are
+PUSH(FusedPush);
 
 #define SKIN_STORES
 uint rig_joint_count() { return push.rig_joint_count; }

@@ -1,4 +1,3 @@
-#version 460
 // serial, fused: one invocation a character samples, blends, multiplies and binds its joints in one walk.
 // Source: scan/methods/serial.comp. Difference: a parent is not read back; the walk is that of scan/pieces.h with a
 // single piece, largest subtree

@@ -22,6 +22,7 @@ struct alignas(16) uvec4 {
 #define THRONG_IO_END
 #define THRONG_IO_CONSTANT const uint
 #define INOUT(type) inout type
+#include "gpu/declare.glsl"
 #define Real float  // of texts that C++ computes in another one (gpu/glsl.h)
 const uint kNone = 0xFFFFFFFFu;  // as throng::kNone
 #endif

@@ -5,15 +5,13 @@
 #define THRONG_GPU_TABLE_GLSL
 
 #ifdef GPU_SOFTWARE
-#define TABLE_OF_WORDS(number, block, name) layout(set = 0, binding = number) uniform usamplerBuffer name
-#define TABLE_OF_ROWS(number, block, name) layout(set = 0, binding = number) uniform usamplerBuffer name
+#define TABLE_OF_WORDS(number, name) layout(set = 0, binding = number) uniform usamplerBuffer name
+#define TABLE_OF_ROWS(number, name) layout(set = 0, binding = number) uniform usamplerBuffer name
 #define WORD_AT(name, index) texelFetch(name, int(index)).x
 #define ROW_AT(name, index) texelFetch(name, int(index))
 #else
-#define TABLE_OF_WORDS(number, block, name) \
-    layout(set = 0, binding = number, std430) readonly buffer block { uint name[]; }
-#define TABLE_OF_ROWS(number, block, name) \
-    layout(set = 0, binding = number, std430) readonly buffer block { uvec4 name[]; }
+#define TABLE_OF_WORDS(number, name) READONLY_BUFFER(number, uint, name)
+#define TABLE_OF_ROWS(number, name) READONLY_BUFFER(number, uvec4, name)
 #define WORD_AT(name, index) name[index]
 #define ROW_AT(name, index) name[index]
 #endif

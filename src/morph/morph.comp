@@ -1,4 +1,3 @@
-#version 460
 // morph: the weights of each instance's morphs, from the clips that it plays, and of them the kActiveMorphs largest by
 // magnitude. One invocation per instance. Cost: for each clip (of layers: and each four morphs) a binary search among
 // the rows of weights, and for each four morphs 4 to 8 words.
@@ -7,19 +6,17 @@
 #include "control/control_io.h"
 #include "morph/morph_io.h"
 
-layout(local_size_x = kMorphWorkgroupSize) in;
-layout(set = 0, binding = kPlaybacksBuffer, std430) readonly buffer Playbacks { InstancePlayback playbacks[]; };
-TABLE_OF_ROWS(kActiveClipsBuffer, ActiveClips, active_clips);
-layout(set = 0, binding = kActiveClipTimesBuffer, std430) readonly buffer ActiveClipTimes {
-    float active_clip_times[];
-};
-TABLE_OF_WORDS(kMorphTimelineBuffer, Timelines, timelines);
-TABLE_OF_WORDS(kMorphTimesBuffer, Times, times);
-TABLE_OF_ROWS(kMorphTracksBuffer, Tracks, tracks);
-TABLE_OF_WORDS(kMorphValuesBuffer, Values, values);
-layout(set = 0, binding = kActiveMorphsBuffer, std430) writeonly buffer Active { ActiveMorph active_morphs[]; };
-layout(constant_id = 1) const bool kLayered = false;
-layout(push_constant) uniform Push { MorphPush push; };
+WORKGROUP(kMorphWorkgroupSize);
+READONLY_BUFFER(kPlaybacksBuffer, InstancePlayback, playbacks);
+TABLE_OF_ROWS(kActiveClipsBuffer, active_clips);
+READONLY_BUFFER(kActiveClipTimesBuffer, float, active_clip_times);
+TABLE_OF_WORDS(kMorphTimelineBuffer, timelines);
+TABLE_OF_WORDS(kMorphTimesBuffer, times);
+TABLE_OF_ROWS(kMorphTracksBuffer, tracks);
+TABLE_OF_WORDS(kMorphValuesBuffer, values);
+WRITEONLY_BUFFER(kActiveMorphsBuffer, ActiveMorph, active_morphs);
+CONSTANT(1, bool, kLayered, false);
+PUSH(MorphPush);
 
 #include "morph/morph.glsl"
 

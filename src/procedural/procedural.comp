@@ -1,4 +1,3 @@
-#version 460
 // procedural: rules that move joints after the blend and before the scan; defined in docs/procedural.md.
 // One invocation per instance and chain; the chains of a dispatch touch nothing of each other. Reads 48 bytes a joint
 // of the chain and of all above it, writes 48 a joint (32 each as similarities), and reads and writes 48 a spring.
@@ -7,19 +6,19 @@
 #include "gpu/stored.glsl"
 #include "procedural/procedural_io.h"
 
-layout(local_size_x = kProceduralWorkgroupSize) in;
-TABLE_OF_WORDS(kRulesBuffer, Tables, tables);
+WORKGROUP(kProceduralWorkgroupSize);
+TABLE_OF_WORDS(kRulesBuffer, tables);
 // [instance], world_from_model
-layout(set = 0, binding = kPlacementsBuffer, std430) readonly buffer Placements { StoredAffine placements[]; };
+READONLY_BUFFER(kPlacementsBuffer, StoredAffine, placements);
 // [instance][target], world; w: weight
-layout(set = 0, binding = kTargetsBuffer, std430) readonly buffer Targets { vec4 targets[]; };
+READONLY_BUFFER(kTargetsBuffer, vec4, targets);
 // [instance][push.spring_count], three rows a SpringState
-layout(set = 0, binding = kSpringsBuffer, std430) buffer Springs { StoredRow springs[]; };
+BUFFER(kSpringsBuffer, StoredRow, springs);
 // [instance][joint], parent_from_joint
-layout(set = 0, binding = kLocalBuffer, std430) buffer Local { StoredRow local[]; };
-layout(constant_id = 1) const bool kSimilarity = false;
-layout(constant_id = 2) const uint kKind = 0;  // of the chains: a software device would run the code of all
-layout(push_constant) uniform Push { ProceduralPush push; };
+BUFFER(kLocalBuffer, StoredRow, local);
+CONSTANT(1, bool, kSimilarity, false);
+CONSTANT(2, uint, kKind, 0);  // of the chains: a software device would run the code of all
+PUSH(ProceduralPush);
 
 uint instance;
 

@@ -1,4 +1,3 @@
-#version 460
 // sample: the pose of every joint of one of the two clips of each instance. Skips instances whose clip has no weight.
 // One workgroup per instance, joints in strides. Reads 16 bytes of table and up to 6 keys of 16 bytes a joint, packed
 // ones fewer; writes 48 bytes.
@@ -6,14 +5,14 @@
 #include "gpu/table.glsl"
 #include "sample/sample_io.h"
 
-layout(local_size_x = kSampleWorkgroupSize) in;
-layout(set = 0, binding = kCursorsBuffer, std430) readonly buffer Cursors { InstanceCursor cursors[]; };
-TABLE_OF_ROWS(kTracksBuffer, Tracks, tracks);
-TABLE_OF_ROWS(kKeysBuffer, Keys, keys);
-TABLE_OF_WORDS(kWordsBuffer, Words, words);
-layout(set = 0, binding = kSampledPosesBuffer, std430) writeonly buffer Poses { JointPose poses[]; };
-layout(constant_id = 1) const bool kPacked = false;
-layout(push_constant) uniform Push { SamplePush push; };
+WORKGROUP(kSampleWorkgroupSize);
+READONLY_BUFFER(kCursorsBuffer, InstanceCursor, cursors);
+TABLE_OF_ROWS(kTracksBuffer, tracks);
+TABLE_OF_ROWS(kKeysBuffer, keys);
+TABLE_OF_WORDS(kWordsBuffer, words);
+WRITEONLY_BUFFER(kSampledPosesBuffer, JointPose, poses);
+CONSTANT(1, bool, kPacked, false);
+PUSH(SamplePush);
 
 #include "sample/sample.glsl"
 

@@ -3,10 +3,10 @@
 // shared memory cannot.
 #include "scan/doubling_io.h"
 
-layout(constant_id = 1) const uint kSharedJoints = 1;  // joints that shared memory holds
-layout(constant_id = 2) const bool kInShared = true;   // false: the character does not fit it
-layout(constant_id = 3) const bool kReload = true;     // false: a joint an invocation, whose product stays in registers
-layout(constant_id = 4) const uint kRounds = 1;
+CONSTANT(1, uint, kSharedJoints, 1);  // joints that shared memory holds
+CONSTANT(2, bool, kInShared, true);   // false: the character does not fit it
+CONSTANT(3, bool, kReload, true);     // false: a joint an invocation, whose product stays in registers
+CONSTANT(4, uint, kRounds, 1);
 
 shared StoredAffine shared_products[2 * kSharedJoints];  // [slot][joint], the last slot first
 

@@ -4,12 +4,12 @@
 
 uint instance_count() { return push.instance_count; }
 
-layout(constant_id = 8) const bool kBarriersTwice = false;  // to measure what barriers cost
-layout(constant_id = 9) const uint kOnChipCharacters = 1;   // of a workgroup
-layout(constant_id = 10) const uint kOnChipTransforms = 1;  // of all of them
-shared StoredTransform on_chip_locals[kOnChipTransforms];   // [character][joint]
-shared uint on_chip_between_barriers;                       // so that two of them are not merged into one
-uint on_chip_repeat;                                        // counts down to 0
+CONSTANT(8, bool, kBarriersTwice, false);                  // to measure what barriers cost
+CONSTANT(9, uint, kOnChipCharacters, 1);                   // of a workgroup
+CONSTANT(10, uint, kOnChipTransforms, 1);                  // of all of them
+shared StoredTransform on_chip_locals[kOnChipTransforms];  // [character][joint]
+shared uint on_chip_between_barriers;                      // so that two of them are not merged into one
+uint on_chip_repeat;                                       // counts down to 0
 vec4 on_chip_sink = vec4(0);
 
 // The repeat moves each joint a little, so that no repeat's work can be reused by the next.

@@ -2,7 +2,7 @@
 // prefixes are combined.
 #include "scan/pieces_io.h"
 
-layout(constant_id = 1) const uint kThreads = 1;  // pieces, and invocations of a character
+CONSTANT(1, uint, kThreads, 1);  // pieces, and invocations of a character
 
 #include "scan/slots.glsl"
 

@@ -1,5 +1,5 @@
 // Where a walk keeps the transforms of parents with a child still to come.
-layout(constant_id = 2) const uint kSlotTransforms = 1;  // slots of the whole workgroup
+CONSTANT(2, uint, kSlotTransforms, 1);  // slots of the whole workgroup
 
 #ifdef GPU_SOFTWARE
 // A software device has no fast shared memory; a register a slot costs it a select each.

@@ -1,4 +1,3 @@
-#version 460
 // skin: vertices of instances, morphed and skinned, in model space: for several passes, or for those who read them
 // back. One workgroup per instance. Cost of a vertex: 4 + 32 bytes read, 24 and a skin matrix for each four influences,
 // of which most are in caches; 16 written.
@@ -8,23 +7,21 @@
 #include "morph/morph_io.h"
 #include "skin/skin_io.h"
 
-layout(local_size_x = kSkinWorkgroupSize) in;
-layout(constant_id = 1) const uint kSkinFormat = kSkinAffine;
-layout(constant_id = 2) const uint kSkinBlend = kSkinLinear;
-layout(constant_id = 3) const bool kListed = false;  // what is skinned lies in list
-layout(set = 0, binding = kVerticesBuffer, std430) readonly buffer Vertices { VertexRows vertices[]; };
-layout(set = 0, binding = kInfluencesBuffer, std430) readonly buffer InfluenceWords { uvec2 influences[]; };
+WORKGROUP(kSkinWorkgroupSize);
+CONSTANT(1, uint, kSkinFormat, kSkinAffine);
+CONSTANT(2, uint, kSkinBlend, kSkinLinear);
+CONSTANT(3, bool, kListed, false);  // what is skinned lies in list
+READONLY_BUFFER(kVerticesBuffer, VertexRows, vertices);
+READONLY_BUFFER(kInfluencesBuffer, uvec2, influences);
 // [instance][vertex], throng::SkinnedVertex
-layout(set = 0, binding = kSkinnedBuffer, std430) writeonly buffer Skinned { uvec4 skinned[]; };
-layout(set = 0, binding = kMorphDeltasBuffer, std430) readonly buffer MorphDeltas { uvec4 morph_deltas[]; };
-layout(set = 0, binding = kActiveMorphsBuffer, std430) readonly buffer ActiveMorphs { ActiveMorph active_morphs[]; };
-layout(set = 0, binding = kSkinSectionsBuffer, std430) readonly buffer Sections {
-    SkinSection sections[];
-};  // [detail][section]
-layout(set = 0, binding = kListedVerticesBuffer, std430) readonly buffer ListedVertices { uint listed_vertices[]; };
-layout(set = 0, binding = kListBuffer, std430) readonly buffer List { uint list[]; };  // cull/cull_io.h
-layout(set = 0, binding = kVerdictsBuffer, std430) readonly buffer Verdicts { uint verdicts[]; };
-layout(push_constant) uniform Push { SkinPush push; };
+WRITEONLY_BUFFER(kSkinnedBuffer, uvec4, skinned);
+READONLY_BUFFER(kMorphDeltasBuffer, uvec4, morph_deltas);
+READONLY_BUFFER(kActiveMorphsBuffer, ActiveMorph, active_morphs);
+READONLY_BUFFER(kSkinSectionsBuffer, SkinSection, sections);  // [detail][section]
+READONLY_BUFFER(kListedVerticesBuffer, uint, listed_vertices);
+READONLY_BUFFER(kListBuffer, uint, list);  // cull/cull_io.h
+READONLY_BUFFER(kVerdictsBuffer, uint, verdicts);
+PUSH(SkinPush);
 
 #include "bind/skin_format.glsl"
 #include "skin/skin.glsl"

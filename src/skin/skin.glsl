@@ -15,7 +15,7 @@ struct SkinSum {
     float scale;
 };
 
-void add_skin(inout SkinSum sum, float weight, uint index) {
+void add_skin(INOUT(SkinSum) sum, float weight, uint index) {
     if (kSkinBlend == kSkinLinear) {
         const Affine m = load_skin(index);
         sum.matrix = Affine(sum.matrix.row0 + weight * m.row0, sum.matrix.row1 + weight * m.row1,

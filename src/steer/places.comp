@@ -1,4 +1,3 @@
-#version 460
 // places: where all agents are, and a list of those in each bucket of cells. In which order a list has them is left to
 // chance; nothing depends on it. One invocation per agent. Cost: 8 bytes of a placement read, 16 written, one atomic
 // exchange. Source: S. Green, Particle Simulation using CUDA, NVIDIA 2008 (the grid by atomics). Difference: lists
@@ -6,12 +5,12 @@
 #include "gpu/buffers_io.h"
 #include "steer/grid.glsl"
 
-layout(local_size_x = kSteerWorkgroupSize) in;
+WORKGROUP(kSteerWorkgroupSize);
 // world_from_model, three rows each
-layout(set = 0, binding = kPlacementsBuffer, std430) readonly buffer Placements { vec4 placements[]; };
-layout(set = 0, binding = kAgentPlacesBuffer, std430) writeonly buffer Places { AgentPlace places[]; };
-layout(set = 0, binding = kAgentBucketsBuffer, std430) buffer Heads { uint heads[]; };
-layout(push_constant) uniform Push { PlacesPush push; };
+READONLY_BUFFER(kPlacementsBuffer, vec4, placements);
+WRITEONLY_BUFFER(kAgentPlacesBuffer, AgentPlace, places);
+BUFFER(kAgentBucketsBuffer, uint, heads);
+PUSH(PlacesPush);
 
 void main() {
     const uint instance = gl_GlobalInvocationID.x;

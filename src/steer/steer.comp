@@ -1,4 +1,3 @@
-#version 460
 // steer: an agent takes a step towards its destination and out of the way of others, and turns where it wants to go.
 // Or, where clips carry it, turns and says how fast it wants to go. One invocation per agent. Cost: docs/steering.md;
 // 128 bytes read, 60 written, and 16 read for each agent in nine buckets. Source: C. Reynolds, Steering Behaviors for
@@ -11,22 +10,20 @@
 #include "steer/grid.glsl"
 #include "steer/steer.glsl"
 
-layout(local_size_x = kSteerWorkgroupSize) in;
-TABLE_OF_ROWS(kAgentPlacesBuffer, Places, places);
-TABLE_OF_WORDS(kAgentBucketsBuffer, Heads, heads);
-layout(set = 0, binding = kDestinationsBuffer, std430) readonly buffer Destinations { vec4 destinations[]; };
-layout(set = 0, binding = kAgentsBuffer, std430) buffer States { AgentState states[]; };
-layout(set = 0, binding = kPlacementsBuffer, std430) buffer Placements {
-    vec4 placements[];
-};  // world_from_model, three rows each
-layout(set = 0, binding = kRootsBuffer, std430) buffer Roots { RootState roots[]; };
-layout(set = 0, binding = kParametersBuffer, std430) writeonly buffer Parameters { float parameters[]; };
-layout(push_constant) uniform Push { SteerPush push; };
+WORKGROUP(kSteerWorkgroupSize);
+TABLE_OF_ROWS(kAgentPlacesBuffer, places);
+TABLE_OF_WORDS(kAgentBucketsBuffer, heads);
+READONLY_BUFFER(kDestinationsBuffer, vec4, destinations);
+BUFFER(kAgentsBuffer, AgentState, states);
+BUFFER(kPlacementsBuffer, vec4, placements);  // world_from_model, three rows each
+BUFFER(kRootsBuffer, RootState, roots);
+WRITEONLY_BUFFER(kParametersBuffer, float, parameters);
+PUSH(SteerPush);
 
 uint instance;
 
 // A bucket holds agents of other cells too, and one may serve two of the nine cells.
-void meet_cell(Agent agent, ivec2 cell, inout Met met) {
+void meet_cell(Agent agent, ivec2 cell, INOUT(Met) met) {
     uint other = WORD_AT(heads, bucket_of(cell, push.bucket_mask));
     for (uint count = 0; other != kNone && count < kMostMet; ++count) {
         const uvec4 row = ROW_AT(places, other);

@@ -36,7 +36,7 @@ vec2 direction_of(uint agent) {
     return normalize(vec2(both & 0xFFFFu, both >> 16) - 32767.25);
 }
 
-void meet(Agent agent, vec2 other_place, float other_radius, inout Met met) {
+void meet(Agent agent, vec2 other_place, float other_radius, INOUT(Met) met) {
     const vec2 way = other_place - agent.place;
     const float apart = length(way), touching = agent.radius + other_radius, closest = touching * agent.width;
     if (apart >= kReach * touching) return;

@@ -1,14 +1,13 @@
-#version 460
 // terrain: instances stand on the ground: world y of their placements becomes that of the terrain below them. One
 //   invocation per instance. Cost: 48 bytes of a placement and four heights read, 16 bytes written.
 #include "gpu/buffers_io.h"
 #include "steer/terrain_io.h"
 
-layout(local_size_x = kTerrainWorkgroupSize) in;
+WORKGROUP(kTerrainWorkgroupSize);
 // world_from_model, three rows each
-layout(set = 0, binding = kPlacementsBuffer, std430) buffer Placements { vec4 placements[]; };
-layout(set = 0, binding = kHeightsBuffer, std430) readonly buffer Heights { float heights[]; };
-layout(push_constant) uniform Push { TerrainPush push; };
+BUFFER(kPlacementsBuffer, vec4, placements);
+READONLY_BUFFER(kHeightsBuffer, float, heights);
+PUSH(TerrainPush);
 
 // Bilinear between four points; beyond the edges as at the nearest one.
 float height_at(vec2 place) {

@@ -1,4 +1,3 @@
-#version 460
 // update_rate: takes the skin matrices of instances that are not animated in this update towards those of the pose that
 // they were animated ahead to; defined by update_rate_reference.h. One workgroup per instance. Cost: 100 bytes read and
 // 48 written for each affine matrix of the joints that the instance's level of detail has.
@@ -9,18 +8,18 @@
 #include "gpu/table.glsl"
 #include "update_rate/update_rate_io.h"
 
-layout(local_size_x = kUpdateRateWorkgroupSize) in;
-TABLE_OF_WORDS(kWorkBuffer, Work, work);
-layout(set = 0, binding = kStatesBuffer, std430) readonly buffer States { uint states[]; };
+WORKGROUP(kUpdateRateWorkgroupSize);
+TABLE_OF_WORDS(kWorkBuffer, work);
+READONLY_BUFFER(kStatesBuffer, uint, states);
 // [instance][row]: rows of four floats, or of four halves, two in one of these. Where previous matrices are not kept,
 // current is previous.
-TABLE_OF_ROWS(kPreviousSkinBuffer, Previous, previous_rows);
-TABLE_OF_ROWS(kSkinTargetBuffer, Target, target_rows);
-layout(set = 0, binding = kSkinBuffer, std430) writeonly buffer CurrentRows { StoredRow current_rows[]; };
-layout(set = 0, binding = kSkinBuffer, std430) writeonly buffer CurrentHalves { StoredPair current_halves[]; };
-TABLE_OF_WORDS(kPaletteBySetBuffer, Entries, entries);
-layout(constant_id = 1) const uint kSkinFormat = kSkinAffine;
-layout(push_constant) uniform Push { UpdateRatePush push; };
+TABLE_OF_ROWS(kPreviousSkinBuffer, previous_rows);
+TABLE_OF_ROWS(kSkinTargetBuffer, target_rows);
+WRITEONLY_BUFFER(kSkinBuffer, StoredRow, current_rows);
+WRITEONLY_BUFFER(kSkinBuffer, StoredPair, current_halves);
+TABLE_OF_WORDS(kPaletteBySetBuffer, entries);
+CONSTANT(1, uint, kSkinFormat, kSkinAffine);
+PUSH(UpdateRatePush);
 
 vec4 floats(uvec4 two, uint at) {
     const uvec2 pair = (at & 1) != 0 ? two.zw : two.xy;

@@ -1,4 +1,3 @@
-#version 460
 // blocks64: doubling inside blocks of 64 joints, then hops from block to block.
 // Source: A GPU-based solution for large-scale skeletal animation simulation, Algorithm 3.
 // Difference: as many in-block rounds as the longest chain within a block needs, where the source always does six; two

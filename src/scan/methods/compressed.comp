@@ -1,4 +1,3 @@
-#version 460
 // compressed: blocks of 64 joints; inside a block two strides of eight joints each, then hops from block to block.
 // Source: A GPU-based solution for large-scale skeletal animation simulation, Algorithm 4 (State compression), its
 //   final method.
@@ -17,8 +16,8 @@
 #define SCAN_SHARES
 #include "scan/scan.glsl"
 
-layout(constant_id = 1) const uint kSharedJoints = 1;  // joints that shared memory holds
-layout(constant_id = 2) const bool kInShared = true;   // false: the character does not fit it
+CONSTANT(1, uint, kSharedJoints, 1);  // joints that shared memory holds
+CONSTANT(2, bool, kInShared, true);   // false: the character does not fit it
 
 // links[] has three words a joint: parent, 8th ancestor within the block, first ancestor outside the block.
 const uint kParent = 0, kEighth = 1, kOutside = 2, kWords = 3;

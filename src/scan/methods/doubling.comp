@@ -1,4 +1,3 @@
-#version 460
 // doubling: in each round every joint multiplies its product by that of the ancestor twice as far up as in the round
 //   before.
 // Source: Hillis and Steele, Data Parallel Algorithms, CACM, 1986; Algorithm 2 of the paper.

@@ -1,4 +1,3 @@
-#version 460
 // doubling4: doubling with three ancestors a round: each joint multiplies its product by those of the ancestors once,
 //   twice and three times as far up, which is four times as far as in the round before.
 // Source: doubling; more links followed between two barriers, as in higher-radix parallel scans (Merrill and Grimshaw,
@@ -18,9 +17,9 @@
 #define SCAN_SHARES
 #include "scan/scan.glsl"
 
-layout(constant_id = 1) const uint kSharedJoints = 1;  // joints that shared memory holds
-layout(constant_id = 2) const bool kInShared = true;   // false: the character does not fit it
-layout(constant_id = 3) const uint kRounds = 1;
+CONSTANT(1, uint, kSharedJoints, 1);  // joints that shared memory holds
+CONSTANT(2, bool, kInShared, true);   // false: the character does not fit it
+CONSTANT(3, uint, kRounds, 1);
 
 shared StoredAffine shared_products[2 * kSharedJoints];  // [slot][joint]
 

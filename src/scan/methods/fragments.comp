@@ -1,4 +1,3 @@
-#version 460
 // fragments: the skeleton in connected pieces, one for each invocation; a small scan over the pieces; then every piece
 //   on its own.
 // Source: the work-efficient scan (Blelloch 1990; Harris, Sengupta, Owens, GPU Gems 3, 2007), which the paper cites and

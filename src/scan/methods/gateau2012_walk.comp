@@ -1,4 +1,3 @@
-#version 460
 // gateau2012_walk: every joint walks up to the root on its own.
 // Source: Samuel Gateau, Massive Crowds on GPU, GTC 2012; Algorithm 1 of the paper.
 // Difference: the printed loop never leaves the joint's parent; here it climbs. Reads local, writes model, so that

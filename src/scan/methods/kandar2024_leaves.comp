@@ -1,4 +1,3 @@
-#version 460
 // kandar2024_leaves: an invocation for each leaf walks its path from the root down.
 // Source: Kandar, 2024, as the paper describes it.
 // Difference: the path is a list made offline and walked downward; walking upward, as the text suggests, multiplies
@@ -14,7 +13,7 @@
 // Methods: kandar2024_leaves
 #include "scan/scan.glsl"
 
-layout(constant_id = 1) const uint kCharacters = 1;  // in a workgroup
+CONSTANT(1, uint, kCharacters, 1);  // in a workgroup
 
 // links[0] is the number of leaves; then for each: where in links[] its path begins, where the joints that it writes,
 // where it ends.

@@ -1,4 +1,3 @@
-#version 460
 // levels: level after level of the skeleton, a barrier between two.
 // Source: common practice on GPUs.
 // Difference: invocations for the widest level only, and shared memory for the joints with children of two adjacent
@@ -16,8 +15,8 @@
 #define SCAN_SHARES
 #include "scan/scan.glsl"
 
-layout(constant_id = 1) const uint kSharedJoints = 1;  // of a level
-layout(constant_id = 2) const bool kInShared = true;   // false: they do not fit
+CONSTANT(1, uint, kSharedJoints, 1);  // of a level
+CONSTANT(2, bool, kInShared, true);   // false: they do not fit
 
 shared StoredAffine shared_models[2 * kSharedJoints];
 

@@ -1,4 +1,3 @@
-#version 460
 // serial: one invocation per character walks its joints in order, parents first.
 // Source: how every CPU runtime does it (ozz-animation's LocalToModelJob, for one).
 // Difference: the skeleton comes as runs of joints in which each is the next one's parent, so that a parent is read

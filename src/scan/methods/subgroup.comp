@@ -1,4 +1,3 @@
-#version 460
 // subgroup: fragments within a subgroup, without barriers; a subgroup holds one character or several small ones.
 // Source: fragments; the exchange of registers by shuffles as in warp scans (Harris and Garland, GPU Computing Gems
 //   Jade, 2012).

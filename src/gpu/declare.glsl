@@ -1,0 +1,22 @@
+// How a kernel's text declares what it reads, writes and is told. As C++ the same words mean members of a class
+// (gpu/native_text.h).
+
+#define WORKGROUP(size) layout(local_size_x = size) in
+#define WORKGROUP_OF_CONSTANT layout(local_size_x_id = 0) in  // of constant 0
+#define CONSTANT(number, type, name, value) layout(constant_id = number) const type name = value
+#define PUSH(type) \
+    layout(push_constant) uniform Push { type push; }
+
+// Arrays, by the numbers of docs/buffers.md; QUALIFIED_BUFFER is for methods that are compiled with different ones.
+#define QUALIFIED_BUFFER(qualifier, number, type, name) \
+    layout(set = 0, binding = number, std430) qualifier buffer Block_##name { type name[]; }
+#define BUFFER(number, type, name) \
+    layout(set = 0, binding = number, std430) buffer Block_##name { type name[]; }
+#define READONLY_BUFFER(number, type, name) QUALIFIED_BUFFER(readonly, number, type, name)
+#define WRITEONLY_BUFFER(number, type, name) QUALIFIED_BUFFER(writeonly, number, type, name)
+// An array behind a struct.
+#define BUFFER_WITH_HEAD(number, head_type, head, type, name)       \
+    layout(set = 0, binding = number, std430) buffer Block_##name { \
+        head_type head;                                             \
+        type name[];                                                \
+    }
