@@ -52,14 +52,19 @@ struct CrowdGroup {
 
 // How an update goes from clips to skin matrices. kStaged: sample, blend, scan and bind one after another, each through
 // memory; any character. kFused: all four in one kernel, intermediates in registers and shared memory, 4 to 7 times as
-// fast on a software device; not for characters too large for that. kAuto: fused where it applies, staged else.
-enum class UpdatePath { kAuto, kFused, kStaged };
+// fast on a software device; not for characters too large for that. kNative: by this machine's processor, in one pass
+// where that applies, without the device: of a software device, by Crowd::update() and Renderer::render_frame(), which
+// wait for its queue; updates that are recorded into a command buffer, or for a view with occlusion, still run on it.
+// kAuto: natively on software devices, else fused where it applies, staged else. On a native device kFused and kStaged
+// are native too.
+enum class UpdatePath { kAuto, kFused, kStaged, kNative };
 
 // How a group is updated.
 struct GroupPath {
-    bool is_fused = false;  // in one pass; else stage by stage
-    std::string reason{};   // why, in one line
-    ScanAdvice scan{};      // the scan method in use, also where "auto" chose it, and why
+    bool is_fused = false;   // in one pass; else stage by stage
+    bool is_native = false;  // by this machine's processor, where UpdatePath::kNative says
+    std::string reason{};    // why, in one line
+    ScanAdvice scan{};       // the scan method in use, also where "auto" chose it, and why
 };
 
 struct CrowdSettings {

@@ -47,10 +47,11 @@ private:
 // Runs body(index) for each of `count` jobs.
 template <class Body>
 void for_each_job(JobSystem& jobs, uint32_t count, Body&& body) {
+    if (count == 0) return;
     if (count == 1) return body(0u);
     jobs.run(
         count, [](void* context, uint32_t index) { (*static_cast<std::remove_reference_t<Body>*>(context))(index); },
-        &body);
+        const_cast<std::remove_const_t<std::remove_reference_t<Body>>*>(&body));
 }
 
 }  // namespace throng

@@ -39,7 +39,7 @@ Result<GroupPath> Crowd::path(uint32_t group) const {
             throw Failure(ErrorCode::kInvalidArgument, "crowd",
                           "group " + std::to_string(group) + " of a crowd of " + std::to_string(groups.size()));
         const Group& of = groups[group];
-        return GroupPath{!of.fused.empty(), of.path_reason, {name_of(of.scan_choice), of.scan_reason}};
+        return GroupPath{!of.fused.empty(), of.native, of.path_reason, {name_of(of.scan_choice), of.scan_reason}};
     });
 }
 
@@ -96,7 +96,15 @@ Result<std::vector<Feedback>> Crowd::feedback() {
 }
 
 Result<void> Crowd::record(VkCommandBuffer commands, float time_step_s, const CrowdView* view) {
-    return as_result([&] { state().record(commands, time_step_s, view); }, "crowd");
+    return as_result(
+        [&] {
+            const bool is_native = state().gpu->is_native();
+            if (is_native == (commands != VK_NULL_HANDLE))
+                throw Failure(ErrorCode::kInvalidArgument, "command buffer",
+                              is_native ? "a native device has none: call update()" : "there is none");
+            state().record(commands, time_step_s, view);
+        },
+        "crowd");
 }
 
 Result<void> Crowd::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths) {
@@ -108,12 +116,7 @@ Result<void> Crowd::discard_last_record() {
 }
 
 Result<void> Crowd::update(float time_step_s, const CrowdView* view) {
-    return as_result(
-        [&] {
-            state().gpu->submit_and_wait(
-                [&](VkCommandBuffer commands) { state().record(commands, time_step_s, view); });
-        },
-        "crowd");
+    return as_result([&] { state().update(time_step_s, view); }, "crowd");
 }
 
 Result<std::vector<DrawnInstance>> Crowd::read_drawn() {

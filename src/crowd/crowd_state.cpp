@@ -87,10 +87,18 @@ Update CrowdState::update_of(VkCommandBuffer commands, float time_step_s, const 
     return {.commands = commands, .time_step_s = time_step_s, .view = view, .timer = timer.get()};
 }
 
+bool CrowdState::is_native(const CrowdView* view) const {
+    return gpu->is_native() || (std::ranges::all_of(groups, &Group::native) && !(view && view->occlusion));
+}
+
+void CrowdState::update(float time_step_s, const CrowdView* view) {
+    if (!is_native(view))
+        return gpu->submit_and_wait([&](VkCommandBuffer commands) { record(commands, time_step_s, view); });
+    if (!gpu->is_native()) gpu->wait_idle();  // what was submitted may still read what is written now
+    record(VK_NULL_HANDLE, time_step_s, view);
+}
+
 void CrowdState::record(VkCommandBuffer commands, float time_step_s, const CrowdView* view) {
-    if (gpu->is_native() ? commands != VK_NULL_HANDLE : commands == VK_NULL_HANDLE)
-        throw Failure(ErrorCode::kInvalidArgument, "command buffer",
-                      gpu->is_native() ? "a native device has none: call update()" : "there is none");
     if (view && !cull) throw Failure(ErrorCode::kInvalidArgument, "view", "CrowdSettings::culls is not set");
     if (view && view->occlusion && gpu->is_native())
         throw Failure(ErrorCode::kUnsupported, "occlusion", "a native device has no depths to test");

@@ -41,6 +41,10 @@ struct CrowdState {
     void clear_pose(uint32_t instance, float fade_s);
     void watch(std::span<const uint32_t> instances);
     std::vector<Feedback> take_feedback();
+    // Whether update() computes natively.
+    bool is_native(const CrowdView* view) const;
+    void update(float time_step_s, const CrowdView* view);
+    // A command buffer of VK_NULL_HANDLE: natively, at once.
     void record(VkCommandBuffer commands, float time_step_s, const CrowdView* view);
     void record_disoccluded(VkCommandBuffer commands, const DepthImage& depths);
     void discard_last_record();

@@ -2,6 +2,7 @@
 
 #include "bind/sockets.h"
 #include "cull/cull_io.h"
+#include "native/native.h"
 
 #include <algorithm>
 
@@ -25,8 +26,10 @@ void FusedUpdate::plan(BatchPlan& plan) {
     if (settings.keep_model_matrices) plan.add_storage(io::kModelBuffer, group.joint_count * sizeof(Affine));
 }
 
-FusedUpdate::FusedUpdate(const StageContext& context) : Stage(context), culls_(context.settings.culls) {
+FusedUpdate::FusedUpdate(const StageContext& context)
+    : Stage(context), culls_(context.settings.culls), skin_format_(context.settings.skin_format) {
     for (const Group& group : groups_) {
+        if (gpu_->is_native()) break;
         std::vector<Kernels>& sets = kernels_.emplace_back();
         for (size_t set = 0; set < group.fused.size(); ++set)
             sets.push_back(make_kernels(group, set, context.settings));
@@ -36,7 +39,7 @@ FusedUpdate::FusedUpdate(const StageContext& context) : Stage(context), culls_(c
         const Group& group = group_of(batch);
         if (group.fused.empty()) continue;
         Member& member = members_.emplace_back(Member{.batch = i, .sets = {}, .sockets = {}});
-        bind(member);
+        if (!gpu_->is_native()) bind(member);
         if (!group.sockets || group.socket_space != SocketSpace::kWorld) continue;
         if (!sockets_) sockets_ = socket_kernel(gpu_);
         member.sockets = sockets_->bind(batch.table(group, batch[io::kSocketsBuffer]));
@@ -107,6 +110,7 @@ void FusedUpdate::record_sets(VkCommandBuffer commands, const Applies& applies) 
 }
 
 void FusedUpdate::record_set(VkCommandBuffer commands, const Member& member, uint32_t set) const {
+    if (!commands) return update_natively(member, set);
     const Batch& batch = batches_[member.batch];
     const Group& group = group_of(batch);
     const Kernels& kernels = kernels_[batch.group][set];
@@ -126,6 +130,32 @@ void FusedUpdate::record_set(VkCommandBuffer commands, const Member& member, uin
     if (!batch[io::kSkinTargetBuffer]) return;
     push.section = io::kAnimatedAhead + set;
     kernel.dispatch_indirect(commands, bindings.target, push, batch[io::kDispatchesBuffer], push.section);
+}
+
+void FusedUpdate::update_natively(const Member& member, uint32_t set) const {
+    const Batch& batch = batches_[member.batch];
+    update_natively(batch, set, batch.skin(), io::kAnimated + set);
+    if (is_listed(group_of(batch)) && batch[io::kSkinTargetBuffer])
+        update_natively(batch, set, batch[io::kSkinTargetBuffer], io::kAnimatedAhead + set);
+}
+
+void FusedUpdate::update_natively(const Batch& batch, uint32_t set, const Buffer& skin, uint32_t section) const {
+    const Group& group = group_of(batch);
+    NativeUpdate natively{.cursors = reinterpret_cast<const io::InstanceCursor*>(batch[io::kCursorsBuffer].mapped()),
+                          .skin_format = skin_format_,
+                          .skin = skin.mapped(),
+                          .model = reinterpret_cast<Affine*>(batch[io::kModelBuffer].mapped()),
+                          .sockets = reinterpret_cast<Affine*>(batch[io::kSocketsBuffer].mapped())};
+    uint32_t count = batch.instance_count;
+    if (is_listed(group)) {
+        const auto* const work = reinterpret_cast<const uint32_t*>(batch[io::kWorkBuffer].mapped());
+        natively.listed = work + work[2 * section];
+        count = work[2 * section + 1];
+    }
+    constexpr uint32_t kLeast = 16;  // instances that are walked side by side
+    gpu_->native->for_parts(count, kLeast, [&](uint32_t first, uint32_t end) {
+        throng::update(*group.fused[set].native, natively, first, end);
+    });
 }
 
 // From model to world space, in place.

@@ -38,12 +38,15 @@ private:
     template <class Applies>
     void record_sets(VkCommandBuffer commands, const Applies& applies) const;
     void record_set(VkCommandBuffer commands, const Member& member, uint32_t set) const;
+    void update_natively(const Member& member, uint32_t set) const;
+    void update_natively(const Batch& batch, uint32_t set, const Buffer& skin, uint32_t section) const;
     bool is_listed(const Group& group) const { return culls_ && group.animates_drawn_only(); }
 
     void record_sockets(VkCommandBuffer commands) const;
 
     bool culls_;
-    std::vector<std::vector<Kernels>> kernels_;  // [group][set of joints]
+    SkinFormat skin_format_;
+    std::vector<std::vector<Kernels>> kernels_;  // [group][set of joints]; none on a native device
     std::optional<Kernel> sockets_;
     std::vector<Member> members_;
 };

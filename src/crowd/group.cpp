@@ -77,8 +77,9 @@ Group::Group(Uploads& uploads, const CrowdGroup& group, const PathChoice& choice
     uniform_scale = group.character->rig.uniform_scale;
     pose_capacity = std::min(group.pose_capacity, group.instance_count);
     bound_poses(*group.character, settings.skin_blend);
+    make_native(*group.character, settings, 0);
     if (settings.culls && settings.reduces_joints && pose_capacity == 0 && animates_drawn_only())
-        reduce_joints(uploads, *group.character);
+        reduce_joints(uploads, *group.character, settings);
     if (skips_updates(settings)) make_palette_by_set(uploads, *group.character);
     make_skin_tables(uploads, *group.character);
     if (pose_capacity > 0)
@@ -102,9 +103,12 @@ Group::Group(Uploads& uploads, const Character& character, const PathChoice& cho
       scan_choice(choice.scan),
       scan_reason(choice.scan_reason),
       path_reason(choice.path_reason) {
+    native = choice.native;
     if (choice.fused)
-        fused.push_back(
-            {joint_count, *choice.fused, upload_fused_tables(uploads, character, FusedRig(character), *choice.fused)});
+        fused.push_back({joint_count,
+                         *choice.fused,
+                         upload_fused_tables(uploads, character, FusedRig(character), *choice.fused),
+                         {}});
     else
         scan.emplace(uploads, scan_choice, ScanRig(character.rig.parents, character.rig.uniform_scale),
                      scan_limits(*uploads.gpu()));
@@ -143,17 +147,28 @@ void Group::make_lods(Uploads& uploads, const Character& character) {
     indices = upload(uploads, name + ": indices", all, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
 }
 
+// For a set of joints that is there already.
+void Group::make_native(const Character& character, const CrowdSettings& settings, uint32_t lod) {
+    if (native && !fused.empty())
+        fused[lod].native = std::make_shared<const NativeRig>(
+            character, NativeRigSettings{.lod = lod,
+                                         .keeps_model = settings.keep_model_matrices,
+                                         .sockets = sockets ? sockets->joints : std::vector<uint32_t>()});
+}
+
 // The sets of joints of coarser levels, as far as the method of the finest goes about them, and the influences that
 // refer to no others.
-void Group::reduce_joints(Uploads& uploads, const Character& character) {
+void Group::reduce_joints(Uploads& uploads, const Character& character, const CrowdSettings& settings) {
     if (character.joint_lods.empty()) return;
     std::vector<Influences> all = character.influences;
     for (uint32_t lod = 1; lod <= lods.size(); ++lod) {
         const FusedRig rig(character, lod);
-        FusedPlan plan = plan_fused(fused[0].plan.choice, rig, scan_limits(*uploads.gpu()));
+        FusedPlan plan = fused[0].plan;
+        if (!uploads.gpu()->is_native()) plan = plan_fused(plan.choice, rig, scan_limits(*uploads.gpu()));
         if (!plan.unsupported_reason.empty()) break;
         Buffers tables = upload_fused_tables(uploads, character, rig, plan);
-        fused.push_back({rig.rig.joint_count(), std::move(plan), std::move(tables)});
+        fused.push_back({rig.rig.joint_count(), std::move(plan), std::move(tables), {}});
+        make_native(character, settings, lod);
         const std::vector<Influences> of_lod = influences_of_lod(character, lod);
         all.insert(all.end(), of_lod.begin(), of_lod.end());
     }

@@ -8,6 +8,7 @@
 #include "cull/cull_io.h"
 #include "gpu/kernel.h"
 #include "gpu/upload.h"
+#include "native/native_rig.h"
 #include "morph/morph.h"
 #include "procedural/procedural_tables.h"
 #include "skin/skin.h"
@@ -23,7 +24,8 @@ namespace throng {
 struct FusedJoints {
     uint32_t joint_count = 0;
     FusedPlan plan;
-    Buffers tables;  // of upload_fused_tables()
+    Buffers tables;                           // of upload_fused_tables()
+    std::shared_ptr<const NativeRig> native;  // where the group is updated natively
 };
 
 // What a group that is driven by a controller has.
@@ -77,6 +79,7 @@ struct Group {
     std::optional<Steering> steering;
     std::optional<GroupProcedural> procedural;
     bool packed = false;
+    bool native = false;  // PathChoice::native
     ScanChoice scan_choice;
     std::string scan_reason, path_reason;
     std::optional<ScanStage> scan;  // where staged
@@ -108,8 +111,9 @@ struct Group {
 
 private:
     void make_procedural(Uploads& uploads, const ProceduralRules& rules, const Character& character);
+    void make_native(const Character& character, const CrowdSettings& settings, uint32_t lod);
     void make_lods(Uploads& uploads, const Character& character);
-    void reduce_joints(Uploads& uploads, const Character& character);
+    void reduce_joints(Uploads& uploads, const Character& character, const CrowdSettings& settings);
     void make_palette_by_set(Uploads& uploads, const Character& character);
     void make_skin_tables(Uploads& uploads, const Character& character);
     void bound_poses(const Character& character, SkinBlend blend);

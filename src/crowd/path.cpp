@@ -1,7 +1,9 @@
 #include "crowd/path.h"
 
 #include "base/failure.h"
+#include "native/native.h"
 #include "scan/scan_planner.h"
+#include "scan/scan_shaders.h"
 
 namespace throng {
 namespace {
@@ -27,22 +29,36 @@ std::string staged_only(const CrowdGroup& group) {
     return {};
 }
 
-// A native device walks hierarchies in one way.
+// Why what a software device does cannot be done natively; empty where it can.
+std::string natively_unsupported_reason(const PathChoice& choice) {
+    if (choice.fused || !scan_shaders(choice.scan.method->name).native.run) return {};
+    return "scan method " + std::string(choice.scan.method->name) + " runs on Vulkan alone";
+}
+
+// On a native device where nothing else is asked for.
 PathChoice native_path(const CrowdSettings& settings, const CrowdGroup& group) {
     const std::string serial = "serial";
     if (settings.scan != "auto" && settings.scan != serial)
         throw Failure(ErrorCode::kUnsupported, group.character->name + ": scan method '" + settings.scan + "'",
                       "on a native device there is only '" + serial + "'");
-    return {.fused = {},
-            .scan = {parse_scan_request(serial).method, 1},
-            .scan_reason = "the one that a native device has",
-            .path_reason = "staged: asked for"};
+    PathChoice choice{.fused = {},
+                      .native = true,
+                      .scan = {parse_scan_request(serial).method, 1},
+                      .scan_reason = "the one that a native device has",
+                      .path_reason = {}};
+    const std::string reason = settings.path == UpdatePath::kStaged ? "asked for" : staged_only(group);
+    if (reason.empty()) {
+        choice.fused.emplace(FusedPlan{.unsupported_reason = {}, .choice = choice.scan});
+        choice.path_reason = "native, fused: all stages in one pass, by " + std::string(name_of(native_isas().back()));
+    } else {
+        if (settings.path == UpdatePath::kFused)
+            throw Failure(ErrorCode::kUnsupported, group.character->name + ": fused update", reason);
+        choice.path_reason = "native, staged: " + reason;
+    }
+    return choice;
 }
 
-}  // namespace
-
-PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
-    if (gpu.is_native()) return native_path(settings, group);
+PathChoice device_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
     const Character& character = *group.character;
     const ScanLimits limits = scan_limits(gpu);
     const bool any_scan = settings.scan == "auto";
@@ -57,6 +73,7 @@ PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
         if (plan.unsupported_reason.empty()) {
             const ScanChoice scan = plan.choice;
             return {.fused = std::move(plan),
+                    .native = false,
                     .scan = scan,
                     .scan_reason = any_scan ? "the one that suits a fused update on this kind of device" : "asked for",
                     .path_reason = "fused: all stages in one pass"};
@@ -69,9 +86,29 @@ PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
                                                ScanRig(character.rig.parents, character.rig.uniform_scale),
                                                group.instance_count, limits, scan_costs(gpu));
     return {.fused = {},
+            .native = false,
             .scan = staged.choice,
             .scan_reason = staged.reason,
             .path_reason = "staged: " + unsupported_reason};
+}
+
+}  // namespace
+
+PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
+    if (gpu.is_native()) return native_path(settings, group);
+    const bool is_native = settings.path == UpdatePath::kNative;
+    if (is_native && !gpu.native)
+        throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update",
+                      gpu.info.name + " is no software device");
+    PathChoice choice = device_path(gpu, settings, group);
+    if (!gpu.native || (settings.path != UpdatePath::kAuto && !is_native)) return choice;
+    const std::string reason = natively_unsupported_reason(choice);
+    if (is_native && !reason.empty())
+        throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update", reason);
+    choice.native = reason.empty();
+    choice.path_reason = choice.native ? "native, " + choice.path_reason
+                                       : choice.path_reason + "; not native: " + reason;
+    return choice;
 }
 
 }  // namespace throng

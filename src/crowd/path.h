@@ -10,7 +10,8 @@
 namespace throng {
 
 struct PathChoice {
-    std::optional<FusedPlan> fused;  // none: staged
+    std::optional<FusedPlan> fused;  // none: staged; on a native device without a plan for kernels
+    bool native = false;             // UpdatePath::kNative
     ScanChoice scan;
     std::string scan_reason, path_reason;
 };

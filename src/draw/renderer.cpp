@@ -61,6 +61,8 @@ private:
         bool has_begun = false;  // its time is being taken
     };
     Frame prepare(const Crowd& crowd, const Camera& camera);
+    CrowdView view_of(const Crowd& crowd, const Camera& camera) const;
+    bool update_natively(Crowd& crowd, float time_step_s, const Camera& camera) const;
     void record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera, Frame& frame);
     void begin_draw(VkCommandBuffer commands, Frame& frame);
     void record_frame(VkCommandBuffer commands, Frame& frame);
@@ -113,8 +115,9 @@ RenderResult RendererState::render(const Crowd& crowd, const Camera& camera) {
 
 RenderResult RendererState::render_frame(Crowd& crowd, float time_step_s, const Camera& camera) {
     Frame frame = prepare(crowd, camera);
+    const bool is_updated = update_natively(crowd, time_step_s, camera);
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
-        record_update(commands, crowd, time_step_s, camera, frame);
+        if (!is_updated) record_update(commands, crowd, time_step_s, camera, frame);
         record_frame(commands, frame);
         targets.record_read_back(commands);
     });
@@ -142,13 +145,29 @@ RendererState::Frame RendererState::prepare(const Crowd& crowd, const Camera& ca
     return {{state, crowds_.of(layout_, sampling_, state), layout_, characters, lines}, scene};
 }
 
+CrowdView RendererState::view_of(const Crowd& crowd, const Camera& camera) const {
+    const auto [width, height] = targets.extent();
+    CrowdView view = crowd_view_of(camera, width, height, world_bounds(crowd), options);
+    view.occlusion = options.occlusion && (gpu->properties.limits.sampledImageDepthSampleCounts & samples);
+    return view;
+}
+
+// False where the crowd is not updated natively: then nothing has happened.
+bool RendererState::update_natively(Crowd& crowd, float time_step_s, const Camera& camera) const {
+    CrowdState& state = crowd.state();
+    std::optional<CrowdView> view;
+    if (state.cull) view = view_of(crowd, camera);
+    const CrowdView* seen = view ? &*view : nullptr;
+    if (!state.is_native(seen)) return false;
+    state.update(time_step_s, seen);
+    return true;
+}
+
 void RendererState::record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera,
                                   Frame& frame) {
     CrowdState& state = crowd.state();
     if (!state.cull) return state.record(commands, time_step_s, nullptr);
-    const auto [width, height] = targets.extent();
-    CrowdView view = crowd_view_of(camera, width, height, world_bounds(crowd), options);
-    view.occlusion = options.occlusion && (gpu->properties.limits.sampledImageDepthSampleCounts & samples);
+    const CrowdView view = view_of(crowd, camera);
     state.record(commands, time_step_s, &view);
     if (!view.occlusion) return;
     if (!occluders_) occluders_.emplace(gpu, targets.extent(), samples);

@@ -1,7 +1,5 @@
 #include "gpu/native.h"
 
-#include "base/thread_pool.h"
-
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -73,14 +71,13 @@ VkPhysicalDeviceProperties NativeDevice::properties() {
 
 void NativeDevice::run(const NativeKernel& kernel, const NativeDispatch& dispatch, uint32_t workgroup_count) const {
     const uint32_t workgroup_size = kernel.workgroup_size > 0 ? kernel.workgroup_size : dispatch.constants[0];
-    const uint64_t invocations = uint64_t{workgroup_count} * workgroup_size;
-    const auto job_count = static_cast<uint32_t>(
-        std::clamp<uint64_t>(invocations / kInvocationsOfJob, 1,
-                             std::min(jobs().concurrency() * kJobsOfThread, std::max(workgroup_count, 1u))));
-    for_each_job(jobs(), job_count, [&](uint32_t job) {
-        const auto at = [&](uint32_t i) { return static_cast<uint32_t>(uint64_t{workgroup_count} * i / job_count); };
-        kernel.run(dispatch, at(job), at(job + 1));
-    });
+    for_parts(workgroup_count, std::max(1u, kInvocationsOfJob / workgroup_size),
+              [&](uint32_t first, uint32_t end) { kernel.run(dispatch, first, end); });
+}
+
+uint32_t NativeDevice::part_limit() const {
+    const uint32_t threads = jobs().concurrency();
+    return threads > 1 ? threads * kJobsOfThread : 1;
 }
 
 NativeMemory::NativeMemory(uint64_t size_bytes) {

@@ -1,11 +1,13 @@
 // A device without Vulkan: this machine's processor, which runs kernels where they are recorded.
 #pragma once
 
+#include "base/thread_pool.h"
 #include "gpu/native_kernel.h"
 
 #include <throng/device.h>
 #include <throng/jobs.h>
 
+#include <algorithm>
 #include <memory>
 #include <mutex>
 
@@ -23,8 +25,21 @@ public:
     JobSystem& jobs() const;  // made at the first call, where they are the device's own
     // All workgroups, on as many threads as are worth it; returns when they are done.
     void run(const NativeKernel& kernel, const NativeDispatch& dispatch, uint32_t workgroup_count) const;
+    // Calls body(first, end) for parts of 0..count - 1 of at least `least` each, which begin at multiples of it, on as
+    // many threads as are worth it; returns when all have returned.
+    template <class Body>
+    void for_parts(uint32_t count, uint32_t least, const Body& body) const {
+        const uint64_t units = (uint64_t{count} + least - 1) / least;
+        const auto parts = static_cast<uint32_t>(std::min<uint64_t>(units, part_limit()));
+        const auto begin = [&](uint32_t i) {
+            return static_cast<uint32_t>(std::min<uint64_t>(units * i / parts * least, count));
+        };
+        for_each_job(jobs(), parts, [&](uint32_t i) { body(begin(i), begin(i + 1)); });
+    }
 
 private:
+    uint32_t part_limit() const;
+
     mutable std::shared_ptr<JobSystem> jobs_;
     mutable std::once_flag jobs_made_;
     uint32_t threads_ = 0;

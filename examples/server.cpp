@@ -1,0 +1,95 @@
+// A game server without a GPU: 2,000 characters of several files, each under a controller, stepped 30 times a second of
+// game time; shots are tested against hit boxes at six joints of each, and only these joints are computed.
+//   server character.glb controller.json [character.glb controller.json ...]
+#include <throng/throng.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <random>
+#include <vector>
+
+using namespace throng;
+
+namespace {
+
+// Ends the program at the first failure: a server would log it, and go on without the character.
+template <class T>
+T need(Result<T> result) {
+    if (!result) {
+        std::fprintf(stderr, "server: %s\n", result.error().text().c_str());
+        std::exit(1);
+    }
+    if constexpr (!std::is_void_v<T>) return *std::move(result);
+}
+
+constexpr uint32_t kCount = 2000, kHitBoxes = 6, kTicks = 300, kShots = 20;
+constexpr float kTick_s = 1.0f / 30;
+
+// From the root outwards.
+std::vector<uint32_t> hit_joints(const Character& character) {
+    std::vector<uint32_t> joints;
+    const uint32_t joint_count = character.rig.joint_count(), count = std::min(kHitBoxes, joint_count);
+    for (uint32_t i = 0; i < count; ++i) joints.push_back(i * joint_count / count);
+    return joints;
+}
+
+// Whether the line from `eye` along +z comes within `radius` of a hit box's middle.
+bool hits(const Affine& world_from_joint, const Vec3<float>& eye, float radius) {
+    const auto& rows = world_from_joint.row;
+    return rows[2][3] > eye.z && std::hypot(rows[0][3] - eye.x, rows[1][3] - eye.y) < radius;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc < 3 || argc % 2 == 0) {
+        std::fprintf(stderr, "usage: server character.glb controller.json [character.glb controller.json ...]\n");
+        return 2;
+    }
+    const auto kinds = static_cast<size_t>(argc / 2);
+    std::vector<Character> characters;
+    std::vector<Controller> controllers;
+    for (size_t i = 0; i < kinds; ++i) {
+        characters.push_back(need(load_character(argv[1 + 2 * i])));
+        controllers.push_back(need(load_controller(argv[2 + 2 * i])));
+    }
+    const Device device = need(Device::create({.select = "native"}));
+    CrowdSettings settings;
+    for (size_t i = 0; i < kinds; ++i)
+        settings.groups.push_back({.character = &characters[i],
+                                   .instance_count = static_cast<uint32_t>(kCount / kinds),
+                                   .controller = &controllers[i],
+                                   .sockets = hit_joints(characters[i]),
+                                   .sockets_only = true});
+    Crowd crowd = need(Crowd::create(device, settings));
+
+    std::mt19937 random(1);
+    std::uniform_real_distribution<float> unit(0, 1);
+    for (uint32_t i = 0; i < crowd.instance_count(); ++i) {
+        const Vec3<float> place{100 * unit(random), 0, 100 * unit(random)};
+        need(crowd.set_placement(i, std::array{to_affine(Trs<float>{.translation = place})}));
+    }
+    std::vector<double> ticks_ms;
+    uint32_t hit_count = 0;
+    for (uint32_t tick = 0; tick < kTicks; ++tick) {
+        const auto begin = std::chrono::steady_clock::now();
+        const uint32_t player = tick * 7919 % crowd.instance_count();  // somebody else wants something in each tick
+        need(crowd.set_parameters(player, 0, std::array{5 * unit(random)}));
+        need(crowd.update(kTick_s));
+        for (uint32_t shot = 0; shot < kShots; ++shot) {
+            const Vec3<float> eye{100 * unit(random), 2 * unit(random), 0};
+            for (const OutputBlock& block : crowd.outputs())
+                hit_count += static_cast<uint32_t>(
+                    std::ranges::count_if(block.host.socket, [&](const Affine& box) { return hits(box, eye, 0.2f); }));
+        }
+        ticks_ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+    }
+    std::ranges::sort(ticks_ms);
+    std::printf("%u characters on %s: a tick takes %.2f ms (the slowest of %u: %.2f); %u hits\n",
+                crowd.instance_count(), device.info().name.c_str(), ticks_ms[kTicks / 2], kTicks, ticks_ms.back(),
+                hit_count);
+}

@@ -1,0 +1,52 @@
+// The loop that a few threads share.
+#include "base/thread_pool.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace throng {
+namespace {
+
+TEST(ThreadPool, RunsEachJobOnce) {
+    for (const uint32_t threads : {1u, 2u, 7u}) {
+        ThreadPool pool(threads);
+        EXPECT_EQ(pool.concurrency(), threads);
+        for (const uint32_t count : {0u, 1u, 2u, 1000u}) {
+            std::vector<std::atomic<uint32_t>> runs(count);
+            for_each_job(pool, count, [&](uint32_t i) { ++runs[i]; });
+            for (const std::atomic<uint32_t>& run : runs) EXPECT_EQ(run, 1u);
+        }
+    }
+}
+
+TEST(ThreadPool, TakesAsManyThreadsAsAskedFor) {
+    ThreadPool pool(3);
+    std::mutex mutex;
+    std::set<std::thread::id> ids;
+    std::condition_variable all_there;
+    // Each job waits for the others, so that no thread can take two of them.
+    for_each_job(pool, 3, [&](uint32_t) {
+        std::unique_lock lock(mutex);
+        ids.insert(std::this_thread::get_id());
+        all_there.notify_all();
+        all_there.wait(lock, [&] { return ids.size() == 3; });
+    });
+    EXPECT_TRUE(ids.contains(std::this_thread::get_id()));
+    EXPECT_GE(ThreadPool(0).concurrency(), 1u);
+}
+
+TEST(ThreadPool, ServesCallersOnManyThreads) {
+    ThreadPool pool(2);
+    std::atomic<uint64_t> sum{0};
+    std::vector<std::thread> callers;
+    for (uint32_t caller = 0; caller < 4; ++caller)
+        callers.emplace_back([&] {
+            for (uint32_t loop = 0; loop < 200; ++loop) for_each_job(pool, 10, [&](uint32_t i) { sum += i; });
+        });
+    for (std::thread& caller : callers) caller.join();
+    EXPECT_EQ(sum, 4u * 200 * 45);
+}
+
+}  // namespace
+}  // namespace throng
