@@ -24,7 +24,9 @@ set(reader_of_float FLOAT_AT)
 set(words_of_uint 1)
 set(words_of_float 1)
 set(THRONG_IO_STRUCTS "")
+set(constants "")
 set(readers "")
+set(native_readers "")
 string(REGEX MATCHALL "struct [A-Za-z0-9]+ {[^}]*}" structs "${text}")
 foreach(struct IN LISTS structs)
   string(REGEX MATCH "^struct ([A-Za-z0-9]+) { (.*)@ }" struct "${struct}")
@@ -67,9 +69,14 @@ foreach(struct IN LISTS structs)
     string(REGEX REPLACE "([a-z])([A-Z])" "\\1_\\2" reader ${name})
     string(TOUPPER ${reader}_AT reader_of_${name})
     set(words_of_${name} ${words})
-    string(APPEND readers "const uint k${name}Words = ${words};\n"
-      "#define ${reader_of_${name}}(table, word) ${name}(${fields})\n")
+    string(APPEND constants "const uint k${name}Words = ${words};\n")
+    string(APPEND readers "#define ${reader_of_${name}}(table, word) ${name}(${fields})\n")
+    string(APPEND native_readers "#define ${reader_of_${name}}(table, word) copied<${name}>(table + (word))\n")
   endif()
 endforeach()
 file(CONFIGURE OUTPUT ${THRONG_GENERATED_DIR}/gpu/io_words.glsl @ONLY CONTENT
-"// Made from the *_io.h headers by cmake/io_structs.cmake.\n${readers}")
+"// Made from the *_io.h headers by cmake/io_structs.cmake.
+${constants}#ifdef __cplusplus
+${native_readers}#else
+${readers}#endif
+")

@@ -1,5 +1,5 @@
-# The scan methods: each file of src/scan/methods is <name>.comp, whose head says which methods it is the shader of, and
-# which of them have a fused form, and <name>.cpp, with a function of each method's name that returns its row
+# The scan methods: each file of src/scan/methods is <name>.comp, whose head says which methods it is the shader of,
+# which of them have a fused form, and which devices without Vulkan have, and <name>.cpp, with a function of each method's name that returns its row
 # (src/scan/scan_table.h). A method <name>_quaternion or <name>_transposed is <name>.comp compiled with that switch.
 file(GLOB scan_method_shaders CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/src
   ${PROJECT_SOURCE_DIR}/src/scan/methods/*.comp)
@@ -7,7 +7,7 @@ set(THRONG_SCAN_METHODS "")
 set(THRONG_SCAN_SOURCES "")
 foreach(shader IN LISTS scan_method_shaders)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${shader})
-  foreach(list Methods Fused)
+  foreach(list Methods Fused Native)
     set(${list} "")
     file(STRINGS ${PROJECT_SOURCE_DIR}/src/${shader} line REGEX "^// ${list}: ")
     if(line MATCHES ": (.*)$")
@@ -26,6 +26,10 @@ foreach(shader IN LISTS scan_method_shaders)
     if(method IN_LIST Fused)
       set(${method}_is_fused TRUE)
     endif()
+    set(${method}_is_native FALSE)
+    if(method IN_LIST Native)
+      set(${method}_is_native TRUE)
+    endif()
     set(${method}_switches "")
     foreach(switch quaternion transposed)
       if(method MATCHES "_${switch}$")
@@ -37,7 +41,8 @@ foreach(shader IN LISTS scan_method_shaders)
 endforeach()
 
 # throng_add_scan_variants(target table row variants...): the methods' shaders, compiled as each variant says, and a
-# file of rows {"method", words of each variant}, of which those of the fused forms may be empty. `row` is their type.
+# file of rows {"method", words of each variant}, of which those of the fused forms may be empty; of the variant `native`
+# a row has the address of the NativeKernel, which may be null. `row` is the rows' type.
 function(throng_add_scan_variants target table row)
   set(plain_defines "")
   set(software_defines GPU_SOFTWARE)
@@ -50,6 +55,15 @@ function(throng_add_scan_variants target table row)
   foreach(method IN LISTS THRONG_SCAN_METHODS)
     set(words "")
     foreach(variant IN LISTS ARGN)
+      if(variant STREQUAL native)
+        if(${method}_is_native)
+          throng_add_native(${target} ${${method}_shader} ${method} ${${method}_switches})
+          string(APPEND words ", &native::${method}")
+        else()
+          string(APPEND words ", nullptr")
+        endif()
+        continue()
+      endif()
       set(shader ${${method}_shader})
       set(defines ${${variant}_defines} ${${method}_switches})
       if(variant MATCHES "^fused")
@@ -75,9 +89,16 @@ endfunction()
 
 # throng_add_scan_methods(target): into the library, with the list of their functions.
 function(throng_add_scan_methods target)
+  set(natives "")
+  foreach(method IN LISTS THRONG_SCAN_METHODS)
+    if(${method}_is_native)
+      string(APPEND natives "extern const NativeKernel ${method};\n")
+    endif()
+  endforeach()
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/shaders/scan/scan_natives.inc @ONLY CONTENT "${natives}")
   list(TRANSFORM THRONG_SCAN_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/src/ OUTPUT_VARIABLE sources)
   target_sources(${target} PRIVATE ${sources})
-  throng_add_scan_variants(${target} scan_shader_rows.inc ScanShaders plain software fused fused_software)
+  throng_add_scan_variants(${target} scan_shader_rows.inc ScanShaders plain software fused fused_software native)
   list(JOIN THRONG_SCAN_METHODS "();\nScanMethod " declarations)
   list(JOIN THRONG_SCAN_METHODS "(), " calls)
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/shaders/scan/scan_method_rows.inc @ONLY

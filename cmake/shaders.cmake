@@ -21,23 +21,69 @@ function(throng_add_shader target shader output_name)
   target_sources(${target} PRIVATE ${output})
 endfunction()
 
-# throng_add_kernel(target kernel [SOFTWARE]): a compute shader, relative to src/ and without its ending, and with
-# SOFTWARE its variant for software devices, as the KernelCode kernels::<file> in <kernel>.kernel.h.
+# throng_add_native(target shader name defines...): the text of a compute shader, relative to src/, as C++, which makes
+# the NativeKernel native::<name> (gpu/native_text.h). Each operation is rounded once and numbers are floats, as on a
+# device; buffers are words that texts see as several types, so nothing follows from types. GLSL converts numbers,
+# shadows names, and has functions that not every kernel uses.
+set(native_options -ffp-contract=off -fno-math-errno -fno-trapping-math -fno-strict-aliasing
+  -fsingle-precision-constant -Wno-conversion -Wno-shadow -Wno-unused-function -Wno-maybe-uninitialized)
+function(throng_add_native target shader name)
+  set(source ${PROJECT_BINARY_DIR}/native/${name}.cpp)
+  list(TRANSFORM THRONG_IO_HEADERS REPLACE "(.+)" "#include \"\\1\"\n" OUTPUT_VARIABLE includes)
+  set(defines ${ARGN})
+  list(TRANSFORM defines REPLACE "(.+)" "#define \\1\n")
+  string(CONCAT head "// ${shader} as C++: made by cmake/shaders.cmake.\n" ${defines} ${includes})
+  file(CONFIGURE OUTPUT ${source} @ONLY CONTENT
+"${head}#include \"gpu/native_text.h\"
+
+namespace throng {
+namespace io {
+namespace {
+
+struct Text : NativeText {
+    using NativeText::NativeText;
+#include \"${shader}\"
+};
+
+}  // namespace
+}  // namespace io
+
+namespace native {
+extern const NativeKernel ${name};
+const NativeKernel ${name} = io::native_kernel<io::Text>();
+}  // namespace native
+}  // namespace throng
+")
+  set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS "${native_options}" SKIP_PRECOMPILE_HEADERS ON)
+  target_sources(${target} PRIVATE ${source})
+endfunction()
+
+# throng_add_kernel(target kernel [SOFTWARE] [NATIVE]): a compute shader, relative to src/ and without its ending, as the
+# KernelCode kernels::<file> in <kernel>.kernel.h: with SOFTWARE also its variant for software devices, with NATIVE its
+# text as C++.
 function(throng_add_kernel target kernel)
+  cmake_parse_arguments(with "SOFTWARE;NATIVE" "" "" ${ARGN})
   cmake_path(GET kernel FILENAME name)
   throng_add_shader(${target} ${kernel}.comp ${kernel}.comp.inc)
   set(arrays "inline constexpr uint32_t ${name}_plain[] = {\n#include \"${kernel}.comp.inc\"\n};\n")
   set(software ${name}_plain)
-  if(ARGN)
+  if(with_SOFTWARE)
     throng_add_shader(${target} ${kernel}.comp ${kernel}.software.inc GPU_SOFTWARE)
     set(software ${name}_software)
     string(APPEND arrays "inline constexpr uint32_t ${software}[] = {\n#include \"${kernel}.software.inc\"\n};\n")
   endif()
+  set(declaration "")
+  set(native nullptr)
+  if(with_NATIVE)
+    throng_add_native(${target} ${kernel}.comp ${name})
+    set(declaration "namespace throng::native {\nextern const NativeKernel ${name};\n}\n")
+    set(native &native::${name})
+  endif()
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/shaders/${kernel}.kernel.h @ONLY CONTENT
 "#pragma once
 #include \"gpu/kernel_code.h\"
-namespace throng::kernels {
-${arrays}inline constexpr KernelCode ${name}{\"${name}\", ${name}_plain, ${software}};
+${declaration}namespace throng::kernels {
+${arrays}inline constexpr KernelCode ${name}{\"${name}\", ${name}_plain, ${software}, ${native}};
 }
 ")
 endfunction()

@@ -4,6 +4,20 @@
 
 WRITEONLY_BUFFER(kCountsBuffer, uint, counts);  // [workgroup][kCounters]
 
+#ifdef __cplusplus
+
+// Invocations run one after another, so that they count in the buffer itself.
+void count_begin() {
+    if (gl_LocalInvocationID.x > 0) return;
+    for (uint k = 0; k < kCounters; ++k) counts[gl_WorkGroupID.x * kCounters + k] = 0;
+}
+
+void count_one(uint counter) { ++counts[gl_WorkGroupID.x * kCounters + counter]; }
+
+void count_end() {}
+
+#else
+
 shared uint found[kCounters];
 
 void count_begin() {
@@ -11,16 +25,20 @@ void count_begin() {
     barrier();
 }
 
-void count(uint verdict) {
-    if ((verdict & kVerdictDrawn) != 0) atomicAdd(found[verdict & kVerdictLodMask], 1);
-    if ((verdict & kVerdictAnimated) != 0)
-        atomicAdd(found[kLodCount + (verdict >> kVerdictSectionShift & kVerdictSectionMask)], 1);
-    if ((verdict & kVerdictGoesOn) != 0) atomicAdd(found[kLodCount + kGoingOn], 1);
-    if ((verdict & kVerdictAppears) != 0) atomicAdd(found[kLodCount + kAppearing], 1);
-}
+void count_one(uint counter) { atomicAdd(found[counter], 1); }
 
 void count_end() {
     barrier();
     if (gl_LocalInvocationID.x < kCounters)
         counts[gl_WorkGroupID.x * kCounters + gl_LocalInvocationID.x] = found[gl_LocalInvocationID.x];
+}
+
+#endif
+
+void count(uint verdict) {
+    if ((verdict & kVerdictDrawn) != 0) count_one(verdict & kVerdictLodMask);
+    if ((verdict & kVerdictAnimated) != 0)
+        count_one(kLodCount + (verdict >> kVerdictSectionShift & kVerdictSectionMask));
+    if ((verdict & kVerdictGoesOn) != 0) count_one(kLodCount + kGoingOn);
+    if ((verdict & kVerdictAppears) != 0) count_one(kLodCount + kAppearing);
 }

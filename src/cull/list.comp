@@ -10,6 +10,25 @@ WRITEONLY_BUFFER(kListBuffer, uint, list);
 WRITEONLY_BUFFER(kWorkBuffer, uint, work);
 PUSH(CullPush);
 
+#ifdef __cplusplus
+
+// One thread lists a workgroup's instances in their order, so it counts on from where the workgroup writes.
+void main() {
+    if (gl_LocalInvocationID.x > 0) return;
+    uint next[kCounters];
+    for (uint k = 0; k < kCounters; ++k) next[k] = offsets[gl_WorkGroupID.x * kCounters + k];
+    const uint first = gl_GlobalInvocationID.x, end = min(first + kCullWorkgroupSize, push.instance_count);
+    for (uint instance = first; instance < end; ++instance) {
+        const uint verdict = verdicts[instance], section = verdict >> kVerdictSectionShift & kVerdictSectionMask;
+        if ((verdict & kVerdictDrawn) != 0) list[next[verdict & kVerdictLodMask]++] = instance;
+        if ((verdict & kVerdictAnimated) != 0) work[next[kLodCount + section]++] = instance;
+        if ((verdict & kVerdictGoesOn) != 0) work[next[kLodCount + kGoingOn]++] = instance;
+        if ((verdict & kVerdictAppears) != 0) work[next[kLodCount + kAppearing]++] = instance;
+    }
+}
+
+#else
+
 // A byte for each counter: how many invocations up to this one it counts; at most 64
 shared uvec4 ranks[2][kCullWorkgroupSize];
 
@@ -39,3 +58,5 @@ void main() {
     if (goes_on) work[offsets[first + kLodCount + kGoingOn] + (rank.w & 255u) - 1] = instance;
     if (appears) work[offsets[first + kLodCount + kAppearing] + (rank.w >> 8) - 1] = instance;
 }
+
+#endif

@@ -13,8 +13,6 @@ WRITEONLY_BUFFER(kDispatchesBuffer, uint, dispatches);
 BUFFER(kDrawsBuffer, DrawCommand, draws);  // [section][kLodCount]
 PUSH(OffsetsPush);
 
-const uint kFours = kCounters / 4;
-shared uvec4 sums[kCullWorkgroupSize][kFours];
 shared uint totals[kCounters];
 shared uint begins[kCounters];
 
@@ -23,6 +21,46 @@ void set_dispatch(uint command, uint workgroups) {
     dispatches[3 * command + 1] = 1;
     dispatches[3 * command + 2] = 1;
 }
+
+// What is dispatched and drawn.
+void tell(uint invocation) {
+    for (uint i = invocation; i < push.section_count * kLodCount; i += kCullWorkgroupSize)
+        draws[i].instance_count = totals[i % kLodCount];
+    if (invocation < kLodCount) list[kListBegins + invocation] = begins[invocation] - kFirstListed;
+    const uint drawn_count = totals[0] + totals[1] + totals[2] + totals[3];
+    if (invocation == 0) list[kListCount] = drawn_count;
+    if (invocation == kWorkSections) set_dispatch(kWorkSections, drawn_count);
+    if (invocation >= kWorkSections) return;
+    const uint count = totals[kLodCount + invocation];
+    const uint instances_of_workgroup = invocation < kGoingOn ? push.instances_of_workgroup[invocation % kLodCount] : 1;
+    work[2 * invocation] = begins[kLodCount + invocation];
+    work[2 * invocation + 1] = count;
+    set_dispatch(invocation, (count + instances_of_workgroup - 1) / instances_of_workgroup);
+}
+
+#ifdef __cplusplus
+
+// One thread goes through all workgroups.
+void main() {
+    if (gl_LocalInvocationID.x > 0) return;
+    uint at = kFirstListed;
+    for (uint k = 0; k < kCounters; ++k) {
+        if (k == kLodCount) at = kFirstWork;
+        begins[k] = at;
+        for (uint i = 0; i < push.workgroup_count; ++i) {
+            const uint count = counts[i * (kCounters / 4) + k / 4][k % 4];
+            counts[i * (kCounters / 4) + k / 4][k % 4] = at;
+            at += count;
+        }
+        totals[k] = at - begins[k];
+    }
+    for (uint invocation = 0; invocation < kCullWorkgroupSize; ++invocation) tell(invocation);
+}
+
+#else
+
+const uint kFours = kCounters / 4;
+shared uvec4 sums[kCullWorkgroupSize][kFours];
 
 void main() {
     const uint invocation = gl_LocalInvocationID.x;
@@ -56,16 +94,7 @@ void main() {
             at += count;
         }
     }
-    for (uint i = invocation; i < push.section_count * kLodCount; i += kCullWorkgroupSize)
-        draws[i].instance_count = totals[i % kLodCount];
-    if (invocation < kLodCount) list[kListBegins + invocation] = begins[invocation] - kFirstListed;
-    const uint drawn_count = totals[0] + totals[1] + totals[2] + totals[3];
-    if (invocation == 0) list[kListCount] = drawn_count;
-    if (invocation == kWorkSections) set_dispatch(kWorkSections, drawn_count);
-    if (invocation >= kWorkSections) return;
-    const uint count = totals[kLodCount + invocation];
-    const uint instances_of_workgroup = invocation < kGoingOn ? push.instances_of_workgroup[invocation % kLodCount] : 1;
-    work[2 * invocation] = begins[kLodCount + invocation];
-    work[2 * invocation + 1] = count;
-    set_dispatch(invocation, (count + instances_of_workgroup - 1) / instances_of_workgroup);
+    tell(invocation);
 }
+
+#endif

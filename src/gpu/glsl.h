@@ -1,6 +1,7 @@
 // GLSL's types and functions for C++, as far as the .glsl texts use them that compile as both. C++ includes such a text
 // into a class, whose members are what the text says that its includer declares. A text that counts in `Real` finds
 // there what that is, and vectors of it; one that counts in float computes what a device does, with -ffp-contract=off.
+// Whole kernels: gpu/native_text.h.
 #pragma once
 
 #include "gpu/shader_types.h"
@@ -11,37 +12,12 @@
 
 namespace throng::io {
 
-template <class T>
-struct Vector3 {
-    T x, y, z;
-
-    Vector3() = default;
-    explicit Vector3(T all) : Vector3(all, all, all) {}
-    Vector3(T x_, T y_, T z_) : x(x_), y(y_), z(z_) {}
-    T& operator[](uint i) { return i == 0 ? x : i == 1 ? y : z; }
-    const T& operator[](uint i) const { return i == 0 ? x : i == 1 ? y : z; }
+template <class V>
+concept Vector = requires {
+    typename V::Number;
 };
-
-#ifdef __clang__
-#pragma clang diagnostic ignored "-Wnested-anon-types"
-#endif
 template <class T>
-struct Vector4 {
-    union {
-        __extension__ struct { T x, y, z, w; };
-        Vector3<T> xyz;
-    };
-
-    Vector4() = default;
-    explicit Vector4(T all) : Vector4(all, all, all, all) {}
-    Vector4(T x_, T y_, T z_, T w_) : x(x_), y(y_), z(z_), w(w_) {}
-    Vector4(const Vector3<T>& v, T w_) : Vector4(v.x, v.y, v.z, w_) {}
-    const T& operator[](uint i) const { return i == 3 ? w : xyz[i]; }
-};
-
-using vec3 = Vector3<float>;
-using uvec3 = Vector3<uint>;
-
+concept Number = std::is_arithmetic_v<T>;
 template <class T>
 using Scalar = std::type_identity_t<T>;  // whatever number it is given as
 
@@ -52,34 +28,87 @@ using std::floor;
 using std::isnan;
 using std::pow;
 using std::sqrt;
-template <class T>
+inline float round(float x) { return std::nearbyint(x); }
+template <Number T>
 T fract(T x) {
     return x - floor(x);
 }
-template <class T>
+template <Number T>
 T inversesqrt(T x) {
     return 1 / sqrt(x);
 }
-inline uint findLSB(uint bits) { return static_cast<uint>(std::countr_zero(bits)); }
-inline float uintBitsToFloat(uint bits) { return std::bit_cast<float>(bits); }
+template <Number T>
+T sign(T x) {
+    return static_cast<T>((x > 0) - (x < 0));
+}
 
 // The second one where one of the two is NaN, as on devices.
-template <class T>
+template <Number T>
 T min(T a, Scalar<T> b) {
     return a < b ? a : b;
 }
-template <class T>
+template <Number T>
 T max(T a, Scalar<T> b) {
     return a > b ? a : b;
 }
 template <class T>
-T clamp(T x, Scalar<T> low, Scalar<T> high) {
+T clamp(const T& x, const Scalar<T>& low, const Scalar<T>& high) {
     return min(max(x, low), high);
 }
-template <class T>
+template <Number T>
+T mix(T a, Scalar<T> b, Scalar<T> part) {
+    return a * (1 - part) + b * part;
+}
+template <Number T>
 T smoothstep(Scalar<T> from, Scalar<T> to, T x) {
     const T t = clamp((x - from) / (to - from), 0, 1);
     return t * t * (3 - 2 * t);
+}
+
+// ---- Bits
+
+inline uint findLSB(uint bits) { return static_cast<uint>(std::countr_zero(bits)); }
+inline int bitfieldExtract(int value, uint first, uint count) {
+    return static_cast<int>(static_cast<uint>(value) << (32 - first - count)) >> (32 - count);
+}
+inline void umulExtended(uint a, uint b, uint& high, uint& low) {
+    const uint64_t product = uint64_t{a} * b;
+    high = static_cast<uint>(product >> 32);
+    low = static_cast<uint>(product);
+}
+inline float uintBitsToFloat(uint bits) { return std::bit_cast<float>(bits); }
+inline uint floatBitsToUint(float number) { return std::bit_cast<uint>(number); }
+template <Vector V>
+auto uintBitsToFloat(const V& v) {
+    return V::each([](uint bits) { return uintBitsToFloat(bits); }, v);
+}
+template <Vector V>
+auto floatBitsToUint(const V& v) {
+    return V::each([](float number) { return floatBitsToUint(number); }, v);
+}
+
+// To the nearest one, of two the even one.
+inline uint half_of(float number) {
+    const uint bits = floatBitsToUint(number), sign = bits >> 16 & 0x8000u, size = bits & 0x7FFFFFFFu;
+    if (size > 0x7F800000u) return sign | 0x7E00u;
+    if (size >= 0x47800000u) return sign | 0x7C00u;                                                  // 2^16
+    if (size < 0x38800000u) return sign | (floatBitsToUint(uintBitsToFloat(size) + 0.5f) & 0x7FFu);  // 2^-14
+    return sign | (size - (112u << 23) + 0xFFFu + (size >> 13 & 1)) >> 13;
+}
+inline float float_of(uint half) {
+    const uint sign = (half & 0x8000u) << 16, size = half & 0x7FFFu;
+    if (size < 0x400u) return uintBitsToFloat(sign | floatBitsToUint(static_cast<float>(size) * 0x1p-24f));
+    return uintBitsToFloat(sign | ((size << 13) + (size < 0x7C00u ? 112u << 23 : 224u << 23)));
+}
+inline uint packHalf2x16(const vec2& v) { return half_of(v.x) | half_of(v.y) << 16; }
+inline vec2 unpackHalf2x16(uint pair) { return {float_of(pair & 0xFFFFu), float_of(pair >> 16)}; }
+inline uint packSnorm2x16(const vec2& v) {
+    const auto rounded = [](float x) { return static_cast<uint>(static_cast<int>(round(clamp(x, -1, 1) * 32767))); };
+    return (rounded(v.x) & 0xFFFFu) | rounded(v.y) << 16;
+}
+inline vec2 unpackSnorm2x16(uint pair) {
+    const auto number = [](uint bits) { return max(static_cast<float>(static_cast<int16_t>(bits)) / 32767, -1); };
+    return {number(pair & 0xFFFFu), number(pair >> 16)};
 }
 
 // As control/rounded.glsl.
@@ -87,82 +116,100 @@ inline float sum(float a, float b) { return a + b; }
 inline float difference(float a, float b) { return a - b; }
 inline float product(float a, float b) { return a * b; }
 
-template <class T>
-Vector3<T> operator+(const Vector3<T>& a, const Vector3<T>& b) {
-    return {a.x + b.x, a.y + b.y, a.z + b.z};
+// ---- Vectors
+
+template <Vector V>
+V abs(const V& v) {
+    return V::each([](auto x) { return abs(x); }, v);
 }
-template <class T>
-Vector3<T> operator-(const Vector3<T>& a, const Vector3<T>& b) {
-    return {a.x - b.x, a.y - b.y, a.z - b.z};
+template <class V, class T, uint... kFrom>
+V abs(const Swizzle<V, T, kFrom...>& v) {
+    return abs(V(v));
 }
-template <class T>
-Vector3<T> operator-(const Vector3<T>& v) {
-    return {-v.x, -v.y, -v.z};
+template <Vector V>
+V floor(const V& v) {
+    return V::each([](auto x) { return floor(x); }, v);
 }
-template <class T>
-Vector3<T> operator*(const Vector3<T>& a, const Vector3<T>& b) {
-    return {a.x * b.x, a.y * b.y, a.z * b.z};
+template <Vector V>
+V round(const V& v) {
+    return V::each([](auto x) { return round(x); }, v);
 }
-template <class T>
-Vector3<T> operator*(const Vector3<T>& v, Scalar<T> s) {
-    return {v.x * s, v.y * s, v.z * s};
+template <Vector V>
+V fract(const V& v) {
+    return V::each([](auto x) { return fract(x); }, v);
 }
-template <class T>
-Vector3<T> operator*(Scalar<T> s, const Vector3<T>& v) {
-    return v * s;
+template <Vector V>
+V min(const V& a, const Scalar<V>& b) {
+    return V::each([](auto p, auto q) { return min(p, q); }, a, b);
 }
-template <class T>
-Vector3<T> operator/(const Vector3<T>& v, Scalar<T> s) {
-    return {v.x / s, v.y / s, v.z / s};
+template <Vector V>
+V max(const V& a, const Scalar<V>& b) {
+    return V::each([](auto p, auto q) { return max(p, q); }, a, b);
 }
-template <class T>
-Vector3<T> max(const Vector3<T>& a, const Vector3<T>& b) {
-    return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
-}
-template <class T>
-Vector3<T> mix(const Vector3<T>& a, const Vector3<T>& b, Scalar<T> part) {
+template <Vector V>
+V mix(const V& a, const Scalar<V>& b, typename V::Number part) {
     return a * (1 - part) + b * part;
+}
+template <Vector V, Vector Chosen>
+requires std::is_same_v<typename Chosen::Number, bool> V mix(const V& a, const V& b, const Chosen& second) {
+    return V::each([](auto p, auto q, bool is_second) { return is_second ? q : p; }, a, b, second);
+}
+template <Vector V>
+auto lessThan(const V& a, const V& b) {
+    return V::each([](auto p, auto q) { return p < q; }, a, b);
+}
+template <Vector V>
+auto greaterThanEqual(const V& a, const V& b) {
+    return V::each([](auto p, auto q) { return p >= q; }, a, b);
+}
+template <Vector V>
+auto notEqual(const V& a, const V& b) {
+    return V::each([](auto p, auto q) { return p != q; }, a, b);
+}
+template <class T>
+bool operator==(const Vector2<T>& a, const Vector2<T>& b) {
+    return a.x == b.x && a.y == b.y;
+}
+template <class T>
+bool operator==(const Vector4<T>& a, const Vector4<T>& b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z && a.w == b.w;
+}
+
+template <class T>
+T dot(const Vector2<T>& a, const Vector2<T>& b) {
+    return a.x * b.x + a.y * b.y;
 }
 template <class T>
 T dot(const Vector3<T>& a, const Vector3<T>& b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 template <class T>
+T dot(const Vector4<T>& a, const Vector4<T>& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
+}
+template <class T>
 Vector3<T> cross(const Vector3<T>& a, const Vector3<T>& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-template <class T>
-T length(const Vector3<T>& v) {
+template <Vector V>
+auto length(const V& v) {
     return sqrt(dot(v, v));
 }
-template <class T>
-T distance(const Vector3<T>& a, const Vector3<T>& b) {
+template <class V, class T, uint... kFrom>
+auto length(const Swizzle<V, T, kFrom...>& v) {
+    return length(V(v));
+}
+template <Vector V>
+auto distance(const V& a, const Scalar<V>& b) {
     return length(b - a);
 }
-template <class T>
-Vector3<T> normalize(const Vector3<T>& v) {
+template <Vector V>
+V normalize(const V& v) {
     return v / length(v);
 }
 template <class T>
 Vector3<T> reflect(const Vector3<T>& way, const Vector3<T>& normal) {
     return way - normal * (2 * dot(normal, way));
-}
-
-template <class T>
-Vector4<T> operator+(const Vector4<T>& a, const Vector4<T>& b) {
-    return {a.xyz + b.xyz, a.w + b.w};
-}
-template <class T>
-Vector4<T> operator*(const Vector4<T>& v, Scalar<T> s) {
-    return {v.xyz * s, v.w * s};
-}
-template <class T>
-Vector4<T> operator*(Scalar<T> s, const Vector4<T>& v) {
-    return v * s;
-}
-template <class T>
-T dot(const Vector4<T>& a, const Vector4<T>& b) {
-    return dot(a.xyz, b.xyz) + a.w * b.w;
 }
 
 }  // namespace throng::io

@@ -2,12 +2,14 @@
 #pragma once
 
 #include "gpu/kernel.h"
+#include "gpu/native_kernel.h"
 
 namespace throng {
 
 struct KernelCode {
     std::string_view name;
     std::span<const uint32_t> plain, software;  // the same where there is but one variant
+    const NativeKernel* native = nullptr;       // null: devices without Vulkan do not have it
 
     Kernel on(const std::shared_ptr<Gpu>& gpu, std::vector<uint32_t> constants = {}) const {
         return Kernel(gpu, {.name = name,

@@ -3,16 +3,7 @@
 #define THRONG_GPU_SHADER_TYPES_H
 
 #ifdef __cplusplus
-#include <cstdint>
-namespace throng::io {
-using uint = uint32_t;
-struct alignas(16) vec4 {
-    float x, y, z, w;
-};
-struct alignas(16) uvec4 {
-    uint x, y, z, w;
-};
-}  // namespace throng::io
+#include "gpu/vectors.h"
 #define THRONG_IO_BEGIN namespace throng::io {
 #define THRONG_IO_END }
 #define THRONG_IO_CONSTANT inline constexpr uint

@@ -2,6 +2,8 @@
 // the tables `keys` (rows) and `words`.
 #include "sample/sample_io.h"
 
+const float kPackedFullStep = 2.0 / 65535.0;
+
 // The two values of a track's stored components; the fourth of a rotation is still missing.
 struct PackedPair {
     vec4 earlier, later;

@@ -29,7 +29,4 @@ struct SamplePush {
 };
 
 THRONG_IO_END
-#ifndef __cplusplus
-const float kPackedFullStep = 2.0 / 65535.0;
-#endif
 #endif

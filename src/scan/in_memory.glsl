@@ -7,6 +7,7 @@ void store_model(uint instance, uint joint, Transform model_from_joint) {
     model[at(instance, joint)] = pack(to_affine(model_from_joint));
 }
 
+#ifndef __cplusplus
 void scan_barrier(bool through_buffers) {
     if (through_buffers)
         controlBarrier(gl_ScopeWorkgroup, gl_ScopeWorkgroup, gl_StorageSemanticsBuffer | gl_StorageSemanticsShared,
@@ -14,5 +15,6 @@ void scan_barrier(bool through_buffers) {
     else
         barrier();
 }
+#endif
 
 void main() { scan(); }

@@ -10,8 +10,11 @@
 //   SCAN_ON_CHIP      scan/on_chip.glsl, the benchmark of a method's cost without memory
 //   SCAN_FUSED        fused/fused.glsl, all stages in one pass; in plans that use no model[] and scratch[]
 // A method whose invocations exchange transforms through model[] or scratch[] (same shape) defines SCAN_EXCHANGE as
-// coherent; one that exchanges through shared memory defines SCAN_SHARES.
+// coherent; one that exchanges through shared memory defines SCAN_SHARES. As C++ (gpu/native_text.h) there is but the
+// stage, of methods without barriers.
+#ifndef __cplusplus
 #extension GL_KHR_memory_scope_semantics : require
+#endif
 #include "gpu/stored.glsl"
 #include "scan/scan_io.h"
 
@@ -33,11 +36,13 @@ Affine to_affine(Affine m) { return m; }
 const Transform kIdentityTransform = kIdentity;
 #endif
 
+#ifndef __cplusplus
 void scan();
 
 // Everything that the workgroup wrote to shared memory (and `through_buffers`, to model and scratch) can be read after
 // it.
 void scan_barrier(bool through_buffers);
+#endif
 
 #if defined(SCAN_FUSED)
 #include "fused/fused.glsl"

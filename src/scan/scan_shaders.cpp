@@ -5,6 +5,11 @@
 #include <algorithm>
 
 namespace throng {
+namespace native {
+
+#include "scan/scan_natives.inc"
+
+}  // namespace native
 namespace {
 
 #include "scan/scan_shader_rows.inc"

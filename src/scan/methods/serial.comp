@@ -12,6 +12,7 @@
 // Measured: docs/scan.md#serial
 // Methods: serial serial_quaternion serial_transposed
 // Fused: serial
+// Native: serial serial_quaternion serial_transposed
 #include "scan/scan.glsl"
 
 // links[0] is the number of runs; then for each: its first joint, its end, the parent of its first joint.
