@@ -1,0 +1,102 @@
+// Sample, blend, scan and bind of as many characters as there are lanes, in one pass over the joints of the walk, 16 at
+// a time: decoded with joints as lanes, so that a character's clips are the same for all of them; turned; then walked
+// with characters as lanes, so that parents and constants are. A <native/lanes_*.h> is included before. For each joint
+// and character, two clips, bytes: 4 rows of 8 read, from caches; 48 written, past them.
+#pragma once
+
+#include "native/kernel_emit.h"
+
+namespace {
+
+struct Group {
+    Played all[Lanes::kCount];
+    uint32_t count;
+};
+
+template <Decoded kWhat>
+[[gnu::noinline]] void decode(const KernelRig& rig, const KernelUpdate&, const Group& group, uint32_t block,
+                              TurnedBlock& turned) {
+    DecodedBlock decoded;
+    if (group.count < Lanes::kCount) __builtin_memset(&decoded, 0, sizeof decoded);
+    decode_two_clips<kWhat>(rig, group.all, group.count, block, decoded);
+    turn(decoded, turned);
+}
+
+void begin(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count, Group& group,
+           SkinTarget& target) {
+    constexpr uint32_t kWords[] = {12, 6, 8};
+    const size_t stride = size_t{rig.palette_count} * kWords[update.skin_format];
+    group.count = target.count = count;
+    target.begin = static_cast<uint32_t>(reinterpret_cast<uintptr_t>(update.skin + instances[0] * stride * 4) / 4 %
+                                         kLine);
+    target.position = target.begin;
+    for (uint32_t c = 0; c < count; ++c) {
+        group.all[c] = played(rig, update, instances[c]);
+        target.line[c] = update.skin + instances[c] * stride * 4 - target.begin * 4;
+    }
+}
+
+void update_group(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count) {
+    Group group;
+    Outputs out;
+    begin(rig, update, instances, count, group, out.target);
+    TurnedBlock rotations, motions, scales;
+    float* slots = reinterpret_cast<float*>(update.scratch);
+    Matrix s;
+    for (uint32_t i = 0; i < 12; ++i) s.of[i / 4][i % 4] = Lanes::set(i % 5 == 0 ? 1 : 0);
+    store(slots, s);
+    const uint32_t first_motion = (rig.joint_count + kBlockJoints - 1) / kBlockJoints;
+    const uint32_t first_scales = first_motion + (rig.motion_count + kBlockJoints - 1) / kBlockJoints;
+    const Emission* emission = rig.emissions;
+    for (uint32_t joint = 0; joint < rig.joint_count; ++joint) {
+        const WalkStep& step = rig.steps[joint];
+        const uint32_t at = joint % kBlockJoints;
+        if (at == 0) decode<Decoded::kRotations>(rig, update, group, joint / kBlockJoints, rotations);
+        V centre[3], scale[3];
+        for (uint32_t i = 0; i < 3; ++i) {
+            centre[i] = Lanes::set(step.centre[i]);
+            scale[i] = Lanes::set(step.scale[i]);
+        }
+        if (step.motion != kNoIndex) {
+            const uint32_t lane = step.motion % kBlockJoints;
+            if (lane == 0)
+                decode<Decoded::kMotions>(rig, update, group, first_motion + step.motion / kBlockJoints, motions);
+            for (uint32_t i = 0; i < 3; ++i) centre[i] = Lanes::load(motions.of[i][lane]);
+            if (!rig.three_scales) scale[0] = scale[1] = scale[2] = Lanes::load(motions.of[3][lane]);
+        }
+        if (rig.three_scales && step.scales != kNoIndex) {
+            const uint32_t lane = step.scales % kBlockJoints;
+            if (lane == 0)
+                decode<Decoded::kScales>(rig, update, group, first_scales + step.scales / kBlockJoints, scales);
+            for (uint32_t i = 0; i < 3; ++i) scale[i] = Lanes::load(scales.of[i][lane]);
+        }
+        const Quad q{Lanes::load(rotations.of[0][at]), Lanes::load(rotations.of[1][at]),
+                     Lanes::load(rotations.of[2][at]), Lanes::load(rotations.of[3][at])};
+        if (step.parent != kLast) s = load_matrix(slots + size_t{step.parent} * 12 * Lanes::kCount);
+        s = product(s, matrix_of(q, scale, centre, step.pivot, !rig.three_scales));
+        if (step.keep != kNoIndex) store(slots + size_t{step.keep} * 12 * Lanes::kCount, s);
+        for (const Emission* end = emission + step.emission_count; emission < end; ++emission) {
+            const bool is_plain = emission->kind == EmissionKind::kSkin && emission->source == kLast &&
+                                  emission->constant == kNoIndex && update.skin_format == io::kSkinAffine;
+            if (is_plain) {
+                put_affine(out.ring, out.target, s);
+            } else {
+                alignas(64) float last[12 * Lanes::kCount];
+                const float* source = last;
+                if (emission->source == kLast)
+                    store(last, s);
+                else
+                    source = slots + size_t{emission->source} * 12 * Lanes::kCount;
+                emit(rig, update, *emission, source, group.all, out);
+            }
+        }
+    }
+    finish(out.ring, out.target);
+}
+
+void update_all(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count) {
+    for (uint32_t i = 0; i < count; i += Lanes::kCount)
+        update_group(rig, update, instances + i, count - i < Lanes::kCount ? count - i : Lanes::kCount);
+}
+
+}  // namespace

@@ -1,0 +1,13 @@
+#include "native/lanes_avx512.h"
+
+#include "native/kernel.h"
+#include "native/kernels.h"
+
+namespace throng::native {
+
+const Kernel& kernel_avx512() {
+    static constexpr Kernel kKernel{Lanes::kCount, update_all, Lanes::fence};
+    return kKernel;
+}
+
+}  // namespace throng::native

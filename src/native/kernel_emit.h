@@ -1,0 +1,133 @@
+// Lanes are characters: matrices -> memory.
+#pragma once
+
+#include "bind/bind_io.h"
+#include "native/kernel_decode.h"
+#include "native/kernel_similarity.h"
+
+namespace {
+
+inline constexpr uint32_t kLine = 16;  // words of a line of the cache, which is written at once
+inline constexpr uint32_t kRing = 4 * kLine;
+
+// Skin matrices on their way to memory: [word of the ring][character].
+struct alignas(64) Ring {
+    float of[kRing][Lanes::kCount];
+};
+
+// Where they go. All characters begin equally far into a line, so that each line is complete for all at the same time.
+struct SkinTarget {
+    std::byte* line[Lanes::kCount];  // in which the character's first matrix begins
+    uint32_t begin, end;             // words, from there
+    uint32_t position;               // of the next
+    uint32_t count;                  // of characters
+};
+
+// Part of a line, or lines of fewer characters than there are lanes.
+[[gnu::noinline]] void flush_part(const Ring& ring, const SkinTarget& target, uint32_t line, uint32_t from,
+                                  uint32_t to) {
+    for (uint32_t c = 0; c < target.count; ++c) {
+        float words[kLine];
+        for (uint32_t word = from; word < to; ++word) words[word] = ring.of[(line * kLine + word) % kRing][c];
+        __builtin_memcpy(target.line[c] + size_t{line} * 4 * kLine + 4 * from, words + from, 4 * (to - from));
+    }
+}
+
+INLINE void flush_line(const Ring& ring, const SkinTarget& target, uint32_t line) {
+    if (target.count < Lanes::kCount || (line == 0 && target.begin > 0))
+        return flush_part(ring, target, line, line == 0 ? target.begin : 0, kLine);
+    constexpr uint32_t kVectors = kLine / Lanes::kCount;
+    const float* in = ring.of[line * kLine % kRing];
+    for (uint32_t c = 0; c < Lanes::kCount; c += 4) {
+        V r[kVectors][4];
+        for (uint32_t v = 0; v < kVectors; ++v) {
+            for (uint32_t k = 0; k < 4; ++k)
+                r[v][k] = Lanes::fours(in + (v * Lanes::kCount + k) * Lanes::kCount + c, 4 * Lanes::kCount);
+            Lanes::transpose(r[v][0], r[v][1], r[v][2], r[v][3]);
+        }
+        for (uint32_t k = 0; k < 4; ++k)
+            for (uint32_t v = 0; v < kVectors; ++v)
+                Lanes::stream(
+                    reinterpret_cast<float*>(target.line[c + k] + size_t{line} * 4 * kLine) + v * Lanes::kCount,
+                    r[v][k]);
+    }
+}
+
+template <uint32_t kWords>
+INLINE void put_words(Ring& ring, SkinTarget& target, const V* words) {
+    const uint32_t position = target.position;
+    for (uint32_t i = 0; i < kWords; ++i) Lanes::store(ring.of[(position + i) % kRing], words[i]);
+    target.position = position + kWords;
+    if ((position ^ (position + kWords)) & ~(kLine - 1)) flush_line(ring, target, position / kLine);
+}
+
+INLINE void put_affine(Ring& ring, SkinTarget& target, const Matrix& m) {
+    const uint32_t position = target.position;
+    for (uint32_t i = 0; i < 12; ++i) Lanes::store(ring.of[(position + i) % kRing], m.of[i / 4][i % 4]);
+    target.position = position + 12;
+    if ((position ^ (position + 12)) & ~(kLine - 1)) flush_line(ring, target, position / kLine);
+}
+
+INLINE void finish(const Ring& ring, const SkinTarget& target) {
+    if (target.position % kLine == 0) return;
+    const uint32_t line = target.position / kLine;
+    flush_part(ring, target, line, line == 0 ? target.begin : 0, target.position % kLine);
+}
+
+// A skin matrix as it lies in memory (bind/skin_format.glsl): how many words.
+INLINE uint32_t skin_words(uint32_t format, const Matrix& m, V (&words)[12]) {
+    if (format == io::kSkinHalfAffine) {
+        for (uint32_t i = 0; i < 6; ++i) words[i] = Lanes::halves(m.of[i / 2][i % 2 * 2], m.of[i / 2][i % 2 * 2 + 1]);
+        return 6;
+    }
+    if (format == io::kSkinSimilarity) {
+        similarity_words(m, words);
+        return 8;
+    }
+    for (uint32_t i = 0; i < 12; ++i) words[i] = m.of[i / 4][i % 4];
+    return 12;
+}
+
+// An element of each character's own array, `stride` words long.
+INLINE void scatter(const V* words, uint32_t count, std::byte* array, size_t stride, size_t offset, const Played* all,
+                    uint32_t character_count) {
+    alignas(64) float at[12][Lanes::kCount];
+    for (uint32_t i = 0; i < count; ++i) Lanes::store(at[i], words[i]);
+    for (uint32_t c = 0; c < character_count; ++c) {
+        float* to = reinterpret_cast<float*>(array) + all[c].instance * stride + offset;
+        for (uint32_t i = 0; i < count; ++i) to[i] = at[i][c];
+    }
+}
+
+struct Outputs {
+    Ring ring;
+    SkinTarget target;
+};
+
+// Any matrix but a plain skin matrix of 48 bytes in its turn.
+[[gnu::noinline]] void emit(const KernelRig& rig, const KernelUpdate& update, const Emission& emission,
+                            const float* source, const Played* all, Outputs& out) {
+    Matrix m = load_matrix(source);
+    if (emission.constant != kNoIndex) m = product(m, splat(rig.constants + size_t{emission.constant} * 12));
+    V words[12];
+    if (emission.kind == EmissionKind::kModel || emission.kind == EmissionKind::kSocket) {
+        const bool is_model = emission.kind == EmissionKind::kModel;
+        for (uint32_t i = 0; i < 12; ++i) words[i] = m.of[i / 4][i % 4];
+        scatter(words, 12, reinterpret_cast<std::byte*>(is_model ? update.model : update.sockets),
+                size_t{12} * (is_model ? rig.rig_joint_count : rig.socket_count), size_t{emission.target} * 12, all,
+                out.target.count);
+        return;
+    }
+    const uint32_t count = skin_words(update.skin_format, m, words);
+    if (emission.kind == EmissionKind::kSkinAt)
+        scatter(words, count, update.skin, size_t{count} * rig.palette_count, size_t{emission.target} * count, all,
+                out.target.count);
+    else if (count == 12)
+        put_words<12>(out.ring, out.target, words);
+    else if (count == 8)
+        put_words<8>(out.ring, out.target, words);
+    else
+        put_words<6>(out.ring, out.target, words);
+}
+
+}  // namespace

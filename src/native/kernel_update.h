@@ -1,0 +1,31 @@
+// What a kernel is asked to do, beside its rig: the buffers of src/fused/fused.glsl.
+#pragma once
+
+#include "blend/inertia_io.h"
+#include "blend/pose_override_io.h"
+#include "control/controller_io.h"
+#include "native/kernel_data.h"
+
+namespace throng::native {
+
+struct KernelUpdate {
+    const io::InstanceCursor* cursors = nullptr;   // [instance]; or
+    const io::ActiveClip* active_clips = nullptr;  // [instance][active_clip_limit]
+    uint32_t active_clip_limit = 0;
+    const float* masks = nullptr;  // NativeRig::masks_in_order()
+    uint32_t skin_format = 0;      // bind/bind_io.h
+    std::byte* skin = nullptr;     // [instance][palette entry], at a multiple of 16 bytes
+    float* model = nullptr;        // [instance][joint of the rig][12], or none
+    float* sockets = nullptr;      // [instance][socket][12]
+    std::byte* scratch = nullptr;  // scratch_bytes() of the kernel, at a multiple of 64
+};
+
+struct Kernel {
+    uint32_t lane_count;
+    // Characters whose skin matrices begin equally far from a line of the cache are walked together: instances
+    // [count], in groups of lane_count.
+    void (*update)(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count);
+    void (*fence)();  // what was streamed is seen by others
+};
+
+}  // namespace throng::native

@@ -1,0 +1,70 @@
+// SSE2, which every x86-64 has: four lanes.
+#pragma once
+
+#include <emmintrin.h>
+
+#include <cstddef>
+#include <cstdint>
+
+namespace {
+
+struct Lanes {
+    using V = __m128;
+    using I = __m128i;
+    using Mask = __m128;
+    static constexpr int kCount = 4;
+
+    static V load(const float* p) { return _mm_load_ps(p); }
+    static void store(float* p, V v) { _mm_store_ps(p, v); }
+    static void stream(float* p, V v) { _mm_stream_ps(p, v); }
+    static V set(float f) { return _mm_set1_ps(f); }
+    static I load_words(const void* p) { return _mm_load_si128(static_cast<const __m128i*>(p)); }
+
+    static V inverse_sqrt(V x) {  // 12 bits, and a step of Newton's
+        const V r = _mm_rsqrt_ps(x);
+        return r * (set(1.5f) - set(0.5f) * x * r * r);
+    }
+    static V inverse(V x) { return _mm_div_ps(set(1), x); }
+    static V sqrt(V x) { return _mm_sqrt_ps(x); }
+    static V flip_where_negative(V v, V sign) { return _mm_xor_ps(v, _mm_and_ps(sign, set(-0.0f))); }
+    static Mask less(V a, V b) { return _mm_cmplt_ps(a, b); }
+    static V select(Mask m, V yes, V no) { return _mm_or_ps(_mm_and_ps(m, yes), _mm_andnot_ps(m, no)); }
+
+    // 16-bit words of two rows, each pair times a pair of weights.
+    static I splat(int pair) { return _mm_set1_epi32(pair); }
+    static V lerp_low(I a, I b, I weights) {
+        return _mm_cvtepi32_ps(_mm_madd_epi16(_mm_unpacklo_epi16(a, b), weights));
+    }
+    static V lerp_high(I a, I b, I weights) {
+        return _mm_cvtepi32_ps(_mm_madd_epi16(_mm_unpackhi_epi16(a, b), weights));
+    }
+
+    static V fours(const float* p, size_t) { return _mm_load_ps(p); }
+    static void transpose(V& a, V& b, V& c, V& d) { _MM_TRANSPOSE4_PS(a, b, c, d); }
+
+    // Half floats of both, those of the first below; to the nearest, ties to even. Source: F. Giesen,
+    // float_to_half_fast3_rtne, https://gist.github.com/rygorous/2156668: small ones are rounded by an addition to what
+    // has a half's last bit as its own.
+    static I half(V v) {
+        const I sign = _mm_and_si128(_mm_castps_si128(v), _mm_set1_epi32(static_cast<int>(0x80000000u)));
+        const V magnitude = _mm_xor_ps(v, _mm_castsi128_ps(sign));
+        const I f = _mm_castps_si128(magnitude);
+        const I is_small = _mm_cmplt_epi32(f, _mm_set1_epi32(113 << 23));
+        const I is_large = _mm_cmpgt_epi32(f, _mm_set1_epi32((143 << 23) - 1));
+        const I is_nan = _mm_castps_si128(_mm_cmpunord_ps(v, v));
+        const I magic = _mm_set1_epi32(126 << 23);
+        const I small = _mm_sub_epi32(_mm_castps_si128(_mm_add_ps(magnitude, _mm_castsi128_ps(magic))), magic);
+        const I odd = _mm_and_si128(_mm_srli_epi32(f, 13), _mm_set1_epi32(1));
+        const I rounded = _mm_add_epi32(_mm_add_epi32(f, _mm_set1_epi32((15 - 127) * (1 << 23) + 0xFFF)), odd);
+        const I large = _mm_or_si128(_mm_set1_epi32(0x7C00), _mm_and_si128(is_nan, _mm_set1_epi32(0x200)));
+        const auto choose = [](I mask, I yes, I no) {
+            return _mm_or_si128(_mm_and_si128(mask, yes), _mm_andnot_si128(mask, no));
+        };
+        const I normal = choose(is_small, small, _mm_srli_epi32(rounded, 13));
+        return _mm_or_si128(choose(is_large, large, normal), _mm_srli_epi32(sign, 16));
+    }
+    static V halves(V low, V high) { return _mm_castsi128_ps(_mm_or_si128(half(low), _mm_slli_epi32(half(high), 16))); }
+    static void fence() { _mm_sfence(); }
+};
+
+}  // namespace

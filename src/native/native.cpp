@@ -1,0 +1,101 @@
+#include "native/native.h"
+
+#include "native/kernels.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace throng {
+namespace {
+
+constexpr uint32_t kMostClasses = 8, kClassSize = 64;
+constexpr std::array<uint32_t, 3> kSkinBytes{48, 24, 32};  // of io::kSkin…
+
+const native::Kernel& kernel_of(NativeIsa isa) {
+#if defined(__x86_64__)
+    if (isa == NativeIsa::kAvx512) return native::kernel_avx512();
+    if (isa == NativeIsa::kAvx2) return native::kernel_avx2();
+    return native::kernel_sse2();
+#elif defined(__aarch64__)
+    (void)isa;
+    return native::kernel_neon();
+#endif
+}
+
+std::vector<NativeIsa> find_isas() {
+#if defined(__x86_64__)
+    std::vector<NativeIsa> isas{NativeIsa::kSse2};
+    __builtin_cpu_init();
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("f16c")) {
+        isas.push_back(NativeIsa::kAvx2);
+        if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+            __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+            isas.push_back(NativeIsa::kAvx512);
+    }
+    return isas;
+#elif defined(__aarch64__)
+    return {NativeIsa::kNeon};
+#else
+    return {};
+#endif
+}
+
+// What a thread's walks keep.
+std::byte* scratch(size_t size) {
+    thread_local native::AlignedBytes bytes;
+    thread_local size_t has = 0;
+    if (has < size) {
+        bytes = native::aligned_bytes(size);
+        has = size;
+    }
+    return bytes.get();
+}
+
+}  // namespace
+
+std::string_view name_of(NativeIsa isa) {
+    constexpr std::array<std::string_view, 4> kNames{"SSE2", "AVX2", "AVX-512", "NEON"};
+    return kNames[static_cast<size_t>(isa)];
+}
+
+std::span<const NativeIsa> native_isas() {
+    static const std::vector<NativeIsa> isas = find_isas();
+    return isas;
+}
+
+void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa) {
+    const native::Kernel& kernel = kernel_of(isa);
+    const native::KernelRig& of = rig.kernel();
+    const native::KernelUpdate buffers{
+        .cursors = update.cursors,
+        .skin_format = static_cast<uint32_t>(update.skin_format),
+        .skin = update.skin,
+        .model = reinterpret_cast<float*>(update.model),
+        .sockets = reinterpret_cast<float*>(update.sockets),
+        .scratch = scratch(size_t{of.slot_count} * 12 * sizeof(float) * kernel.lane_count)};
+    // Instances whose matrices begin equally far into a line of the cache go together
+    const uint32_t instance_bytes = of.palette_count * kSkinBytes[buffers.skin_format];
+    const uint32_t class_count = 64 / std::gcd(instance_bytes, 64u);
+    std::array<std::array<uint32_t, kClassSize>, kMostClasses> classes;
+    std::array<uint32_t, kMostClasses> counts{};
+    const auto run = [&](uint32_t c) {
+        kernel.update(of, buffers, classes[c].data(), counts[c]);
+        counts[c] = 0;
+    };
+    for (uint32_t i = first; i < end; ++i) {
+        const uint32_t instance = update.listed ? update.listed[i] : i;
+        const uint32_t c = instance % class_count;
+        classes[c][counts[c]++] = instance;
+        if (counts[c] == kClassSize) run(c);
+    }
+    for (uint32_t c = 0; c < class_count; ++c)
+        if (counts[c] > 0) run(c);
+    kernel.fence();
+}
+
+void update(const NativeRig& rig, const NativeUpdate& buffers, uint32_t first, uint32_t end) {
+    update(rig, buffers, first, end, native_isas().back());
+}
+
+}  // namespace throng

@@ -1,0 +1,37 @@
+// Whole updates of characters on the CPU: sample, blend, scan and bind in one pass, with the widest vectors that the
+// machine has. What src/fused does on a device; defined by the same references. No Vulkan.
+#pragma once
+
+#include "native/kernel_update.h"
+#include "native/native_rig.h"
+
+#include <span>
+#include <string_view>
+
+namespace throng {
+
+enum class NativeIsa : uint8_t { kSse2, kAvx2, kAvx512, kNeon };
+
+std::string_view name_of(NativeIsa isa);
+// Those that this program was compiled for and that the machine has, the slowest first. Never empty on x86-64 and
+// AArch64.
+std::span<const NativeIsa> native_isas();
+
+// Where an update reads and writes; what each buffer has is in docs/buffers.md, and as there cursors and active clips
+// are those of the control stage.
+struct NativeUpdate {
+    const io::InstanceCursor* cursors = nullptr;
+    SkinFormat skin_format = SkinFormat::kAffine;
+    std::byte* skin = nullptr;         // at a multiple of 64 bytes
+    Affine* model = nullptr;           // of rigs that keep them
+    Affine* sockets = nullptr;         // of rigs that have any; model_from_joint
+    const uint32_t* listed = nullptr;  // instances; none: all
+};
+
+// Instances first..end - 1, or those that `listed` has there. Threads may update different instances of the same
+// buffers at a time. An instance's result does not depend on the others updated with it. Allocates nothing but, at a
+// thread's first updates, what the walk of the largest rig keeps.
+void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa);
+void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end);
+
+}  // namespace throng

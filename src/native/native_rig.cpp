@@ -1,0 +1,151 @@
+#include "native/native_rig.h"
+
+#include "native/walk.h"
+
+#include <algorithm>
+
+namespace throng {
+namespace {
+
+using native::Similarity;
+
+constexpr double kSeen = 5e-7;  // parts of the character's size: below it a constant is the identity
+
+Similarity rest_of(const Trs<float>& rest) {
+    const Trs<double> trs = rest.as<double>();
+    return {normalized(trs.rotation), trs.translation, trs.scale.x != 0 ? trs.scale.x : 1};
+}
+
+// model_from_joint of the rest pose, as far as that is a similarity.
+std::vector<Similarity> rest_poses(const Rig& rig) {
+    std::vector<Similarity> poses;
+    for (size_t joint = 0; joint < rig.joint_count(); ++joint) {
+        const Similarity local = rest_of(rig.rest[joint]);
+        poses.push_back(rig.parents[joint] == kNone ? local : poses[rig.parents[joint]] * local);
+    }
+    return poses;
+}
+
+// B of each joint (native_rig.h).
+std::vector<Similarity> joint_spaces(const Character& character, const std::vector<Similarity>& rest) {
+    if (!character.rig.uniform_scale) return std::vector<Similarity>(rest.size());
+    std::vector<Similarity> spaces = rest;
+    std::vector<bool> is_bound(rest.size());
+    for (const PaletteEntry& entry : character.palette) {
+        if (is_bound[entry.joint]) continue;
+        if (const auto s = native::similarity_of(entry.joint_from_bind.as<double>())) {
+            spaces[entry.joint] = native::inverse(*s);
+            is_bound[entry.joint] = true;
+        }
+    }
+    return spaces;
+}
+
+// How far from the joint what moves with it may be in any pose: the bones on the way, and the vertices at the end.
+std::vector<double> reaches(const Character& character, const std::vector<Similarity>& rest) {
+    std::vector<double> reach(rest.size(), 0.1 * character.size);  // where nothing hangs on it: an attachment
+    for (const MeshSection& section : character.sections)
+        for (uint32_t v = 0; v < section.vertex_count; ++v)
+            for (uint32_t set = 0; set < section.influence_sets; ++set) {
+                const Influences& of =
+                    character.influences[section.first_influences + v * section.influence_sets + set];
+                for (size_t k = 0; k < 4; ++k) {
+                    if (!(of.weights[k] > 0)) continue;
+                    const PaletteEntry& entry = character.palette[of.entries[k]];
+                    const Vec3<double> at = transform_point(
+                        entry.joint_from_bind.as<double>(),
+                        character.vertices[section.first_vertex + v].position.as<double>());
+                    double& reached = reach[entry.joint];
+                    reached = std::max(reached, length(at) * std::abs(rest[entry.joint].scale));
+                }
+            }
+    for (size_t joint = rest.size(); joint-- > 0;) {
+        const uint32_t parent = character.rig.parents[joint];
+        if (parent == kNone) continue;
+        const double bone = length(rest[joint].translation - rest[parent].translation);
+        reach[parent] = std::max(reach[parent], reach[joint] + bone);
+    }
+    return reach;
+}
+
+bool is_identity(const AffineT<double>& m, double size) {
+    for (size_t r = 0; r < 3; ++r)
+        for (size_t c = 0; c < 4; ++c)
+            if (!(std::abs(m.row[r][c] - (r == c ? 1 : 0)) * (c < 3 ? size : 1) <= kSeen * size)) return false;
+    return true;
+}
+
+template <class T>
+void put(float (&to)[3], const Vec3<T>& v) {
+    to[0] = static_cast<float>(v.x);
+    to[1] = static_cast<float>(v.y);
+    to[2] = static_cast<float>(v.z);
+}
+
+}  // namespace
+
+NativeRig::NativeRig(const Character& character, const NativeRigSettings& settings) {
+    const Rig& rig = character.rig;
+    const bool some_joints = settings.lod > 0 && !character.joint_lods.empty();
+    std::vector<bool> moves(rig.joint_count(), true);
+    for (size_t joint = 0; some_joints && joint < moves.size(); ++joint)
+        moves[joint] = character.joint_lods[joint] >= settings.lod;
+    native::Walk walk = native::plan_walk({.parents = rig.parents,
+                                           .moves = moves,
+                                           .palette = character.palette,
+                                           .keeps_model = settings.keeps_model,
+                                           .sockets = settings.sockets});
+    const std::vector<Similarity> rest = rest_poses(rig), spaces = joint_spaces(character, rest);
+    const std::vector<double> reach = reaches(character, rest);
+    std::vector<native::RowJoint> joints;
+    for (const uint32_t joint : walk.joints)
+        joints.push_back({.joint = joint,
+                          .parent_space = rig.parents[joint] == kNone ? Similarity{} : spaces[rig.parents[joint]],
+                          .joint_space = spaces[joint],
+                          .reach = reach[joint]});
+    rows_ = native::make_rows(character, joints);
+    steps_ = std::move(walk.steps);
+    for (size_t i = 0; i < steps_.size(); ++i) {
+        const native::StillJoint& still = rows_.still[i];
+        put(steps_[i].centre, still.centre);
+        put(steps_[i].scale, still.scale);
+        put(steps_[i].pivot, joints[i].joint_space.translation);
+        steps_[i].motion = still.motion;
+        steps_[i].scales = still.scales;
+    }
+    emissions_ = std::move(walk.emissions);
+    for (size_t i = 0; i < emissions_.size(); ++i) {
+        native::Emission& emission = emissions_[i];
+        const bool is_skin = emission.kind == native::EmissionKind::kSkin ||
+                             emission.kind == native::EmissionKind::kSkinAt;
+        AffineT<double> constant = native::to_affine(spaces[walk.emitted_joints[i]]);
+        if (is_skin) constant = constant * character.palette[emission.target].joint_from_bind.as<double>();
+        if (is_identity(constant, character.size)) continue;
+        emission.constant = static_cast<uint32_t>(constants_.size() / 12);
+        for (const auto& row : constant.as<float>().row) constants_.insert(constants_.end(), row.begin(), row.end());
+    }
+    kernel_ = {.rows = rows_.bytes.get(),
+               .row_bytes = rows_.row_bytes,
+               .clips = rows_.clips.data(),
+               .clip_from_track = 1.0 / rig.joint_count(),
+               .blocks = rows_.blocks.data(),
+               .ranges = reinterpret_cast<const float*>(rows_.ranges.get()),
+               .joint_count = static_cast<uint32_t>(steps_.size()),
+               .motion_count = rows_.motion_count,
+               .scales_count = rows_.scales_count,
+               .three_scales = !rig.uniform_scale,
+               .steps = steps_.data(),
+               .emissions = emissions_.data(),
+               .constants = constants_.data(),
+               .slot_count = walk.slot_count,
+               .rig_joint_count = rig.joint_count(),
+               .palette_count = static_cast<uint32_t>(character.palette.size()),
+               .socket_count = static_cast<uint32_t>(settings.sockets.size())};
+}
+
+uint64_t NativeRig::size_bytes() const {
+    return rows_.size_bytes() + steps_.size() * sizeof(native::WalkStep) +
+           emissions_.size() * sizeof(native::Emission) + constants_.size() * sizeof(float);
+}
+
+}  // namespace throng

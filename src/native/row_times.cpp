@@ -1,0 +1,78 @@
+#include "native/row_times.h"
+
+#include "sample/sample_reference.h"
+
+#include <algorithm>
+
+namespace throng::native {
+namespace {
+
+constexpr double kSeen = 1e-6;  // parts of the character's size: how far an arc may be from its chord
+constexpr uint32_t kMostPieces = 256;
+
+// How the joints go from one row of keys to the next.
+struct Interval {
+    double pieces = 1;     // into which the longest arc must be cut
+    bool is_left = false;  // a track steps: it does not arrive where it goes on
+};
+
+bool differ(TrackTarget target, const TrackValue& a, const TrackValue& b) {
+    double straight = 0, opposite = 0;
+    for (size_t c = 0; c < 4; ++c) {
+        straight = std::max(straight, std::abs(a[c] - b[c]));
+        opposite = std::max(opposite, std::abs(a[c] + b[c]));
+    }
+    return (target == TrackTarget::kRotation ? std::min(straight, opposite) : straight) > 1e-9;
+}
+
+// Quaternions `angle` apart, interpolated along their chord, are off by up to sqrt(3) / 216 * angle^3 (the cubic term
+// of atan(w tan(angle)) - w angle), a point at a distance of 1 by twice that.
+double pieces_for(double angle, double reach, double size) {
+    const double most = std::cbrt(kSeen * size / (2 * std::sqrt(3.0) / 216 * std::max(reach, 1e-12 * size)));
+    return std::clamp(std::ceil(angle / most), 1.0, double{kMostPieces});
+}
+
+std::vector<Interval> intervals_of(const Character& character, size_t clip, std::span<const RowJoint> joints) {
+    std::vector<Interval> intervals(character.clips[clip].row_count - 1);
+    for (const RowJoint& joint : joints)
+        for (const TrackTarget target : kTrackTargets) {
+            const TrackReader track(character, clip, joint.joint, target);
+            if (!track.varies()) continue;
+            const bool has_arcs = target == TrackTarget::kRotation && !character.packed;
+            TrackValue from = track.between({});
+            for (uint32_t i = 0; i < intervals.size(); ++i) {
+                const TrackValue to = track.between({i, i + 1, 1}), next = track.between({i + 1, i + 1, 0});
+                intervals[i].is_left |= differ(target, to, next);
+                if (has_arcs) {
+                    const double cosine = std::abs(dot(quaternion_of(from), quaternion_of(to)));
+                    const double angle = std::acos(std::min(cosine, 1.0));
+                    intervals[i].pieces = std::max(intervals[i].pieces, pieces_for(angle, joint.reach, character.size));
+                }
+                from = next;
+            }
+        }
+    return intervals;
+}
+
+}  // namespace
+
+std::vector<ClipRowTimes> row_times(const Character& character, std::span<const RowJoint> joints) {
+    std::vector<ClipRowTimes> times;
+    for (size_t clip = 0; clip < character.clips.size(); ++clip) {
+        ClipRowTimes& of = times.emplace_back();
+        uint32_t key = 0;
+        for (const Interval& interval : intervals_of(character, clip, joints)) {
+            const auto pieces = static_cast<uint32_t>(interval.pieces);
+            of.spans.push_back({static_cast<uint32_t>(of.rows.size()), static_cast<float>(pieces)});
+            for (uint32_t piece = 0; piece < pieces + (interval.is_left ? 1 : 0); ++piece)
+                of.rows.push_back({key, key + 1, static_cast<double>(piece) / pieces});
+            ++key;
+        }
+        of.spans.push_back({static_cast<uint32_t>(of.rows.size()), 1});
+        of.rows.push_back({key, key, 0});
+    }
+    times.push_back({.rows = {{}}, .spans = {{}}});
+    return times;
+}
+
+}  // namespace throng::native

@@ -1,0 +1,50 @@
+// The clips of a character as rows of 16-bit words (or floats, where those would be seen) that are interpolated
+// linearly. Of no instruction set; the order of words is in kernel_data.h.
+#pragma once
+
+#include "native/aligned.h"
+#include "native/kernel_data.h"
+#include "native/similarity.h"
+
+#include <throng/character.h>
+
+#include <span>
+#include <vector>
+
+namespace throng::native {
+
+// A joint whose transforms are brought into other spaces: parent_space * parent_from_joint * inverse(joint_space).
+struct RowJoint {
+    uint32_t joint = 0;
+    Similarity parent_space{}, joint_space{};
+    double reach = 0;  // how far what moves with it may lie away from it, model space
+};
+
+// What a joint has where it stands still.
+struct StillJoint {
+    Vec3<double> centre{};                          // of parent_space * parent_from_joint
+    Vec3<double> scale{1, 1, 1};                    // a single one of these spaces: x
+    uint32_t motion = kNoIndex, scales = kNoIndex;  // where it does not: its place among those that move
+};
+
+// Lie at the rows that the character's keys have, so that a cursor (control_io.h) finds its place in them: between two
+// keys there are more of them where an arc differs from its chord, and a row of its own ends the span of keys in which
+// a track steps.
+struct Rows {
+    AlignedBytes bytes;  // [row_count][row_bytes]
+    size_t row_bytes = 0;
+    uint32_t row_count = 0;
+    std::vector<RowSpan> spans;     // of all clips and the rest pose
+    std::vector<RowClip> clips;     // [clip_count + 1]
+    std::vector<RowBlock> blocks;   // of rotations, of motions, of three scales
+    AlignedBytes ranges;            // floats: [block][8][16]
+    std::vector<StillJoint> still;  // [joint]
+    uint32_t motion_count = 0, scales_count = 0;
+
+    uint64_t size_bytes() const;
+};
+
+// Of these joints, in this order.
+Rows make_rows(const Character& character, std::span<const RowJoint> joints);
+
+}  // namespace throng::native
