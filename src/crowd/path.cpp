@@ -29,24 +29,34 @@ std::string staged_only(const CrowdGroup& group) {
     return {};
 }
 
+// As staged_only(), of updates in one pass on this machine's processor.
+std::string natively_staged_only(const CrowdGroup& group) {
+    if (std::string reason = staged_only(group); !reason.empty()) return reason;
+    if (group.controller) return "layers of controllers";
+    if (group.pose_capacity > 0) return "pose overrides";
+    return {};
+}
+
 // Why what a software device does cannot be done natively; empty where it can.
-std::string natively_unsupported_reason(const PathChoice& choice) {
-    if (choice.fused || !scan_shaders(choice.scan.method->name).native.run) return {};
+std::string natively_unsupported_reason(const PathChoice& choice, const CrowdGroup& group) {
+    if (choice.fused) return natively_staged_only(group);
+    if (scan_shaders(choice.scan.method->name).native) return {};
     return "scan method " + std::string(choice.scan.method->name) + " runs on Vulkan alone";
 }
 
 // On a native device where nothing else is asked for.
 PathChoice native_path(const CrowdSettings& settings, const CrowdGroup& group) {
-    const std::string serial = "serial";
-    if (settings.scan != "auto" && settings.scan != serial)
+    const bool any_scan = settings.scan == "auto";
+    const ScanMethod& method = *parse_scan_request(any_scan ? "serial" : settings.scan).method;
+    if (!scan_shaders(method.name).native)
         throw Failure(ErrorCode::kUnsupported, group.character->name + ": scan method '" + settings.scan + "'",
-                      "on a native device there is only '" + serial + "'");
+                      "a native device does not have it: 'serial'");
     PathChoice choice{.fused = {},
                       .native = true,
-                      .scan = {parse_scan_request(serial).method, 1},
-                      .scan_reason = "the one that a native device has",
+                      .scan = {&method, 1},
+                      .scan_reason = any_scan ? "what is fastest on one thread a character" : "asked for",
                       .path_reason = {}};
-    const std::string reason = settings.path == UpdatePath::kStaged ? "asked for" : staged_only(group);
+    const std::string reason = settings.path == UpdatePath::kStaged ? "asked for" : natively_staged_only(group);
     if (reason.empty()) {
         choice.fused.emplace(FusedPlan{.unsupported_reason = {}, .choice = choice.scan});
         choice.path_reason = "native, fused: all stages in one pass, by " + std::string(name_of(native_isas().back()));
@@ -102,7 +112,7 @@ PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
                       gpu.info.name + " is no software device");
     PathChoice choice = device_path(gpu, settings, group);
     if (!gpu.native || (settings.path != UpdatePath::kAuto && !is_native)) return choice;
-    const std::string reason = natively_unsupported_reason(choice);
+    const std::string reason = natively_unsupported_reason(choice, group);
     if (is_native && !reason.empty())
         throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update", reason);
     choice.native = reason.empty();

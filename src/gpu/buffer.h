@@ -76,6 +76,8 @@ struct BufferRange {
           mapped(whole.mapped()),
           size_bytes(whole.size_bytes()),
           texel_bytes(whole.texel_bytes()) {}
+    BufferRange(VkBuffer handle, VkDeviceSize offset, VkDeviceSize size)  // one that the CPU does not see
+        : buffer(handle), offset_bytes(offset), size_bytes(size) {}
     BufferRange(const Buffer& of, VkDeviceSize offset, VkDeviceSize size)
         : buffer(of.handle()), mapped(of.mapped()), offset_bytes(offset), size_bytes(size) {}
 

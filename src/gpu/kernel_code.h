@@ -14,7 +14,8 @@ struct KernelCode {
     Kernel on(const std::shared_ptr<Gpu>& gpu, std::vector<uint32_t> constants = {}) const {
         return Kernel(gpu, {.name = name,
                             .spirv = gpu->uses_software_kernels() ? software : plain,
-                            .constants = std::move(constants)});
+                            .constants = std::move(constants),
+                            .native = native});
     }
 };
 

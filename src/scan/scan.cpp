@@ -39,7 +39,8 @@ ScanStage::ScanStage(Uploads& uploads, const ScanChoice& choice, const ScanRig& 
                            .spirv = gpu->uses_software_kernels() ? shaders.software : shaders.plain,
                            .workgroup_size = plan.workgroup_size,
                            .constants = std::move(plan.constants),
-                           .full_subgroups = plan.full_subgroups});
+                           .full_subgroups = plan.full_subgroups,
+                           .native = shaders.native});
 }
 
 ScanStage::ScanStage(const std::shared_ptr<Gpu>& gpu, const ScanChoice& choice, const ScanRig& rig,
