@@ -19,6 +19,10 @@
 
 #include <throng/skin_format.h>
 
+#include <array>
+#include <bit>
+#include <cmath>
+
 namespace throng {
 namespace {
 
