@@ -194,7 +194,7 @@ void follow_example(const char* name, uint32_t instance_count = 1000, uint32_t u
     const Followed followed = follow<Kernels>(
         *controller, creature(), instance_count, update_count,
         [&](Random& random) { return random_commands(random, *controller, instance_count); });
-    EXPECT_GT(followed.event_count, update_count);
+    EXPECT_TRUE(controller->events.empty() || followed.event_count > update_count) << followed.event_count;
     EXPECT_GT(followed.transition_count, instance_count);
 }
 
@@ -208,7 +208,7 @@ void follow_direct_layers() {
         std::vector<io::ControlCommand> commands;
         for (uint32_t instance = 0; instance < kInstances; ++instance) {
             const float fade_rate = random.below(4) == 0 ? 0 : static_cast<float>(random.between(0.5, 20));
-            if (random.below(12) == 0)
+            for (uint32_t first = random.below(12); first < 2; ++first)  // seldom two
                 commands.push_back({instance, random.below(8) == 0 ? io::kCommandPlayInertial : io::kCommandPlay,
                                     random.below(3), random.below(static_cast<uint32_t>(character.clips.size()) + 1),
                                     random.below(UINT32_MAX), random.below(2),
