@@ -1,28 +1,15 @@
-// The controller kernel against the reference: bit for bit in all that decides a state.
-#include "control/control_reference.h"
+// The controller kernel against the reference.
 #include "control/control.h"
-#include "control/controller_reference.h"
+#include "tests/controller_follow.h"
 #include "tests/kernel_runner.h"
 #include "tests/subset.h"
-#include "tests/test_rig.h"
-#include "tools/creatures/creature.h"
 
 #include <gtest/gtest.h>
-
-#include <map>
-#include <tuple>
 
 namespace throng::test {
 namespace {
 
 const InSubset kInSubsets({Subset::kGpuAssisted}, {"ControllerOnTheGpu.LayersPlayWhatTheyAreTold"});
-
-constexpr uint32_t kEventCapacity = 65536;
-
-struct EventBlock {
-    io::EventHead head{};
-    std::vector<io::EventRecord> records;
-};
 
 // The kernel's buffers for instances of one controller.
 class Kernels {
@@ -35,8 +22,8 @@ public:
           timelines_(timeline_words(character)),
           times_(character.times_s),
           root_rows_(std::vector<io::vec4>{{0, 0, 1, 0}}),
-          layers_(as_words(repeated(made_.initial_layers))),
-          parameters_(repeated(made_.initial_parameters)),
+          layers_(as_words(repeated(made_.initial_layers, count))),
+          parameters_(repeated(made_.initial_parameters, count)),
           active_clips_(poison<io::ActiveClip>(count * size_t{made_.active_clip_limit})),
           active_clip_times_(poison<float>(count * size_t{made_.active_clip_limit})),
           events_(poison<uint32_t>(sizeof(io::EventHead) / 4 + kEventCapacity * sizeof(io::EventRecord) / 4)),
@@ -61,8 +48,6 @@ public:
           command_bindings_(command_.bind(BufferTable{
               {io::kCommandsBuffer, commands_}, {io::kLayersBuffer, layers_}, {io::kParametersBuffer, parameters_}})) {}
 
-    static constexpr uint32_t kCommandsEach = 3;
-
     void update(std::span<const io::ControlCommand> commands, float time_step_s) {
         run_on_gpu([&](VkCommandBuffer buffer) {
             const Gpu& gpu = *test_gpu();
@@ -82,42 +67,14 @@ public:
                                              count_);
         });
     }
-    std::vector<io::LayerState> layers() const {
-        const std::vector<uint32_t> words = layers_.read();
-        std::vector<io::LayerState> states(words.size() * sizeof(uint32_t) / sizeof(io::LayerState));
-        std::memcpy(states.data(), words.data(), words.size() * sizeof(uint32_t));
-        return states;
-    }
+    std::vector<io::LayerState> layers() const { return layer_states_of(layers_.read()); }
     std::vector<float> parameters() const { return parameters_.read(); }
     std::vector<io::ActiveClip> active_clips() const { return active_clips_.read(); }
     std::vector<float> active_clip_times() const { return active_clip_times_.read(); }
-    EventBlock events() const {
-        const std::vector<uint32_t> words = events_.read();
-        EventBlock block;
-        std::memcpy(&block.head, words.data(), sizeof block.head);
-        block.records.resize(std::min(block.head.count, kEventCapacity));
-        if (!block.records.empty())
-            std::memcpy(block.records.data(), words.data() + sizeof block.head / 4,
-                        block.records.size() * sizeof(io::EventRecord));
-        return block;
-    }
+    EventBlock events() const { return event_block_of(events_.read()); }
     const ControllerTables& made() const { return made_; }
 
 private:
-    static std::vector<uint32_t> timeline_words(const Character& character) {
-        std::vector<io::ClipTimeline> timelines;
-        for (const Clip& clip : character.clips)
-            timelines.push_back({clip.first_time, clip.row_count, clip.row_stride, clip.first_row, clip.duration_s});
-        timelines.push_back({.first_time = 0, .row_count = 1, .row_stride = 0, .first_row = 0, .duration_s = 0});
-        return as_words(timelines);
-    }
-    template <class T>
-    std::vector<T> repeated(const std::vector<T>& one) const {
-        std::vector<T> all;
-        for (uint32_t i = 0; i < count_; ++i) all.insert(all.end(), one.begin(), one.end());
-        return all;
-    }
-
     ControllerTables made_;
     uint32_t count_, joint_count_;
     Kernel controller_ = controller_kernel(test_gpu()), command_ = command_kernel(test_gpu());
@@ -136,164 +93,10 @@ private:
     Bindings controller_bindings_, command_bindings_;
 };
 
-Character creature() {
-    const Result<Asset> asset = make_creature({.joint_count = 60, .level_count = 15});
-    Result<Character> character = compile_character(*asset);
-    EXPECT_TRUE(character);
-    return std::move(*character);
-}
-
-// A new value for a parameter, as an application would set it.
-float random_value(Random& random, ParameterType type) {
-    if (type != ParameterType::kFloat) return static_cast<float>(random.below(2));
-    return static_cast<float>(random.between(-3, 3));
-}
-
-// At most one change an instance and update for each of a few parameters, in the order of instances.
-std::vector<io::ControlCommand> random_commands(Random& random, const Controller& controller, uint32_t count) {
-    std::vector<io::ControlCommand> commands;
-    if (controller.parameters.empty()) return commands;
-    for (uint32_t instance = 0; instance < count; ++instance)
-        while (random.below(24) == 0 && commands.size() < count * size_t{Kernels::kCommandsEach}) {
-            const uint32_t parameter = random.below(static_cast<uint32_t>(controller.parameters.size()));
-            commands.push_back({.instance = instance,
-                                .kind = io::kCommandParameter,
-                                .target = parameter,
-                                .value = random_value(random, controller.parameters[parameter].type)});
-        }
-    return commands;
-}
-
-void expect_layers(std::span<const io::LayerState> device, std::span<const io::LayerState> reference) {
-    for (size_t i = 0; i < reference.size(); ++i) {
-        ASSERT_EQ(device[i].play_count, reference[i].play_count) << "layer " << i;
-        EXPECT_EQ(device[i].taken, reference[i].taken);
-        EXPECT_EQ(device[i].weight, reference[i].weight);
-        EXPECT_EQ(device[i].mode, reference[i].mode);
-        EXPECT_EQ(device[i].mask, reference[i].mask);
-        for (uint32_t k = 0; k < reference[i].play_count; ++k)
-            ASSERT_EQ(std::memcmp(&device[i].plays[k], &reference[i].plays[k], sizeof(io::LayerPlay)), 0)
-                << "layer " << i << ", play " << k << ": state " << device[i].plays[k].motion << ", phase "
-                << device[i].plays[k].phase << " and state " << reference[i].plays[k].motion << ", phase "
-                << reference[i].plays[k].phase;
-    }
-}
-
-// Rows may be neighbours where a time falls on a key: what counts is the time that they stand for.
-void expect_active_clips(std::span<const io::ActiveClip> device, std::span<const ControllerActiveClip> reference,
-                         const Character& character) {
-    const std::vector<io::ActiveClip> wanted = to_io(reference, character);
-    for (size_t i = 0; i < wanted.size(); ++i) {
-        ASSERT_EQ(device[i].first_track, wanted[i].first_track) << "active clip " << i;
-        ASSERT_EQ(device[i].flags, wanted[i].flags) << "active clip " << i;
-        EXPECT_EQ(device[i].weight, wanted[i].weight);
-        EXPECT_EQ(device[i].layer_weight, wanted[i].layer_weight);
-        EXPECT_EQ(device[i].reference_row, wanted[i].reference_row);
-        ASSERT_EQ(device[i].earlier, wanted[i].earlier);
-        ASSERT_EQ(device[i].later, wanted[i].later);
-        EXPECT_NEAR(device[i].fraction, wanted[i].fraction, 1e-3);  // of a thirtieth of a second
-    }
-}
-
-using EventKey = std::tuple<uint32_t, uint32_t, uint32_t>;  // instance, layer, event
-
-void expect_events(const EventBlock& device, const std::map<EventKey, std::vector<double>>& reference) {
-    std::map<EventKey, std::vector<double>> seen;
-    for (const io::EventRecord& record : device.records)
-        seen[{record.instance, record.layer, record.event}].push_back(record.time_s);
-    ASSERT_EQ(seen.size(), reference.size());
-    for (const auto& [key, times_s] : reference) {
-        ASSERT_TRUE(seen.contains(key));
-        std::vector<double>& device_times_s = seen[key];
-        std::sort(device_times_s.begin(), device_times_s.end());
-        ASSERT_EQ(device_times_s.size(), times_s.size());
-        for (size_t i = 0; i < times_s.size(); ++i) EXPECT_NEAR(device_times_s[i], times_s[i], 1e-5);
-    }
-}
-
-// All instances, in every update.
-void follow(const Controller& controller, uint32_t instance_count, uint32_t update_count, const auto& commands_of) {
-    const Character character = creature();
-    Kernels kernels(controller, character, instance_count);
-    std::vector<ControllerReference> references(instance_count, ControllerReference(controller, character));
-    Random random(7);
-    size_t event_count = 0, transition_count = 0;
-    const auto layer_count = kernels.made().layout.layer_count;
-    const size_t parameter_count = controller.parameters.size();
-    for (uint32_t update = 0; update < update_count && !::testing::Test::HasFailure(); ++update) {
-        const float time_step_s = random.below(50) == 0 ? static_cast<float>(random.between(-0.5, 3))
-                                                        : static_cast<float>(random.between(0, 0.05));
-        const std::vector<io::ControlCommand> commands = commands_of(random, character);
-        kernels.update(commands, time_step_s);
-        for (const io::ControlCommand& command : commands) references[command.instance].apply(command);
-        const std::vector<io::LayerState> layers = kernels.layers();
-        const std::vector<float> parameters = kernels.parameters();
-        const std::vector<io::ActiveClip> active_clips = kernels.active_clips();
-        const std::vector<float> active_clip_times = kernels.active_clip_times();
-        const EventBlock events = kernels.events();
-        std::map<EventKey, std::vector<double>> wanted_events;
-        for (uint32_t i = 0; i < instance_count && !::testing::Test::HasFailure(); ++i) {
-            const ControllerUpdate wanted = references[i].update(time_step_s);
-            expect_layers(std::span(layers).subspan(i * layer_count, layer_count), references[i].layers);
-            EXPECT_TRUE(std::equal(references[i].parameters.begin(), references[i].parameters.end(),
-                                   parameters.begin() + static_cast<ptrdiff_t>(i * parameter_count)));
-            expect_active_clips(
-                std::span(active_clips)
-                    .subspan(i * size_t{kernels.made().active_clip_limit}, kernels.made().active_clip_limit),
-                wanted.active_clips, character);
-            for (size_t k = 0; k < wanted.active_clips.size(); ++k)
-                EXPECT_NEAR(active_clip_times[i * size_t{kernels.made().active_clip_limit} + k],
-                            wanted.active_clips[k].time_s, 1e-5)
-                    << "of active clip " << k;
-            for (const ControllerEventAt& event : wanted.events)
-                wanted_events[{1000 + i, event.layer, event.event}].push_back(event.time_s);
-            for (const io::LayerState& state : references[i].layers) transition_count += state.taken != kNone;
-            if (::testing::Test::HasFailure())
-                ADD_FAILURE() << "instance " << i << ", update " << update << " by " << time_step_s << " s";
-        }
-        for (auto& [key, times_s] : wanted_events) {
-            std::sort(times_s.begin(), times_s.end());
-            event_count += times_s.size();
-        }
-        ASSERT_LE(events.head.count, kEventCapacity);
-        expect_events(events, wanted_events);
-    }
-    EXPECT_TRUE(controller.events.empty() || event_count > update_count) << event_count;
-    EXPECT_TRUE(controller.parameters.empty() || transition_count > instance_count) << transition_count;
-}
-
-void follow_example(const char* name) {
-    const Result<Controller> controller = load_controller(std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" +
-                                                          name + ".json");
-    ASSERT_TRUE(controller) << controller.error().text();
-    constexpr uint32_t kInstances = 1000;
-    follow(*controller, kInstances, 2000,
-           [&](Random& random, const Character&) { return random_commands(random, *controller, kInstances); });
-}
-
-TEST(ControllerOnTheGpu, AgreesWithTheReferenceAsAWalker) { follow_example("walker"); }
-TEST(ControllerOnTheGpu, AgreesWithTheReferenceAsAFlyer) { follow_example("flyer"); }
-TEST(ControllerOnTheGpu, AgreesWithTheReferenceAsADragon) { follow_example("dragon"); }
-
-TEST(ControllerOnTheGpu, LayersPlayWhatTheyAreTold) {
-    const Controller controller = direct_layers(3, {{.name = "all", .items = {}}});
-    constexpr uint32_t kInstances = 300;
-    follow(controller, kInstances, 300, [&](Random& random, const Character& character) {
-        std::vector<io::ControlCommand> commands;
-        for (uint32_t instance = 0; instance < kInstances; ++instance) {
-            const float fade_rate = random.below(4) == 0 ? 0 : static_cast<float>(random.between(0.5, 20));
-            if (random.below(12) == 0)
-                commands.push_back({instance, random.below(8) == 0 ? io::kCommandPlayInertial : io::kCommandPlay,
-                                    random.below(3), random.below(static_cast<uint32_t>(character.clips.size()) + 1),
-                                    random.below(UINT32_MAX), random.below(2),
-                                    static_cast<float>(random.between(-2, 2)), fade_rate});
-            if (random.below(12) == 0)
-                commands.push_back({instance, io::kCommandLayer, random.below(3), random.below(2) == 0 ? kNone : 0,
-                                    random.below(2), 0, static_cast<float>(random.below(5)) / 4, fade_rate});
-        }
-        return commands;
-    });
-}
+TEST(ControllerOnTheGpu, AgreesWithTheReferenceAsAWalker) { follow_example<Kernels>("walker"); }
+TEST(ControllerOnTheGpu, AgreesWithTheReferenceAsAFlyer) { follow_example<Kernels>("flyer"); }
+TEST(ControllerOnTheGpu, AgreesWithTheReferenceAsADragon) { follow_example<Kernels>("dragon"); }
+TEST(ControllerOnTheGpu, LayersPlayWhatTheyAreTold) { follow_direct_layers<Kernels>(); }
 
 }  // namespace
 }  // namespace throng::test

@@ -54,12 +54,17 @@ std::vector<float> values_of(const Character& character) {
 
 }  // namespace
 
+MorphTables make_morph_tables(const Character& character) {
+    return {timelines_of(character), tracks_of(character), values_of(character)};
+}
+
 void upload_morph_tables(Uploads& uploads, const Character& character, Buffers& buffers) {
     const std::string& name = character.name;
-    buffers[io::kMorphTimelineBuffer] = upload_table(uploads, name + ": morph timelines", timelines_of(character));
+    const MorphTables tables = make_morph_tables(character);
+    buffers[io::kMorphTimelineBuffer] = upload_table(uploads, name + ": morph timelines", tables.timelines);
     buffers[io::kMorphTimesBuffer] = upload_table(uploads, name + ": morph times", character.morph_times_s);
-    buffers[io::kMorphTracksBuffer] = upload_table(uploads, name + ": morph tracks", tracks_of(character));
-    buffers[io::kMorphValuesBuffer] = upload_table(uploads, name + ": morph weights", values_of(character));
+    buffers[io::kMorphTracksBuffer] = upload_table(uploads, name + ": morph tracks", tables.tracks);
+    buffers[io::kMorphValuesBuffer] = upload_table(uploads, name + ": morph weights", tables.values);
     buffers[io::kMorphDeltasBuffer] = upload(uploads, name + ": morph differences", character.morph_deltas);
 }
 

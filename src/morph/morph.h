@@ -11,8 +11,15 @@
 
 namespace throng {
 
-// Fills kMorphTimelineBuffer, kMorphTimesBuffer, kMorphTracksBuffer, kMorphValuesBuffer and kMorphDeltasBuffer of a
-// character that has at least one morph: rows of tracks and values are rounded up to fours.
+// Of a character that has at least one morph: rows of tracks and values are rounded up to fours.
+struct MorphTables {
+    std::vector<uint32_t> timelines;              // words of io::ClipTimeline
+    std::vector<std::array<uint32_t, 4>> tracks;  // [clip][quad]
+    std::vector<float> values;                    // the default weights first
+};
+MorphTables make_morph_tables(const Character& character);
+
+// Fills kMorphTimelineBuffer, kMorphTimesBuffer, kMorphTracksBuffer, kMorphValuesBuffer and kMorphDeltasBuffer.
 void upload_morph_tables(Uploads& uploads, const Character& character, Buffers& buffers);
 
 // Dispatched with io::MorphPush, an invocation per instance; `layered`: of active clips, else of two clips.

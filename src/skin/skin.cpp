@@ -27,10 +27,8 @@ std::vector<uint32_t> all_of(uint32_t vertex_count) {
 
 }  // namespace
 
-void upload_skin_tables(Uploads& uploads, const Character& character, std::span<const uint32_t> influence_offsets,
-                        Buffers& buffers) {
-    std::vector<io::SkinSection> all_sections;
-    std::vector<uint32_t> all_vertices;
+SkinTables make_skin_tables(const Character& character, std::span<const uint32_t> influence_offsets) {
+    SkinTables tables;
     for (size_t lod = 0; lod < influence_offsets.size(); ++lod) {
         for (size_t s = 0; s < character.sections.size(); ++s) {
             const MeshSection& section = character.sections[s];
@@ -41,20 +39,27 @@ void upload_skin_tables(Uploads& uploads, const Character& character, std::span<
                 const IndexRange& range = character.lod_ranges[(lod - 1) * character.sections.size() + s];
                 listed = vertices_of(std::span(character.lod_indices).subspan(range.first_index, range.index_count));
             }
-            all_sections.push_back({.first_vertex = section.first_vertex,
-                                    .first_influences = section.first_influences + influence_offsets[lod],
-                                    .influence_sets = section.influence_sets,
-                                    .first_morph = section.first_morph,
-                                    .morph_count = section.morph_count,
-                                    .first_listed = static_cast<uint32_t>(all_vertices.size()),
-                                    .listed_count = static_cast<uint32_t>(listed.size()),
-                                    .unused = 0});
-            all_vertices.insert(all_vertices.end(), listed.begin(), listed.end());
+            tables.sections.push_back({.first_vertex = section.first_vertex,
+                                       .first_influences = section.first_influences + influence_offsets[lod],
+                                       .influence_sets = section.influence_sets,
+                                       .first_morph = section.first_morph,
+                                       .morph_count = section.morph_count,
+                                       .first_listed = static_cast<uint32_t>(tables.vertices.size()),
+                                       .listed_count = static_cast<uint32_t>(listed.size()),
+                                       .unused = 0});
+            tables.vertices.insert(tables.vertices.end(), listed.begin(), listed.end());
         }
     }
-    buffers[io::kSkinSectionsBuffer] = upload(uploads, character.name + ": sections of levels of detail", all_sections);
+    return tables;
+}
+
+void upload_skin_tables(Uploads& uploads, const Character& character, std::span<const uint32_t> influence_offsets,
+                        Buffers& buffers) {
+    const SkinTables tables = make_skin_tables(character, influence_offsets);
+    buffers[io::kSkinSectionsBuffer] = upload(uploads, character.name + ": sections of levels of detail",
+                                              tables.sections);
     buffers[io::kListedVerticesBuffer] = upload(uploads, character.name + ": vertices of levels of detail",
-                                                all_vertices);
+                                                tables.vertices);
 }
 
 Kernel skin_kernel(const std::shared_ptr<Gpu>& gpu, SkinFormat format, SkinBlend blend, bool listed) {

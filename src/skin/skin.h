@@ -12,9 +12,15 @@
 
 namespace throng {
 
-// Fills kSkinSectionsBuffer and kListedVerticesBuffer: which vertices of a character a level of detail has. Level 0 has
-// all of them, the others those that their triangles have. `influence_offsets`: [1 + lods], of each level's
-// influences from the finest's.
+// Which vertices of a character a level of detail has. Level 0 has all of them, the others those that their triangles
+// have. `influence_offsets`: [1 + lods], of each level's influences from the finest's.
+struct SkinTables {
+    std::vector<io::SkinSection> sections;  // [level][section]
+    std::vector<uint32_t> vertices;         // those that sections list
+};
+SkinTables make_skin_tables(const Character& character, std::span<const uint32_t> influence_offsets);
+
+// Fills kSkinSectionsBuffer and kListedVerticesBuffer.
 void upload_skin_tables(Uploads& uploads, const Character& character, std::span<const uint32_t> influence_offsets,
                         Buffers& buffers);
 
