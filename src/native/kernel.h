@@ -30,6 +30,7 @@ void begin(const KernelRig& rig, const KernelUpdate& update, const uint32_t* ins
     target.begin = static_cast<uint32_t>(reinterpret_cast<uintptr_t>(update.skin + instances[0] * stride * 4) / 4 %
                                          kLine);
     target.position = target.begin;
+    target.written = 0;
     for (uint32_t c = 0; c < count; ++c) {
         group.all[c] = played(rig, update, instances[c]);
         target.line[c] = update.skin + instances[c] * stride * 4 - target.begin * 4;
