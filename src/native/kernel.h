@@ -30,6 +30,7 @@ void begin(const KernelRig& rig, const KernelUpdate& update, const uint32_t* ins
     target.begin = static_cast<uint32_t>(reinterpret_cast<uintptr_t>(update.skin + instances[0] * stride * 4) / 4 %
                                          kLine);
     target.position = target.begin;
+    target.written = 0;
     for (uint32_t c = 0; c < count; ++c) {
         group.all[c] = played(rig, update, instances[c]);
         target.line[c] = update.skin + instances[c] * stride * 4 - target.begin * 4;
@@ -92,6 +93,32 @@ void update_group(const KernelRig& rig, const KernelUpdate& update, const uint32
         }
     }
     finish(out.ring, out.target);
+}
+
+void decode_all(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count) {
+    const uint32_t first_motion = (rig.joint_count + kBlockJoints - 1) / kBlockJoints;
+    const uint32_t first_scales = first_motion + (rig.motion_count + kBlockJoints - 1) / kBlockJoints;
+    const uint32_t end = first_scales + (rig.scales_count + kBlockJoints - 1) / kBlockJoints;
+    for (uint32_t i = 0; i < count; i += Lanes::kCount) {
+        Group group;
+        SkinTarget target;
+        begin(rig, update, instances + i, count - i < Lanes::kCount ? count - i : Lanes::kCount, group, target);
+        TurnedBlock turned;
+        for (uint32_t block = 0; block < end; ++block) {
+            if (block < first_motion)
+                decode<Decoded::kRotations>(rig, update, group, block, turned);
+            else if (block < first_scales)
+                decode<Decoded::kMotions>(rig, update, group, block, turned);
+            else
+                decode<Decoded::kScales>(rig, update, group, block, turned);
+            asm volatile("" : : "m"(turned));  // used, as far as the compiler knows
+        }
+    }
+}
+
+void fill(std::byte* to, size_t size) {
+    const V v = Lanes::set(1);
+    for (size_t i = 0; i < size; i += sizeof v) Lanes::stream(reinterpret_cast<float*>(to + i), v);
 }
 
 void update_all(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count) {

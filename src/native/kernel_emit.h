@@ -8,7 +8,8 @@
 namespace {
 
 inline constexpr uint32_t kLine = 16;  // words of a line of the cache, which is written at once
-inline constexpr uint32_t kRing = 4 * kLine;
+inline constexpr uint32_t kBatch = 3 * kLine;
+inline constexpr uint32_t kRing = 4 * kLine;  // a batch, and what there is already of the next
 
 // Skin matrices on their way to memory: [word of the ring][character].
 struct alignas(64) Ring {
@@ -18,60 +19,60 @@ struct alignas(64) Ring {
 // Where they go. All characters begin equally far into a line, so that each line is complete for all at the same time.
 struct SkinTarget {
     std::byte* line[Lanes::kCount];  // in which the character's first matrix begins
-    uint32_t begin, end;             // words, from there
-    uint32_t position;               // of the next
+    uint32_t begin;                  // words, from there
+    uint32_t written, position;      // whole batches, and the next matrix
     uint32_t count;                  // of characters
 };
 
-// Part of a line, or lines of fewer characters than there are lanes.
-[[gnu::noinline]] void flush_part(const Ring& ring, const SkinTarget& target, uint32_t line, uint32_t from,
-                                  uint32_t to) {
+// Words of the ring one by one: at both ends of a character, and of fewer characters than there are lanes.
+[[gnu::noinline]] void flush_part(const Ring& ring, const SkinTarget& target, uint32_t from, uint32_t to) {
     for (uint32_t c = 0; c < target.count; ++c) {
-        float words[kLine];
-        for (uint32_t word = from; word < to; ++word) words[word] = ring.of[(line * kLine + word) % kRing][c];
-        __builtin_memcpy(target.line[c] + size_t{line} * 4 * kLine + 4 * from, words + from, 4 * (to - from));
+        float words[kRing];
+        for (uint32_t word = from; word < to; ++word) words[word - from] = ring.of[word % kRing][c];
+        __builtin_memcpy(target.line[c] + size_t{4} * from, words, size_t{4} * (to - from));
     }
 }
 
-INLINE void flush_line(const Ring& ring, const SkinTarget& target, uint32_t line) {
-    if (target.count < Lanes::kCount || (line == 0 && target.begin > 0))
-        return flush_part(ring, target, line, line == 0 ? target.begin : 0, kLine);
-    constexpr uint32_t kVectors = kLine / Lanes::kCount;
-    const float* in = ring.of[line * kLine % kRing];
-    for (uint32_t c = 0; c < Lanes::kCount; c += 4) {
-        V r[kVectors][4];
-        for (uint32_t v = 0; v < kVectors; ++v) {
-            for (uint32_t k = 0; k < 4; ++k)
-                r[v][k] = Lanes::fours(in + (v * Lanes::kCount + k) * Lanes::kCount + c, 4 * Lanes::kCount);
-            Lanes::transpose(r[v][0], r[v][1], r[v][2], r[v][3]);
+INLINE void flush_batch(const Ring& ring, SkinTarget& target) {
+    const uint32_t from = target.written;
+    target.written += kBatch;
+    if (target.count < Lanes::kCount || (from == 0 && target.begin > 0))
+        return flush_part(ring, target, from == 0 ? target.begin : from, from + kBatch);
+    constexpr uint32_t kOfLine = kLine / Lanes::kCount;  // vectors
+    for (uint32_t c = 0; c < Lanes::kCount; c += 4)
+        for (uint32_t line = 0; line < kBatch; line += kLine) {
+            const float* in = ring.of[(from + line) % kRing];
+            V r[kOfLine][4];
+            for (uint32_t v = 0; v < kOfLine; ++v) {
+                for (uint32_t k = 0; k < 4; ++k)
+                    r[v][k] = Lanes::fours(in + (v * Lanes::kCount + k) * Lanes::kCount + c, 4 * Lanes::kCount);
+                Lanes::transpose(r[v][0], r[v][1], r[v][2], r[v][3]);
+            }
+            for (uint32_t k = 0; k < 4; ++k) {
+                auto* to = reinterpret_cast<float*>(target.line[c + k] + size_t{4} * (from + line));
+                for (uint32_t v = 0; v < kOfLine; ++v) Lanes::stream(to + v * Lanes::kCount, r[v][k]);
+            }
         }
-        for (uint32_t k = 0; k < 4; ++k)
-            for (uint32_t v = 0; v < kVectors; ++v)
-                Lanes::stream(
-                    reinterpret_cast<float*>(target.line[c + k] + size_t{line} * 4 * kLine) + v * Lanes::kCount,
-                    r[v][k]);
-    }
 }
 
-template <uint32_t kWords>
+// kUnit: words that lie together wherever a matrix begins, since matrices begin at multiples of them.
+template <uint32_t kWords, uint32_t kUnit>
 INLINE void put_words(Ring& ring, SkinTarget& target, const V* words) {
-    const uint32_t position = target.position;
-    for (uint32_t i = 0; i < kWords; ++i) Lanes::store(ring.of[(position + i) % kRing], words[i]);
-    target.position = position + kWords;
-    if ((position ^ (position + kWords)) & ~(kLine - 1)) flush_line(ring, target, position / kLine);
+    for (uint32_t i = 0; i < kWords; i += kUnit)
+        for (uint32_t k = 0; k < kUnit; ++k) Lanes::store(ring.of[(target.position + i) % kRing + k], words[i + k]);
+    target.position += kWords;
+    if (target.position - target.written >= kBatch) flush_batch(ring, target);
 }
 
 INLINE void put_affine(Ring& ring, SkinTarget& target, const Matrix& m) {
-    const uint32_t position = target.position;
-    for (uint32_t i = 0; i < 12; ++i) Lanes::store(ring.of[(position + i) % kRing], m.of[i / 4][i % 4]);
-    target.position = position + 12;
-    if ((position ^ (position + 12)) & ~(kLine - 1)) flush_line(ring, target, position / kLine);
+    V words[12];
+    for (uint32_t i = 0; i < 12; ++i) words[i] = m.of[i / 4][i % 4];
+    put_words<12, 4>(ring, target, words);
 }
 
 INLINE void finish(const Ring& ring, const SkinTarget& target) {
-    if (target.position % kLine == 0) return;
-    const uint32_t line = target.position / kLine;
-    flush_part(ring, target, line, line == 0 ? target.begin : 0, target.position % kLine);
+    const uint32_t from = target.written == 0 ? target.begin : target.written;
+    if (from < target.position) flush_part(ring, target, from, target.position);
 }
 
 // A skin matrix as it lies in memory (bind/skin_format.glsl): how many words.
@@ -123,11 +124,11 @@ struct Outputs {
         scatter(words, count, update.skin, size_t{count} * rig.palette_count, size_t{emission.target} * count, all,
                 out.target.count);
     else if (count == 12)
-        put_words<12>(out.ring, out.target, words);
+        put_words<12, 4>(out.ring, out.target, words);
     else if (count == 8)
-        put_words<8>(out.ring, out.target, words);
+        put_words<8, 4>(out.ring, out.target, words);
     else
-        put_words<6>(out.ring, out.target, words);
+        put_words<6, 2>(out.ring, out.target, words);
 }
 
 }  // namespace

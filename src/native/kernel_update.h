@@ -25,6 +25,10 @@ struct Kernel {
     // Characters whose skin matrices begin equally far from a line of the cache are walked together: instances
     // [count], in groups of lane_count.
     void (*update)(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count);
+    // Only what comes before the walk, for benchmarks.
+    void (*decode)(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count);
+    // Streams as many bytes, a multiple of 64 at a multiple of 64: what memory alone costs.
+    void (*fill)(std::byte* to, size_t size);
     void (*fence)();  // what was streamed is seen by others
 };
 

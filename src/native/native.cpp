@@ -52,20 +52,10 @@ std::byte* scratch(size_t size) {
     return bytes.get();
 }
 
-}  // namespace
-
-std::string_view name_of(NativeIsa isa) {
-    constexpr std::array<std::string_view, 4> kNames{"SSE2", "AVX2", "AVX-512", "NEON"};
-    return kNames[static_cast<size_t>(isa)];
-}
-
-std::span<const NativeIsa> native_isas() {
-    static const std::vector<NativeIsa> isas = find_isas();
-    return isas;
-}
-
-void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa) {
-    const native::Kernel& kernel = kernel_of(isa);
+// Calls run(rig, update, instances, count) for all instances.
+template <class Run>
+void for_instances(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end,
+                   const native::Kernel& kernel, const Run& run_kernel) {
     const native::KernelRig& of = rig.kernel();
     const native::KernelUpdate buffers{
         .cursors = update.cursors,
@@ -80,7 +70,7 @@ void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, ui
     std::array<std::array<uint32_t, kClassSize>, kMostClasses> classes;
     std::array<uint32_t, kMostClasses> counts{};
     const auto run = [&](uint32_t c) {
-        kernel.update(of, buffers, classes[c].data(), counts[c]);
+        run_kernel(of, buffers, classes[c].data(), counts[c]);
         counts[c] = 0;
     };
     for (uint32_t i = first; i < end; ++i) {
@@ -92,6 +82,31 @@ void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, ui
     for (uint32_t c = 0; c < class_count; ++c)
         if (counts[c] > 0) run(c);
     kernel.fence();
+}
+
+}  // namespace
+
+std::string_view name_of(NativeIsa isa) {
+    constexpr std::array<std::string_view, 4> kNames{"SSE2", "AVX2", "AVX-512", "NEON"};
+    return kNames[static_cast<size_t>(isa)];
+}
+
+std::span<const NativeIsa> native_isas() {
+    static const std::vector<NativeIsa> isas = find_isas();
+    return isas;
+}
+
+void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa) {
+    for_instances(rig, update, first, end, kernel_of(isa), kernel_of(isa).update);
+}
+
+void decode_only(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa) {
+    for_instances(rig, update, first, end, kernel_of(isa), kernel_of(isa).decode);
+}
+
+void stream_fill(std::span<std::byte> bytes, NativeIsa isa) {
+    kernel_of(isa).fill(bytes.data(), bytes.size());
+    kernel_of(isa).fence();
 }
 
 void update(const NativeRig& rig, const NativeUpdate& buffers, uint32_t first, uint32_t end) {

@@ -34,4 +34,9 @@ struct NativeUpdate {
 void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa);
 void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end);
 
+// What an update is compared with (bench/cpu_bench.h): its first half alone, and the least that memory takes for bytes
+// that begin and end at a multiple of 64.
+void decode_only(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa);
+void stream_fill(std::span<std::byte> bytes, NativeIsa isa);
+
 }  // namespace throng

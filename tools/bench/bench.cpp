@@ -155,6 +155,7 @@ void add_bench(Command app) {
         "Examples:\n  throng bench\n  throng bench --joints 300 --levels 120 --count 1000 --scan serial\n  throng "
         "bench fox.glb --count 5000 --json");
     add_bench_frame(command);
+    add_bench_cpu(command);
     add_bench_control(command);
     add_bench_view(command);
     add_bench_scan(command);

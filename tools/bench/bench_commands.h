@@ -11,6 +11,7 @@ void add_tune(Command app);
 
 // Of `bench`.
 void add_bench_frame(Command bench);
+void add_bench_cpu(Command bench);
 void add_bench_control(Command bench);
 void add_bench_view(Command bench);
 void add_bench_scan(Command bench);

@@ -1,0 +1,263 @@
+#include "bench/cpu_bench.h"
+
+#include "bench/cpu_threads.h"
+#include "bench/updates.h"
+#include "bench/value_of.h"
+#include "control/control_reference.h"
+
+#include <throng/reference.h>
+
+#include <fstream>
+#include <map>
+#include <random>
+
+#include <sys/mman.h>
+
+namespace throng::bench {
+namespace {
+
+constexpr uint32_t kFrames = 4;       // of cursors, so that rows are not always the same
+constexpr uint32_t kPart = 256;       // characters that a thread takes at a time
+constexpr uint32_t kChecked = 16;     // characters compared with the reference
+constexpr double kFrameStep_s = 0.1;  // rows further on in each frame
+
+struct Scene {
+    std::vector<Playback> playbacks;                       // [character], of the first frame
+    std::vector<std::vector<io::InstanceCursor>> cursors;  // [frame][character]
+};
+
+io::SlotCursor cursor_of(const Character& character, const ClipPlayback& playback) {
+    const Clip& clip = character.clips[playback.clip];
+    const RowCursor rows = find_rows_reference(std::span(character.times_s).subspan(clip.first_time, clip.row_count),
+                                               local_time_reference(playback.time_s, clip.duration_s, true));
+    return {.first_track = playback.clip * character.rig.joint_count(),
+            .earlier = clip.first_row + rows.earlier * clip.row_stride,
+            .later = clip.first_row + rows.later * clip.row_stride,
+            .fraction = static_cast<float>(rows.fraction)};
+}
+
+Scene make_scene(const Character& character, uint32_t characters, uint32_t clips, uint64_t seed) {
+    std::mt19937_64 random(seed);
+    const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+    Scene scene;
+    for (uint32_t i = 0; i < characters; ++i) {
+        const auto slot = [&] {
+            const auto clip = static_cast<uint32_t>(random() % character.clips.size());
+            return ClipPlayback{.clip = clip, .time_s = unit() * character.clips[clip].duration_s};
+        };
+        Playback playback{.first = slot(), .second = slot(), .weight = static_cast<float>(0.01 + 0.98 * unit())};
+        if (clips == 1) playback.weight = 1;
+        scene.playbacks.push_back(playback);
+    }
+    for (uint32_t frame = 0; frame < kFrames; ++frame) {
+        auto& cursors = scene.cursors.emplace_back();
+        for (Playback playback : scene.playbacks) {
+            playback.first.time_s += frame * kFrameStep_s;
+            playback.second.time_s += frame * kFrameStep_s;
+            cursors.push_back(
+                {cursor_of(character, playback.first), cursor_of(character, playback.second), playback.weight});
+        }
+    }
+    return scene;
+}
+
+// Memory of large pages, as a crowd's is; else every line that is written needs a translation of its own.
+class Output {
+public:
+    explicit Output(size_t size) : size_((size + kPage - 1) / kPage * kPage) {
+        bytes_ = static_cast<std::byte*>(std::aligned_alloc(kPage, size_));
+        if (!bytes_) throw std::bad_alloc();
+        ::madvise(bytes_, size_, MADV_HUGEPAGE);
+        std::fill_n(bytes_, size_, std::byte{});
+    }
+    ~Output() { std::free(bytes_); }
+    Output(const Output&) = delete;
+    Output& operator=(const Output&) = delete;
+    std::byte* data() const { return bytes_; }
+
+private:
+    static constexpr size_t kPage = 2 << 20;
+    size_t size_;
+    std::byte* bytes_ = nullptr;
+};
+
+class CpuMeasurement {
+public:
+    CpuMeasurement(const CpuCase& of, const Progress& progress) : of_(of), output_(most_bytes(of)) {
+        for (const CpuVariant& variant : of.variants) {
+            progress(of.configuration + ": preparing " + variant.name);
+            if (!rigs_.contains(variant.character)) rigs_.emplace(variant.character, NativeRig(*variant.character));
+            scenes_.push_back(make_scene(*variant.character, of.characters, variant.clips, of.seed));
+        }
+        for (const uint32_t threads : of.threads) threads_.emplace(threads, threads);
+    }
+
+    std::vector<Json> measure(const Progress& progress) {
+        for (const uint32_t threads : of_.threads)
+            for (const NativeIsa isa : of_.isas) {
+                add(threads, isa, nullptr, 0);
+                for (size_t v = 0; v < of_.variants.size(); ++v) add(threads, isa, &of_.variants[v], v);
+            }
+        for (Entrant& entrant : entrants_)
+            if (entrant.variant) {
+                progress(name_of(entrant) + ": checking");
+                entrant.error = error_of(entrant);
+            }
+        std::vector<Contestant> contestants;
+        for (Entrant& entrant : entrants_)
+            if (!entrant.is_wrong()) contestants.push_back({name_of(entrant), [&] { take_sample(entrant); }});
+        for (Entrant& entrant : entrants_) run_s(entrant, 0, false);  // warm
+        run_rounds(contestants, of_.samples, progress);
+        std::vector<Json> records;
+        for (const Entrant& entrant : entrants_) records.push_back(record_of(entrant));
+        return records;
+    }
+
+private:
+    struct Entrant {
+        uint32_t threads;
+        NativeIsa isa;
+        const CpuVariant* variant;  // none: the fill
+        size_t scene;
+        double error = 0;
+        uint32_t frame = 0;
+        std::vector<double> ms{}, decode_ms{};
+
+        bool is_wrong() const { return !(error <= kSkinErrorBound); }
+    };
+
+    static size_t most_bytes(const CpuCase& of) {
+        size_t most = 0;
+        for (const CpuVariant& variant : of.variants)
+            most = std::max(most, variant.character->palette.size() * sizeof(Affine) * of.characters);
+        return most;
+    }
+
+    void add(uint32_t threads, NativeIsa isa, const CpuVariant* variant, size_t scene) {
+        entrants_.push_back({.threads = threads, .isa = isa, .variant = variant, .scene = scene});
+    }
+
+    std::string name_of(const Entrant& entrant) const {
+        return of_.configuration + ": " + std::string(throng::name_of(entrant.isa)) + ", " +
+               (entrant.variant ? entrant.variant->name : "fill");
+    }
+
+    size_t instance_bytes(const Entrant& entrant) const {
+        const Character& character = *(entrant.variant ? entrant.variant : &of_.variants.front())->character;
+        return character.palette.size() * sizeof(Affine);
+    }
+
+    double run_s(const Entrant& entrant, uint32_t frame, bool only_decode) {
+        CpuThreads& threads = threads_.at(entrant.threads);
+        const size_t stride = instance_bytes(entrant);
+        if (!entrant.variant)
+            return threads.run_s(of_.characters, kPart, [&](uint32_t first, uint32_t end) {
+                const size_t begin = first * stride / 64 * 64, stop = end * stride / 64 * 64;
+                stream_fill({output_.data() + begin, stop - begin}, entrant.isa);
+            });
+        const NativeRig& rig = rigs_.at(entrant.variant->character);
+        const NativeUpdate buffers{.cursors = scenes_[entrant.scene].cursors[frame % kFrames].data(),
+                                   .skin = output_.data()};
+        return threads.run_s(of_.characters, kPart, [&](uint32_t first, uint32_t end) {
+            (only_decode ? decode_only : static_cast<decltype(&decode_only)>(update))(rig, buffers, first, end,
+                                                                                      entrant.isa);
+        });
+    }
+
+    double error_of(const Entrant& entrant) {
+        run_s(entrant, 0, false);
+        const Character& character = *entrant.variant->character;
+        double worst = 0;
+        for (uint64_t i = 1; i <= kChecked; ++i) {
+            const uint64_t instance = uint64_t{of_.characters} * i / kChecked - 1;
+            const auto* skin = reinterpret_cast<const Affine*>(output_.data() + instance * instance_bytes(entrant));
+            const ReferencePose pose = value_of(reference_pose(character, scenes_[entrant.scene].playbacks[instance]));
+            worst = std::max(worst, skin_error({skin, character.palette.size()}, pose.model_from_bind, character.size));
+        }
+        return worst;
+    }
+
+    void take_sample(Entrant& entrant) {
+        entrant.ms.push_back(run_s(entrant, entrant.frame, false) * 1e3);
+        if (entrant.variant) entrant.decode_ms.push_back(run_s(entrant, entrant.frame++, true) * 1e3);
+    }
+
+    Json record_of(const Entrant& entrant) const {
+        const Character& character = *(entrant.variant ? entrant.variant : &of_.variants.front())->character;
+        Json record = where_and_when({.name = processor_name(), .driver = std::string(throng::name_of(entrant.isa))});
+        record.update({{"bench", "cpu"},
+                       {"configuration", of_.configuration},
+                       {"variant", entrant.variant ? entrant.variant->name : "fill"},
+                       {"isa", throng::name_of(entrant.isa)},
+                       {"threads", entrant.threads},
+                       {"characters", of_.characters},
+                       {"joints", character.rig.joint_count()},
+                       {"levels", character.rig.level_count},
+                       {"palette_entries", character.palette.size()},
+                       {"bytes", instance_bytes(entrant) * of_.characters},
+                       {"samples", entrant.ms.size()}});
+        if (entrant.variant) {
+            record["clips"] = entrant.variant->clips;
+            record["rows_bytes"] = rigs_.at(entrant.variant->character).row_bytes();
+            record["max_error"] = entrant.error;
+            if (entrant.is_wrong()) record["wrong"] = true;
+        }
+        if (entrant.ms.empty()) return record;
+        const Spread ms = spread_of(entrant.ms);
+        const double joints = double{character.rig.joint_count() * 1.0} * of_.characters;
+        record["ms"] = spread_json(ms);
+        record["ns_per_joint"] = ms.median * 1e6 / joints;
+        record["gb_per_s"] = record["bytes"].get<double>() / ms.median * 1e-6;
+        if (!entrant.variant) return record;
+        record["decode_share"] = spread_of(entrant.decode_ms).median / ms.median;
+        for (const Entrant& fill : entrants_)
+            if (!fill.variant && fill.isa == entrant.isa && fill.threads == entrant.threads)
+                record["times_fill_floor"] = ms.median / spread_of(fill.ms).median;
+        return record;
+    }
+
+    const CpuCase& of_;
+    Output output_;
+    std::map<const Character*, NativeRig> rigs_;
+    std::vector<Scene> scenes_;  // [variant]
+    std::map<uint32_t, CpuThreads> threads_;
+    std::vector<Entrant> entrants_;
+};
+
+}  // namespace
+
+Asset with_moving_translations(const Asset& asset) {
+    Asset moving = asset;
+    for (AssetClip& clip : moving.clips) {
+        std::vector<AssetTrack> added;
+        for (const AssetTrack& track : clip.tracks) {
+            if (track.target != TrackTarget::kRotation) continue;
+            AssetTrack moves{.node = track.node, .times_s = track.times_s};
+            const Vec3<double> rest = asset.nodes[track.node].parent_from_node.translation;
+            for (const float time_s : track.times_s)
+                for (uint32_t axis = 0; axis < 3; ++axis) {
+                    const double turn = 6.283185 * time_s / clip.duration_s * (1 + (track.node + axis) % 3);
+                    const double at = axis == 0 ? rest.x : axis == 1 ? rest.y : rest.z;
+                    moves.values.push_back(
+                        static_cast<float>(at + 0.01 * length(rest) * std::sin(turn + 1.7 * track.node + axis)));
+                }
+            added.push_back(std::move(moves));
+        }
+        std::erase_if(clip.tracks, [](const AssetTrack& track) { return track.target == TrackTarget::kTranslation; });
+        clip.tracks.insert(clip.tracks.end(), added.begin(), added.end());
+    }
+    return moving;
+}
+
+std::vector<Json> measure_cpu(const CpuCase& of, const Progress& progress) {
+    return CpuMeasurement(of, progress).measure(progress);
+}
+
+std::string processor_name() {
+    std::ifstream file("/proc/cpuinfo");
+    for (std::string line; std::getline(file, line);)
+        if (line.starts_with("model name")) return line.substr(line.find(": ") + 2);
+    return "a processor";
+}
+
+}  // namespace throng::bench

@@ -1,0 +1,147 @@
+// throng bench cpu: whole updates on the processor, beside what memory alone costs.
+#include "bench/cpu_bench.h"
+#include "tools/bench/bench_commands.h"
+#include "tools/bench/measured.h"
+#include "tools/cli/command.h"
+#include "tools/creatures/creature.h"
+
+#include <cstdio>
+#include <optional>
+#include <thread>
+
+namespace throng::tools {
+namespace {
+
+struct CpuOptions {
+    std::optional<uint32_t> characters, joints, levels;
+    std::string isa = "all", clips = "all";
+    std::vector<uint32_t> threads;
+    uint32_t samples = 15;
+    uint64_t seed = 1;
+    bool json = false;
+};
+
+struct Generated {
+    uint32_t characters = 10'000, joints = 300, levels = 60;
+};
+constexpr std::array kGenerated{Generated{},
+                                Generated{.levels = 15},
+                                Generated{.levels = 120},
+                                Generated{.joints = 64, .levels = 15},
+                                Generated{100'000, 64, 15},
+                                Generated{1'000, 1'000, 60}};
+
+std::string lower_case(std::string_view text) {
+    std::string lower(text);
+    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return lower;
+}
+
+std::vector<NativeIsa> chosen_isas(const CpuOptions& options) {
+    std::vector<NativeIsa> isas;
+    std::string known;
+    for (const NativeIsa isa : native_isas()) {
+        const std::string name = lower_case(name_of(isa));
+        known += (known.empty() ? "" : ", ") + name;
+        if (options.isa == "all" || options.isa == name) isas.insert(isas.begin(), isa);
+    }
+    if (isas.empty()) throw CommandError("--isa: this machine has no '" + options.isa + "', but " + known);
+    return isas;
+}
+
+void print_row(const Json& record) {
+    std::printf("%-8s %7.0f  %-20s ", text(record, "isa").c_str(), real(record, "threads"),
+                text(record, "variant").c_str());
+    if (print_untimed(record, "not measured")) return;
+    print_columns(record, {{"%9.3f", "ms/median"},
+                           {" %9.3f", "ms/p5"},
+                           {" -%8.3f", "ms/p95"},
+                           {" %9.2f", "ns_per_joint"},
+                           {" %8.1f", "gb_per_s"}});
+    if (record.contains("times_fill_floor"))
+        print_columns(record,
+                      {{" %7.2f", "times_fill_floor"}, {" %7.0f %%", "decode_share", 100}, {"  %.1e", "max_error"}});
+    std::printf("\n");
+}
+
+void print_table(std::span<const Json> records) {
+    const Json& first = records.front();
+    std::printf("\n%s on %s; medians of %.0f updates, 48-byte matrices\n%-8s %7s  %-20s %9s %19s %9s %8s %7s %9s  %s\n",
+                text(first, "configuration").c_str(), text(first, "device").c_str(), real(first, "samples"), "isa",
+                "threads", "variant", "ms", "5 % - 95 %", "ns/joint", "GB/s", "x fill", "decode", "error");
+    for (const Json& record : records) print_row(record);
+}
+
+void run_case(const CpuOptions& options, const Generated& generated, bool moves_all, Measured& measured) {
+    const std::string configuration = std::to_string(generated.characters) + " x " + std::to_string(generated.joints) +
+                                      ", " + std::to_string(generated.levels) + " levels";
+    print_progress(configuration + ": compiling");
+    const Asset asset = unwrap(
+        make_creature({.joint_count = generated.joints, .level_count = generated.levels, .seed = options.seed}));
+    const Character character = unwrap(compile_character(asset, {.lods = false}));
+    bench::CpuCase of{.configuration = configuration,
+                      .characters = generated.characters,
+                      .variants = {},
+                      .isas = chosen_isas(options),
+                      .threads = options.threads,
+                      .samples = options.samples,
+                      .seed = options.seed};
+    if (options.clips != "1") of.variants.push_back({"two clips", &character, 2});
+    if (options.clips != "2") of.variants.push_back({"one clip", &character, 1});
+    std::optional<Character> moving;
+    if (moves_all && options.clips != "1") {
+        moving = unwrap(compile_character(bench::with_moving_translations(asset), {.lods = false}));
+        of.variants.push_back({"two, all joints move", &*moving, 2});
+    }
+    const std::vector<Json> records = bench::measure_cpu(of, print_progress);
+    measured.add(records, [&] { print_table(records); });
+}
+
+void run_cpu(CpuOptions options) {
+    chosen_isas(options);
+    if (options.threads.empty()) {
+        options.threads = {std::max(1u, std::thread::hardware_concurrency())};
+        if (options.threads[0] > 1) options.threads.push_back(1);
+    }
+    Measured measured(options.json);
+    if (options.characters || options.joints || options.levels) {
+        Generated one;
+        one.characters = options.characters.value_or(one.characters);
+        one.joints = options.joints.value_or(one.joints);
+        one.levels = options.levels.value_or(std::min(one.levels, one.joints));
+        run_case(options, one, true, measured);
+    } else {
+        for (const Generated& generated : kGenerated)
+            run_case(options, generated, &generated == &kGenerated.front(), measured);
+    }
+    measured.finish("", "an update");
+}
+
+}  // namespace
+
+void add_bench_cpu(Command bench) {
+    Command command = bench.add_subcommand("cpu",
+                                           "whole updates on the processor, with each of its instruction sets: "
+                                           "checked, then timed beside a fill of the same bytes; needs no device");
+    auto options = std::make_shared<CpuOptions>();
+    command.add_option("--characters", options->characters, "how many (default: several cases)")
+        .check(range(1u, 10'000'000u));
+    command.add_option("--joints", options->joints, "of each").check(range(2u, 65'535u));
+    command.add_option("--levels", options->levels, "of the skeleton").check(range(2u, 65'535u));
+    command.add_option("--clips", options->clips, "clips that each character plays")
+        .check(is_member({"1", "2", "all"}))
+        .capture_default_str();
+    command.add_option("--threads", options->threads, "numbers of threads, comma-separated (default: all, and one)")
+        .delimiter(',')
+        .check(range(1u, 1024u));
+    command.add_option("--isa", options->isa, "instruction set: sse2, avx2, avx-512, neon").capture_default_str();
+    add_samples_option(command, options->samples);
+    command.add_option("--seed", options->seed, "of creatures, clips, times and blends").capture_default_str();
+    add_json_flag(command, options->json);
+    command.footer(
+        "Examples:\n  throng bench cpu\n  throng bench cpu --characters 1000 --joints 64 --levels 15 --threads 1,2\n"
+        "  throng bench cpu --isa avx2 --json > cpu.jsonl");
+    command.callback([options] { run_cpu(*options); });
+}
+
+}  // namespace throng::tools
