@@ -181,7 +181,7 @@ public:
     // the last update. After it, all that are visible, and those that were, are listed. What a box hides behind is what
     // has been drawn in front of it, so nothing visible is left out. Call it in each such update. Errors:
     // kInvalidArgument (the last record() was not for such a view, no image), kLimit (the device cannot hold the depths
-    // in one storage buffer).
+    // in one storage buffer), kUnsupported (a native device).
     Result<void> record_disoccluded(VkCommandBuffer commands, const DepthImage& depths);
     // Says that the commands of the last record(), and of its record_disoccluded(), will never be submitted: of a
     // minimised window, or a swapchain that is out of date. The crowd is as if they had not been recorded: time has not

@@ -125,6 +125,8 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
 
 void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths) {
     if (!cull) throw Failure(ErrorCode::kInvalidArgument, "disoccluded", "CrowdSettings::culls is not set");
+    if (gpu->is_native())
+        throw Failure(ErrorCode::kUnsupported, "disoccluded", "a native device has no depths to test");
     constexpr Access kConsumers = kShaderRead | kVertexRead | kTransferRead | kIndirectRead;
     memory_barrier(*gpu, commands, kConsumers, kShaderWrite);  // what was listed has been drawn
     const Update update = update_of(commands, 0, {});

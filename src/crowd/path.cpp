@@ -47,13 +47,14 @@ std::string natively_unsupported_reason(const PathChoice& choice, const CrowdGro
 // On a native device where nothing else is asked for.
 PathChoice native_path(const CrowdSettings& settings, const CrowdGroup& group) {
     const bool any_scan = settings.scan == "auto";
-    const ScanMethod& method = *parse_scan_request(any_scan ? "serial" : settings.scan).method;
+    const ScanRequest request = parse_scan_request(any_scan ? "serial" : settings.scan);
+    const ScanMethod& method = *request.method;
     if (!scan_shaders(method.name).native)
         throw Failure(ErrorCode::kUnsupported, group.character->name + ": scan method '" + settings.scan + "'",
                       "a native device does not have it: 'serial'");
     PathChoice choice{.fused = {},
                       .native = true,
-                      .scan = {&method, 1},
+                      .scan = {&method, request.threads.value_or(0)},
                       .scan_reason = any_scan ? "what is fastest on one thread a character" : "asked for",
                       .path_reason = {}};
     const std::string reason = settings.path == UpdatePath::kStaged ? "asked for" : natively_staged_only(group);

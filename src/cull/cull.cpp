@@ -9,10 +9,10 @@
 namespace throng {
 
 CullKernels::CullKernels(const std::shared_ptr<Gpu>& gpu)
-    : cull(kernels::cull.on(gpu)),
-      offsets(kernels::offsets.on(gpu)),
-      list(kernels::list.on(gpu)),
-      reveal(kernels::reveal.on(gpu)),
-      pyramid(kernels::pyramid.on(gpu)) {}
+    : cull(kernels::cull.on(gpu)), offsets(kernels::offsets.on(gpu)), list(kernels::list.on(gpu)) {
+    if (gpu->is_native()) return;
+    reveal = kernels::reveal.on(gpu);
+    pyramid = kernels::pyramid.on(gpu);
+}
 
 }  // namespace throng

@@ -13,7 +13,8 @@ namespace throng {
 struct CullKernels {
     explicit CullKernels(const std::shared_ptr<Gpu>& gpu);
 
-    Kernel cull, offsets, list, reveal, pyramid;
+    Kernel cull, offsets, list;
+    Kernel reveal, pyramid;  // none on a native device, which has no depths
 };
 
 }  // namespace throng
