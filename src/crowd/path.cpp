@@ -45,16 +45,19 @@ std::string natively_unsupported_reason(const PathChoice& choice, const CrowdGro
 }
 
 // On a native device where nothing else is asked for.
-PathChoice native_path(const CrowdSettings& settings, const CrowdGroup& group) {
+PathChoice native_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
     const bool any_scan = settings.scan == "auto";
-    const ScanRequest request = parse_scan_request(any_scan ? "serial" : settings.scan);
-    const ScanMethod& method = *request.method;
-    if (!scan_shaders(method.name).native)
-        throw Failure(ErrorCode::kUnsupported, group.character->name + ": scan method '" + settings.scan + "'",
+    const Character& character = *group.character;
+    const ScanChoice scan = choose_scan(any_scan ? "serial" : settings.scan,
+                                        ScanRig(character.rig.parents, character.rig.uniform_scale),
+                                        group.instance_count, scan_limits(gpu), scan_costs(gpu))
+                                .choice;
+    if (!scan_shaders(scan.method->name).native)
+        throw Failure(ErrorCode::kUnsupported, character.name + ": scan method '" + settings.scan + "'",
                       "a native device does not have it: 'serial'");
     PathChoice choice{.fused = {},
                       .native = true,
-                      .scan = {&method, request.threads.value_or(0)},
+                      .scan = scan,
                       .scan_reason = any_scan ? "what is fastest on one thread a character" : "asked for",
                       .path_reason = {}};
     const std::string reason = settings.path == UpdatePath::kStaged ? "asked for" : natively_staged_only(group);
@@ -63,7 +66,7 @@ PathChoice native_path(const CrowdSettings& settings, const CrowdGroup& group) {
         choice.path_reason = "native, fused: all stages in one pass, by " + std::string(name_of(native_isas().back()));
     } else {
         if (settings.path == UpdatePath::kFused)
-            throw Failure(ErrorCode::kUnsupported, group.character->name + ": fused update", reason);
+            throw Failure(ErrorCode::kUnsupported, character.name + ": fused update", reason);
         choice.path_reason = "native, staged: " + reason;
     }
     return choice;
@@ -106,7 +109,7 @@ PathChoice device_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
 }  // namespace
 
 PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
-    if (gpu.is_native()) return native_path(settings, group);
+    if (gpu.is_native()) return native_path(gpu, settings, group);
     const bool is_native = settings.path == UpdatePath::kNative;
     if (is_native && !gpu.native)
         throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update",
