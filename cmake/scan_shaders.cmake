@@ -1,6 +1,7 @@
 # The scan methods: each file of src/scan/methods is <name>.comp, whose head says which methods it is the shader of,
-# which of them have a fused form, and which devices without Vulkan have, and <name>.cpp, with a function of each method's name that returns its row
-# (src/scan/scan_table.h). A method <name>_quaternion or <name>_transposed is <name>.comp compiled with that switch.
+# which of them have a fused form, and which devices without Vulkan have, and <name>.cpp, with a function of each
+# method's name that returns its row (src/scan/scan_table.h). A method <name>_quaternion or <name>_transposed is
+# <name>.comp compiled with that switch.
 file(GLOB scan_method_shaders CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/src
   ${PROJECT_SOURCE_DIR}/src/scan/methods/*.comp)
 set(THRONG_SCAN_METHODS "")
@@ -41,8 +42,8 @@ foreach(shader IN LISTS scan_method_shaders)
 endforeach()
 
 # throng_add_scan_variants(target table row variants...): the methods' shaders, compiled as each variant says, and a
-# file of rows {"method", words of each variant}, of which those of the fused forms may be empty; of the variant `native`
-# a row has the address of the NativeKernel, which may be null. `row` is the rows' type.
+# file of rows {"method", words of each variant}, of which those of the fused forms may be empty; of the variant
+# `native` a row has the address of the NativeKernel, which may be null. `row` is the rows' type.
 function(throng_add_scan_variants target table row)
   set(plain_defines "")
   set(software_defines GPU_SOFTWARE)

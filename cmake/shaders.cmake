@@ -24,9 +24,13 @@ endfunction()
 # throng_add_native(target shader name defines...): the text of a compute shader, relative to src/, as C++, which makes
 # the NativeKernel native::<name> (gpu/native_text.h). Each operation is rounded once and numbers are floats, as on a
 # device; buffers are words that texts see as several types, so nothing follows from types. GLSL converts numbers,
-# shadows names, and has functions that not every kernel uses.
-set(native_options -ffp-contract=off -fno-math-errno -fno-trapping-math -fno-strict-aliasing
-  -fsingle-precision-constant -Wno-conversion -Wno-shadow -Wno-unused-function -Wno-maybe-uninitialized)
+# shadows names, and has functions that not every kernel uses. Its constructors are C++20's aggregates in parentheses,
+# which GCC 10 has and Clang 16.
+set(native_options -ffp-contract=off -fno-math-errno -fno-trapping-math -fno-strict-aliasing -Wno-conversion -Wno-shadow
+  -Wno-unused-function)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  list(APPEND native_options -fsingle-precision-constant -Wno-maybe-uninitialized)
+endif()
 function(throng_add_native target shader name)
   set(source ${PROJECT_BINARY_DIR}/native/${name}.cpp)
   list(TRANSFORM THRONG_IO_HEADERS REPLACE "(.+)" "#include \"\\1\"\n" OUTPUT_VARIABLE includes)
@@ -58,9 +62,9 @@ const NativeKernel ${name} = io::native_kernel<io::Text>();
   target_sources(${target} PRIVATE ${source})
 endfunction()
 
-# throng_add_kernel(target kernel [SOFTWARE] [NATIVE]): a compute shader, relative to src/ and without its ending, as the
-# KernelCode kernels::<file> in <kernel>.kernel.h: with SOFTWARE also its variant for software devices, with NATIVE its
-# text as C++.
+# throng_add_kernel(target kernel [SOFTWARE] [NATIVE]): a compute shader, relative to src/ and without its ending, as
+# the KernelCode kernels::<file> in <kernel>.kernel.h: with SOFTWARE also its variant for software devices, with NATIVE
+# its text as C++.
 function(throng_add_kernel target kernel)
   cmake_parse_arguments(with "SOFTWARE;NATIVE" "" "" ${ARGN})
   cmake_path(GET kernel FILENAME name)

@@ -16,6 +16,10 @@ struct Swizzle {
     constexpr operator V() const { return V(all[kFrom]...); }
 };
 
+#ifdef __clang__
+#pragma clang diagnostic ignored "-Wnested-anon-types"
+#endif
+
 // What all vectors V of T have. Friends, so that swizzles and numbers are converted to what they take.
 template <class V, class T>
 struct VectorOperators {
