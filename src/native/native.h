@@ -20,7 +20,10 @@ std::span<const NativeIsa> native_isas();
 // Where an update reads and writes; what each buffer has is in docs/buffers.md, and as there cursors and active clips
 // are those of the control stage.
 struct NativeUpdate {
-    const io::InstanceCursor* cursors = nullptr;
+    const io::InstanceCursor* cursors = nullptr;   // two clips each; or
+    const io::ActiveClip* active_clips = nullptr;  // layers of them; the lowest covers (docs/controller.md, step 9)
+    uint32_t active_clip_limit = 0;
+    const float* masks = nullptr;  // NativeRig::masks_in_order()
     SkinFormat skin_format = SkinFormat::kAffine;
     std::byte* skin = nullptr;         // at a multiple of 64 bytes
     Affine* model = nullptr;           // of rigs that keep them
