@@ -1,5 +1,6 @@
 #include "native/native.h"
 
+#include "bind/skin_format.h"
 #include "native/kernels.h"
 
 #include <algorithm>
@@ -96,6 +97,15 @@ std::string_view name_of(NativeIsa isa) {
 std::span<const NativeIsa> native_isas() {
     static const std::vector<NativeIsa> isas = find_isas();
     return isas;
+}
+
+std::string native_unsupported(const Character& character, const NativeNeeds& needs) {
+    if (native_isas().empty()) return "there is no native engine for this processor";
+    if (needs.model_rotations) return "a layer blends rotations in model space, which needs each joint's parents";
+    if (needs.procedural_rules) return "procedural rules move joints between blend and scan";
+    if (needs.inertial) return "inertial transitions keep what was shown of each joint";
+    if (needs.pose_overrides) return "poses may be set from outside";
+    return skin_format_unsupported_reason(needs.skin_format, character);
 }
 
 void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa) {

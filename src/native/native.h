@@ -6,6 +6,7 @@
 #include "native/native_rig.h"
 
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace throng {
@@ -16,6 +17,17 @@ std::string_view name_of(NativeIsa isa);
 // Those that this program was compiled for and that the machine has, the slowest first. Never empty on x86-64 and
 // AArch64.
 std::span<const NativeIsa> native_isas();
+
+// What a group of characters asks of its updates.
+struct NativeNeeds {
+    SkinFormat skin_format = SkinFormat::kAffine;
+    bool model_rotations = false;  // a layer blends rotations in model space
+    bool inertial = false;         // transitions or layers
+    bool pose_overrides = false;
+    bool procedural_rules = false;
+};
+// Why its updates cannot be these; empty where they can.
+std::string native_unsupported(const Character& character, const NativeNeeds& needs);
 
 // Where an update reads and writes; what each buffer has is in docs/buffers.md, and as there cursors and active clips
 // are those of the control stage.
