@@ -5,20 +5,36 @@
 #pragma once
 
 #include "native/kernel_emit.h"
+#include "native/kernel_layers.h"
 
 namespace {
 
 struct Group {
     Played all[Lanes::kCount];
     uint32_t count;
+    Part* parts;  // [character][active_clip_limit] of layers
+    uint32_t part_count[Lanes::kCount];
 };
 
 template <Decoded kWhat>
-[[gnu::noinline]] void decode(const KernelRig& rig, const KernelUpdate&, const Group& group, uint32_t block,
+INLINE void decode_layers(const KernelRig& rig, const KernelUpdate& update, const Group& group, uint32_t block,
+                          DecodedBlock& out) {
+    for (uint32_t c = 0; c < group.count; ++c)
+        for (uint32_t lane = 0; lane < kBlockJoints; lane += Lanes::kCount)
+            store_quad(
+                out, c, lane,
+                mix_parts<kWhat>(rig, group.parts + c * update.active_clip_limit, group.part_count[c], block, lane));
+}
+
+template <Decoded kWhat>
+[[gnu::noinline]] void decode(const KernelRig& rig, const KernelUpdate& update, const Group& group, uint32_t block,
                               TurnedBlock& turned) {
     DecodedBlock decoded;
     if (group.count < Lanes::kCount) __builtin_memset(&decoded, 0, sizeof decoded);
-    decode_two_clips<kWhat>(rig, group.all, group.count, block, decoded);
+    if (update.active_clips)
+        decode_layers<kWhat>(rig, update, group, block, decoded);
+    else
+        decode_two_clips<kWhat>(rig, group.all, group.count, block, decoded);
     turn(decoded, turned);
 }
 
@@ -31,8 +47,14 @@ void begin(const KernelRig& rig, const KernelUpdate& update, const uint32_t* ins
                                          kLine);
     target.position = target.begin;
     target.written = 0;
+    group.parts = reinterpret_cast<Part*>(update.scratch + size_t{rig.slot_count} * sizeof(Matrix));
     for (uint32_t c = 0; c < count; ++c) {
-        group.all[c] = played(rig, update, instances[c]);
+        if (update.active_clips) {
+            group.all[c].instance = instances[c];
+            group.part_count[c] = find_parts(rig, update, instances[c], group.parts + c * update.active_clip_limit);
+        } else {
+            group.all[c] = played(rig, update, instances[c]);
+        }
         target.line[c] = update.skin + instances[c] * stride * 4 - target.begin * 4;
     }
 }
@@ -114,6 +136,10 @@ void decode_all(const KernelRig& rig, const KernelUpdate& update, const uint32_t
             asm volatile("" : : "m"(turned));  // used, as far as the compiler knows
         }
     }
+}
+
+size_t scratch_bytes(const KernelRig& rig, const KernelUpdate& update) {
+    return rig.slot_count * sizeof(Matrix) + size_t{Lanes::kCount} * update.active_clip_limit * sizeof(Part);
 }
 
 void fill(std::byte* to, size_t size) {

@@ -22,6 +22,7 @@ struct KernelUpdate {
 
 struct Kernel {
     uint32_t lane_count;
+    size_t (*scratch_bytes)(const KernelRig& rig, const KernelUpdate& update);
     // Characters whose skin matrices begin equally far from a line of the cache are walked together: instances
     // [count], in groups of lane_count.
     void (*update)(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count);

@@ -124,6 +124,19 @@ NativeRig::NativeRig(const Character& character, const NativeRigSettings& settin
         emission.constant = static_cast<uint32_t>(constants_.size() / 12);
         for (const auto& row : constant.as<float>().row) constants_.insert(constants_.end(), row.begin(), row.end());
     }
+    const auto place_count = static_cast<uint32_t>(rows_.blocks.size() * native::kBlockJoints);
+    const auto rounded_up = [](size_t count) {
+        return (count + native::kBlockJoints - 1) / native::kBlockJoints * native::kBlockJoints;
+    };
+    joints_of_places_.assign(place_count, kNone);
+    for (size_t i = 0; i < joints.size(); ++i) {
+        const native::StillJoint& still = rows_.still[i];
+        const size_t first_motion = rounded_up(joints.size()),
+                     first_scales = first_motion + rounded_up(rows_.motion_count);
+        joints_of_places_[i] = joints[i].joint;
+        if (still.motion != native::kNoIndex) joints_of_places_[first_motion + still.motion] = joints[i].joint;
+        if (still.scales != native::kNoIndex) joints_of_places_[first_scales + still.scales] = joints[i].joint;
+    }
     kernel_ = {.rows = rows_.bytes.get(),
                .row_bytes = rows_.row_bytes,
                .clips = rows_.clips.data(),
@@ -138,9 +151,28 @@ NativeRig::NativeRig(const Character& character, const NativeRigSettings& settin
                .emissions = emissions_.data(),
                .constants = constants_.data(),
                .slot_count = walk.slot_count,
+               .place_count = place_count,
+               .mask_stride = static_cast<uint32_t>(place_count + rounded_up(rows_.blocks.size())),
                .rig_joint_count = rig.joint_count(),
                .palette_count = static_cast<uint32_t>(character.palette.size()),
                .socket_count = static_cast<uint32_t>(settings.sockets.size())};
+}
+
+native::AlignedBytes NativeRig::masks_in_order(std::span<const float> masks) const {
+    const size_t count = masks.size() / kernel_.rig_joint_count;
+    native::AlignedBytes bytes = native::aligned_bytes(count * kernel_.mask_stride * sizeof(float));
+    auto* ordered = reinterpret_cast<float*>(bytes.get());
+    std::fill_n(ordered, count * kernel_.mask_stride, 0.0f);
+    for (size_t mask = 0; mask < count; ++mask) {
+        float* places = ordered + mask * kernel_.mask_stride;
+        for (size_t place = 0; place < joints_of_places_.size(); ++place) {
+            if (joints_of_places_[place] == kNone) continue;
+            places[place] = masks[mask * kernel_.rig_joint_count + joints_of_places_[place]];
+            float& of_block = places[kernel_.place_count + place / native::kBlockJoints];
+            of_block = std::max(of_block, places[place]);
+        }
+    }
+    return bytes;
 }
 
 uint64_t NativeRig::size_bytes() const {

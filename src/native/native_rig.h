@@ -15,7 +15,8 @@
 #include <throng/character.h>
 #include <throng/skin_format.h>
 
-#include <memory>
+#include <span>
+#include <vector>
 
 namespace throng {
 
@@ -33,6 +34,8 @@ public:
 
     uint64_t size_bytes() const;
     uint64_t row_bytes() const { return rows_.size_bytes(); }
+    // masks[mask][joint of the rig], 0..1, in the order that updates read: made once for all of them.
+    native::AlignedBytes masks_in_order(std::span<const float> masks) const;
     const native::KernelRig& kernel() const { return kernel_; }
 
 private:
@@ -40,6 +43,7 @@ private:
     std::vector<native::WalkStep> steps_;
     std::vector<native::Emission> emissions_;
     std::vector<float> constants_;
+    std::vector<uint32_t> joints_of_places_;  // kNone: of none
     native::KernelRig kernel_;
 };
 
