@@ -5,7 +5,7 @@
 #pragma once
 
 #include "native/kernel_emit.h"
-#include "native/kernel_layers.h"
+#include "native/kernel_inertia.h"
 
 namespace {
 
@@ -26,6 +26,30 @@ INLINE void decode_layers(const KernelRig& rig, const KernelUpdate& update, cons
                 mix_parts<kWhat>(rig, group.parts + c * update.active_clip_limit, group.part_count[c], block, lane));
 }
 
+// What lies on the animated poses.
+template <Decoded kWhat>
+[[gnu::noinline]] void adjust(const KernelRig& rig, const KernelUpdate& update, const Group& group, uint32_t block,
+                              DecodedBlock& decoded) {
+    const size_t block_count = rig.place_count / kBlockJoints;
+    for (uint32_t c = 0; c < group.count; ++c) {
+        const uint32_t instance = group.all[c].instance;
+        const io::InstancePose set = update.pose_overrides ? update.pose_overrides[instance] : io::InstancePose{0, 0};
+        if (!update.inertias && !(set.weight > 0)) continue;
+        for (uint32_t lane = 0; lane < kBlockJoints; lane += Lanes::kCount) {
+            Quad q{Lanes::load(&decoded.of[0][c][lane]), Lanes::load(&decoded.of[1][c][lane]),
+                   Lanes::load(&decoded.of[2][c][lane]), Lanes::load(&decoded.of[3][c][lane])};
+            if (update.inertias)
+                q = inertial<kWhat>(
+                    update.inertias[instance], q,
+                    update.inertia_states + (instance * block_count + block) * kInertiaFloats * kBlockJoints + lane);
+            if (set.weight > 0)
+                q = overridden<kWhat>(update.set_poses + (set.slot * block_count + block) * 4 * kBlockJoints + lane, q,
+                                      set.weight);
+            store_quad(decoded, c, lane, q);
+        }
+    }
+}
+
 template <Decoded kWhat>
 [[gnu::noinline]] void decode(const KernelRig& rig, const KernelUpdate& update, const Group& group, uint32_t block,
                               TurnedBlock& turned) {
@@ -35,6 +59,7 @@ template <Decoded kWhat>
         decode_layers<kWhat>(rig, update, group, block, decoded);
     else
         decode_two_clips<kWhat>(rig, group.all, group.count, block, decoded);
+    if (update.inertias || update.pose_overrides) adjust<kWhat>(rig, update, group, block, decoded);
     turn(decoded, turned);
 }
 

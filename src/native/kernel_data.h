@@ -7,7 +7,8 @@
 
 namespace throng::native {
 
-inline constexpr uint32_t kBlockJoints = 16;  // whose rows lie together
+inline constexpr uint32_t kBlockJoints = 16;    // whose rows lie together
+inline constexpr uint32_t kInertiaFloats = 14;  // of a place of a joint, from update to update
 inline constexpr uint32_t kNoIndex = 0xFFFFFFFFu;
 
 // The rows between two keys of a clip, evenly spaced.

@@ -62,6 +62,10 @@ void for_instances(const NativeRig& rig, const NativeUpdate& update, uint32_t fi
                                  .active_clips = update.active_clips,
                                  .active_clip_limit = update.active_clips ? update.active_clip_limit : 0,
                                  .masks = update.masks,
+                                 .inertias = update.inertias,
+                                 .inertia_states = update.inertia_states,
+                                 .pose_overrides = update.pose_overrides,
+                                 .set_poses = update.set_poses,
                                  .skin_format = static_cast<uint32_t>(update.skin_format),
                                  .skin = update.skin,
                                  .model = reinterpret_cast<float*>(update.model),
@@ -103,8 +107,6 @@ std::string native_unsupported(const Character& character, const NativeNeeds& ne
     if (native_isas().empty()) return "there is no native engine for this processor";
     if (needs.model_rotations) return "a layer blends rotations in model space, which needs each joint's parents";
     if (needs.procedural_rules) return "procedural rules move joints between blend and scan";
-    if (needs.inertial) return "inertial transitions keep what was shown of each joint";
-    if (needs.pose_overrides) return "poses may be set from outside";
     return skin_format_unsupported_reason(needs.skin_format, character);
 }
 
