@@ -87,12 +87,12 @@ Update CrowdState::update_of(VkCommandBuffer commands, float time_step_s, const 
     return {.commands = commands, .time_step_s = time_step_s, .view = view, .timer = timer.get()};
 }
 
-bool CrowdState::is_native(const CrowdView* view) const {
-    return gpu->is_native() || (std::ranges::all_of(groups, &Group::native) && !(view && view->occlusion));
+bool CrowdState::is_native(bool occlusion) const {
+    return gpu->is_native() || (std::ranges::all_of(groups, &Group::native) && !occlusion);
 }
 
 void CrowdState::update(float time_step_s, const CrowdView* view) {
-    if (!is_native(view))
+    if (!is_native(view && view->occlusion))
         return gpu->submit_and_wait([&](VkCommandBuffer commands) { record(commands, time_step_s, view); });
     if (!gpu->is_native()) gpu->wait_idle();  // what was submitted may still read what is written now
     record(VK_NULL_HANDLE, time_step_s, view);

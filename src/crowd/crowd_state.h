@@ -41,8 +41,8 @@ struct CrowdState {
     void clear_pose(uint32_t instance, float fade_s);
     void watch(std::span<const uint32_t> instances);
     std::vector<Feedback> take_feedback();
-    // Whether update() computes natively.
-    bool is_native(const CrowdView* view) const;
+    // Whether update() computes natively; with occlusion it does not.
+    bool is_native(bool occlusion) const;
     void update(float time_step_s, const CrowdView* view);
     // A command buffer of VK_NULL_HANDLE: natively, at once.
     void record(VkCommandBuffer commands, float time_step_s, const CrowdView* view);

@@ -1,7 +1,6 @@
 #include "crowd/path.h"
 
 #include "base/failure.h"
-#include "control/layer_commands.h"
 #include "native/native.h"
 #include "scan/scan_planner.h"
 #include "scan/scan_shaders.h"
@@ -33,9 +32,7 @@ std::string staged_only(const CrowdGroup& group) {
 // As staged_only(), of updates in one pass on this machine's processor.
 std::string natively_staged_only(const CrowdSettings& settings, const CrowdGroup& group) {
     if (std::string reason = staged_only(group); !reason.empty()) return reason;
-    return native_unsupported(*group.character, {.skin_format = settings.skin_format,
-                                                 .inertial = group.controller && has_inertia(*group.controller),
-                                                 .pose_overrides = group.pose_capacity > 0});
+    return native_unsupported(*group.character, {.skin_format = settings.skin_format});
 }
 
 // Why what a software device does cannot be done natively; empty where it can.
@@ -118,7 +115,8 @@ PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
         throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update",
                       gpu.info.name + " is no software device");
     PathChoice choice = device_path(gpu, settings, group);
-    if (!gpu.native || (settings.path != UpdatePath::kAuto && !is_native)) return choice;
+    const bool may_be_native = settings.path == UpdatePath::kAuto && settings.scan == "auto";
+    if (!gpu.native || !(is_native || may_be_native)) return choice;
     const std::string reason = natively_unsupported_reason(choice, settings, group);
     if (is_native && !reason.empty())
         throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update", reason);
