@@ -98,6 +98,23 @@ void CrowdState::update(float time_step_s, const CrowdView* view) {
     record(VK_NULL_HANDLE, time_step_s, view);
 }
 
+// What a native update keeps for itself, kernels of the device do not find, and the other way round.
+void CrowdState::check_runs(bool natively) {
+    for (const Group& group : groups) {
+        if (natively) break;
+        if (group.sockets_only)
+            throw Failure(ErrorCode::kUnsupported, group.name + ": sockets only",
+                          "they are computed natively alone: by update(), and without occlusion");
+    }
+    const bool is_inertial = std::ranges::any_of(
+        groups, [](const Group& group) { return group.native && group.controller && group.controller->is_inertial; });
+    if (is_inertial && has_updated_ && natively != was_native_)
+        throw Failure(ErrorCode::kUnsupported, "crowd",
+                      "with inertial transitions, updates by update() and those that are recorded cannot take turns: "
+                      "UpdatePath::kFused and kStaged run both on the device");
+    was_native_ = natively;
+}
+
 void CrowdState::record(VkCommandBuffer commands, float time_step_s, const CrowdView* view) {
     if (view && !cull) throw Failure(ErrorCode::kInvalidArgument, "view", "CrowdSettings::culls is not set");
     if (view && view->occlusion && gpu->is_native())
@@ -108,6 +125,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     // Whoever reads the last update's results must be done.
     memory_barrier(*gpu, commands, kConsumers | kShaderWrite | kTransferWrite,
                    kShaderRead | kShaderWrite | kTransferWrite);
+    check_runs(commands == VK_NULL_HANDLE);
     if (feedback) feedback->begin(commands);  // before anything is taken up, since it may refuse
     can_discard_ = true;
     const Update update = update_of(commands, time_step_s, seen);

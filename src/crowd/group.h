@@ -78,6 +78,7 @@ struct Group {
     std::optional<GroupController> controller;
     std::optional<GroupSockets> sockets;
     SocketSpace socket_space = SocketSpace::kWorld;
+    bool sockets_only = false;
     std::optional<Steering> steering;
     std::optional<GroupProcedural> procedural;
     bool packed = false;

@@ -106,10 +106,8 @@ PathChoice device_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
             .path_reason = "staged: " + unsupported_reason};
 }
 
-}  // namespace
-
-PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
-    if (gpu.is_native()) return native_path(gpu, settings, group);
+// On a device of Vulkan, or natively beside it.
+PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
     const bool is_native = settings.path == UpdatePath::kNative;
     if (is_native && !gpu.native)
         throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update",
@@ -123,6 +121,23 @@ PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
     choice.native = reason.empty();
     choice.path_reason = choice.native ? "native, " + choice.path_reason
                                        : choice.path_reason + "; not native: " + reason;
+    return choice;
+}
+
+// What computes sockets alone.
+void check_sockets_only(const PathChoice& choice, const CrowdGroup& group) {
+    const std::string place = group.character->name + ": sockets only";
+    if (group.sockets.empty()) throw Failure(ErrorCode::kInvalidArgument, place, "there are no sockets");
+    if (!choice.native || !choice.fused)
+        throw Failure(ErrorCode::kUnsupported, place,
+                      "only a native update in one pass computes them alone, and this is " + choice.path_reason);
+}
+
+}  // namespace
+
+PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
+    PathChoice choice = gpu.is_native() ? native_path(gpu, settings, group) : vulkan_path(gpu, settings, group);
+    if (group.sockets_only) check_sockets_only(choice, group);
     return choice;
 }
 

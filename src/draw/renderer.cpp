@@ -135,6 +135,9 @@ void RendererState::record(VkCommandBuffer commands, Crowd& crowd, float time_st
 RendererState::Frame RendererState::prepare(const Crowd& crowd, const Camera& camera) {
     const CrowdState& state = crowd.state();
     if (state.gpu != gpu) throw Failure(ErrorCode::kInvalidArgument, "render", "the crowd lives on another device");
+    for (const Group& group : state.groups)
+        if (group.sockets_only)
+            throw Failure(ErrorCode::kInvalidArgument, "render", group.name + " has sockets only, and nothing to draw");
     if (options.skeletons && !state.batches.front()[io::kModelBuffer])
         throw Failure(ErrorCode::kInvalidArgument, "skeletons",
                       "the crowd keeps no model matrices; set CrowdSettings::keep_model_matrices");

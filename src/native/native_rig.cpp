@@ -90,10 +90,12 @@ NativeRig::NativeRig(const Character& character, const NativeRigSettings& settin
     std::vector<bool> moves(rig.joint_count(), true);
     for (size_t joint = 0; some_joints && joint < moves.size(); ++joint)
         moves[joint] = character.joint_lods[joint] >= settings.lod;
+    const std::span<const PaletteEntry> palette = settings.sockets_only ? std::span<const PaletteEntry>()
+                                                                        : character.palette;
     native::Walk walk = native::plan_walk({.parents = rig.parents,
                                            .moves = moves,
-                                           .palette = character.palette,
-                                           .keeps_model = settings.keeps_model,
+                                           .palette = palette,
+                                           .keeps_model = settings.keeps_model && !settings.sockets_only,
                                            .sockets = settings.sockets});
     const std::vector<Similarity> rest = rest_poses(rig), spaces = joint_spaces(character, rest);
     const std::vector<double> reach = reaches(character, rest);
@@ -147,7 +149,7 @@ NativeRig::NativeRig(const Character& character, const NativeRigSettings& settin
                .place_count = rows_.place_count(),
                .mask_stride = rows_.place_count() + native::Rows::rounded_up(rows_.blocks.size()),
                .rig_joint_count = rig.joint_count(),
-               .palette_count = static_cast<uint32_t>(character.palette.size()),
+               .palette_count = static_cast<uint32_t>(palette.size()),
                .socket_count = static_cast<uint32_t>(settings.sockets.size())};
 }
 
