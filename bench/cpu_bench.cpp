@@ -3,7 +3,10 @@
 #include "bench/cpu_threads.h"
 #include "bench/updates.h"
 #include "bench/value_of.h"
+#include "blend/active_clips_reference.h"
 #include "control/control_reference.h"
+#include "reference/reference.h"
+#include "sample/sample_reference.h"
 
 #include <throng/reference.h>
 
@@ -24,7 +27,51 @@ constexpr double kFrameStep_s = 0.1;  // rows further on in each frame
 struct Scene {
     std::vector<Playback> playbacks;                       // [character], of the first frame
     std::vector<std::vector<io::InstanceCursor>> cursors;  // [frame][character]
+    std::vector<std::vector<io::ActiveClip>> layers;       // [frame][character][kActiveClips]
+    std::vector<float> mask;
+    native::AlignedBytes ordered_mask;
 };
+
+// Three layers: both clips of the playback; both again, by other weights, on the joints of a mask; the second one's
+// difference from its first row.
+constexpr uint32_t kActiveClips = 5;
+constexpr float kMaskedWeight = 0.7f, kAdditiveWeight = 0.3f;
+
+std::array<io::ActiveClip, kActiveClips> layers_of(const Character& character, const io::InstanceCursor& cursor) {
+    const auto active = [&](const io::SlotCursor& of, float weight, float layer_weight, uint32_t flags) {
+        const Clip& clip = character.clips[of.first_track / character.rig.joint_count()];
+        return io::ActiveClip{of.first_track, of.earlier,   of.later,       of.fraction,
+                              weight,         layer_weight, clip.first_row, flags};
+    };
+    using namespace io;
+    return {active(cursor.first, cursor.weight, 1, kActiveClipBeginsLayer),
+            active(cursor.second, 1 - cursor.weight, 1, kActiveClipEndsLayer),
+            active(cursor.second, cursor.weight, kMaskedWeight, kActiveClipBeginsLayer | kActiveClipMasked),
+            active(cursor.first, 1 - cursor.weight, kMaskedWeight, kActiveClipEndsLayer | kActiveClipMasked),
+            active(cursor.second, 1, kAdditiveWeight,
+                   kActiveClipBeginsLayer | kActiveClipEndsLayer | kActiveClipEnds | kActiveClipAdditive)};
+}
+
+ReferencePose layers_reference(const Character& character, const Playback& playback, std::span<const float> mask) {
+    const auto first_row = sample_reference(character, playback.second.clip, 0);
+    const auto pose = [&](const ClipPlayback& of) {
+        const double time_s = local_time_reference(of.time_s, character.clips[of.clip].duration_s, true);
+        return sample_reference(character, of.clip, time_s);
+    };
+    const auto first = pose(playback.first), second = pose(playback.second);
+    const double weight = playback.weight;
+    std::vector<Trs<double>> local;
+    for (size_t j = 0; j < first.size(); ++j) {
+        const std::array<ReferenceLayer, 3> layers{
+            ReferenceLayer{.active_clips = {{first[j], {}, weight}, {second[j], {}, 1 - weight}}},
+            ReferenceLayer{.weight = double{kMaskedWeight} * mask[j],
+                           .active_clips = {{second[j], {}, weight}, {first[j], {}, 1 - weight}}},
+            ReferenceLayer{
+                .is_additive = true, .weight = kAdditiveWeight, .active_clips = {{second[j], first_row[j], 1}}}};
+        local.push_back(active_clips_reference(layers));
+    }
+    return pose_from_local(character, local);
+}
 
 io::SlotCursor cursor_of(const Character& character, const ClipPlayback& playback) {
     const Clip& clip = character.clips[playback.clip];
@@ -88,6 +135,7 @@ public:
             progress(of.configuration + ": preparing " + variant.name);
             if (!rigs_.contains(variant.character)) rigs_.emplace(variant.character, NativeRig(*variant.character));
             scenes_.push_back(make_scene(*variant.character, of.characters, variant.clips, of.seed));
+            if (variant.layers) add_layers(variant, scenes_.back());
         }
         for (const uint32_t threads : of.threads) threads_.emplace(threads, threads);
     }
@@ -126,6 +174,17 @@ private:
         bool is_wrong() const { return !(error <= kSkinErrorBound); }
     };
 
+    void add_layers(const CpuVariant& variant, Scene& scene) const {
+        const uint32_t joints = variant.character->rig.joint_count();
+        for (uint32_t joint = 0; joint < joints; ++joint) scene.mask.push_back(joint < joints / 2 ? 0.0f : 1.0f);
+        scene.ordered_mask = rigs_.at(variant.character).masks_in_order(scene.mask);
+        for (const auto& cursors : scene.cursors) {
+            auto& layers = scene.layers.emplace_back();
+            for (const io::InstanceCursor& cursor : cursors)
+                for (const io::ActiveClip& clip : layers_of(*variant.character, cursor)) layers.push_back(clip);
+        }
+    }
+
     static size_t most_bytes(const CpuCase& of) {
         size_t most = 0;
         for (const CpuVariant& variant : of.variants)
@@ -156,8 +215,13 @@ private:
                 stream_fill({output_.data() + begin, stop - begin}, entrant.isa);
             });
         const NativeRig& rig = rigs_.at(entrant.variant->character);
-        const NativeUpdate buffers{.cursors = scenes_[entrant.scene].cursors[frame % kFrames].data(),
-                                   .skin = output_.data()};
+        const Scene& scene = scenes_[entrant.scene];
+        NativeUpdate buffers{.cursors = scene.cursors[frame % kFrames].data(), .skin = output_.data()};
+        if (entrant.variant->layers) {
+            buffers.active_clips = scene.layers[frame % kFrames].data();
+            buffers.active_clip_limit = kActiveClips;
+            buffers.masks = reinterpret_cast<const float*>(scene.ordered_mask.get());
+        }
         return threads.run_s(of_.characters, kPart, [&](uint32_t first, uint32_t end) {
             (only_decode ? decode_only : static_cast<decltype(&decode_only)>(update))(rig, buffers, first, end,
                                                                                       entrant.isa);
@@ -171,7 +235,10 @@ private:
         for (uint64_t i = 1; i <= kChecked; ++i) {
             const uint64_t instance = uint64_t{of_.characters} * i / kChecked - 1;
             const auto* skin = reinterpret_cast<const Affine*>(output_.data() + instance * instance_bytes(entrant));
-            const ReferencePose pose = value_of(reference_pose(character, scenes_[entrant.scene].playbacks[instance]));
+            const Scene& scene = scenes_[entrant.scene];
+            const Playback& playback = scene.playbacks[instance];
+            const ReferencePose pose = entrant.variant->layers ? layers_reference(character, playback, scene.mask)
+                                                               : value_of(reference_pose(character, playback));
             worst = std::max(worst, skin_error({skin, character.palette.size()}, pose.model_from_bind, character.size));
         }
         return worst;

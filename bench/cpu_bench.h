@@ -14,6 +14,7 @@ struct CpuVariant {
     std::string name;
     const Character* character = nullptr;
     uint32_t clips = 2;
+    bool layers = false;  // two clips, below two of a masked layer, below an additive one
 };
 
 struct CpuCase {

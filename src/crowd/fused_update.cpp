@@ -141,11 +141,16 @@ void FusedUpdate::update_natively(const Member& member, uint32_t set) const {
 
 void FusedUpdate::update_natively(const Batch& batch, uint32_t set, const Buffer& skin, uint32_t section) const {
     const Group& group = group_of(batch);
-    NativeUpdate natively{.cursors = reinterpret_cast<const io::InstanceCursor*>(batch[io::kCursorsBuffer].mapped()),
-                          .skin_format = skin_format_,
-                          .skin = skin.mapped(),
-                          .model = reinterpret_cast<Affine*>(batch[io::kModelBuffer].mapped()),
-                          .sockets = reinterpret_cast<Affine*>(batch[io::kSocketsBuffer].mapped())};
+    const FusedJoints& joints = group.fused[set];
+    NativeUpdate natively{
+        .cursors = reinterpret_cast<const io::InstanceCursor*>(batch[io::kCursorsBuffer].mapped()),
+        .active_clips = reinterpret_cast<const io::ActiveClip*>(batch[io::kActiveClipsBuffer].mapped()),
+        .active_clip_limit = group.controller ? group.controller->active_clip_limit : 0,
+        .masks = reinterpret_cast<const float*>(joints.native_masks.get()),
+        .skin_format = skin_format_,
+        .skin = skin.mapped(),
+        .model = reinterpret_cast<Affine*>(batch[io::kModelBuffer].mapped()),
+        .sockets = reinterpret_cast<Affine*>(batch[io::kSocketsBuffer].mapped())};
     uint32_t count = batch.instance_count;
     if (is_listed(group)) {
         const auto* const work = reinterpret_cast<const uint32_t*>(batch[io::kWorkBuffer].mapped());
@@ -153,9 +158,8 @@ void FusedUpdate::update_natively(const Batch& batch, uint32_t set, const Buffer
         count = work[2 * section + 1];
     }
     constexpr uint32_t kLeast = 16;  // instances that are walked side by side
-    gpu_->native->for_parts(count, kLeast, [&](uint32_t first, uint32_t end) {
-        throng::update(*group.fused[set].native, natively, first, end);
-    });
+    gpu_->native->for_parts(
+        count, kLeast, [&](uint32_t first, uint32_t end) { throng::update(*joints.native, natively, first, end); });
 }
 
 // From model to world space, in place.

@@ -57,6 +57,7 @@ GroupController::GroupController(Uploads& uploads, const Controller& controller,
     active_clip_limit = made.active_clip_limit;
     initial_layers = made.initial_layers;
     initial_parameters = made.initial_parameters;
+    masks = made.masks;
     layer_kinds = throng::layer_kinds(controller);
     is_inertial = has_inertia(controller);
     for (const ControllerLayer& layer : controller.layers) model_layer_count += layer.model_space_rotations ? 1 : 0;
@@ -149,11 +150,13 @@ void Group::make_lods(Uploads& uploads, const Character& character) {
 
 // For a set of joints that is there already.
 void Group::make_native(const Character& character, const CrowdSettings& settings, uint32_t lod) {
-    if (native && !fused.empty())
-        fused[lod].native = std::make_shared<const NativeRig>(
-            character, NativeRigSettings{.lod = lod,
-                                         .keeps_model = settings.keep_model_matrices,
-                                         .sockets = sockets ? sockets->joints : std::vector<uint32_t>()});
+    if (!native || fused.empty()) return;
+    FusedJoints& joints = fused[lod];
+    joints.native = std::make_shared<const NativeRig>(
+        character, NativeRigSettings{.lod = lod,
+                                     .keeps_model = settings.keep_model_matrices,
+                                     .sockets = sockets ? sockets->joints : std::vector<uint32_t>()});
+    if (controller) joints.native_masks = joints.native->masks_in_order(controller->masks);
 }
 
 // The sets of joints of coarser levels, as far as the method of the finest goes about them, and the influences that
@@ -167,7 +170,7 @@ void Group::reduce_joints(Uploads& uploads, const Character& character, const Cr
         if (!uploads.gpu()->is_native()) plan = plan_fused(plan.choice, rig, scan_limits(*uploads.gpu()));
         if (!plan.unsupported_reason.empty()) break;
         Buffers tables = upload_fused_tables(uploads, character, rig, plan);
-        fused.push_back({rig.rig.joint_count(), std::move(plan), std::move(tables), {}});
+        fused.push_back({rig.rig.joint_count(), std::move(plan), std::move(tables), {}, {}});
         make_native(character, settings, lod);
         const std::vector<Influences> of_lod = influences_of_lod(character, lod);
         all.insert(all.end(), of_lod.begin(), of_lod.end());

@@ -26,6 +26,7 @@ struct FusedJoints {
     FusedPlan plan;
     Buffers tables;                           // of upload_fused_tables()
     std::shared_ptr<const NativeRig> native;  // where the group is updated natively
+    native::AlignedBytes native_masks;        // and of the controller's masks, NativeRig::masks_in_order()
 };
 
 // What a group that is driven by a controller has.
@@ -40,6 +41,7 @@ struct GroupController {
     std::vector<LayerKind> layer_kinds;  // [layer_count]
     std::vector<io::LayerState> initial_layers;
     std::vector<float> initial_parameters;
+    std::vector<float> masks;  // [mask][joint]
 };
 
 // Joints that things are attached to.

@@ -1,6 +1,7 @@
 #include "crowd/path.h"
 
 #include "base/failure.h"
+#include "control/layer_commands.h"
 #include "native/native.h"
 #include "scan/scan_planner.h"
 #include "scan/scan_shaders.h"
@@ -30,16 +31,17 @@ std::string staged_only(const CrowdGroup& group) {
 }
 
 // As staged_only(), of updates in one pass on this machine's processor.
-std::string natively_staged_only(const CrowdGroup& group) {
+std::string natively_staged_only(const CrowdSettings& settings, const CrowdGroup& group) {
     if (std::string reason = staged_only(group); !reason.empty()) return reason;
-    if (group.controller) return "layers of controllers";
-    if (group.pose_capacity > 0) return "pose overrides";
-    return {};
+    return native_unsupported(*group.character, {.skin_format = settings.skin_format,
+                                                 .inertial = group.controller && has_inertia(*group.controller),
+                                                 .pose_overrides = group.pose_capacity > 0});
 }
 
 // Why what a software device does cannot be done natively; empty where it can.
-std::string natively_unsupported_reason(const PathChoice& choice, const CrowdGroup& group) {
-    if (choice.fused) return natively_staged_only(group);
+std::string natively_unsupported_reason(const PathChoice& choice, const CrowdSettings& settings,
+                                        const CrowdGroup& group) {
+    if (choice.fused) return natively_staged_only(settings, group);
     if (scan_shaders(choice.scan.method->name).native) return {};
     return "scan method " + std::string(choice.scan.method->name) + " runs on Vulkan alone";
 }
@@ -60,7 +62,8 @@ PathChoice native_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
                       .scan = scan,
                       .scan_reason = any_scan ? "what is fastest on one thread a character" : "asked for",
                       .path_reason = {}};
-    const std::string reason = settings.path == UpdatePath::kStaged ? "asked for" : natively_staged_only(group);
+    const std::string reason = settings.path == UpdatePath::kStaged ? "asked for"
+                                                                    : natively_staged_only(settings, group);
     if (reason.empty()) {
         choice.fused.emplace(FusedPlan{.unsupported_reason = {}, .choice = choice.scan});
         choice.path_reason = "native, fused: all stages in one pass, by " + std::string(name_of(native_isas().back()));
@@ -116,7 +119,7 @@ PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
                       gpu.info.name + " is no software device");
     PathChoice choice = device_path(gpu, settings, group);
     if (!gpu.native || (settings.path != UpdatePath::kAuto && !is_native)) return choice;
-    const std::string reason = natively_unsupported_reason(choice, group);
+    const std::string reason = natively_unsupported_reason(choice, settings, group);
     if (is_native && !reason.empty())
         throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update", reason);
     choice.native = reason.empty();

@@ -5,20 +5,61 @@
 #pragma once
 
 #include "native/kernel_emit.h"
+#include "native/kernel_inertia.h"
 
 namespace {
 
 struct Group {
     Played all[Lanes::kCount];
     uint32_t count;
+    Part* parts;  // [character][active_clip_limit] of layers
+    uint32_t part_count[Lanes::kCount];
 };
 
 template <Decoded kWhat>
-[[gnu::noinline]] void decode(const KernelRig& rig, const KernelUpdate&, const Group& group, uint32_t block,
+INLINE void decode_layers(const KernelRig& rig, const KernelUpdate& update, const Group& group, uint32_t block,
+                          DecodedBlock& out) {
+    for (uint32_t c = 0; c < group.count; ++c)
+        for (uint32_t lane = 0; lane < kBlockJoints; lane += Lanes::kCount)
+            store_quad(
+                out, c, lane,
+                mix_parts<kWhat>(rig, group.parts + c * update.active_clip_limit, group.part_count[c], block, lane));
+}
+
+// What lies on the animated poses.
+template <Decoded kWhat>
+[[gnu::noinline]] void adjust(const KernelRig& rig, const KernelUpdate& update, const Group& group, uint32_t block,
+                              DecodedBlock& decoded) {
+    const size_t block_count = rig.place_count / kBlockJoints;
+    for (uint32_t c = 0; c < group.count; ++c) {
+        const uint32_t instance = group.all[c].instance;
+        const io::InstancePose set = update.pose_overrides ? update.pose_overrides[instance] : io::InstancePose{0, 0};
+        if (!update.inertias && !(set.weight > 0)) continue;
+        for (uint32_t lane = 0; lane < kBlockJoints; lane += Lanes::kCount) {
+            Quad q{Lanes::load(&decoded.of[0][c][lane]), Lanes::load(&decoded.of[1][c][lane]),
+                   Lanes::load(&decoded.of[2][c][lane]), Lanes::load(&decoded.of[3][c][lane])};
+            if (update.inertias)
+                q = inertial<kWhat>(
+                    update.inertias[instance], q,
+                    update.inertia_states + (instance * block_count + block) * kInertiaFloats * kBlockJoints + lane);
+            if (set.weight > 0)
+                q = overridden<kWhat>(update.set_poses + (set.slot * block_count + block) * 4 * kBlockJoints + lane, q,
+                                      set.weight);
+            store_quad(decoded, c, lane, q);
+        }
+    }
+}
+
+template <Decoded kWhat>
+[[gnu::noinline]] void decode(const KernelRig& rig, const KernelUpdate& update, const Group& group, uint32_t block,
                               TurnedBlock& turned) {
     DecodedBlock decoded;
     if (group.count < Lanes::kCount) __builtin_memset(&decoded, 0, sizeof decoded);
-    decode_two_clips<kWhat>(rig, group.all, group.count, block, decoded);
+    if (update.active_clips)
+        decode_layers<kWhat>(rig, update, group, block, decoded);
+    else
+        decode_two_clips<kWhat>(rig, group.all, group.count, block, decoded);
+    if (update.inertias || update.pose_overrides) adjust<kWhat>(rig, update, group, block, decoded);
     turn(decoded, turned);
 }
 
@@ -31,8 +72,14 @@ void begin(const KernelRig& rig, const KernelUpdate& update, const uint32_t* ins
                                          kLine);
     target.position = target.begin;
     target.written = 0;
+    group.parts = reinterpret_cast<Part*>(update.scratch + size_t{rig.slot_count} * sizeof(Matrix));
     for (uint32_t c = 0; c < count; ++c) {
-        group.all[c] = played(rig, update, instances[c]);
+        if (update.active_clips) {
+            group.all[c].instance = instances[c];
+            group.part_count[c] = find_parts(rig, update, instances[c], group.parts + c * update.active_clip_limit);
+        } else {
+            group.all[c] = played(rig, update, instances[c]);
+        }
         target.line[c] = update.skin + instances[c] * stride * 4 - target.begin * 4;
     }
 }
@@ -114,6 +161,10 @@ void decode_all(const KernelRig& rig, const KernelUpdate& update, const uint32_t
             asm volatile("" : : "m"(turned));  // used, as far as the compiler knows
         }
     }
+}
+
+size_t scratch_bytes(const KernelRig& rig, const KernelUpdate& update) {
+    return rig.slot_count * sizeof(Matrix) + size_t{Lanes::kCount} * update.active_clip_limit * sizeof(Part);
 }
 
 void fill(std::byte* to, size_t size) {

@@ -7,7 +7,8 @@
 
 namespace throng::native {
 
-inline constexpr uint32_t kBlockJoints = 16;  // whose rows lie together
+inline constexpr uint32_t kBlockJoints = 16;    // whose rows lie together
+inline constexpr uint32_t kInertiaFloats = 14;  // of a place of a joint, from update to update
 inline constexpr uint32_t kNoIndex = 0xFFFFFFFFu;
 
 // The rows between two keys of a clip, evenly spaced.
@@ -68,6 +69,8 @@ struct KernelRig {
     const Emission* emissions = nullptr;
     const float* constants = nullptr;  // [constant][12]
     uint32_t slot_count = 1;
+    uint32_t place_count = 0;  // of joints in all blocks
+    uint32_t mask_stride = 0;  // floats of a mask: one a place, then one a block, 0 where it has none above
     uint32_t rig_joint_count = 0, palette_count = 0, socket_count = 0;
 };
 

@@ -12,16 +12,21 @@ struct KernelUpdate {
     const io::InstanceCursor* cursors = nullptr;   // [instance]; or
     const io::ActiveClip* active_clips = nullptr;  // [instance][active_clip_limit]
     uint32_t active_clip_limit = 0;
-    const float* masks = nullptr;  // NativeRig::masks_in_order()
-    uint32_t skin_format = 0;      // bind/bind_io.h
-    std::byte* skin = nullptr;     // [instance][palette entry], at a multiple of 16 bytes
-    float* model = nullptr;        // [instance][joint of the rig][12], or none
-    float* sockets = nullptr;      // [instance][socket][12]
-    std::byte* scratch = nullptr;  // scratch_bytes() of the kernel, at a multiple of 64
+    const float* masks = nullptr;                      // NativeRig::masks_in_order()
+    const io::InstanceInertia* inertias = nullptr;     // [instance], of layers
+    float* inertia_states = nullptr;                   // [instance][NativeRig::inertia_floats()]
+    const io::InstancePose* pose_overrides = nullptr;  // [instance]
+    const float* set_poses = nullptr;                  // [slot][NativeRig::pose_floats()]
+    uint32_t skin_format = 0;                          // bind/bind_io.h
+    std::byte* skin = nullptr;                         // [instance][palette entry], at a multiple of 16 bytes
+    float* model = nullptr;                            // [instance][joint of the rig][12], or none
+    float* sockets = nullptr;                          // [instance][socket][12]
+    std::byte* scratch = nullptr;                      // scratch_bytes() of the kernel, at a multiple of 64
 };
 
 struct Kernel {
     uint32_t lane_count;
+    size_t (*scratch_bytes)(const KernelRig& rig, const KernelUpdate& update);
     // Characters whose skin matrices begin equally far from a line of the cache are walked together: instances
     // [count], in groups of lane_count.
     void (*update)(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count);

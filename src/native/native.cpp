@@ -1,5 +1,6 @@
 #include "native/native.h"
 
+#include "bind/skin_format.h"
 #include "native/kernels.h"
 
 #include <algorithm>
@@ -57,13 +58,19 @@ template <class Run>
 void for_instances(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end,
                    const native::Kernel& kernel, const Run& run_kernel) {
     const native::KernelRig& of = rig.kernel();
-    const native::KernelUpdate buffers{
-        .cursors = update.cursors,
-        .skin_format = static_cast<uint32_t>(update.skin_format),
-        .skin = update.skin,
-        .model = reinterpret_cast<float*>(update.model),
-        .sockets = reinterpret_cast<float*>(update.sockets),
-        .scratch = scratch(size_t{of.slot_count} * 12 * sizeof(float) * kernel.lane_count)};
+    native::KernelUpdate buffers{.cursors = update.cursors,
+                                 .active_clips = update.active_clips,
+                                 .active_clip_limit = update.active_clips ? update.active_clip_limit : 0,
+                                 .masks = update.masks,
+                                 .inertias = update.inertias,
+                                 .inertia_states = update.inertia_states,
+                                 .pose_overrides = update.pose_overrides,
+                                 .set_poses = update.set_poses,
+                                 .skin_format = static_cast<uint32_t>(update.skin_format),
+                                 .skin = update.skin,
+                                 .model = reinterpret_cast<float*>(update.model),
+                                 .sockets = reinterpret_cast<float*>(update.sockets)};
+    buffers.scratch = scratch(kernel.scratch_bytes(of, buffers));
     // Instances whose matrices begin equally far into a line of the cache go together
     const uint32_t instance_bytes = of.palette_count * kSkinBytes[buffers.skin_format];
     const uint32_t class_count = 64 / std::gcd(instance_bytes, 64u);
@@ -94,6 +101,13 @@ std::string_view name_of(NativeIsa isa) {
 std::span<const NativeIsa> native_isas() {
     static const std::vector<NativeIsa> isas = find_isas();
     return isas;
+}
+
+std::string native_unsupported(const Character& character, const NativeNeeds& needs) {
+    if (native_isas().empty()) return "there is no native engine for this processor";
+    if (needs.model_rotations) return "a layer blends rotations in model space, which needs each joint's parents";
+    if (needs.procedural_rules) return "procedural rules move joints between blend and scan";
+    return skin_format_unsupported_reason(needs.skin_format, character);
 }
 
 void update(const NativeRig& rig, const NativeUpdate& update, uint32_t first, uint32_t end, NativeIsa isa) {

@@ -6,6 +6,7 @@
 #include "native/native_rig.h"
 
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace throng {
@@ -17,10 +18,26 @@ std::string_view name_of(NativeIsa isa);
 // AArch64.
 std::span<const NativeIsa> native_isas();
 
+// What a group of characters asks of its updates.
+struct NativeNeeds {
+    SkinFormat skin_format = SkinFormat::kAffine;
+    bool model_rotations = false;  // a layer blends rotations in model space
+    bool procedural_rules = false;
+};
+// Why its updates cannot be these; empty where they can.
+std::string native_unsupported(const Character& character, const NativeNeeds& needs);
+
 // Where an update reads and writes; what each buffer has is in docs/buffers.md, and as there cursors and active clips
-// are those of the control stage.
+// are those of the control stage. Masks, states of inertia and set poses begin at a multiple of 64 bytes.
 struct NativeUpdate {
-    const io::InstanceCursor* cursors = nullptr;
+    const io::InstanceCursor* cursors = nullptr;   // two clips each; or
+    const io::ActiveClip* active_clips = nullptr;  // layers of them; the lowest covers (docs/controller.md, step 9)
+    uint32_t active_clip_limit = 0;
+    const float* masks = nullptr;                   // NativeRig::masks_in_order()
+    const io::InstanceInertia* inertias = nullptr;  // of layers with inertial transitions
+    float* inertia_states = nullptr;                // [instance][NativeRig::inertia_floats()], zeros at first
+    const io::InstancePose* pose_overrides = nullptr;
+    const float* set_poses = nullptr;  // [slot][NativeRig::pose_floats()], by put_pose()
     SkinFormat skin_format = SkinFormat::kAffine;
     std::byte* skin = nullptr;         // at a multiple of 64 bytes
     Affine* model = nullptr;           // of rigs that keep them

@@ -97,19 +97,18 @@ NativeRig::NativeRig(const Character& character, const NativeRigSettings& settin
                                            .sockets = settings.sockets});
     const std::vector<Similarity> rest = rest_poses(rig), spaces = joint_spaces(character, rest);
     const std::vector<double> reach = reaches(character, rest);
-    std::vector<native::RowJoint> joints;
     for (const uint32_t joint : walk.joints)
-        joints.push_back({.joint = joint,
-                          .parent_space = rig.parents[joint] == kNone ? Similarity{} : spaces[rig.parents[joint]],
-                          .joint_space = spaces[joint],
-                          .reach = reach[joint]});
-    rows_ = native::make_rows(character, joints);
+        joints_.push_back({.joint = joint,
+                           .parent_space = rig.parents[joint] == kNone ? Similarity{} : spaces[rig.parents[joint]],
+                           .joint_space = spaces[joint],
+                           .reach = reach[joint]});
+    rows_ = native::make_rows(character, joints_, settings.all_move);
     steps_ = std::move(walk.steps);
     for (size_t i = 0; i < steps_.size(); ++i) {
         const native::StillJoint& still = rows_.still[i];
         put(steps_[i].centre, still.centre);
         put(steps_[i].scale, still.scale);
-        put(steps_[i].pivot, joints[i].joint_space.translation);
+        put(steps_[i].pivot, joints_[i].joint_space.translation);
         steps_[i].motion = still.motion;
         steps_[i].scales = still.scales;
     }
@@ -123,6 +122,13 @@ NativeRig::NativeRig(const Character& character, const NativeRigSettings& settin
         if (is_identity(constant, character.size)) continue;
         emission.constant = static_cast<uint32_t>(constants_.size() / 12);
         for (const auto& row : constant.as<float>().row) constants_.insert(constants_.end(), row.begin(), row.end());
+    }
+    joints_of_places_.assign(rows_.place_count(), kNone);
+    for (size_t i = 0; i < joints_.size(); ++i) {
+        const native::StillJoint& still = rows_.still[i];
+        joints_of_places_[i] = joints_[i].joint;
+        if (still.motion != native::kNoIndex) joints_of_places_[rows_.first_motion() + still.motion] = joints_[i].joint;
+        if (still.scales != native::kNoIndex) joints_of_places_[rows_.first_scales() + still.scales] = joints_[i].joint;
     }
     kernel_ = {.rows = rows_.bytes.get(),
                .row_bytes = rows_.row_bytes,
@@ -138,9 +144,46 @@ NativeRig::NativeRig(const Character& character, const NativeRigSettings& settin
                .emissions = emissions_.data(),
                .constants = constants_.data(),
                .slot_count = walk.slot_count,
+               .place_count = rows_.place_count(),
+               .mask_stride = rows_.place_count() + native::Rows::rounded_up(rows_.blocks.size()),
                .rig_joint_count = rig.joint_count(),
                .palette_count = static_cast<uint32_t>(character.palette.size()),
                .socket_count = static_cast<uint32_t>(settings.sockets.size())};
+}
+
+native::AlignedBytes NativeRig::masks_in_order(std::span<const float> masks) const {
+    const size_t count = masks.size() / kernel_.rig_joint_count;
+    native::AlignedBytes bytes = native::aligned_bytes(count * kernel_.mask_stride * sizeof(float));
+    auto* ordered = reinterpret_cast<float*>(bytes.get());
+    std::fill_n(ordered, count * kernel_.mask_stride, 0.0f);
+    for (size_t mask = 0; mask < count; ++mask) {
+        float* places = ordered + mask * kernel_.mask_stride;
+        for (size_t place = 0; place < joints_of_places_.size(); ++place) {
+            if (joints_of_places_[place] == kNone) continue;
+            places[place] = masks[mask * kernel_.rig_joint_count + joints_of_places_[place]];
+            float& of_block = places[kernel_.place_count + place / native::kBlockJoints];
+            of_block = std::max(of_block, places[place]);
+        }
+    }
+    return bytes;
+}
+
+void NativeRig::put_pose(std::span<const Trs<float>> parent_from_joint, std::span<float> pose) const {
+    const auto put = [&](size_t place, const std::array<double, 4>& value) {
+        float* at = pose.data() + place / native::kBlockJoints * 4 * native::kBlockJoints +
+                    place % native::kBlockJoints;
+        for (size_t c = 0; c < 4; ++c) at[c * native::kBlockJoints] = static_cast<float>(value[c]);
+    };
+    for (size_t place = 0; place < kernel_.place_count; ++place) put(place, {0, 0, 0, 1});  // what no joint has
+    for (size_t i = 0; i < joints_.size(); ++i) {
+        const Trs<double> local = parent_from_joint[joints_[i].joint].as<double>();
+        const native::StillJoint& still = rows_.still[i];
+        put(i, native::rotation_row(joints_[i], local.rotation));
+        if (still.motion != native::kNoIndex)
+            put(rows_.first_motion() + still.motion, native::motion_row(joints_[i], local, !kernel_.three_scales));
+        if (still.scales != native::kNoIndex)
+            put(rows_.first_scales() + still.scales, {local.scale.x, local.scale.y, local.scale.z, 1});
+    }
 }
 
 uint64_t NativeRig::size_bytes() const {

@@ -15,7 +15,8 @@
 #include <throng/character.h>
 #include <throng/skin_format.h>
 
-#include <memory>
+#include <span>
+#include <vector>
 
 namespace throng {
 
@@ -23,6 +24,7 @@ struct NativeRigSettings {
     uint32_t lod = 0;                 // of Character::lods: joints that do not move in it are left out
     bool keeps_model = false;         // model matrices are written
     std::vector<uint32_t> sockets{};  // joints
+    bool all_move = false;            // poses may be set, in which any joint may be anywhere
 };
 
 class NativeRig {
@@ -33,6 +35,12 @@ public:
 
     uint64_t size_bytes() const;
     uint64_t row_bytes() const { return rows_.size_bytes(); }
+    // masks[mask][joint of the rig], 0..1, in the order that updates read: made once for all of them.
+    native::AlignedBytes masks_in_order(std::span<const float> masks) const;
+    // A pose from outside, likewise; of a rig whose joints all move.
+    size_t pose_floats() const { return size_t{kernel_.place_count} * 4; }
+    void put_pose(std::span<const Trs<float>> parent_from_joint, std::span<float> pose) const;
+    size_t inertia_floats() const { return size_t{kernel_.place_count} * native::kInertiaFloats; }
     const native::KernelRig& kernel() const { return kernel_; }
 
 private:
@@ -40,6 +48,8 @@ private:
     std::vector<native::WalkStep> steps_;
     std::vector<native::Emission> emissions_;
     std::vector<float> constants_;
+    std::vector<native::RowJoint> joints_;    // in the order of the walk
+    std::vector<uint32_t> joints_of_places_;  // kNone: of none
     native::KernelRig kernel_;
 };
 

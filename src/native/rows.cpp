@@ -54,8 +54,8 @@ double dot(const Four& a, const Four& b) { return a[0] * b[0] + a[1] * b[1] + a[
 
 class RowMaker {
 public:
-    RowMaker(const Character& character, std::span<const RowJoint> joints)
-        : character_(character), joints_(joints), times_(row_times(character, joints)) {
+    RowMaker(const Character& character, std::span<const RowJoint> joints, bool all_move)
+        : character_(character), joints_(joints), all_move_(all_move), times_(row_times(character, joints)) {
         for (const ClipRowTimes& clip : times_) {
             first_rows_.push_back(rows_.row_count);
             rows_.row_count += static_cast<uint32_t>(clip.rows.size());
@@ -70,21 +70,13 @@ public:
             const JointValues values = values_of(joints_[j]);
             write(values.rotation, static_cast<uint32_t>(j));
             const StillJoint& still = rows_.still[j];
-            if (still.motion != kNoIndex) write(values.motion, first_motion() + still.motion);
-            if (still.scales != kNoIndex) write(values.scales, first_scales() + still.scales);
+            if (still.motion != kNoIndex) write(values.motion, rows_.first_motion() + still.motion);
+            if (still.scales != kNoIndex) write(values.scales, rows_.first_scales() + still.scales);
         }
         return std::move(rows_);
     }
 
 private:
-    static uint32_t rounded_up(size_t count) {
-        return static_cast<uint32_t>((count + kBlockJoints - 1) / kBlockJoints * kBlockJoints);
-    }
-    // Places, of which a block has 16: those of rotations come first.
-    uint32_t first_motion() const { return rounded_up(joints_.size()); }
-    uint32_t first_scales() const { return first_motion() + rounded_up(rows_.motion_count); }
-    uint32_t place_count() const { return first_scales() + rounded_up(rows_.scales_count); }
-
     void add_clips() {
         size_t span_count = 0;
         for (const ClipRowTimes& clip : times_) span_count += clip.spans.size();
@@ -103,12 +95,7 @@ private:
     }
 
     JointValues values_of(const RowJoint& joint) const {
-        const Similarity& p = joint.parent_space;
-        const Quaternion<double>& j = joint.joint_space.rotation;
-        const Quaternion<double> back{-j.x, -j.y, -j.z, j.w};
-        const auto rotation_of = [&](const Quaternion<double>& q) {
-            return value_of(normalized(p.rotation * normalized(q) * back));
-        };
+        const auto rotation_of = [&](const Quaternion<double>& q) { return rotation_row(joint, q); };
         const Four rest = rotation_of(character_.rig.rest[joint.joint].rotation.as<double>());
         JointValues values;
         for (size_t c = 0; c < times_.size(); ++c) {
@@ -120,12 +107,11 @@ private:
                 Four q = rotation_of(quaternion_of(rotation.between(row)));
                 if (dot(q, *before) < 0)
                     for (double& component : q) component = -component;
-                const Vec3<double> centre = rotated(p.rotation, vector_of(translation.between(row))) * p.scale +
-                                            p.translation;
                 const Vec3<double> s = vector_of(scale.between(row));
-                const double one_scale = character_.rig.uniform_scale ? p.scale * s.x / joint.joint_space.scale : 1;
                 values.rotation.push_back(q);
-                values.motion.push_back({centre.x, centre.y, centre.z, one_scale});
+                values.motion.push_back(motion_row(joint,
+                                                   {.translation = vector_of(translation.between(row)), .scale = s},
+                                                   character_.rig.uniform_scale));
                 values.scales.push_back({s.x, s.y, s.z, 1});
                 before = &values.rotation.back();
             }
@@ -152,12 +138,12 @@ private:
                 return *std::max_element(range.half.begin() + static_cast<ptrdiff_t>(first),
                                          range.half.begin() + static_cast<ptrdiff_t>(end));
             };
-            if (most(motion, 0, 3) > kStill * size || most(motion, 3, 4) * joint.reach > kStill * size) {
+            if (all_move_ || most(motion, 0, 3) > kStill * size || most(motion, 3, 4) * joint.reach > kStill * size) {
                 still.motion = rows_.motion_count++;
                 motions.push_back(motion);
                 fine_motions.push_back(motion.error() * std::max(1.0, joint.reach / size) > kSeen * size);
             }
-            if (!uniform && most(three, 0, 3) * joint.reach > kStill * size) {
+            if (!uniform && (all_move_ || most(three, 0, 3) * joint.reach > kStill * size)) {
                 still.scales = rows_.scales_count++;
                 scales.push_back(three);
                 fine_scales.push_back(three.error() * joint.reach > kSeen * size);
@@ -165,7 +151,7 @@ private:
             rows_.still.push_back(still);
         }
         const auto add = [&](std::vector<Range>& ranges, std::vector<bool>& fine, const Four& filler) {
-            ranges.resize(rounded_up(ranges.size()), {.middle = filler, .half = {}});
+            ranges.resize(Rows::rounded_up(ranges.size()), {.middle = filler, .half = {}});
             fine.resize(ranges.size());
             ranges_.insert(ranges_.end(), ranges.begin(), ranges.end());
             is_fine_.insert(is_fine_.end(), fine.begin(), fine.end());
@@ -176,15 +162,15 @@ private:
     }
 
     void lay_out() {
-        for (uint32_t place = 0; place < place_count(); place += kBlockJoints) {
+        for (uint32_t place = 0; place < rows_.place_count(); place += kBlockJoints) {
             const auto begin = is_fine_.begin() + place;
             const bool is_float = std::find(begin, begin + kBlockJoints, true) != begin + kBlockJoints;
             rows_.blocks.push_back({static_cast<uint32_t>(rows_.row_bytes), is_float});
             rows_.row_bytes += kBlockJoints * 4 * (is_float ? sizeof(float) : sizeof(int16_t));
         }
-        rows_.ranges = aligned_bytes(size_t{place_count()} * 8 * sizeof(float));
+        rows_.ranges = aligned_bytes(size_t{rows_.place_count()} * 8 * sizeof(float));
         auto* ranges = reinterpret_cast<float*>(rows_.ranges.get());
-        for (uint32_t place = 0; place < place_count(); ++place)
+        for (uint32_t place = 0; place < rows_.place_count(); ++place)
             for (uint32_t c = 0; c < 4; ++c) {
                 float* at = ranges + (place / kBlockJoints * 8 + c) * kBlockJoints + place % kBlockJoints;
                 *at = static_cast<float>(ranges_[place].middle[c]);
@@ -194,7 +180,7 @@ private:
         rows_.bytes = aligned_bytes(size);
         std::memset(rows_.bytes.get(), 0, size);
         for (uint32_t row = 0; row < rows_.row_count; ++row)  // what no joint has turns nothing
-            for (uint32_t place = 0; place < place_count(); ++place) put(row, place, ranges_[place].middle);
+            for (uint32_t place = 0; place < rows_.place_count(); ++place) put(row, place, ranges_[place].middle);
     }
 
     void put(uint32_t row, uint32_t place, const Four& value) {
@@ -220,6 +206,7 @@ private:
 
     const Character& character_;
     std::span<const RowJoint> joints_;
+    bool all_move_;
     std::vector<ClipRowTimes> times_;
     std::vector<uint32_t> first_rows_;  // of clips
     std::vector<Range> ranges_;         // [place]
@@ -234,8 +221,21 @@ uint64_t Rows::size_bytes() const {
            blocks.size() * (sizeof(RowBlock) + 8 * kBlockJoints * sizeof(float));
 }
 
-Rows make_rows(const Character& character, std::span<const RowJoint> joints) {
-    return RowMaker(character, joints).make();
+std::array<double, 4> rotation_row(const RowJoint& joint, const Quaternion<double>& rotation) {
+    const Quaternion<double>& j = joint.joint_space.rotation;
+    const Quaternion<double> back{-j.x, -j.y, -j.z, j.w};
+    return value_of(normalized(joint.parent_space.rotation * normalized(rotation) * back));
+}
+
+std::array<double, 4> motion_row(const RowJoint& joint, const Trs<double>& parent_from_joint, bool uniform_scale) {
+    const Similarity& p = joint.parent_space;
+    const Vec3<double> centre = rotated(p.rotation, parent_from_joint.translation) * p.scale + p.translation;
+    return {centre.x, centre.y, centre.z,
+            uniform_scale ? p.scale * parent_from_joint.scale.x / joint.joint_space.scale : 1};
+}
+
+Rows make_rows(const Character& character, std::span<const RowJoint> joints, bool all_move) {
+    return RowMaker(character, joints, all_move).make();
 }
 
 }  // namespace throng::native

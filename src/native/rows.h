@@ -41,10 +41,21 @@ struct Rows {
     std::vector<StillJoint> still;  // [joint]
     uint32_t motion_count = 0, scales_count = 0;
 
+    // Places, of which a block has 16: those of rotations come first.
+    static uint32_t rounded_up(size_t count) {
+        return static_cast<uint32_t>((count + kBlockJoints - 1) / kBlockJoints * kBlockJoints);
+    }
+    uint32_t first_motion() const { return rounded_up(still.size()); }
+    uint32_t first_scales() const { return first_motion() + rounded_up(motion_count); }
+    uint32_t place_count() const { return first_scales() + rounded_up(scales_count); }
     uint64_t size_bytes() const;
 };
 
-// Of these joints, in this order.
-Rows make_rows(const Character& character, std::span<const RowJoint> joints);
+// What a rotation, a translation and a scale become in these spaces.
+std::array<double, 4> rotation_row(const RowJoint& joint, const Quaternion<double>& rotation);
+std::array<double, 4> motion_row(const RowJoint& joint, const Trs<double>& parent_from_joint, bool uniform_scale);
+
+// Of these joints, in this order. `all_move`: as if none stood still.
+Rows make_rows(const Character& character, std::span<const RowJoint> joints, bool all_move = false);
 
 }  // namespace throng::native

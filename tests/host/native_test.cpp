@@ -2,6 +2,7 @@
 #include "bind/skin_format.h"
 #include "tests/host/native_cases.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace throng {
@@ -138,6 +139,66 @@ TEST(Native, ModelMatricesAndSocketsAreThoseOfTheJoints) {
             EXPECT_LT(worst, 1e-4) << named.name << " " << name_of(isa);
         }
     }
+}
+
+TEST(Native, ListedInstancesAreUpdatedAndOthersLeft) {
+    const Character& character = native_characters().front().character;
+    const NativeRig rig(character);
+    const Scene scene(character, 300, 5);
+    const size_t stride = scene.instance_bytes(SkinFormat::kAffine);
+    std::vector<uint32_t> listed;
+    for (uint32_t i = 0; i < 300; ++i)
+        if (i % 3 == 1 || i > 250) listed.push_back(i);
+    for (const NativeIsa isa : native_isas()) {
+        const std::vector<std::byte> all = scene.skin(rig, isa);
+        GuardedBytes bytes(all.size());
+        const auto count = static_cast<uint32_t>(listed.size());
+        update(rig, {.cursors = scene.cursors.data(), .skin = bytes.data(), .listed = listed.data()}, 0, count, isa);
+        for (uint32_t i = 0; i < 300; ++i) {
+            const auto part = bytes.content().subspan(i * stride, stride);
+            if (std::ranges::binary_search(listed, i))
+                EXPECT_TRUE(std::ranges::equal(part, std::span(all).subspan(i * stride, stride))) << i;
+            else
+                EXPECT_TRUE(std::ranges::all_of(part, [](std::byte b) { return b == std::byte{0xFF}; })) << i;
+        }
+    }
+}
+
+TEST(Native, ALevelOfDetailHasItsJointsAlone) {
+    Character character = compiled(make_asset({.joint_count = 60, .scale_spread = 0}));
+    const uint32_t joints = character.rig.joint_count();
+    character.joint_lods.assign(joints, 0);
+    for (uint32_t joint = 0; joint < joints; ++joint) {  // a child's is not above its parent's
+        const uint32_t parent = character.rig.parents[joint];
+        character.joint_lods[joint] = parent == kNone ? 3 : joint % 3 ? character.joint_lods[parent] : 0;
+    }
+    const Scene scene(character, 40, 6);
+    const NativeRig all(character), some(character, {.lod = 1});
+    for (const NativeIsa isa : native_isas()) {
+        const std::vector<Affine> wanted = unpack_skin(SkinFormat::kAffine, scene.skin(all, isa)),
+                                  got = unpack_skin(SkinFormat::kAffine, scene.skin(some, isa));
+        size_t written = 0;
+        for (size_t i = 0; i < got.size(); ++i) {
+            const bool moves = character.joint_lods[character.palette[i % character.palette.size()].joint] >= 1;
+            if (!moves) {
+                EXPECT_TRUE(std::isnan(got[i].row[0][0]));
+                continue;
+            }
+            ++written;
+            EXPECT_LT(matrix_error(got[i], wanted[i].as<double>(), character.size), 1e-5);
+        }
+        EXPECT_GT(written, 0u);
+        EXPECT_LT(written, got.size());
+    }
+}
+
+TEST(Native, SaysWhatItCannotDo) {
+    const Character& character = native_characters().front().character;
+    EXPECT_EQ(native_unsupported(character, {}), "");
+    EXPECT_NE(native_unsupported(character, {.model_rotations = true}), "");
+    EXPECT_NE(native_unsupported(character, {.procedural_rules = true}), "");
+    const Character uneven = compiled(make_asset({.scale_spread = 0.2}));
+    EXPECT_NE(native_unsupported(uneven, {.skin_format = SkinFormat::kSimilarity}), "");
 }
 
 }  // namespace

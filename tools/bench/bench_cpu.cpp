@@ -88,6 +88,8 @@ void run_case(const CpuOptions& options, const Generated& generated, bool moves_
                       .seed = options.seed};
     if (options.clips != "1") of.variants.push_back({"two clips", &character, 2});
     if (options.clips != "2") of.variants.push_back({"one clip", &character, 1});
+    if (moves_all && options.clips == "all")
+        of.variants.push_back({.name = "three layers", .character = &character, .layers = true});
     std::optional<Character> moving;
     if (moves_all && options.clips != "1") {
         moving = unwrap(compile_character(bench::with_moving_translations(asset), {.lods = false}));

@@ -1,0 +1,13 @@
+#include "native/lanes_neon.h"
+
+#include "native/kernel.h"
+#include "native/kernels.h"
+
+namespace throng::native {
+
+const Kernel& kernel_neon() {
+    static constexpr Kernel kKernel{Lanes::kCount, scratch_bytes, update_all, decode_all, fill, Lanes::fence};
+    return kKernel;
+}
+
+}  // namespace throng::native

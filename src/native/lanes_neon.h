@@ -1,0 +1,64 @@
+// NEON of 64-bit ARM: four lanes. Stores are plain ones.
+#pragma once
+
+#include <arm_neon.h>
+
+#include <cstddef>
+#include <cstdint>
+
+namespace {
+
+struct Lanes {
+    using V = float32x4_t;
+    using I = int16x8_t;
+    using Mask = uint32x4_t;
+    static constexpr int kCount = 4;
+
+    static V load(const float* p) { return vld1q_f32(p); }
+    static void store(float* p, V v) { vst1q_f32(p, v); }
+    static void stream(float* p, V v) { vst1q_f32(p, v); }
+    static V set(float f) { return vdupq_n_f32(f); }
+    static I load_words(const void* p) { return vld1q_s16(static_cast<const int16_t*>(p)); }
+
+    static V inverse_sqrt(V x) {  // 8 bits, and two steps of Newton's
+        V r = vrsqrteq_f32(x);
+        r = vmulq_f32(r, vrsqrtsq_f32(vmulq_f32(x, r), r));
+        return vmulq_f32(r, vrsqrtsq_f32(vmulq_f32(x, r), r));
+    }
+    static V inverse(V x) { return vdivq_f32(set(1), x); }
+    static V sqrt(V x) { return vsqrtq_f32(x); }
+    static V flip_where_negative(V v, V sign) {
+        const uint32x4_t bit = vandq_u32(vreinterpretq_u32_f32(sign), vdupq_n_u32(0x80000000u));
+        return vreinterpretq_f32_u32(veorq_u32(vreinterpretq_u32_f32(v), bit));
+    }
+    static Mask less(V a, V b) { return vcltq_f32(a, b); }
+    static V select(Mask m, V yes, V no) { return vbslq_f32(m, yes, no); }
+
+    // 16-bit words of two rows, each pair times a pair of weights.
+    static I splat(int pair) { return vreinterpretq_s16_s32(vdupq_n_s32(pair)); }
+    static V lerp_low(I a, I b, I weights) {
+        const int16x4_t w = vget_low_s16(weights);
+        return vcvtq_f32_s32(vmlal_lane_s16(vmull_lane_s16(vget_low_s16(a), w, 0), vget_low_s16(b), w, 1));
+    }
+    static V lerp_high(I a, I b, I weights) {
+        const int16x4_t w = vget_low_s16(weights);
+        return vcvtq_f32_s32(vmlal_lane_s16(vmull_lane_s16(vget_high_s16(a), w, 0), vget_high_s16(b), w, 1));
+    }
+
+    static V fours(const float* p, size_t) { return load(p); }
+    static void transpose(V& a, V& b, V& c, V& d) {
+        const float32x4x2_t ab = vtrnq_f32(a, b), cd = vtrnq_f32(c, d);
+        a = vcombine_f32(vget_low_f32(ab.val[0]), vget_low_f32(cd.val[0]));
+        b = vcombine_f32(vget_low_f32(ab.val[1]), vget_low_f32(cd.val[1]));
+        c = vcombine_f32(vget_high_f32(ab.val[0]), vget_high_f32(cd.val[0]));
+        d = vcombine_f32(vget_high_f32(ab.val[1]), vget_high_f32(cd.val[1]));
+    }
+    // Half floats of both, those of the first below.
+    static V halves(V low, V high) {
+        const auto half = [](V v) { return vmovl_u16(vreinterpret_u16_f16(vcvt_f16_f32(v))); };
+        return vreinterpretq_f32_u32(vorrq_u32(half(low), vshlq_n_u32(half(high), 16)));
+    }
+    static void fence() {}
+};
+
+}  // namespace
