@@ -118,7 +118,7 @@ TEST(ModelRotations, WhatIsAimedKeepsItsDirectionWhereTheHipsTurn) {
     EXPECT_TRUE(crowd.path(0)->reason.ends_with("staged: layer '" + aiming.controller.layers[1].name +
                                                 "' blends rotations in model space"))
         << crowd.path(0)->reason;
-    if (!test_device().gpu()->is_native()) EXPECT_TRUE(crowd.path(1)->is_fused);
+    EXPECT_TRUE(crowd.path(1)->is_fused);
     for (uint32_t i = 0; i < 3; ++i) {
         ASSERT_TRUE(crowd.play(i, 0, {.clip = {.clip = 0}}));
         ASSERT_TRUE(crowd.play(i, 1, {.clip = {.clip = 1}}));
