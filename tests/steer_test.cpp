@@ -159,7 +159,7 @@ private:
     std::vector<io::AgentState> states_now() const {
         std::vector<io::AgentState> states;
         for (const Batch& batch : crowd_.state().batches) {
-            const std::vector<io::AgentState> part = batch[io::kAgentsBuffer].handle()
+            const std::vector<io::AgentState> part = batch[io::kAgentsBuffer]
                                                          ? download<io::AgentState>(crowd_.state().gpu,
                                                                                     batch[io::kAgentsBuffer])
                                                          : std::vector<io::AgentState>(batch.instance_count);
