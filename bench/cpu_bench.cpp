@@ -271,15 +271,16 @@ private:
         }
         if (entrant.ms.empty()) return record;
         const Spread ms = spread_of(entrant.ms);
+        const double quiet_ms = ms.p5;
         const double joints = double{character.rig.joint_count() * 1.0} * of_.characters;
         record["ms"] = spread_json(ms);
-        record["ns_per_joint"] = ms.median * 1e6 / joints;
-        record["gb_per_s"] = record["bytes"].get<double>() / ms.median * 1e-6;
+        record["ns_per_joint"] = quiet_ms * 1e6 / joints;
+        record["gb_per_s"] = record["bytes"].get<double>() / quiet_ms * 1e-6;
         if (!entrant.variant) return record;
-        record["decode_share"] = spread_of(entrant.decode_ms).median / ms.median;
+        record["decode_share"] = spread_of(entrant.decode_ms).p5 / quiet_ms;
         for (const Entrant& fill : entrants_)
             if (!fill.variant && fill.isa == entrant.isa && fill.threads == entrant.threads)
-                record["times_fill_floor"] = ms.median / spread_of(fill.ms).median;
+                record["times_fill_floor"] = quiet_ms / spread_of(fill.ms).p5;
         return record;
     }
 

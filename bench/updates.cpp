@@ -30,7 +30,10 @@ double largest_error_of_some(uint32_t instance_count, const std::function<double
     return worst;
 }
 
-const char* path_name(const Crowd& crowd) { return crowd.path(0)->is_fused ? "fused" : "staged"; }
+std::string path_name(const Crowd& crowd) {
+    const GroupPath path = value_of(crowd.path(0));
+    return std::string(path.is_native ? "native, " : "") + (path.is_fused ? "fused" : "staged");
+}
 
 void UpdateTimes::take(const Gpu& gpu, Crowd& crowd, float time_step_s, const CrowdView* view) {
     const Stopwatch watch;

@@ -23,7 +23,7 @@ double skin_error(std::span<const Affine> got, std::span<const AffineT<double>> 
 // The largest error of some instances, from one end to the other.
 double largest_error_of_some(uint32_t instance_count, const std::function<double(uint32_t instance)>& error_of);
 
-const char* path_name(const Crowd& crowd);  // of its first group: "fused" or "staged"
+std::string path_name(const Crowd& crowd);  // of its first group: "fused", "staged", "native, fused", …
 
 class UpdateTimes {
 public:

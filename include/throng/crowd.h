@@ -38,6 +38,9 @@ struct CrowdGroup {
     // Joints, at most 64, whose transforms are written in each update, for attachments
     std::vector<uint32_t> sockets{};
     SocketSpace socket_space = SocketSpace::kWorld;
+    // Nothing but the sockets is computed, and of the joints only those that they hang on: for servers, which ask where
+    // hit boxes are and draw nothing. Updated natively in one pass alone; there are no skin and model matrices then.
+    bool sockets_only = false;
     // Moves joints after the blend; such groups are updated stage by stage
     const ProceduralRules* procedural = nullptr;
     // Makes its instances agents. Root motion carries them, where it moves placements; else they are moved as fast as
@@ -55,8 +58,8 @@ struct CrowdGroup {
 // fast on a software device; not for characters too large for that. kNative: by this machine's processor, in one pass
 // where that applies, without the device: of a software device, by Crowd::update() and Renderer::render_frame(), which
 // wait for its queue; updates that are recorded into a command buffer, or for a view with occlusion, still run on it.
-// kAuto: natively on software devices, else fused where it applies, staged else. On a native device kFused and kStaged
-// are native too.
+// kAuto: natively on software devices unless CrowdSettings::scan asks for a method, else fused where it applies, staged
+// else. On a native device kFused and kStaged are native too.
 enum class UpdatePath { kAuto, kFused, kStaged, kNative };
 
 // How a group is updated.
@@ -174,7 +177,8 @@ public:
     // sockets or inertial transitions, only those that it sees are animated (others' groups entirely). Without one, all
     // are, and all are listed. A box around all clips' poses decides, a tenth of the character's size wider than these,
     // or half of it where a controller, rules or poses from outside go beyond them. Errors: kInvalidArgument (the time
-    // step or the view is not finite; a view and no culls), kUnsupported (CrowdView::occlusion on a native device).
+    // step or the view is not finite; a view and no culls), kUnsupported (CrowdView::occlusion on a native device; on
+    // a software device CrowdGroup::sockets_only, and, with inertial transitions, after a native update()).
     Result<void> record(VkCommandBuffer commands, float time_step_s, const CrowdView* view = nullptr);
     // The second half of an update for a view with CrowdView::occlusion, recorded after its record() and what draws the
     // depths: tests the boxes of everything in view against these, and animates those that are visible and were not in
@@ -200,6 +204,7 @@ public:
     Result<StageTimes> stage_times() const;
 
     // Copies of one instance's results; they submit and wait. Shapes: [palette_count], [joint_count], [vertex_count].
+    // Errors: kInvalidArgument (instance out of range, a group of CrowdGroup::sockets_only).
     Result<std::vector<Affine>> read_skin_matrices(uint32_t instance);
     Result<std::vector<Affine>> read_model_matrices(uint32_t instance);
     // Morphed and skinned on the GPU, model space, in the order of Character::vertices; where

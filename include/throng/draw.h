@@ -88,7 +88,7 @@ public:
     Result<RenderResult> render(const Crowd& crowd, const Camera& camera);
 
     // As render(), but advances the crowd by `time_step_s` first, as Crowd::update() does: update, for what the camera
-    // sees where the crowd culls, and picture, in one submission.
+    // sees where the crowd culls, and picture, in one submission (of a native update, after it).
     Result<RenderResult> render_frame(Crowd& crowd, float time_step_s, const Camera& camera);
 
     // Records the same into the caller's command buffer (recording, outside a render pass, of the device's queue
@@ -97,6 +97,11 @@ public:
     // and have finished before the renderer or the crowd is destroyed, or the renderer resized. Frames may be recorded
     // before the last has finished. Of a crowd that it has not drawn before it uploads textures, and waits.
     Result<void> record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera);
+    // The two halves of that, for crowds that are updated natively on a software device (UpdatePath::kNative), which a
+    // recorded update is not: Crowd::update() for what the camera sees, without occlusion, at once; and the drawing
+    // alone, of the crowd as its last update left it.
+    Result<void> update(Crowd& crowd, float time_step_s, const Camera& camera);
+    Result<void> record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera);
     // VK_FORMAT_R8G8B8A8_SRGB, of the renderer's size; another after resize().
     VkImage picture() const;
     // Errors: kInvalidArgument (empty), kLimit (names the device's limit); then it keeps its size.

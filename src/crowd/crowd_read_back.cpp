@@ -57,6 +57,7 @@ std::vector<Affine> CrowdState::read_matrices(uint32_t instance, bool model) con
     check_range(instance, 1, "read-back");
     const Batch& batch = batch_of(instance);
     const Group& group = groups[batch.group];
+    if (group.sockets_only) throw Failure(ErrorCode::kInvalidArgument, "read-back", group.name + " has sockets only");
     if (model && !batch[io::kModelBuffer])
         throw Failure(ErrorCode::kInvalidArgument, "read-back",
                       "model matrices are kept only with CrowdSettings::keep_model_matrices");
@@ -71,6 +72,7 @@ std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
     check_range(instance, 1, "read-back");
     const Batch& batch = batch_of(instance);
     const Group& group = groups[batch.group];
+    if (group.sockets_only) throw Failure(ErrorCode::kInvalidArgument, "read-back", group.name + " has sockets only");
     if (group.vertex_count == 0) return {};
     if (!skin_kernel_) skin_kernel_ = skin_kernel(gpu, skin_format, skin_blend, false);
     const Buffer skinned(gpu, group.name + ": skinned vertices", group.vertex_count * sizeof(SkinnedVertex),

@@ -87,15 +87,32 @@ Update CrowdState::update_of(VkCommandBuffer commands, float time_step_s, const 
     return {.commands = commands, .time_step_s = time_step_s, .view = view, .timer = timer.get()};
 }
 
-bool CrowdState::is_native(const CrowdView* view) const {
-    return gpu->is_native() || (std::ranges::all_of(groups, &Group::native) && !(view && view->occlusion));
+bool CrowdState::is_native(bool occlusion) const {
+    return gpu->is_native() || (std::ranges::all_of(groups, &Group::native) && !occlusion);
 }
 
 void CrowdState::update(float time_step_s, const CrowdView* view) {
-    if (!is_native(view))
+    if (!is_native(view && view->occlusion))
         return gpu->submit_and_wait([&](VkCommandBuffer commands) { record(commands, time_step_s, view); });
     if (!gpu->is_native()) gpu->wait_idle();  // what was submitted may still read what is written now
     record(VK_NULL_HANDLE, time_step_s, view);
+}
+
+// What a native update keeps for itself, kernels of the device do not find, and the other way round.
+void CrowdState::check_runs(bool natively) {
+    for (const Group& group : groups) {
+        if (natively) break;
+        if (group.sockets_only)
+            throw Failure(ErrorCode::kUnsupported, group.name + ": sockets only",
+                          "they are computed natively alone: by update(), and without occlusion");
+    }
+    const bool is_inertial = std::ranges::any_of(
+        groups, [](const Group& group) { return group.native && group.controller && group.controller->is_inertial; });
+    if (is_inertial && has_updated_ && natively != was_native_)
+        throw Failure(ErrorCode::kUnsupported, "crowd",
+                      "with inertial transitions, updates by update() and those that are recorded cannot take turns: "
+                      "UpdatePath::kFused and kStaged run both on the device");
+    was_native_ = natively;
 }
 
 void CrowdState::record(VkCommandBuffer commands, float time_step_s, const CrowdView* view) {
@@ -108,6 +125,7 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     // Whoever reads the last update's results must be done.
     memory_barrier(*gpu, commands, kConsumers | kShaderWrite | kTransferWrite,
                    kShaderRead | kShaderWrite | kTransferWrite);
+    check_runs(commands == VK_NULL_HANDLE);
     if (feedback) feedback->begin(commands);  // before anything is taken up, since it may refuse
     can_discard_ = true;
     const Update update = update_of(commands, time_step_s, seen);

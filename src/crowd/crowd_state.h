@@ -41,8 +41,8 @@ struct CrowdState {
     void clear_pose(uint32_t instance, float fade_s);
     void watch(std::span<const uint32_t> instances);
     std::vector<Feedback> take_feedback();
-    // Whether update() computes natively.
-    bool is_native(const CrowdView* view) const;
+    // Whether update() computes natively; with occlusion it does not.
+    bool is_native(bool occlusion) const;
     void update(float time_step_s, const CrowdView* view);
     // A command buffer of VK_NULL_HANDLE: natively, at once.
     void record(VkCommandBuffer commands, float time_step_s, const CrowdView* view);
@@ -88,6 +88,7 @@ private:
     void make_feedback(const CrowdSettings& settings);
     void make_stages(Uploads& uploads, const CrowdSettings& settings);
     Update update_of(VkCommandBuffer commands, float time_step_s, const io::CullView& view) const;
+    void check_runs(bool natively);
     void take_turns();
     float budgeted_full_rate_pixels(const CrowdView* view);
     void send(uint32_t instance, io::ControlCommand command);
@@ -101,6 +102,7 @@ private:
 
     std::optional<Kernel> skin_kernel_;  // made when positions are first read back
     bool has_updated_ = false;
+    bool was_native_ = false;     // the last record() that was begun
     bool had_updated_ = false;    // before the last record()
     bool can_discard_ = false;    // the last record() has not been discarded
     float full_rate_factor_ = 1;  // what the budget makes of CrowdView::full_rate_pixels, as a factor

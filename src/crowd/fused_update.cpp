@@ -5,8 +5,17 @@
 #include "native/native.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace throng {
+namespace {
+
+template <class T>
+T* in_memory(const Buffer& buffer) {
+    return reinterpret_cast<T*>(buffer.mapped());
+}
+
+}  // namespace
 
 void FusedUpdate::plan(BatchPlan& plan) {
     const Group& group = plan.group();
@@ -27,7 +36,10 @@ void FusedUpdate::plan(BatchPlan& plan) {
 }
 
 FusedUpdate::FusedUpdate(const StageContext& context)
-    : Stage(context), culls_(context.settings.culls), skin_format_(context.settings.skin_format) {
+    : Stage(context),
+      culls_(context.settings.culls),
+      poses_(*find_stage<PoseStage>(context.before)),
+      skin_format_(context.settings.skin_format) {
     for (const Group& group : groups_) {
         if (gpu_->is_native()) break;
         std::vector<Kernels>& sets = kernels_.emplace_back();
@@ -38,7 +50,12 @@ FusedUpdate::FusedUpdate(const StageContext& context)
         const Batch& batch = batches_[i];
         const Group& group = group_of(batch);
         if (group.fused.empty()) continue;
-        Member& member = members_.emplace_back(Member{.batch = i, .sets = {}, .sockets = {}});
+        Member& member = members_.emplace_back(Member{.batch = i, .sets = {}, .sockets = {}, .inertia_states = {}});
+        if (group.native_rig() && group.controller && group.controller->is_inertial) {
+            const size_t size_bytes = batch.instance_count * group.native_rig()->inertia_floats() * sizeof(float);
+            member.inertia_states = native::aligned_bytes(size_bytes);
+            std::memset(member.inertia_states.get(), 0, size_bytes);
+        }
         if (!gpu_->is_native()) bind(member);
         if (!group.sockets || group.socket_space != SocketSpace::kWorld) continue;
         if (!sockets_) sockets_ = socket_kernel(gpu_);
@@ -134,26 +151,30 @@ void FusedUpdate::record_set(VkCommandBuffer commands, const Member& member, uin
 
 void FusedUpdate::update_natively(const Member& member, uint32_t set) const {
     const Batch& batch = batches_[member.batch];
-    update_natively(batch, set, batch.skin(), io::kAnimated + set);
+    update_natively(member, set, batch.skin(), io::kAnimated + set);
     if (is_listed(group_of(batch)) && batch[io::kSkinTargetBuffer])
-        update_natively(batch, set, batch[io::kSkinTargetBuffer], io::kAnimatedAhead + set);
+        update_natively(member, set, batch[io::kSkinTargetBuffer], io::kAnimatedAhead + set);
 }
 
-void FusedUpdate::update_natively(const Batch& batch, uint32_t set, const Buffer& skin, uint32_t section) const {
+void FusedUpdate::update_natively(const Member& member, uint32_t set, const Buffer& skin, uint32_t section) const {
+    const Batch& batch = batches_[member.batch];
     const Group& group = group_of(batch);
     const FusedJoints& joints = group.fused[set];
-    NativeUpdate natively{
-        .cursors = reinterpret_cast<const io::InstanceCursor*>(batch[io::kCursorsBuffer].mapped()),
-        .active_clips = reinterpret_cast<const io::ActiveClip*>(batch[io::kActiveClipsBuffer].mapped()),
-        .active_clip_limit = group.controller ? group.controller->active_clip_limit : 0,
-        .masks = reinterpret_cast<const float*>(joints.native_masks.get()),
-        .skin_format = skin_format_,
-        .skin = skin.mapped(),
-        .model = reinterpret_cast<Affine*>(batch[io::kModelBuffer].mapped()),
-        .sockets = reinterpret_cast<Affine*>(batch[io::kSocketsBuffer].mapped())};
+    NativeUpdate natively{.cursors = in_memory<const io::InstanceCursor>(batch[io::kCursorsBuffer]),
+                          .active_clips = in_memory<const io::ActiveClip>(batch[io::kActiveClipsBuffer]),
+                          .active_clip_limit = group.controller ? group.controller->active_clip_limit : 0,
+                          .masks = reinterpret_cast<const float*>(joints.native_masks.get()),
+                          .inertias = in_memory<const io::InstanceInertia>(batch[io::kInertiasBuffer]),
+                          .inertia_states = reinterpret_cast<float*>(member.inertia_states.get()),
+                          .pose_overrides = in_memory<const io::InstancePose>(batch[io::kPoseOverridesBuffer]),
+                          .set_poses = poses_.native_poses(batch.group),
+                          .skin_format = skin_format_,
+                          .skin = skin.mapped(),
+                          .model = in_memory<Affine>(batch[io::kModelBuffer]),
+                          .sockets = in_memory<Affine>(batch[io::kSocketsBuffer])};
     uint32_t count = batch.instance_count;
     if (is_listed(group)) {
-        const auto* const work = reinterpret_cast<const uint32_t*>(batch[io::kWorkBuffer].mapped());
+        const auto* const work = in_memory<const uint32_t>(batch[io::kWorkBuffer]);
         natively.listed = work + work[2 * section];
         count = work[2 * section + 1];
     }

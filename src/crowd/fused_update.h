@@ -2,6 +2,7 @@
 #pragma once
 
 #include "crowd/batch_plan.h"
+#include "crowd/pose_stage.h"
 #include "crowd/stage.h"
 
 namespace throng {
@@ -30,8 +31,9 @@ private:
     };
     struct Member {
         uint32_t batch = 0;
-        std::vector<SetBindings> sets;  // of joints
-        Bindings sockets;               // where they go to world space
+        std::vector<SetBindings> sets;        // of joints
+        Bindings sockets;                     // where they go to world space
+        native::AlignedBytes inertia_states;  // of native updates, where there are inertial transitions
     };
     Kernels make_kernels(const Group& group, size_t set, const CrowdSettings& settings) const;
     void bind(Member& member) const;
@@ -39,12 +41,13 @@ private:
     void record_sets(VkCommandBuffer commands, const Applies& applies) const;
     void record_set(VkCommandBuffer commands, const Member& member, uint32_t set) const;
     void update_natively(const Member& member, uint32_t set) const;
-    void update_natively(const Batch& batch, uint32_t set, const Buffer& skin, uint32_t section) const;
+    void update_natively(const Member& member, uint32_t set, const Buffer& skin, uint32_t section) const;
     bool is_listed(const Group& group) const { return culls_ && group.animates_drawn_only(); }
 
     void record_sockets(VkCommandBuffer commands) const;
 
     bool culls_;
+    const PoseStage& poses_;
     SkinFormat skin_format_;
     std::vector<std::vector<Kernels>> kernels_;  // [group][set of joints]; none on a native device
     std::optional<Kernel> sockets_;

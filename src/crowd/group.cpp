@@ -72,6 +72,8 @@ Group::Group(Uploads& uploads, const CrowdGroup& group, const PathChoice& choice
     if (group.controller)
         controller.emplace(uploads, *group.controller, *group.character, group.moves_placements, buffers);
     socket_space = group.socket_space;
+    sockets_only = group.sockets_only;
+    if (sockets_only) palette_count = 0;
     steering = group.steering;
     if (!group.sockets.empty()) make_sockets(uploads, group.sockets);
     if (group.procedural) make_procedural(uploads, *group.procedural, *group.character);
@@ -155,7 +157,9 @@ void Group::make_native(const Character& character, const CrowdSettings& setting
     joints.native = std::make_shared<const NativeRig>(
         character, NativeRigSettings{.lod = lod,
                                      .keeps_model = settings.keep_model_matrices,
-                                     .sockets = sockets ? sockets->joints : std::vector<uint32_t>()});
+                                     .sockets = sockets ? sockets->joints : std::vector<uint32_t>(),
+                                     .sockets_only = sockets_only,
+                                     .all_move = pose_capacity > 0});
     if (controller) joints.native_masks = joints.native->masks_in_order(controller->masks);
 }
 

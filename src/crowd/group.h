@@ -78,6 +78,7 @@ struct Group {
     std::optional<GroupController> controller;
     std::optional<GroupSockets> sockets;
     SocketSpace socket_space = SocketSpace::kWorld;
+    bool sockets_only = false;
     std::optional<Steering> steering;
     std::optional<GroupProcedural> procedural;
     bool packed = false;
@@ -94,6 +95,8 @@ struct Group {
     uint32_t morph_count = 0;
 
     const Buffer& operator[](uint32_t number) const { return buffers[number]; }
+    // Of all joints; null where the group is not updated natively in one pass.
+    const NativeRig* native_rig() const { return fused.empty() ? nullptr : fused[0].native.get(); }
     // Instances that are not drawn may be left as they are: nothing but a picture shows their pose, and none builds
     // upon the one before.
     bool animates_drawn_only() const { return !fused.empty() && !sockets && !(controller && controller->is_inertial); }

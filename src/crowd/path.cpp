@@ -1,7 +1,6 @@
 #include "crowd/path.h"
 
 #include "base/failure.h"
-#include "control/layer_commands.h"
 #include "native/native.h"
 #include "scan/scan_planner.h"
 #include "scan/scan_shaders.h"
@@ -33,9 +32,7 @@ std::string staged_only(const CrowdGroup& group) {
 // As staged_only(), of updates in one pass on this machine's processor.
 std::string natively_staged_only(const CrowdSettings& settings, const CrowdGroup& group) {
     if (std::string reason = staged_only(group); !reason.empty()) return reason;
-    return native_unsupported(*group.character, {.skin_format = settings.skin_format,
-                                                 .inertial = group.controller && has_inertia(*group.controller),
-                                                 .pose_overrides = group.pose_capacity > 0});
+    return native_unsupported(*group.character, {.skin_format = settings.skin_format});
 }
 
 // Why what a software device does cannot be done natively; empty where it can.
@@ -109,22 +106,38 @@ PathChoice device_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
             .path_reason = "staged: " + unsupported_reason};
 }
 
-}  // namespace
-
-PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
-    if (gpu.is_native()) return native_path(gpu, settings, group);
+// On a device of Vulkan, or natively beside it.
+PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
     const bool is_native = settings.path == UpdatePath::kNative;
     if (is_native && !gpu.native)
         throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update",
                       gpu.info.name + " is no software device");
     PathChoice choice = device_path(gpu, settings, group);
-    if (!gpu.native || (settings.path != UpdatePath::kAuto && !is_native)) return choice;
+    const bool may_be_native = settings.path == UpdatePath::kAuto && settings.scan == "auto";
+    if (!gpu.native || !(is_native || may_be_native)) return choice;
     const std::string reason = natively_unsupported_reason(choice, settings, group);
     if (is_native && !reason.empty())
         throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update", reason);
     choice.native = reason.empty();
     choice.path_reason = choice.native ? "native, " + choice.path_reason
                                        : choice.path_reason + "; not native: " + reason;
+    return choice;
+}
+
+// What computes sockets alone.
+void check_sockets_only(const PathChoice& choice, const CrowdGroup& group) {
+    const std::string place = group.character->name + ": sockets only";
+    if (group.sockets.empty()) throw Failure(ErrorCode::kInvalidArgument, place, "there are no sockets");
+    if (!choice.native || !choice.fused)
+        throw Failure(ErrorCode::kUnsupported, place,
+                      "only a native update in one pass computes them alone, and this is " + choice.path_reason);
+}
+
+}  // namespace
+
+PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
+    PathChoice choice = gpu.is_native() ? native_path(gpu, settings, group) : vulkan_path(gpu, settings, group);
+    if (group.sockets_only) check_sockets_only(choice, group);
     return choice;
 }
 

@@ -24,6 +24,10 @@ void PoseStage::plan(BatchPlan& plan) {
 
 PoseStage::PoseStage(const StageContext& context)
     : Stage(context), of_batches_(batches_.size()), of_groups_(groups_.size()) {
+    for (size_t i = 0; i < groups_.size(); ++i)
+        if (groups_[i].pose_capacity > 0 && groups_[i].native_rig())
+            of_groups_[i].native_poses = native::aligned_bytes(groups_[i].pose_capacity *
+                                                               groups_[i].native_rig()->pose_floats() * sizeof(float));
     for (size_t i = 0; i < batches_.size(); ++i)
         if (group_of(batches_[i]).pose_capacity > 0) of_batches_[i].instances.resize(batches_[i].instance_count);
 }
@@ -86,6 +90,12 @@ void PoseStage::set(uint32_t batch, uint32_t instance, std::span<const Trs<float
     std::ranges::transform(
         pose, poses.poses.begin() + static_cast<ptrdiff_t>(uint64_t{pose_override.slot} * group.joint_count), to_io);
     poses.changed.add(pose_override.slot, 1);
+    if (!poses.native_poses) return;
+    const size_t floats = group.native_rig()->pose_floats();
+    auto* const all = reinterpret_cast<float*>(poses.native_poses.get());
+    std::vector<Trs<float>> rounded;
+    for (const Trs<double>& joint : pose) rounded.push_back(joint.as<float>());
+    group.native_rig()->put_pose(rounded, {all + pose_override.slot * floats, floats});
 }
 
 void PoseStage::clear(uint32_t batch, uint32_t instance, float fade_s, const std::string& place) {

@@ -24,6 +24,11 @@ public:
              const std::string& place);
     void clear(uint32_t batch, uint32_t instance, float fade_s, const std::string& place);
 
+    // What native updates of a group read, NativeUpdate::set_poses; null where there is nothing.
+    const float* native_poses(uint32_t group) const {
+        return reinterpret_cast<const float*>(of_groups_[group].native_poses.get());
+    }
+
     // Takes the fades a step further, and uploads what changed.
     void begin(const Update& update) override;
     // What was set or cleared since stays so.
@@ -45,8 +50,9 @@ private:
     };
     struct GroupPoses {
         std::vector<uint32_t> free_slots;
-        std::vector<io::JointPose> poses;  // [slots ever used][joint_count]
-        DirtyRanges changed;               // of slots
+        std::vector<io::JointPose> poses;   // [slots ever used][joint_count]
+        DirtyRanges changed;                // of slots
+        native::AlignedBytes native_poses;  // [pose_capacity], as NativeRig has them
     };
     using OverrideAt = std::map<uint32_t, Override>::iterator;
 

@@ -45,6 +45,8 @@ struct RendererState {
     RenderResult render(const Crowd& crowd, const Camera& camera);
     RenderResult render_frame(Crowd& crowd, float time_step_s, const Camera& camera);
     void record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera);
+    void update(Crowd& crowd, float time_step_s, const Camera& camera) const;
+    void record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera);
     void resize(VkExtent2D extent);
     double draw_ms() const;
 
@@ -62,7 +64,6 @@ private:
     };
     Frame prepare(const Crowd& crowd, const Camera& camera);
     CrowdView view_of(const Crowd& crowd, const Camera& camera) const;
-    bool update_natively(Crowd& crowd, float time_step_s, const Camera& camera) const;
     void record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera, Frame& frame);
     void begin_draw(VkCommandBuffer commands, Frame& frame);
     void record_frame(VkCommandBuffer commands, Frame& frame);
@@ -115,9 +116,10 @@ RenderResult RendererState::render(const Crowd& crowd, const Camera& camera) {
 
 RenderResult RendererState::render_frame(Crowd& crowd, float time_step_s, const Camera& camera) {
     Frame frame = prepare(crowd, camera);
-    const bool is_updated = update_natively(crowd, time_step_s, camera);
+    const bool is_native = crowd.state().is_native(options.occlusion);
+    if (is_native) update(crowd, time_step_s, camera);
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
-        if (!is_updated) record_update(commands, crowd, time_step_s, camera, frame);
+        if (!is_native) record_update(commands, crowd, time_step_s, camera, frame);
         record_frame(commands, frame);
         targets.record_read_back(commands);
     });
@@ -133,6 +135,9 @@ void RendererState::record(VkCommandBuffer commands, Crowd& crowd, float time_st
 RendererState::Frame RendererState::prepare(const Crowd& crowd, const Camera& camera) {
     const CrowdState& state = crowd.state();
     if (state.gpu != gpu) throw Failure(ErrorCode::kInvalidArgument, "render", "the crowd lives on another device");
+    for (const Group& group : state.groups)
+        if (group.sockets_only)
+            throw Failure(ErrorCode::kInvalidArgument, "render", group.name + " has sockets only, and nothing to draw");
     if (options.skeletons && !state.batches.front()[io::kModelBuffer])
         throw Failure(ErrorCode::kInvalidArgument, "skeletons",
                       "the crowd keeps no model matrices; set CrowdSettings::keep_model_matrices");
@@ -152,15 +157,17 @@ CrowdView RendererState::view_of(const Crowd& crowd, const Camera& camera) const
     return view;
 }
 
-// False where the crowd is not updated natively: then nothing has happened.
-bool RendererState::update_natively(Crowd& crowd, float time_step_s, const Camera& camera) const {
+void RendererState::update(Crowd& crowd, float time_step_s, const Camera& camera) const {
     CrowdState& state = crowd.state();
-    std::optional<CrowdView> view;
-    if (state.cull) view = view_of(crowd, camera);
-    const CrowdView* seen = view ? &*view : nullptr;
-    if (!state.is_native(seen)) return false;
-    state.update(time_step_s, seen);
-    return true;
+    if (!state.cull) return state.update(time_step_s, nullptr);
+    CrowdView view = view_of(crowd, camera);
+    view.occlusion = false;
+    state.update(time_step_s, &view);
+}
+
+void RendererState::record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) {
+    Frame frame = prepare(crowd, camera);
+    record_frame(commands, frame);
 }
 
 void RendererState::record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera,
@@ -250,6 +257,14 @@ Result<RenderResult> Renderer::render_frame(Crowd& crowd, float time_step_s, con
 
 Result<void> Renderer::record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) {
     return as_result([&] { state().record(commands, crowd, time_step_s, camera); }, "render");
+}
+
+Result<void> Renderer::update(Crowd& crowd, float time_step_s, const Camera& camera) {
+    return as_result([&] { state().update(crowd, time_step_s, camera); }, "render");
+}
+
+Result<void> Renderer::record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) {
+    return as_result([&] { state().record_drawing(commands, crowd, camera); }, "render");
 }
 
 VkImage Renderer::picture() const { return state_ ? state_->targets.picture() : VK_NULL_HANDLE; }

@@ -72,7 +72,7 @@ void begin(const KernelRig& rig, const KernelUpdate& update, const uint32_t* ins
                                          kLine);
     target.position = target.begin;
     target.written = 0;
-    group.parts = reinterpret_cast<Part*>(update.scratch + size_t{rig.slot_count} * sizeof(Matrix));
+    group.parts = reinterpret_cast<Part*>(update.scratch + (size_t{rig.slot_count} + 1) * sizeof(Matrix));
     for (uint32_t c = 0; c < count; ++c) {
         if (update.active_clips) {
             group.all[c].instance = instances[c];
@@ -90,9 +90,11 @@ void update_group(const KernelRig& rig, const KernelUpdate& update, const uint32
     begin(rig, update, instances, count, group, out.target);
     TurnedBlock rotations, motions, scales;
     float* slots = reinterpret_cast<float*>(update.scratch);
-    Matrix s;
-    for (uint32_t i = 0; i < 12; ++i) s.of[i / 4][i % 4] = Lanes::set(i % 5 == 0 ? 1 : 0);
-    store(slots, s);
+    const auto slot_of = [&](uint32_t slot) { return slots + size_t{slot} * 12 * Lanes::kCount; };
+    Matrix identity;
+    for (uint32_t i = 0; i < 12; ++i) identity.of[i / 4][i % 4] = Lanes::set(i % 5 == 0 ? 1 : 0);
+    store(slot_of(kRoot), identity);
+    const float* last = slot_of(kRoot);
     const uint32_t first_motion = (rig.joint_count + kBlockJoints - 1) / kBlockJoints;
     const uint32_t first_scales = first_motion + (rig.motion_count + kBlockJoints - 1) / kBlockJoints;
     const Emission* emission = rig.emissions;
@@ -120,23 +122,20 @@ void update_group(const KernelRig& rig, const KernelUpdate& update, const uint32
         }
         const Quad q{Lanes::load(rotations.of[0][at]), Lanes::load(rotations.of[1][at]),
                      Lanes::load(rotations.of[2][at]), Lanes::load(rotations.of[3][at])};
-        if (step.parent != kLast) s = load_matrix(slots + size_t{step.parent} * 12 * Lanes::kCount);
-        s = product(s, matrix_of(q, scale, centre, step.pivot, !rig.three_scales));
-        if (step.keep != kNoIndex) store(slots + size_t{step.keep} * 12 * Lanes::kCount, s);
+        // In memory from joint to joint, where a product reads it: registers would be spilled around calls
+        const float* parent = step.parent == kLast ? last : slot_of(step.parent);
+        float* own = slot_of(step.keep == kNoIndex ? rig.slot_count : step.keep);
+        const Matrix s = product(load_matrix(parent), matrix_of(q, scale, centre, step.pivot, !rig.three_scales));
+        store(own, s);
+        last = own;
         for (const Emission* end = emission + step.emission_count; emission < end; ++emission) {
             const bool is_plain = emission->kind == EmissionKind::kSkin && emission->source == kLast &&
                                   emission->constant == kNoIndex && update.skin_format == io::kSkinAffine;
-            if (is_plain) {
-                put_affine(out.ring, out.target, s);
-            } else {
-                alignas(64) float last[12 * Lanes::kCount];
-                const float* source = last;
-                if (emission->source == kLast)
-                    store(last, s);
-                else
-                    source = slots + size_t{emission->source} * 12 * Lanes::kCount;
-                emit(rig, update, *emission, source, group.all, out);
-            }
+            if (is_plain)
+                put_affine(out.ring, out.target, load_matrix(own));
+            else
+                emit(rig, update, *emission, emission->source == kLast ? last : slot_of(emission->source), group.all,
+                     out);
         }
     }
     finish(out.ring, out.target);
@@ -164,7 +163,8 @@ void decode_all(const KernelRig& rig, const KernelUpdate& update, const uint32_t
 }
 
 size_t scratch_bytes(const KernelRig& rig, const KernelUpdate& update) {
-    return rig.slot_count * sizeof(Matrix) + size_t{Lanes::kCount} * update.active_clip_limit * sizeof(Part);
+    return (size_t{rig.slot_count} + 1) * sizeof(Matrix) +
+           size_t{Lanes::kCount} * update.active_clip_limit * sizeof(Part);
 }
 
 void fill(std::byte* to, size_t size) {

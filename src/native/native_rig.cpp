@@ -1,6 +1,7 @@
 #include "native/native_rig.h"
 
 #include "native/walk.h"
+#include "sample/sample_reference.h"
 
 #include <algorithm>
 
@@ -9,7 +10,22 @@ namespace {
 
 using native::Similarity;
 
-constexpr double kSeen = 5e-7;  // parts of the character's size: below it a constant is the identity
+constexpr double kUneven = 2e-7;  // likewise: below it scales are the same
+constexpr double kSeen = 5e-7;    // parts of the character's size: below it a constant is the identity
+
+// Whether the scales of a joint along x, y and z are the same, as far as that can be seen; files say 0.99999994 for 1.
+bool is_uniform(const Character& character, size_t joint, double reach) {
+    const auto differs = [&](const TrackValue& s) {
+        const double most = std::max({s[0], s[1], s[2]}), least = std::min({s[0], s[1], s[2]});
+        return !((most - least) * reach <= kUneven * character.size * std::max(std::abs(most), std::abs(least)));
+    };
+    for (size_t clip = 0; clip <= character.clips.size(); ++clip) {
+        const TrackReader scale(character, clip, joint, TrackTarget::kScale);
+        for (uint32_t row = 0; row < scale.row_count(); ++row)
+            if (differs(scale.at_row(row))) return false;
+    }
+    return true;
+}
 
 Similarity rest_of(const Trs<float>& rest) {
     const Trs<double> trs = rest.as<double>();
@@ -27,8 +43,8 @@ std::vector<Similarity> rest_poses(const Rig& rig) {
 }
 
 // B of each joint (native_rig.h).
-std::vector<Similarity> joint_spaces(const Character& character, const std::vector<Similarity>& rest) {
-    if (!character.rig.uniform_scale) return std::vector<Similarity>(rest.size());
+std::vector<Similarity> joint_spaces(const Character& character, const std::vector<Similarity>& rest, bool is_uniform) {
+    if (!is_uniform) return std::vector<Similarity>(rest.size());
     std::vector<Similarity> spaces = rest;
     std::vector<bool> is_bound(rest.size());
     for (const PaletteEntry& entry : character.palette) {
@@ -90,19 +106,25 @@ NativeRig::NativeRig(const Character& character, const NativeRigSettings& settin
     std::vector<bool> moves(rig.joint_count(), true);
     for (size_t joint = 0; some_joints && joint < moves.size(); ++joint)
         moves[joint] = character.joint_lods[joint] >= settings.lod;
+    const std::span<const PaletteEntry> palette = settings.sockets_only ? std::span<const PaletteEntry>()
+                                                                        : character.palette;
     native::Walk walk = native::plan_walk({.parents = rig.parents,
                                            .moves = moves,
-                                           .palette = character.palette,
-                                           .keeps_model = settings.keeps_model,
+                                           .palette = palette,
+                                           .keeps_model = settings.keeps_model && !settings.sockets_only,
                                            .sockets = settings.sockets});
-    const std::vector<Similarity> rest = rest_poses(rig), spaces = joint_spaces(character, rest);
+    const std::vector<Similarity> rest = rest_poses(rig);
     const std::vector<double> reach = reaches(character, rest);
+    bool uniform_scale = !settings.all_move;  // poses from outside may have any scale
+    for (size_t joint = 0; uniform_scale && joint < reach.size(); ++joint)
+        uniform_scale = is_uniform(character, joint, reach[joint]);
+    const std::vector<Similarity> spaces = joint_spaces(character, rest, uniform_scale);
     for (const uint32_t joint : walk.joints)
         joints_.push_back({.joint = joint,
                            .parent_space = rig.parents[joint] == kNone ? Similarity{} : spaces[rig.parents[joint]],
                            .joint_space = spaces[joint],
                            .reach = reach[joint]});
-    rows_ = native::make_rows(character, joints_, settings.all_move);
+    rows_ = native::make_rows(character, joints_, {.uniform_scale = uniform_scale, .all_move = settings.all_move});
     steps_ = std::move(walk.steps);
     for (size_t i = 0; i < steps_.size(); ++i) {
         const native::StillJoint& still = rows_.still[i];
@@ -139,7 +161,7 @@ NativeRig::NativeRig(const Character& character, const NativeRigSettings& settin
                .joint_count = static_cast<uint32_t>(steps_.size()),
                .motion_count = rows_.motion_count,
                .scales_count = rows_.scales_count,
-               .three_scales = !rig.uniform_scale,
+               .three_scales = !uniform_scale,
                .steps = steps_.data(),
                .emissions = emissions_.data(),
                .constants = constants_.data(),
@@ -147,7 +169,7 @@ NativeRig::NativeRig(const Character& character, const NativeRigSettings& settin
                .place_count = rows_.place_count(),
                .mask_stride = rows_.place_count() + native::Rows::rounded_up(rows_.blocks.size()),
                .rig_joint_count = rig.joint_count(),
-               .palette_count = static_cast<uint32_t>(character.palette.size()),
+               .palette_count = static_cast<uint32_t>(palette.size()),
                .socket_count = static_cast<uint32_t>(settings.sockets.size())};
 }
 

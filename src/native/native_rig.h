@@ -24,6 +24,7 @@ struct NativeRigSettings {
     uint32_t lod = 0;                 // of Character::lods: joints that do not move in it are left out
     bool keeps_model = false;         // model matrices are written
     std::vector<uint32_t> sockets{};  // joints
+    bool sockets_only = false;        // nothing else is written, and no joint walked that none of them hangs on
     bool all_move = false;            // poses may be set, in which any joint may be anywhere
 };
 

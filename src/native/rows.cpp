@@ -54,8 +54,8 @@ double dot(const Four& a, const Four& b) { return a[0] * b[0] + a[1] * b[1] + a[
 
 class RowMaker {
 public:
-    RowMaker(const Character& character, std::span<const RowJoint> joints, bool all_move)
-        : character_(character), joints_(joints), all_move_(all_move), times_(row_times(character, joints)) {
+    RowMaker(const Character& character, std::span<const RowJoint> joints, const RowSettings& settings)
+        : character_(character), joints_(joints), settings_(settings), times_(row_times(character, joints)) {
         for (const ClipRowTimes& clip : times_) {
             first_rows_.push_back(rows_.row_count);
             rows_.row_count += static_cast<uint32_t>(clip.rows.size());
@@ -109,9 +109,8 @@ private:
                     for (double& component : q) component = -component;
                 const Vec3<double> s = vector_of(scale.between(row));
                 values.rotation.push_back(q);
-                values.motion.push_back(motion_row(joint,
-                                                   {.translation = vector_of(translation.between(row)), .scale = s},
-                                                   character_.rig.uniform_scale));
+                values.motion.push_back(motion_row(
+                    joint, {.translation = vector_of(translation.between(row)), .scale = s}, settings_.uniform_scale));
                 values.scales.push_back({s.x, s.y, s.z, 1});
                 before = &values.rotation.back();
             }
@@ -131,19 +130,20 @@ private:
             rotations.push_back(rotation);
             fine_rotations.push_back(2 * rotation.error() * joint.reach > kSeen * size);
             StillJoint still{.centre = {motion.middle[0], motion.middle[1], motion.middle[2]}};
-            const bool uniform = character_.rig.uniform_scale;
+            const bool uniform = settings_.uniform_scale;
             still.scale = uniform ? Vec3<double>{motion.middle[3], motion.middle[3], motion.middle[3]}
                                   : Vec3<double>{three.middle[0], three.middle[1], three.middle[2]};
             const auto most = [](const Range& range, size_t first, size_t end) {
                 return *std::max_element(range.half.begin() + static_cast<ptrdiff_t>(first),
                                          range.half.begin() + static_cast<ptrdiff_t>(end));
             };
-            if (all_move_ || most(motion, 0, 3) > kStill * size || most(motion, 3, 4) * joint.reach > kStill * size) {
+            if (settings_.all_move || most(motion, 0, 3) > kStill * size ||
+                most(motion, 3, 4) * joint.reach > kStill * size) {
                 still.motion = rows_.motion_count++;
                 motions.push_back(motion);
                 fine_motions.push_back(motion.error() * std::max(1.0, joint.reach / size) > kSeen * size);
             }
-            if (!uniform && (all_move_ || most(three, 0, 3) * joint.reach > kStill * size)) {
+            if (!uniform && (settings_.all_move || most(three, 0, 3) * joint.reach > kStill * size)) {
                 still.scales = rows_.scales_count++;
                 scales.push_back(three);
                 fine_scales.push_back(three.error() * joint.reach > kSeen * size);
@@ -206,7 +206,7 @@ private:
 
     const Character& character_;
     std::span<const RowJoint> joints_;
-    bool all_move_;
+    RowSettings settings_;
     std::vector<ClipRowTimes> times_;
     std::vector<uint32_t> first_rows_;  // of clips
     std::vector<Range> ranges_;         // [place]
@@ -229,13 +229,14 @@ std::array<double, 4> rotation_row(const RowJoint& joint, const Quaternion<doubl
 
 std::array<double, 4> motion_row(const RowJoint& joint, const Trs<double>& parent_from_joint, bool uniform_scale) {
     const Similarity& p = joint.parent_space;
+    const Vec3<double>& s = parent_from_joint.scale;
     const Vec3<double> centre = rotated(p.rotation, parent_from_joint.translation) * p.scale + p.translation;
     return {centre.x, centre.y, centre.z,
-            uniform_scale ? p.scale * parent_from_joint.scale.x / joint.joint_space.scale : 1};
+            uniform_scale ? p.scale * (s.x + s.y + s.z) / 3 / joint.joint_space.scale : 1};
 }
 
-Rows make_rows(const Character& character, std::span<const RowJoint> joints, bool all_move) {
-    return RowMaker(character, joints, all_move).make();
+Rows make_rows(const Character& character, std::span<const RowJoint> joints, const RowSettings& settings) {
+    return RowMaker(character, joints, settings).make();
 }
 
 }  // namespace throng::native

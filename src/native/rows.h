@@ -55,7 +55,11 @@ struct Rows {
 std::array<double, 4> rotation_row(const RowJoint& joint, const Quaternion<double>& rotation);
 std::array<double, 4> motion_row(const RowJoint& joint, const Trs<double>& parent_from_joint, bool uniform_scale);
 
-// Of these joints, in this order. `all_move`: as if none stood still.
-Rows make_rows(const Character& character, std::span<const RowJoint> joints, bool all_move = false);
+struct RowSettings {
+    bool uniform_scale = false;  // of each joint one: the mean of x, y and z, which are nearly the same
+    bool all_move = false;       // as if no joint stood still
+};
+// Of these joints, in this order.
+Rows make_rows(const Character& character, std::span<const RowJoint> joints, const RowSettings& settings);
 
 }  // namespace throng::native

@@ -429,6 +429,24 @@ TEST_F(Cli, BenchScanHasARecordForEachMethodAndCase) {
     EXPECT_TRUE(contains(help, "Examples:\n  throng bench scan")) << help;
 }
 
+TEST_F(Cli, BenchCpuChecksAndTimesEachInstructionSet) {
+    const Outcome run = succeed("bench cpu --characters 40 --joints 40 --levels 8 --threads 1 --samples 2 --json",
+                                kOfCommit);
+    size_t timed = 0;
+    for (const Json& record : records_of(run.out)) {
+        EXPECT_EQ(record["bench"], "cpu");
+        EXPECT_EQ(record["commit"], "abc1234");
+        EXPECT_FALSE(record.contains("wrong"));
+        if (record["variant"] == "fill") continue;
+        EXPECT_LT(record["max_error"], 1e-4);
+        EXPECT_GT(record["times_fill_floor"], 0);
+        ++timed;
+    }
+    EXPECT_GE(timed, 4u);
+    const std::string help = run_tool("bench cpu --help").out;
+    EXPECT_TRUE(contains(help, "Examples:\n  throng bench cpu")) << help;
+}
+
 TEST_F(Cli, BenchFrameHasARecordForEachVariantOfEachConfiguration) {
     const Outcome run = succeed("bench frame --quick --count 20 --samples 2 --json", kOfCommit);
     std::map<std::string, std::set<std::string>> variants;  // of each configuration
@@ -616,6 +634,8 @@ TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
         {"bench scan --samples -2", "--samples"},
         {"bench scan --json none/x.jsonl", "none"},
         {"bench scan creature.glb", "creature.glb"},
+        {"bench cpu --isa mmx", "--isa"},
+        {"bench cpu --threads 0", "--threads"},
         {"bench frame --count 0", "--count"},
         {"bench frame --samples 0", "--samples"},
         {"bench frame --error 0", "--error"},

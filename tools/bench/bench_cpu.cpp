@@ -66,9 +66,11 @@ void print_row(const Json& record) {
 
 void print_table(std::span<const Json> records) {
     const Json& first = records.front();
-    std::printf("\n%s on %s; medians of %.0f updates, 48-byte matrices\n%-8s %7s  %-20s %9s %19s %9s %8s %7s %9s  %s\n",
-                text(first, "configuration").c_str(), text(first, "device").c_str(), real(first, "samples"), "isa",
-                "threads", "variant", "ms", "5 % - 95 %", "ns/joint", "GB/s", "x fill", "decode", "error");
+    std::printf(
+        "\n%s on %s; %.0f updates, 48-byte matrices; rates at the 5th percentile\n%-8s %7s  %-20s %9s %19s %9s %8s %7s "
+        "%9s  %s\n",
+        text(first, "configuration").c_str(), text(first, "device").c_str(), real(first, "samples"), "isa", "threads",
+        "variant", "ms", "5 % - 95 %", "ns/joint", "GB/s", "x fill", "decode", "error");
     for (const Json& record : records) print_row(record);
 }
 

@@ -139,14 +139,24 @@ void run_command_line(int argc, char** argv, void (*add_commands)(Command app)) 
 }
 
 void add_device_option(Command command, std::string& select) {
-    command.add_option("--device", select,
-                       "a device's number, 'cpu', or a part of its name (default: a hardware GPU if there is one)");
+    command.add_option(
+        "--device", select,
+        "a device's number, 'cpu', 'native', or a part of its name (default: a hardware GPU if there is one)");
 }
 
 void add_path_option(Command command, UpdatePath& path) {
     command.add_choice<UpdatePath>(
-        "--path", path, {{"auto", UpdatePath::kAuto}, {"fused", UpdatePath::kFused}, {"staged", UpdatePath::kStaged}},
-        "fused: sample, blend, scan and bind in one pass; staged: one after another; auto: fused where it applies");
+        "--path", path,
+        {{"auto", UpdatePath::kAuto},
+         {"fused", UpdatePath::kFused},
+         {"staged", UpdatePath::kStaged},
+         {"native", UpdatePath::kNative}},
+        "fused: sample, blend, scan and bind in one pass; staged: one after another; native: by this machine's "
+        "processor, on software devices; auto: native there, else fused where it applies");
+}
+
+std::string path_name(const GroupPath& path) {
+    return std::string(path.is_native ? "native, " : "") + (path.is_fused ? "fused" : "staged");
 }
 
 void add_scan_option(Command command, std::string& scan) {

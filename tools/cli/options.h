@@ -135,6 +135,7 @@ void add_scan_option(Command command, std::string& scan);
 
 // --path; the value that `path` has is the default.
 void add_path_option(Command command, UpdatePath& path);
+std::string path_name(const GroupPath& path);  // "native, fused"
 
 // --error: PERCENT of the character's size, or 'exact'. Refused with a compiled file, which has its own.
 void add_error_option(Command command, CompileSettings& settings);

@@ -6,6 +6,7 @@
 #include "tools/film/encode.h"
 #include "tools/film/film_frames.h"
 #include "tools/cli/inputs.h"
+#include "tools/cli/options.h"
 
 #include <nlohmann/json.hpp>
 
@@ -99,7 +100,7 @@ nlohmann::json settings_of(const RenderOptions& options) {
 nlohmann::json updates_of(const Crowd& crowd, size_t file_count) {
     nlohmann::json updates = nlohmann::json::array();
     for (uint32_t group = 0; group < file_count; ++group)
-        updates.push_back((crowd.path(group)->is_fused ? "fused, " : "staged, ") + crowd.path(group)->scan.method);
+        updates.push_back(path_name(*crowd.path(group)) + ", " + crowd.path(group)->scan.method);
     return updates;
 }
 

@@ -1,5 +1,6 @@
 #include "tools/film/film.h"
 #include "tools/cli/inputs.h"
+#include "tools/cli/options.h"
 #include "tools/commands.h"
 #include "tools/film/shot.h"
 
@@ -14,6 +15,7 @@ namespace {
 
 void print_times(const RenderOptions& options, const Device& device, Shot& shot) {
     const std::string scan = shot.crowd().path(0)->scan.method;
+    const std::string path = path_name(*shot.crowd().path(0));
     const uint32_t count = shot.crowd().instance_count();
     if (options.json)
         return print_json({{"out", options.out},
@@ -22,9 +24,10 @@ void print_times(const RenderOptions& options, const Device& device, Shot& shot)
                            {"count", count},
                            {"drawn", shot.count_drawn()},
                            {"scan", scan},
+                           {"path", path},
                            {"stages_ms", to_json(shot.times())}});
-    std::printf("%s: %u characters on %s, scan by %s\n", options.out.c_str(), count, device.info().name.c_str(),
-                scan.c_str());
+    std::printf("%s: %u characters on %s, %s, scan by %s\n", options.out.c_str(), count, device.info().name.c_str(),
+                path.c_str(), scan.c_str());
     print_drawn(shot.count_drawn());
     print_times(shot.times());
 }

@@ -63,6 +63,7 @@ void add_scene_options(Command app, SceneOptions& options) {
     app.add_option("--seed", options.seed, "of clips, times, blends, places and what controllers are told")
         .capture_default_str();
     add_scan_option(app, options.scan);
+    add_path_option(app, options.path);
     add_error_option(app, options.compile);
 }
 
@@ -119,6 +120,7 @@ CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdS
     print_progress("placing " + std::to_string(field.placement.size()) + " characters");
     settings.groups = field.groups;
     settings.scan = options.scan;
+    settings.path = options.path;
     crowd_.emplace(unwrap(Crowd::create(device, settings)));
     director_.emplace(field.groups, options.seed);
     uint32_t first = 0;

@@ -20,6 +20,7 @@ struct SceneOptions {
     std::vector<std::string> controllers;  // "CONTROLLER.json" for all files, or "FILE=CONTROLLER.json"
     CompileSettings compile;
     std::string scan = "auto";
+    UpdatePath path = UpdatePath::kAuto;
     uint32_t count = 1;
     std::vector<uint32_t> counts;  // [files], or none: `count` is dealt out evenly
     std::vector<double> sizes;     // [files], or none
@@ -50,7 +51,7 @@ struct SceneCast {
 
 class CrowdScene {
 public:
-    // `settings` without groups and scan. Throws CommandError, as SceneCast does.
+    // `settings` without groups, scan and path. Throws CommandError, as SceneCast does.
     CrowdScene(const Device& device, const SceneOptions& options, CrowdSettings settings);
 
     Crowd& crowd() { return *crowd_; }

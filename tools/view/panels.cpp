@@ -1,5 +1,6 @@
 #include "tools/view/panels.h"
 
+#include "tools/cli/options.h"
 #include "tools/view/commands.h"
 
 #include <algorithm>
@@ -18,9 +19,10 @@ struct Choice {
 constexpr std::array kFormations{Choice{"grid", "row by row"}, Choice{"disc", "a sunflower's seeds, facing outwards"},
                                  Choice{"path", "a parade along a closed curve"},
                                  Choice{"random", "anywhere, but apart"}};
-constexpr std::array kPaths{Choice{"auto", "fused where it applies"},
+constexpr std::array kPaths{Choice{"auto", "native on software devices, else fused where it applies"},
                             Choice{"fused", "sample, blend, scan and bind in one pass"},
-                            Choice{"staged", "one after another"}};
+                            Choice{"staged", "one after another"},
+                            Choice{"native", "by this machine's processor, on software devices"}};
 constexpr std::array kFormats{Choice{"affine, 48 bytes", "three rows of four floats"},
                               Choice{"half, 24 bytes", "three rows of four half floats"},
                               Choice{"similarity, 32 bytes", "rotation, translation and one scale"}};
@@ -140,7 +142,7 @@ void update_section(State& state, Scene& scene) {
     scan_row(state.wanted.scan);
     const auto path = scene.crowd().path(0);
     begin_row("");
-    ImGui::TextDisabled("%s, %s", path->scan.method.c_str(), path->is_fused ? "fused" : "staged");
+    ImGui::TextDisabled("%s, %s", path->scan.method.c_str(), tools::path_name(*path).c_str());
     tip((path->scan.reason + "\n" + path->reason).c_str());
     choose_row("path", kPaths, state.wanted.path);
     choose_row("output", kFormats, state.wanted.format);

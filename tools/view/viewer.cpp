@@ -202,8 +202,12 @@ void Viewer::record(uint32_t image) {
     drawing.skeletons = scene_.settings().keeps_joints;  // a crowd that keeps joints comes a frame later
     unwrap(renderer_.set_options(drawing));
     if (watches()) unwrap(scene_.crowd().watch({&*state_.selected, 1}));
+    const Camera camera = state_.orbit.camera();
+    const bool is_native = unwrap(scene_.crowd().path(0)).is_native;
+    if (is_native) unwrap(renderer_.update(scene_.crowd(), time_step_s, camera));
     const VkCommandBuffer commands = submission_.begin();
-    unwrap(renderer_.record(commands, scene_.crowd(), time_step_s, state_.orbit.camera()));
+    unwrap(is_native ? renderer_.record_drawing(commands, scene_.crowd(), camera)
+                     : renderer_.record(commands, scene_.crowd(), time_step_s, camera));
     canvas_.record_picture(commands, renderer_.picture());
     canvas_.record_panels(commands);
     canvas_.record_copy(commands, swapchain_.image(image));

@@ -1,0 +1,35 @@
+// Where chosen joints of a character are, asked at any time: hit boxes, muzzles, the feet of what may come.
+#pragma once
+
+#include <throng/character.h>
+#include <throng/playback.h>
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace throng {
+
+class NativeJoints;  // internal
+
+// Computed by this machine's processor: these joints and those that they hang on. A handle; copies share what it is
+// made of, and any number of threads may use it at a time. The character is not kept.
+class JointSampler {
+public:
+    // Errors: kInvalidArgument (no joints, or one that is out of range), kUnsupported (a processor without a native
+    // engine).
+    static Result<JointSampler> create(const Character& character, std::span<const uint32_t> joints);
+
+    // model_from_joint, in the order of the joints, of a character that plays this at the times given; within 1e-5 of
+    // its size. Allocates nothing after a thread's first call. Errors: kInvalidArgument (clip out of range, value not
+    // finite, weight outside 0..1, another number of results than of joints).
+    Result<void> sample(const Playback& playback, std::span<Affine> model_from_joint) const;
+
+    // Internal.
+    explicit JointSampler(std::shared_ptr<const NativeJoints> joints);
+
+private:
+    std::shared_ptr<const NativeJoints> joints_;
+};
+
+}  // namespace throng

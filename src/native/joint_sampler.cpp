@@ -1,0 +1,75 @@
+#include <throng/joint_sampler.h>
+
+#include "base/failure.h"
+#include "control/control_io.h"
+#include "control/control_reference.h"
+#include "control/playback.h"
+#include "native/native.h"
+
+namespace throng {
+
+class NativeJoints {
+public:
+    NativeJoints(const Character& character, std::span<const uint32_t> joints)
+        : joint_count_(joints.size()),
+          rig_joint_count_(character.rig.joint_count()),
+          clips_(character.clips),
+          times_s_(character.times_s),
+          rig_(character, {.sockets = {joints.begin(), joints.end()}, .sockets_only = true}) {}
+
+    void sample(const Playback& playback, std::span<Affine> model_from_joint) const {
+        if (model_from_joint.size() != joint_count_)
+            throw Failure(
+                ErrorCode::kInvalidArgument, "joint sampler",
+                std::to_string(model_from_joint.size()) + " results for " + std::to_string(joint_count_) + " joints");
+        check_playback(playback, static_cast<uint32_t>(clips_.size()), "joint sampler");
+        const io::InstanceCursor cursor{slot(playback.first), slot(playback.second), playback.weight};
+        update(rig_, {.cursors = &cursor, .sockets = model_from_joint.data()}, 0, 1);
+    }
+
+private:
+    io::SlotCursor slot(const ClipPlayback& playback) const {
+        const auto rest = static_cast<uint32_t>(clips_.size()) * rig_joint_count_;
+        if (playback.clip == kNone) return {.first_track = rest, .earlier = 0, .later = 0, .fraction = 0};
+        const Clip& clip = clips_[playback.clip];
+        const double time_s = local_time_reference(playback.time_s, double{clip.duration_s}, playback.loop);
+        const RowCursor rows = find_rows_reference(std::span(times_s_).subspan(clip.first_time, clip.row_count),
+                                                   time_s);
+        return {.first_track = playback.clip * rig_joint_count_,
+                .earlier = clip.first_row + rows.earlier * clip.row_stride,
+                .later = clip.first_row + rows.later * clip.row_stride,
+                .fraction = static_cast<float>(rows.fraction)};
+    }
+
+    size_t joint_count_;
+    uint32_t rig_joint_count_;
+    std::vector<Clip> clips_;
+    std::vector<float> times_s_;
+    NativeRig rig_;
+};
+
+Result<JointSampler> JointSampler::create(const Character& character, std::span<const uint32_t> joints) {
+    return as_result([&] {
+        const std::string place = character.name + ": joint sampler";
+        if (joints.empty()) throw Failure(ErrorCode::kInvalidArgument, place, "there are no joints");
+        for (const uint32_t joint : joints)
+            if (joint >= character.rig.joint_count())
+                throw Failure(ErrorCode::kInvalidArgument, place,
+                              "joint " + std::to_string(joint) + " of a character that has " +
+                                  std::to_string(character.rig.joint_count()));
+        if (const std::string reason = native_unsupported(character, {}); !reason.empty())
+            throw Failure(ErrorCode::kUnsupported, place, reason);
+        return JointSampler(std::make_shared<const NativeJoints>(character, joints));
+    });
+}
+
+JointSampler::JointSampler(std::shared_ptr<const NativeJoints> joints) : joints_(std::move(joints)) {}
+
+Result<void> JointSampler::sample(const Playback& playback, std::span<Affine> model_from_joint) const {
+    return as_result([&] {
+        if (!joints_) throw Failure(ErrorCode::kInvalidArgument, "joint sampler", "it has been moved from");
+        joints_->sample(playback, model_from_joint);
+    });
+}
+
+}  // namespace throng
