@@ -17,6 +17,7 @@ namespace {
 
 // Instrumented, those left out take too long.
 const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"ActiveClips.*", "-ActiveClips.FollowTheReference"});
+const test::InSubset kNatively({test::Subset::kNative}, {"ActiveClips.*"});
 
 using namespace test;
 
@@ -456,9 +457,8 @@ TEST(ActiveClips, AreReadFromATableThatTheDeviceWrote) {
     const std::vector<io::ActiveClip> active_clips = stage.active_clips(
         {random_layers(random, stage.character(), 5), random_layers(random, stage.character(), 8)}, 8);
     const Buffer table = make_table<io::ActiveClip>(test_gpu(), "active clips", active_clips.size());
-    test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
-        test_gpu()->vk.vkCmdUpdateBuffer(commands, table.handle(), 0, table.size_bytes(), active_clips.data());
-    });
+    test_gpu()->submit_and_wait(
+        [&](VkCommandBuffer commands) { record_update(*test_gpu(), commands, table, 0, std::span(active_clips)); });
     EXPECT_TRUE(same_bits(stage.run(BufferRange(table), 2, 8), stage.run(active_clips, 8)));
 }
 

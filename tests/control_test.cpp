@@ -15,6 +15,7 @@ namespace throng {
 namespace {
 
 const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Control.*"});
+const test::InSubset kNatively({test::Subset::kNative}, {"Control.*"});
 
 using namespace test;
 

@@ -10,6 +10,7 @@ namespace throng::test {
 namespace {
 
 const InSubset kInSubsets({Subset::kGpuAssisted}, {"ControllerOnTheGpu.LayersPlayWhatTheyAreTold"});
+const InSubset kNatively({Subset::kNative}, {"ControllerOnTheGpu.*"});
 
 // The kernel's buffers for instances of one controller.
 class Kernels {
@@ -53,7 +54,9 @@ public:
             const Gpu& gpu = *test_gpu();
             const auto command_count = static_cast<uint32_t>(commands.size());
             record_update(gpu, buffer, commands_, 0, commands);
-            gpu.vk.vkCmdFillBuffer(buffer, BufferRange(events_).buffer, 0, sizeof(io::EventHead), 0);
+            BufferRange head = events_;
+            head.size_bytes = sizeof(io::EventHead);
+            record_fill(gpu, buffer, head, 0);
             memory_barrier(gpu, buffer, kTransferWrite, kShaderRead | kShaderWrite);
             if (command_count > 0)
                 command_.dispatch_invocations(

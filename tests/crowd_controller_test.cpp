@@ -11,6 +11,7 @@ namespace throng::test {
 namespace {
 
 const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups}, {"CrowdController.*"});
+const InSubset kNatively({Subset::kNative}, {"CrowdController.*"});
 
 double matrix_error(std::span<const Affine> matrices, std::span<const AffineT<double>> wanted, double size) {
     EXPECT_EQ(matrices.size(), wanted.size());

@@ -17,6 +17,8 @@ namespace {
 
 const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups},
                           {"Cull.ListsWhatTheReferenceSees", "Cull.BatchesChangeNothing"});
+const InSubset kNatively({Subset::kNative},
+                         {"Cull.*", "-Cull.TiledMethodsAnimateTheListToo", "-Cull.PicturesAreThoseOfEverything"});
 
 constexpr uint32_t kWidth = 160, kHeight = 120;
 constexpr uint32_t kUnseen = ~0u;
@@ -95,8 +97,9 @@ TEST(Cull, ListsWhatTheReferenceSees) {
                     << "too fine";
             }
             const auto draws = download<io::DrawCommand>(
-                test_gpu(), BufferRange(crowd.outputs()[0].draw_buffer, 0,
+                test_gpu(), BufferRange(crowd.state().batches[0][io::kDrawsBuffer], 0,
                                         group.sections.size() * io::kLodCount * sizeof(io::DrawCommand)));
+            EXPECT_EQ(crowd.outputs()[0].draw_buffer, crowd.state().batches[0][io::kDrawsBuffer].handle());
             for (size_t k = 0; k < draws.size(); ++k) {
                 const uint32_t lod = k % io::kLodCount;
                 EXPECT_EQ(draws[k].instance_count, std::ranges::count(lods, lod));

@@ -37,7 +37,8 @@ TEST(Device, TheListNamesTheDevices) {
         EXPECT_FALSE(infos[i].name.empty());
         EXPECT_FALSE(infos[i].type.empty());
         EXPECT_FALSE(infos[i].driver.empty());
-        if (!infos[i].usable) continue;
+        EXPECT_EQ(infos[i].type == "native", i + 1 == infos.size());
+        if (!infos[i].usable || infos[i].type == "native") continue;
         EXPECT_GE(infos[i].api_version, VK_API_VERSION_1_3);
         EXPECT_GE(infos[i].subgroup_size, 1u);
         EXPECT_GE(infos[i].shared_memory_bytes, 16384u);

@@ -53,9 +53,8 @@ TEST(Gpu, BuffersKeepTheirBytes) {
     const Buffer buffer = upload(test_gpu(), "values", values);
     EXPECT_EQ(buffer.size_bytes(), values.size() * 4);
     EXPECT_EQ(download<uint32_t>(test_gpu(), buffer), values);
-    EXPECT_EQ(download<uint32_t>(test_gpu(), BufferRange(buffer.handle(), 4000, 8)),
-              (std::vector{values[1000], values[1001]}));
-    EXPECT_EQ(download<uint32_t>(test_gpu(), BufferRange(buffer.handle(), 0, 0)), std::vector<uint32_t>{});
+    EXPECT_EQ(download<uint32_t>(test_gpu(), BufferRange(buffer, 4000, 8)), (std::vector{values[1000], values[1001]}));
+    EXPECT_EQ(download<uint32_t>(test_gpu(), BufferRange(buffer, 0, 0)), std::vector<uint32_t>{});
 }
 
 TEST(Gpu, AnEmptyUploadGivesZeros) {

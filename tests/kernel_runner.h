@@ -6,8 +6,12 @@
 #include "gpu/upload.h"
 #include "tests/test_device.h"
 
+#include <throng/outputs.h>
+
 #include <algorithm>
 #include <cstring>
+#include <span>
+#include <utility>
 #include <vector>
 
 namespace throng::test {
@@ -54,6 +58,41 @@ private:
     size_t size_bytes_ = 0;
     Buffer buffer_;
 };
+
+// What a crowd writes: the VkBuffer, or on a native device the memory in its place; nothing where it has neither.
+inline BufferRange output_range(const OutputBlock& block, VkBuffer OutputBlock::*buffer, VkDeviceSize offset_bytes,
+                                VkDeviceSize size_bytes) {
+    const HostOutputs& host = block.host;
+    const std::pair<VkBuffer OutputBlock::*, std::span<const std::byte>> all[]{
+        {&OutputBlock::skin_buffer, host.skin},
+        {&OutputBlock::previous_skin_buffer, host.previous_skin},
+        {&OutputBlock::model_buffer, std::as_bytes(host.model)},
+        {&OutputBlock::placement_buffer, std::as_bytes(host.placement)},
+        {&OutputBlock::socket_buffer, std::as_bytes(host.socket)},
+        {&OutputBlock::parameter_buffer, std::as_bytes(host.parameter)},
+        {&OutputBlock::root_buffer, std::as_bytes(host.root)},
+        {&OutputBlock::target_buffer, std::as_bytes(host.target)},
+        {&OutputBlock::destination_buffer, std::as_bytes(host.destination)},
+        {&OutputBlock::morph_buffer, std::as_bytes(host.morph)},
+        {&OutputBlock::list_buffer, std::as_bytes(host.list)},
+        {&OutputBlock::skinned_buffer, std::as_bytes(host.skinned)}};
+    BufferRange range(block.*buffer, offset_bytes, size_bytes);
+    for (const auto& [of, bytes] : all) {
+        if (of != buffer || bytes.empty()) continue;
+        EXPECT_LE(offset_bytes + size_bytes, bytes.size());
+        range.mapped = const_cast<std::byte*>(bytes.data());
+    }
+    return range;
+}
+
+template <class T>
+std::vector<T> output(const OutputBlock& block, VkBuffer OutputBlock::*buffer, uint64_t count) {
+    return download<T>(test_gpu(), output_range(block, buffer, 0, count * sizeof(T)));
+}
+
+inline bool has_output(const OutputBlock& block, VkBuffer OutputBlock::*buffer) {
+    return bool(output_range(block, buffer, 0, 0));
+}
 
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {

@@ -18,6 +18,7 @@ namespace throng {
 namespace {
 
 const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Morph.AClipOfWeightsAloneIsPlayed"});
+const test::InSubset kNatively({test::Subset::kNative}, {"Morph.*"});
 
 using namespace test;
 
@@ -274,21 +275,20 @@ TEST(Morph, CrowdsOfTwoClipsShowThem) {
                                 {.error = error}),
                             plain = make_character({.joint_count = 6});
             Crowd crowd = create({.groups = {{&plain, 3}, {&character, 40}}, .path = path});
-            EXPECT_EQ(crowd.outputs()[0].morph_buffer, VkBuffer{VK_NULL_HANDLE});
+            EXPECT_FALSE(has_output(crowd.outputs()[0], &OutputBlock::morph_buffer));
             Character unmorphed = character;
             unmorphed.morphs.clear();
             const Crowd other = create({.groups = {{&plain, 3}, {&unmorphed, 40}}, .path = path});
             EXPECT_GE(crowd.size_bytes(), other.size_bytes() + 40 * kActiveMorphLimit * sizeof(io::ActiveMorph) +
                                               character.morph_deltas.size() * sizeof(MorphDelta))
                 << "its memory is counted";
-            ASSERT_NE(crowd.outputs()[1].morph_buffer, VkBuffer{VK_NULL_HANDLE});
+            ASSERT_TRUE(has_output(crowd.outputs()[1], &OutputBlock::morph_buffer));
             Random random(3);
             const std::vector<Playback> playbacks = random_playbacks(random, character, 40);
             ASSERT_TRUE(crowd.set_playback(3, playbacks));
             ASSERT_TRUE(crowd.update(0.2f));
-            const auto active = download<io::ActiveMorph>(
-                test_gpu(),
-                BufferRange(crowd.outputs()[1].morph_buffer, 0, 40 * io::kActiveMorphs * sizeof(io::ActiveMorph)));
+            const auto active = output<io::ActiveMorph>(crowd.outputs()[1], &OutputBlock::morph_buffer,
+                                                        40 * io::kActiveMorphs);
             for (uint32_t i = 0; i < 40; ++i) {
                 const ReferencePose pose = *reference_pose(character, advanced(playbacks[i], character, 0.2f));
                 ASSERT_EQ(pose.morph_weights.size(), 12u);
@@ -349,9 +349,8 @@ TEST(Morph, CrowdsWithAControllerShowThem) {
                 }
             ASSERT_TRUE(crowd.update(0.07f));
             for (ReferenceCharacter& one : wanted) ASSERT_TRUE(one.update(0.07f));
-            const auto active = download<io::ActiveMorph>(
-                test_gpu(), BufferRange(crowd.outputs()[0].morph_buffer, 0,
-                                        kInstances * io::kActiveMorphs * sizeof(io::ActiveMorph)));
+            const auto active = output<io::ActiveMorph>(crowd.outputs()[0], &OutputBlock::morph_buffer,
+                                                        kInstances * io::kActiveMorphs);
             for (uint32_t i = 0; i < kInstances; ++i) {
                 const auto first = active.begin() + i * io::kActiveMorphs;
                 EXPECT_LE(compare({first, first + io::kActiveMorphs}, wanted[i].pose().morph_weights), kWeightBound)
@@ -388,8 +387,7 @@ TEST(Morph, AClipOfWeightsAloneIsPlayed) {
     for (int update = 1; update <= 3; ++update) {
         ASSERT_TRUE(crowd.update(0.25f));
         for (const OutputBlock& block : crowd.outputs()) {
-            const auto active = download<io::ActiveMorph>(
-                test_gpu(), BufferRange(block.morph_buffer, 0, io::kActiveMorphs * sizeof(io::ActiveMorph)));
+            const auto active = output<io::ActiveMorph>(block, &OutputBlock::morph_buffer, io::kActiveMorphs);
             EXPECT_EQ(active[0].morph, 0u);
             EXPECT_NEAR(active[0].weight, 0.25 * update, 1e-6);
         }

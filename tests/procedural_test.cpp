@@ -17,6 +17,7 @@ namespace {
 
 const InSubset kInSubsets({Subset::kGpuAssisted}, {"Procedural.LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing",
                                                    "Procedural.WorksBelowAController"});
+const InSubset kNatively({Subset::kNative}, {"Procedural.*", "-Procedural.ChainsBeyondTheDevicesLoopsAreRefused"});
 
 using Locals = std::vector<Trs<double>>;
 
@@ -177,7 +178,9 @@ void follow(double scale_spread, const std::string& scan) {
 }
 
 TEST(Procedural, MovesJointsAsTheReferenceDoes) { follow(0.1, "auto"); }
-TEST(Procedural, MovesSimilaritiesAsTheReferenceDoes) { follow(0, "subgroup_quaternion"); }
+TEST(Procedural, MovesSimilaritiesAsTheReferenceDoes) {
+    follow(0, has_scan("subgroup_quaternion") ? "subgroup_quaternion" : "serial_quaternion");
+}
 
 // Wind on a chain that is too long for the loops of a software device, or moved whole.
 TEST(Procedural, ChainsBeyondTheDevicesLoopsAreRefused) {

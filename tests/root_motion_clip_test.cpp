@@ -5,6 +5,8 @@
 #include "sample/sample_reference.h"
 #include "tests/crowd_cases.h"
 #include "tests/files.h"
+#include "tests/kernel_runner.h"
+#include "tests/subset.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +15,8 @@
 
 namespace throng {
 namespace {
+
+const test::InSubset kInSubsets({test::Subset::kNative}, {"RootMotionOnTheGpu.*"});
 
 using namespace test;
 using std::numbers::pi;
@@ -424,12 +428,9 @@ public:
         ASSERT_TRUE(crowd_.update(time_step_s));
         const OutputBlock& block = crowd_.outputs()[0];
         const uint64_t count = references_.size();
-        const std::vector<Affine> placements = download<Affine>(crowd_.state().gpu,
-                                                                {block.placement_buffer, 0, count * sizeof(Affine)});
-        const std::vector<io::RootState> roots = download<io::RootState>(crowd_.state().gpu,
-                                                                         crowd_.state().batches[0][io::kRootsBuffer]);
-        ASSERT_EQ(roots.size(), count);
-        EXPECT_EQ(block.root_buffer, crowd_.state().batches[0][io::kRootsBuffer].handle());
+        const std::vector<Affine> placements = output<Affine>(block, &OutputBlock::placement_buffer, count);
+        ASSERT_EQ(crowd_.state().batches[0][io::kRootsBuffer].size_bytes(), count * sizeof(io::RootState));
+        const std::vector<io::RootState> roots = output<io::RootState>(block, &OutputBlock::root_buffer, count);
         const std::vector<Feedback> feedback = *crowd_.feedback();
         ASSERT_TRUE(feedback.size() == 1 && feedback[0].watched.size() == 1);
         const WatchedInstance& watched = feedback[0].watched[0];

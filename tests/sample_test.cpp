@@ -15,6 +15,7 @@ namespace {
 
 // Instrumented, those left out take too long.
 const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Sample.*", "-Sample.PackedClipsFollowTheReference"});
+const test::InSubset kNatively({test::Subset::kNative}, {"Sample.*"});
 
 using namespace test;
 

@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <functional>
 #include <map>
+#include <ranges>
 #include <set>
 #include <string>
 #include <utility>
@@ -28,6 +29,9 @@ const test::InSubset kUnderValidation({test::Subset::kGpuAssisted}, {"Scan.Every
 const test::InSubset kWithOtherSubgroups({test::Subset::kSubgroups},
                                          {"Scan.EveryNumberOfThreadsIsExact",
                                           "Scan.EveryMethodIsExactWithinLowerLimits", "Scan.EveryMethodRoundsLittle"});
+const test::InSubset kNatively({test::Subset::kNative},
+                               {"Scan.EveryMethodIsExact", "Scan.EveryMethodIsExactForTheLargestRigs",
+                                "Scan.EveryMethodRoundsLittle"});
 
 using namespace test;
 
@@ -179,6 +183,11 @@ std::string place(const ScanChoice& choice, RigShape shape, uint32_t joint_count
            std::to_string(instance_count) + " instances";
 }
 
+// Those that the device has.
+auto methods() {
+    return scan_table() | std::views::filter([](const ScanMethod& method) { return has_scan(method.name); });
+}
+
 // What was compared, by method, and what was left out because the method does not apply.
 class Tally {
 public:
@@ -192,7 +201,7 @@ public:
     }
     size_t cases(const ScanMethod& method) { return rows_[method.name].cases; }
     void print() {
-        for (const ScanMethod& method : scan_table()) {
+        for (const ScanMethod& method : methods()) {
             const Row& row = rows_[method.name];
             std::printf("  %-22s %5zu cases, %9zu matrices, equal bit for bit", std::string(method.name).c_str(),
                         row.cases, row.matrices);
@@ -264,7 +273,7 @@ TEST(Scan, EveryMethodIsExact) {
             const uint32_t most = std::max(std::min(kInstanceCounts.back(), kMatrixLimit / joint_count),
                                            kInstanceCounts[1]);
             const ExactCrowds crowds(make_parents(shape, joint_count, seed), most, random);
-            for (const ScanMethod& method : scan_table()) {
+            for (const ScanMethod& method : methods()) {
                 const ScanChoice choice{&method, method.thread_choices(limits).at(0)};
                 ASSERT_TRUE(is_exact(tally, choice, crowds.of(method), limits, kInstanceCounts,
                                      place(choice, shape, joint_count, most)));
@@ -272,7 +281,7 @@ TEST(Scan, EveryMethodIsExact) {
         }
     }
     tally.print();
-    for (const ScanMethod& method : scan_table())
+    for (const ScanMethod& method : methods())
         EXPECT_EQ(tally.cases(method), kJointCounts.size() * kRigShapes.size() * kInstanceCounts.size()) << method.name;
 }
 
@@ -284,7 +293,7 @@ TEST(Scan, EveryNumberOfThreadsIsExact) {
         for (const RigShape shape : kRigShapes) {
             Random random(++seed);
             const ExactCrowds crowds(make_parents(shape, joint_count, seed), 37, random);
-            for (const ScanMethod& method : scan_table()) {
+            for (const ScanMethod& method : methods()) {
                 for (const uint32_t threads : method.thread_choices(limits)) {
                     if (threads == method.thread_choices(limits)[0]) continue;
                     const ScanChoice choice{&method, threads};
@@ -309,7 +318,7 @@ TEST(Scan, EveryMethodIsExactForTheLargestRigs) {
           Case{RigShape::kRandom, 65535, 1}, Case{RigShape::kBushy, 65535, 2}, Case{RigShape::kStar, 65535, 1}}) {
         Random random(c.joint_count);
         const ExactCrowds crowds(make_parents(c.shape, c.joint_count, 7), c.instance_count, random);
-        for (const ScanMethod& method : scan_table()) {
+        for (const ScanMethod& method : methods()) {
             const std::vector<uint32_t> choices = method.thread_choices(limits);
             for (const uint32_t threads : std::set{choices.front(), choices.back()}) {
                 const ScanChoice choice{&method, threads};
@@ -341,7 +350,7 @@ TEST(Scan, EveryMethodIsExactWithinLowerLimits) {
             for (const RigShape shape : {RigShape::kChain, RigShape::kComb, RigShape::kRandom}) {
                 Random random(joint_count);
                 const ExactCrowds crowds(make_parents(shape, joint_count, joint_count), 19, random);
-                for (const ScanMethod& method : scan_table()) {
+                for (const ScanMethod& method : methods()) {
                     const std::vector<uint32_t> choices = method.thread_choices(limits);
                     if (choices.empty()) {
                         tally.skipped(method, plan_scan(method, crowds.of(method).rig, limits, 0).unsupported_reason);
@@ -356,7 +365,7 @@ TEST(Scan, EveryMethodIsExactWithinLowerLimits) {
         std::printf("  %s:\n", name.c_str());
         tally.print();
         // Those that exchange through shared memory have another way, too
-        for (const ScanMethod& method : scan_table())
+        for (const ScanMethod& method : methods())
             if (method.origin != ScanOrigin::kOurs) {
                 EXPECT_EQ(tally.cases(method), 9u) << name << ", " << method.name;
             }
@@ -376,7 +385,7 @@ TEST(Scan, EveryMethodIsExactWithNarrowWords) {
         for (const RigShape shape : kRigShapes) {
             Random random(joint_count);
             const ExactCrowds crowds(make_parents(shape, joint_count, 5), 19, random);
-            for (const ScanMethod& method : scan_table()) {
+            for (const ScanMethod& method : methods()) {
                 const ScanChoice choice{&method, method.thread_choices(limits).at(0)};
                 ASSERT_TRUE(is_exact(tally, choice, crowds.of(method), limits, std::array{19u},
                                      place(choice, shape, joint_count, 19)));
@@ -395,7 +404,7 @@ TEST(Scan, EveryOnChipVariantIsExact) {
     for (const RigShape shape : {RigShape::kChain, RigShape::kRandom}) {
         Random random(11);
         const ExactCrowds one(make_parents(shape, kJoints, 3), 1, random);
-        for (const ScanMethod& method : scan_table()) {
+        for (const ScanMethod& method : methods()) {
             for (const uint32_t threads : method.thread_choices(limits)) {
                 RigCrowd crowd = one.of(method);
                 ScanPlan plan = plan_scan(method, crowd.rig, limits, threads);
@@ -453,7 +462,7 @@ TEST(Scan, EveryMethodRoundsLittle) {
                 trs.scale = {trs.scale.x, trs.scale.x, trs.scale.x};
                 return as_local(trs);
             });
-            for (const ScanMethod& method : scan_table()) {
+            for (const ScanMethod& method : methods()) {
                 const RigCrowd& crowd = method.format == ScanFormat::kAffine ? affine : similarity;
                 double size = 1;
                 for (const auto& m : crowd.wanted)

@@ -16,6 +16,7 @@ namespace throng {
 namespace {
 
 const test::InSubset kInSubsets({test::Subset::kGpuAssisted}, {"Skin.*"});
+const test::InSubset kNatively({test::Subset::kNative}, {"Skin.*"});
 
 using namespace test;
 

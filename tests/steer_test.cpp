@@ -16,6 +16,7 @@ namespace throng::test {
 namespace {
 
 const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups}, {"Steer.CrowdsThatCrossGetThrough"});
+const InSubset kNatively({Subset::kNative}, {"Steer.*"});
 
 constexpr float kWalk = 1.3f;  // units a second, of the clip
 
@@ -45,10 +46,8 @@ template <class T>
 std::vector<T> all_of(Crowd& crowd, VkBuffer OutputBlock::*buffer, uint32_t per_instance = 1) {
     std::vector<T> all;
     for (const OutputBlock& block : crowd.outputs()) {
-        const std::vector<T> part = block.*buffer ? download<T>(crowd.state().gpu,
-                                                                {block.*buffer, 0,
-                                                                 block.instance_count * per_instance * sizeof(T)})
-                                                  : std::vector<T>(block.instance_count * per_instance);
+        const uint32_t count = block.instance_count * per_instance;
+        const std::vector<T> part = has_output(block, buffer) ? output<T>(block, buffer, count) : std::vector<T>(count);
         all.insert(all.end(), part.begin(), part.end());
     }
     return all;
@@ -160,7 +159,7 @@ private:
     std::vector<io::AgentState> states_now() const {
         std::vector<io::AgentState> states;
         for (const Batch& batch : crowd_.state().batches) {
-            const std::vector<io::AgentState> part = batch[io::kAgentsBuffer].handle()
+            const std::vector<io::AgentState> part = batch[io::kAgentsBuffer]
                                                          ? download<io::AgentState>(crowd_.state().gpu,
                                                                                     batch[io::kAgentsBuffer])
                                                          : std::vector<io::AgentState>(batch.instance_count);
@@ -403,9 +402,10 @@ TEST(Steer, ADestinationIsTakenAwayOrWrittenOnTheGpu) {
     EXPECT_EQ(walk(), (std::array{0.0, 0.0}));
     EXPECT_EQ(all_of<float>(crowd, &OutputBlock::parameter_buffer, 2)[kSpeed], 0);
     run_on_gpu([&](VkCommandBuffer commands) {
-        const io::vec4 there{9, 0, 9, 1};
-        test_gpu()->vk.vkCmdUpdateBuffer(commands, crowd.outputs()[0].destination_buffer, sizeof there, sizeof there,
-                                         &there);
+        const std::array there{io::vec4{9, 0, 9, 1}};
+        record_update(*test_gpu(), commands,
+                      output_range(crowd.outputs()[0], &OutputBlock::destination_buffer, 0, 2 * sizeof there),
+                      sizeof there, std::as_bytes(std::span(there)));
         memory_barrier(*test_gpu(), commands, kTransferWrite, kShaderRead);
     });
     const std::array moved = walk();

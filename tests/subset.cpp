@@ -11,7 +11,7 @@
 namespace throng::test {
 namespace {
 
-constexpr std::array<std::string_view, 2> kNames{"gpu_assisted", "subgroups"};  // [Subset]
+constexpr std::array<std::string_view, 3> kNames{"gpu_assisted", "subgroups", "native"};  // [Subset]
 
 struct Patterns {
     std::vector<std::string> taken, left_out;

@@ -10,6 +10,7 @@ namespace throng::test {
 enum class Subset {
     kGpuAssisted,  // "gpu_assisted": under GPU-assisted validation, which finds accesses out of bounds
     kSubgroups,    // "subgroups": invocations that work together, with other subgroup sizes
+    kNative,       // "native": on a device without Vulkan
 };
 
 // A file of tests says by one of these, outside of functions, which of its tests belong to which of the subsets:

@@ -11,6 +11,7 @@ namespace throng::test {
 namespace {
 
 const InSubset kInSubsets({Subset::kGpuAssisted}, {"Terrain.*"});
+const InSubset kNatively({Subset::kNative}, {"Terrain.*"});
 
 float between(Random& random, double least, double most) {
     return static_cast<float>(least + (most - least) * random.unit());

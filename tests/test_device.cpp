@@ -1,6 +1,7 @@
 #include "tests/test_device.h"
 
 #include "gpu/gpu.h"
+#include "scan/scan_shaders.h"
 
 #include <cstdlib>
 #include <map>
@@ -60,6 +61,8 @@ Device& test_device() {
 }
 
 Device another_device() { return created_device({.select = test_device().info().name, .pipeline_cache = false}); }
+
+bool has_scan(std::string_view method) { return !test_device().gpu()->is_native() || scan_shaders(method).native; }
 
 Device device_of_workgroups(uint32_t most_workgroups) {
     Device device = another_device();

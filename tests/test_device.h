@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string_view>
+
 namespace throng {
 
 // THRONG_DEVICE selects it (as --device does); THRONG_VALIDATION is off, standard, synchronization (the default) or
@@ -15,6 +17,8 @@ Device& test_device();
 
 // The same device once more, whose limits a test may lower to pretend that it is smaller; not validated.
 Device another_device();
+// Whether it has this scan method: a device without Vulkan has few.
+bool has_scan(std::string_view method);
 // One that dispatches no more workgroups than these (or its own): crowds fall into batches.
 Device device_of_workgroups(uint32_t most_workgroups);
 

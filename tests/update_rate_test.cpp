@@ -6,6 +6,7 @@
 #include "update_rate/update_rate_reference.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 
 #include <throng/draw.h>
 
@@ -15,6 +16,8 @@
 
 namespace throng::test {
 namespace {
+
+const InSubset kInSubsets({Subset::kNative}, {"UpdateRate.*", "-UpdateRate.TimesComeLateAndOnce"});
 
 constexpr uint32_t kWidth = 160, kHeight = 120;
 
@@ -52,7 +55,8 @@ uint32_t expected_period(const CrowdView& view, const Affine& place, const Group
 std::vector<Affine> previous_of(Crowd& crowd, uint32_t instance) {
     const OutputBlock& block = crowd.outputs()[0];
     const uint64_t size_bytes = uint64_t{block.palette_count} * sizeof(Affine);
-    return download<Affine>(test_gpu(), BufferRange(block.previous_skin_buffer, instance * size_bytes, size_bytes));
+    return download<Affine>(test_gpu(),
+                            output_range(block, &OutputBlock::previous_skin_buffer, instance * size_bytes, size_bytes));
 }
 
 uint32_t animated_in_last_update(Crowd& crowd) {
@@ -214,6 +218,8 @@ TEST(UpdateRate, CoarserLevelsHaveFewerJoints) {
     CrowdView view = view_along(0);
     view.lod_pixels = 0.2f;
     ASSERT_TRUE(reduced.update(0.1f, &view) && whole.update(0.1f));
+    // A set of joints has a kernel of its own; a native device's engine keeps 16-bit rows, relative to what they move
+    const double bound = test_gpu()->is_native() ? kPoseBound : 2e-6;
     std::array<uint32_t, 4> compared{}, drawn{};
     for (const DrawnInstance& one : drawn_of(reduced)) {
         ++drawn[one.lod];
@@ -224,7 +230,7 @@ TEST(UpdateRate, CoarserLevelsHaveFewerJoints) {
             ++compared[one.lod];
             for (size_t row = 0; row < 3; ++row)
                 for (size_t column = 0; column < 4; ++column)
-                    ASSERT_NEAR(got[entry].row[row][column], wanted[entry].row[row][column], 2e-6 * character.size)
+                    ASSERT_NEAR(got[entry].row[row][column], wanted[entry].row[row][column], bound * character.size)
                         << "instance " << one.instance << ", entry " << entry;
         }
     }
