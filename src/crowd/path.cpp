@@ -43,14 +43,18 @@ std::string natively_unsupported_reason(const PathChoice& choice, const CrowdSet
     return "scan method " + std::string(choice.scan.method->name) + " runs on Vulkan alone";
 }
 
+ScanChoice native_scan(const Gpu& gpu, const std::string& wanted, const CrowdGroup& group) {
+    const Rig& rig = group.character->rig;
+    return choose_scan(wanted, ScanRig(rig.parents, rig.uniform_scale), group.instance_count, scan_limits(gpu),
+                       scan_costs(gpu))
+        .choice;
+}
+
 // On a native device where nothing else is asked for.
 PathChoice native_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
     const bool any_scan = settings.scan == "auto";
     const Character& character = *group.character;
-    const ScanChoice scan = choose_scan(any_scan ? "serial" : settings.scan,
-                                        ScanRig(character.rig.parents, character.rig.uniform_scale),
-                                        group.instance_count, scan_limits(gpu), scan_costs(gpu))
-                                .choice;
+    const ScanChoice scan = native_scan(gpu, any_scan ? "serial" : settings.scan, group);
     if (!scan_shaders(scan.method->name).native)
         throw Failure(ErrorCode::kUnsupported, character.name + ": scan method '" + settings.scan + "'",
                       "a native device does not have it: 'serial'");
@@ -115,6 +119,10 @@ PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
     PathChoice choice = device_path(gpu, settings, group);
     const bool may_be_native = settings.path == UpdatePath::kAuto && settings.scan == "auto";
     if (!gpu.native || !(is_native || may_be_native)) return choice;
+    if (!choice.fused && settings.scan == "auto") {  // the best of those that are native too
+        choice.scan = native_scan(gpu, "serial", group);
+        choice.scan_reason = "what is fastest natively";
+    }
     const std::string reason = natively_unsupported_reason(choice, settings, group);
     if (is_native && !reason.empty())
         throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update", reason);
