@@ -10,6 +10,7 @@ namespace {
 
 using native::Similarity;
 
+constexpr size_t kSecondCache = 1 << 20;  // bytes, of most cores
 // Parts of the character's size
 constexpr double kSeen = 5e-7;    // below it a constant is the identity
 constexpr double kUneven = 3e-6;  // below it the scales along x, y and z are one
@@ -165,6 +166,7 @@ NativeRig::NativeRig(const Character& character, const NativeRigSettings& settin
     }
     kernel_ = {.rows = rows_.bytes.get(),
                .row_bytes = rows_.row_bytes,
+               .prefetches = rows_.row_bytes * rows_.row_count > kSecondCache,
                .clips = rows_.clips.data(),
                .clip_from_track = 1.0 / rig.joint_count(),
                .blocks = rows_.blocks.data(),
