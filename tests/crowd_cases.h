@@ -11,7 +11,6 @@
 
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 namespace throng::test {
@@ -150,18 +149,6 @@ inline std::vector<Affine> skins_of(Crowd& crowd) {
         all.insert(all.end(), skin.begin(), skin.end());
     }
     return all;
-}
-
-// The same bits; where only one of two crowds updates the group in one pass, poses of a native device, whose pass has
-// other arithmetic, within the bound.
-inline bool same_poses(Crowd& a, Crowd& b, uint32_t group, uint32_t instance, double size) {
-    const std::vector<Affine> of_a = *a.read_skin_matrices(instance), of_b = *b.read_skin_matrices(instance);
-    if (!test_device().gpu()->is_native() || a.path(group)->is_fused == b.path(group)->is_fused)
-        return std::ranges::equal(of_a, of_b,
-                                  [](const Affine& x, const Affine& y) { return std::memcmp(&x, &y, sizeof x) == 0; });
-    return std::ranges::equal(of_a, of_b, [&](const Affine& x, const Affine& y) {
-        return matrix_error(x, y.as<double>(), size) <= kPoseBound;
-    });
 }
 
 // Four characters and what each of their instances plays.

@@ -2,7 +2,7 @@
 
 #include "base/failure.h"
 #include "crowd/crowd_state.h"
-#include "scan/scan_planner.h"
+#include "crowd/path.h"
 
 namespace throng {
 
@@ -10,8 +10,7 @@ Result<ScanAdvice> advise_scan(const Device& device, const Rig& rig, uint32_t in
     return as_result([&] {
         const Gpu& gpu = *device.gpu();
         if (rig.joint_count() == 0) throw Failure(ErrorCode::kInvalidArgument, "scan", "the rig has no joints");
-        const ExplainedChoice chosen = choose_scan("auto", ScanRig(rig.parents, rig.uniform_scale), instance_count,
-                                                   scan_limits(gpu), scan_costs(gpu));
+        const ExplainedChoice chosen = choose_scan(gpu, "auto", rig, instance_count);
         return ScanAdvice{name_of(chosen.choice), chosen.reason};
     });
 }

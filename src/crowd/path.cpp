@@ -2,7 +2,6 @@
 
 #include "base/failure.h"
 #include "native/native.h"
-#include "scan/scan_planner.h"
 #include "scan/scan_shaders.h"
 
 namespace throng {
@@ -43,26 +42,11 @@ std::string natively_unsupported_reason(const PathChoice& choice, const CrowdSet
     return "scan method " + std::string(choice.scan.method->name) + " runs on Vulkan alone";
 }
 
-ScanChoice native_scan(const Gpu& gpu, const std::string& wanted, const CrowdGroup& group) {
-    const Rig& rig = group.character->rig;
-    return choose_scan(wanted, ScanRig(rig.parents, rig.uniform_scale), group.instance_count, scan_limits(gpu),
-                       scan_costs(gpu))
-        .choice;
-}
-
 // On a native device where nothing else is asked for.
 PathChoice native_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
-    const bool any_scan = settings.scan == "auto";
     const Character& character = *group.character;
-    const ScanChoice scan = native_scan(gpu, any_scan ? "serial" : settings.scan, group);
-    if (!scan_shaders(scan.method->name).native)
-        throw Failure(ErrorCode::kUnsupported, character.name + ": scan method '" + settings.scan + "'",
-                      "a native device does not have it: 'serial'");
-    PathChoice choice{.fused = {},
-                      .native = true,
-                      .scan = scan,
-                      .scan_reason = any_scan ? "what is fastest on one thread a character" : "asked for",
-                      .path_reason = {}};
+    const ExplainedChoice scan = choose_scan(gpu, settings.scan, character.rig, group.instance_count);
+    PathChoice choice{.fused = {}, .native = true, .scan = scan.choice, .scan_reason = scan.reason, .path_reason = {}};
     const std::string reason = settings.path == UpdatePath::kStaged ? "asked for"
                                                                     : natively_staged_only(settings, group);
     if (reason.empty()) {
@@ -100,9 +84,7 @@ PathChoice device_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
             throw Failure(ErrorCode::kUnsupported, character.name + ": fused update", plan.unsupported_reason);
         unsupported_reason = plan.unsupported_reason;
     }
-    const ExplainedChoice staged = choose_scan(settings.scan,
-                                               ScanRig(character.rig.parents, character.rig.uniform_scale),
-                                               group.instance_count, limits, scan_costs(gpu));
+    const ExplainedChoice staged = choose_scan(gpu, settings.scan, character.rig, group.instance_count);
     return {.fused = {},
             .native = false,
             .scan = staged.choice,
@@ -120,7 +102,7 @@ PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
     const bool may_be_native = settings.path == UpdatePath::kAuto && settings.scan == "auto";
     if (!gpu.native || !(is_native || may_be_native)) return choice;
     if (!choice.fused && settings.scan == "auto") {  // the best of those that are native too
-        choice.scan = native_scan(gpu, "serial", group);
+        choice.scan = choose_scan(gpu, "serial", group.character->rig, group.instance_count).choice;
         choice.scan_reason = "what is fastest natively";
     }
     const std::string reason = natively_unsupported_reason(choice, settings, group);
@@ -142,6 +124,18 @@ void check_sockets_only(const PathChoice& choice, const CrowdGroup& group) {
 }
 
 }  // namespace
+
+ExplainedChoice choose_scan(const Gpu& gpu, const std::string& wanted, const Rig& rig, uint32_t instance_count) {
+    const bool is_first_native = gpu.is_native() && wanted == "auto";
+    ExplainedChoice chosen = choose_scan(is_first_native ? "serial" : wanted, ScanRig(rig.parents, rig.uniform_scale),
+                                         instance_count, scan_limits(gpu), scan_costs(gpu));
+    if (gpu.is_native())  // costs are those of GPUs
+        chosen.reason = is_first_native ? "what is fastest on one thread a character" : "asked for";
+    if (gpu.is_native() && !scan_shaders(chosen.choice.method->name).native)
+        throw Failure(ErrorCode::kUnsupported, "scan method '" + wanted + "'",
+                      "a native device does not have it: 'serial'");
+    return chosen;
+}
 
 PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group) {
     PathChoice choice = gpu.is_native() ? native_path(gpu, settings, group) : vulkan_path(gpu, settings, group);

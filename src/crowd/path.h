@@ -2,6 +2,7 @@
 #pragma once
 
 #include "fused/fused.h"
+#include "scan/scan_planner.h"
 
 #include <throng/crowd.h>
 
@@ -16,7 +17,9 @@ struct PathChoice {
     std::string scan_reason, path_reason;
 };
 
-// Throws kInvalidArgument for an unknown scan and kUnsupported where what is asked for does not apply.
+// Of what is done stage by stage. Both throw kInvalidArgument for an unknown scan and kUnsupported where what is asked
+// for does not apply.
+ExplainedChoice choose_scan(const Gpu& gpu, const std::string& wanted, const Rig& rig, uint32_t instance_count);
 PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group);
 
 }  // namespace throng
