@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <random>
@@ -39,8 +38,8 @@ std::vector<uint32_t> hit_joints(const Character& character) {
 
 // Whether the line from `eye` along +z comes within `radius` of a hit box's middle.
 bool hits(const Affine& world_from_joint, const Vec3<float>& eye, float radius) {
-    const auto& rows = world_from_joint.row;
-    return rows[2][3] > eye.z && std::hypot(rows[0][3] - eye.x, rows[1][3] - eye.y) < radius;
+    const float x = world_from_joint.row[0][3] - eye.x, y = world_from_joint.row[1][3] - eye.y;
+    return world_from_joint.row[2][3] > eye.z && x * x + y * y < radius * radius;
 }
 
 }  // namespace

@@ -58,9 +58,9 @@ struct CrowdGroup {
 // fast on a software device; not for characters too large for that. kNative: by this machine's processor, in one pass
 // where that applies, without the device: of a software device, by Crowd::update() and Renderer::render_frame(), which
 // wait for its queue; updates that are recorded into a command buffer, or for a view with occlusion, still run on it.
-// kAuto: natively on software devices unless CrowdSettings::scan asks for a method, else fused where it applies, staged
-// else. On a native device kFused and kStaged are native too.
-enum class UpdatePath { kAuto, kFused, kStaged, kNative };
+// kDevice: on the device, fused where it applies, staged else. kAuto: natively on software devices unless
+// CrowdSettings::scan asks for a method, else as kDevice. On a native device all of them are native.
+enum class UpdatePath { kAuto, kFused, kStaged, kNative, kDevice };
 
 // How a group is updated.
 struct GroupPath {

@@ -111,7 +111,7 @@ void CrowdState::check_runs(bool natively) {
     if (is_inertial && has_updated_ && natively != was_native_)
         throw Failure(ErrorCode::kUnsupported, "crowd",
                       "with inertial transitions, updates by update() and those that are recorded cannot take turns: "
-                      "UpdatePath::kFused and kStaged run both on the device");
+                      "UpdatePath::kDevice runs both on the device");
     was_native_ = natively;
 }
 

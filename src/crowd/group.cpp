@@ -253,7 +253,8 @@ void Group::make_sockets(Uploads& uploads, const std::vector<uint32_t>& joints) 
 
 uint64_t Group::size_bytes() const {
     uint64_t sum = buffers.size_bytes() + indices.size_bytes() + (scan ? scan->links().size_bytes() : 0);
-    for (const FusedJoints& joints : fused) sum += joints.tables.size_bytes();
+    for (const FusedJoints& joints : fused)
+        sum += joints.tables.size_bytes() + (joints.native ? joints.native->size_bytes() : 0);
     return sum;
 }
 

@@ -101,6 +101,10 @@ PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
     PathChoice choice = device_path(gpu, settings, group);
     const bool may_be_native = settings.path == UpdatePath::kAuto && settings.scan == "auto";
     if (!gpu.native || !(is_native || may_be_native)) return choice;
+    if (!choice.fused && settings.scan == "auto") {  // the best of those that are native too
+        choice.scan = choose_scan(gpu, "serial", group.character->rig, group.instance_count).choice;
+        choice.scan_reason = "what is fastest natively";
+    }
     const std::string reason = natively_unsupported_reason(choice, settings, group);
     if (is_native && !reason.empty())
         throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update", reason);

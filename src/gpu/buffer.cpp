@@ -62,12 +62,13 @@ void Buffer::Content::create(VkDeviceSize size, VkBufferUsageFlags usage, Memory
                                                                             : 0;
     // What is mapped lies as a mapping of its own would, so that the CPU may read it as any type.
     constexpr VkDeviceSize kMapped = 64;  // the least that minMemoryMapAlignment may be
-    const VkDeviceSize alignment = kind == MemoryKind::kDevice ? needs.alignment : std::max(needs.alignment, kMapped);
+    const bool is_mapped = kind != MemoryKind::kDevice || gpu->native;
+    const VkDeviceSize alignment = is_mapped ? std::max(needs.alignment, kMapped) : needs.alignment;
     memory = gpu->memory.take(gpu->memory_type(needs.memoryTypeBits, required, preferred), needs.size, alignment);
-    if (kind != MemoryKind::kDevice && !memory.mapped)
+    if (is_mapped && !memory.mapped)
         throw Failure(ErrorCode::kOutOfMemory, "vkMapMemory", "memory for the CPU cannot be mapped");
     check(gpu->vk.vkBindBufferMemory(gpu->device, buffer, memory.memory, memory.offset_bytes), "vkBindBufferMemory");
-    if (kind != MemoryKind::kDevice || gpu->native) mapped = memory.mapped;
+    if (is_mapped) mapped = memory.mapped;
 }
 
 Buffer::Content::~Content() {

@@ -79,6 +79,10 @@ void begin(const KernelRig& rig, const KernelUpdate& update, const uint32_t* ins
             group.part_count[c] = find_parts(rig, update, instances[c], group.parts + c * update.active_clip_limit);
         } else {
             group.all[c] = played(rig, update, instances[c]);
+            if (rig.prefetches) {
+                prefetch(group.all[c].first, 0);
+                if (group.all[c].weight < 1) prefetch(group.all[c].second, 0);
+            }
         }
         target.line[c] = update.skin + instances[c] * stride * 4 - target.begin * 4;
     }

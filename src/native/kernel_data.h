@@ -57,6 +57,7 @@ struct Emission {
 struct KernelRig {
     const std::byte* rows = nullptr;
     size_t row_bytes = 0;
+    bool prefetches = false;  // the rows of all clips are more than a core's second cache holds
     const RowClip* clips = nullptr;
     double clip_from_track = 0;  // 1 / joints of the rig
     // Blocks of rotations, of motions (translation and, where it is one, scale), of three scales

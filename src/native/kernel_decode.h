@@ -56,6 +56,14 @@ INLINE Played played(const KernelRig& rig, const KernelUpdate& update, uint32_t 
     return p;
 }
 
+// The lines of a block that is decoded next.
+INLINE void prefetch(const RowPair& rows, size_t offset) {
+    for (size_t line = 0; line < 128; line += 64) {
+        __builtin_prefetch(rows.earlier + offset + line);
+        __builtin_prefetch(rows.later + offset + line);
+    }
+}
+
 INLINE Quad quad_between(const RowPair& rows, const RowBlock& block, const float* range, uint32_t lane) {
     if (block.is_float) {
         const float* earlier = reinterpret_cast<const float*>(rows.earlier + block.offset) + lane;
@@ -111,6 +119,11 @@ INLINE void decode_two_clips(const KernelRig& rig, const Played* all, uint32_t c
     const float* range = rig.ranges + size_t{block_index} * 8 * kBlockJoints;
     for (uint32_t character = 0; character < count; ++character) {
         const Played& p = all[character];
+        if (rig.prefetches) {
+            const size_t next = block.offset + (block.is_float ? 256 : 128);
+            prefetch(p.first, next);
+            if (p.weight < 1) prefetch(p.second, next);
+        }
         if (p.weight >= 1) {
             for (uint32_t lane = 0; lane < kBlockJoints; lane += Lanes::kCount)
                 store_quad(out, character, lane, quad_between(p.first, block, range, lane));

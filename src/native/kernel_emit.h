@@ -24,35 +24,56 @@ struct SkinTarget {
     uint32_t count;                  // of characters
 };
 
-// Words of the ring one by one: at both ends of a character, and of fewer characters than there are lanes.
-[[gnu::noinline]] void flush_part(const Ring& ring, const SkinTarget& target, uint32_t from, uint32_t to) {
-    for (uint32_t c = 0; c < target.count; ++c) {
-        float words[kRing];
-        for (uint32_t word = from; word < to; ++word) words[word - from] = ring.of[word % kRing][c];
-        __builtin_memcpy(target.line[c] + size_t{4} * from, words, size_t{4} * (to - from));
+inline constexpr uint32_t kOfLine = kLine / Lanes::kCount;  // vectors
+
+// A line of four characters from c on: [vector of the line][character].
+INLINE void turn_line(const Ring& ring, uint32_t word, uint32_t c, V (&r)[kOfLine][4]) {
+    const float* in = ring.of[word % kRing];
+    for (uint32_t v = 0; v < kOfLine; ++v) {
+        for (uint32_t k = 0; k < 4; ++k)
+            r[v][k] = Lanes::fours(in + (v * Lanes::kCount + k) * Lanes::kCount + c, 4 * Lanes::kCount);
+        Lanes::transpose(r[v][0], r[v][1], r[v][2], r[v][3]);
     }
 }
 
-INLINE void flush_batch(const Ring& ring, SkinTarget& target) {
-    const uint32_t from = target.written;
-    target.written += kBatch;
-    if (target.count < Lanes::kCount || (from == 0 && target.begin > 0))
-        return flush_part(ring, target, from == 0 ? target.begin : from, from + kBatch);
-    constexpr uint32_t kOfLine = kLine / Lanes::kCount;  // vectors
-    for (uint32_t c = 0; c < Lanes::kCount; c += 4)
-        for (uint32_t line = 0; line < kBatch; line += kLine) {
-            const float* in = ring.of[(from + line) % kRing];
+// Parts of lines, at both ends of a character; and those of fewer characters than there are lanes. Words come in pairs
+// at least.
+[[gnu::noinline]] void flush_part(const Ring& ring, const SkinTarget& target, uint32_t from, uint32_t to) {
+    for (uint32_t line = from / kLine * kLine; line < to; line += kLine) {
+        alignas(64) float turned[Lanes::kCount][kLine];
+        for (uint32_t c = 0; c < Lanes::kCount; c += 4) {
             V r[kOfLine][4];
-            for (uint32_t v = 0; v < kOfLine; ++v) {
-                for (uint32_t k = 0; k < 4; ++k)
-                    r[v][k] = Lanes::fours(in + (v * Lanes::kCount + k) * Lanes::kCount + c, 4 * Lanes::kCount);
-                Lanes::transpose(r[v][0], r[v][1], r[v][2], r[v][3]);
-            }
+            turn_line(ring, line, c, r);
+            for (uint32_t k = 0; k < 4; ++k)
+                for (uint32_t v = 0; v < kOfLine; ++v) Lanes::store(turned[c + k] + v * Lanes::kCount, r[v][k]);
+        }
+        const uint32_t begin = from > line ? from - line : 0, end = to - line < kLine ? to - line : kLine;
+        for (uint32_t c = 0; c < target.count; ++c)
+            for (uint32_t word = begin; word < end; word += 2)
+                __builtin_memcpy(target.line[c] + size_t{4} * (line + word), turned[c] + word, 8);
+    }
+}
+
+// Whole lines, past the caches.
+INLINE void flush_lines(const Ring& ring, const SkinTarget& target, uint32_t from, uint32_t to) {
+    for (uint32_t c = 0; c < Lanes::kCount; c += 4)
+        for (uint32_t line = from; line < to; line += kLine) {
+            V r[kOfLine][4];
+            turn_line(ring, line, c, r);
             for (uint32_t k = 0; k < 4; ++k) {
-                auto* to = reinterpret_cast<float*>(target.line[c + k] + size_t{4} * (from + line));
-                for (uint32_t v = 0; v < kOfLine; ++v) Lanes::stream(to + v * Lanes::kCount, r[v][k]);
+                auto* at = reinterpret_cast<float*>(target.line[c + k] + size_t{4} * line);
+                for (uint32_t v = 0; v < kOfLine; ++v) Lanes::stream(at + v * Lanes::kCount, r[v][k]);
             }
         }
+}
+
+INLINE void flush_batch(const Ring& ring, SkinTarget& target) {
+    const uint32_t from = target.written, to = from + kBatch;
+    target.written = to;
+    if (target.count < Lanes::kCount) return flush_part(ring, target, from == 0 ? target.begin : from, to);
+    if (from > 0 || target.begin == 0) return flush_lines(ring, target, from, to);
+    flush_part(ring, target, target.begin, kLine);
+    flush_lines(ring, target, kLine, to);
 }
 
 // kUnit: words that lie together wherever a matrix begins, since matrices begin at multiples of them.
@@ -71,7 +92,12 @@ INLINE void put_affine(Ring& ring, SkinTarget& target, const Matrix& m) {
 }
 
 INLINE void finish(const Ring& ring, const SkinTarget& target) {
-    const uint32_t from = target.written == 0 ? target.begin : target.written;
+    uint32_t from = target.written == 0 ? target.begin : target.written;
+    const uint32_t end = target.position / kLine * kLine;
+    if (target.count == Lanes::kCount && from % kLine == 0 && from < end) {
+        flush_lines(ring, target, from, end);
+        from = end;
+    }
     if (from < target.position) flush_part(ring, target, from, target.position);
 }
 

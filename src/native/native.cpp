@@ -21,6 +21,10 @@ const native::Kernel& kernel_of(NativeIsa isa) {
 #elif defined(__aarch64__)
     (void)isa;
     return native::kernel_neon();
+#else
+    (void)isa;  // native_isas() has none
+    static constexpr native::Kernel kNone{};
+    return kNone;
 #endif
 }
 

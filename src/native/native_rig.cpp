@@ -10,19 +10,32 @@ namespace {
 
 using native::Similarity;
 
-constexpr double kUneven = 2e-7;  // likewise: below it scales are the same
-constexpr double kSeen = 5e-7;    // parts of the character's size: below it a constant is the identity
+constexpr size_t kSecondCache = 1 << 20;  // bytes, of most cores
+// Parts of the character's size
+constexpr double kSeen = 5e-7;    // below it a constant is the identity
+constexpr double kUneven = 3e-6;  // below it the scales along x, y and z are one
 
-// Whether the scales of a joint along x, y and z are the same, as far as that can be seen; files say 0.99999994 for 1.
-bool is_uniform(const Character& character, size_t joint, double reach) {
-    const auto differs = [&](const TrackValue& s) {
-        const double most = std::max({s[0], s[1], s[2]}), least = std::min({s[0], s[1], s[2]});
-        return !((most - least) * reach <= kUneven * character.size * std::max(std::abs(most), std::abs(least)));
-    };
+// How far apart the scales of a joint along x, y and z are at most, as a part of the largest: files say 0.999999 for 1.
+double unevenness(const Character& character, size_t joint) {
+    double worst = 0;
     for (size_t clip = 0; clip <= character.clips.size(); ++clip) {
         const TrackReader scale(character, clip, joint, TrackTarget::kScale);
-        for (uint32_t row = 0; row < scale.row_count(); ++row)
-            if (differs(scale.at_row(row))) return false;
+        for (uint32_t row = 0; row < scale.row_count(); ++row) {
+            const TrackValue s = scale.at_row(row);
+            const double most = std::max({s[0], s[1], s[2]}), least = std::min({s[0], s[1], s[2]});
+            if (most != least) worst = std::max(worst, (most - least) / std::max(std::abs(most), std::abs(least)));
+        }
+    }
+    return worst;
+}
+
+// Whether one scale a joint displaces nothing that could be seen; what joints do adds up from the root down.
+bool has_uniform_scale(const Character& character, std::span<const double> reach) {
+    std::vector<double> displaced(reach.size());
+    for (size_t joint = 0; joint < reach.size(); ++joint) {
+        const uint32_t parent = character.rig.parents[joint];
+        displaced[joint] = (parent == kNone ? 0 : displaced[parent]) + unevenness(character, joint) * reach[joint];
+        if (!(displaced[joint] <= kUneven * character.size)) return false;
     }
     return true;
 }
@@ -115,9 +128,8 @@ NativeRig::NativeRig(const Character& character, const NativeRigSettings& settin
                                            .sockets = settings.sockets});
     const std::vector<Similarity> rest = rest_poses(rig);
     const std::vector<double> reach = reaches(character, rest);
-    bool uniform_scale = !settings.all_move;  // poses from outside may have any scale
-    for (size_t joint = 0; uniform_scale && joint < reach.size(); ++joint)
-        uniform_scale = is_uniform(character, joint, reach[joint]);
+    // Poses from outside may have any scale
+    const bool uniform_scale = !settings.all_move && has_uniform_scale(character, reach);
     const std::vector<Similarity> spaces = joint_spaces(character, rest, uniform_scale);
     for (const uint32_t joint : walk.joints)
         joints_.push_back({.joint = joint,
@@ -154,6 +166,7 @@ NativeRig::NativeRig(const Character& character, const NativeRigSettings& settin
     }
     kernel_ = {.rows = rows_.bytes.get(),
                .row_bytes = rows_.row_bytes,
+               .prefetches = rows_.row_bytes * rows_.row_count > kSecondCache,
                .clips = rows_.clips.data(),
                .clip_from_track = 1.0 / rig.joint_count(),
                .blocks = rows_.blocks.data(),

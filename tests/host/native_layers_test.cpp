@@ -5,6 +5,9 @@
 #include "sample/sample_reference.h"
 #include "tests/host/native_cases.h"
 
+#include <algorithm>
+#include <optional>
+
 namespace throng {
 namespace {
 
@@ -131,6 +134,12 @@ TEST(NativeLayers, FollowTheReference) {
                                        .masks = reinterpret_cast<const float*>(ordered.get()),
                                        .skin = skin.data()};
             update(rig, buffers, 0, kInstances, isa);
+            GuardedBytes in_parts(kInstances * stride * 48);
+            NativeUpdate of_parts = buffers;
+            of_parts.skin = in_parts.data();
+            for (uint32_t first = 0; first < kInstances; first += 5)
+                update(rig, of_parts, first, std::min(kInstances, first + 5), isa);
+            EXPECT_TRUE(std::ranges::equal(skin.content(), in_parts.content())) << named.name << " " << name_of(isa);
             const std::vector<Affine> got = unpack_skin(SkinFormat::kAffine, skin.content());
             double worst = 0;
             for (size_t i = 0; i < kInstances; ++i)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <thread>
 
 namespace throng {
 namespace {
@@ -68,6 +69,15 @@ TEST(Native, AnyPartOfTheInstancesHasTheSameBits) {
         for (const SkinFormat format : {SkinFormat::kAffine, SkinFormat::kHalfAffine})
             for (const NativeIsa isa : native_isas()) {
                 const std::vector<std::byte> whole = scene.skin(rig, isa, format);
+                GuardedBytes by_threads(whole.size());
+                std::vector<std::thread> threads;
+                for (uint32_t t = 0; t < 7; ++t)
+                    threads.emplace_back([&, t] {
+                        update(rig, {.cursors = scene.cursors.data(), .skin_format = format, .skin = by_threads.data()},
+                               101 * t / 7, 101 * (t + 1) / 7, isa);
+                    });
+                for (std::thread& thread : threads) thread.join();
+                EXPECT_TRUE(std::ranges::equal(whole, by_threads.content())) << name_of(isa) << " by threads";
                 for (const uint32_t part : {1u, 2u, 7u, 16u, 33u}) {
                     GuardedBytes bytes(whole.size());
                     for (uint32_t first = 0; first < 101; first += part)

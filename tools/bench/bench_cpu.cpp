@@ -3,9 +3,11 @@
 #include "tools/bench/bench_commands.h"
 #include "tools/bench/measured.h"
 #include "tools/cli/command.h"
+#include "tools/cli/inputs.h"
 #include "tools/creatures/creature.h"
 
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 #include <thread>
 
@@ -13,6 +15,7 @@ namespace throng::tools {
 namespace {
 
 struct CpuOptions {
+    std::vector<std::string> files;
     std::optional<uint32_t> characters, joints, levels;
     std::string isa = "all", clips = "all";
     std::vector<uint32_t> threads;
@@ -74,15 +77,10 @@ void print_table(std::span<const Json> records) {
     for (const Json& record : records) print_row(record);
 }
 
-void run_case(const CpuOptions& options, const Generated& generated, bool moves_all, Measured& measured) {
-    const std::string configuration = std::to_string(generated.characters) + " x " + std::to_string(generated.joints) +
-                                      ", " + std::to_string(generated.levels) + " levels";
-    print_progress(configuration + ": compiling");
-    const Asset asset = unwrap(
-        make_creature({.joint_count = generated.joints, .level_count = generated.levels, .seed = options.seed}));
-    const Character character = unwrap(compile_character(asset, {.lods = false}));
-    bench::CpuCase of{.configuration = configuration,
-                      .characters = generated.characters,
+bench::CpuCase make_case(const CpuOptions& options, std::string configuration, uint32_t characters,
+                         const Character& character) {
+    bench::CpuCase of{.configuration = std::move(configuration),
+                      .characters = characters,
                       .variants = {},
                       .isas = chosen_isas(options),
                       .threads = options.threads,
@@ -90,13 +88,36 @@ void run_case(const CpuOptions& options, const Generated& generated, bool moves_
                       .seed = options.seed};
     if (options.clips != "1") of.variants.push_back({"two clips", &character, 2});
     if (options.clips != "2") of.variants.push_back({"one clip", &character, 1});
-    if (moves_all && options.clips == "all")
+    return of;
+}
+
+void run_generated(const CpuOptions& options, const Generated& generated, bool all_variants, Measured& measured) {
+    const std::string configuration = std::to_string(generated.characters) + " x " + std::to_string(generated.joints) +
+                                      ", " + std::to_string(generated.levels) + " levels";
+    print_progress(configuration + ": compiling");
+    const Asset asset = unwrap(
+        make_creature({.joint_count = generated.joints, .level_count = generated.levels, .seed = options.seed}));
+    const Character character = unwrap(compile_character(asset, {.lods = false}));
+    bench::CpuCase of = make_case(options, configuration, generated.characters, character);
+    if (all_variants && options.clips == "all")
         of.variants.push_back({.name = "three layers", .character = &character, .layers = true});
     std::optional<Character> moving;
-    if (moves_all && options.clips != "1") {
+    if (all_variants && options.clips != "1") {
         moving = unwrap(compile_character(bench::with_moving_translations(asset), {.lods = false}));
         of.variants.push_back({"two, all joints move", &*moving, 2});
     }
+    const std::vector<Json> records = bench::measure_cpu(of, print_progress);
+    measured.add(records, [&] { print_table(records); });
+}
+
+void run_file(const CpuOptions& options, const std::string& file, Measured& measured) {
+    print_progress("reading " + file);
+    const Character character = unwrap(load_character(file, {.lods = false}));
+    if (character.clips.empty() || character.palette.empty()) throw CommandError(file + ": has no clips or no skin");
+    const uint32_t characters = options.characters.value_or(Generated{}.characters);
+    const bench::CpuCase of = make_case(
+        options, std::to_string(characters) + " x " + std::filesystem::path(file).filename().string(), characters,
+        character);
     const std::vector<Json> records = bench::measure_cpu(of, print_progress);
     measured.add(records, [&] { print_table(records); });
 }
@@ -108,15 +129,17 @@ void run_cpu(CpuOptions options) {
         if (options.threads[0] > 1) options.threads.push_back(1);
     }
     Measured measured(options.json);
-    if (options.characters || options.joints || options.levels) {
+    if (!options.files.empty()) {
+        for (const std::string& file : options.files) run_file(options, file, measured);
+    } else if (options.characters || options.joints || options.levels) {
         Generated one;
         one.characters = options.characters.value_or(one.characters);
         one.joints = options.joints.value_or(one.joints);
         one.levels = options.levels.value_or(std::min(one.levels, one.joints));
-        run_case(options, one, true, measured);
+        run_generated(options, one, true, measured);
     } else {
         for (const Generated& generated : kGenerated)
-            run_case(options, generated, &generated == &kGenerated.front(), measured);
+            run_generated(options, generated, &generated == &kGenerated.front(), measured);
     }
     measured.finish("", "an update");
 }
@@ -128,6 +151,7 @@ void add_bench_cpu(Command bench) {
                                            "whole updates on the processor, with each of its instruction sets: "
                                            "checked, then timed beside a fill of the same bytes; needs no device");
     auto options = std::make_shared<CpuOptions>();
+    command.add_option("files", options->files, "glTF 2.0 files (default: generated creatures)");
     command.add_option("--characters", options->characters, "how many (default: several cases)")
         .check(range(1u, 10'000'000u));
     command.add_option("--joints", options->joints, "of each").check(range(2u, 65'535u));
@@ -143,7 +167,8 @@ void add_bench_cpu(Command bench) {
     command.add_option("--seed", options->seed, "of creatures, clips, times and blends").capture_default_str();
     add_json_flag(command, options->json);
     command.footer(
-        "Examples:\n  throng bench cpu\n  throng bench cpu --characters 1000 --joints 64 --levels 15 --threads 1,2\n"
+        "Examples:\n  throng bench cpu\n  throng bench cpu fox.glb --characters 20000\n  throng bench cpu --characters "
+        "1000 --joints 64 --levels 15 --threads 1,2\n"
         "  throng bench cpu --isa avx2 --json > cpu.jsonl");
     command.callback([options] { run_cpu(*options); });
 }

@@ -150,9 +150,10 @@ void add_path_option(Command command, UpdatePath& path) {
         {{"auto", UpdatePath::kAuto},
          {"fused", UpdatePath::kFused},
          {"staged", UpdatePath::kStaged},
-         {"native", UpdatePath::kNative}},
-        "fused: sample, blend, scan and bind in one pass; staged: one after another; native: by this machine's "
-        "processor, on software devices; auto: native there, else fused where it applies");
+         {"native", UpdatePath::kNative},
+         {"device", UpdatePath::kDevice}},
+        "fused: sample, blend, scan and bind in one pass; staged: one after another; device: fused where it applies; "
+        "native: by this machine's processor, on software devices; auto: native there, else as device");
 }
 
 std::string path_name(const GroupPath& path) {

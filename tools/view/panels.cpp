@@ -22,7 +22,8 @@ constexpr std::array kFormations{Choice{"grid", "row by row"}, Choice{"disc", "a
 constexpr std::array kPaths{Choice{"auto", "native on software devices, else fused where it applies"},
                             Choice{"fused", "sample, blend, scan and bind in one pass"},
                             Choice{"staged", "one after another"},
-                            Choice{"native", "by this machine's processor, on software devices"}};
+                            Choice{"native", "by this machine's processor, on software devices"},
+                            Choice{"device", "by the device, fused where it applies"}};
 constexpr std::array kFormats{Choice{"affine, 48 bytes", "three rows of four floats"},
                               Choice{"half, 24 bytes", "three rows of four half floats"},
                               Choice{"similarity, 32 bytes", "rotation, translation and one scale"}};
