@@ -16,7 +16,8 @@ namespace {
 
 const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups}, {"Crowd.*"});
 const test::InSubset kNatively({test::Subset::kNative}, {"Crowd.*", "-Crowd.RecordsIntoTheCallersCommandBuffer",
-                                                         "-Crowd.ARendererThatHasBeenMovedFromFails"});
+                                                         "-Crowd.ARendererThatHasBeenMovedFromFails",
+                                                         "-Crowd.ManySmallCharactersAreSplitIntoBatches"});
 
 using namespace test;
 

@@ -12,6 +12,7 @@
 #include "skin/skin.kernel.h"
 #include "tests/files.h"
 #include "tests/kernel_runner.h"
+#include "tests/subset.h"
 #include "tests/text.h"
 
 #include <throng/transform.h>
@@ -27,6 +28,9 @@
 
 namespace throng {
 namespace {
+
+const test::InSubset kInSubsets({test::Subset::kNative},
+                                {"Gpu.BuffersKeepTheirBytes", "Gpu.AnEmptyUploadGivesZeros", "Gpu.BuffersMove"});
 
 using namespace test;
 
