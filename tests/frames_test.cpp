@@ -63,7 +63,8 @@ std::string refusal(const auto& result) { return result ? std::string() : result
 class Twins {
 public:
     Twins() {
-        CrowdSettings settings{.keep_previous_matrices = true, .culls = true, .skips_updates = true};
+        CrowdSettings settings{
+            .path = UpdatePath::kDevice, .keep_previous_matrices = true, .culls = true, .skips_updates = true};
         settings.groups = {
             {.character = &character_, .instance_count = kEach, .pose_capacity = kEach / 2},
             {.character = &character_, .instance_count = kEach, .controller = &controller_, .pose_capacity = kEach},

@@ -101,9 +101,14 @@ PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
     PathChoice choice = device_path(gpu, settings, group);
     const bool may_be_native = settings.path == UpdatePath::kAuto && settings.scan == "auto";
     if (!gpu.native || !(is_native || may_be_native)) return choice;
-    if (!choice.fused && settings.scan == "auto") {  // the best of those that are native too
-        choice.scan = choose_scan(gpu, "serial", group.character->rig, group.instance_count).choice;
-        choice.scan_reason = "what is fastest natively";
+    if (!choice.fused && settings.scan == "auto" && !scan_shaders(choice.scan.method->name).native) {
+        const ScanChoice serial{parse_scan_request("serial").method, 0};
+        const Rig& rig = group.character->rig;
+        if (plan_scan(*serial.method, ScanRig(rig.parents, rig.uniform_scale), scan_limits(gpu), serial.threads)
+                .unsupported_reason.empty()) {
+            choice.scan = serial;
+            choice.scan_reason = "what is native too";
+        }
     }
     const std::string reason = natively_unsupported_reason(choice, settings, group);
     if (is_native && !reason.empty())
