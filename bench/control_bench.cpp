@@ -83,7 +83,8 @@ Json measure_control(const Device& device, const ControlCase& control, const Pro
     const std::string what = std::to_string(control.count) + " x " + std::to_string(character.rig.joint_count());
     progress(what + ": preparing");
     Crowd crowd = value_of(Crowd::create(
-        device, {.groups = {{.character = &character, .instance_count = control.count, .controller = &controller}}}));
+        device, {.groups = {{.character = &character, .instance_count = control.count, .controller = &controller}},
+                 .path = control.path}));
     std::vector<ReferenceCharacter> references;
     for (uint32_t i = 0; i < std::min(kChecked, control.count); ++i)
         references.push_back(value_of(ReferenceCharacter::create(character, controller)));

@@ -18,6 +18,7 @@ struct ControlCase {
     uint32_t count = 0;
     uint32_t samples = 0;
     uint64_t seed = 1;
+    UpdatePath path = UpdatePath::kAuto;
 };
 
 // One record: ms of the control stage and of the whole update, checked against the reference before it is timed (else

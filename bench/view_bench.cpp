@@ -48,6 +48,7 @@ public:
             entrant.variant = &variant;
             Result<Crowd> made = Crowd::create(device_,
                                                {.groups = {{.character = seen_.character, .instance_count = count()}},
+                                                .path = seen_.path,
                                                 .culls = variant.culls,
                                                 .skips_updates = variant.skips_updates,
                                                 .reduces_joints = variant.reduces_joints});

@@ -6,7 +6,7 @@
 #include "gpu/stored.glsl"
 #include "gpu/table.glsl"
 
-WORKGROUP(kBindWorkgroupSize);
+WORKGROUP_OF_STRIDE(kBindWorkgroupSize);
 READONLY_BUFFER(kModelBuffer, StoredAffine, model);
 TABLE_OF_WORDS(kPaletteJointsBuffer, palette_joints);
 TABLE_OF_ROWS(kJointFromBindBuffer, joint_from_bind);
@@ -18,7 +18,7 @@ PUSH(BindPush);
 
 void main() {
     const uint instance = gl_WorkGroupID.x;
-    for (uint entry = gl_LocalInvocationID.x; entry < push.palette_count; entry += kBindWorkgroupSize) {
+    for (uint entry = gl_LocalInvocationID.x; entry < push.palette_count; entry += kStride) {
         const Affine model_from_joint = unpack(model[instance * push.joint_count + WORD_AT(palette_joints, entry)]);
         store_skin(instance * push.palette_count + entry,
                    skin_matrix(model_from_joint, AFFINE_AT(joint_from_bind, entry)));

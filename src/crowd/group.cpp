@@ -153,13 +153,18 @@ void Group::make_lods(Uploads& uploads, const Character& character) {
 // For a set of joints that is there already.
 void Group::make_native(const Character& character, const CrowdSettings& settings, uint32_t lod) {
     if (!native || fused.empty()) return;
+    // Where most joints move, all of them in the palette's order are written faster than these (docs/native.md).
+    constexpr uint32_t kWorthIt = 3;
     FusedJoints& joints = fused[lod];
-    joints.native = std::make_shared<const NativeRig>(
-        character, NativeRigSettings{.lod = lod,
-                                     .keeps_model = settings.keep_model_matrices,
-                                     .sockets = sockets ? sockets->joints : std::vector<uint32_t>(),
-                                     .sockets_only = sockets_only,
-                                     .all_move = pose_capacity > 0});
+    if (lod > 0 && kWorthIt * joints.joint_count > joint_count)
+        joints.native = fused[0].native;
+    else
+        joints.native = std::make_shared<const NativeRig>(
+            character, NativeRigSettings{.lod = lod,
+                                         .keeps_model = settings.keep_model_matrices,
+                                         .sockets = sockets ? sockets->joints : std::vector<uint32_t>(),
+                                         .sockets_only = sockets_only,
+                                         .all_move = pose_capacity > 0});
     if (controller) joints.native_masks = joints.native->masks_in_order(controller->masks);
 }
 

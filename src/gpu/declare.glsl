@@ -2,6 +2,10 @@
 // (gpu/native_text.h).
 
 #define WORKGROUP(size) layout(local_size_x = size) in
+// Of invocations that share an item's elements: each takes those that lie kStride apart, from its own number on.
+#define WORKGROUP_OF_STRIDE(size)   \
+    layout(local_size_x = size) in; \
+    const uint kStride = size
 #define WORKGROUP_OF_CONSTANT layout(local_size_x_id = 0) in  // of constant 0
 #define CONSTANT(number, type, name, value) layout(constant_id = number) const type name = value
 #define PUSH(type) \

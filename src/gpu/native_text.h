@@ -10,6 +10,8 @@
 
 // As gpu/declare.glsl.
 #define WORKGROUP(size) static constexpr uint kWorkgroupSize = size
+// One invocation takes them all: a loop, instead of as many objects.
+#define WORKGROUP_OF_STRIDE(size) static constexpr uint kWorkgroupSize = 1, kStride = 1
 #define WORKGROUP_OF_CONSTANT static constexpr uint kWorkgroupSize = 0
 #define CONSTANT(number, type, name, value) const type name = constant<type>(number, value)
 #define PUSH(type)     \

@@ -7,7 +7,7 @@
 #include "morph/morph_io.h"
 #include "skin/skin_io.h"
 
-WORKGROUP(kSkinWorkgroupSize);
+WORKGROUP_OF_STRIDE(kSkinWorkgroupSize);
 CONSTANT(1, uint, kSkinFormat, kSkinAffine);
 CONSTANT(2, uint, kSkinBlend, kSkinLinear);
 CONSTANT(3, bool, kListed, false);  // what is skinned lies in list
@@ -44,7 +44,7 @@ void main() {
     const uint first_written = (kListed ? instance : n) * push.vertex_count;
     for (uint s = 0; s < push.section_count; ++s) {
         const SkinSection section = sections[first_section + s];
-        for (uint i = gl_LocalInvocationID.x; i < section.listed_count; i += kSkinWorkgroupSize) {
+        for (uint i = gl_LocalInvocationID.x; i < section.listed_count; i += kStride) {
             const uint vertex = listed_vertices[section.first_listed + i];
             const VertexRows rows = vertices[section.first_vertex + vertex];
             const MorphSum morphs = sum_of_morphs(rows.texcoord_color_delta.w, section.first_morph, section.morph_count,

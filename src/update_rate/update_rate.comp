@@ -8,7 +8,7 @@
 #include "gpu/table.glsl"
 #include "update_rate/update_rate_io.h"
 
-WORKGROUP(kUpdateRateWorkgroupSize);
+WORKGROUP_OF_STRIDE(kUpdateRateWorkgroupSize);
 TABLE_OF_WORDS(kWorkBuffer, work);
 READONLY_BUFFER(kStatesBuffer, uint, states);
 // [instance][row]: rows of four floats, or of four halves, two in one of these. Where previous matrices are not kept,
@@ -40,7 +40,7 @@ void main() {
     const uint step = push.section == kGoingOn ? states[instance] >> kStateStepShift & kStateStepMask : 0;
     const uint rows = kSkinFormat == kSkinSimilarity ? 2 : 3;  // of a matrix
     const uint row_count = push.entry_counts[states[instance] >> kStateSetShift] * rows;
-    for (uint i = gl_LocalInvocationID.x; i < row_count; i += kUpdateRateWorkgroupSize) {
+    for (uint i = gl_LocalInvocationID.x; i < row_count; i += kStride) {
         const uint row = i % rows, at = (instance * push.palette_count + WORD_AT(entries, i / rows)) * rows + row;
         if (kSkinFormat == kSkinHalfAffine) {
             const vec4 halves = went_on(floats(ROW_AT(previous_rows, at / 2), at),

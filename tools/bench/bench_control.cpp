@@ -15,6 +15,7 @@ struct ControlOptions {
     uint32_t joints = 300, levels = 60, samples = 30;
     uint64_t seed = 1;
     std::string device;
+    UpdatePath path = UpdatePath::kAuto;
     bool json = false;
 };
 
@@ -41,16 +42,21 @@ void run_control(const ControlOptions& options) {
                                          static_cast<uint32_t>(std::max<uint64_t>(kMostJoints / count, 40)));
         const Character character = unwrap(compile_character(unwrap(make_creature(
             {.joint_count = joints, .level_count = std::min(options.levels, joints / 3), .seed = options.seed}))));
-        const Json record = bench::measure_control(
-            device, {.character = &character, .count = count, .samples = options.samples, .seed = options.seed},
-            print_progress);
+        const Json record = bench::measure_control(device,
+                                                   {.character = &character,
+                                                    .count = count,
+                                                    .samples = options.samples,
+                                                    .seed = options.seed,
+                                                    .path = options.path},
+                                                   print_progress);
         measured.add({&record, 1}, [&] {
             if (measured.all().empty())
                 std::printf(
-                    "%s, driver %s: 12 states in 3 layers; medians of %u updates\n%10s %7s %9s %19s %12s %12s %9s  "
+                    "%s, driver %s: 12 states in 3 layers, %s; medians of %u updates\n%10s %7s %9s %19s %12s %12s %9s  "
                     "%s\n",
-                    device.info().name.c_str(), device.info().driver.c_str(), options.samples, "characters", "joints",
-                    "control", "5 % - 95 %", "ns/character", "update", "share", "error");
+                    device.info().name.c_str(), device.info().driver.c_str(), text(record, "path").c_str(),
+                    options.samples, "characters", "joints", "control", "5 % - 95 %", "ns/character", "update", "share",
+                    "error");
             print_row(record);
         });
     }
@@ -74,6 +80,7 @@ void add_bench_control(Command bench) {
     command.add_option("--levels", options->levels, "levels of the skeletons, at most a third of the joints")
         .check(range(8u, 300u))
         .capture_default_str();
+    add_path_option(command, options->path);
     add_samples_option(command, options->samples);
     command.add_option("--seed", options->seed, "of creatures and parameters").capture_default_str();
     add_json_flag(command, options->json);

@@ -20,6 +20,7 @@ struct ViewOptions {
     float lod_pixels = 1, full_rate_pixels = 100;
     CameraOptions camera{.path = "low"};
     CompileSettings compile;
+    UpdatePath path = UpdatePath::kAuto;
     bool json = false;
 };
 
@@ -71,15 +72,17 @@ void run_view(const ViewOptions& options) {
                                                            .character = &character,
                                                            .playback = field.playback,
                                                            .placement = field.placement,
+                                                           .path = options.path,
                                                            .view_of = view},
                                                           options.samples, print_progress);
     Measured measured(options.json);
     measured.add(records, [&] {
         std::printf(
-            "%s, driver %s: %s; medians of %u updates\n%-18s %9s %19s %7s  stages, characters drawn of each level of "
+            "%s, driver %s: %s, %s; medians of %u updates\n%-18s %9s %19s %7s  stages, characters drawn of each level "
+            "of "
             "detail\n",
-            device.info().name.c_str(), device.info().driver.c_str(), configuration.c_str(), options.samples, "variant",
-            "ms", "5 % - 95 %", "faster");
+            device.info().name.c_str(), device.info().driver.c_str(), configuration.c_str(),
+            text(records.front(), "path").c_str(), options.samples, "variant", "ms", "5 % - 95 %", "faster");
         for (const Json& record : records) print_row(record);
     });
     measured.finish("", "an update");
@@ -112,6 +115,7 @@ void add_bench_view(Command bench) {
         .check(finite())
         .check(range(0.0, 1e30))
         .capture_default_str();
+    add_path_option(command, options->path);
     add_samples_option(command, options->samples);
     add_error_option(command, options->compile);
     command.add_option("--seed", options->seed, "of creature, clips, times and blends").capture_default_str();
