@@ -102,8 +102,12 @@ PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
     const bool may_be_native = settings.path == UpdatePath::kAuto && settings.scan == "auto";
     if (!gpu.native || !(is_native || may_be_native)) return choice;
     if (!choice.fused && settings.scan == "auto") {  // the best of those that are native too
-        choice.scan = choose_scan(gpu, "serial", group.character->rig, group.instance_count).choice;
-        choice.scan_reason = "what is fastest natively";
+        const auto serial = as_result(
+            [&] { return choose_scan(gpu, "serial", group.character->rig, group.instance_count).choice; });
+        if (serial) {  // a device that is to run it as well may not hold so many joints
+            choice.scan = *serial;
+            choice.scan_reason = "what is fastest natively";
+        }
     }
     const std::string reason = natively_unsupported_reason(choice, settings, group);
     if (is_native && !reason.empty())
