@@ -34,9 +34,11 @@ std::vector<Trs<float>> bent(Random& random, const Character& character) {
     return pose;
 }
 
-// The same bits; on a native device, where a group with room for poses has rows of its own, vertices within the bound.
+// The same bits; natively in one pass, where a group with room for poses has rows of its own, vertices within the
+// bound.
 bool same_poses(Crowd& a, uint32_t of_a, Crowd& b, uint32_t of_b, double size) {
-    if (!test_gpu()->is_native()) return same_bits(*a.read_skin_matrices(of_a), *b.read_skin_matrices(of_b));
+    const GroupPath path = *a.path(0);
+    if (!path.is_native || !path.is_fused) return same_bits(*a.read_skin_matrices(of_a), *b.read_skin_matrices(of_b));
     return std::ranges::equal(*a.read_positions(of_a), *b.read_positions(of_b),
                               [&](const Vec3<float>& x, const Vec3<float>& y) {
                                   return length(x.as<double>() - y.as<double>()) <= kPoseBound * size;
