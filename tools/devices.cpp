@@ -29,17 +29,23 @@ void run_devices(bool json) {
                             {"usable", d.usable}});
         return print_json(list);
     }
-    if (devices.empty()) throw CommandError("no Vulkan device; mesa-vulkan-drivers has a software one");
-    for (const DeviceInfo& d : devices)
+    for (const DeviceInfo& d : devices) {
+        if (d.type == "native") {
+            std::printf("%u  %s\n   native: updates crowds without Vulkan, and draws nothing\n", d.index,
+                        d.name.c_str());
+            continue;
+        }
         std::printf("%u  %s\n   %s, driver %s, Vulkan %s, subgroups of %u%s\n", d.index, d.name.c_str(), d.type.c_str(),
                     d.driver.c_str(), version_text(d.api_version).c_str(), d.subgroup_size,
                     d.usable ? "" : "; not usable: Vulkan 1.3 is needed");
+    }
 }
 
 }  // namespace
 
 void add_devices(Command app) {
-    Command command = app.add_subcommand("devices", "list the Vulkan devices of this machine");
+    Command command = app.add_subcommand("devices",
+                                         "list the devices of this machine: those of Vulkan, and its processor");
     auto json = std::make_shared<bool>(false);
     command.add_flag("--json", *json, "as JSON");
     command.footer("Examples:\n  throng devices\n  throng devices --json");
