@@ -30,14 +30,14 @@ enum class Validation { kOff, kStandard, kSynchronization, kGpuAssisted };
 
 struct DeviceSettings {
     // Empty: a discrete GPU if there is one, else an integrated one, else a virtual one, else the software device, else
-    // the native one. Else an index of list(), "cpu" for the software device, "native", or a part of a device's name in
-    // any case.
+    // the native one. Else an index of list(), "cpu" for the software device, "native", or a part of another device's
+    // name, in any case.
     //
     // The native device needs neither Vulkan nor a GPU: this machine's processor computes. Crowds are updated by
     // Crowd::update(), and OutputBlock::host is where the results are.
     std::string select{};
     // Native and software devices: threads that compute updates, the calling one included; 0: as many as the processor
-    // runs side by side. Results do not depend on it.
+    // runs side by side; at most 1024. Results do not depend on it.
     uint32_t threads = 0;
     // The same by the application's job system, in place of threads of the device's own.
     std::shared_ptr<JobSystem> jobs{};

@@ -99,7 +99,7 @@ public:
     Result<void> record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera);
     // The two halves of that, for crowds that are updated natively on a software device (UpdatePath::kNative), which a
     // recorded update is not: Crowd::update() for what the camera sees, without occlusion, at once; and the drawing
-    // alone, of the crowd as its last update left it.
+    // alone, of the crowd as its last update left it when the commands run.
     Result<void> update(Crowd& crowd, float time_step_s, const Camera& camera);
     Result<void> record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera);
     // VK_FORMAT_R8G8B8A8_SRGB, of the renderer's size; another after resize().

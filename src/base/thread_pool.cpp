@@ -1,12 +1,17 @@
 #include "base/thread_pool.h"
 
 #include <algorithm>
+#include <system_error>
 
 namespace throng {
 
 ThreadPool::ThreadPool(uint32_t concurrency) {
     if (concurrency == 0) concurrency = std::max(1u, std::thread::hardware_concurrency());
-    for (uint32_t i = 1; i < concurrency; ++i) threads_.emplace_back([this] { work(); });
+    try {
+        for (uint32_t i = 1; i < concurrency; ++i) threads_.emplace_back([this] { work(); });
+    } catch (const std::system_error&) {
+        // The machine gives no more: those that there are do the work
+    }
 }
 
 ThreadPool::~ThreadPool() {

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <exception>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -44,14 +45,29 @@ private:
     std::vector<std::thread> threads_;
 };
 
-// Runs body(index) for each of `count` jobs.
+// Runs body(index) for each of `count` jobs. Throws what one of them threw, when all are done.
 template <class Body>
-void for_each_job(JobSystem& jobs, uint32_t count, Body&& body) {
-    if (count == 0) return;
+void for_each_job(JobSystem& jobs, uint32_t count, const Body& body) {
     if (count == 1) return body(0u);
-    jobs.run(
-        count, [](void* context, uint32_t index) { (*static_cast<std::remove_reference_t<Body>*>(context))(index); },
-        const_cast<std::remove_const_t<std::remove_reference_t<Body>>*>(&body));
+    struct Context {
+        const Body& body;
+        std::mutex mutex;
+        std::exception_ptr thrown;
+    } context{body, {}, {}};
+    if (count > 0)
+        jobs.run(
+            count,
+            [](void* of, uint32_t index) {
+                Context& each = *static_cast<Context*>(of);
+                try {
+                    each.body(index);
+                } catch (...) {
+                    const std::lock_guard lock(each.mutex);
+                    if (!each.thrown) each.thrown = std::current_exception();
+                }
+            },
+            &context);
+    if (context.thrown) std::rethrow_exception(context.thrown);
 }
 
 }  // namespace throng

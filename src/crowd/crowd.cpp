@@ -107,7 +107,12 @@ Result<void> Crowd::record(VkCommandBuffer commands, float time_step_s, const Cr
 }
 
 Result<void> Crowd::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths) {
-    return as_result([&] { state().record_disoccluded(commands, depths); }, "crowd");
+    return as_result(
+        [&] {
+            if (!commands) throw Failure(ErrorCode::kInvalidArgument, "command buffer", "there is none");
+            state().record_disoccluded(commands, depths);
+        },
+        "crowd");
 }
 
 Result<void> Crowd::discard_last_record() {

@@ -49,6 +49,8 @@ void CrowdState::make_groups(Uploads& uploads, const CrowdSettings& settings) {
             throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin blend", unsupported_reason);
         groups.emplace_back(uploads, group, choose_path(*gpu, settings, group), settings);
     }
+    if (gpu->is_native() || std::ranges::all_of(groups, &Group::native)) return;
+    for (Group& group : groups) group.leave_native();
 }
 
 // Refuses at once what cannot fit, before gigabytes are allocated on the way to failing.
@@ -84,28 +86,40 @@ void CrowdState::make_batches(Uploads& uploads, const BatchPlan& plan, uint32_t 
 
 namespace {
 
+// The first `count` of a buffer, which may have been made a little larger.
 template <class T>
-std::span<T> in_host_memory(const Gpu& gpu, const Buffer& buffer) {
+std::span<T> in_host_memory(const Gpu& gpu, const Buffer& buffer, uint64_t count) {
     if (!gpu.is_native() || !buffer) return {};
-    return {reinterpret_cast<T*>(buffer.mapped()), buffer.size_bytes() / sizeof(T)};
+    return {reinterpret_cast<T*>(buffer.mapped()), count};
 }
 
 }  // namespace
 
 HostOutputs CrowdState::host_outputs(const Batch& batch) const {
     static_assert(sizeof(RootMotion) == sizeof(io::RootState) && sizeof(ShownMorph) == sizeof(io::ActiveMorph));
-    return {.skin = in_host_memory<const std::byte>(*gpu, batch.skins[0]),
-            .previous_skin = in_host_memory<const std::byte>(*gpu, batch.skins[1]),
-            .model = in_host_memory<const Affine>(*gpu, batch[io::kModelBuffer]),
-            .placement = in_host_memory<const Affine>(*gpu, batch[io::kPlacementsBuffer]),
-            .socket = in_host_memory<const Affine>(*gpu, batch[io::kSocketsBuffer]),
-            .parameter = in_host_memory<float>(*gpu, batch[io::kParametersBuffer]),
-            .root = in_host_memory<const RootMotion>(*gpu, batch[io::kRootsBuffer]),
-            .target = in_host_memory<std::array<float, 4>>(*gpu, batch[io::kTargetsBuffer]),
-            .destination = in_host_memory<std::array<float, 4>>(*gpu, batch[io::kDestinationsBuffer]),
-            .morph = in_host_memory<const ShownMorph>(*gpu, batch[io::kActiveMorphsBuffer]),
-            .list = in_host_memory<const uint32_t>(*gpu, batch[io::kListBuffer]),
-            .skinned = in_host_memory<const SkinnedVertex>(*gpu, batch[io::kSkinnedBuffer])};
+    const Group& group = groups[batch.group];
+    const uint64_t n = batch.instance_count, skin_bytes = n * group.palette_count * skin_format_bytes(skin_format),
+                   parameters = group.controller ? group.controller->parameter_count : 0,
+                   targets = group.procedural ? group.procedural->target_count : 0;
+    const auto bytes = [&](const Buffer& skin) { return in_host_memory<const std::byte>(*gpu, skin, skin_bytes); };
+    const auto items = [&]<class T>(std::type_identity<T>, uint32_t number, uint64_t of_instance) {
+        return in_host_memory<T>(*gpu, batch[number], n * of_instance);
+    };
+    constexpr std::type_identity<const Affine> kAffines;
+    constexpr std::type_identity<std::array<float, 4>> kRows;
+    return {.skin = bytes(batch.skins[0]),
+            .previous_skin = bytes(batch.skins[1]),
+            .model = items(kAffines, io::kModelBuffer, group.joint_count),
+            .placement = items(kAffines, io::kPlacementsBuffer, 1),
+            .socket = items(kAffines, io::kSocketsBuffer, group.socket_count()),
+            .parameter = items(std::type_identity<float>(), io::kParametersBuffer, parameters),
+            .root = items(std::type_identity<const RootMotion>(), io::kRootsBuffer, 1),
+            .target = items(kRows, io::kTargetsBuffer, targets),
+            .destination = items(kRows, io::kDestinationsBuffer, 1),
+            .morph = items(std::type_identity<const ShownMorph>(), io::kActiveMorphsBuffer, kActiveMorphLimit),
+            .list = in_host_memory<const uint32_t>(*gpu, batch[io::kListBuffer], io::kFirstListed + n),
+            .skinned = items(std::type_identity<const SkinnedVertex>(), io::kSkinnedBuffer,
+                             group.sockets_only ? 0 : group.vertex_count)};
 }
 
 void CrowdState::add_output(const Batch& batch) {

@@ -92,8 +92,11 @@ bool CrowdState::is_native(bool occlusion) const {
 }
 
 void CrowdState::update(float time_step_s, const CrowdView* view) {
-    if (!is_native(view && view->occlusion))
-        return gpu->submit_and_wait([&](VkCommandBuffer commands) { record(commands, time_step_s, view); });
+    if (!is_native(view && view->occlusion)) {
+        gpu->submit_and_wait([&](VkCommandBuffer commands) { record(commands, time_step_s, view); });
+        can_discard_ = false;
+        return;
+    }
     if (!gpu->is_native()) gpu->wait_idle();  // what was submitted may still read what is written now
     record(VK_NULL_HANDLE, time_step_s, view);
 }
@@ -126,8 +129,8 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     memory_barrier(*gpu, commands, kConsumers | kShaderWrite | kTransferWrite,
                    kShaderRead | kShaderWrite | kTransferWrite);
     check_runs(commands == VK_NULL_HANDLE);
-    if (feedback) feedback->begin(commands);  // before anything is taken up, since it may refuse
-    can_discard_ = true;
+    if (feedback) feedback->begin(commands);    // before anything is taken up, since it may refuse
+    can_discard_ = commands != VK_NULL_HANDLE;  // a native update has run when this returns
     const Update update = update_of(commands, time_step_s, seen);
     for (const auto& stage : stages) stage->begin(update);
     take_turns();
@@ -156,11 +159,9 @@ void CrowdState::record_disoccluded(VkCommandBuffer commands, const DepthImage& 
 // What the update has taken up is pending again, and what it let go on goes back; the timer notices by itself that it
 // never runs.
 void CrowdState::discard_last_record() {
-    if (gpu->is_native())
-        throw Failure(ErrorCode::kUnsupported, "discard", "a native device runs an update where it is recorded");
     if (!can_discard_)
         throw Failure(ErrorCode::kInvalidArgument, "discard",
-                      "there is no record() to discard, or it has been discarded");
+                      "there is no record() to discard, or it has been discarded, or an update() has run since");
     can_discard_ = false;
     has_updated_ = had_updated_;
     for (const auto& stage : stages) stage->discard();

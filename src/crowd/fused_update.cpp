@@ -32,7 +32,8 @@ void FusedUpdate::plan(BatchPlan& plan) {
     if (settings.keep_previous_matrices) add_skin(io::kPreviousSkinBuffer);
     if (settings.skips_updates && group.skips_updates(settings)) add_skin(io::kSkinTargetBuffer);
     if (group.sockets) plan.add_storage(io::kSocketsBuffer, group.socket_count() * sizeof(Affine));
-    if (settings.keep_model_matrices) plan.add_storage(io::kModelBuffer, group.joint_count * sizeof(Affine));
+    if (settings.keep_model_matrices && !group.sockets_only)
+        plan.add_storage(io::kModelBuffer, group.joint_count * sizeof(Affine));
 }
 
 FusedUpdate::FusedUpdate(const StageContext& context)
@@ -51,8 +52,7 @@ FusedUpdate::FusedUpdate(const StageContext& context)
         const Group& group = group_of(batch);
         if (group.fused.empty()) continue;
         Member& member = members_.emplace_back(Member{.batch = i, .sets = {}, .sockets = {}, .inertia_states = {}});
-        if (group.native_rig() && group.controller && group.controller->is_inertial) {
-            const size_t size_bytes = batch.instance_count * group.native_rig()->inertia_floats() * sizeof(float);
+        if (const uint64_t size_bytes = inertia_bytes(batch); size_bytes > 0) {
             member.inertia_states = native::aligned_bytes(size_bytes);
             std::memset(member.inertia_states.get(), 0, size_bytes);
         }
@@ -61,6 +61,18 @@ FusedUpdate::FusedUpdate(const StageContext& context)
         if (!sockets_) sockets_ = socket_kernel(gpu_);
         member.sockets = sockets_->bind(batch.table(group, batch[io::kSocketsBuffer]));
     }
+}
+
+uint64_t FusedUpdate::inertia_bytes(const Batch& batch) const {
+    const Group& group = group_of(batch);
+    const bool is_inertial = group.native_rig() && group.controller && group.controller->is_inertial;
+    return is_inertial ? batch.instance_count * group.native_rig()->inertia_floats() * sizeof(float) : 0;
+}
+
+uint64_t FusedUpdate::size_bytes() const {
+    uint64_t sum = 0;
+    for (const Member& member : members_) sum += inertia_bytes(batches_[member.batch]);
+    return sum;
 }
 
 FusedUpdate::Kernels FusedUpdate::make_kernels(const Group& group, size_t set, const CrowdSettings& settings) const {

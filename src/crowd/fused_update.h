@@ -18,6 +18,7 @@ public:
     // Animates the groups that are animated only where drawn.
     void record_disoccluded(const Update& update, const DepthImage& depths) override;
     uint32_t end_count() const override { return 2; }
+    uint64_t size_bytes() const override;
 
 private:
     // One clip an instance costs about half of two, so a batch in which none blends has a kernel that does not look for
@@ -40,6 +41,7 @@ private:
     template <class Applies>
     void record_sets(VkCommandBuffer commands, const Applies& applies) const;
     void record_set(VkCommandBuffer commands, const Member& member, uint32_t set) const;
+    uint64_t inertia_bytes(const Batch& batch) const;  // of native updates
     void update_natively(const Member& member, uint32_t set) const;
     void update_natively(const Member& member, uint32_t set, const Buffer& skin, uint32_t section) const;
     bool is_listed(const Group& group) const { return culls_ && group.animates_drawn_only(); }

@@ -168,6 +168,15 @@ void Group::make_native(const Character& character, const CrowdSettings& setting
     if (controller) joints.native_masks = joints.native->masks_in_order(controller->masks);
 }
 
+void Group::leave_native() {
+    if (!native) return;
+    const std::string reason = "another group of the crowd cannot be updated natively";
+    if (sockets_only) throw Failure(ErrorCode::kUnsupported, name + ": sockets only", reason);
+    native = false;
+    for (FusedJoints& joints : fused) joints.native.reset();
+    path_reason = path_reason.substr(path_reason.find(' ') + 1) + "; not native: " + reason;  // "native, …"
+}
+
 // The sets of joints of coarser levels, as far as the method of the finest goes about them, and the influences that
 // refer to no others.
 void Group::reduce_joints(Uploads& uploads, const Character& character, const CrowdSettings& settings) {
@@ -259,7 +268,9 @@ void Group::make_sockets(Uploads& uploads, const std::vector<uint32_t>& joints) 
 uint64_t Group::size_bytes() const {
     uint64_t sum = buffers.size_bytes() + indices.size_bytes() + (scan ? scan->links().size_bytes() : 0);
     for (const FusedJoints& joints : fused)
-        sum += joints.tables.size_bytes() + (joints.native ? joints.native->size_bytes() : 0);
+        sum += joints.tables.size_bytes() + (joints.native && (&joints == &fused[0] || joints.native != fused[0].native)
+                                                 ? joints.native->size_bytes()
+                                                 : 0);
     return sum;
 }
 

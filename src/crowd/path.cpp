@@ -98,6 +98,9 @@ PathChoice vulkan_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
     if (is_native && !gpu.native)
         throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update",
                       gpu.info.name + " is no software device");
+    if (is_native && settings.scan != "auto")
+        throw Failure(ErrorCode::kUnsupported, group.character->name + ": native update",
+                      "it goes by no scan method, and '" + settings.scan + "' is asked for");
     PathChoice choice = device_path(gpu, settings, group);
     const bool may_be_native = settings.path == UpdatePath::kAuto && settings.scan == "auto";
     if (!gpu.native || !(is_native || may_be_native)) return choice;
@@ -132,13 +135,13 @@ void check_sockets_only(const PathChoice& choice, const CrowdGroup& group) {
 
 ExplainedChoice choose_scan(const Gpu& gpu, const std::string& wanted, const Rig& rig, uint32_t instance_count) {
     const bool is_first_native = gpu.is_native() && wanted == "auto";
+    if (gpu.is_native() && !is_first_native && !scan_shaders(parse_scan_request(wanted).method->name).native)
+        throw Failure(ErrorCode::kUnsupported, "scan method '" + wanted + "'",
+                      "a native device does not have it: 'serial'");
     ExplainedChoice chosen = choose_scan(is_first_native ? "serial" : wanted, ScanRig(rig.parents, rig.uniform_scale),
                                          instance_count, scan_limits(gpu), scan_costs(gpu));
     if (gpu.is_native())  // costs are those of GPUs
         chosen.reason = is_first_native ? "what is fastest on one thread a character" : "asked for";
-    if (gpu.is_native() && !scan_shaders(chosen.choice.method->name).native)
-        throw Failure(ErrorCode::kUnsupported, "scan method '" + wanted + "'",
-                      "a native device does not have it: 'serial'");
     return chosen;
 }
 

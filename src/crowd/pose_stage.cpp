@@ -25,11 +25,20 @@ void PoseStage::plan(BatchPlan& plan) {
 PoseStage::PoseStage(const StageContext& context)
     : Stage(context), of_batches_(batches_.size()), of_groups_(groups_.size()) {
     for (size_t i = 0; i < groups_.size(); ++i)
-        if (groups_[i].pose_capacity > 0 && groups_[i].native_rig())
-            of_groups_[i].native_poses = native::aligned_bytes(groups_[i].pose_capacity *
-                                                               groups_[i].native_rig()->pose_floats() * sizeof(float));
+        if (const uint64_t size_bytes = native_bytes(groups_[i]); size_bytes > 0)
+            of_groups_[i].native_poses = native::aligned_bytes(size_bytes);
     for (size_t i = 0; i < batches_.size(); ++i)
         if (group_of(batches_[i]).pose_capacity > 0) of_batches_[i].instances.resize(batches_[i].instance_count);
+}
+
+uint64_t PoseStage::native_bytes(const Group& group) const {
+    return group.native_rig() ? group.pose_capacity * group.native_rig()->pose_floats() * sizeof(float) : 0;
+}
+
+uint64_t PoseStage::size_bytes() const {
+    uint64_t sum = 0;
+    for (const Group& group : groups_) sum += native_bytes(group);
+    return sum;
 }
 
 // With a slot, given where the instance has none yet.

@@ -34,6 +34,7 @@ public:
     // What was set or cleared since stays so.
     void discard() override;
     uint32_t end_count() const override { return 0; }
+    uint64_t size_bytes() const override;
 
 private:
     struct Override {
@@ -56,6 +57,7 @@ private:
     };
     using OverrideAt = std::map<uint32_t, Override>::iterator;
 
+    uint64_t native_bytes(const Group& group) const;
     Override& override_at(uint32_t batch, uint32_t instance, const std::string& place);
     uint32_t take_slot(uint32_t batch, const std::string& place);
     bool take_back_slot(uint32_t group);

@@ -16,8 +16,15 @@ io::SkinPush skin_push(const Group& group) {
             .only_animated = 0};
 }
 
+namespace {
+
+bool skins(const Group& group) { return group.vertex_count > 0 && !group.sockets_only; }
+
+}  // namespace
+
 void SkinStage::plan(BatchPlan& plan) {
-    plan.add_storage(io::kSkinnedBuffer, std::max(plan.group().vertex_count, 1u) * sizeof(SkinnedVertex));
+    plan.add_storage(io::kSkinnedBuffer,
+                     (skins(plan.group()) ? plan.group().vertex_count : 1u) * sizeof(SkinnedVertex));
 }
 
 SkinStage::SkinStage(const StageContext& context)
@@ -27,7 +34,7 @@ SkinStage::SkinStage(const StageContext& context)
         std::array<Bindings, 2>& member = members_.emplace_back();
         const Batch& batch = batches_[i];
         const Group& group = group_of(batch);
-        if (group.vertex_count == 0) continue;
+        if (!skins(group)) continue;
         for (size_t k = 0; k < member.size(); ++k)
             if (batch.skins[k])
                 member[k] = kernel_.bind(skin_buffers(group, batch, batch.skins[k], batch[io::kSkinnedBuffer]));
@@ -39,7 +46,7 @@ void SkinStage::record(const Update& update, bool only_animated) const {
     for (size_t i = 0; i < members_.size(); ++i) {
         const Batch& batch = batches_[i];
         const Group& group = group_of(batch);
-        if (group.vertex_count == 0) continue;
+        if (!skins(group)) continue;
         io::SkinPush push = skin_push(group);
         push.only_animated = only_animated;
         const Bindings& bindings = members_[i][batch.current_skin];

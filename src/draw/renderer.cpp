@@ -29,6 +29,10 @@ std::shared_ptr<Gpu> with_graphics(std::shared_ptr<Gpu> gpu) {
     return gpu;
 }
 
+void check_commands(VkCommandBuffer commands) {
+    if (!commands) throw Failure(ErrorCode::kInvalidArgument, "command buffer", "there is none");
+}
+
 VkSampleCountFlagBits lower_samples(const Gpu& gpu, uint32_t wanted) {
     const VkSampleCountFlags available = gpu.properties.limits.framebufferColorSampleCounts &
                                          gpu.properties.limits.framebufferDepthSampleCounts;
@@ -256,7 +260,12 @@ Result<RenderResult> Renderer::render_frame(Crowd& crowd, float time_step_s, con
 }
 
 Result<void> Renderer::record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) {
-    return as_result([&] { state().record(commands, crowd, time_step_s, camera); }, "render");
+    return as_result(
+        [&] {
+            check_commands(commands);
+            state().record(commands, crowd, time_step_s, camera);
+        },
+        "render");
 }
 
 Result<void> Renderer::update(Crowd& crowd, float time_step_s, const Camera& camera) {
@@ -264,7 +273,12 @@ Result<void> Renderer::update(Crowd& crowd, float time_step_s, const Camera& cam
 }
 
 Result<void> Renderer::record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) {
-    return as_result([&] { state().record_drawing(commands, crowd, camera); }, "render");
+    return as_result(
+        [&] {
+            check_commands(commands);
+            state().record_drawing(commands, crowd, camera);
+        },
+        "render");
 }
 
 VkImage Renderer::picture() const { return state_ ? state_->targets.picture() : VK_NULL_HANDLE; }

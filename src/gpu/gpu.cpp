@@ -109,7 +109,8 @@ bool fits(const DeviceInfo& info, const std::string& select) {
     uint32_t index = 0;
     const auto [end, parse] = std::from_chars(select.data(), select.data() + select.size(), index);
     if (parse == std::errc{} && end == select.data() + select.size()) return info.index == index;
-    if (select == "cpu") return info.type == "cpu";
+    if (lower(select) == "cpu") return info.type == "cpu";
+    if (info.type == kNative) return lower(select) == kNative;  // its name has the processor's, which a GPU's may share
     return lower(info.name).find(lower(select)) != std::string::npos;
 }
 
@@ -159,6 +160,10 @@ std::vector<DeviceInfo> Gpu::list() {
 }
 
 std::shared_ptr<Gpu> Gpu::create(const DeviceSettings& settings) {
+    if (settings.threads > NativeDevice::kMostThreads)
+        throw Failure(
+            ErrorCode::kLimit, "device",
+            std::to_string(settings.threads) + " threads; at most " + std::to_string(NativeDevice::kMostThreads));
     std::shared_ptr<Gpu> gpu(new Gpu(true));  // before the lock, as in list()
     if (lower(settings.select) == kNative) {  // and Vulkan is not even loaded
         gpu->make_native(settings, NativeDevice::info(0));
@@ -339,7 +344,7 @@ Gpu::~Gpu() {
     kernels.clear();
     memory.clear();
     own_cache_.reset();
-    if (is_native()) return;
+    if (!instance_ && !device) return;  // and Vulkan may not even be there
     const std::lock_guard lock(instance_level_mutex());
     if (owns_device_ && device) {
         vk.vkDeviceWaitIdle(device);

@@ -51,7 +51,10 @@ DeviceInfo NativeDevice::info(uint32_t index) {
 
 uint64_t NativeDevice::memory_bytes() {
     const long pages = sysconf(_SC_PHYS_PAGES), page_bytes = sysconf(_SC_PAGESIZE);
-    return static_cast<uint64_t>(std::max(pages, 0L)) * static_cast<uint64_t>(std::max(page_bytes, 0L));
+    uint64_t bytes = static_cast<uint64_t>(std::max(pages, 0L)) * static_cast<uint64_t>(std::max(page_bytes, 0L));
+    std::ifstream file("/sys/fs/cgroup/memory.max");  // "max" where a container has no limit of its own
+    if (uint64_t limit_bytes = 0; file >> limit_bytes) bytes = std::min(bytes, limit_bytes);
+    return bytes;
 }
 
 // Of the limits those that throng asks for; shaders count in 32 bits.

@@ -15,6 +15,8 @@ namespace throng {
 
 class NativeDevice {
 public:
+    static constexpr uint32_t kMostThreads = 1024;
+
     // As DeviceSettings has them.
     explicit NativeDevice(const DeviceSettings& settings);
 

@@ -227,7 +227,7 @@ std::vector<Json> compare(const Device& device, const Character& character, cons
 
 void run_baselines(const BaselineOptions& options) {
     keep_inputs(options.files, {options.json});
-    const Device device = open_device(options.device);
+    const Device device = open_vulkan_device(options.device);
     Measured measured;
     const auto run = [&](const Character& character, const std::string& file) {
         if (character.packed)

@@ -67,7 +67,7 @@ void print_table(std::span<const Json> records) {
 class FrameRun {
 public:
     explicit FrameRun(const FrameOptions& options)
-        : options_(options), device_(open_device(options.device)), measured_(options.json) {}
+        : options_(options), device_(open_vulkan_device(options.device)), measured_(options.json) {}
 
     // A run with other keys is another configuration, also where the records of both end in one report.
     void measure(std::string configuration, const Character& character, const Character* exact, uint32_t count) {

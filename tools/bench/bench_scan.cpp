@@ -56,7 +56,7 @@ void print_cell(std::span<const Json> records) {
 
 void run_scan(const ScanOptions& options) {
     check_report(options.report);
-    const Device device = open_device(options.device);
+    const Device device = open_vulkan_device(options.device);
     Measured measured;
     bench::run_scan_bench(device, options.settings, print_progress, [&](std::span<const Json> records) {
         measured.add(records, [&] {

@@ -17,7 +17,7 @@ struct TuneOptions {
 };
 
 void run_tune(const TuneOptions& options) {
-    const Device device = open_device(options.device);
+    const Device device = open_vulkan_device(options.device);
     const Gpu& gpu = *device.gpu();
     const std::filesystem::path file = scan_costs_file(gpu);
     if (file.empty() && !options.dry_run)

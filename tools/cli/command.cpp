@@ -35,6 +35,14 @@ RendererSettings parse_size(const std::string& text) {
 
 Device open_device(const std::string& select) { return unwrap(Device::create({.select = select})); }
 
+Device open_vulkan_device(const std::string& select) {
+    const Device device = open_device(select);
+    if (device.info().type == "native")
+        throw CommandError("this measures a Vulkan device, and " + device.info().name +
+                           " is none: 'throng bench cpu' measures the processor");
+    return device;
+}
+
 std::string keys_text(const Character& character) {
     if (!character.packed) return "exact";
     std::array<char, 32> percent;

@@ -37,6 +37,8 @@ std::optional<std::pair<uint32_t, uint32_t>> parse_pair(std::string_view text, c
 RendererSettings parse_size(const std::string& text);
 
 Device open_device(const std::string& select);
+// One of Vulkan, for what measures its kernels.
+Device open_vulkan_device(const std::string& select);
 
 std::vector<Character> load_characters(const std::vector<std::string>& files, const CompileSettings& settings);
 

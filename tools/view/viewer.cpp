@@ -203,7 +203,7 @@ void Viewer::record(uint32_t image) {
     unwrap(renderer_.set_options(drawing));
     if (watches()) unwrap(scene_.crowd().watch({&*state_.selected, 1}));
     const Camera camera = state_.orbit.camera();
-    const bool is_native = unwrap(scene_.crowd().path(0)).is_native;
+    const bool is_native = unwrap(scene_.crowd().path(0)).is_native;  // then what is hidden is drawn
     if (is_native) unwrap(renderer_.update(scene_.crowd(), time_step_s, camera));
     const VkCommandBuffer commands = submission_.begin();
     unwrap(is_native ? renderer_.record_drawing(commands, scene_.crowd(), camera)
