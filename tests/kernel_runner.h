@@ -86,8 +86,9 @@ inline BufferRange output_range(const OutputBlock& block, VkBuffer OutputBlock::
 }
 
 template <class T>
-std::vector<T> output(const OutputBlock& block, VkBuffer OutputBlock::*buffer, uint64_t count) {
-    return download<T>(test_gpu(), output_range(block, buffer, 0, count * sizeof(T)));
+std::vector<T> output(const OutputBlock& block, VkBuffer OutputBlock::*buffer, uint64_t count,
+                      const std::shared_ptr<Gpu>& gpu = test_gpu()) {
+    return download<T>(gpu, output_range(block, buffer, 0, count * sizeof(T)));
 }
 
 inline bool has_output(const OutputBlock& block, VkBuffer OutputBlock::*buffer) {

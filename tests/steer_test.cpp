@@ -47,10 +47,8 @@ std::vector<T> all_of(Crowd& crowd, VkBuffer OutputBlock::*buffer, uint32_t per_
     std::vector<T> all;
     for (const OutputBlock& block : crowd.outputs()) {
         const uint32_t count = block.instance_count * per_instance;
-        const std::vector<T> part = has_output(block, buffer)
-                                        ? download<T>(crowd.state().gpu,
-                                                      output_range(block, buffer, 0, count * sizeof(T)))
-                                        : std::vector<T>(count);
+        const std::vector<T> part = has_output(block, buffer) ? output<T>(block, buffer, count, crowd.state().gpu)
+                                                              : std::vector<T>(count);
         all.insert(all.end(), part.begin(), part.end());
     }
     return all;
