@@ -10,6 +10,7 @@
 
 #include <throng/reference.h>
 
+#include <cstring>
 #include <fstream>
 #include <map>
 #include <random>
@@ -21,7 +22,6 @@ namespace {
 
 constexpr uint32_t kFrames = 4;       // of cursors, so that rows are not always the same
 constexpr uint32_t kPart = 256;       // characters that a thread takes at a time
-constexpr uint32_t kChecked = 16;     // characters compared with the reference
 constexpr double kFrameStep_s = 0.1;  // rows further on in each frame
 
 struct Scene {
@@ -115,12 +115,13 @@ public:
         bytes_ = static_cast<std::byte*>(std::aligned_alloc(kPage, size_));
         if (!bytes_) throw std::bad_alloc();
         ::madvise(bytes_, size_, MADV_HUGEPAGE);
-        std::fill_n(bytes_, size_, std::byte{});
+        poison();
     }
     ~Output() { std::free(bytes_); }
     Output(const Output&) = delete;
     Output& operator=(const Output&) = delete;
     std::byte* data() const { return bytes_; }
+    void poison() { std::memset(bytes_, 0xFF, size_); }  // every float is NaN
 
 private:
     static constexpr size_t kPage = 2 << 20;
@@ -229,19 +230,18 @@ private:
     }
 
     double error_of(const Entrant& entrant) {
+        // So that nothing is taken for this one's that another has left
+        output_.poison();
         run_s(entrant, 0, false);
         const Character& character = *entrant.variant->character;
-        double worst = 0;
-        for (uint64_t i = 1; i <= kChecked; ++i) {
-            const uint64_t instance = uint64_t{of_.characters} * i / kChecked - 1;
+        return largest_error_of_some(of_.characters, [&](uint32_t instance) {
             const auto* skin = reinterpret_cast<const Affine*>(output_.data() + instance * instance_bytes(entrant));
             const Scene& scene = scenes_[entrant.scene];
             const Playback& playback = scene.playbacks[instance];
             const ReferencePose pose = entrant.variant->layers ? layers_reference(character, playback, scene.mask)
                                                                : value_of(reference_pose(character, playback));
-            worst = std::max(worst, skin_error({skin, character.palette.size()}, pose.model_from_bind, character.size));
-        }
-        return worst;
+            return skin_error({skin, character.palette.size()}, pose.model_from_bind, character.size);
+        });
     }
 
     void take_sample(Entrant& entrant) {

@@ -50,7 +50,7 @@ void CrowdState::make_groups(Uploads& uploads, const CrowdSettings& settings) {
         groups.emplace_back(uploads, group, choose_path(*gpu, settings, group), settings);
     }
     if (gpu->is_native() || std::ranges::all_of(groups, &Group::native)) return;
-    for (Group& group : groups) group.leave_native();
+    for (Group& group : groups) group.leave_native("another group of the crowd cannot be updated natively");
 }
 
 // Refuses at once what cannot fit, before gigabytes are allocated on the way to failing.

@@ -80,7 +80,12 @@ Group::Group(Uploads& uploads, const CrowdGroup& group, const PathChoice& choice
     uniform_scale = group.character->rig.uniform_scale;
     pose_capacity = std::min(group.pose_capacity, group.instance_count);
     bound_poses(*group.character, settings.skin_blend);
-    make_native(*group.character, settings, 0);
+    try {
+        make_native(*group.character, settings, 0);
+    } catch (const Failure& failure) {
+        if (uploads.gpu()->is_native()) throw;
+        leave_native(failure.error.message);  // a software device can do it
+    }
     if (settings.culls && settings.reduces_joints && pose_capacity == 0 && animates_drawn_only())
         reduce_joints(uploads, *group.character, settings);
     if (skips_updates(settings)) make_palette_by_set(uploads, *group.character);
@@ -168,9 +173,8 @@ void Group::make_native(const Character& character, const CrowdSettings& setting
     if (controller) joints.native_masks = joints.native->masks_in_order(controller->masks);
 }
 
-void Group::leave_native() {
+void Group::leave_native(const std::string& reason) {
     if (!native) return;
-    const std::string reason = "another group of the crowd cannot be updated natively";
     if (sockets_only) throw Failure(ErrorCode::kUnsupported, name + ": sockets only", reason);
     native = false;
     for (FusedJoints& joints : fused) joints.native.reset();

@@ -95,8 +95,8 @@ struct Group {
     uint32_t morph_count = 0;
 
     const Buffer& operator[](uint32_t number) const { return buffers[number]; }
-    // It could be updated natively, but another group of the crowd cannot. Throws kUnsupported where it must be.
-    void leave_native();
+    // It is not updated natively, though it was chosen. Throws kUnsupported where it must be.
+    void leave_native(const std::string& reason);
     // Of all joints; null where the group is not updated natively in one pass.
     const NativeRig* native_rig() const { return fused.empty() ? nullptr : fused[0].native.get(); }
     // Instances that are not drawn may be left as they are: nothing but a picture shows their pose, and none builds

@@ -67,6 +67,12 @@ std::vector<Similarity> joint_spaces(const Character& character, const std::vect
             is_bound[entry.joint] = true;
         }
     }
+    // A joint that is small at rest may be large in a clip: divided by the small scale, its digits would be lost.
+    for (size_t joint = 0; joint < spaces.size(); ++joint) {
+        const uint32_t parent = character.rig.parents[joint];
+        const double least = std::abs(parent == kNone ? 1 : spaces[parent].scale);
+        if (!is_bound[joint] && std::abs(spaces[joint].scale) < least) spaces[joint].scale = least;
+    }
     return spaces;
 }
 

@@ -1,5 +1,7 @@
 #include "native/rows.h"
 
+#include "base/failure.h"
+
 #include "native/row_times.h"
 #include "sample/sample_reference.h"
 
@@ -57,8 +59,9 @@ public:
     RowMaker(const Character& character, std::span<const RowJoint> joints, const RowSettings& settings)
         : character_(character), joints_(joints), settings_(settings), times_(row_times(character, joints)) {
         for (const ClipRowTimes& clip : times_) {
-            first_rows_.push_back(rows_.row_count);
-            rows_.row_count += static_cast<uint32_t>(clip.rows.size());
+            first_rows_.push_back(static_cast<uint32_t>(rows_.row_count));
+            rows_.row_count += clip.rows.size();
+            check_size(rows_.row_count * Rows::rounded_up(joints.size()) * 4 * sizeof(int16_t));  // of rotations alone
         }
     }
 
@@ -77,6 +80,14 @@ public:
     }
 
 private:
+    void check_size(size_t size_bytes) const {
+        constexpr size_t kLimit_bytes = size_t{1} << 30;
+        if (size_bytes > kLimit_bytes)
+            throw Failure(ErrorCode::kLimit, character_.name + ": native update",
+                          "more than " + std::to_string(kLimit_bytes >> 20) +
+                              " MiB of rows of its clips: UpdatePath::kStaged does without");
+    }
+
     void add_clips() {
         size_t span_count = 0;
         for (const ClipRowTimes& clip : times_) span_count += clip.spans.size();
@@ -177,13 +188,14 @@ private:
                 at[4 * kBlockJoints] = static_cast<float>(ranges_[place].half[c] / kMost / kMost);
             }
         const size_t size = rows_.row_bytes * rows_.row_count;
+        check_size(size);
         rows_.bytes = aligned_bytes(size);
         std::memset(rows_.bytes.get(), 0, size);
-        for (uint32_t row = 0; row < rows_.row_count; ++row)  // what no joint has turns nothing
+        for (size_t row = 0; row < rows_.row_count; ++row)  // what no joint has turns nothing
             for (uint32_t place = 0; place < rows_.place_count(); ++place) put(row, place, ranges_[place].middle);
     }
 
-    void put(uint32_t row, uint32_t place, const Four& value) {
+    void put(size_t row, uint32_t place, const Four& value) {
         const RowBlock& block = rows_.blocks[place / kBlockJoints];
         std::byte* at = rows_.bytes.get() + row * rows_.row_bytes + block.offset;
         const uint32_t lane = place % kBlockJoints;
@@ -201,7 +213,7 @@ private:
     }
 
     void write(std::span<const Four> values, uint32_t place) {
-        for (uint32_t row = 0; row < values.size(); ++row) put(row, place, values[row]);
+        for (size_t row = 0; row < values.size(); ++row) put(row, place, values[row]);
     }
 
     const Character& character_;

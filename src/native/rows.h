@@ -33,7 +33,7 @@ struct StillJoint {
 struct Rows {
     AlignedBytes bytes;  // [row_count][row_bytes]
     size_t row_bytes = 0;
-    uint32_t row_count = 0;
+    size_t row_count = 0;
     std::vector<RowSpan> spans;     // of all clips and the rest pose
     std::vector<RowClip> clips;     // [clip_count + 1]
     std::vector<RowBlock> blocks;   // of rotations, of motions, of three scales

@@ -16,6 +16,8 @@ class Planner {
 public:
     explicit Planner(const WalkRequest& request) : request_(request), walked_(request.parents.size()) {
         entries_.resize(request.parents.size());
+        sockets_.resize(request.parents.size());
+        for (uint32_t s = 0; s < request.sockets.size(); ++s) sockets_[request.sockets[s]].push_back(s);
         for (uint32_t e = 0; e < request.palette.size(); ++e) entries_[request.palette[e].joint].push_back(e);
         in_order_ = std::all_of(request.palette.begin(), request.palette.end(),
                                 [&](const PaletteEntry& entry) { return request.moves[entry.joint]; });
@@ -48,8 +50,7 @@ private:
             walked_[next] = true;
             actions_.push_back({next, true});
             if (request_.keeps_model) emit(next, EmissionKind::kModel, next);
-            for (uint32_t socket = 0; socket < request_.sockets.size(); ++socket)
-                if (request_.sockets[socket] == next) emit(next, EmissionKind::kSocket, socket);
+            for (const uint32_t socket : sockets_[next]) emit(next, EmissionKind::kSocket, socket);
             if (in_order_) continue;
             for (const uint32_t entry : entries_[next]) emit(next, EmissionKind::kSkinAt, entry);
         }
@@ -95,7 +96,7 @@ private:
 
     const WalkRequest& request_;
     std::vector<bool> walked_;
-    std::vector<std::vector<uint32_t>> entries_;  // [joint]
+    std::vector<std::vector<uint32_t>> entries_, sockets_;  // [joint]
     bool in_order_ = false;
     std::vector<Action> actions_;
     Walk walk_;

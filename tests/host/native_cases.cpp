@@ -48,6 +48,8 @@ const std::vector<NamedCharacter>& native_characters() {
                 const std::string name = std::string(name_of(shape)) + (spread > 0 ? ", three scales" : "");
                 add(all, name, make_asset({.joint_count = 37, .shape = shape, .scale_spread = spread}));
             }
+        for (const uint32_t joint_count : {1u, 16u, 17u})
+            add(all, std::to_string(joint_count) + " joints", make_asset({.joint_count = joint_count}));
         return all;
     }();
     return characters;
