@@ -171,9 +171,13 @@ TEST_F(Cli, InfoAndReferencePoseNeedNoGpu) {
         .environment = {{"VK_ICD_FILENAMES", "/nonexistent.json"}, {"VK_DRIVER_FILES", "/nonexistent.json"}}};
     succeed("info creature.glb", no_driver);
     succeed("pose creature.glb --reference", no_driver);
-    const Outcome pose = run_tool("pose creature.glb", no_driver), devices = run_tool("devices", no_driver);
-    EXPECT_TRUE(pose.refused("driver")) << pose;
-    EXPECT_TRUE(devices.refused("driver")) << devices;
+    // The native device needs none either.
+    EXPECT_NE(run_tool("pose creature.glb", no_driver).out.find("creature.glb on native ("), std::string::npos);
+    EXPECT_NE(run_tool("devices", no_driver).out.find("0  native ("), std::string::npos);
+    const Outcome cpu = run_tool("pose creature.glb --device cpu", no_driver),
+                  picture = run_tool("render creature.glb --out crowd.png", no_driver);
+    EXPECT_TRUE(cpu.refused("driver")) << cpu;
+    EXPECT_TRUE(picture.refused("draws nothing")) << picture;
 }
 
 TEST_F(Cli, PoseHasItsDocumentedShape) {

@@ -80,6 +80,7 @@ nlohmann::json settings_of(const RenderOptions& options) {
             {"seed", scene.seed},
             {"steer", scene.steer},
             {"scan", scene.scan},
+            {"path", static_cast<int>(scene.path)},
             {"error", scene.compile.error},
             {"camera", options.camera.path},
             {"eye", options.camera.eye},
