@@ -109,7 +109,8 @@ Result<void> Crowd::record(VkCommandBuffer commands, float time_step_s, const Cr
 Result<void> Crowd::record_disoccluded(VkCommandBuffer commands, const DepthImage& depths) {
     return as_result(
         [&] {
-            if (!commands) throw Failure(ErrorCode::kInvalidArgument, "command buffer", "there is none");
+            if (!commands && !state().gpu->is_native())
+                throw Failure(ErrorCode::kInvalidArgument, "command buffer", "there is none");
             state().record_disoccluded(commands, depths);
         },
         "crowd");
