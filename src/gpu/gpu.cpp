@@ -110,7 +110,8 @@ bool fits(const DeviceInfo& info, const std::string& select) {
     const auto [end, parse] = std::from_chars(select.data(), select.data() + select.size(), index);
     if (parse == std::errc{} && end == select.data() + select.size()) return info.index == index;
     if (lower(select) == "cpu") return info.type == "cpu";
-    if (info.type == kNative) return lower(select) == kNative;  // its name has the processor's, which a GPU's may share
+    // By its whole name: it has the processor's, which a GPU's may share
+    if (info.type == kNative) return lower(select) == kNative || select == info.name;
     return lower(info.name).find(lower(select)) != std::string::npos;
 }
 
