@@ -1,5 +1,7 @@
 #include "bench/cpu_bench.h"
 
+#include "base/processor.h"
+
 #include "bench/cpu_threads.h"
 #include "bench/updates.h"
 #include "bench/value_of.h"
@@ -74,13 +76,7 @@ ReferencePose layers_reference(const Character& character, const Playback& playb
 }
 
 io::SlotCursor cursor_of(const Character& character, const ClipPlayback& playback) {
-    const Clip& clip = character.clips[playback.clip];
-    const RowCursor rows = find_rows_reference(std::span(character.times_s).subspan(clip.first_time, clip.row_count),
-                                               local_time_reference(playback.time_s, clip.duration_s, true));
-    return {.first_track = playback.clip * character.rig.joint_count(),
-            .earlier = clip.first_row + rows.earlier * clip.row_stride,
-            .later = clip.first_row + rows.later * clip.row_stride,
-            .fraction = static_cast<float>(rows.fraction)};
+    return cursor_reference(playback, character.clips, character.times_s, character.rig.joint_count());
 }
 
 Scene make_scene(const Character& character, uint32_t characters, uint32_t clips, uint64_t seed) {
@@ -319,13 +315,6 @@ Asset with_moving_translations(const Asset& asset) {
 
 std::vector<Json> measure_cpu(const CpuCase& of, const Progress& progress) {
     return CpuMeasurement(of, progress).measure(progress);
-}
-
-std::string processor_name() {
-    std::ifstream file("/proc/cpuinfo");
-    for (std::string line; std::getline(file, line);)
-        if (line.starts_with("model name")) return line.substr(line.find(": ") + 2);
-    return "a processor";
 }
 
 }  // namespace throng::bench

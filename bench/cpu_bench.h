@@ -34,7 +34,4 @@ Asset with_moving_translations(const Asset& asset);
 // not timed and says so.
 std::vector<Json> measure_cpu(const CpuCase& of, const Progress& progress);
 
-// Of this machine, as its system names it.
-std::string processor_name();
-
 }  // namespace throng::bench

@@ -10,17 +10,22 @@
 
 namespace throng::test {
 
-// The cursor that the control stage gives for this time. The fraction is rounded to float there, so the reference's
-// fraction is too.
+// Clips have numbers from 0; the one after the last is the rest pose.
 inline io::SlotCursor cursor_at(const Character& character, uint32_t clip, double time_s) {
-    io::SlotCursor cursor{.first_track = clip * character.rig.joint_count(), .earlier = 0, .later = 0, .fraction = 0};
-    if (clip == character.clips.size()) return cursor;
-    const Clip& c = character.clips[clip];
-    const RowCursor rows = find_rows_reference(std::span(character.times_s).subspan(c.first_time, c.row_count), time_s);
-    cursor.earlier = c.first_row + rows.earlier * c.row_stride;
-    cursor.later = c.first_row + rows.later * c.row_stride;
-    cursor.fraction = static_cast<float>(rows.fraction);
-    return cursor;
+    return cursor_reference({.clip = clip < character.clips.size() ? clip : kNone, .time_s = time_s, .loop = false},
+                            character.clips, character.times_s, character.rig.joint_count());
+}
+
+// A moment of a clip, or the rest pose.
+struct Moment {
+    uint32_t clip = 0;
+    double time_s = 0;
+
+    io::SlotCursor cursor(const Character& character) const { return cursor_at(character, clip, time_s); }
+};
+inline Moment random_moment(Random& random, const Character& character) {
+    const uint32_t clip = random.below(static_cast<uint32_t>(character.clips.size() + 1));
+    return {clip, clip < character.clips.size() ? random.between(0, double{character.clips[clip].duration_s}) : 0};
 }
 
 inline double component_error(double got, double wanted) {

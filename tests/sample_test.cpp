@@ -42,21 +42,18 @@ std::vector<io::JointPose> run_sample(const Character& character, const std::vec
 void expect_reference(const Character& character) {
     const uint32_t joint_count = character.rig.joint_count();
     Random random(joint_count);
-    struct Shown {
-        uint32_t clip;
-        double time_s;
-    };
-    std::vector<std::array<Shown, 2>> shown;
+    std::vector<std::array<Moment, 2>> shown;
     std::vector<io::InstanceCursor> cursors;
     for (int i = 0; i < 100; ++i) {
         const auto any = [&] {
-            const uint32_t clip = random.below(static_cast<uint32_t>(character.clips.size() + 1));
-            const double duration_s = clip < character.clips.size() ? character.clips[clip].duration_s : 0;
-            return Shown{clip, i == 0 ? 0 : i == 1 ? duration_s : random.between(0, duration_s)};
+            Moment moment = random_moment(random, character);
+            const bool is_rest = moment.clip == character.clips.size();
+            if (i == 0) moment.time_s = 0;
+            if (i == 1 && !is_rest) moment.time_s = character.clips[moment.clip].duration_s;
+            return moment;
         };
         shown.push_back({any(), any()});
-        cursors.push_back({cursor_at(character, shown.back()[0].clip, shown.back()[0].time_s),
-                           cursor_at(character, shown.back()[1].clip, shown.back()[1].time_s), 0.5f});
+        cursors.push_back({shown.back()[0].cursor(character), shown.back()[1].cursor(character), 0.5f});
     }
     double worst = 0;
     for (const uint32_t slot : {0u, 1u}) {

@@ -22,4 +22,17 @@ RowCursor find_rows_reference(std::span<const float> times_s, double time_s) {
     return {later - 1, later, (time_s - from_s) / (to_s - from_s)};
 }
 
+io::SlotCursor cursor_reference(const ClipPlayback& playback, std::span<const Clip> clips,
+                                std::span<const float> times_s, uint32_t joint_count) {
+    const auto rest_track = static_cast<uint32_t>(clips.size()) * joint_count;
+    if (playback.clip == kNone) return {.first_track = rest_track, .earlier = 0, .later = 0, .fraction = 0};
+    const Clip& clip = clips[playback.clip];
+    const double time_s = local_time_reference(playback.time_s, double{clip.duration_s}, playback.loop);
+    const RowCursor rows = find_rows_reference(times_s.subspan(clip.first_time, clip.row_count), time_s);
+    return {.first_track = playback.clip * joint_count,
+            .earlier = clip.first_row + rows.earlier * clip.row_stride,
+            .later = clip.first_row + rows.later * clip.row_stride,
+            .fraction = static_cast<float>(rows.fraction)};
+}
+
 }  // namespace throng

@@ -1,7 +1,9 @@
 // The definition of the control stage.
 #pragma once
 
-#include <throng/character.h>
+#include "control/control_io.h"
+
+#include <throng/playback.h>
 
 #include <span>
 
@@ -16,5 +18,9 @@ struct RowCursor {
     double fraction = 0;
 };
 RowCursor find_rows_reference(std::span<const float> times_s, double time_s);
+
+// As kernels read it, of a character of `joint_count` joints; the fraction is rounded to float there too.
+io::SlotCursor cursor_reference(const ClipPlayback& playback, std::span<const Clip> clips,
+                                std::span<const float> times_s, uint32_t joint_count);
 
 }  // namespace throng

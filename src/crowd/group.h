@@ -97,7 +97,7 @@ struct Group {
     const Buffer& operator[](uint32_t number) const { return buffers[number]; }
     // It is not updated natively, though it was chosen. Throws kUnsupported where it must be.
     void leave_native(const std::string& reason);
-    // Of all joints; null where the group is not updated natively in one pass.
+    // The walk of all joints; null where the group is not updated natively in one pass.
     const NativeRig* native_rig() const { return fused.empty() ? nullptr : fused[0].native.get(); }
     // Instances that are not drawn may be left as they are: nothing but a picture shows their pose, and none builds
     // upon the one before.

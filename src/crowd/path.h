@@ -17,9 +17,9 @@ struct PathChoice {
     std::string scan_reason, path_reason;
 };
 
-// Of what is done stage by stage. Both throw kInvalidArgument for an unknown scan and kUnsupported where what is asked
-// for does not apply.
+// The scan method of an update stage by stage. Throws as choose_path() does.
 ExplainedChoice choose_scan(const Gpu& gpu, const std::string& wanted, const Rig& rig, uint32_t instance_count);
+// Throws kInvalidArgument for an unknown scan and kUnsupported where what is asked for does not apply.
 PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const CrowdGroup& group);
 
 }  // namespace throng

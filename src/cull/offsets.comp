@@ -22,7 +22,7 @@ void set_dispatch(uint command, uint workgroups) {
     dispatches[3 * command + 2] = 1;
 }
 
-// What is dispatched and drawn.
+// Writes the indirect dispatches and draws, from the totals.
 void tell(uint invocation) {
     for (uint i = invocation; i < push.section_count * kLodCount; i += kCullWorkgroupSize)
         draws[i].instance_count = totals[i % kLodCount];

@@ -1,21 +1,15 @@
 #include "gpu/gpu.h"
 
 #include "base/failure.h"
+#include "gpu/device_list.h"
 #include "gpu/owned.h"
 #include "gpu/pipeline_cache.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
-#include <charconv>
 #include <cstdio>
-#include <optional>
 
 namespace throng {
 namespace {
-
-constexpr uint32_t kApiVersion = VK_API_VERSION_1_3;
-constexpr const char* kNative = "native";  // in DeviceSettings::select
 
 // Instance-level entry points of volk are process-wide; every use of them holds this lock.
 std::mutex& instance_level_mutex() {
@@ -28,109 +22,6 @@ void load_vulkan() {
     if (result != VK_SUCCESS)
         throw Failure(ErrorCode::kNoDevice, {},
                       "no Vulkan loader (libvulkan.so.1): install libvulkan1 and a driver such as mesa-vulkan-drivers");
-}
-
-std::string lower(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return text;
-}
-
-const char* type_name(VkPhysicalDeviceType type) {
-    switch (type) {
-        case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete";
-        case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated";
-        case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual";
-        case VK_PHYSICAL_DEVICE_TYPE_CPU: return "cpu";
-        default: return "other";
-    }
-}
-
-// Lower is better.
-int preference(const DeviceInfo& info) {
-    constexpr std::array order{"discrete", "integrated", "virtual", "other", "cpu", kNative};
-    return static_cast<int>(std::find(order.begin(), order.end(), info.type) - order.begin());
-}
-
-std::vector<VkQueueFamilyProperties> queue_families(VkPhysicalDevice physical) {
-    uint32_t count = 0;
-    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
-    std::vector<VkQueueFamilyProperties> families(count);
-    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
-    return families;
-}
-
-// The first family with compute, and with graphics too where the device has one such.
-std::optional<uint32_t> find_family(VkPhysicalDevice physical) {
-    const std::vector<VkQueueFamilyProperties> families = queue_families(physical);
-    for (const VkQueueFlags wanted : {VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT, VK_QUEUE_COMPUTE_BIT + 0})
-        for (uint32_t index = 0; index < families.size(); ++index)
-            if ((families[index].queueFlags & wanted) == wanted) return index;
-    return std::nullopt;
-}
-
-DeviceInfo describe(VkPhysicalDevice physical, uint32_t index) {
-    VkPhysicalDeviceVulkan11Properties v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES};
-    VkPhysicalDeviceVulkan12Properties v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES, &v11};
-    VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &v12};
-    vkGetPhysicalDeviceProperties2(physical, &properties);
-    const auto& p = properties.properties;
-    return {.index = index,
-            .name = p.deviceName,
-            .type = type_name(p.deviceType),
-            .driver = std::string(v12.driverName) + (v12.driverInfo[0] ? " " : "") + v12.driverInfo,
-            .api_version = p.apiVersion,
-            .subgroup_size = v11.subgroupSize,
-            .shared_memory_bytes = p.limits.maxComputeSharedMemorySize,
-            .storage_buffer_range_bytes = p.limits.maxStorageBufferRange,
-            .usable = p.apiVersion >= kApiVersion && find_family(physical).has_value()};
-}
-
-std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
-    uint32_t count = 0;
-    check(vkEnumeratePhysicalDevices(instance, &count, nullptr), "vkEnumeratePhysicalDevices");
-    std::vector<VkPhysicalDevice> devices(count);
-    check(vkEnumeratePhysicalDevices(instance, &count, devices.data()), "vkEnumeratePhysicalDevices");
-    devices.resize(count);
-    return devices;
-}
-
-// With the native device, which is the last.
-std::vector<DeviceInfo> describe_all(const std::vector<VkPhysicalDevice>& devices) {
-    std::vector<DeviceInfo> infos;
-    for (VkPhysicalDevice physical : devices) infos.push_back(describe(physical, static_cast<uint32_t>(infos.size())));
-    infos.push_back(NativeDevice::info(static_cast<uint32_t>(infos.size())));
-    return infos;
-}
-
-// Whether DeviceSettings::select means this device, maybe among others.
-bool fits(const DeviceInfo& info, const std::string& select) {
-    if (select.empty()) return true;
-    uint32_t index = 0;
-    const auto [end, parse] = std::from_chars(select.data(), select.data() + select.size(), index);
-    if (parse == std::errc{} && end == select.data() + select.size()) return info.index == index;
-    if (lower(select) == "cpu") return info.type == "cpu";
-    // By its whole name: it has the processor's, which a GPU's may share
-    if (info.type == kNative) return lower(select) == kNative || select == info.name;
-    return lower(info.name).find(lower(select)) != std::string::npos;
-}
-
-DeviceInfo select_device(const std::vector<DeviceInfo>& infos, const std::string& select) {
-    std::string names;
-    for (const auto& info : infos)
-        names += (names.empty() ? "" : ", ") + std::to_string(info.index) + " (" + info.name + ")";
-    const auto refuse = [&](const std::string& why) -> Failure {
-        return Failure(ErrorCode::kNoDevice, "device '" + select + "'", why + "; the devices are: " + names);
-    };
-
-    std::vector<DeviceInfo> candidates;
-    std::ranges::copy_if(infos, std::back_inserter(candidates),
-                         [&](const DeviceInfo& info) { return fits(info, select); });
-    if (candidates.empty()) throw refuse("no such device");
-    std::erase_if(candidates, [](const DeviceInfo& info) { return !info.usable; });
-    if (candidates.empty()) throw refuse("Vulkan 1.3 and a compute queue are needed");
-    return *std::min_element(candidates.begin(), candidates.end(),
-                             [](const auto& a, const auto& b) { return preference(a) < preference(b); });
 }
 
 VKAPI_ATTR VkBool32 VKAPI_CALL on_validation_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
@@ -166,7 +57,7 @@ std::shared_ptr<Gpu> Gpu::create(const DeviceSettings& settings) {
             ErrorCode::kLimit, "device",
             std::to_string(settings.threads) + " threads; at most " + std::to_string(NativeDevice::kMostThreads));
     std::shared_ptr<Gpu> gpu(new Gpu(true));  // before the lock, as in list()
-    if (lower(settings.select) == kNative) {  // and Vulkan is not even loaded
+    if (is_native_name(settings.select)) {    // and Vulkan is not even loaded
         gpu->make_native(settings, NativeDevice::info(0));
         return gpu;
     }
@@ -177,14 +68,14 @@ std::shared_ptr<Gpu> Gpu::create(const DeviceSettings& settings) {
     } catch (const Failure& failure) {
         const DeviceInfo native = describe_all({}).front();
         if (failure.error.code != ErrorCode::kNoDevice || settings.validation != Validation::kOff ||
-            !fits(native, settings.select))
+            !is_selected(native, settings.select))
             throw;
         gpu->make_native(settings, native);
         return gpu;
     }
     const std::vector<VkPhysicalDevice> devices = physical_devices(gpu->instance_);
     const DeviceInfo selected = select_device(describe_all(devices), settings.select);
-    if (selected.type == kNative)
+    if (selected.type == kNativeType)
         gpu->make_native(settings, selected);
     else
         gpu->create_device(settings, devices[selected.index], selected);

@@ -1,5 +1,7 @@
 #include "gpu/native.h"
 
+#include "base/processor.h"
+
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -17,14 +19,6 @@ constexpr uint64_t kAlignment_bytes = 64, kHugePage_bytes = uint64_t{2} << 20;
 constexpr uint32_t kWorkgroupSize = 64;     // of kernels that leave it open
 constexpr uint32_t kJobsOfThread = 8;       // so that none waits long for the last one
 constexpr uint32_t kInvocationsOfJob = 64;  // below this, telling another thread takes longer
-
-std::string processor_name() {
-    std::ifstream file("/proc/cpuinfo");
-    for (std::string line; std::getline(file, line);)
-        if (line.starts_with("model name"))
-            if (const size_t at = line.find(": "); at != std::string::npos) return line.substr(at + 2);
-    return "this machine's processor";
-}
 
 }  // namespace
 
@@ -57,7 +51,7 @@ uint64_t NativeDevice::memory_bytes() {
     return bytes;
 }
 
-// Of the limits those that throng asks for; shaders count in 32 bits.
+// Only the limits that throng asks for are set; shaders count in 32 bits.
 VkPhysicalDeviceProperties NativeDevice::properties() {
     constexpr uint32_t kMost = std::numeric_limits<uint32_t>::max();
     VkPhysicalDeviceProperties properties{};

@@ -1,7 +1,6 @@
 #include <throng/joint_sampler.h>
 
 #include "base/failure.h"
-#include "control/control_io.h"
 #include "control/control_reference.h"
 #include "control/playback.h"
 #include "native/native.h"
@@ -23,24 +22,14 @@ public:
                 ErrorCode::kInvalidArgument, "joint sampler",
                 std::to_string(model_from_joint.size()) + " results for " + std::to_string(joint_count_) + " joints");
         check_playback(playback, static_cast<uint32_t>(clips_.size()), "joint sampler");
-        const io::InstanceCursor cursor{slot(playback.first), slot(playback.second), playback.weight};
+        const auto cursor_of = [&](const ClipPlayback& one) {
+            return cursor_reference(one, clips_, times_s_, rig_joint_count_);
+        };
+        const io::InstanceCursor cursor{cursor_of(playback.first), cursor_of(playback.second), playback.weight};
         update(rig_, {.cursors = &cursor, .sockets = model_from_joint.data()}, 0, 1);
     }
 
 private:
-    io::SlotCursor slot(const ClipPlayback& playback) const {
-        const auto rest = static_cast<uint32_t>(clips_.size()) * rig_joint_count_;
-        if (playback.clip == kNone) return {.first_track = rest, .earlier = 0, .later = 0, .fraction = 0};
-        const Clip& clip = clips_[playback.clip];
-        const double time_s = local_time_reference(playback.time_s, double{clip.duration_s}, playback.loop);
-        const RowCursor rows = find_rows_reference(std::span(times_s_).subspan(clip.first_time, clip.row_count),
-                                                   time_s);
-        return {.first_track = playback.clip * rig_joint_count_,
-                .earlier = clip.first_row + rows.earlier * clip.row_stride,
-                .later = clip.first_row + rows.later * clip.row_stride,
-                .fraction = static_cast<float>(rows.fraction)};
-    }
-
     size_t joint_count_;
     uint32_t rig_joint_count_;
     std::vector<Clip> clips_;

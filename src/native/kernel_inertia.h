@@ -7,7 +7,7 @@
 
 namespace {
 
-// Of a block of joints, from update to update: [number][joint of the block].
+// What a block of joints keeps from update to update: [number][joint of the block].
 inline constexpr uint32_t kShown = 0, kShownBefore = 4, kOffset = 8;
 
 INLINE V min(V a, V b) { return Lanes::select(Lanes::less(b, a), b, a); }

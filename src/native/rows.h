@@ -59,7 +59,7 @@ struct RowSettings {
     bool uniform_scale = false;  // of each joint one: the mean of x, y and z, which are nearly the same
     bool all_move = false;       // as if no joint stood still
 };
-// Of these joints, in this order.
+// Has the joints given, in their order.
 Rows make_rows(const Character& character, std::span<const RowJoint> joints, const RowSettings& settings);
 
 }  // namespace throng::native

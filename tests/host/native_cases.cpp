@@ -16,16 +16,7 @@ void add(std::vector<NamedCharacter>& all, const std::string& name, const Asset&
 }
 
 io::SlotCursor slot_of(const Character& character, const ClipPlayback& playback) {
-    const uint32_t clip = playback.clip == kNone ? static_cast<uint32_t>(character.clips.size()) : playback.clip;
-    io::SlotCursor cursor{.first_track = clip * character.rig.joint_count(), .earlier = 0, .later = 0, .fraction = 0};
-    if (playback.clip == kNone) return cursor;
-    const Clip& c = character.clips[clip];
-    const RowCursor rows = find_rows_reference(std::span(character.times_s).subspan(c.first_time, c.row_count),
-                                               local_time_reference(playback.time_s, c.duration_s, playback.loop));
-    cursor.earlier = c.first_row + rows.earlier * c.row_stride;
-    cursor.later = c.first_row + rows.later * c.row_stride;
-    cursor.fraction = static_cast<float>(rows.fraction);
-    return cursor;
+    return cursor_reference(playback, character.clips, character.times_s, character.rig.joint_count());
 }
 
 }  // namespace

@@ -15,8 +15,8 @@ struct NamedCharacter {
     std::string name;
     Character character;
 };
-// Of /work/shared where that is there, creatures of all kinds, and small ones of all shapes, some with three scales;
-// each with exact and packed keys.
+// Those of the folder shared/ where it is there, creatures of all kinds, and small ones of all shapes, some with three
+// scales; each with exact and packed keys.
 const std::vector<NamedCharacter>& native_characters();
 
 // What `playback` has as the control stage's cursors.

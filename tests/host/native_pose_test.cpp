@@ -70,21 +70,11 @@ TEST(NativeKernels, ControlAdvancesClips) {
 void expect_sampled(Character character) {
     const uint32_t joint_count = character.rig.joint_count();
     Random random(joint_count);
-    struct Shown {
-        uint32_t clip;
-        double time_s;
-    };
-    std::vector<std::array<Shown, 2>> shown;
+    std::vector<std::array<Moment, 2>> shown;
     std::vector<io::InstanceCursor> cursors;
-    const auto any = [&] {
-        const uint32_t clip = random.below(static_cast<uint32_t>(character.clips.size() + 1));
-        return Shown{clip,
-                     clip < character.clips.size() ? random.between(0, double{character.clips[clip].duration_s}) : 0};
-    };
     for (int i = 0; i < 30; ++i) {
-        shown.push_back({any(), any()});
-        cursors.push_back({cursor_at(character, shown.back()[0].clip, shown.back()[0].time_s),
-                           cursor_at(character, shown.back()[1].clip, shown.back()[1].time_s), 0.5f});
+        shown.push_back({random_moment(random, character), random_moment(random, character)});
+        cursors.push_back({shown.back()[0].cursor(character), shown.back()[1].cursor(character), 0.5f});
     }
     for (const uint32_t slot : {0u, 1u}) {
         auto poses = unwritten<io::JointPose>(cursors.size() * joint_count);
