@@ -70,6 +70,9 @@ struct GroupPath {
     ScanAdvice scan{};       // the scan method in use, also where "auto" chose it, and why
 };
 
+// How UpdatePath::kAuto updates a group of so many of them. Errors: kInvalidArgument (no joints).
+Result<GroupPath> advise_path(const Device& device, const Character& character, uint32_t instance_count);
+
 struct CrowdSettings {
     std::vector<CrowdGroup> groups{};
     UpdatePath path = UpdatePath::kAuto;

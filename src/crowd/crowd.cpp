@@ -3,6 +3,7 @@
 #include "base/failure.h"
 #include "crowd/crowd_state.h"
 #include "crowd/path.h"
+#include "reference/reference.h"
 
 namespace throng {
 
@@ -12,6 +13,16 @@ Result<ScanAdvice> advise_scan(const Device& device, const Rig& rig, uint32_t in
         if (rig.joint_count() == 0) throw Failure(ErrorCode::kInvalidArgument, "scan", "the rig has no joints");
         const ExplainedChoice chosen = choose_scan(gpu, "auto", rig, instance_count);
         return ScanAdvice{name_of(chosen.choice), chosen.reason};
+    });
+}
+
+Result<GroupPath> advise_path(const Device& device, const Character& character, uint32_t instance_count) {
+    return as_result([&] {
+        check_has_joints(character);
+        const PathChoice choice = choose_path(*device.gpu(), {},
+                                              {.character = &character, .instance_count = instance_count});
+        return GroupPath{
+            choice.fused.has_value(), choice.native, choice.path_reason, {name_of(choice.scan), choice.scan_reason}};
     });
 }
 

@@ -171,6 +171,7 @@ TEST_F(Cli, InfoAndReferencePoseNeedNoGpu) {
         .environment = {{"VK_ICD_FILENAMES", "/nonexistent.json"}, {"VK_DRIVER_FILES", "/nonexistent.json"}}};
     succeed("info creature.glb", no_driver);
     succeed("pose creature.glb --reference", no_driver);
+    EXPECT_EQ(Json::parse(succeed("info creature.glb --json", no_driver).out)["update"]["path"], "native, fused");
     // The native device needs none either.
     EXPECT_NE(run_tool("pose creature.glb", no_driver).out.find("creature.glb on native ("), std::string::npos);
     EXPECT_NE(run_tool("devices", no_driver).out.find("0  native ("), std::string::npos);

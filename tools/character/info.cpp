@@ -1,4 +1,5 @@
 #include "tools/cli/command.h"
+#include "tools/cli/options.h"
 #include "tools/commands.h"
 
 #include <nlohmann/json.hpp>
@@ -196,15 +197,17 @@ void run_info(const InfoOptions& options) {
     const Result<Device> device = Device::create({.select = options.device});
     if (!device && !options.device.empty()) throw CommandError(device.error().text());
     if (device) {
+        const GroupPath path = unwrap(advise_path(*device, character, options.count));
         const ScanAdvice advice = unwrap(advise_scan(*device, character.rig, options.count));
-        if (options.json)
-            json["scan"] = {{"method", advice.method},
-                            {"reason", advice.reason},
-                            {"characters", options.count},
-                            {"device", device->info().name}};
-        else
-            std::printf("  scan       %s on %s: %s\n", advice.method.c_str(), device->info().name.c_str(),
-                        advice.reason.c_str());
+        const std::string& name = device->info().name;
+        if (options.json) {
+            json["update"] = {{"path", path_name(path)}, {"reason", path.reason}, {"device", name}};
+            json["scan"] = {
+                {"method", advice.method}, {"reason", advice.reason}, {"characters", options.count}, {"device", name}};
+        } else {
+            std::printf("  update     on %s: %s\n", name.c_str(), path.reason.c_str());
+            std::printf("  scan       %s on %s: %s\n", advice.method.c_str(), name.c_str(), advice.reason.c_str());
+        }
     }
     if (options.json) print_json(json);
 }

@@ -153,7 +153,7 @@ void update_section(State& state, Scene& scene) {
     if (!state.wanted.culls) return;
     slider_row("detail", state.drawing.lod_pixels, 0.25f, 16, "off by %.2f pixels", ImGuiSliderFlags_Logarithmic);
     check_row("not who is hidden behind others", state.drawing.occlusion,
-              "by the depths of the last frame; pays where large ones hide many");
+              "by the depths of the last frame; pays where large ones hide many. Native updates do without");
     check_row("small ones less often", state.wanted.skips_updates,
               "animated in every 2nd, 4th or 8th frame; in between, matrices go on evenly");
     if (!state.wanted.skips_updates) return;
