@@ -151,7 +151,7 @@ public:
         std::vector<Contestant> contestants;
         for (Entrant& entrant : entrants_)
             if (!entrant.is_wrong()) contestants.push_back({name_of(entrant), [&] { take_sample(entrant); }});
-        for (Entrant& entrant : entrants_) run_s(entrant, 0, false);  // warm
+        for (Entrant& entrant : entrants_) run(entrant, 0, false);  // warm
         run_rounds(contestants, of_.samples, progress);
         std::vector<Json> records;
         for (const Entrant& entrant : entrants_) records.push_back(record_of(entrant));
@@ -166,7 +166,7 @@ private:
         size_t scene;
         double error = 0;
         uint32_t frame = 0;
-        std::vector<double> ms{}, decode_ms{};
+        std::vector<double> ms{}, wall_ms{}, decode_ms{};
 
         bool is_wrong() const { return !(error <= kSkinErrorBound); }
     };
@@ -203,11 +203,11 @@ private:
         return character.palette.size() * sizeof(Affine);
     }
 
-    double run_s(const Entrant& entrant, uint32_t frame, bool only_decode) {
+    CpuThreads::Taken run(const Entrant& entrant, uint32_t frame, bool only_decode) {
         CpuThreads& threads = threads_.at(entrant.threads);
         const size_t stride = instance_bytes(entrant);
         if (!entrant.variant)
-            return threads.run_s(of_.characters, kPart, [&](uint32_t first, uint32_t end) {
+            return threads.run(of_.characters, kPart, [&](uint32_t first, uint32_t end) {
                 const size_t begin = first * stride / 64 * 64, stop = end * stride / 64 * 64;
                 stream_fill({output_.data() + begin, stop - begin}, entrant.isa);
             });
@@ -219,7 +219,7 @@ private:
             buffers.active_clip_limit = kActiveClips;
             buffers.masks = reinterpret_cast<const float*>(scene.ordered_mask.get());
         }
-        return threads.run_s(of_.characters, kPart, [&](uint32_t first, uint32_t end) {
+        return threads.run(of_.characters, kPart, [&](uint32_t first, uint32_t end) {
             (only_decode ? decode_only : static_cast<decltype(&decode_only)>(update))(rig, buffers, first, end,
                                                                                       entrant.isa);
         });
@@ -228,7 +228,7 @@ private:
     double error_of(const Entrant& entrant) {
         // So that nothing is taken for this one's that another has left
         output_.poison();
-        run_s(entrant, 0, false);
+        run(entrant, 0, false);
         const Character& character = *entrant.variant->character;
         return largest_error_of_some(of_.characters, [&](uint32_t instance) {
             const auto* skin = reinterpret_cast<const Affine*>(output_.data() + instance * instance_bytes(entrant));
@@ -241,8 +241,10 @@ private:
     }
 
     void take_sample(Entrant& entrant) {
-        entrant.ms.push_back(run_s(entrant, entrant.frame, false) * 1e3);
-        if (entrant.variant) entrant.decode_ms.push_back(run_s(entrant, entrant.frame++, true) * 1e3);
+        const CpuThreads::Taken taken = run(entrant, entrant.frame, false);
+        entrant.ms.push_back(taken.processor_s * 1e3);
+        entrant.wall_ms.push_back(taken.wall_s * 1e3);
+        if (entrant.variant) entrant.decode_ms.push_back(run(entrant, entrant.frame++, true).processor_s * 1e3);
     }
 
     Json record_of(const Entrant& entrant) const {
@@ -272,12 +274,23 @@ private:
         record["ms"] = spread_json(ms);
         record["ns_per_joint"] = quiet_ms * 1e6 / joints;
         record["gb_per_s"] = record["bytes"].get<double>() / quiet_ms * 1e-6;
+        const Spread wall_ms = spread_of(entrant.wall_ms);
+        record["wall_ms"] = spread_json(wall_ms);
+        if (const Entrant* one = find(entrant, entrant.variant, 1); one && one != &entrant && !one->ms.empty())
+            record["times_one_thread"] = spread_of(one->wall_ms).p5 / wall_ms.p5;
         if (!entrant.variant) return record;
         record["decode_share"] = spread_of(entrant.decode_ms).p5 / quiet_ms;
-        for (const Entrant& fill : entrants_)
-            if (!fill.variant && fill.isa == entrant.isa && fill.threads == entrant.threads)
-                record["times_fill_floor"] = quiet_ms / spread_of(fill.ms).p5;
+        const Entrant& fill = *find(entrant, nullptr, entrant.threads);
+        record["times_fill_floor"] = quiet_ms / spread_of(fill.ms).p5;
         return record;
+    }
+
+    // What runs beside an entrant by the same instruction set; null: nothing does.
+    const Entrant* find(const Entrant& beside, const CpuVariant* variant, uint32_t threads) const {
+        const auto found = std::ranges::find_if(entrants_, [&](const Entrant& entrant) {
+            return entrant.variant == variant && entrant.isa == beside.isa && entrant.threads == threads;
+        });
+        return found == entrants_.end() ? nullptr : &*found;
     }
 
     const CpuCase& of_;

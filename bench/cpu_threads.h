@@ -1,6 +1,8 @@
-// Threads that wait for work, which is dealt out in parts, and whose processor time is taken: what the work costs
-// whatever else the machine does meanwhile.
+// Threads that wait for work, which is dealt out in parts. Their processor time is what the work costs whatever else
+// the machine does meanwhile; the time on the wall tells what several threads gain.
 #pragma once
+
+#include "bench/rounds.h"
 
 #include <algorithm>
 #include <atomic>
@@ -27,17 +29,22 @@ public:
     CpuThreads(const CpuThreads&) = delete;
     CpuThreads& operator=(const CpuThreads&) = delete;
 
-    // work(first, end) for all of 0..count - 1, in parts of `part`. Returns the mean processor time of the threads.
-    double run_s(uint32_t count, uint32_t part, const std::function<void(uint32_t, uint32_t)>& work) {
+    struct Taken {
+        double processor_s = 0;  // mean of the threads
+        double wall_s = 0;
+    };
+    // work(first, end) for all of 0..count - 1, in parts of `part`.
+    Taken run(uint32_t count, uint32_t part, const std::function<void(uint32_t, uint32_t)>& work) {
         count_ = count;
         part_ = part;
         next_ = 0;
         work_ = &work;
         used_ns_ = 0;
+        const Stopwatch watch;
         barrier_.arrive_and_wait();
         do_parts();
         barrier_.arrive_and_wait();
-        return static_cast<double>(used_ns_) * 1e-9 / static_cast<double>(threads_.size() + 1);
+        return {static_cast<double>(used_ns_) * 1e-9 / static_cast<double>(threads_.size() + 1), watch.elapsed_s()};
     }
 
 private:

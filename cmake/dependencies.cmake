@@ -5,3 +5,5 @@ find_package(meshoptimizer REQUIRED)   # libmeshoptimizer-dev
 find_package(draco REQUIRED)           # libdraco-dev
 find_path(STB_INCLUDE_DIR stb/stb_image.h REQUIRED)  # libstb-dev
 find_path(VOLK_INCLUDE_DIR volk.h REQUIRED)          # libvulkan-volk-dev
+find_path(LIBDEFLATE_INCLUDE_DIR libdeflate.h REQUIRED)  # libdeflate-dev
+find_library(LIBDEFLATE_LIBRARY deflate REQUIRED)

@@ -16,7 +16,6 @@ namespace {
 
 const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups}, {"Crowd.*"});
 const test::InSubset kNatively({test::Subset::kNative}, {"Crowd.*", "-Crowd.RecordsIntoTheCallersCommandBuffer",
-                                                         "-Crowd.ARendererThatHasBeenMovedFromFails",
                                                          "-Crowd.ManySmallCharactersAreSplitIntoBatches"});
 
 using namespace test;

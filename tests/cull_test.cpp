@@ -17,8 +17,7 @@ namespace {
 
 const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups},
                           {"Cull.ListsWhatTheReferenceSees", "Cull.BatchesChangeNothing"});
-const InSubset kNatively({Subset::kNative},
-                         {"Cull.*", "-Cull.TiledMethodsAnimateTheListToo", "-Cull.PicturesAreThoseOfEverything"});
+const InSubset kNatively({Subset::kNative}, {"Cull.*", "-Cull.TiledMethodsAnimateTheListToo"});
 
 constexpr uint32_t kWidth = 160, kHeight = 120;
 constexpr uint32_t kUnseen = ~0u;

@@ -1,21 +1,15 @@
 // Devices without Vulkan beside the test device; whatever threads compute; and what they refuse.
-#include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
+#include "tests/lively_crowd.h"
 
 #include <throng/draw.h>
 
 #include <algorithm>
 #include <cstdio>
-#include <numeric>
 #include <thread>
 
 namespace throng::test {
 namespace {
-
-Device native_device(DeviceSettings settings = {}) {
-    settings.select = "native";
-    return *Device::create(settings);
-}
 
 // Every second job on a thread of its own, the others on the caller's, the last first.
 class BackwardJobs : public JobSystem {
@@ -36,92 +30,6 @@ public:
 private:
     uint64_t job_count_ = 0;
 };
-
-// Walks ahead in each of its clips.
-Character walking_creature() {
-    Character character = creature();
-    for (Clip& clip : character.clips) {
-        clip.first_root_row = static_cast<uint32_t>(character.root_rows.size());
-        clip.root_row_count = 2;
-        character.root_rows.insert(character.root_rows.end(), {{0, 0, 1, 0}, {0, 1.3f * clip.duration_s, 1, 0}});
-    }
-    return character;
-}
-
-// Characters that play two clips, many of one of them, and two that have controllers, events and sockets; of these one
-// has root motion, the other inertial transitions.
-struct LivelyCrowd {
-    MixedCrowd mixed{0.1};
-    Character walking = walking_creature(), flying = creature(90, 25);
-    Controller walker = example("walker"), dragon = example("dragon");
-    CrowdSettings settings = mixed.settings;
-    uint32_t first_walking, first_flying, first_of_many, instance_count;
-    std::vector<uint32_t> watched;
-
-    LivelyCrowd(uint32_t walking_count, uint32_t flying_count, uint32_t many_count)
-        : first_walking(static_cast<uint32_t>(mixed.playbacks.size())),
-          first_flying(first_walking + walking_count),
-          first_of_many(first_flying + flying_count),
-          instance_count(first_of_many + many_count) {
-        settings.groups.push_back({.character = &walking,
-                                   .instance_count = walking_count,
-                                   .controller = &walker,
-                                   .sockets = {0, 7},
-                                   .socket_space = SocketSpace::kWorld});
-        settings.groups.push_back({.character = &flying,
-                                   .instance_count = flying_count,
-                                   .controller = &dragon,
-                                   .sockets = {3},
-                                   .socket_space = SocketSpace::kModel});
-        settings.groups.push_back({&mixed.characters[1], many_count});
-        watched.resize(std::min(settings.watch_capacity, first_of_many - first_walking));
-        std::iota(watched.begin(), watched.end(), first_of_many - static_cast<uint32_t>(watched.size()));
-    }
-    LivelyCrowd(const LivelyCrowd&) = delete;
-
-    double size_of(uint32_t instance) const {
-        if (instance < first_walking) return mixed.character_of[instance]->size;
-        if (instance < first_flying) return walking.size;
-        return instance < first_of_many ? flying.size : mixed.characters[1].size;
-    }
-    Crowd create_on(const Device& device, UpdatePath path) const {
-        CrowdSettings on = settings;
-        on.path = path;
-        Crowd crowd = std::move(*Crowd::create(device, on));
-        EXPECT_TRUE(crowd.watch(watched));
-        return crowd;
-    }
-    // The same for every crowd that has got as many.
-    void update(Crowd& crowd, uint32_t update, const CrowdView* view = nullptr) const {
-        Random random(update);
-        if (update % 16 == 0) {
-            std::vector<Playback> playbacks;
-            for (const Character* character : mixed.character_of)
-                playbacks.push_back(random_playback(random, *character));
-            EXPECT_TRUE(crowd.set_playback(0, playbacks));
-            EXPECT_TRUE(crowd.set_playback(
-                first_of_many, random_playbacks(random, mixed.characters[1], instance_count - first_of_many)));
-        }
-        for (uint32_t i = first_walking; i < first_of_many; ++i) {
-            const auto [parameter, value] = random_change(random, i < first_flying ? walker : dragon);
-            EXPECT_TRUE(crowd.set_parameters(i, parameter, value));
-        }
-        EXPECT_TRUE(crowd.update(static_cast<float>(random.between(0, 0.1)), view));
-    }
-};
-
-Feedback feedback_of(Crowd& crowd) {
-    std::vector<Feedback> feedback = *crowd.feedback();
-    EXPECT_EQ(feedback.size(), 1u);
-    return std::move(feedback.at(0));
-}
-
-bool same_events(const Feedback& a, const Feedback& b) {
-    return a.lost_event_count == b.lost_event_count &&
-           std::ranges::equal(a.events, b.events, [](const CharacterEvent& x, const CharacterEvent& y) {
-               return x.instance == y.instance && x.event == y.event && x.layer == y.layer && x.time_s == y.time_s;
-           });
-}
 
 double difference(std::span<const Affine> a, std::span<const Affine> b, double size) {
     EXPECT_EQ(a.size(), b.size());
@@ -186,38 +94,6 @@ void expect_alike(UpdatePath path) {
 TEST(Native, ACrowdIsAsTheTestDeviceHasItFused) { expect_alike(UpdatePath::kFused); }
 TEST(Native, ACrowdIsAsTheTestDeviceHasItStaged) { expect_alike(UpdatePath::kStaged); }
 
-// All that the updates gave.
-std::vector<std::byte> bits_of(const LivelyCrowd& lively, const Device& device, UpdatePath path) {
-    std::vector<std::byte> bits;
-    const auto add = [&](const auto& values) {
-        const auto bytes = std::as_bytes(std::span(values));
-        bits.insert(bits.end(), bytes.begin(), bytes.end());
-    };
-    Crowd crowd = lively.create_on(device, path);
-    for (uint32_t update = 0; update < 12; ++update) {
-        const Vec3<float> eye{0, 3, static_cast<float>(update) - 5};
-        const CrowdView view = *view_of({.eye = eye, .target = {0, 0, 0}}, 160, 120, {});
-        lively.update(crowd, update, update % 2 == 0 ? nullptr : &view);
-        const Feedback feedback = feedback_of(crowd);
-        add(feedback.events);
-        for (const WatchedInstance& one : feedback.watched) {
-            add(one.parameters);
-            add(one.sockets);
-            for (const auto& layer : one.layers) add(layer);
-        }
-        for (const DrawnInstance& one : drawn_of(crowd)) add(std::array{one.instance, one.lod});
-        for (const OutputBlock& block : crowd.outputs()) {
-            add(block.host.skin);
-            add(block.host.model);
-            add(block.host.placement);
-            add(block.host.root);
-            add(block.host.list);
-            add(block.host.skinned);
-        }
-    }
-    return bits;
-}
-
 TEST(Native, ThreadsChangeNothing) {
     LivelyCrowd lively(150, 70, 200);
     lively.settings.culls = lively.settings.skins_once = true;
@@ -245,7 +121,7 @@ TEST(Native, WhatNeedsVulkanIsRefused) {
     for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kFused, UpdatePath::kStaged})
         expect_refused(Crowd::create(device, {.groups = {{&character, 2}}, .path = path, .scan = "doubling"}),
                        ErrorCode::kUnsupported, "scan method 'doubling': a native device does not have it");
-    expect_refused(Renderer::create(device), ErrorCode::kNoDevice, "the native device draws nothing");
+    expect_refused(Renderer::create(device, {.path = DrawPath::kDevice}), ErrorCode::kNoDevice, "needs Vulkan");
 
     Crowd crowd = std::move(*Crowd::create(device, {.groups = {{&character, 2}}, .culls = true}));
     CrowdView view = *view_of({.eye = {0, 0, 5}, .target = {0, 0, 0}}, 160, 120, {});
@@ -257,9 +133,40 @@ TEST(Native, WhatNeedsVulkanIsRefused) {
                    "a native device has no depths to test");
     const auto some_commands = reinterpret_cast<VkCommandBuffer>(uintptr_t{64});
     expect_refused(crowd.record(some_commands, 0.1f), ErrorCode::kInvalidArgument, "a native device has none");
+    Renderer renderer = *Renderer::create(device, {.width = 16, .height = 16});
+    expect_refused(renderer.record(some_commands, crowd, 0.1f, {}), ErrorCode::kUnsupported,
+                   "a native device has none");
+    expect_refused(renderer.record_drawing(some_commands, crowd, {}), ErrorCode::kUnsupported,
+                   "a native device has none");
     expect_refused(crowd.discard_last_record(), ErrorCode::kInvalidArgument, "an update() has run since");
     EXPECT_TRUE(same_bits(skins_of(crowd), before)) << "time has gone on";
     EXPECT_TRUE(crowd.record(VK_NULL_HANDLE, 0.1f)) << "as update()";
+}
+
+// In a memory of so many bytes: the MiB that are asked for, where that is too little.
+uint64_t needed_mib(const CrowdSettings& settings, uint64_t memory_bytes) {
+    const Device device = native_device();
+    device.gpu()->memory_properties.memoryHeaps[0].size = memory_bytes;
+    const Result<Crowd> crowd = Crowd::create(device, settings);
+    EXPECT_FALSE(crowd);
+    if (crowd) return 0;
+    EXPECT_EQ(crowd.error().code, ErrorCode::kLimit) << crowd.error().text();
+    EXPECT_NE(crowd.error().text().find("MiB of matrices and state exceed"), std::string::npos) << crowd.error().text();
+    return std::stoull(crowd.error().message);
+}
+
+TEST(Native, MemoryOfStatesAndPosesIsCountedBeforeItIsTaken) {
+    constexpr uint32_t kCount = 4000;
+    const Character character = creature();
+    const Controller dragon = example("dragon");
+    const uint64_t skin_bytes = kCount * character.palette.size() * sizeof(Affine),
+                   state_bytes = kCount * NativeRig(character).inertia_floats() * sizeof(float),
+                   pose_bytes_natively = kCount * NativeRig(character, {.all_move = true}).pose_floats() *
+                                         sizeof(float);
+    const CrowdSettings driven{.groups = {{.character = &character, .instance_count = kCount, .controller = &dragon}}},
+        posed{.groups = {{.character = &character, .instance_count = kCount, .pose_capacity = kCount}}};
+    EXPECT_GE(needed_mib(driven, 1), (skin_bytes + state_bytes) >> 20);
+    EXPECT_GE(needed_mib(posed, pose_bytes(posed)), (skin_bytes + pose_bytes(posed) + pose_bytes_natively) >> 20);
 }
 
 TEST(Native, UpdatesNeedACommandBufferElsewhere) {

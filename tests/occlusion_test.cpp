@@ -280,7 +280,7 @@ void expect_nothing_lost(uint32_t view_count, bool skins_once) {
     Crowd crowd = create({.groups = groups, .culls = true, .skips_updates = true, .skins_once = skins_once}),
           whole = create({.groups = groups, .skins_once = skins_once});
     for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_placement(0, places) && one->set_playback(0, playbacks));
-    Result<Renderer> renderer = Renderer::create(test_device(), {.width = 48, .height = 36});
+    Result<Renderer> renderer = Renderer::create(test_device(), {.width = 48, .height = 36, .path = DrawPath::kDevice});
     ASSERT_TRUE(renderer);
     uint64_t drawn = 0, in_view = 0;
     const auto see = [&](const Camera& camera) {

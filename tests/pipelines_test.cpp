@@ -58,6 +58,7 @@ TEST(SharedKernels, AreFoundWhileTheyAreUsedAndTheLastOnesLonger) {
 TEST(Pipelines, AreMadeOnceForWhatIsTheSame) {
     const Device device = another_device();
     const std::shared_ptr<Gpu>& gpu = device.gpu();
+    gpu->native.reset();  // as hardware, which makes them with the kernels
     const std::atomic<uint64_t>& made = gpu->counts.pipelines;
     const Kernel one = control_kernel(gpu), same = control_kernel(gpu);
     EXPECT_EQ(made, 1u);
@@ -87,7 +88,8 @@ TEST(Pipelines, ACrowdThatIsMadeAgainCompilesNothing) {
     const Device device = another_device();
     const Character character = make_character({});
     const auto updated = [&] {
-        Crowd crowd = Crowd::create(device, {.groups = {{&character, 2}, {&character, 3}}}).value();
+        Crowd crowd =
+            Crowd::create(device, {.groups = {{&character, 2}, {&character, 3}}, .path = UpdatePath::kDevice}).value();
         EXPECT_TRUE(crowd.update(0.1f));
         return crowd.read_skin_matrices(4).value();
     };
@@ -97,6 +99,25 @@ TEST(Pipelines, ACrowdThatIsMadeAgainCompilesNothing) {
     EXPECT_EQ(device.gpu()->counts.pipelines, made);
     ASSERT_EQ(first.size(), second.size());
     EXPECT_EQ(std::memcmp(first.data(), second.data(), first.size() * sizeof(Affine)), 0);
+}
+
+TEST(Pipelines, OfASoftwareDeviceAreMadeForWhatIsRecorded) {
+    const Device device = another_device();
+    if (!device.gpu()->native) GTEST_SKIP() << "the test device is no software device";
+    const std::atomic<uint64_t>& made = device.gpu()->counts.pipelines;
+    const Character character = make_character({});
+    CrowdSettings settings{.groups = {{&character, 2}}, .culls = true, .skins_once = true};
+    Crowd native = Crowd::create(device, settings).value();
+    ASSERT_TRUE(native.update(0.1f));
+    EXPECT_EQ(made, 0u);
+    settings.path = UpdatePath::kDevice;
+    Crowd recorded = Crowd::create(device, settings).value();
+    EXPECT_EQ(made, 0u);
+    ASSERT_TRUE(recorded.update(0.1f));
+    const uint64_t once = made;
+    EXPECT_GT(once, 2u);
+    ASSERT_TRUE(recorded.update(0.1f));
+    EXPECT_EQ(made, once);
 }
 
 // ---- Kept

@@ -18,7 +18,7 @@ namespace {
 const InSubset kInSubsets({Subset::kGpuAssisted},
                           {"SkinStage.WithoutAViewAllIsSkinned", "SkinStage.WithAViewWhatItListsIsSkinned",
                            "SkinStage.DualQuaternionsFollowTheReference"});
-const InSubset kNatively({Subset::kNative}, {"SkinStage.*", "-SkinStage.PicturesAreThoseThatTheDrawSkins"});
+const InSubset kNatively({Subset::kNative}, {"SkinStage.*"});
 
 constexpr uint32_t kWidth = 160, kHeight = 120;
 

@@ -31,8 +31,7 @@ void run_devices(bool json) {
     }
     for (const DeviceInfo& d : devices) {
         if (d.type == "native") {
-            std::printf("%u  %s\n   native: updates crowds without Vulkan, and draws nothing\n", d.index,
-                        d.name.c_str());
+            std::printf("%u  %s\n   native: updates and draws crowds without Vulkan\n", d.index, d.name.c_str());
             continue;
         }
         std::printf("%u  %s\n   %s, driver %s, Vulkan %s, subgroups of %u%s\n", d.index, d.name.c_str(), d.type.c_str(),

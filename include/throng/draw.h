@@ -60,21 +60,28 @@ struct DrawOptions {
 Result<CrowdView> view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds,
                           const DrawOptions& options = {});
 
+// Who draws: kNative, this machine's processor, on native and software devices; kDevice, the device's shaders, on all
+// but native ones. kAuto: natively where that can be. Both draw the same picture, but for rounding.
+enum class DrawPath { kAuto, kNative, kDevice };
+
 struct RendererSettings {
-    uint32_t width = 1920, height = 1080;  // at most the device's limit
-    uint32_t samples = 4;                  // lowered to what the device has
+    uint32_t width = 1920, height = 1080;  // at most the device's limit; natively 16,384
+    uint32_t samples = 4;                  // lowered to what the device has; natively 1 or 4
     DrawOptions options = {};
+    DrawPath path = DrawPath::kAuto;
 };
 
 struct RenderResult {
     Picture picture{};
-    double draw_ms = 0;                   // GPU time of skinning and drawing; 0 where the queue has no timestamps
+    // Of skinning and drawing: GPU time, 0 where the queue has no timestamps; natively by the clock
+    double draw_ms = 0;
     std::vector<std::string> warnings{};  // textures that could not be decoded and are drawn white
 };
 
 struct RendererState;  // internal
 
-// Needs a device with a graphics queue and dynamicRendering. Not thread-safe.
+// Natively it needs no Vulkan, and but for record(), record_drawing() and picture() nothing of it; else a device with a
+// graphics queue and dynamicRendering. Not thread-safe.
 class Renderer {
 public:
     static Result<Renderer> create(const Device& device, const RendererSettings& settings = {});
@@ -88,21 +95,23 @@ public:
     Result<RenderResult> render(const Crowd& crowd, const Camera& camera);
 
     // As render(), but advances the crowd by `time_step_s` first, as Crowd::update() does: update, for what the camera
-    // sees where the crowd culls, and picture, in one submission (of a native update, after it).
+    // sees where the crowd culls, and picture, in one submission (what is native, beside it).
     Result<RenderResult> render_frame(Crowd& crowd, float time_step_s, const Camera& camera);
 
     // Records the same into the caller's command buffer (recording, outside a render pass, of the device's queue
     // family). The picture is then in picture(), in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL and visible to transfer reads,
     // until the next frame. The recorded commands are submitted once, in the order of the calls, to the device's queue,
     // and have finished before the renderer or the crowd is destroyed, or the renderer resized. Frames may be recorded
-    // before the last has finished. Of a crowd that it has not drawn before it uploads textures, and waits.
+    // before the last has finished. Of a crowd that it has not drawn before it uploads textures, and waits. Drawn by
+    // the device whatever the path, since it is updated there. Errors: kUnsupported (a native device).
     Result<void> record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera);
     // The two halves of that, for crowds that are updated natively on a software device (UpdatePath::kNative), which a
     // recorded update is not: Crowd::update() for what the camera sees, without occlusion, at once; and the drawing
-    // alone, of the crowd as its last update left it when the commands run.
+    // alone, of the crowd as its last update left it when the commands run. Natively it is drawn at once, and the
+    // commands copy the picture; but where that last update is recorded and may not have run, the device draws.
     Result<void> update(Crowd& crowd, float time_step_s, const Camera& camera);
     Result<void> record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera);
-    // VK_FORMAT_R8G8B8A8_SRGB, of the renderer's size; another after resize().
+    // VK_FORMAT_R8G8B8A8_SRGB, of the renderer's size; another after resize(). Null on a native device.
     VkImage picture() const;
     // Errors: kInvalidArgument (empty), kLimit (names the device's limit); then it keeps its size.
     Result<void> resize(uint32_t width, uint32_t height);
@@ -111,16 +120,16 @@ public:
     Result<void> set_options(const DrawOptions& options);
     const DrawOptions& options() const;
 
-    // GPU time of skinning and drawing, of the last frame that has finished; 0 where none has, or the queue has no
-    // timestamps.
+    // As RenderResult has it, of the last frame that has finished; 0 where none has.
     double draw_ms() const;
+    // Whether this machine's processor draws.
+    bool is_native() const;
 
     // Internal.
     explicit Renderer(std::unique_ptr<RendererState> state);
+    RendererState& state() const;  // throws where the renderer has been moved from
 
 private:
-    RendererState& state() const;
-
     std::unique_ptr<RendererState> state_;
 };
 

@@ -17,7 +17,7 @@ void BatchPlan::add_storage(uint32_t number, uint64_t instance_bytes) {
 }
 
 uint64_t BatchPlan::instance_bytes() const {
-    uint64_t sum = 0;
+    uint64_t sum = unbuffered_bytes_;
     for (const Entry& entry : entries_) sum += entry.instance_bytes;
     return sum;
 }

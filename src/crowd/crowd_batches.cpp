@@ -40,6 +40,7 @@ void CrowdState::check_groups(const CrowdSettings& settings) const {
 
 void CrowdState::make_groups(Uploads& uploads, const CrowdSettings& settings) {
     groups.reserve(settings.groups.size());
+    NativeRigs rigs;
     for (const CrowdGroup& group : settings.groups) {
         if (const std::string unsupported_reason = skin_format_unsupported_reason(skin_format, *group.character);
             !unsupported_reason.empty())
@@ -47,7 +48,7 @@ void CrowdState::make_groups(Uploads& uploads, const CrowdSettings& settings) {
         if (const std::string unsupported_reason = skin_blend_unsupported_reason(skin_blend, *group.character);
             !unsupported_reason.empty())
             throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin blend", unsupported_reason);
-        groups.emplace_back(uploads, group, choose_path(*gpu, settings, group), settings);
+        groups.emplace_back(uploads, rigs, group, choose_path(*gpu, settings, group), settings);
     }
     if (gpu->is_native() || std::ranges::all_of(groups, &Group::native)) return;
     for (Group& group : groups) group.leave_native("another group of the crowd cannot be updated natively");

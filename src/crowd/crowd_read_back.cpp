@@ -6,6 +6,8 @@
 #include "cull/cull_io.h"
 #include "gpu/barrier.h"
 
+#include <set>
+
 namespace throng {
 namespace {
 
@@ -112,7 +114,12 @@ std::vector<DrawnInstance> CrowdState::read_drawn() const {
 uint64_t CrowdState::size_bytes() const {
     uint64_t sum = feedback ? feedback->size_bytes() : 0;
     for (const auto& stage : stages) sum += stage->size_bytes();
-    for (const Group& group : groups) sum += group.size_bytes();
+    std::set<const NativeRig*> rigs;
+    for (const Group& group : groups) {
+        sum += group.size_bytes();
+        for (const FusedJoints& joints : group.fused)
+            if (joints.native && rigs.insert(joints.native.get()).second) sum += joints.native->size_bytes();
+    }
     for (const Batch& batch : batches)
         sum += batch.buffers.size_bytes() + batch.skins[0].size_bytes() + batch.skins[1].size_bytes();
     return sum;

@@ -48,6 +48,8 @@ struct CrowdState {
     void record(VkCommandBuffer commands, float time_step_s, const CrowdView* view);
     void record_disoccluded(VkCommandBuffer commands, const DepthImage& depths);
     void discard_last_record();
+    // Whether the last update is in a command buffer of the application's, and may not have run.
+    bool awaits_commands() const { return can_discard_; }
     std::vector<DrawnInstance> read_drawn() const;
     std::vector<Affine> read_matrices(uint32_t instance, bool model) const;
     std::vector<Vec3<float>> read_positions(uint32_t instance);

@@ -15,6 +15,12 @@ T* in_memory(const Buffer& buffer) {
     return reinterpret_cast<T*>(buffer.mapped());
 }
 
+// What an instance's inertial transitions keep between native updates.
+uint64_t inertia_bytes(const Group& group) {
+    const bool is_inertial = group.native_rig() && group.controller && group.controller->is_inertial;
+    return is_inertial ? group.native_rig()->inertia_floats() * sizeof(float) : 0;
+}
+
 }  // namespace
 
 void FusedUpdate::plan(BatchPlan& plan) {
@@ -34,6 +40,7 @@ void FusedUpdate::plan(BatchPlan& plan) {
     if (group.sockets) plan.add_storage(io::kSocketsBuffer, group.socket_count() * sizeof(Affine));
     if (settings.keep_model_matrices && !group.sockets_only)
         plan.add_storage(io::kModelBuffer, group.joint_count * sizeof(Affine));
+    plan.count(inertia_bytes(group));
 }
 
 FusedUpdate::FusedUpdate(const StageContext& context)
@@ -52,7 +59,7 @@ FusedUpdate::FusedUpdate(const StageContext& context)
         const Group& group = group_of(batch);
         if (group.fused.empty()) continue;
         Member& member = members_.emplace_back(Member{.batch = i, .sets = {}, .sockets = {}, .inertia_states = {}});
-        if (const uint64_t size_bytes = inertia_bytes(batch); size_bytes > 0) {
+        if (const uint64_t size_bytes = batch.instance_count * inertia_bytes(group); size_bytes > 0) {
             member.inertia_states = native::aligned_bytes(size_bytes);
             std::memset(member.inertia_states.get(), 0, size_bytes);
         }
@@ -63,15 +70,12 @@ FusedUpdate::FusedUpdate(const StageContext& context)
     }
 }
 
-uint64_t FusedUpdate::inertia_bytes(const Batch& batch) const {
-    const Group& group = group_of(batch);
-    const bool is_inertial = group.native_rig() && group.controller && group.controller->is_inertial;
-    return is_inertial ? batch.instance_count * group.native_rig()->inertia_floats() * sizeof(float) : 0;
-}
-
 uint64_t FusedUpdate::size_bytes() const {
     uint64_t sum = 0;
-    for (const Member& member : members_) sum += inertia_bytes(batches_[member.batch]);
+    for (const Member& member : members_) {
+        const Batch& batch = batches_[member.batch];
+        sum += batch.instance_count * inertia_bytes(group_of(batch));
+    }
     return sum;
 }
 

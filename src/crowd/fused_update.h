@@ -41,7 +41,6 @@ private:
     template <class Applies>
     void record_sets(VkCommandBuffer commands, const Applies& applies) const;
     void record_set(VkCommandBuffer commands, const Member& member, uint32_t set) const;
-    uint64_t inertia_bytes(const Batch& batch) const;  // of native updates
     void update_natively(const Member& member, uint32_t set) const;
     void update_natively(const Member& member, uint32_t set, const Buffer& skin, uint32_t section) const;
     bool is_listed(const Group& group) const { return culls_ && group.animates_drawn_only(); }

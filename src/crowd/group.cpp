@@ -67,7 +67,8 @@ GroupController::GroupController(Uploads& uploads, const Controller& controller,
         buffers[io::kParentsBuffer] = upload_table(uploads, character.name + ": parents", character.rig.parents);
 }
 
-Group::Group(Uploads& uploads, const CrowdGroup& group, const PathChoice& choice, const CrowdSettings& settings)
+Group::Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const PathChoice& choice,
+             const CrowdSettings& settings)
     : Group(uploads, *group.character, choice) {
     if (group.controller)
         controller.emplace(uploads, *group.controller, *group.character, group.moves_placements, buffers);
@@ -81,13 +82,13 @@ Group::Group(Uploads& uploads, const CrowdGroup& group, const PathChoice& choice
     pose_capacity = std::min(group.pose_capacity, group.instance_count);
     bound_poses(*group.character, settings.skin_blend);
     try {
-        make_native(*group.character, settings, 0);
+        make_native(rigs, *group.character, settings, 0);
     } catch (const Failure& failure) {
         if (uploads.gpu()->is_native()) throw;
         leave_native(failure.error.message);  // a software device can do it
     }
     if (settings.culls && settings.reduces_joints && pose_capacity == 0 && animates_drawn_only())
-        reduce_joints(uploads, *group.character, settings);
+        reduce_joints(uploads, rigs, *group.character, settings);
     if (skips_updates(settings)) make_palette_by_set(uploads, *group.character);
     make_skin_tables(uploads, *group.character);
     if (pose_capacity > 0)
@@ -156,7 +157,7 @@ void Group::make_lods(Uploads& uploads, const Character& character) {
 }
 
 // For a set of joints that is there already.
-void Group::make_native(const Character& character, const CrowdSettings& settings, uint32_t lod) {
+void Group::make_native(NativeRigs& rigs, const Character& character, const CrowdSettings& settings, uint32_t lod) {
     if (!native || fused.empty()) return;
     // Where most joints move, all of them in the palette's order are written faster than these (docs/native.md).
     constexpr uint32_t kWorthIt = 3;
@@ -164,12 +165,11 @@ void Group::make_native(const Character& character, const CrowdSettings& setting
     if (lod > 0 && kWorthIt * joints.joint_count > joint_count)
         joints.native = fused[0].native;
     else
-        joints.native = std::make_shared<const NativeRig>(
-            character, NativeRigSettings{.lod = lod,
-                                         .keeps_model = settings.keep_model_matrices,
-                                         .sockets = sockets ? sockets->joints : std::vector<uint32_t>(),
-                                         .sockets_only = sockets_only,
-                                         .all_move = pose_capacity > 0});
+        joints.native = rigs.get(character, {.lod = lod,
+                                             .keeps_model = settings.keep_model_matrices,
+                                             .sockets = sockets ? sockets->joints : std::vector<uint32_t>(),
+                                             .sockets_only = sockets_only,
+                                             .all_move = pose_capacity > 0});
     if (controller) joints.native_masks = joints.native->masks_in_order(controller->masks);
 }
 
@@ -183,7 +183,8 @@ void Group::leave_native(const std::string& reason) {
 
 // The sets of joints of coarser levels, as far as the method of the finest goes about them, and the influences that
 // refer to no others.
-void Group::reduce_joints(Uploads& uploads, const Character& character, const CrowdSettings& settings) {
+void Group::reduce_joints(Uploads& uploads, NativeRigs& rigs, const Character& character,
+                          const CrowdSettings& settings) {
     if (character.joint_lods.empty()) return;
     std::vector<Influences> all = character.influences;
     for (uint32_t lod = 1; lod <= lods.size(); ++lod) {
@@ -193,7 +194,7 @@ void Group::reduce_joints(Uploads& uploads, const Character& character, const Cr
         if (!plan.unsupported_reason.empty()) break;
         Buffers tables = upload_fused_tables(uploads, character, rig, plan);
         fused.push_back({rig.rig.joint_count(), std::move(plan), std::move(tables), {}, {}});
-        make_native(character, settings, lod);
+        make_native(rigs, character, settings, lod);
         const std::vector<Influences> of_lod = influences_of_lod(character, lod);
         all.insert(all.end(), of_lod.begin(), of_lod.end());
     }
@@ -271,10 +272,7 @@ void Group::make_sockets(Uploads& uploads, const std::vector<uint32_t>& joints) 
 
 uint64_t Group::size_bytes() const {
     uint64_t sum = buffers.size_bytes() + indices.size_bytes() + (scan ? scan->links().size_bytes() : 0);
-    for (const FusedJoints& joints : fused)
-        sum += joints.tables.size_bytes() + (joints.native && (&joints == &fused[0] || joints.native != fused[0].native)
-                                                 ? joints.native->size_bytes()
-                                                 : 0);
+    for (const FusedJoints& joints : fused) sum += joints.tables.size_bytes();
     return sum;
 }
 

@@ -4,11 +4,11 @@
 #include "bind/sockets_io.h"
 #include "control/controller_io.h"
 #include "control/layer_commands.h"
+#include "crowd/native_rigs.h"
 #include "crowd/path.h"
 #include "cull/cull_io.h"
 #include "gpu/kernel.h"
 #include "gpu/upload.h"
-#include "native/native_rig.h"
 #include "morph/morph.h"
 #include "procedural/procedural_tables.h"
 #include "skin/skin.h"
@@ -56,7 +56,8 @@ struct GroupProcedural {
 };
 
 struct Group {
-    Group(Uploads& uploads, const CrowdGroup& group, const PathChoice& choice, const CrowdSettings& settings);
+    Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const PathChoice& choice,
+          const CrowdSettings& settings);
 
     std::string name;
     uint32_t joint_count = 0;
@@ -114,13 +115,13 @@ struct Group {
     uint32_t socket_flags() const { return socket_space == SocketSpace::kWorld ? io::kSocketsToWorld : 0; }
     uint32_t socket_count() const { return sockets ? static_cast<uint32_t>(sockets->joints.size()) : 0; }
     bool takes_similarities() const { return scan_choice.method->format == ScanFormat::kSimilarity; }
-    uint64_t size_bytes() const;
+    uint64_t size_bytes() const;  // but for native walks, which groups share
 
 private:
     void make_procedural(Uploads& uploads, const ProceduralRules& rules, const Character& character);
-    void make_native(const Character& character, const CrowdSettings& settings, uint32_t lod);
+    void make_native(NativeRigs& rigs, const Character& character, const CrowdSettings& settings, uint32_t lod);
     void make_lods(Uploads& uploads, const Character& character);
-    void reduce_joints(Uploads& uploads, const Character& character, const CrowdSettings& settings);
+    void reduce_joints(Uploads& uploads, NativeRigs& rigs, const Character& character, const CrowdSettings& settings);
     void make_palette_by_set(Uploads& uploads, const Character& character);
     void make_skin_tables(Uploads& uploads, const Character& character);
     void bound_poses(const Character& character, SkinBlend blend);

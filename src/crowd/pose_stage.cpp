@@ -31,7 +31,7 @@ PoseStage::PoseStage(const StageContext& context)
         if (group_of(batches_[i]).pose_capacity > 0) of_batches_[i].instances.resize(batches_[i].instance_count);
 }
 
-uint64_t PoseStage::native_bytes(const Group& group) const {
+uint64_t PoseStage::native_bytes(const Group& group) {
     return group.native_rig() ? group.pose_capacity * group.native_rig()->pose_floats() * sizeof(float) : 0;
 }
 

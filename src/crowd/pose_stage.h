@@ -16,6 +16,8 @@ namespace throng {
 class PoseStage : public Stage {
 public:
     static void plan(BatchPlan& plan);
+    // What native updates keep of a group's poses, beside its buffers.
+    static uint64_t native_bytes(const Group& group);
     // Serves the groups that have room for poses.
     explicit PoseStage(const StageContext& context);
 
@@ -57,7 +59,6 @@ private:
     };
     using OverrideAt = std::map<uint32_t, Override>::iterator;
 
-    uint64_t native_bytes(const Group& group) const;
     Override& override_at(uint32_t batch, uint32_t instance, const std::string& place);
     uint32_t take_slot(uint32_t batch, const std::string& place);
     bool take_back_slot(uint32_t group);

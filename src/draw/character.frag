@@ -20,23 +20,7 @@ layout(location = 4) flat in uint in_mirrored;
 layout(location = 0) out vec4 out_color;
 
 #include "draw/light.glsl"
-
-// The normal map's normal. Its tangents are the derivatives of the place by the texture's coordinates (C. Schüler,
-// Normal Mapping Without Precomputed Tangents, in ShaderX5, 2006); y of the map goes against v, as glTF has it.
-vec3 mapped_normal(vec3 normal) {
-    const vec3 along_x = dFdx(in_world), along_y = dFdy(in_world);
-    const vec2 texture_x = dFdx(in_texcoord), texture_y = dFdy(in_texcoord);
-    const float area = texture_x.x * texture_y.y - texture_y.x * texture_x.y;
-    const float side = area < 0 ? -1 : 1;
-    vec3 u = (texture_y.y * along_x - texture_x.y * along_y) * side,
-         v = (texture_x.x * along_y - texture_y.x * along_x) * side;
-    u -= normal * dot(normal, u);
-    v -= normal * dot(normal, v);
-    const vec3 map = texture(normal_texture, in_texcoord).xyz * 2 - 1;
-    const vec3 tilted = normal * map.z + (map.x * push.normal_scale) * u * inversesqrt(max(dot(u, u), 1e-30)) -
-                        (map.y * push.normal_scale) * v * inversesqrt(max(dot(v, v), 1e-30));
-    return push.normal_scale != 0 && area != 0 ? normalize(tilted) : normal;
-}
+#include "draw/material_model.glsl"
 
 void main() {
     const vec4 color = texture(base_color_texture, in_texcoord) * push.base_color * in_color;
@@ -45,20 +29,14 @@ void main() {
         if (color.a < push.alpha_cutoff) discard;
         if (!front && push.double_sided == 0) discard;
     }
-    const vec3 smooth_normal = normalize(in_normal);
-    // The nearer to the ground, the less of the sky is seen.
-    const float open = mix(0.5, 1.0, smoothstep(0.0, 0.25, (in_world.y - scene.ground.y) / scene.ground.w));
-    Surface surface = Surface(color.rgb, push.metallic, push.roughness, smooth_normal, open, push.emissive.rgb);
+    const vec3 normal = normalize(in_normal);
+    Surface surface = plain_surface(color.rgb, push.metallic, push.roughness, push.emissive.rgb, in_world, normal);
     if (kMaps) {
         const vec4 metallic_roughness = texture(metallic_roughness_texture, in_texcoord);
-        surface.metallic *= metallic_roughness.b;
-        surface.roughness *= metallic_roughness.g;
-        surface.normal = mapped_normal(smooth_normal);
-        surface.occlusion *= mix(1, texture(occlusion_texture, in_texcoord).r, push.emissive.w);
-        surface.emissive *= texture(emissive_texture, in_texcoord).rgb;
+        const MapTexels maps = {metallic_roughness.b, metallic_roughness.g, texture(normal_texture, in_texcoord).xyz,
+                                texture(occlusion_texture, in_texcoord).r, texture(emissive_texture, in_texcoord).rgb};
+        const PixelSteps steps = {dFdx(in_world), dFdy(in_world), dFdx(in_texcoord), dFdy(in_texcoord)};
+        surface = mapped_surface(surface, maps, push.normal_scale, push.emissive.w, steps);
     }
-    if (!front) surface.normal = -surface.normal;
-    const float sun = sun_at(in_world, front ? smooth_normal : -smooth_normal);
-    const vec3 light = reflected_light(surface, normalize(scene.eye.xyz - in_world), sun);
-    out_color = vec4(tone_mapped(through_fog(light, in_world)), 1);
+    out_color = vec4(pictured_surface(surface, in_world, normal, front), 1);
 }

@@ -1,21 +1,11 @@
 #include "draw/crowd_bindings.h"
 
-#include "draw/draw_io.h"
+#include "draw/joint_levels.h"
 #include "draw/pipeline.h"
 
 namespace throng {
-namespace {
-
-std::vector<io::JointLevel> levels_of(const std::vector<uint32_t>& parents) {
-    std::vector<io::JointLevel> levels;
-    for (const uint32_t parent : parents) levels.push_back({parent, parent == kNone ? 0 : levels[parent].level + 1});
-    return levels;
-}
-
-}  // namespace
-
 CrowdBindings::CrowdBindings(const ShaderLayout& layout, const MaterialSampling& sampling, const CrowdState& crowd)
-    : life_(crowd.life), joint_levels_(crowd.groups.size()) {
+    : joint_levels_(crowd.groups.size()) {
     Uploads uploads(crowd.gpu);
     TextureAccount textures{warnings};
     const bool has_skeletons = static_cast<bool>(crowd.batches.front()[io::kModelBuffer]);
@@ -36,14 +26,6 @@ CrowdBindings::CrowdBindings(const ShaderLayout& layout, const MaterialSampling&
                 of_batch[skin] = Bindings(crowd.gpu, group.name, layout.set(kBatchSet),
                                           table.with({{io::kSkinBuffer, batch.skins[skin]}}));
     }
-}
-
-const CrowdBindings& CrowdBindingsCache::of(const ShaderLayout& layout, const MaterialSampling& sampling,
-                                            const CrowdState& crowd) {
-    std::erase_if(entries_, [](const auto& entry) { return entry->is_of_none(); });
-    for (const auto& entry : entries_)
-        if (entry->is_of(crowd)) return *entry;
-    return *entries_.emplace_back(std::make_unique<CrowdBindings>(layout, sampling, crowd));
 }
 
 }  // namespace throng

@@ -14,7 +14,7 @@ bool has_mirrored_instances(const CrowdState& crowd, const Batch& batch) {
                        [](const Affine& placement) { return determinant(placement) < 0; });
 }
 
-io::DrawPush push_of(const Group& group, const MeshSection& section, const DrawMaterial& material) {
+io::DrawPush push_of(const Group& group, const MeshSection& section, const TexturedMaterial<Image>& material) {
     const AssetMaterial& f = material.factors;
     return {.first_vertex = section.first_vertex,
             .first_influences = section.first_influences,
@@ -64,14 +64,14 @@ void CrowdDrawing::draw_section(VkCommandBuffer commands, const Batch& batch, si
     const VolkDeviceTable& vk = crowd.gpu->vk;
     const Group& group = crowd.groups[batch.group];
     const MeshSection& section = group.sections[section_index];
-    const DrawMaterial& material = bindings.materials[batch.group].of(section);
+    const TexturedMaterial<Image>& material = bindings.materials[batch.group].of(section);
     const OwnedPipeline& pipeline = pass == DrawPass::kShadow ? characters.shadow[material.masked]
                                     : pass == DrawPass::kOccluders
                                         ? characters.occluder[material.masked]
                                         : characters.into_picture[material.masked || mirrors][material.has_maps];
     const bool shows_back = pass == DrawPass::kShadow || material.factors.double_sided || mirrors;
     vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
-    bind(commands, kMaterialSet, material.textures.set());
+    bind(commands, kMaterialSet, bindings.materials[batch.group].textures_of(section));
     vk.vkCmdSetCullMode(commands, shows_back ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
     io::DrawPush push = push_of(group, section, material);
     const VkBuffer draws = batch[io::kDrawsBuffer].handle();

@@ -44,6 +44,8 @@ Image::Image(const std::shared_ptr<Gpu>& gpu, const ImageSettings& settings) {
             .memoryTypeIndex = gpu->memory_type(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)};
         memory_ = OwnedMemory(gpu, gpu->vk.vkAllocateMemory, allocate, "vkAllocateMemory");
         check(gpu->vk.vkBindImageMemory(gpu->device, image_.get(), memory_.get(), 0), "vkBindImageMemory");
+        constexpr VkImageUsageFlags kCopied = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+        if ((settings.usage & ~kCopied) == 0) return;
         const VkImageViewCreateInfo view_create{
             .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
             .image = image_.get(),

@@ -24,7 +24,7 @@ public:
     Image(const std::shared_ptr<Gpu>& gpu, const ImageSettings& settings);
 
     VkImage handle() const { return image_.get(); }
-    VkImageView view() const { return view_.get(); }
+    VkImageView view() const { return view_.get(); }  // null where the image is only copied from and to
 
 private:
     OwnedMemory memory_;  // outlives the image bound to it

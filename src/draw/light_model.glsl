@@ -60,9 +60,9 @@ vec3 tone_mapped(vec3 light) {
     const vec3 exposed = light * scene.eye.w;
     const Real kStart = 0.8 - 0.04, kDesaturation = 0.15;
     const Real least = min(exposed.x, min(exposed.y, exposed.z));
-    const vec3 color = exposed - vec3(least < 0.08 ? least - 6.25 * least * least : 0.04);
+    const vec3 color = exposed - vec3(choose(least < 0.08, least - 6.25 * least * least, Real(0.04)));
     const Real peak = max(color.x, max(color.y, color.z)), room = 1 - kStart;
     const Real lower_peak = 1 - room * room / (max(peak, kStart) + room - kStart);
     const Real white = 1 - 1 / (kDesaturation * (peak - lower_peak) + 1);
-    return peak < kStart ? color : mix(color * (lower_peak / peak), vec3(lower_peak), white);
+    return choose(peak < kStart, color, mix(color * (lower_peak / peak), vec3(lower_peak), white));
 }

@@ -1,13 +1,16 @@
-// The light of a picture in double precision (draw/light_model.glsl).
+// The light of a picture in double precision (draw/*_model.glsl).
 #pragma once
 
 #include "draw/draw_io.h"
 
 #include <throng/transform.h>
 
+#include <array>
+#include <functional>
+
 namespace throng {
 
-// A point of a character, all maps applied.
+// A point of a character.
 struct LitSurface {
     Vec3<double> place, normal;  // world space, unit
     Vec3<double> albedo;         // linear
@@ -20,5 +23,31 @@ struct LitSurface {
 Vec3<double> reflected_light_reference(const io::DrawScene& scene, const LitSurface& surface, double sun);
 // What of it arrives, as the picture has it: through fog, tone-mapped, linear.
 Vec3<double> pictured_reference(const io::DrawScene& scene, const Vec3<double>& place, const Vec3<double>& light);
+
+// Of the texel in this column and row of the shadow map.
+using MapHeights = std::function<double(int column, int row)>;
+// The part of the sun that arrives at a surface.
+double sun_reference(const io::DrawScene& scene, const MapHeights& heights, const Vec3<double>& place,
+                     const Vec3<double>& normal);
+// A pixel where no character is, as the picture has it, by the rays through its centre and that of the pixels beside
+// and below.
+Vec3<double> background_reference(const io::DrawScene& scene, const MapHeights& heights, const Vec3<double>& ray,
+                                  const Vec3<double>& beside, const Vec3<double>& below);
+
+// What a material's maps say of a place, and how places change from its pixel to the next ones.
+struct MapsReference {
+    double metallic = 1, roughness = 1;
+    Vec3<double> normal{1, 1, 1};  // as the texel has it
+    double occlusion = 1;
+    Vec3<double> emissive{1, 1, 1};
+    double normal_scale = 0;  // 0: there is no normal map
+    double occlusion_strength = 0;
+    Vec3<double> place_x{}, place_y{};  // steps to the right, and down
+    std::array<double, 2> texcoord_x{}, texcoord_y{};
+};
+// A pixel of a character, as the picture has it. `surface`: without maps, as its front has it; what it sees of the sky
+// follows from its place.
+Vec3<double> character_reference(const io::DrawScene& scene, const MapHeights& heights, const LitSurface& surface,
+                                 bool is_front, const MapsReference& maps = {});
 
 }  // namespace throng

@@ -1,23 +1,12 @@
 // The materials of one group of a crowd, ready to bind.
 #pragma once
 
-#include "crowd/group.h"
+#include "draw/textured_materials.h"
 #include "draw/textures.h"
 
-#include <map>
 #include <vector>
 
 namespace throng {
-
-struct DrawMaterial {
-    AssetMaterial factors;
-    // Below it a fragment is left out. A blended material is drawn as one with a mask at 0.5: characters are not
-    // sorted.
-    float alpha_cutoff = 0;
-    bool masked = false;
-    bool has_maps = false;  // more textures than that of the base colour
-    Bindings textures;
-};
 
 // How the textures of all materials are read, and what is read where there is none.
 struct MaterialSampling {
@@ -34,13 +23,16 @@ public:
     GroupMaterials(Uploads& uploads, const Group& group, const ShaderLayout::Set& set, const MaterialSampling& sampling,
                    TextureAccount& account);
 
-    const DrawMaterial& of(const MeshSection& section) const {
-        return section.material < materials_.size() - 1 ? materials_[section.material] : materials_.back();
+    const TexturedMaterial<Image>& of(const MeshSection& section) const {
+        return materials_.all()[materials_.index_of(section)];
+    }
+    VkDescriptorSet textures_of(const MeshSection& section) const {
+        return bindings_[materials_.index_of(section)].set();
     }
 
 private:
-    std::map<std::pair<uint32_t, VkFormat>, std::optional<Image>> textures_;  // by image; none: drawn white
-    std::vector<DrawMaterial> materials_;  // the group's, then the one of sections without
+    TexturedMaterials<Image> materials_;
+    std::vector<Bindings> bindings_;  // of each material's textures
 };
 
 }  // namespace throng

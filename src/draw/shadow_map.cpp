@@ -66,10 +66,13 @@ ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed
     return fit;
 }
 
+uint32_t shadow_map_size(const VkExtent2D& picture) {
+    const uint32_t larger = std::min(std::max(picture.width, picture.height), kMostSize);
+    return std::clamp(std::bit_ceil(2 * larger), kLeastSize, kMostSize);
+}
+
 DepthPass make_shadow_map(const std::shared_ptr<Gpu>& gpu, const VkExtent2D& picture) {
-    const uint32_t larger = std::min(std::max(picture.width, picture.height), kMostSize),
-                   size = std::min(std::clamp(std::bit_ceil(2 * larger), kLeastSize, kMostSize),
-                                   gpu->properties.limits.maxImageDimension2D);
+    const uint32_t size = std::min(shadow_map_size(picture), gpu->properties.limits.maxImageDimension2D);
     return {gpu, "shadow map", {size, size}, VK_SAMPLE_COUNT_1_BIT, kDepthTexture};
 }
 

@@ -15,24 +15,15 @@ layout(location = 0) flat out vec3 out_color;
 
 #include "draw/line.glsl"
 
-// From red at the root by yellow, green and blue to violet at the last level.
-vec3 level_color(uint level) {
-    const float hue = 0.8 * float(level) / max(push.level_count - 1, 1);
-    return clamp(abs(fract(hue + vec3(0, 2, 1) / 3.0) * 6 - 3) - 1, 0, 1);
-}
-
 void main() {
     const bool drawn = !kListed || gl_InstanceIndex < list[kListCount];
     const uint instance = kListed ? list[kFirstListed + gl_InstanceIndex] : gl_InstanceIndex;
     const uint joint = gl_VertexIndex / kLineVertices, first = instance * push.joint_count;
     const bool has_parent = joints[joint].parent < joint;
     const uint parent = has_parent ? joints[joint].parent : joint;
-    const Affine from = model_from_joint[first + joint], to = model_from_joint[first + parent],
-                 place = world_from_model[instance];
-    const vec3 from_model = vec3(from.row0.w, from.row1.w, from.row2.w),
-               to_model = vec3(to.row0.w, to.row1.w, to.row2.w);
-    const vec4 point = line_vertex(to_clip(affine_point(place, from_model)), to_clip(affine_point(place, to_model)),
-                                   gl_VertexIndex % kLineVertices, 0.012 * scene.ground.w);
+    const WorldLine line = bone_line(world_from_model[instance], model_from_joint[first + joint],
+                                     model_from_joint[first + parent], joints[joint].level, push.level_count);
+    const vec4 point = line_corner(line, line_corner_of(gl_VertexIndex % kLineVertices));
     gl_Position = drawn && has_parent ? point : vec4(2, 2, 0, 1);
-    out_color = level_color(joints[joint].level);
+    out_color = line.color;
 }

@@ -104,8 +104,12 @@ std::optional<std::invoke_result_t<Make>> or_white(TextureAccount& account, cons
 
 }  // namespace
 
+std::optional<Picture> decode_or_none(const AssetImage& image, TextureAccount& account) {
+    return or_white(account, [&] { return decode_image(image, account.room_bytes); });
+}
+
 std::optional<Image> make_texture(Uploads& uploads, const AssetImage& image, VkFormat format, TextureAccount& account) {
-    const std::optional<Picture> picture = or_white(account, [&] { return decode_image(image, account.room_bytes); });
+    const std::optional<Picture> picture = decode_or_none(image, account);
     if (!picture) return std::nullopt;
     uploads.make_room(picture->rgba.size());  // none of this texture's, where it fails
     return or_white(account, [&] { return upload_texture(uploads, "image '" + image.name + "'", *picture, format); });

@@ -31,6 +31,8 @@ struct TextureAccount {
     uint64_t room_bytes = kTexturesLimit_bytes;
 };
 
+// The decoded image; none, with a warning that it is drawn white, where it cannot be decoded or is too much.
+std::optional<Picture> decode_or_none(const AssetImage& image, TextureAccount& account);
 // The texture of an image; none, with a warning that it is drawn white, where it cannot be decoded or there is no room
 // for it. As upload_texture().
 std::optional<Image> make_texture(Uploads& uploads, const AssetImage& image, VkFormat format, TextureAccount& account);

@@ -65,6 +65,17 @@ T smoothstep(Scalar<T> from, Scalar<T> to, T x) {
     return t * t * (3 - 2 * t);
 }
 
+// As gpu/shader_types.h has them in GLSL.
+template <class T>
+int truncated(T x) {
+    return static_cast<int>(x);
+}
+template <class Yes, class No>
+std::common_type_t<Yes, No> choose(bool condition, const Yes& yes, const No& no) {
+    return condition ? std::common_type_t<Yes, No>(yes) : std::common_type_t<Yes, No>(no);
+}
+inline bool some(bool condition) { return condition; }
+
 // ---- Bits
 
 inline uint findLSB(uint bits) { return static_cast<uint>(std::countr_zero(bits)); }

@@ -98,6 +98,8 @@ void Gpu::make_native(const DeviceSettings& settings, const DeviceInfo& of) {
     info = of;
     properties = NativeDevice::properties();
     max_allocation_bytes = NativeDevice::memory_bytes();
+    memory_properties.memoryHeapCount = 1;
+    memory_properties.memoryHeaps[0].size = max_allocation_bytes;
     timestamp_valid_bits = 64;
 }
 
@@ -327,7 +329,6 @@ uint32_t Gpu::memory_type(uint32_t type_bits, VkMemoryPropertyFlags required, Vk
 }
 
 uint64_t Gpu::largest_heap_bytes() const {
-    if (is_native()) return NativeDevice::memory_bytes();
     uint64_t largest_bytes = 0;
     for (uint32_t heap = 0; heap < memory_properties.memoryHeapCount; ++heap)
         largest_bytes = std::max<uint64_t>(largest_bytes, memory_properties.memoryHeaps[heap].size);

@@ -2,35 +2,59 @@
 
 #include "base/failure.h"
 
+#include <mutex>
+
 namespace throng {
 
 // What kernels share. Does not keep the device: the device keeps it.
-struct CompiledKernel {
+class CompiledKernel {
+public:
     CompiledKernel(const Gpu& gpu, const KernelSettings& settings);
+
+    // Throws where the device or the shader does not allow the settings.
+    void check_settings(const Gpu& gpu, const KernelSettings& settings) const;
+    // Made when the kernel is where the device computes, and when first asked for where most updates are native, which
+    // need none. Thread-safe.
+    VkPipeline pipeline(const Gpu& gpu) const;
 
     SpirvInfo info;
     uint32_t workgroup_size = 0;
     ShaderLayout layout;
-    OwnedPipeline pipeline;
 
-    // Throws where the device or the shader does not allow the settings.
-    void check_settings(const Gpu& gpu, const KernelSettings& settings) const;
+private:
+    void make_pipeline(const Gpu& gpu) const;
+
+    ShaderCode code_;
+    std::vector<uint32_t> constants_;  // constant_id 0, 1, …
+    bool full_subgroups_ = false;
+    mutable std::once_flag pipeline_made_;
+    mutable OwnedPipeline pipeline_;
 };
 
 CompiledKernel::CompiledKernel(const Gpu& gpu, const KernelSettings& settings)
     : info(read_spirv(settings.spirv)),
-      workgroup_size(settings.workgroup_size != 0 ? settings.workgroup_size : info.local_size_x) {
+      workgroup_size(settings.workgroup_size != 0 ? settings.workgroup_size : info.local_size_x),
+      code_{VK_SHADER_STAGE_COMPUTE_BIT, settings.spirv},
+      constants_{workgroup_size},
+      full_subgroups_(settings.full_subgroups) {
     check_settings(gpu, settings);
-    const ShaderCode code{VK_SHADER_STAGE_COMPUTE_BIT, settings.spirv};
-    layout = ShaderLayout(gpu.unowned(), {&code, 1});
-    std::vector<uint32_t> constants{workgroup_size};
-    constants.insert(constants.end(), settings.constants.begin(), settings.constants.end());
-    const ShaderStage stage(gpu.unowned(), code, constants);
+    layout = ShaderLayout(gpu.unowned(), {&code_, 1});
+    constants_.insert(constants_.end(), settings.constants.begin(), settings.constants.end());
+    if (!gpu.native) pipeline(gpu);
+}
+
+VkPipeline CompiledKernel::pipeline(const Gpu& gpu) const {
+    std::call_once(pipeline_made_, [&] { make_pipeline(gpu); });
+    return pipeline_.get();
+}
+
+void CompiledKernel::make_pipeline(const Gpu& gpu) const {
+    const ShaderStage stage(gpu.unowned(), code_, constants_);
     VkComputePipelineCreateInfo create{
         .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO, .stage = stage.info(), .layout = layout.get()};
-    if (settings.full_subgroups && gpu.has_full_subgroups && workgroup_size % gpu.largest_subgroup == 0)
+    if (full_subgroups_ && gpu.has_full_subgroups && workgroup_size % gpu.largest_subgroup == 0)
         create.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
-    pipeline = {gpu.unowned(), gpu.make_pipeline(create)};
+    pipeline_ = {gpu.unowned(), gpu.make_pipeline(create)};
 }
 
 void CompiledKernel::check_settings(const Gpu& gpu, const KernelSettings& settings) const {
@@ -117,7 +141,7 @@ void Kernel::check_push(size_t expected_bytes, size_t push_bytes) const {
 void Kernel::prepare(VkCommandBuffer commands, const Bindings& bindings, const void* push, size_t push_bytes) const {
     check_push(compiled_->info.push_constant_bytes, push_bytes);
     const VkDescriptorSet set = bindings.set();
-    gpu_->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, compiled_->pipeline.get());
+    gpu_->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, compiled_->pipeline(*gpu_));
     gpu_->vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, compiled_->layout.get(), 0, 1, &set, 0,
                                      nullptr);
     gpu_->vk.vkCmdPushConstants(commands, compiled_->layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0,

@@ -5,11 +5,11 @@
 
 namespace throng {
 
-struct CompiledKernel;
+class CompiledKernel;
 
 struct KernelSettings {
-    std::string_view name;  // for messages
-    std::span<const uint32_t> spirv;
+    std::string_view name;                 // for messages
+    std::span<const uint32_t> spirv;       // static: a pipeline may be made of it later
     uint32_t workgroup_size = 0;           // constant_id 0; 0 where the shader fixes its own
     std::vector<uint32_t> constants = {};  // constant_id 1, 2, …
     bool full_subgroups = false;           // no idle invocations in them, where the device can promise it

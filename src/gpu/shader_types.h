@@ -14,7 +14,13 @@
 #define THRONG_IO_CONSTANT const uint
 #define INOUT(type) inout type
 #include "gpu/declare.glsl"
-#define Real float  // of texts that C++ computes in another one (gpu/glsl.h)
+// Texts that C++ computes in other types, some of many lanes (gpu/glsl.h), say these
+#define Real float
+#define Whole int
+#define Mask bool
+#define truncated(real) int(real)
+#define choose(condition, yes, no) ((condition) ? (yes) : (no))
+#define some(condition) (condition)  // in any lane
 const uint kNone = 0xFFFFFFFFu;  // as throng::kNone
 #endif
 

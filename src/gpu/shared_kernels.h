@@ -11,7 +11,7 @@
 
 namespace throng {
 
-struct CompiledKernel;  // gpu/kernel.cpp
+class CompiledKernel;  // gpu/kernel.cpp
 
 // Finds a pipeline that is in use by the code and the settings that it was made of. Thread-safe.
 class SharedKernels {

@@ -20,10 +20,7 @@ template <Decoded kWhat>
 INLINE void decode_layers(const KernelRig& rig, const KernelUpdate& update, const Group& group, uint32_t block,
                           DecodedBlock& out) {
     for (uint32_t c = 0; c < group.count; ++c)
-        for (uint32_t lane = 0; lane < kBlockJoints; lane += Lanes::kCount)
-            store_quad(
-                out, c, lane,
-                mix_parts<kWhat>(rig, group.parts + c * update.active_clip_limit, group.part_count[c], block, lane));
+        mix_parts<kWhat>(rig, group.parts + c * update.active_clip_limit, group.part_count[c], block, out, c);
 }
 
 // What lies on the animated poses.

@@ -48,6 +48,7 @@ INLINE V ratio(V to, V from) {
     return Lanes::select(has_none, one, to / Lanes::select(has_none, one, from));
 }
 
+// Of rotations, times both lengths.
 template <Decoded kWhat>
 INLINE Quad difference(const Quad& to, const Quad& from) {
     if (kWhat == Decoded::kRotations) {
@@ -62,10 +63,10 @@ INLINE Quad difference(const Quad& to, const Quad& from) {
 template <Decoded kWhat>
 INLINE Quad apply_layer(const Quad& layer, const Quad& below, V weight, bool is_additive) {
     if (kWhat == Decoded::kRotations) {
-        const Quad base = is_additive ? splat_identity(0, 1) : below;
-        const V rest = Lanes::flip_where_negative(Lanes::set(1) - weight, dot(layer, base));
-        const Quad part = unit(layer * weight + base * rest);
-        return is_additive ? multiply(part, below) : part;
+        const V rest = Lanes::flip_where_negative(Lanes::set(1) - weight, is_additive ? layer.w : dot(layer, below));
+        const Quad weighed = layer * weight;
+        if (!is_additive) return unit(weighed + below * rest);
+        return multiply(unit({weighed.x, weighed.y, weighed.z, weighed.w + rest}), below);
     }
     if (!is_additive) return mix(below, layer, weight);
     const Quad part = mix(kWhat == Decoded::kMotions ? splat_identity(0, 1) : splat_identity(1, 1), layer, weight);
@@ -73,47 +74,74 @@ INLINE Quad apply_layer(const Quad& layer, const Quad& below, V weight, bool is_
     return {below.x + part.x, below.y + part.y, below.z + part.z, below.w * part.w};
 }
 
+// The mean of a layer's rotations; `last` where they cancel out.
+INLINE Quad mean_of(const Quad& sum, const Quad& last) {
+    const V square = dot(sum, sum);
+    const Lanes::Mask is_cancelled = Lanes::less(square, Lanes::set(kCancelled));
+    if (!Lanes::any(is_cancelled)) [[likely]]
+        return sum * Lanes::inverse_sqrt(square);
+    const Quad mean = sum * Lanes::inverse_sqrt(Lanes::select(is_cancelled, Lanes::set(1), square)), other = unit(last);
+    return {Lanes::select(is_cancelled, other.x, mean.x), Lanes::select(is_cancelled, other.y, mean.y),
+            Lanes::select(is_cancelled, other.z, mean.z), Lanes::select(is_cancelled, other.w, mean.w)};
+}
+
+INLINE Quad load_quad(const float* of_first, size_t stride) {
+    return {Lanes::load(of_first), Lanes::load(of_first + stride), Lanes::load(of_first + 2 * stride),
+            Lanes::load(of_first + 3 * stride)};
+}
+
+// Clip by clip, so that what a clip decides is decided once a block.
 template <Decoded kWhat>
-INLINE Quad mix_parts(const KernelRig& rig, const Part* parts, uint32_t count, uint32_t block_index, uint32_t lane) {
+INLINE void mix_parts(const KernelRig& rig, const Part* parts, uint32_t count, uint32_t block_index, DecodedBlock& out,
+                      uint32_t character) {
+    constexpr bool kTurns = kWhat == Decoded::kRotations;
     const RowBlock& block = rig.blocks[block_index];
     const float* range = rig.ranges + size_t{block_index} * 8 * kBlockJoints;
-    Quad result = splat_identity(kWhat == Decoded::kScales ? 1 : 0, 1), sum = splat_identity(0, 0);
-    bool is_lowest = true;
+    alignas(64) float sums[4 * kBlockJoints];
+    bool is_lowest = true, begins = true;
     for (uint32_t i = 0; i < count; ++i) {
         const Part& part = parts[i];
         const bool is_additive = part.flags & io::kActiveClipAdditive, ends = part.flags & io::kActiveClipEndsLayer;
         const bool has_weight = part.layer_weight > 0 && (!part.mask || part.mask[rig.place_count + block_index] > 0);
-        if (is_lowest || has_weight) {
+        for (uint32_t lane = 0; (is_lowest || has_weight) && lane < kBlockJoints; lane += Lanes::kCount) {
             Quad pose = quad_between(part.rows, block, range, lane);
-            if (kWhat == Decoded::kRotations) pose = unit(pose);
+            V square = dot(pose, pose), weight = Lanes::set(part.weight);
             if (is_additive) {
-                Quad from = quad_between(part.reference, block, range, lane);
-                if (kWhat == Decoded::kRotations) from = unit(from);
+                const Quad from = quad_between(part.reference, block, range, lane);
+                if (kTurns) square = square * dot(from, from);
                 pose = difference<kWhat>(pose, from);
             }
-            V weight = Lanes::set(part.weight);
-            if (kWhat == Decoded::kRotations)
-                weight = Lanes::flip_where_negative(weight, is_additive ? pose.w : dot(pose, sum));
-            sum = sum + pose * weight;
-            if (ends) {
-                if (kWhat == Decoded::kRotations) {
-                    const V square = dot(sum, sum);
-                    const Lanes::Mask is_cancelled = Lanes::less(square, Lanes::set(kCancelled));
-                    const V one = Lanes::set(1);
-                    const Quad mean = sum * Lanes::inverse_sqrt(Lanes::select(is_cancelled, one, square));
-                    sum = {Lanes::select(is_cancelled, pose.x, mean.x), Lanes::select(is_cancelled, pose.y, mean.y),
-                           Lanes::select(is_cancelled, pose.z, mean.z), Lanes::select(is_cancelled, pose.w, mean.w)};
-                }
+            if (kTurns) {
+                weight = begins && ends ? Lanes::inverse_sqrt(square) : weight * Lanes::inverse_sqrt(square);
+                if (is_additive) weight = Lanes::flip_where_negative(weight, pose.w);
+            }
+            Quad sum;
+            if (begins) {
+                sum = pose * weight;
+            } else {
+                const Quad before = load_quad(sums + lane, kBlockJoints);
+                if (kTurns && !is_additive) weight = Lanes::flip_where_negative(weight, dot(pose, before));
+                sum = before + pose * weight;
+            }
+            if (!ends) {
+                Lanes::store(sums + lane, sum.x);
+                Lanes::store(sums + kBlockJoints + lane, sum.y);
+                Lanes::store(sums + 2 * kBlockJoints + lane, sum.z);
+                Lanes::store(sums + 3 * kBlockJoints + lane, sum.w);
+                continue;
+            }
+            if (kTurns && !begins) sum = mean_of(sum, pose);
+            if (!is_lowest) {  // which covers
                 V of_layer = Lanes::set(part.layer_weight);
                 if (part.mask) of_layer = of_layer * Lanes::load(part.mask + block_index * kBlockJoints + lane);
-                if (is_lowest) of_layer = Lanes::set(1);  // it covers
-                result = is_lowest && !is_additive ? sum : apply_layer<kWhat>(sum, result, of_layer, is_additive);
-                sum = splat_identity(0, 0);
+                const Quad below = load_quad(&out.of[0][character][lane], Lanes::kCount * kBlockJoints);
+                sum = apply_layer<kWhat>(sum, below, of_layer, is_additive);
             }
+            store_quad(out, character, lane, sum);
         }
         is_lowest = is_lowest && !ends;
+        begins = ends;
     }
-    return result;
 }
 
 }  // namespace

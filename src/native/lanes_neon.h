@@ -12,6 +12,7 @@ struct Lanes {
     using V = float32x4_t;
     using I = int16x8_t;
     using Mask = uint32x4_t;
+    using Words = int32_t __attribute__((vector_size(16)));
     static constexpr int kCount = 4;
 
     static V load(const float* p) { return vld1q_f32(p); }
@@ -32,6 +33,7 @@ struct Lanes {
         return vreinterpretq_f32_u32(veorq_u32(vreinterpretq_u32_f32(v), bit));
     }
     static Mask less(V a, V b) { return vcltq_f32(a, b); }
+    static bool any(Mask m) { return vmaxvq_u32(m) != 0; }
     static V select(Mask m, V yes, V no) { return vbslq_f32(m, yes, no); }
 
     // 16-bit words of two rows, each pair times a pair of weights.
@@ -59,6 +61,48 @@ struct Lanes {
         return vreinterpretq_f32_u32(vorrq_u32(half(low), vshlq_n_u32(half(high), 16)));
     }
     static void fence() {}
+
+    // Of the renderer (raster/lane_types.h)
+    static V load_any(const float* p) { return vld1q_f32(p); }
+    static void store_any(float* p, V v) { vst1q_f32(p, v); }
+    // As on x86: the second one where one of the two is NaN
+    static V min(V a, V b) { return select(less(a, b), a, b); }
+    static V max(V a, V b) { return select(less(b, a), a, b); }
+    static V floor(V v) { return vrndmq_f32(v); }
+    static V round(V v) { return vrndnq_f32(v); }
+    static V gather(const float* p, Words i) { return V{p[i[0]], p[i[1]], p[i[2]], p[i[3]]}; }
+    static void store_pairs(float* p, V x, V y) { vst2q_f32(p, {{x, y}}); }
+    static void gather_pairs(const float* p, const uint32_t* i, V& x, V& y) {
+        const auto two = [p](uint32_t a, uint32_t b) {
+            return vcombine_f32(vld1_f32(p + 2 * size_t{a}), vld1_f32(p + 2 * size_t{b}));
+        };
+        const V first = two(i[0], i[1]), second = two(i[2], i[3]);
+        x = vuzp1q_f32(first, second);
+        y = vuzp2q_f32(first, second);
+    }
+    // Four floats from each lane's place on, the first of each in a.
+    static void gather_fours(const float* p, Words at, V& a, V& b, V& c, V& d) {
+        alignas(64) int32_t i[kCount];
+        __builtin_memcpy(i, &at, sizeof i);
+        a = vld1q_f32(p + i[0]);
+        b = vld1q_f32(p + i[1]);
+        c = vld1q_f32(p + i[2]);
+        d = vld1q_f32(p + i[3]);
+        transpose(a, b, c, d);
+    }
+    static Mask less_equal(V a, V b) { return vcleq_f32(a, b); }
+    static Mask equal(V a, V b) { return vceqq_f32(a, b); }
+    static Mask less(Words a, Words b) { return reinterpret_cast<Mask>(a < b); }
+    static Mask equal(Words a, Words b) { return reinterpret_cast<Mask>(a == b); }
+    static Mask both(Mask a, Mask b) { return vandq_u32(a, b); }
+    static Mask either(Mask a, Mask b) { return vorrq_u32(a, b); }
+    static Mask none_of(Mask a) { return vmvnq_u32(a); }
+    static uint32_t bits(Mask m) { return vaddvq_u32(vandq_u32(m, Mask{1, 2, 4, 8})); }
+    static Mask mask_of(uint32_t bits) { return vtstq_u32(vdupq_n_u32(bits), Mask{1, 2, 4, 8}); }
+    // Those of the mask, one after another.
+    static void compress(float* p, Mask m, V v) {
+        for (uint32_t rest = bits(m); rest != 0; rest &= rest - 1) *p++ = v[__builtin_ctz(rest)];
+    }
 };
 
 }  // namespace

@@ -12,6 +12,7 @@ struct Lanes {
     using V = __m128;
     using I = __m128i;
     using Mask = __m128;
+    using Words = int32_t __attribute__((vector_size(16)));
     static constexpr int kCount = 4;
 
     static V load(const float* p) { return _mm_load_ps(p); }
@@ -28,6 +29,7 @@ struct Lanes {
     static V sqrt(V x) { return _mm_sqrt_ps(x); }
     static V flip_where_negative(V v, V sign) { return _mm_xor_ps(v, _mm_and_ps(sign, set(-0.0f))); }
     static Mask less(V a, V b) { return _mm_cmplt_ps(a, b); }
+    static bool any(Mask m) { return _mm_movemask_ps(m) != 0; }
     static V select(Mask m, V yes, V no) { return _mm_or_ps(_mm_and_ps(m, yes), _mm_andnot_ps(m, no)); }
 
     // 16-bit words of two rows, each pair times a pair of weights.
@@ -65,6 +67,60 @@ struct Lanes {
     }
     static V halves(V low, V high) { return _mm_castsi128_ps(_mm_or_si128(half(low), _mm_slli_epi32(half(high), 16))); }
     static void fence() { _mm_sfence(); }
+
+    // Of the renderer (raster/lane_types.h)
+    static V load_any(const float* p) { return _mm_loadu_ps(p); }
+    static void store_any(float* p, V v) { _mm_storeu_ps(p, v); }
+    static V min(V a, V b) { return _mm_min_ps(a, b); }
+    static V max(V a, V b) { return _mm_max_ps(a, b); }
+    // Of what 32 bits hold; what is larger has no fraction, but for its sign.
+    static V whole(V v, V rounded) { return select(less(_mm_andnot_ps(set(-0.0f), v), set(0x1p23f)), rounded, v); }
+    static V floor(V v) {
+        const V cut = _mm_cvtepi32_ps(_mm_cvttps_epi32(v));
+        return whole(v, cut - _mm_and_ps(_mm_cmpgt_ps(cut, v), set(1)));
+    }
+    static V round(V v) { return whole(v, _mm_cvtepi32_ps(_mm_cvtps_epi32(v))); }
+    static V gather(const float* p, Words i) { return V{p[i[0]], p[i[1]], p[i[2]], p[i[3]]}; }
+    static void store_pairs(float* p, V x, V y) {
+        store(p, _mm_unpacklo_ps(x, y));
+        store(p + 4, _mm_unpackhi_ps(x, y));
+    }
+    static void gather_pairs(const float* p, const uint32_t* i, V& x, V& y) {
+        const auto two = [p](uint32_t a, uint32_t b) {
+            const auto pair = [p](uint32_t of) { return p + 2 * size_t{of}; };
+            const __m128i low = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(pair(a)));
+            return _mm_loadh_pi(_mm_castsi128_ps(low), reinterpret_cast<const __m64*>(pair(b)));
+        };
+        const V first = two(i[0], i[1]), second = two(i[2], i[3]);
+        x = _mm_shuffle_ps(first, second, _MM_SHUFFLE(2, 0, 2, 0));
+        y = _mm_shuffle_ps(first, second, _MM_SHUFFLE(3, 1, 3, 1));
+    }
+    // Four floats from each lane's place on, the first of each in a.
+    static void gather_fours(const float* p, Words at, V& a, V& b, V& c, V& d) {
+        alignas(64) int32_t i[kCount];
+        __builtin_memcpy(i, &at, sizeof i);
+        a = _mm_loadu_ps(p + i[0]);
+        b = _mm_loadu_ps(p + i[1]);
+        c = _mm_loadu_ps(p + i[2]);
+        d = _mm_loadu_ps(p + i[3]);
+        transpose(a, b, c, d);
+    }
+    static Mask less_equal(V a, V b) { return _mm_cmple_ps(a, b); }
+    static Mask equal(V a, V b) { return _mm_cmpeq_ps(a, b); }
+    static Mask less(Words a, Words b) { return reinterpret_cast<Mask>(a < b); }
+    static Mask equal(Words a, Words b) { return reinterpret_cast<Mask>(a == b); }
+    static Mask both(Mask a, Mask b) { return _mm_and_ps(a, b); }
+    static Mask either(Mask a, Mask b) { return _mm_or_ps(a, b); }
+    static Mask none_of(Mask a) { return reinterpret_cast<Mask>(~reinterpret_cast<Words>(a)); }
+    static uint32_t bits(Mask m) { return static_cast<uint32_t>(_mm_movemask_ps(m)); }
+    static Mask mask_of(uint32_t bits) {
+        const Words bit{1, 2, 4, 8};
+        return reinterpret_cast<Mask>((static_cast<int32_t>(bits) & bit) != 0);
+    }
+    // Those of the mask, one after another.
+    static void compress(float* p, Mask m, V v) {
+        for (uint32_t rest = bits(m); rest != 0; rest &= rest - 1) *p++ = v[__builtin_ctz(rest)];
+    }
 };
 
 }  // namespace

@@ -26,6 +26,8 @@ struct NativeRigSettings {
     std::vector<uint32_t> sockets{};  // joints
     bool sockets_only = false;        // nothing else is written, and no joint walked that none of them hangs on
     bool all_move = false;            // poses may be set, in which any joint may be anywhere
+
+    bool operator==(const NativeRigSettings&) const = default;
 };
 
 class NativeRig {

@@ -113,17 +113,28 @@ private:
             const auto reader = [&](TrackTarget target) { return TrackReader(character_, c, joint.joint, target); };
             const TrackReader rotation = reader(TrackTarget::kRotation),
                               translation = reader(TrackTarget::kTranslation), scale = reader(TrackTarget::kScale);
+            const bool moves = translation.varies() || scale.varies(), turns = rotation.varies();
             const Four* before = &rest;
+            bool is_first = true;
             for (const RowCursor& row : times_[c].rows) {
-                Four q = rotation_of(quaternion_of(rotation.between(row)));
-                if (dot(q, *before) < 0)
-                    for (double& component : q) component = -component;
-                const Vec3<double> s = vector_of(scale.between(row));
-                values.rotation.push_back(q);
-                values.motion.push_back(motion_row(
-                    joint, {.translation = vector_of(translation.between(row)), .scale = s}, settings_.uniform_scale));
-                values.scales.push_back({s.x, s.y, s.z, 1});
+                if (is_first || turns) {
+                    Four q = rotation_of(quaternion_of(rotation.between(row)));
+                    if (dot(q, *before) < 0)
+                        for (double& component : q) component = -component;
+                    values.rotation.push_back(q);
+                } else {
+                    values.rotation.push_back(Four(values.rotation.back()));
+                }
+                if (is_first || moves) {
+                    const Vec3<double> s = vector_of(scale.between(row)), t = vector_of(translation.between(row));
+                    values.motion.push_back(motion_row(joint, {.translation = t, .scale = s}, settings_.uniform_scale));
+                    values.scales.push_back({s.x, s.y, s.z, 1});
+                } else {
+                    values.motion.push_back(Four(values.motion.back()));
+                    values.scales.push_back(Four(values.scales.back()));
+                }
                 before = &values.rotation.back();
+                is_first = false;
             }
         }
         return values;
@@ -191,8 +202,10 @@ private:
         check_size(size);
         rows_.bytes = aligned_bytes(size);
         std::memset(rows_.bytes.get(), 0, size);
-        for (size_t row = 0; row < rows_.row_count; ++row)  // what no joint has turns nothing
-            for (uint32_t place = 0; place < rows_.place_count(); ++place) put(row, place, ranges_[place].middle);
+        // What no joint has turns nothing: words of 0 are the middle
+        for (uint32_t place = 0; place < rows_.place_count(); ++place)
+            for (size_t row = 0; rows_.blocks[place / kBlockJoints].is_float && row < rows_.row_count; ++row)
+                put(row, place, ranges_[place].middle);
     }
 
     void put(size_t row, uint32_t place, const Four& value) {

@@ -122,6 +122,7 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
         {"--seed", {"2", "seed 1, not 2"}},
         {"--scan", {"serial", "scan"}},
         {"--path", {"fused", "path 0, not 1"}},
+        {"--renderer", {"vulkan", "renderer 0, not 2"}},
         {"--error", {"exact", "error"}},
         {"--size", {"32x36", "size"}},
         {"--time", {"2", "time 0.0, not 2.0"}},

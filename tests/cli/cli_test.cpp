@@ -1,5 +1,6 @@
 // The command line as a user meets it: what it prints, what it writes, and one clear line for whatever is wrong.
 #include "tests/png.h"
+#include "tests/psnr.h"
 #include "tests/text.h"
 #include "tests/tool_runner.h"
 
@@ -178,7 +179,10 @@ TEST_F(Cli, InfoAndReferencePoseNeedNoGpu) {
     const Outcome cpu = run_tool("pose creature.glb --device cpu", no_driver),
                   picture = run_tool("render creature.glb --out crowd.png", no_driver);
     EXPECT_TRUE(cpu.refused("driver")) << cpu;
-    EXPECT_TRUE(picture.refused("draws nothing")) << picture;
+    EXPECT_TRUE(picture.succeeded()) << picture;
+    EXPECT_TRUE(contains(picture.out, "renderer native")) << picture;
+    const Outcome vulkan = run_tool("render creature.glb --renderer vulkan --out crowd.png", no_driver);
+    EXPECT_TRUE(vulkan.refused("needs Vulkan")) << vulkan;
 }
 
 TEST_F(Cli, PoseHasItsDocumentedShape) {
@@ -280,6 +284,21 @@ TEST_F(Cli, RenderWritesAPictureOfTheAskedSize) {
 
     // Fewer characters than files.
     const Outcome one = succeed("render creature.glb creature.glb --size 64x64 --out one.png");
+}
+
+TEST_F(Cli, BothRenderersDrawThePicture) {
+    const auto picture = [&](const std::string& device, const std::string& renderer) {
+        const Outcome run = succeed("render creature.glb --count 30 --size 320x200 --json --out of.png --device " +
+                                    device + " --renderer " + renderer);
+        EXPECT_EQ(Json::parse(run.out)["renderer"], renderer);
+        EXPECT_GT(Json::parse(run.out)["stages_ms"]["skin+draw"], 0);
+        const Png png = read_png("of.png");
+        return Picture{320, 200, png.rgba};
+    };
+    const Picture native = picture("native", "native");
+    EXPECT_EQ(picture("cpu", "native").rgba, native.rgba);
+    EXPECT_GT(psnr(picture("cpu", "vulkan"), native), 45);
+    EXPECT_TRUE(run_tool("render creature.glb --out of.png --device native --renderer vulkan").refused("needs Vulkan"));
 }
 
 TEST_F(Cli, GenerateIsExactAndDeterministic) {
@@ -435,21 +454,50 @@ TEST_F(Cli, BenchScanHasARecordForEachMethodAndCase) {
 }
 
 TEST_F(Cli, BenchCpuChecksAndTimesEachInstructionSet) {
-    const Outcome run = succeed("bench cpu --characters 40 --joints 40 --levels 8 --threads 1 --samples 2 --json",
+    const Outcome run = succeed("bench cpu --characters 40 --joints 40 --levels 8 --threads 2,1 --samples 2 --json",
                                 kOfCommit);
     size_t timed = 0;
     for (const Json& record : records_of(run.out)) {
         EXPECT_EQ(record["bench"], "cpu");
         EXPECT_EQ(record["commit"], "abc1234");
         EXPECT_FALSE(record.contains("wrong"));
+        EXPECT_GT(record["wall_ms"]["p5"], 0);
+        EXPECT_EQ(record.contains("times_one_thread"), record["threads"] == 2);
         if (record["variant"] == "fill") continue;
         EXPECT_LT(record["max_error"], 1e-4);
         EXPECT_GT(record["times_fill_floor"], 0);
         ++timed;
     }
-    EXPECT_GE(timed, 4u);
+    EXPECT_GE(timed, 8u);
     const std::string help = run_tool("bench cpu --help").out;
     EXPECT_TRUE(contains(help, "Examples:\n  throng bench cpu")) << help;
+}
+
+TEST_F(Cli, BenchDrawComparesPicturesAndTimesThem) {
+    const std::string command = "bench draw creature.glb --count 9 --size 160x90 --samples 1 --threads 2,1";
+    const Outcome text = succeed(command);
+    const Outcome run = succeed(command + " --against-vulkan --json", kOfCommit);
+    size_t native = 0, vulkan = 0;
+    for (const Json& record : records_of(run.out)) {
+        const bool is_native = record["renderer"] == "native";
+        std::set<std::string> wanted = set_of(
+            "bench configuration renderer variant size samples_per_pixel characters drawn vertices triangles samples "
+            "ms "
+            "mtriangles_per_s msamples_per_s device driver subgroup_size commit date");
+        if (is_native) wanted.merge(set_of("threads parts times_faster"));
+        if (record.contains("alike_db")) wanted.insert("alike_db");
+        EXPECT_EQ(keys(record), wanted) << record;
+        EXPECT_EQ(record["commit"], "abc1234");
+        EXPECT_EQ(record["drawn"], 9);
+        if (!is_native) {
+            EXPECT_GT(record["alike_db"], 45);
+        }
+        ++(is_native ? native : vulkan);
+    }
+    EXPECT_GE(native, 2u);
+    EXPECT_EQ(vulkan, 1u);
+    EXPECT_TRUE(contains(text.out, "9 x creature.glb, 160x90")) << text;
+    EXPECT_TRUE(run_tool("bench draw --count 0").refused("--count"));
 }
 
 TEST_F(Cli, BenchFrameHasARecordForEachVariantOfEachConfiguration) {
@@ -641,6 +689,8 @@ TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
         {"bench scan creature.glb", "creature.glb"},
         {"bench cpu --isa mmx", "--isa"},
         {"bench cpu --threads 0", "--threads"},
+        {"bench draw --isa mmx", "--isa"},
+        {"bench draw creature.glb --size 0x9", "0x9"},
         {"bench frame --count 0", "--count"},
         {"bench frame --samples 0", "--samples"},
         {"bench frame --error 0", "--error"},

@@ -1,5 +1,5 @@
-// Updates a crowd on a device, and prints what kind it is, whether the crowd moves, and whether the process has loaded
-// Vulkan.
+// Updates and draws a crowd on a device, and prints what kind it is, whether the crowd moves, whether the picture shows
+// it, and whether the process has loaded Vulkan.
 //   without_vulkan creature.glb [DeviceSettings::select]
 #include <throng/throng.h>
 
@@ -39,7 +39,11 @@ int main(int argc, char** argv) {
     need(crowd.update(0));
     const std::vector<Affine> before = need(crowd.read_skin_matrices(1));
     need(crowd.update(0.2f));
-    std::printf("%s, %s, %s\n", device.info().type.c_str(),
+    Renderer renderer = need(Renderer::create(device, {.width = 64, .height = 48}));
+    const Camera camera = fit_camera(world_bounds(crowd), 4.0f / 3);
+    const Picture all = need(renderer.render(crowd, camera)).picture,
+                  none = need(renderer.render(crowd, {.eye = camera.target, .target = camera.eye})).picture;
+    std::printf("%s, %s, %s, %s\n", device.info().type.c_str(),
                 need(crowd.read_skin_matrices(1)) != before ? "moves" : "stands still",
-                has_loaded("libvulkan.so") ? "Vulkan" : "no Vulkan");
+                all.rgba != none.rgba ? "is seen" : "is not seen", has_loaded("libvulkan.so") ? "Vulkan" : "no Vulkan");
 }

@@ -20,16 +20,16 @@ protected:
     }
 };
 
-TEST_F(WithoutVulkan, TheNativeDeviceWorks) {
+TEST_F(WithoutVulkan, TheNativeDeviceUpdatesAndDraws) {
     const Outcome run = run_tool({file("creature.glb"), "native"}, no_loader());
     EXPECT_TRUE(run.succeeded()) << run;
-    EXPECT_EQ(run.out, "native, moves, no Vulkan\n");
+    EXPECT_EQ(run.out, "native, moves, is seen, no Vulkan\n");
 }
 
 TEST_F(WithoutVulkan, TheNativeDeviceIsChosen) {
     const Outcome run = run_tool({file("creature.glb")}, no_loader());
     EXPECT_TRUE(run.succeeded()) << run;
-    EXPECT_EQ(run.out, "native, moves, no Vulkan\n");
+    EXPECT_EQ(run.out, "native, moves, is seen, no Vulkan\n");
 }
 
 TEST_F(WithoutVulkan, AnotherDeviceIsRefused) {
@@ -42,8 +42,8 @@ TEST_F(WithoutVulkan, AnotherDeviceIsRefused) {
 TEST_F(WithoutVulkan, TheNativeDeviceDoesNotLoadIt) {
     const Outcome native = run_tool({file("creature.glb"), "native"}, {.program = THRONG_WITHOUT_VULKAN}),
                   software = run_tool({file("creature.glb"), "cpu"}, {.program = THRONG_WITHOUT_VULKAN});
-    EXPECT_EQ(native.out, "native, moves, no Vulkan\n") << native;
-    EXPECT_EQ(software.out, "cpu, moves, Vulkan\n") << software;
+    EXPECT_EQ(native.out, "native, moves, is seen, no Vulkan\n") << native;
+    EXPECT_EQ(software.out, "cpu, moves, is seen, Vulkan\n") << software;
 }
 
 }  // namespace

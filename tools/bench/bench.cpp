@@ -158,6 +158,7 @@ void add_bench(Command app) {
     add_bench_cpu(command);
     add_bench_control(command);
     add_bench_view(command);
+    add_bench_draw(command);
     add_bench_scan(command);
     add_bench_baselines(command);
     add_bench_report(command);

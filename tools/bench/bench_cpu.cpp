@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
-#include <thread>
 
 namespace throng::tools {
 namespace {
@@ -34,24 +33,6 @@ constexpr std::array kGenerated{Generated{},
                                 Generated{100'000, 64, 15},
                                 Generated{1'000, 1'000, 60}};
 
-std::string lower_case(std::string_view text) {
-    std::string lower(text);
-    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return lower;
-}
-
-std::vector<NativeIsa> chosen_isas(const CpuOptions& options) {
-    std::vector<NativeIsa> isas;
-    std::string known;
-    for (const NativeIsa isa : native_isas()) {
-        const std::string name = lower_case(name_of(isa));
-        known += (known.empty() ? "" : ", ") + name;
-        if (options.isa == "all" || options.isa == name) isas.insert(isas.begin(), isa);
-    }
-    if (isas.empty()) throw CommandError("--isa: this machine has no '" + options.isa + "', but " + known);
-    return isas;
-}
-
 void print_row(const Json& record) {
     std::printf("%-8s %7.0f  %-20s ", text(record, "isa").c_str(), real(record, "threads"),
                 text(record, "variant").c_str());
@@ -60,7 +41,12 @@ void print_row(const Json& record) {
                            {" %9.3f", "ms/p5"},
                            {" -%8.3f", "ms/p95"},
                            {" %9.2f", "ns_per_joint"},
-                           {" %8.1f", "gb_per_s"}});
+                           {" %8.1f", "gb_per_s"},
+                           {" %9.3f", "wall_ms/p5"}});
+    if (record.contains("times_one_thread"))
+        print_columns(record, {{" %6.2f", "times_one_thread"}});
+    else
+        std::printf("%7s", "");
     if (record.contains("times_fill_floor"))
         print_columns(record,
                       {{" %7.2f", "times_fill_floor"}, {" %7.0f %%", "decode_share", 100}, {"  %.1e", "max_error"}});
@@ -70,10 +56,10 @@ void print_row(const Json& record) {
 void print_table(std::span<const Json> records) {
     const Json& first = records.front();
     std::printf(
-        "\n%s on %s; %.0f updates, 48-byte matrices; rates at the 5th percentile\n%-8s %7s  %-20s %9s %19s %9s %8s %7s "
-        "%9s  %s\n",
+        "\n%s on %s; %.0f updates, 48-byte matrices; processor time, and on the wall; rates at the 5th percentile\n"
+        "%-8s %7s  %-20s %9s %19s %9s %8s %9s %6s %7s %9s  %s\n",
         text(first, "configuration").c_str(), text(first, "device").c_str(), real(first, "samples"), "isa", "threads",
-        "variant", "ms", "5 % - 95 %", "ns/joint", "GB/s", "x fill", "decode", "error");
+        "variant", "ms", "5 % - 95 %", "ns/joint", "GB/s", "wall ms", "x one", "x fill", "decode", "error");
     for (const Json& record : records) print_row(record);
 }
 
@@ -82,7 +68,7 @@ bench::CpuCase make_case(const CpuOptions& options, std::string configuration, u
     bench::CpuCase of{.configuration = std::move(configuration),
                       .characters = characters,
                       .variants = {},
-                      .isas = chosen_isas(options),
+                      .isas = chosen_isas(options.isa),
                       .threads = options.threads,
                       .samples = options.samples,
                       .seed = options.seed};
@@ -123,11 +109,8 @@ void run_file(const CpuOptions& options, const std::string& file, Measured& meas
 }
 
 void run_cpu(CpuOptions options) {
-    chosen_isas(options);
-    if (options.threads.empty()) {
-        options.threads = {std::max(1u, std::thread::hardware_concurrency())};
-        if (options.threads[0] > 1) options.threads.push_back(1);
-    }
+    chosen_isas(options.isa);
+    options.threads = or_all_and_one(options.threads);
     Measured measured(options.json);
     if (!options.files.empty()) {
         for (const std::string& file : options.files) run_file(options, file, measured);
@@ -159,10 +142,8 @@ void add_bench_cpu(Command bench) {
     command.add_option("--clips", options->clips, "clips that each character plays")
         .check(is_member({"1", "2", "all"}))
         .capture_default_str();
-    command.add_option("--threads", options->threads, "numbers of threads, comma-separated (default: all, and one)")
-        .delimiter(',')
-        .check(range(1u, 1024u));
-    command.add_option("--isa", options->isa, "instruction set: sse2, avx2, avx-512, neon").capture_default_str();
+    add_threads_option(command, options->threads);
+    add_isa_option(command, options->isa);
     add_samples_option(command, options->samples);
     command.add_option("--seed", options->seed, "of creatures, clips, times and blends").capture_default_str();
     add_json_flag(command, options->json);

@@ -6,7 +6,9 @@
 #include "tools/cli/command.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
+#include <thread>
 
 namespace throng::tools {
 
@@ -25,6 +27,35 @@ void add_json_file_option(Command command, std::string& file) {
 
 void add_report_option(Command command, std::string& file) {
     command.add_option("--report", file, "a file for the report, one HTML page").check(writable_file());
+}
+
+void add_isa_option(Command command, std::string& isa) {
+    command.add_option("--isa", isa, "instruction set: sse2, avx2, avx-512, neon").capture_default_str();
+}
+
+std::vector<NativeIsa> chosen_isas(const std::string& isa) {
+    std::vector<NativeIsa> chosen;
+    std::string known;
+    for (const NativeIsa one : native_isas()) {
+        std::string name(name_of(one));
+        std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+        known += (known.empty() ? "" : ", ") + name;
+        if (isa == "all" || isa == name) chosen.insert(chosen.begin(), one);
+    }
+    if (chosen.empty()) throw CommandError("--isa: this machine has no '" + isa + "', but " + known);
+    return chosen;
+}
+
+void add_threads_option(Command command, std::vector<uint32_t>& threads) {
+    command.add_option("--threads", threads, "numbers of threads, comma-separated (default: all, and one)")
+        .delimiter(',')
+        .check(range(1u, 1024u));
+}
+
+std::vector<uint32_t> or_all_and_one(std::vector<uint32_t> threads) {
+    if (!threads.empty()) return threads;
+    const uint32_t all = std::max(1u, std::thread::hardware_concurrency());
+    return all > 1 ? std::vector{all, 1u} : std::vector{1u};
 }
 
 void write_text(const std::string& path, const std::string& text) { write_file(path, std::as_bytes(std::span(text))); }

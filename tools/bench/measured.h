@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bench/report/records.h"
+#include "native/native.h"
 #include "tools/cli/options.h"
 
 #include <nlohmann/json.hpp>
@@ -20,6 +21,13 @@ void add_json_file_option(Command command, std::string& file);
 void add_report_option(Command command, std::string& file);
 
 void write_text(const std::string& path, const std::string& text);
+
+// --isa: an instruction set, or "all". Throws CommandError where this machine does not have it; else the fastest first.
+void add_isa_option(Command command, std::string& isa);
+std::vector<NativeIsa> chosen_isas(const std::string& isa);
+// --threads, and what it is where none are given.
+void add_threads_option(Command command, std::vector<uint32_t>& threads);
+std::vector<uint32_t> or_all_and_one(std::vector<uint32_t> threads);
 
 // Where --report needs gnuplot and it is missing, that is said before the minutes of work.
 void check_report(const std::string& file);

@@ -160,6 +160,15 @@ std::string path_name(const GroupPath& path) {
     return std::string(path.is_native ? "native, " : "") + (path.is_fused ? "fused" : "staged");
 }
 
+void add_renderer_option(Command command, DrawPath& path) {
+    command.add_choice<DrawPath>(
+        "--renderer", path, {{"auto", DrawPath::kAuto}, {"native", DrawPath::kNative}, {"vulkan", DrawPath::kDevice}},
+        "vulkan: the device draws; native: this machine's processor, on native and software devices; auto: native "
+        "there, else vulkan");
+}
+
+std::string renderer_name(bool is_native) { return is_native ? "native" : "vulkan"; }
+
 void add_scan_option(Command command, std::string& scan) {
     command.add_option("--scan", scan, "method of the Hierarchy-Scan, and its invocations a character")
         .check(scan_name({"auto"}))

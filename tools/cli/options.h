@@ -4,6 +4,7 @@
 
 #include <throng/character.h>
 #include <throng/crowd.h>
+#include <throng/draw.h>
 
 #include <cstdint>
 #include <functional>
@@ -136,6 +137,10 @@ void add_scan_option(Command command, std::string& scan);
 // --path; the value that `path` has is the default.
 void add_path_option(Command command, UpdatePath& path);
 std::string path_name(const GroupPath& path);  // "native, fused"
+
+// --renderer; the value that `path` has is the default.
+void add_renderer_option(Command command, DrawPath& path);
+std::string renderer_name(bool is_native);  // as that option takes it
 
 // --error: PERCENT of the character's size, or 'exact'. Refused with a compiled file, which has its own.
 void add_error_option(Command command, CompileSettings& settings);

@@ -81,6 +81,7 @@ nlohmann::json settings_of(const RenderOptions& options) {
             {"steer", scene.steer},
             {"scan", scene.scan},
             {"path", static_cast<int>(scene.path)},
+            {"renderer", static_cast<int>(options.renderer)},
             {"error", scene.compile.error},
             {"camera", options.camera.path},
             {"eye", options.camera.eye},
@@ -108,6 +109,7 @@ nlohmann::json updates_of(const Crowd& crowd, size_t file_count) {
 struct Film {
     std::vector<FrameTimes> frames;  // that were drawn
     std::vector<uint32_t> drawn;     // in the last of them, of each level of detail
+    bool is_drawn_natively = false;
 };
 
 std::string duration_text(double seconds) {
@@ -121,6 +123,7 @@ Film draw_frames(const Device& device, const RenderOptions& options, const FilmP
                  const std::vector<uint32_t>& frames, nlohmann::json settings) {
     Shot shot(device, options);
     settings["updates"] = updates_of(shot.crowd(), options.scene.files.size());
+    settings["drawn by"] = renderer_name(shot.is_drawn_natively());
     if (plan.is_film) fs::create_directory(plan.folder);
     plan.files.keep_settings(settings);
     Film film;
@@ -141,6 +144,7 @@ Film draw_frames(const Device& device, const RenderOptions& options, const FilmP
                        " left");
     }
     film.drawn = shot.count_drawn();
+    film.is_drawn_natively = shot.is_drawn_natively();
     print_progress("");
     return film;
 }
@@ -154,11 +158,13 @@ void print_film(const RenderOptions& options, const std::string& device, const F
                            {"frames", asked},
                            {"rendered", rendered},
                            {"kept", asked - rendered},
+                           {"renderer", rendered > 0 ? renderer_name(film.is_drawn_natively) : ""},
                            {"drawn", film.drawn},
                            {"stages_ms", to_json(times)}});
     std::printf("%s: %zu frames, %zu of them new\n", options.out.c_str(), asked, rendered);
     if (rendered == 0) return;
-    std::printf("  medians of a frame on %s:\n", device.c_str());
+    std::printf("  medians of a frame on %s, renderer %s:\n", device.c_str(),
+                renderer_name(film.is_drawn_natively).c_str());
     print_times(times);
     std::printf("  the last:\n");
     print_drawn(film.drawn);

@@ -1,4 +1,4 @@
-// What frames took on the GPU, as commands that draw print it.
+// What frames took, on the GPU or on the processor that does its work, as commands that draw print it.
 #pragma once
 
 #include "tools/cli/command.h"

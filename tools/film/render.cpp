@@ -16,6 +16,7 @@ namespace {
 void print_times(const RenderOptions& options, const Device& device, Shot& shot) {
     const std::string scan = shot.crowd().path(0)->scan.method;
     const std::string path = path_name(*shot.crowd().path(0));
+    const std::string renderer = renderer_name(shot.is_drawn_natively());
     const uint32_t count = shot.crowd().instance_count();
     if (options.json)
         return print_json({{"out", options.out},
@@ -25,9 +26,10 @@ void print_times(const RenderOptions& options, const Device& device, Shot& shot)
                            {"drawn", shot.count_drawn()},
                            {"scan", scan},
                            {"path", path},
+                           {"renderer", renderer},
                            {"stages_ms", to_json(shot.times())}});
-    std::printf("%s: %u characters on %s, %s, scan by %s\n", options.out.c_str(), count, device.info().name.c_str(),
-                path.c_str(), scan.c_str());
+    std::printf("%s: %u characters on %s, %s, scan by %s, renderer %s\n", options.out.c_str(), count,
+                device.info().name.c_str(), path.c_str(), scan.c_str(), renderer.c_str());
     print_drawn(shot.count_drawn());
     print_times(shot.times());
 }
@@ -77,6 +79,7 @@ void add_render(Command app) {
                    "of an interrupted run are kept (those of an .mp4 in a folder .mp4.frames, "
                    "until the film is there)");
     add_device_option(command, options.device);
+    add_renderer_option(command, options.renderer);
     Option lod = command
                      .add_option(
                          "--lod-pixels", options.lod_pixels,
@@ -92,8 +95,10 @@ void add_render(Command app) {
                                                   {"dual-quaternion", SkinBlend::kDualQuaternion}};
     command.add_choice("--skinning", options.skin_blend, blends,
                        "linear, or dual-quaternion: joints that twist keep their girth");
-    command.add_flag("--skin-once", options.skins_once,
-                     "skin vertices once a frame, in compute, not once for the shadows and once for the picture");
+    command.add_flag(
+        "--skin-once", options.skins_once,
+        "skin vertices once a frame, in compute, not once for the shadows and once for the picture (the native "
+        "renderer does that once anyway)");
     command.add_flag("--skeletons", options.skeletons,
                      "a line from each joint to its parent, over everything, coloured by level");
     command.add_flag("--bounds", options.bounds, "the boxes that culling goes by");

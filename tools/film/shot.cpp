@@ -17,13 +17,19 @@ CrowdSettings crowd_settings(const RenderOptions& options) {
             .skins_once = options.skins_once};
 }
 
+RendererSettings renderer_settings(const RenderOptions& options) {
+    RendererSettings settings = parse_size(options.size);
+    settings.path = options.renderer;
+    return settings;
+}
+
 }  // namespace
 
 Shot::Shot(const Device& device, const RenderOptions& options)
-    : size_(parse_size(options.size)),
+    : settings_(renderer_settings(options)),
       path_(make_camera_path(options.camera)),
       scene_(device, options.scene, crowd_settings(options)),
-      renderer_(unwrap(Renderer::create(device, size_))),
+      renderer_(unwrap(Renderer::create(device, settings_))),
       culls_(!options.everything),
       follows_(path_.follows() && scene_.may_move()) {
     unwrap(renderer_.set_options(
@@ -39,8 +45,8 @@ void Shot::skip(double step_s) {
 
 RenderResult Shot::draw(double step_s, double time_s) {
     if (follows_) scene_.step_unseen(static_cast<float>(std::exchange(step_s, 0)));
-    const Camera camera = path_.at(time_s,
-                                   scene_.subject(static_cast<float>(size_.width) / static_cast<float>(size_.height)));
+    const Camera camera = path_.at(
+        time_s, scene_.subject(static_cast<float>(settings_.width) / static_cast<float>(settings_.height)));
     RenderResult result;
     scene_.step(static_cast<float>(step_s),
                 [&](float part_s) { result = unwrap(renderer_.render_frame(scene_.crowd(), part_s, camera)); });

@@ -20,6 +20,7 @@ struct RenderOptions {
     double fps = 30;
     float lod_pixels = 1;
     SkinBlend skin_blend = SkinBlend::kLinear;
+    DrawPath renderer = DrawPath::kAuto;
     bool skins_once = false, everything = false, skeletons = false, bounds = false, json = false;
 };
 
@@ -32,12 +33,13 @@ public:
     void skip(double step_s);
 
     const Crowd& crowd() const { return scene_.crowd(); }
+    bool is_drawn_natively() const { return renderer_.is_native(); }
     // By the last draw(): of each level of detail, the finest first; of a crowd that does not cull, all.
     std::vector<uint32_t> count_drawn();
     FrameTimes times() const;  // of the last draw()
 
 private:
-    RendererSettings size_;
+    RendererSettings settings_;
     CameraPath path_;
     CrowdScene scene_;
     Renderer renderer_;

@@ -55,10 +55,10 @@ void draw_bars(const History& history, ImVec2 from, ImVec2 to) {
     }
 }
 
-void draw_legend(const FrameTimes& mean) {
+void draw_legend(const char* processor, const FrameTimes& mean) {
     const float side = ImGui::GetFontSize() * 0.6f;
     ImDrawList& list = *ImGui::GetWindowDrawList();
-    ImGui::TextDisabled("GPU");
+    ImGui::TextDisabled("%s", processor);
     ImGui::SameLine();
     ImGui::Text("%.2f ms", double{sum(mean)});
     for (size_t i = 0; i < kTimedCount; ++i) {
@@ -80,7 +80,7 @@ void draw_graph(const Measured& measured) {
     ImGui::SetNextWindowPos({left, display.y - gap - height});
     ImGui::SetNextWindowSize({display.x - left - gap, height});
     ImGui::Begin("graph", nullptr, kFixedPanel | ImGuiWindowFlags_NoScrollbar);
-    draw_legend(measured.history.mean());
+    draw_legend(measured.is_software ? "CPU" : "GPU", measured.history.mean());
     const ImVec2 from = ImGui::GetCursorScreenPos(), room = ImGui::GetContentRegionAvail();
     draw_bars(measured.history, {from.x, from.y + scaled(8)},
               {from.x + room.x - scaled(58), from.y + room.y - scaled(4)});

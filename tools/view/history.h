@@ -1,4 +1,4 @@
-// GPU times of the last frames, for the graph.
+// What the last frames took, for the graph.
 #pragma once
 
 #include <throng/crowd.h>

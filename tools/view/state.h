@@ -54,6 +54,7 @@ struct State {
 // What is known about the last frames.
 struct Measured {
     std::string device;
+    bool is_software = false;  // its device is the processor
     History history;
     float frame_ms = 0;                      // from one picture to the next
     std::vector<uint32_t> drawn;             // of each level of detail

@@ -23,6 +23,7 @@ void add_view(Command app) {
     add_camera_options(command, options->camera);
     command.add_option("--size", *size, "of the window").capture_default_str();
     add_device_option(command, options->device);
+    add_renderer_option(command, options->size.path);
     command.add_option("--after", options->frames, "end after so many frames, of 1/60 s each however long they take")
         .check(range(1u, 1'000'000u));
     command
@@ -35,7 +36,9 @@ void add_view(Command app) {
         "Examples:\n  throng view fox.glb\n  throng view fox.glb knight.glb --count 1000\n  throng view fox.glb "
         "--after 60 --screenshot fox.png");
     command.callback([options, size] {
-        options->size = parse_size(*size);
+        const RendererSettings parsed = parse_size(*size);
+        options->size.width = parsed.width;
+        options->size.height = parsed.height;
         check_size(options->size);
         view::Viewer(*options).run();
     });

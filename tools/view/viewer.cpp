@@ -94,6 +94,7 @@ Viewer::Viewer(const ViewOptions& options)
     state_.drawing = renderer_.options();
     state_.drawing.full_rate_pixels = 100;
     measured_.device = device_.info().name;
+    measured_.is_software = device_.info().type == "cpu";
     const tools::CameraPath path = tools::make_camera_path(options.camera);
     if (!options.camera.eye.empty()) {
         state_.orbit.reset(path.at(0, {}));

@@ -1,0 +1,197 @@
+#include "bench/draw_bench.h"
+
+#include "bench/value_of.h"
+#include "draw/native_renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <optional>
+
+namespace throng::bench {
+namespace {
+
+// Peak signal to noise, of 8-bit pictures: 45 dB is a step of 1.4 of 255 everywhere, or one of 20 in 0.5 % of pixels.
+constexpr double kLeastAlike_db = 45;
+
+double alike_db(const Picture& a, const Picture& b) {
+    double sum = 0;
+    for (size_t i = 0; i < a.rgba.size(); ++i) {
+        const double off = static_cast<double>(a.rgba[i]) - static_cast<double>(b.rgba[i]);
+        sum += off * off;
+    }
+    // Alpha is the same everywhere, and is none
+    const double mean = sum / (static_cast<double>(a.rgba.size()) * 0.75);
+    return mean > 0 ? 10 * std::log10(255 * 255 / mean) : std::numeric_limits<double>::infinity();
+}
+
+// A crowd on a device of its own.
+struct Stage {
+    std::optional<Device> device;
+    std::optional<Crowd> crowd;
+    std::string unsupported_reason;
+};
+
+struct Entrant {
+    std::string renderer, isa;
+    uint32_t threads = 0;
+    Stage* stage = nullptr;
+    std::unique_ptr<RendererState> native;
+    std::optional<Renderer> vulkan;
+    Picture picture;
+    double alike_db = 0;
+    bool is_wrong = false;
+    NativeTimes last;
+    std::vector<double> all_ms, list_ms, skin_ms, shadow_ms, picture_ms, resolve_ms;
+
+    Picture draw(const Camera& camera, double& ms) {
+        RenderResult result = vulkan ? value_of(vulkan->render(*stage->crowd, camera))
+                                     : native->render(*stage->crowd, camera);
+        if (native) last = static_cast<NativeRenderer&>(*native).times();
+        ms = result.draw_ms;
+        return std::move(result.picture);
+    }
+    void sample(const Camera& camera) {
+        double ms = 0;
+        draw(camera, ms);
+        all_ms.push_back(ms);
+        list_ms.push_back(last.list_ms);
+        skin_ms.push_back(last.skin_ms);
+        shadow_ms.push_back(last.shadow_ms);
+        picture_ms.push_back(last.picture_ms);
+        resolve_ms.push_back(last.resolve_ms);
+    }
+};
+
+class DrawMeasurement {
+public:
+    explicit DrawMeasurement(const DrawCase& drawn) : drawn_(drawn) {}
+
+    void check(const Progress& progress) {
+        stages_.resize(drawn_.threads.size() + 1);
+        for (size_t i = 0; i < drawn_.threads.size(); ++i) {
+            progress(drawn_.configuration + ": making the crowd");
+            Stage& stage = stages_[i];
+            stage.device = value_of(Device::create({.select = "native", .threads = drawn_.threads[i]}));
+            stage.crowd = drawn_.make_crowd(*stage.device);
+            if (!camera_) camera_ = drawn_.camera_of(*stage.crowd);
+            for (const NativeIsa isa : drawn_.isas) {
+                Entrant& entrant = add("native", stage);
+                entrant.isa = name_of(isa);
+                entrant.threads = drawn_.threads[i];
+                entrant.native = std::make_unique<NativeRenderer>(stage.device->gpu(), drawn_.picture, isa);
+                compare(entrant, progress);
+            }
+        }
+        if (drawn_.against_vulkan) add_vulkan(progress);
+    }
+
+    void time(uint32_t samples, const Progress& progress) {
+        std::vector<Contestant> contestants;
+        for (Entrant& entrant : entrants_)
+            if ((entrant.native || entrant.vulkan) && !entrant.is_wrong)
+                contestants.push_back(
+                    {drawn_.configuration + ": " + entrant.renderer, [&] { entrant.sample(*camera_); }});
+        constexpr double kBudget_s = 60;
+        run_rounds(contestants, Sampling{.samples = samples, .least_samples = 3}, kBudget_s, progress);
+    }
+
+    std::vector<Json> records() const {
+        std::vector<Json> records;
+        for (const Entrant& entrant : entrants_) records.push_back(record_of(entrant));
+        return records;
+    }
+
+private:
+    Entrant& add(const char* renderer, Stage& stage) {
+        Entrant& entrant = entrants_.emplace_back();
+        entrant.renderer = renderer;
+        entrant.stage = &stage;
+        return entrant;
+    }
+
+    void add_vulkan(const Progress& progress) {
+        Stage& stage = stages_.back();
+        Entrant& entrant = add("vulkan", stage);
+        const Result<Device> device = Device::create({.select = "llvmpipe"});
+        RendererSettings settings = drawn_.picture;
+        settings.path = DrawPath::kDevice;
+        if (!device) {
+            stage.unsupported_reason = device.error().text();
+            return;
+        }
+        stage.device = *device;
+        stage.crowd = drawn_.make_crowd(*stage.device);
+        entrant.vulkan = value_of(Renderer::create(*stage.device, settings));
+        compare(entrant, progress);
+    }
+
+    // With the first picture: that of the same instruction set has the same bytes, all others are alike.
+    void compare(Entrant& entrant, const Progress& progress) {
+        progress(drawn_.configuration + ": checking " + entrant.renderer + " " + entrant.isa);
+        double ms = 0;
+        entrant.picture = entrant.draw(*camera_, ms);
+        for (const Entrant& before : entrants_)
+            if (&before != &entrant && before.isa == entrant.isa && before.picture.rgba != entrant.picture.rgba)
+                entrant.is_wrong = true;
+        entrant.alike_db = alike_db(entrant.picture, entrants_.front().picture);
+        if (!(entrant.alike_db >= kLeastAlike_db)) entrant.is_wrong = true;
+    }
+
+    Json record_of(const Entrant& entrant) const {
+        Json record = where_and_when(entrant.stage->device ? entrant.stage->device->info()
+                                                           : stages_.front().device->info());
+        const RendererSettings& picture = drawn_.picture;
+        record.update({{"bench", "draw"},
+                       {"configuration", drawn_.configuration},
+                       {"renderer", entrant.renderer},
+                       {"variant", entrant.native ? entrant.isa : entrant.renderer},
+                       {"size", std::to_string(picture.width) + "x" + std::to_string(picture.height)},
+                       {"samples_per_pixel", picture.samples}});
+        if (entrant.threads > 0) record["threads"] = entrant.threads;
+        if (!entrant.stage->unsupported_reason.empty()) {
+            record["unsupported_reason"] = entrant.stage->unsupported_reason;
+            return record;
+        }
+        const NativeTimes& of = entrants_.front().last;
+        record.update({{"characters", entrant.stage->crowd->instance_count()},
+                       {"drawn", of.instances},
+                       {"vertices", of.vertices},
+                       {"triangles", of.triangles}});
+        if (std::isfinite(entrant.alike_db)) record["alike_db"] = entrant.alike_db;
+        if (entrant.is_wrong) record["wrong"] = true;
+        if (entrant.all_ms.empty()) return record;
+        const Spread all = spread_of(entrant.all_ms);
+        record["samples"] = entrant.all_ms.size();
+        record["ms"] = spread_json(all);
+        if (entrant.native)
+            record["parts"] = {{"list", spread_of(entrant.list_ms).median},
+                               {"skin", spread_of(entrant.skin_ms).median},
+                               {"shadow map", spread_of(entrant.shadow_ms).median},
+                               {"picture", spread_of(entrant.picture_ms).median},
+                               {"resolve", spread_of(entrant.resolve_ms).median}};
+        const double samples = static_cast<double>(uint64_t{picture.width} * picture.height * picture.samples);
+        record["mtriangles_per_s"] = static_cast<double>(of.triangles) / all.median * 1e-3;
+        record["msamples_per_s"] = samples / all.median * 1e-3;
+        if (const Entrant& vulkan = entrants_.back(); vulkan.vulkan && !vulkan.all_ms.empty() && entrant.native)
+            record["times_faster"] = spread_of(vulkan.all_ms).median / all.median;
+        return record;
+    }
+
+    const DrawCase& drawn_;
+    std::vector<Stage> stages_;
+    std::deque<Entrant> entrants_;  // stay where they are
+    std::optional<Camera> camera_;
+};
+
+}  // namespace
+
+std::vector<Json> measure_draw(const DrawCase& drawn, uint32_t samples, const Progress& progress) {
+    DrawMeasurement measurement(drawn);
+    measurement.check(progress);
+    measurement.time(samples, progress);
+    return measurement.records();
+}
+
+}  // namespace throng::bench

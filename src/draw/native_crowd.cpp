@@ -1,0 +1,62 @@
+#include "draw/native_crowd.h"
+
+#include "draw/joint_levels.h"
+#include <algorithm>
+
+namespace throng {
+namespace {
+
+raster::Material to_raster(const TexturedMaterial<raster::OwnedTexture>& material) {
+    const AssetMaterial& f = material.factors;
+    raster::Material to{.metallic = f.metallic,
+                        .roughness = f.roughness,
+                        .normal_scale = f.normal_image == kNone ? 0 : f.normal_scale,
+                        .occlusion_strength = f.occlusion_image == kNone ? 0 : f.occlusion_strength,
+                        .alpha_cutoff = material.alpha_cutoff,
+                        .is_masked = material.masked,
+                        .is_double_sided = f.double_sided,
+                        .has_maps = material.has_maps};
+    std::ranges::copy(f.base_color, to.base_color);
+    std::ranges::copy(f.emissive, to.emissive);
+    const std::array maps{&to.base_color_map, &to.metallic_roughness_map, &to.normal_map, &to.occlusion_map,
+                          &to.emissive_map};
+    for (size_t i = 0; i < maps.size(); ++i)
+        if (material.textures[i]) *maps[i] = &material.textures[i]->texture();
+    return to;
+}
+
+std::vector<raster::Material> to_raster(const TexturedMaterials<raster::OwnedTexture>& materials) {
+    std::vector<raster::Material> all;
+    for (const auto& material : materials.all()) all.push_back(to_raster(material));
+    return all;
+}
+
+std::vector<const raster::Material*> of_sections(const Group& group,
+                                                 const TexturedMaterials<raster::OwnedTexture>& textured,
+                                                 const std::vector<raster::Material>& materials) {
+    std::vector<const raster::Material*> all;
+    for (const MeshSection& section : group.sections) all.push_back(&materials[textured.index_of(section)]);
+    return all;
+}
+
+}  // namespace
+
+NativeGroup::NativeGroup(const CrowdState& crowd, const Group& group, TextureAccount& account)
+    : joint_levels_(levels_of(group.parents)),
+      textured_(group,
+                [&](const AssetImage& image, bool is_color) -> std::optional<raster::OwnedTexture> {
+                    const std::optional<Picture> picture = decode_or_none(image, account);
+                    if (!picture) return std::nullopt;
+                    return raster::OwnedTexture(*picture,
+                                                is_color ? raster::TexelKind::kColor : raster::TexelKind::kNumbers);
+                }),
+      materials_(to_raster(textured_)),
+      mesh_(group, crowd.cull ? 1 + static_cast<uint32_t>(group.lods.size()) : 1,
+            of_sections(group, textured_, materials_)) {}
+
+NativeCrowd::NativeCrowd(const CrowdState& crowd) {
+    TextureAccount account{warnings};
+    for (const Group& group : crowd.groups) groups.emplace_back(crowd, group, account);
+}
+
+}  // namespace throng

@@ -1,0 +1,323 @@
+#include "draw/native_frame.h"
+
+#include "base/failure.h"
+#include "draw/native_lines.h"
+#include "draw/native_vertices.h"
+#include "draw/scene.h"
+#include "draw/shadow_map.h"
+#include "raster/kernels.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <limits>
+
+namespace throng {
+namespace {
+
+constexpr uint32_t kMostPixels = 16'384;  // along one side: the kernels count subpixels in 24 bits
+constexpr VkExtent2D kPictureTile{480, 270}, kMapTile{1024, 1024};
+constexpr uint32_t kRowsOfJob = 8, kVerticesOfJob = 1 << 14, kLinedOfJob = 256;
+constexpr uint64_t kIdCount = uint64_t{1} << 32;
+
+static_assert(sizeof(raster::Scene) == sizeof(io::DrawScene));
+
+uint64_t rounded_up(uint64_t count, uint64_t to) { return (count + to - 1) / to * to; }
+
+// Milliseconds since the last call.
+class Clock {
+public:
+    double lap_ms() {
+        const auto now = std::chrono::steady_clock::now();
+        return std::chrono::duration<double, std::milli>(now - std::exchange(last_, now)).count();
+    }
+
+private:
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+std::vector<uint8_t> srgb_of_linear() {
+    std::vector<uint8_t> all;
+    for (uint32_t i = 0; i <= raster::kSrgbSteps; ++i) {
+        const double linear = static_cast<double>(i) / raster::kSrgbSteps;
+        const double encoded = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+        all.push_back(static_cast<uint8_t>(std::lround(255 * encoded)));
+    }
+    return all;
+}
+
+const VkExtent2D& checked(const VkExtent2D& extent) {
+    if (extent.width == 0 || extent.height == 0)
+        throw Failure(ErrorCode::kInvalidArgument, "picture", "it has no pixels");
+    if (extent.width > kMostPixels || extent.height > kMostPixels)
+        throw Failure(ErrorCode::kLimit, "picture",
+                      std::to_string(extent.width) + " x " + std::to_string(extent.height) + " exceeds the " +
+                          std::to_string(kMostPixels) + " pixels that a native picture has at most, each way");
+    return extent;
+}
+
+}  // namespace
+
+NativeFrame::NativeFrame(std::shared_ptr<Gpu> gpu, VkExtent2D extent, uint32_t samples, NativeIsa isa)
+    : gpu_(std::move(gpu)), extent_(checked(extent)), kernel_(raster::kernel_of(isa)), srgb_(srgb_of_linear()) {
+    frame_.width = extent.width;
+    frame_.height = extent.height;
+    frame_.sample_count = samples;
+    frame_.map_size = shadow_map_size(extent);
+    map_ = NativeMemory(uint64_t{frame_.map_size} * frame_.map_size * sizeof(float));
+    samples_ = NativeMemory(uint64_t{extent.width} * extent.height * samples * sizeof(uint64_t));
+    frame_.map = reinterpret_cast<float*>(map_.bytes());
+    frame_.samples = reinterpret_cast<uint64_t*>(samples_.bytes());
+    frame_.srgb = srgb_.data();
+}
+
+void NativeFrame::draw(const CrowdState& crowd, const NativeCrowd& native, const Camera& camera,
+                       const DrawOptions& options, uint8_t* rgba) {
+    Clock clock;
+    times_ = {};
+    scene_ = make_scene(crowd, camera, extent_, frame_.map_size, options);
+    std::memcpy(&frame_.scene, &scene_, sizeof scene_);
+    frame_.rgba = rgba;
+    list(crowd, native, options);
+    times_.list_ms = clock.lap_ms();
+    skin(crowd, native);
+    sort_by_distance();
+    times_.skin_ms = clock.lap_ms();
+    if (options.shadows) draw_tiles({frame_.map_size, frame_.map_size}, kMapTile, map_is_clear_, kernel_.draw_map);
+    times_.shadow_ms = clock.lap_ms();
+    draw_tiles(extent_, kPictureTile, picture_is_clear_, kernel_.draw_picture);
+    times_.picture_ms = clock.lap_ms();
+    resolve();
+    times_.resolve_ms = clock.lap_ms();
+}
+
+void NativeFrame::list(const CrowdState& crowd, const NativeCrowd& native, const DrawOptions& options) {
+    NativeView view(scene_, options.shadows);
+    drawn_.resize(crowd.batches.size());
+    draws_.clear();
+    posed_.clear();
+    uint64_t next_id = 0;
+    for (uint32_t b = 0; b < crowd.batches.size(); ++b) {
+        const Batch& batch = crowd.batches[b];
+        list_instances(batch, drawn_[b].list);
+        view.keep_seen(crowd.groups[batch.group], batch, *gpu_->native, drawn_[b].list);
+        add_draws(crowd, native, b, next_id);
+    }
+    add_lines(crowd, native, options);
+    give_ids(next_id);
+    give_memory();
+    divide(crowd, native);
+}
+
+// Section by section, level by level, instance by instance, as the device draws them.
+void NativeFrame::add_draws(const CrowdState& crowd, const NativeCrowd& native, uint32_t b, uint64_t& next_id) {
+    const Batch& batch = crowd.batches[b];
+    const NativeMesh& mesh = native.groups[batch.group].mesh();
+    const auto* const placements = reinterpret_cast<const Affine*>(batch[io::kPlacementsBuffer].mapped());
+    Drawn& drawn = drawn_[b];
+    const NativeList& list = drawn.list;
+    drawn.first_draws.assign(mesh.lod_count() * mesh.section_count(), kNone);
+    for (size_t s = 0; s < mesh.section_count(); ++s)
+        for (uint32_t lod = 0; lod < mesh.lod_count(); ++lod) {
+            const NativeSection* const section = mesh.at(lod, s);
+            if (!section) continue;
+            drawn.first_draws[lod * mesh.section_count() + s] = static_cast<uint32_t>(draws_.size());
+            for (uint32_t place = list.begins[lod]; place < list.begins[lod + 1]; ++place) {
+                draws_.push_back({.section = &section->section,
+                                  .first_id = static_cast<uint32_t>(next_id),
+                                  .is_mirrored = determinant(placements[list.instances[place]]) < 0});
+                next_id += rounded_up(section->section.triangle_count, raster::kIdBlock);
+            }
+        }
+    for (uint32_t lod = 0; lod < mesh.lod_count(); ++lod)
+        for (uint32_t place = list.begins[lod]; place < list.begins[lod + 1]; ++place)
+            posed_.push_back({.batch = b, .lod = lod, .place = place});
+}
+
+void NativeFrame::add_lines(const CrowdState& crowd, const NativeCrowd& native, const DrawOptions& options) {
+    lines_.clear();
+    const auto add = [&](const auto& add_of_instance) {
+        NativeList list;
+        for (const Batch& batch : crowd.batches) {
+            list_instances(batch, list);
+            const auto count = static_cast<uint32_t>(list.instances.size());
+            std::vector<std::vector<raster::Line>> parts((count + kLinedOfJob - 1) / kLinedOfJob);
+            for_each_job(gpu_->native->jobs(), static_cast<uint32_t>(parts.size()), [&](uint32_t part) {
+                for (uint32_t i = part * kLinedOfJob; i < std::min((part + 1) * kLinedOfJob, count); ++i)
+                    add_of_instance(PosedInstance{crowd.groups[batch.group], batch, list.instances[i]}, parts[part]);
+            });
+            for (const auto& part : parts) lines_.insert(lines_.end(), part.begin(), part.end());
+        }
+    };
+    if (options.bounds)
+        add([&](const PosedInstance& of, std::vector<raster::Line>& lines) {
+            add_box_lines(scene_, of.placement(), {of.group.posed_min, of.group.posed_max}, lines);
+        });
+    frame_.depth_tested_count = static_cast<uint32_t>(lines_.size());
+    if (options.skeletons)
+        add([&](const PosedInstance& of, std::vector<raster::Line>& lines) {
+            add_skeleton_lines(scene_, of.placement(), native.groups[of.batch.group].joint_levels(),
+                               of.group.level_count,
+                               reinterpret_cast<const Affine*>(of.batch[io::kModelBuffer].mapped()) +
+                                   size_t{of.instance} * of.group.joint_count,
+                               lines);
+        });
+    // The last one lies over all others
+    std::reverse(lines_.begin() + frame_.depth_tested_count, lines_.end());
+    frame_.lines = lines_.data();
+    frame_.line_count = static_cast<uint32_t>(lines_.size());
+}
+
+void NativeFrame::give_ids(uint64_t id_count) {
+    const uint64_t needed = id_count + 2 * uint64_t{lines_.size()};
+    if (needed >= kIdCount)
+        throw Failure(
+            ErrorCode::kLimit, "render",
+            std::to_string(needed) + " triangles; a native picture numbers at most " + std::to_string(kIdCount - 1));
+    frame_.first_line_id = static_cast<uint32_t>(id_count);
+    draw_of_ids_.clear();
+    for (uint32_t draw = 0; draw < draws_.size(); ++draw) {
+        const uint64_t end = draw + 1 < draws_.size() ? draws_[draw + 1].first_id : id_count;
+        draw_of_ids_.insert(draw_of_ids_.end(), (end - draws_[draw].first_id) / raster::kIdBlock, draw);
+        times_.triangles += draws_[draw].section->triangle_count;
+    }
+    frame_.draws = draws_.data();
+    frame_.draw_count = static_cast<uint32_t>(draws_.size());
+    frame_.draw_of_ids = draw_of_ids_.data();
+}
+
+void NativeFrame::give_memory() {
+    frame_.most_vertices = 0;
+    uint64_t block_count = 0;
+    for (const raster::Draw& draw : draws_) {
+        frame_.most_vertices = std::max(frame_.most_vertices, draw.section->vertex_count);
+        times_.vertices += draw.section->vertex_count;
+        block_count += rounded_up(draw.section->vertex_count, raster::kBlock) / raster::kBlock;
+    }
+    const uint64_t needed_bytes = block_count * raster::kBlockFloats * sizeof(float);
+    if (needed_bytes > NativeDevice::memory_bytes())
+        throw Failure(ErrorCode::kLimit, "render",
+                      std::to_string(needed_bytes >> 20) + " MiB of skinned vertices exceed this machine's memory of " +
+                          std::to_string(NativeDevice::memory_bytes() >> 20) + " MiB");
+    if (needed_bytes > vertices_bytes_) {
+        vertices_bytes_ = 0;
+        vertices_ = NativeMemory();
+        vertices_ = NativeMemory(needed_bytes + needed_bytes / 4);
+        vertices_bytes_ = needed_bytes + needed_bytes / 4;
+    }
+    auto* next = reinterpret_cast<float*>(vertices_.bytes());
+    for (raster::Draw& draw : draws_) {
+        draw.vertices = next;
+        next += rounded_up(draw.section->vertex_count, raster::kBlock) / raster::kBlock * raster::kBlockFloats;
+    }
+}
+
+// Into jobs of about equal work.
+void NativeFrame::divide(const CrowdState& crowd, const NativeCrowd& native) {
+    jobs_.clear();
+    uint32_t first = 0;
+    uint64_t vertex_count = 0;
+    for (uint32_t i = 0; i < posed_.size(); ++i) {
+        vertex_count += native.groups[crowd.batches[posed_[i].batch].group].mesh().vertex_count(posed_[i].lod);
+        if (vertex_count < kVerticesOfJob && i + 1 < posed_.size()) continue;
+        jobs_.push_back({first, i + 1});
+        first = i + 1;
+        vertex_count = 0;
+    }
+    times_.instances = posed_.size();
+}
+
+void NativeFrame::skin(const CrowdState& crowd, const NativeCrowd& native) {
+    for_each_job(gpu_->native->jobs(), static_cast<uint32_t>(jobs_.size()), [&](uint32_t job) {
+        scratch_.with([&](NativeScratch& scratch) {
+            for (uint32_t i = jobs_[job].first; i < jobs_[job].end; ++i)
+                skin_instance(crowd, native, posed_[i], scratch);
+        });
+    });
+}
+
+void NativeFrame::skin_instance(const CrowdState& crowd, const NativeCrowd& native, const Posed& posed,
+                                NativeScratch& scratch) {
+    const Batch& batch = crowd.batches[posed.batch];
+    const Group& group = crowd.groups[batch.group];
+    const NativeMesh& mesh = native.groups[batch.group].mesh();
+    const Drawn& drawn = drawn_[posed.batch];
+    const PosedInstance of{group, batch, drawn.list.instances[posed.place]};
+    const bool is_linear = crowd.skin_blend == SkinBlend::kLinear, is_morphed = !crowd.skins_once && of.is_morphed();
+    const std::span<const uint32_t> entries = mesh.entries(posed.lod);
+
+    float* columns = nullptr;
+    std::byte* similarities = nullptr;
+    if (!crowd.skins_once && is_linear) {
+        const float* matrices = reinterpret_cast<const float*>(of.skin(crowd.skin_format));
+        if (crowd.skin_format != SkinFormat::kAffine || entries.size() < group.palette_count) {
+            auto* const unpacked = scratch.items<Affine>(NativeScratch::kMatrices, entries.size());
+            unpack_skin_matrices(crowd.skin_format, of, entries, unpacked);
+            matrices = unpacked->row[0].data();
+        }
+        columns = scratch.items<float>(NativeScratch::kColumns, 16 * entries.size());
+        kernel_.place(of.placement().row[0].data(), matrices, static_cast<uint32_t>(entries.size()), columns);
+    } else if (!crowd.skins_once) {
+        similarities = scratch.bytes(NativeScratch::kMatrices, size_t{group.palette_count} * kSimilarity_bytes);
+        unpack_similarities(crowd.skin_format, of, similarities);
+    }
+    for (size_t s = 0; s < mesh.section_count(); ++s) {
+        const NativeSection* const section = mesh.at(posed.lod, s);
+        if (!section) continue;
+        const uint32_t first_draw = drawn.first_draws[posed.lod * mesh.section_count() + s];
+        raster::Draw& draw = draws_[first_draw + posed.place - drawn.list.begins[posed.lod]];
+        const size_t float_count = whole_blocks(section->section.vertex_count) * kBindFloats;
+        const float* bind = section->section.bind;
+        if (is_morphed && !section->moved.empty()) {
+            auto* const morphed = scratch.items<float>(NativeScratch::kBind, float_count);
+            morph_vertices(of, *section, morphed);
+            bind = morphed;
+        }
+        if (columns) {
+            kernel_.skin(frame_, columns, bind, draw);
+            continue;
+        }
+        auto* const world = scratch.items<float>(NativeScratch::kWorld, float_count);
+        if (crowd.skins_once)
+            place_skinned(of, *section, world);
+        else
+            blend_dual_quaternions(of, *section, similarities, bind, world);
+        kernel_.keep(frame_, world, draw);
+    }
+}
+
+void NativeFrame::sort_by_distance() {
+    distances_.clear();
+    for (uint32_t draw = 0; draw < draws_.size(); ++draw)
+        distances_.push_back(uint64_t{~std::bit_cast<uint32_t>(draws_[draw].nearest)} << 32 | draw);
+    std::ranges::sort(distances_);
+    nearest_first_.clear();
+    for (const uint64_t distance : distances_) nearest_first_.push_back(static_cast<uint32_t>(distance));
+    frame_.nearest_first = nearest_first_.data();
+}
+
+template <class Draw>
+void NativeFrame::draw_tiles(VkExtent2D of, VkExtent2D tile, std::vector<uint8_t>& are_clear, const Draw& draw) {
+    const uint32_t columns = (of.width + tile.width - 1) / tile.width,
+                   rows = (of.height + tile.height - 1) / tile.height;
+    are_clear.resize(columns * rows, 1);
+    for_each_job(gpu_->native->jobs(), columns * rows, [&](uint32_t i) {
+        const uint32_t x = i % columns * tile.width, y = i / columns * tile.height;
+        const raster::Tile part{x, y, std::min(x + tile.width, of.width), std::min(y + tile.height, of.height)};
+        scratch_.with([&](NativeScratch& scratch) {
+            std::byte* const bytes = scratch.bytes(NativeScratch::kKernel, kernel_.scratch_bytes(frame_));
+            are_clear[i] = draw(frame_, part, are_clear[i] != 0, bytes);
+        });
+    });
+}
+
+void NativeFrame::resolve() {
+    for_each_job(gpu_->native->jobs(), (frame_.height + kRowsOfJob - 1) / kRowsOfJob, [&](uint32_t i) {
+        scratch_.with([&](NativeScratch& scratch) {
+            kernel_.resolve(frame_, i * kRowsOfJob, std::min((i + 1) * kRowsOfJob, frame_.height),
+                            scratch.bytes(NativeScratch::kKernel, kernel_.scratch_bytes(frame_)));
+        });
+    });
+}
+
+}  // namespace throng

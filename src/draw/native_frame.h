@@ -1,0 +1,82 @@
+// A picture of a crowd by this machine's processor (src/raster).
+#pragma once
+
+#include "draw/native_crowd.h"
+#include "draw/native_list.h"
+#include "draw/native_scratch.h"
+#include "native/native.h"
+
+#include <throng/draw.h>
+
+namespace throng {
+
+// What the last picture took, and of what.
+struct NativeTimes {
+    double list_ms = 0, skin_ms = 0, shadow_ms = 0, picture_ms = 0, resolve_ms = 0;
+    uint64_t instances = 0, vertices = 0, triangles = 0;  // that were skinned
+    double total_ms() const { return list_ms + skin_ms + shadow_ms + picture_ms + resolve_ms; }
+};
+
+// Memory of pictures of one size, kept from one to the next. Results do not depend on the number of threads.
+class NativeFrame {
+public:
+    // `samples`: 1 or 4.
+    NativeFrame(std::shared_ptr<Gpu> gpu, VkExtent2D extent, uint32_t samples, NativeIsa isa);
+
+    const VkExtent2D& extent() const { return extent_; }
+    // `rgba`: [height][width][4]. Nothing of the queue that writes the crowd's buffers may be under way.
+    void draw(const CrowdState& crowd, const NativeCrowd& native, const Camera& camera, const DrawOptions& options,
+              uint8_t* rgba);
+    const NativeTimes& times() const { return times_; }
+
+private:
+    // An instance that is drawn.
+    struct Posed {
+        uint32_t batch = 0;
+        uint32_t lod = 0;
+        uint32_t place = 0;  // in the batch's list, which is that among the draws of a section
+    };
+    struct Drawn {  // of a batch
+        NativeList list;
+        std::vector<uint32_t> first_draws;  // [lod][section], of the list's first instance
+    };
+    struct Job {
+        uint32_t first = 0, end = 0;  // of posed_
+    };
+
+    void list(const CrowdState& crowd, const NativeCrowd& native, const DrawOptions& options);
+    void add_draws(const CrowdState& crowd, const NativeCrowd& native, uint32_t batch, uint64_t& next_id);
+    void give_ids(uint64_t id_count);
+    void give_memory();
+    void divide(const CrowdState& crowd, const NativeCrowd& native);
+    void add_lines(const CrowdState& crowd, const NativeCrowd& native, const DrawOptions& options);
+    void skin(const CrowdState& crowd, const NativeCrowd& native);
+    void skin_instance(const CrowdState& crowd, const NativeCrowd& native, const Posed& posed, NativeScratch& scratch);
+    void sort_by_distance();
+    // `are_clear`: [tile], what is known of them from the last picture; at first they are.
+    template <class Draw>
+    void draw_tiles(VkExtent2D of, VkExtent2D tile, std::vector<uint8_t>& are_clear, const Draw& draw);
+    void resolve();
+
+    std::shared_ptr<Gpu> gpu_;
+    VkExtent2D extent_;
+    const raster::Kernel& kernel_;
+    NativeMemory map_, samples_, vertices_;
+    uint64_t vertices_bytes_ = 0;                           // of vertices_
+    std::vector<uint8_t> map_is_clear_, picture_is_clear_;  // [tile]
+    std::vector<uint8_t> srgb_;
+    NativeScratchPool scratch_;
+
+    io::DrawScene scene_{};
+    raster::Frame frame_;
+    std::vector<Drawn> drawn_;  // [batch]
+    std::vector<Posed> posed_;
+    std::vector<Job> jobs_;
+    std::vector<raster::Draw> draws_;
+    std::vector<uint64_t> distances_;  // greatest depth, and draw
+    std::vector<uint32_t> nearest_first_, draw_of_ids_;
+    std::vector<raster::Line> lines_;
+    NativeTimes times_;
+};
+
+}  // namespace throng

@@ -1,0 +1,22 @@
+// Lines over a crowd for the native renderer.
+#pragma once
+
+#include "draw/draw_io.h"
+#include "raster/frame.h"
+
+#include <throng/draw.h>
+
+#include <span>
+#include <vector>
+
+namespace throng {
+
+// Those that some of the picture may show.
+void add_box_lines(const io::DrawScene& scene, const Affine& world_from_model, const Bounds& box,
+                   std::vector<raster::Line>& lines);
+// `model_from_joint`: of an instance, as long as `joints`.
+void add_skeleton_lines(const io::DrawScene& scene, const Affine& world_from_model,
+                        std::span<const io::JointLevel> joints, uint32_t level_count, const Affine* model_from_joint,
+                        std::vector<raster::Line>& lines);
+
+}  // namespace throng

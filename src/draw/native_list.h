@@ -1,0 +1,37 @@
+// Which instances of a crowd the native renderer draws, and in how much detail.
+#pragma once
+
+#include "crowd/crowd_state.h"
+#include "draw/draw_io.h"
+
+#include <array>
+#include <vector>
+
+namespace throng {
+
+// Of a batch, in the order in which the device draws them.
+struct NativeList {
+    std::vector<uint32_t> instances;                   // of the batch, finest level of detail first
+    std::array<uint32_t, io::kLodCount + 1> begins{};  // of the levels, and their end
+};
+
+// All that the crowd lists; where it does not cull, all there are, in the finest level.
+void list_instances(const Batch& batch, NativeList& list);
+
+// Whose poses, as far as their bounds know, lie in the picture or, with shadows, in the shadow map.
+class NativeView {
+public:
+    NativeView(const io::DrawScene& scene, bool shadows);
+
+    // Leaves out of the list who is not seen, and throws no shadow.
+    void keep_seen(const Group& group, const Batch& batch, const NativeDevice& device, NativeList& list);
+
+private:
+    bool shows(const Affine& world_from_model, const Vec3<float>& centre, const Vec3<float>& half_extent) const;
+
+    std::vector<io::vec4> picture_, map_;  // a point p is inside where dot(xyz, p) + w >= 0, of all
+    bool shadows_;
+    std::vector<uint8_t> seen_;  // of the list
+};
+
+}  // namespace throng

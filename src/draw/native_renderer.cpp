@@ -1,0 +1,104 @@
+#include "draw/native_renderer.h"
+
+#include "base/failure.h"
+#include "draw/camera.h"
+#include "draw/vulkan_renderer.h"
+
+namespace throng {
+namespace {
+
+std::unique_ptr<NativeFrame> make_frame(const std::shared_ptr<Gpu>& gpu, const RendererSettings& settings,
+                                        NativeIsa isa) {
+    constexpr uint32_t kSamples = 4;
+    return std::make_unique<NativeFrame>(gpu, VkExtent2D{settings.width, settings.height},
+                                         settings.samples < kSamples ? 1 : kSamples, isa);
+}
+
+std::unique_ptr<StagedPicture> make_staged(const std::shared_ptr<Gpu>& gpu, const RendererSettings& settings) {
+    if (gpu->is_native()) return nullptr;
+    return std::make_unique<StagedPicture>(gpu, VkExtent2D{settings.width, settings.height});
+}
+
+}  // namespace
+
+std::string natively_undrawable_reason(const Gpu& gpu) {
+    if (!gpu.native) return gpu.info.name + " is no software device";
+    if (native_isas().empty()) return "there is no native engine for this processor";
+    return {};
+}
+
+NativeRenderer::NativeRenderer(std::shared_ptr<Gpu> gpu_in, const RendererSettings& settings, NativeIsa isa)
+    : RendererState(std::move(gpu_in), settings.options),
+      settings_(settings),
+      isa_(isa),
+      frame_(make_frame(gpu, settings, isa)),
+      staged_(make_staged(gpu, settings)) {}
+
+void NativeRenderer::resize(VkExtent2D extent) {
+    RendererSettings resized = settings_;
+    resized.width = extent.width;
+    resized.height = extent.height;
+    auto frame = make_frame(gpu, resized, isa_);
+    auto staged = make_staged(gpu, resized);
+    if (device_) device_->resize(extent);
+    frame_ = std::move(frame);
+    staged_ = std::move(staged);
+    settings_ = resized;
+}
+
+const NativeCrowd& NativeRenderer::kept_of(const Crowd& crowd) {
+    const CrowdState& state = crowd.state();
+    return crowds_.of(state, [&] { return std::make_unique<const NativeCrowd>(state); });
+}
+
+RenderResult NativeRenderer::render(const Crowd& crowd, const Camera& camera) {
+    check_drawn(crowd);
+    const NativeCrowd& kept = kept_of(crowd);
+    if (!gpu->is_native()) gpu->wait_idle();  // what was submitted may write what is read now
+    const auto [width, height] = extent();
+    RenderResult result{.picture = {width, height, std::vector<uint8_t>(size_t{4} * width * height)},
+                        .draw_ms = 0,
+                        .warnings = kept.warnings};
+    frame_->draw(crowd.state(), kept, camera, options, result.picture.rgba.data());
+    device_drew_ = false;
+    result.draw_ms = draw_ms();
+    return result;
+}
+
+RenderResult NativeRenderer::render_frame(Crowd& crowd, float time_step_s, const Camera& camera) {
+    check_drawn(crowd);
+    make_view(camera, 1);  // refuses what is no camera before time goes on
+    update(crowd, time_step_s, camera);
+    return render(crowd, camera);
+}
+
+void NativeRenderer::record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) {
+    RendererState& device = device_renderer();
+    device.record(commands, crowd, time_step_s, camera);
+    staged_->record_copy(commands, device.picture());
+    device_drew_ = true;
+}
+
+void NativeRenderer::record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) {
+    check_drawn(crowd);
+    if (crowd.state().awaits_commands()) {
+        RendererState& device = device_renderer();
+        device.record_drawing(commands, crowd, camera);
+        staged_->record_copy(commands, device.picture());
+        device_drew_ = true;
+        return;
+    }
+    frame_->draw(crowd.state(), kept_of(crowd), camera, options, staged_->next());
+    staged_->record(commands);
+    device_drew_ = false;
+}
+
+RendererState& NativeRenderer::device_renderer() {
+    if (!device_) device_ = std::make_unique<VulkanRenderer>(gpu, settings_);
+    device_->options = options;
+    return *device_;
+}
+
+double NativeRenderer::draw_ms() const { return device_drew_ ? device_->draw_ms() : frame_->times().total_ms(); }
+
+}  // namespace throng

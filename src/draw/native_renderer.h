@@ -1,0 +1,45 @@
+// Drawing by this machine's processor: on native devices, which have no other, and on software devices.
+#pragma once
+
+#include "draw/crowd_cache.h"
+#include "draw/native_frame.h"
+#include "draw/renderer_state.h"
+#include "draw/staged_picture.h"
+#include "native/native.h"
+
+namespace throng {
+
+// Why this device draws not natively; empty where it can.
+std::string natively_undrawable_reason(const Gpu& gpu);
+
+class NativeRenderer : public RendererState {
+public:
+    // `isa`: one of native_isas().
+    NativeRenderer(std::shared_ptr<Gpu> gpu, const RendererSettings& settings, NativeIsa isa = native_isas().back());
+
+    RenderResult render(const Crowd& crowd, const Camera& camera) override;
+    RenderResult render_frame(Crowd& crowd, float time_step_s, const Camera& camera) override;
+    void record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) override;
+    void record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) override;
+    void resize(VkExtent2D extent) override;
+    VkExtent2D extent() const override { return frame_->extent(); }
+    VkImage picture() const override { return staged_ ? staged_->image() : VK_NULL_HANDLE; }
+    double draw_ms() const override;
+    bool is_native() const override { return true; }
+    const NativeTimes& times() const { return frame_->times(); }
+
+private:
+    const NativeCrowd& kept_of(const Crowd& crowd);
+    RendererState& device_renderer();
+
+    RendererSettings settings_;  // with the size of now
+    NativeIsa isa_;
+    std::unique_ptr<NativeFrame> frame_;
+    std::unique_ptr<StagedPicture> staged_;  // where the device has images
+    CrowdCache<const NativeCrowd> crowds_;
+    // Of a software device, for what only that can draw; made when first needed
+    std::unique_ptr<RendererState> device_;
+    bool device_drew_ = false;  // the last frame
+};
+
+}  // namespace throng

@@ -1,0 +1,52 @@
+#include "draw/staged_picture.h"
+
+#include "draw/pipeline.h"
+
+#include <algorithm>
+
+namespace throng {
+
+StagedPicture::StagedPicture(std::shared_ptr<Gpu> gpu, VkExtent2D extent)
+    : gpu_(std::move(gpu)),
+      extent_(extent),
+      image_(gpu_, {.what = "picture",
+                    .extent = extent,
+                    .format = kColorFormat,
+                    .usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT}) {}
+
+uint8_t* StagedPicture::next() {
+    const auto free = std::ranges::find_if(
+        slots_, [](const auto& slot) { return !slot->is_recorded || slot->is_copied.is_set(); });
+    if (free != slots_.end()) {
+        current_ = free->get();
+    } else {
+        auto made = std::make_unique<Slot>();
+        made->pixels = Buffer(gpu_, "drawn picture", VkDeviceSize{4} * extent_.width * extent_.height,
+                              VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::kUpload);
+        made->is_copied = DeviceEvent(gpu_);
+        current_ = slots_.emplace_back(std::move(made)).get();
+    }
+    if (std::exchange(current_->is_recorded, false)) current_->is_copied.reset();
+    return reinterpret_cast<uint8_t*>(current_->pixels.mapped());
+}
+
+void StagedPicture::record(VkCommandBuffer commands) {
+    transition(*gpu_, commands, image(), discarded_after(kTransferRead), kCopyTarget);
+    const VkBufferImageCopy copy{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                 .imageExtent = {extent_.width, extent_.height, 1}};
+    gpu_->vk.vkCmdCopyBufferToImage(commands, current_->pixels.handle(), image(), kCopyTarget.layout, 1, &copy);
+    transition(*gpu_, commands, image(), kCopyTarget, kCopySource);
+    current_->is_copied.record_set(commands);
+    current_->is_recorded = true;
+}
+
+void StagedPicture::record_copy(VkCommandBuffer commands, VkImage picture) const {
+    transition(*gpu_, commands, image(), discarded_after(kTransferRead), kCopyTarget);
+    const VkImageSubresourceLayers color{VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    const VkImageCopy copy{
+        .srcSubresource = color, .dstSubresource = color, .extent = {extent_.width, extent_.height, 1}};
+    gpu_->vk.vkCmdCopyImage(commands, picture, kCopySource.layout, image(), kCopyTarget.layout, 1, &copy);
+    transition(*gpu_, commands, image(), kCopyTarget, kCopySource);
+}
+
+}  // namespace throng

@@ -1,0 +1,39 @@
+// A picture that the processor draws, as an image of the device.
+#pragma once
+
+#include "draw/image.h"
+#include "gpu/buffer.h"
+#include "gpu/event.h"
+
+#include <memory>
+#include <vector>
+
+namespace throng {
+
+class StagedPicture {
+public:
+    StagedPicture(std::shared_ptr<Gpu> gpu, VkExtent2D extent);
+
+    VkImage image() const { return image_.handle(); }
+    // Where the next picture is written, [height][width][4]: memory that no frame under way still copies from.
+    uint8_t* next();
+    // Copies it into the image, which is then in TRANSFER_SRC_OPTIMAL, visible to transfers.
+    void record(VkCommandBuffer commands);
+    // The same of a picture that the device has drawn, which is in TRANSFER_SRC_OPTIMAL.
+    void record_copy(VkCommandBuffer commands, VkImage picture) const;
+
+private:
+    struct Slot {
+        Buffer pixels;
+        DeviceEvent is_copied;
+        bool is_recorded = false;
+    };
+
+    std::shared_ptr<Gpu> gpu_;
+    VkExtent2D extent_;
+    Image image_;
+    std::vector<std::unique_ptr<Slot>> slots_;  // as many as frames have been under way
+    Slot* current_ = nullptr;
+};
+
+}  // namespace throng

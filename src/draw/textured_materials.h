@@ -1,0 +1,87 @@
+// The materials of one group of a crowd, with textures of the kind that a renderer has.
+#pragma once
+
+#include "crowd/group.h"
+
+#include <array>
+#include <map>
+#include <optional>
+#include <vector>
+
+namespace throng {
+
+struct MaterialTexture {
+    uint32_t AssetMaterial::*image;
+    bool is_color;  // sRGB; else numbers
+};
+// By their bindings.
+inline constexpr std::array<MaterialTexture, 5> kMaterialTextures{{{&AssetMaterial::image, true},
+                                                                   {&AssetMaterial::metallic_roughness_image, false},
+                                                                   {&AssetMaterial::normal_image, false},
+                                                                   {&AssetMaterial::occlusion_image, false},
+                                                                   {&AssetMaterial::emissive_image, true}}};
+
+// Below it a fragment is left out. A blended material is drawn as one with a mask at 0.5: characters are not sorted.
+inline float cutoff_of(const AssetMaterial& material) {
+    constexpr float kBlendCutoff = 0.5f;
+    switch (material.alpha_mode) {
+        case AlphaMode::kMask: return material.alpha_cutoff;
+        case AlphaMode::kBlend: return kBlendCutoff;
+        case AlphaMode::kOpaque: break;
+    }
+    return 0;
+}
+
+template <class Texture>
+struct TexturedMaterial {
+    AssetMaterial factors;  // a normal map that is not there is left out
+    float alpha_cutoff = 0;
+    bool masked = false;
+    bool has_maps = false;                                            // more textures than that of the base colour
+    std::array<const Texture*, kMaterialTextures.size()> textures{};  // null: white
+};
+
+template <class Texture>
+class TexturedMaterials {
+public:
+    // make(image, is_color) is called once for each image that a section's material uses; what it has nothing for is
+    // drawn white, and leaves normals as they are.
+    template <class Make>
+    TexturedMaterials(const Group& group, const Make& make) {
+        std::vector<bool> used(group.materials.size());
+        for (const MeshSection& section : group.sections)
+            if (section.material < used.size() && section.index_count > 0) used[section.material] = true;
+        const auto texture = [&](uint32_t image, bool is_color) -> const Texture* {
+            if (image >= group.images.size()) return nullptr;
+            const std::pair key(image, is_color);
+            auto found = textures_.find(key);
+            if (found == textures_.end()) found = textures_.emplace(key, make(group.images[image], is_color)).first;
+            return found->second ? &*found->second : nullptr;
+        };
+        for (size_t i = 0; i <= group.materials.size(); ++i) {
+            const bool is_default = i == group.materials.size();
+            TexturedMaterial<Texture>& material = all_.emplace_back();
+            if (!is_default) material.factors = group.materials[i];
+            for (size_t t = 0; t < kMaterialTextures.size(); ++t) {
+                const auto [member, is_color] = kMaterialTextures[t];
+                uint32_t& image = material.factors.*member;
+                material.textures[t] = texture(!is_default && used[i] ? image : kNone, is_color);
+                if (member == &AssetMaterial::normal_image && !material.textures[t])
+                    image = kNone;  // white would tilt normals
+                material.has_maps = material.has_maps || (t > 0 && image != kNone);
+            }
+            material.masked = material.factors.alpha_mode != AlphaMode::kOpaque;
+            material.alpha_cutoff = cutoff_of(material.factors);
+        }
+    }
+
+    // The group's, then the one of sections without.
+    const std::vector<TexturedMaterial<Texture>>& all() const { return all_; }
+    size_t index_of(const MeshSection& section) const { return std::min<size_t>(section.material, all_.size() - 1); }
+
+private:
+    std::map<std::pair<uint32_t, bool>, std::optional<Texture>> textures_;  // by image and is_color
+    std::vector<TexturedMaterial<Texture>> all_;
+};
+
+}  // namespace throng

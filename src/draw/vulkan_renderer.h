@@ -1,0 +1,59 @@
+// Drawing by the device's own shaders.
+#pragma once
+
+#include "draw/crowd_cache.h"
+#include "draw/draw_crowd.h"
+#include "draw/occluders.h"
+#include "draw/renderer_state.h"
+#include "draw/scene.h"
+#include "draw/targets.h"
+#include "gpu/timestamps.h"
+
+#include <map>
+
+namespace throng {
+
+class VulkanRenderer : public RendererState {
+public:
+    VulkanRenderer(std::shared_ptr<Gpu> gpu, const RendererSettings& settings);
+
+    RenderResult render(const Crowd& crowd, const Camera& camera) override;
+    RenderResult render_frame(Crowd& crowd, float time_step_s, const Camera& camera) override;
+    void record(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera) override;
+    void record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera) override;
+    void resize(VkExtent2D extent) override;
+    VkExtent2D extent() const override { return targets_.extent(); }
+    VkImage picture() const override { return targets_.picture(); }
+    double draw_ms() const override;
+    bool is_native() const override { return false; }
+
+private:
+    // What a frame needs; making it may fail, or submit, so it comes before anything is recorded.
+    struct Frame {
+        CrowdDrawing drawing;
+        io::DrawScene scene;
+        bool has_begun = false;  // its time is being taken
+    };
+    Frame prepare(const Crowd& crowd, const Camera& camera);
+    void record_update(VkCommandBuffer commands, Crowd& crowd, float time_step_s, const Camera& camera, Frame& frame);
+    void begin_draw(VkCommandBuffer commands, Frame& frame);
+    void record_frame(VkCommandBuffer commands, Frame& frame);
+    void draw_picture(VkCommandBuffer commands, const CrowdDrawing& drawing) const;
+    RenderResult result_of(const Frame& frame) const;
+
+    VkSampleCountFlagBits samples_;
+    Targets targets_;
+    DepthPass shadow_map_;
+    Timestamps stamps_;
+    ShaderLayout layout_;
+    PipelineSettings pipelines_;
+    MaterialSampling sampling_;
+    SceneBinding scene_;
+    OwnedPipeline ground_;
+    std::map<VertexKind, CharacterPipelines> characters_;
+    std::map<bool, LinePipelines> lines_;  // by whether instances are listed
+    CrowdCache<const CrowdBindings> crowds_;
+    std::optional<Occluders> occluders_;  // made when first needed
+};
+
+}  // namespace throng

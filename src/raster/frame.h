@@ -1,0 +1,151 @@
+// A picture, as the kernels of all instruction sets take it: plain numbers and pointers, so that no function of a
+// header is compiled for an instruction set that a machine may not have.
+//
+// skin brings the vertices of each draw into world space; draw_map and draw_picture find, tile by tile, the height
+// towards the sun at each texel of the shadow map and the triangle that each sample of the picture shows; resolve
+// lights those.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace throng::raster {
+
+// Vertices and triangles lie in blocks of so many, filled up with some of no effect: zeros.
+inline constexpr uint32_t kBlock = 16;
+// Numbers of a block of vertices in world space: x[16], y[16], z[16], normals[16] (unit; as Vertex has them)
+inline constexpr uint32_t kBlockFloats = 4 * kBlock;
+
+inline constexpr uint32_t kMipLimit = 16;
+
+// Linear light or plain numbers, 16 bits each, red lowest; a coordinate outside of 0..1 repeats.
+struct Texture {
+    const uint64_t* texels = nullptr;  // of all mips
+    uint32_t width = 0, height = 0;
+    uint32_t mip_count = 0;
+    uint32_t mip_begins[kMipLimit] = {};  // among texels; each has max(width >> mip, 1) columns
+};
+
+// As io::DrawPush and the fragment shader take it.
+struct Material {
+    float base_color[4] = {1, 1, 1, 1};
+    float emissive[3] = {};
+    float metallic = 0, roughness = 1;
+    float normal_scale = 0, occlusion_strength = 0;  // 0: no such map
+    float alpha_cutoff = 0;                          // of masks
+    bool is_masked = false, is_double_sided = false;
+    bool has_maps = false;  // more textures than that of the base colour
+    // Null: white
+    const Texture* base_color_map = nullptr;
+    const Texture* metallic_roughness_map = nullptr;
+    const Texture* normal_map = nullptr;
+    const Texture* occlusion_map = nullptr;
+    const Texture* emissive_map = nullptr;
+};
+
+// A section of a character at one level of detail, with the vertices that this level has and no others.
+struct Section {
+    const Material* material = nullptr;
+    uint32_t vertex_count = 0, triangle_count = 0;
+    const uint32_t* corners[3] = {};    // [triangle_count, to a whole block], vertices of the section
+    const float* bind = nullptr;        // [vertex_count, to a whole block][8]: position, 1, normal, 0; bind space
+    const float* weights = nullptr;     // [vertex][influence_count], sum 1
+    const uint16_t* entries = nullptr;  // [vertex][influence_count], palette entries
+    uint32_t influence_count = 4;       // a multiple of 4
+    const float* texcoords = nullptr;   // [vertex][2]
+    const uint32_t* colors = nullptr;   // [vertex], as Vertex::color
+};
+
+// A section of an instance.
+struct Draw {
+    const Section* section = nullptr;
+    float* vertices = nullptr;  // [block of vertices][kBlockFloats], at a multiple of 64 bytes
+    // Of the first triangle, a multiple of kIdBlock; in the order in which they are drawn: of two triangles at the same
+    // depth the first one is seen
+    uint32_t first_id = 0;
+    bool is_mirrored = false;  // by its placement: front faces wind the other way
+    // What skin leaves: where all triangles lie, in pixels of the picture and texels of the map
+    float picture_box[4] = {};  // x, y of the least corner, of the greatest
+    float map_box[4] = {};
+    float nearest = 0;  // the greatest depth of a vertex; 1 where one is before the near plane
+};
+
+// Triangles' numbers are given to draws in blocks of so many.
+inline constexpr uint32_t kIdBlock = 64;
+
+// A line of some width, as two triangles in clip coordinates: corners 0 1 2 and 2 1 3.
+struct Line {
+    float corners[4][4];
+    float color[3];  // linear
+};
+
+// io::DrawScene, number by number.
+struct Scene {
+    float clip_from_world[4][4], map_from_world[3][4];
+    float eye[4], forward[4], right[4], down[4], to_sun[4], ground[4], fog[4], picture[4], shadow[4];
+    float sun_light[4], sky_light[4], bounce_light[4], horizon[4], zenith[4], ground_albedo[4];
+};
+
+struct Frame {
+    Scene scene{};
+    uint32_t width = 0, height = 0;
+    uint32_t sample_count = 4;  // of a pixel: 1 or 4, where Vulkan has them
+    uint32_t map_size = 0;      // texels of the shadow map, each way
+
+    Draw* draws = nullptr;  // in the order of their ids
+    uint32_t draw_count = 0;
+    uint32_t most_vertices = 0;               // of a draw
+    const uint32_t* nearest_first = nullptr;  // [draw_count], draws
+    const uint32_t* draw_of_ids = nullptr;    // [id / kIdBlock]
+    // After the draws, with ids of their own from first_line_id on, two a line. The first depth_tested_count are hidden
+    // by what is before them; of the others, which cover everything, each covers those after it
+    const Line* lines = nullptr;
+    uint32_t line_count = 0, depth_tested_count = 0;
+    uint32_t first_line_id = 0;
+
+    // [map_size][map_size], greatest height (0: none); map_from_world
+    float* map = nullptr;
+    // [height][width][sample_count]: depth (its bits; 0: nothing) above ~id: the greatest is seen
+    uint64_t* samples = nullptr;
+    const uint8_t* srgb = nullptr;  // [kSrgbSteps + 1], of a linear number
+    uint8_t* rgba = nullptr;        // [height][width][4], what resolve writes
+};
+inline constexpr uint32_t kSrgbSteps = 1 << 14;
+// Depth of a line that covers everything; those of triangles are at most 1
+inline constexpr float kOverEverything = 2;
+
+// Of the picture, or of the map.
+struct Tile {
+    uint32_t x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+
+struct Kernel {
+    uint32_t lane_count;
+    // Columns of placement * skin, world_from_bind: columns [count][16], four floats a column; skin [count][12], rows
+    // of four, as Affine.
+    void (*place)(const float* placement, const float* skin, uint32_t count, float* columns);
+    // Fills draw.vertices, and what skin leaves in the draw. `bind`: as Section::bind, in its place where it is not
+    // null (morphed).
+    void (*skin)(const Frame& frame, const float* columns, const float* bind, Draw& draw);
+    // As skin, of vertices that have been skinned: world space, [vertex_count, to a whole block][8] as Section::bind.
+    void (*keep)(const Frame& frame, const float* world, Draw& draw);
+    // What a thread needs for one call of the following.
+    size_t (*scratch_bytes)(const Frame& frame);
+    // Draws what lies in the tile of the map, or of the picture, and clears it before unless it is clear. Returns
+    // whether it is clear then. `scratch`: at a multiple of 64.
+    bool (*draw_map)(const Frame& frame, const Tile& tile, bool is_clear, std::byte* scratch);
+    bool (*draw_picture)(const Frame& frame, const Tile& tile, bool is_clear, std::byte* scratch);
+    // Rows of rgba, of samples and the map that are complete.
+    void (*resolve)(const Frame& frame, uint32_t first_row, uint32_t end_row, std::byte* scratch);
+};
+
+// One for each instruction set that this was compiled for.
+#if defined(__x86_64__)
+const Kernel& kernel_sse2();
+const Kernel& kernel_avx2();
+const Kernel& kernel_avx512();
+#elif defined(__aarch64__)
+const Kernel& kernel_neon();
+#endif
+
+}  // namespace throng::raster

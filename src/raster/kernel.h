@@ -1,0 +1,21 @@
+// All that a kernel does, of whatever instruction set: Lanes is included before.
+#pragma once
+
+#include "raster/draw.h"
+#include "raster/resolve.h"
+#include "raster/skin.h"
+
+namespace throng::raster {
+namespace {
+
+size_t scratch_bytes(const Frame& frame) {
+    const size_t draws = scratch_bytes_to_draw(frame), resolves = scratch_bytes_to_resolve(frame);
+    return draws > resolves ? draws : resolves;
+}
+
+constexpr Kernel make_kernel() {
+    return {Lanes::kCount, place, skin, keep, scratch_bytes, draw_map, draw_picture, resolve};
+}
+
+}  // namespace
+}  // namespace throng::raster

@@ -1,0 +1,57 @@
+// The light as lanes compute it: the text of the shaders.
+#pragma once
+
+#include "raster/frame.h"
+#include "raster/lane_vectors.h"
+
+// GLSL converts numbers and shadows names.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wfloat-conversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+
+namespace throng::raster {
+namespace {
+
+// io::DrawScene once more: the numbers of raster::Scene by the names of the texts.
+struct TextScene {
+    Numbers clip_from_world[4], map_from_world[3];
+    Numbers eye, forward, right, down, to_sun, ground, fog, picture, shadow;
+    Numbers sun_light, sky_light, bounce_light, horizon, zenith, ground_albedo;
+};
+static_assert(sizeof(TextScene) == sizeof(Scene));
+INLINE TextScene text_scene(const Frame& frame) {
+    TextScene scene;
+    __builtin_memcpy(&scene, &frame.scene, sizeof scene);
+    return scene;
+}
+
+struct LightText {
+    using uint = Word;
+
+    const TextScene& scene;
+    const float* map;
+
+    INLINE vec4 heights_at(Whole column, Whole row) const {
+        const auto size = static_cast<int32_t>(scene.shadow.x);
+        const Whole first = row * size;
+        // Of what lies farther outside nobody asks
+        const Mask at_edge = ((column > -4) & (column < 0)) | ((column > size - 4) & (column < size));
+        Real of[4];
+        if (!any(at_edge))
+            gather_fours(map, first + clamp(column, 0, size - 4), of[0], of[1], of[2], of[3]);
+        else
+            for (int i = 0; i < 4; ++i) of[i] = gather(map, first + clamp(column + i, 0, size - 1));
+        return {of[0], of[1], of[2], of[3]};
+    }
+
+#include "draw/ground_model.glsl"
+#include "draw/light_model.glsl"
+#include "draw/material_model.glsl"
+#include "draw/sun_model.glsl"
+};
+
+}  // namespace
+}  // namespace throng::raster
+
+#pragma GCC diagnostic pop

@@ -1,0 +1,78 @@
+// Textures read as samplers of the Vulkan renderer do: linear, between mips too, repeated.
+#pragma once
+
+#include "raster/frame.h"
+#include "raster/lane_vectors.h"
+
+namespace throng::raster {
+namespace {
+
+// Of positive numbers, within 2e-5; the polynomial is of least squares, and 0 and 1 at the ends.
+INLINE Real log2(Real a) {
+    const Whole bits = bits_of(a);
+    const Real exponent = Real((bits >> 23) - 127), part = from_bits((bits & 0x7FFFFF) | 0x3F800000) - 1;
+    Real p = -0.0445223644f;
+    p = p * part + 0.147854708f;
+    p = p * part - 0.267138851f;
+    p = p * part + 0.441947126f;
+    return exponent + part + part * (1 - part) * p;
+}
+
+// The mip, with a fraction, of a texture whose coordinates change so from a pixel to its neighbours.
+INLINE Real mip_of(const Texture& texture, vec2 step_x, vec2 step_y) {
+    const vec2 size(static_cast<float>(texture.width), static_cast<float>(texture.height));
+    const vec2 texels_x = step_x * size, texels_y = step_y * size;
+    const Real longer = max(dot(texels_x, texels_x), dot(texels_y, texels_y));
+    // At most 2^20 texels, so that the number is finite
+    return clamp(0.5f * log2(clamp(longer, 1.0f, 0x1p40f)), 0.0f, static_cast<float>(texture.mip_count - 1));
+}
+
+// Texels on both sides of a coordinate.
+struct Neighbours {
+    Whole first, second;
+    Real part;  // of the second
+};
+INLINE Neighbours neighbours(Real coordinate, Whole count) {
+    const Real place = fract(coordinate) * Real(count) - 0.5f, whole = floor(place);
+    const Whole first = truncated(whole);
+    const Whole repeated = choose(first < 0, count - 1, first);  // also where the place is not a number
+    return {repeated, choose(repeated + 1 == count, Whole(0), repeated + 1), place - whole};
+}
+
+INLINE vec4 texel_of(const Texture& texture, Whole index) {
+    const auto* const words = reinterpret_cast<const uint32_t*>(texture.texels);
+    const Whole red_green = gather(words, index << 1), blue_alpha = gather(words + 1, index << 1);
+    return {Real(red_green & 0xFFFF), Real((red_green >> 16) & 0xFFFF), Real(blue_alpha & 0xFFFF),
+            Real((blue_alpha >> 16) & 0xFFFF)};
+}
+
+INLINE Whole size_of_mip(uint32_t size, Whole mip) {
+    return max(Whole(Whole(static_cast<int32_t>(size)).v >> mip.v), Whole(1));
+}
+
+// Between four texels of a mip; 0..65535.
+INLINE vec4 bilinear(const Texture& texture, vec2 texcoord, Whole mip) {
+    const Whole width = size_of_mip(texture.width, mip);
+    const Neighbours column = neighbours(texcoord.x, width),
+                     row = neighbours(texcoord.y, size_of_mip(texture.height, mip));
+    const Whole begin = gather(texture.mip_begins, mip), top = begin + row.first * width,
+                bottom = begin + row.second * width;
+    const auto across = [&](Whole of_row) {
+        return mix(texel_of(texture, of_row + column.first), texel_of(texture, of_row + column.second), column.part);
+    };
+    return mix(across(top), across(bottom), row.part);
+}
+
+INLINE vec4 sampled(const Texture& texture, vec2 texcoord, Real mip) {
+    const Real finer = floor(mip);
+    vec4 texel = bilinear(texture, texcoord, truncated(finer));
+    if (any(mip > finer))
+        texel = mix(
+            texel,
+            bilinear(texture, texcoord, min(truncated(finer) + 1, Whole(static_cast<int32_t>(texture.mip_count) - 1))),
+            mip - finer);
+    return texel * (1 / 65535.0f);
+}
+
+}  // namespace
+}  // namespace throng::raster

@@ -1,0 +1,127 @@
+// The colour of triangles at pixels' centres, as character.frag has it: as many at a time as there are lanes.
+#pragma once
+
+#include "raster/interpolation.h"
+#include "raster/light_text.h"
+#include "raster/sample.h"
+
+namespace throng::raster {
+namespace {
+
+// What the shading of a triangle at a pixel needs of its draw, lane by lane.
+struct ShadeInput {
+    using Numbers = float[Lanes::kCount];
+    using Words = uint32_t[Lanes::kCount];
+    struct alignas(64) Corner {
+        Numbers x, y, z;
+        Words normal, color;
+        Numbers u, v;
+    };
+    Corner corners[3];
+    alignas(64) Numbers side;  // -1 where front faces wind the other way
+    alignas(64) Numbers column;
+
+    // Those of lane `lane`.
+    INLINE void set(uint32_t lane, const Draw& draw, uint32_t triangle, uint32_t pixel_column) {
+        const Section& section = *draw.section;
+        for (uint32_t k = 0; k < 3; ++k) {
+            const uint32_t vertex = section.corners[k][triangle];
+            const float* const from = draw.vertices + size_t{vertex / kBlock} * kBlockFloats + vertex % kBlock;
+            Corner& to = corners[k];
+            to.x[lane] = from[0];
+            to.y[lane] = from[kBlock];
+            to.z[lane] = from[2 * kBlock];
+            __builtin_memcpy(&to.normal[lane], from + 3 * kBlock, sizeof(uint32_t));
+            to.color[lane] = section.colors[vertex];
+            to.u[lane] = section.texcoords[2 * size_t{vertex}];
+            to.v[lane] = section.texcoords[2 * size_t{vertex} + 1];
+        }
+        side[lane] = draw.is_mirrored ? -1 : 1;
+        column[lane] = static_cast<float>(pixel_column);
+    }
+    // What has no item is computed all the same.
+    INLINE void copy(uint32_t lane, uint32_t from) {
+        for (Corner& of : corners) {
+            of.x[lane] = of.x[from];
+            of.y[lane] = of.y[from];
+            of.z[lane] = of.z[from];
+            of.normal[lane] = of.normal[from];
+            of.color[lane] = of.color[from];
+            of.u[lane] = of.u[from];
+            of.v[lane] = of.v[from];
+        }
+        side[lane] = side[from];
+        column[lane] = column[from];
+    }
+};
+
+// As unpack_normal() of skin/normal.glsl, then unit.
+INLINE vec3 unpacked_normal(Whole packed) {
+    const Real x = max(Real((packed << 16) >> 16) * (1 / 32767.0f), -1),
+               y = max(Real(packed >> 16) * (1 / 32767.0f), -1);
+    const Real z = 1 - abs(x) - abs(y);
+    const Mask is_below = z < 0;
+    const auto folded = [](Real a, Real b) { return choose(a >= 0, 1 - abs(b), abs(b) - 1); };
+    return normalize(vec3(choose(is_below, folded(x, y), x), choose(is_below, folded(y, x), y), z));
+}
+
+// Of one material, in one row of pixels. The light's text is inlined into it.
+[[gnu::flatten]] vec3 shaded(const Frame& frame, const TextScene& scene, const Material& material,
+                             const ShadeInput& input, float row) {
+    LightText text{scene, frame.map};
+    vec3 places[3], normals[3], colors[3];
+    vec2 texcoords[3];
+    ClipPoint clip[3];
+    for (int k = 0; k < 3; ++k) {
+        const ShadeInput::Corner& corner = input.corners[k];
+        places[k] = {load(corner.x), load(corner.y), load(corner.z)};
+        clip[k] = to_picture(frame.scene, places[k]);
+        normals[k] = unpacked_normal(load_any(corner.normal));
+        colors[k] = xyz(unpacked_color(load_any(corner.color)));
+        texcoords[k] = {load(corner.u), load(corner.v)};
+    }
+    const float pixel_x = 2 / static_cast<float>(frame.width), pixel_y = 2 / static_cast<float>(frame.height);
+    const Interpolation point(clip, (load(input.column) + 0.5f) * pixel_x - 1, (row + 0.5f) * pixel_y - 1);
+    const vec3 world = point.at(places), normal = normalize(point.at(normals));
+    const vec3 base_color(material.base_color[0], material.base_color[1], material.base_color[2]),
+        emissive(material.emissive[0], material.emissive[1], material.emissive[2]);
+    LightText::Surface surface = text.plain_surface(base_color * point.at(colors), material.metallic,
+                                                    material.roughness, emissive, world, normal);
+    if (material.base_color_map || material.has_maps) {
+        const vec2 texcoord = point.at(texcoords);
+        const Steps step_x = point.step_x(pixel_x), step_y = point.step_y(pixel_y);
+        const LightText::PixelSteps steps{step_x.sum(places), step_y.sum(places), step_x.sum(texcoords),
+                                          step_y.sum(texcoords)};
+        const auto texel = [&](const Texture* map) {
+            return map ? sampled(*map, texcoord, mip_of(*map, steps.texcoord_x, steps.texcoord_y)) : vec4(1);
+        };
+        surface.albedo = surface.albedo * xyz(texel(material.base_color_map));
+        if (material.has_maps) {
+            const vec4 metallic_roughness = texel(material.metallic_roughness_map);
+            const LightText::MapTexels maps{metallic_roughness.z, metallic_roughness.y, xyz(texel(material.normal_map)),
+                                            texel(material.occlusion_map).x, xyz(texel(material.emissive_map))};
+            surface = text.mapped_surface(surface, maps, material.normal_scale, material.occlusion_strength, steps);
+        }
+    }
+    return text.pictured_surface(surface, world, normal, point.area() * load(input.side) < 0);
+}
+
+// Of the ground, or the sky, in as many columns as there are lanes.
+[[gnu::flatten]] vec3 shaded_background(const Frame& frame, const TextScene& scene, uint32_t column, uint32_t row) {
+    LightText text{scene, frame.map};
+    const Whole columns = lane_numbers() + static_cast<int32_t>(column), rows = static_cast<int32_t>(row);
+    const auto ray_through = [&](Whole x, Whole y) {
+        return xyz(scene.forward) + xyz(scene.right) * ((Real(x) + 0.5f) * (2 / static_cast<float>(frame.width)) - 1) +
+               xyz(scene.down) * ((Real(y) + 0.5f) * (2 / static_cast<float>(frame.height)) - 1);
+    };
+    const vec3 ray = ray_through(columns, rows);
+    if (!any(ray.y < 0)) return text.tone_mapped(text.sky_color(normalize(ray)));
+    // As devices have it, by the other pixels of a square of four
+    const auto position = [&](const vec3& of) { return text.ground_position(text.ground_point(of)); };
+    const vec2 at = position(ray);
+    return text.background(
+        ray, abs(position(ray_through(columns ^ 1, rows)) - at) + abs(position(ray_through(columns, rows ^ 1)) - at));
+}
+
+}  // namespace
+}  // namespace throng::raster

@@ -1,0 +1,363 @@
+#include "tests/host/raster_cases.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+namespace throng::test {
+namespace {
+
+Vec3<double> xyz(const io::vec4& v) { return {v.x, v.y, v.z}; }
+io::vec4 vec4_of(const Vec3<double>& v, double w = 0) {
+    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), static_cast<float>(w)};
+}
+// The row whose product with a place is `along` times the way there from `from`.
+io::vec4 row_along(const Vec3<double>& along, const Vec3<double>& from) { return vec4_of(along, -dot(along, from)); }
+
+io::DrawScene make_scene(uint32_t width, uint32_t height, uint32_t map_size) {
+    const Vec3<double> eye{0.3, 1.5, 4}, forward = normalized(Vec3<double>{0, -0.25, -1}),
+                                         right = normalized(cross(forward, Vec3<double>{0, 1, 0})),
+                                         down = cross(forward, right);
+    const double half_width = 0.6, half_height = half_width * height / width;
+    io::DrawScene scene{};
+    scene.clip_from_world[0] = row_along(right * (1 / half_width), eye);
+    scene.clip_from_world[1] = row_along(down * (1 / half_height), eye);
+    scene.clip_from_world[2] = {0, 0, 0, kNearPlane};
+    scene.clip_from_world[3] = row_along(forward, eye);
+    scene.map_from_world[0] = {0.05f, 0.01f, 0.02f, 0.5f};
+    scene.map_from_world[1] = {-0.01f, 0.02f, 0.06f, 0.6f};
+    scene.map_from_world[2] = {0.02f, 0.1f, 0.03f, 0.4f};
+    scene.eye = vec4_of(eye, 1.1);
+    scene.forward = vec4_of(forward);
+    scene.right = vec4_of(right * half_width);
+    scene.down = vec4_of(down * half_height);
+    scene.to_sun = vec4_of(normalized(Vec3<double>{0.4, 0.8, 0.45}));
+    scene.ground = {0.2f, 0.1f, -1, 1.8f};
+    scene.fog = {0.05f, 0, 0, 0};
+    scene.picture = {static_cast<float>(width), static_cast<float>(height), 0, 0};
+    scene.shadow = {static_cast<float>(map_size), 0.25f, 1, 0};
+    scene.sun_light = {1.25f, 1.12f, 0.93f, 0};
+    scene.sky_light = {0.34f, 0.42f, 0.55f, 0};
+    scene.bounce_light = {0.25f, 0.24f, 0.2f, 0};
+    scene.horizon = {0.62f, 0.74f, 0.88f, 0};
+    scene.zenith = {0.13f, 0.32f, 0.68f, 0};
+    scene.ground_albedo = {0.31f, 0.29f, 0.235f, 0};
+    return scene;
+}
+
+double encoded(double linear) {
+    const double color = std::clamp(linear, 0.0, 1.0);
+    return 255 * (color <= 0.0031308 ? 12.92 * color : 1.055 * std::pow(color, 1 / 2.4) - 0.055);
+}
+
+Vec3<double> unpacked(uint32_t packed) {
+    const auto part = [](uint32_t bits) { return std::max(static_cast<int16_t>(bits) / 32767.0, -1.0); };
+    const double x = part(packed & 0xFFFF), y = part(packed >> 16), z = 1 - std::abs(x) - std::abs(y);
+    const auto folded = [](double a, double b) { return (1 - std::abs(b)) * (a >= 0 ? 1 : -1); };
+    return normalized(z < 0 ? Vec3<double>{folded(x, y), folded(y, x), z} : Vec3<double>{x, y, z});
+}
+
+}  // namespace
+
+RasterPicture::RasterPicture(uint32_t width, uint32_t height, uint32_t sample_count, uint64_t seed) {
+    constexpr uint32_t kMapSize = 64;
+    scene = make_scene(width, height, kMapSize);
+    frame.width = width;
+    frame.height = height;
+    frame.sample_count = sample_count;
+    frame.map_size = kMapSize;
+    Random random(seed);
+    for (uint32_t i = 0; i < kMapSize * kMapSize; ++i) map_.push_back(static_cast<float>(random.unit()));
+    samples_.resize(size_t{width} * height * sample_count);
+    shown_.resize(samples_.size());
+    for (uint32_t i = 0; i <= raster::kSrgbSteps; ++i)
+        srgb_.push_back(static_cast<uint8_t>(std::lround(encoded(static_cast<double>(i) / raster::kSrgbSteps))));
+}
+
+const raster::Texture* RasterPicture::add_texture(const Picture& picture, raster::TexelKind kind) {
+    return &textures_.emplace_back(picture, kind).texture();
+}
+
+uint32_t RasterPicture::add_draw(const raster::Material& material, std::span<const RasterTriangle> triangles,
+                                 bool is_mirrored) {
+    drawn_.push_back(
+        {.material = &material, .triangles = {triangles.begin(), triangles.end()}, .is_mirrored = is_mirrored});
+    return static_cast<uint32_t>(drawn_.size() - 1);
+}
+
+void RasterPicture::add_line(const Vec3<float>& color) { lines_.push_back({{}, {color.x, color.y, color.z}}); }
+
+void RasterPicture::finish() {
+    static_assert(sizeof frame.scene == sizeof scene);
+    std::memcpy(&frame.scene, &scene, sizeof scene);
+    const auto to_blocks = [](size_t count) { return (count + raster::kBlock - 1) / raster::kBlock * raster::kBlock; };
+    for (uint32_t number = 0; number < drawn_.size(); ++number) {
+        DrawData& draw = drawn_[number];
+        const size_t triangle_count = draw.triangles.size(), vertex_count = 3 * triangle_count;
+        raster::Section& section = draw.section;
+        section.material = draw.material;
+        section.vertex_count = static_cast<uint32_t>(vertex_count);
+        section.triangle_count = static_cast<uint32_t>(triangle_count);
+        native::AlignedBytes world = native::aligned_bytes(to_blocks(vertex_count) * 8 * sizeof(float));
+        auto* place = reinterpret_cast<float*>(world.get());
+        for (uint32_t k = 0; k < 3; ++k) {
+            draw.corners[k].resize(to_blocks(triangle_count));
+            // The last vertices first: what is where is told by corners alone
+            for (uint32_t t = 0; t < triangle_count; ++t)
+                draw.corners[k][t] = static_cast<uint32_t>(vertex_count) - 1 - (3 * t + k);
+            section.corners[k] = draw.corners[k].data();
+        }
+        for (size_t i = 0; i < vertex_count; ++i) {
+            const size_t from = vertex_count - 1 - i;
+            const RasterCorner& corner = draw.triangles[from / 3][from % 3];
+            for (const double n : {corner.place.x, corner.place.y, corner.place.z, 1.0, corner.normal.x,
+                                   corner.normal.y, corner.normal.z, 0.0})
+                *place++ = static_cast<float>(n);
+            for (const double n : corner.texcoord) draw.texcoords.push_back(static_cast<float>(n));
+            draw.colors.push_back(std::bit_cast<uint32_t>(corner.color));
+        }
+        section.texcoords = draw.texcoords.data();
+        section.colors = draw.colors.data();
+        draw.vertices = native::aligned_bytes(to_blocks(vertex_count) * 4 * sizeof(float));
+        frame.most_vertices = std::max(frame.most_vertices, section.vertex_count);
+        draws_.push_back({.section = &section,
+                          .vertices = reinterpret_cast<float*>(draw.vertices.get()),
+                          .first_id = static_cast<uint32_t>(draw_of_ids_.size()) * raster::kIdBlock,
+                          .is_mirrored = draw.is_mirrored});
+        draw_of_ids_.insert(draw_of_ids_.end(), (triangle_count + raster::kIdBlock - 1) / raster::kIdBlock, number);
+        nearest_first_.push_back(number);
+        raster::kernel_of(NativeIsa(native_isas().front()))
+            .keep(frame, reinterpret_cast<const float*>(world.get()), draws_.back());
+        // As floats have them from here on
+        for (size_t i = 0; i < vertex_count; ++i) {
+            const size_t to = vertex_count - 1 - i;
+            const float* const v = draws_.back().vertices + i / raster::kBlock * raster::kBlockFloats +
+                                   i % raster::kBlock;
+            RasterCorner& corner = draw.triangles[to / 3][to % 3];
+            corner.place = {v[0], v[raster::kBlock], v[2 * raster::kBlock]};
+            corner.normal = unpacked(std::bit_cast<uint32_t>(v[3 * raster::kBlock]));
+            corner.texcoord = {draw.texcoords[2 * i], draw.texcoords[2 * i + 1]};
+        }
+    }
+    frame.draws = draws_.data();
+    frame.draw_count = static_cast<uint32_t>(draws_.size());
+    frame.nearest_first = nearest_first_.data();
+    frame.draw_of_ids = draw_of_ids_.data();
+    frame.lines = lines_.data();
+    frame.line_count = static_cast<uint32_t>(lines_.size());
+    frame.first_line_id = static_cast<uint32_t>(draw_of_ids_.size()) * raster::kIdBlock;
+    frame.map = map_.data();
+    frame.samples = samples_.data();
+    frame.srgb = srgb_.data();
+}
+
+void RasterPicture::show(uint32_t x, uint32_t y, uint32_t sample, const Shown& shown) {
+    const size_t at = (size_t{y} * frame.width + x) * frame.sample_count + sample;
+    shown_[at] = shown;
+    const uint32_t id = shown.of_draw == kLines ? frame.first_line_id + shown.triangle
+                                                : draws_[shown.of_draw].first_id + shown.triangle;
+    samples_[at] = uint64_t{std::bit_cast<uint32_t>(0.5f)} << 32 | static_cast<uint32_t>(~id);
+}
+
+Vec3<double> RasterPicture::ray(double x, double y) const {
+    return xyz(scene.forward) + xyz(scene.right) * (2 * x / frame.width - 1) +
+           xyz(scene.down) * (2 * y / frame.height - 1);
+}
+
+RasterPicture::At RasterPicture::weighted(const RasterTriangle& triangle, const std::array<double, 3>& weights) const {
+    At at{.alpha = 0};
+    for (size_t k = 0; k < 3; ++k) {
+        const RasterCorner& corner = triangle[k];
+        at.place = at.place + corner.place * weights[k];
+        at.normal = at.normal + corner.normal * weights[k];
+        at.color = at.color +
+                   Vec3<double>{corner.color[0] / 255.0, corner.color[1] / 255.0, corner.color[2] / 255.0} * weights[k];
+        at.alpha += corner.color[3] / 255.0 * weights[k];
+        for (size_t i = 0; i < 2; ++i) at.texcoord[i] += corner.texcoord[i] * weights[k];
+    }
+    at.normal = normalized(at.normal);
+    return at;
+}
+
+RasterPicture::At RasterPicture::at(const RasterTriangle& triangle, bool is_mirrored, double x, double y) const {
+    const Vec3<double> eye = xyz(scene.eye), way = ray(x, y);
+    std::array<double, 3> weights{};
+    double sum = 0;
+    for (size_t k = 0; k < 3; ++k) {
+        weights[k] = dot(way, cross(triangle[(k + 1) % 3].place - eye, triangle[(k + 2) % 3].place - eye));
+        sum += weights[k];
+    }
+    for (double& weight : weights) weight /= sum;
+    At at = weighted(triangle, weights);
+    const Vec3<double> face = cross(triangle[1].place - triangle[0].place, triangle[2].place - triangle[0].place);
+    at.is_before_eye = dot(at.place - eye, xyz(scene.forward)) > kNearPlane;
+    at.is_front = (dot(face, way) < 0) != is_mirrored;
+    return at;
+}
+
+RasterPicture::At RasterPicture::at_map(const RasterTriangle& triangle, double x, double y) const {
+    std::array<std::array<double, 2>, 3> from{};
+    for (size_t k = 0; k < 3; ++k)
+        for (size_t i = 0; i < 2; ++i)
+            from[k][i] = dot(xyz(scene.map_from_world[i]), triangle[k].place) + double{scene.map_from_world[i].w} -
+                         (i == 0 ? x : y) / frame.map_size;
+    std::array<double, 3> weights{};
+    double sum = 0;
+    for (size_t k = 0; k < 3; ++k) {
+        const auto &a = from[(k + 1) % 3], &b = from[(k + 2) % 3];
+        sum += weights[k] = a[0] * b[1] - b[0] * a[1];
+    }
+    for (double& weight : weights) weight /= sum;
+    return weighted(triangle, weights);
+}
+
+bool RasterPicture::is_before(uint32_t x, uint32_t y, const Shown& shown) const {
+    const DrawData& draw = drawn_[shown.of_draw];
+    return at(draw.triangles[shown.triangle], draw.is_mirrored, x + 0.5, y + 0.5).is_before_eye;
+}
+
+Vec3<double> RasterPicture::shaded(const Shown& shown, uint32_t x, uint32_t y) const {
+    const auto heights = [this](int column, int row) { return map_height(column, row); };
+    const double centre_x = x + 0.5, centre_y = y + 0.5;
+    if (shown.of_draw == kNothing)
+        return background_reference(scene, heights, ray(centre_x, centre_y), ray((x ^ 1) + 0.5, centre_y),
+                                    ray(centre_x, (y ^ 1) + 0.5));
+    if (shown.of_draw == kLines) {
+        const float* const color = lines_[shown.triangle / 2].color;
+        return {color[0], color[1], color[2]};
+    }
+    const DrawData& draw = drawn_[shown.of_draw];
+    const raster::Material& material = *draw.material;
+    const auto place_at = [&](double right, double down) {
+        return at(draw.triangles[shown.triangle], draw.is_mirrored, centre_x + right, centre_y + down);
+    };
+    const At at = place_at(0, 0);
+    constexpr double kStep = 1e-4;
+    const auto step = [&](double right, double down) {
+        const At before = place_at(-right * kStep, -down * kStep), after = place_at(right * kStep, down * kStep);
+        At changes{.place = (after.place - before.place) * (0.5 / kStep)};
+        for (size_t i = 0; i < 2; ++i) changes.texcoord[i] = (after.texcoord[i] - before.texcoord[i]) * (0.5 / kStep);
+        return changes;
+    };
+    const At step_x = step(1, 0), step_y = step(0, 1);
+    const auto texel = [&](const raster::Texture* texture) {
+        return texture ? sampled_reference(*texture, at.texcoord, step_x.texcoord, step_y.texcoord)
+                       : std::array<double, 4>{1, 1, 1, 1};
+    };
+    const auto product = [](const Vec3<double>& a, const auto& b) {
+        return Vec3<double>{a.x * b[0], a.y * b[1], a.z * b[2]};
+    };
+    const auto first_three = [](const std::array<double, 4>& v) { return Vec3<double>{v[0], v[1], v[2]}; };
+    const LitSurface surface{.place = at.place,
+                             .normal = at.normal,
+                             .albedo = product(product(at.color, material.base_color), texel(material.base_color_map)),
+                             .metallic = material.metallic,
+                             .roughness = material.roughness,
+                             .emissive = {material.emissive[0], material.emissive[1], material.emissive[2]}};
+    return character_reference(scene, heights, surface, at.is_front,
+                               {.metallic = texel(material.metallic_roughness_map)[2],
+                                .roughness = texel(material.metallic_roughness_map)[1],
+                                .normal = first_three(texel(material.normal_map)),
+                                .occlusion = texel(material.occlusion_map)[0],
+                                .emissive = first_three(texel(material.emissive_map)),
+                                .normal_scale = material.normal_scale,
+                                .occlusion_strength = material.occlusion_strength,
+                                .place_x = step_x.place,
+                                .place_y = step_y.place,
+                                .texcoord_x = step_x.texcoord,
+                                .texcoord_y = step_y.texcoord});
+}
+
+Vec3<double> RasterPicture::expected(uint32_t x, uint32_t y) const {
+    Vec3<double> sum;
+    for (uint32_t i = 0; i < frame.sample_count; ++i)
+        sum = sum + shaded(shown_[(size_t{y} * frame.width + x) * frame.sample_count + i], x, y);
+    return sum * (1.0 / frame.sample_count);
+}
+
+std::vector<uint8_t> RasterPicture::resolved(NativeIsa isa, uint32_t rows_each) const {
+    const raster::Kernel& kernel = raster::kernel_of(isa);
+    GuardedBytes rgba(size_t{frame.width} * frame.height * 4), scratch(kernel.scratch_bytes(frame));
+    raster::Frame into = frame;
+    into.rgba = reinterpret_cast<uint8_t*>(rgba.data());
+    for (uint32_t row = 0; row < frame.height; row += rows_each)
+        kernel.resolve(into, row, std::min(row + rows_each, frame.height), scratch.data());
+    return {into.rgba, into.rgba + rgba.content().size()};
+}
+
+std::vector<uint64_t> RasterPicture::drawn_picture(NativeIsa isa) const {
+    const raster::Kernel& kernel = raster::kernel_of(isa);
+    GuardedBytes samples(samples_.size() * sizeof(uint64_t)), scratch(kernel.scratch_bytes(frame));
+    raster::Frame into = frame;
+    into.samples = reinterpret_cast<uint64_t*>(samples.data());
+    kernel.draw_picture(into, {0, 0, frame.width, frame.height}, false, scratch.data());
+    return {into.samples, into.samples + samples_.size()};
+}
+
+std::vector<float> RasterPicture::drawn_map(NativeIsa isa) const {
+    const raster::Kernel& kernel = raster::kernel_of(isa);
+    GuardedBytes map(map_.size() * sizeof(float)), scratch(kernel.scratch_bytes(frame));
+    raster::Frame into = frame;
+    into.map = reinterpret_cast<float*>(map.data());
+    kernel.draw_map(into, {0, 0, frame.map_size, frame.map_size}, false, scratch.data());
+    return {into.map, into.map + map_.size()};
+}
+
+void RasterPicture::expect_resolved() {
+    for (const NativeIsa isa : native_isas()) {
+        const std::vector<uint8_t> rgba = resolved(isa, frame.height);
+        double worst = 0;
+        for (uint32_t y = 0; y < frame.height; ++y)
+            for (uint32_t x = 0; x < frame.width; ++x) {
+                const Vec3<double> linear = expected(x, y);
+                const uint8_t* const p = &rgba[(size_t{y} * frame.width + x) * 4];
+                const double off = std::max({std::abs(p[0] - encoded(linear.x)), std::abs(p[1] - encoded(linear.y)),
+                                             std::abs(p[2] - encoded(linear.z))});
+                ASSERT_LE(off, 0.7) << name_of(isa) << " at " << x << ", " << y << ": " << int{p[0]} << " " << int{p[1]}
+                                    << " " << int{p[2]} << ", expected " << encoded(linear.x) << " "
+                                    << encoded(linear.y) << " " << encoded(linear.z);
+                ASSERT_EQ(p[3], 255);
+                worst = std::max(worst, off);
+            }
+        std::printf("%-8s %.2f of 255\n", name_of(isa).data(), worst);
+        EXPECT_EQ(resolved(isa, 1), rgba) << name_of(isa) << ", row by row";
+    }
+}
+
+Picture noise(uint32_t width, uint32_t height, uint64_t seed) {
+    Picture picture{.width = width, .height = height};
+    Random random(seed);
+    for (uint32_t i = 0; i < width * height * 4; ++i) picture.rgba.push_back(static_cast<uint8_t>(random.below(256)));
+    return picture;
+}
+
+std::array<double, 4> sampled_reference(const raster::Texture& texture, const std::array<double, 2>& texcoord,
+                                        const std::array<double, 2>& step_x, const std::array<double, 2>& step_y) {
+    const auto texels = [&](const std::array<double, 2>& step) {
+        return std::hypot(step[0] * texture.width, step[1] * texture.height);
+    };
+    const double mip = std::clamp(std::log2(std::max(texels(step_x), texels(step_y))), 0.0, texture.mip_count - 1.0);
+    std::array<double, 4> sum{};
+    for (const auto& [level, of_mip] : {std::pair(std::floor(mip), 1 - (mip - std::floor(mip))),
+                                        std::pair(std::floor(mip) + 1, mip - std::floor(mip))}) {
+        if (of_mip == 0) continue;
+        const auto number = static_cast<uint32_t>(level);
+        const int width = std::max(static_cast<int>(texture.width >> number), 1),
+                  height = std::max(static_cast<int>(texture.height >> number), 1);
+        const double x = texcoord[0] * width - 0.5, y = texcoord[1] * height - 0.5;
+        const auto repeated = [](double place, int count) { return (static_cast<int>(place) % count + count) % count; };
+        for (int i = 0; i < 4; ++i) {
+            const double column = std::floor(x) + i % 2, row = std::floor(y) + i / 2;
+            const double weight = (1 - std::abs(x - column)) * (1 - std::abs(y - row));
+            const uint64_t texel =
+                texture.texels[texture.mip_begins[number] +
+                               static_cast<uint32_t>(repeated(row, height) * width + repeated(column, width))];
+            for (size_t channel = 0; channel < 4; ++channel)
+                sum[channel] += of_mip * weight * static_cast<double>(texel >> (16 * channel) & 0xFFFF) / 65535;
+        }
+    }
+    return sum;
+}
+
+}  // namespace throng::test

@@ -1,0 +1,64 @@
+// A frame of the renderer for processors, of triangles whose places on the screen are known to the subpixel.
+#pragma once
+
+#include "native/aligned.h"
+#include "raster/kernels.h"
+#include "tests/test_rig.h"
+
+#include <deque>
+#include <vector>
+
+namespace throng::test {
+
+struct ScreenVertex {
+    int32_t x, y;  // subpixels of the picture
+    float w = 1;   // a power of two: then nothing is rounded
+};
+
+class RasterFrame {
+public:
+    static constexpr float kNear = 0.5f;
+    static constexpr uint32_t kSize = 64;  // pixels of the picture, and texels of the map, each way
+
+    explicit RasterFrame(uint32_t sample_count);
+
+    // Corners: of triangles, three each.
+    raster::Material& material() { return materials_.emplace_back(); }
+    void add(const std::vector<ScreenVertex>& vertices, const std::vector<uint32_t>& corners,
+             const raster::Material& material, bool is_mirrored = false);
+    // As add(), of vertices of the world: x, y, and the distance from the eye.
+    void add_world(const std::vector<Vec3<float>>& vertices, const std::vector<uint32_t>& corners,
+                   const raster::Material& material, bool is_mirrored = false);
+    void add_line(const raster::Line& line, bool is_depth_tested);
+
+    // Draws tile by tile; then samples() and map() are those of the frame.
+    void draw(NativeIsa isa, uint32_t tile_side = kSize, bool farthest_first = false);
+    const std::vector<uint64_t>& samples() const { return samples_; }
+    const std::vector<float>& map() const { return map_; }
+    const raster::Frame& frame() const { return frame_; }
+    raster::Frame& frame() { return frame_; }
+    // The triangle that a sample shows, counted over all draws and then lines; or -1.
+    int triangle_at(size_t sample) const;
+    static float depth_of(uint64_t sample);
+
+private:
+    struct Mesh {
+        std::vector<uint32_t> corners[3];
+        std::vector<float> world, weights, texcoords;
+        std::vector<uint32_t> colors;
+        native::AlignedBytes vertices, kept;
+        raster::Section section;
+    };
+    std::deque<raster::Material> materials_;
+    std::deque<Mesh> meshes_;
+    std::vector<raster::Draw> draws_;
+    std::vector<raster::Line> lines_;
+    std::vector<uint32_t> draw_of_ids_, nearest_first_;
+    std::vector<int> first_triangles_;
+    int triangle_count_ = 0;
+    std::vector<uint64_t> samples_;
+    std::vector<float> map_;
+    raster::Frame frame_;
+};
+
+}  // namespace throng::test

@@ -1,0 +1,375 @@
+// The native renderer beside the device's: the same pictures of crowds of all kinds, and the same bytes for any number
+// of threads.
+#include "draw/native_renderer.h"
+#include "tests/ball.h"
+#include "tests/crowd_cases.h"
+#include "tests/kernel_runner.h"
+#include "tests/psnr.h"
+#include "tests/subset.h"
+
+#include <cstdio>
+#include <map>
+#include <optional>
+
+namespace throng::test {
+namespace {
+
+const InSubset kInSubsets({Subset::kNative}, {"NativePictures.*"});
+
+constexpr uint32_t kWidth = 240, kHeight = 160;
+constexpr double kLeast_dB = 45;
+
+// Of the test device; made once for each number of samples, since pipelines take most of a small picture's time.
+struct Pair {
+    explicit Pair(uint32_t samples)
+        : native(make(samples, DrawPath::kNative)), device(make(samples, DrawPath::kDevice)) {}
+    static Renderer make(uint32_t samples, DrawPath path) {
+        Result<Renderer> made = Renderer::create(
+            test_device(), {.width = kWidth, .height = kHeight, .samples = samples, .path = path});
+        if (!made) throw std::runtime_error(made.error().text());
+        return std::move(*made);
+    }
+    Renderer native, device;
+};
+
+class NativeDraw : public testing::Test {
+protected:
+    void SetUp() override {
+        if (!test_gpu()->native || test_gpu()->is_native()) GTEST_SKIP() << "no device has both renderers";
+    }
+    static void TearDownTestSuite() { pairs().clear(); }
+    static std::map<uint32_t, Pair>& pairs() {
+        static std::map<uint32_t, Pair> all;
+        return all;
+    }
+
+    // Both pictures of a crowd that has been updated for that. Where THRONG_PICTURES is a folder, it gets both.
+    static void expect_alike(const std::string& what, Crowd& crowd, const Camera& camera,
+                             const DrawOptions& options = {}, uint32_t samples = 4, double least_dB = kLeast_dB) {
+        Pair& pair = pairs().try_emplace(samples, samples).first->second;
+        std::vector<Picture> pictures;
+        ASSERT_TRUE(pair.native.set_options(options));
+        const Result<void> updated = pair.native.update(crowd, 0.3f, camera);
+        ASSERT_TRUE(updated) << updated.error().text();
+        for (Renderer* const renderer : {&pair.native, &pair.device}) {
+            ASSERT_TRUE(renderer->set_options(options));
+            Result<RenderResult> result = renderer->render(crowd, camera);
+            ASSERT_TRUE(result) << result.error().text();
+            EXPECT_TRUE(result->warnings.empty()) << result->warnings.front();
+            if (const char* const folder = std::getenv("THRONG_PICTURES")) {
+                const std::string name = what + (renderer->is_native() ? " native.png" : " device.png");
+                EXPECT_TRUE(write_png(std::filesystem::path(folder) / name, result->picture));
+            }
+            pictures.push_back(std::move(result->picture));
+        }
+        EXPECT_GT(static_cast<NativeRenderer&>(pair.native.state()).times().triangles, 0u) << what << ": empty";
+        const double apart_dB = psnr(pictures[0], pictures[1]);
+        std::printf("  %s: %.1f dB\n", what.c_str(), apart_dB);
+        EXPECT_GE(apart_dB, least_dB) << what;
+    }
+    static void expect_alike(const std::string& what, Crowd& crowd, const DrawOptions& options = {},
+                             uint32_t samples = 4) {
+        expect_alike(what, crowd, whole(crowd), options, samples);
+    }
+    static Camera whole(const Crowd& crowd) {
+        return fit_camera(world_bounds(crowd), static_cast<float>(kWidth) / kHeight);
+    }
+};
+
+// In rows, one behind the other, each turned and of its own size; every second one mirrored where asked for.
+std::vector<Affine> in_rows(const Character& character, uint32_t count, bool has_mirrored = false) {
+    const auto columns = static_cast<uint32_t>(std::ceil(std::sqrt(count)));
+    std::vector<Affine> places;
+    for (uint32_t i = 0; i < count; ++i) {
+        const float size = 0.8f + 0.1f * static_cast<float>(i % 4), side = has_mirrored && i % 2 == 1 ? -size : size;
+        places.push_back(to_affine(Trs<float>{
+            axis_angle(Vec3<float>{0, 1, 0}, static_cast<float>(i)),
+            Vec3<float>{static_cast<float>(i % columns), 0, static_cast<float>(i / columns)} * (0.9f * character.size),
+            {side, has_mirrored ? 1.3f * size : size, size}}));
+    }
+    return places;
+}
+
+Crowd crowd_of(const std::vector<CrowdGroup>& groups, CrowdSettings settings = {}, bool has_mirrored = false) {
+    settings.groups = groups;
+    Crowd crowd = create(settings);
+    uint32_t first = 0;
+    Random random(3);
+    for (const CrowdGroup& group : groups) {
+        std::vector<Affine> places = in_rows(*group.character, group.instance_count, has_mirrored);
+        // Groups stand side by side
+        for (Affine& place : places) place.row[0][3] += static_cast<float>(first) * 0.7f;
+        EXPECT_TRUE(crowd.set_placement(first, places));
+        const std::vector<Playback> playbacks = random_playbacks(random, *group.character, group.instance_count);
+        EXPECT_TRUE(group.controller || crowd.set_playback(first, playbacks));
+        first += group.instance_count;
+    }
+    return crowd;
+}
+Crowd crowd_of(const Character& character, uint32_t count, const CrowdSettings& settings = {},
+               bool has_mirrored = false) {
+    return crowd_of({{&character, count}}, settings, has_mirrored);
+}
+
+TEST_F(NativeDraw, ControllersAndLevelsOfDetail) {
+    const Character walker = compiled(*make_creature(creature_settings(CreatureKind::kWalker)), {});
+    const Controller controller = example("walker");
+    for (const bool reduces : {false, true}) {
+        Crowd crowd = crowd_of({{.character = &walker, .instance_count = 300, .controller = &controller}},
+                               {.culls = true, .reduces_joints = reduces});
+        expect_alike(reduces ? "walkers with fewer joints" : "walkers", crowd);
+    }
+}
+
+TEST_F(NativeDraw, Files) {
+    const std::filesystem::path folder = shared_folder("characters");
+    THRONG_SKIP_WITHOUT(folder);
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+        if (entry.path().extension() != ".glb" && entry.path().extension() != ".gltf") continue;
+        const Result<Character> character = load_character(entry.path());
+        ASSERT_TRUE(character) << character.error().text();
+        const std::string name = entry.path().stem().string();
+        Crowd one = crowd_of(*character, 1), many = crowd_of(*character, 40, {.culls = true});
+        expect_alike(name, one);
+        expect_alike(name + " 40", many);
+    }
+}
+
+TEST_F(NativeDraw, Creatures) {
+    for (const CreatureKind kind : {CreatureKind::kDragon, CreatureKind::kWillow, CreatureKind::kCentipede}) {
+        const Character character = compiled(*make_creature(creature_settings(kind)), {});
+        const std::string name = "creature " + std::to_string(static_cast<int>(kind));
+        Crowd one = crowd_of(character, 1), many = crowd_of(character, 30, {.culls = true});
+        expect_alike(name, one);
+        expect_alike(name + " 30", many);
+    }
+}
+
+TEST_F(NativeDraw, Lines) {
+    const Character character = creature();
+    for (const bool culls : {false, true}) {
+        Crowd crowd = crowd_of(character, 20, {.keep_model_matrices = true, .culls = culls});
+        const std::string with = culls ? ", culled" : "";
+        expect_alike("skeletons" + with, crowd, {.skeletons = true});
+        expect_alike("bounds" + with, crowd, {.bounds = true});
+        expect_alike("skeletons and bounds" + with, crowd, {.skeletons = true, .bounds = true}, 1);
+    }
+}
+
+TEST_F(NativeDraw, EveryWayOfSkinning) {
+    for (const uint32_t influences : {4u, 8u}) {
+        const Character ball = compiled(make_ball({.influence_count = influences}), kExact);
+        for (const SkinFormat format : {SkinFormat::kAffine, SkinFormat::kHalfAffine, SkinFormat::kSimilarity})
+            for (const SkinBlend blend : {SkinBlend::kLinear, SkinBlend::kDualQuaternion})
+                for (const bool once : {false, true}) {
+                    Crowd crowd = crowd_of(
+                        ball, 9, {.skin_format = format, .culls = once, .skin_blend = blend, .skins_once = once});
+                    expect_alike("format " + std::to_string(static_cast<int>(format)) + ", blend " +
+                                     std::to_string(static_cast<int>(blend)) + ", " + std::to_string(influences) +
+                                     (once ? ", once" : ""),
+                                 crowd);
+                }
+    }
+}
+
+TEST_F(NativeDraw, AnyRig) {
+    for (const double spread : {0.0, 0.3}) {
+        const Character character = make_character(
+            {.scale_spread = spread, .vertex_count = 300, .morph_count = spread > 0 ? 3u : 0u});
+        for (const bool once : {false, true}) {
+            Crowd crowd = crowd_of(character, 16, {.skins_once = once});
+            expect_alike("spread " + std::to_string(spread) + (once ? ", once" : ""), crowd);
+        }
+    }
+}
+
+TEST_F(NativeDraw, Morphs) {
+    const Character ball = compiled(make_ball({.has_morphs = true}), kExact);
+    for (const SkinBlend blend : {SkinBlend::kLinear, SkinBlend::kDualQuaternion})
+        for (const bool once : {false, true}) {
+            Crowd crowd = crowd_of(ball, 9, {.skin_blend = blend, .skins_once = once});
+            expect_alike("morphs " + std::to_string(static_cast<int>(blend)) + (once ? ", once" : ""), crowd);
+        }
+}
+
+TEST_F(NativeDraw, Materials) {
+    for (const AlphaMode mode : {AlphaMode::kOpaque, AlphaMode::kMask, AlphaMode::kBlend})
+        for (const bool is_double_sided : {false, true}) {
+            Asset asset = make_ball({.is_open = true});
+            add_maps(asset);
+            asset.materials[0].alpha_mode = mode;
+            asset.materials[0].alpha_cutoff = 0.3f;
+            asset.materials[0].double_sided = is_double_sided;
+            const Character ball = compiled(asset, kExact);
+            Crowd one = crowd_of(ball, 1), many = crowd_of(ball, 12);
+            const std::string name = "material " + std::to_string(static_cast<int>(mode)) +
+                                     (is_double_sided ? ", both sides" : "");
+            expect_alike(name, one);
+            expect_alike(name + ", small", many);
+            // At the edge of a mask one texel more or less is a whole sample: here a whole pixel
+            expect_alike(name + ", 1 sample", many, whole(many), {}, 1,
+                         mode == AlphaMode::kOpaque ? kLeast_dB : kLeast_dB - 4);
+        }
+}
+
+TEST_F(NativeDraw, MirroredAndStretched) {
+    for (const bool is_double_sided : {false, true}) {
+        Asset asset = make_ball({.is_open = true, .has_morphs = true});
+        add_maps(asset);
+        asset.materials[0].double_sided = is_double_sided;
+        const Character ball = compiled(asset, kExact);
+        for (const bool once : {false, true}) {
+            Crowd crowd = crowd_of(ball, 9, {.skins_once = once}, true);
+            expect_alike(std::string("mirrored") + (is_double_sided ? ", both sides" : "") + (once ? ", once" : ""),
+                         crowd);
+        }
+    }
+}
+
+TEST_F(NativeDraw, Groups) {
+    Asset textured = make_ball({.has_morphs = true});
+    add_maps(textured);
+    textured.materials[0].alpha_mode = AlphaMode::kMask;
+    const Character ball = compiled(textured, kExact), small = small_character(), dragon = creature();
+    const Controller controller = example("dragon");
+    Crowd crowd = crowd_of({{&ball, 12},
+                            {&small, 9},
+                            {.character = &dragon, .instance_count = 4, .controller = &controller, .pose_capacity = 2},
+                            {&ball, 3}},
+                           {.keep_model_matrices = true, .culls = true, .skips_updates = true});
+    expect_alike("groups", crowd);
+    expect_alike("groups, all lines", crowd, {.skeletons = true, .bounds = true});
+}
+
+TEST_F(NativeDraw, Options) {
+    const Character character = creature();
+    Crowd crowd = crowd_of(character, 20, {.culls = true});
+    expect_alike("no shadows", crowd, {.shadows = false});
+    expect_alike("no fog", crowd, {.fog = false});
+    expect_alike("dark", crowd, {.exposure = 0.4f});
+    expect_alike("bright", crowd, {.exposure = 3});
+    expect_alike("low sun", crowd, {.to_sun = {1, 0.1f, 0.2f}});
+    expect_alike("coarse", crowd, {.lod_pixels = 5});
+    expect_alike("1 sample", crowd, {}, 1);
+}
+
+// Before and behind the near plane, and from below the ground.
+TEST_F(NativeDraw, Cameras) {
+    const Character character = creature();
+    for (const bool culls : {false, true}) {
+        Crowd crowd = crowd_of(character, 25, {.keep_model_matrices = true, .culls = culls});
+        const Bounds bounds = world_bounds(crowd);
+        const Vec3<float> middle = (bounds.min + bounds.max) * 0.5f, extent = bounds.max - bounds.min;
+        const std::string with = culls ? ", culled" : "";
+        const DrawOptions lines{.skeletons = true, .bounds = true};
+        for (const DrawOptions& options : {DrawOptions{}, lines}) {
+            const std::string more = with + (options.bounds ? ", lines" : "");
+            expect_alike("inside" + more, crowd, {.eye = middle, .target = middle + Vec3<float>{1, -0.1f, 0.3f}},
+                         options);
+            expect_alike("at one's feet" + more, crowd,
+                         {.eye = {0.1f, 0.2f, 0.3f}, .target = middle, .vertical_field_of_view_rad = 1.5f}, options);
+            expect_alike("from above" + more, crowd, {.eye = middle + Vec3<float>{0, extent.x, 0}, .target = middle},
+                         options);
+            expect_alike("from below" + more, crowd,
+                         {.eye = middle - Vec3<float>{extent.x, extent.y, 0}, .target = middle}, options);
+            expect_alike("far away" + more, crowd,
+                         {.eye = middle + Vec3<float>{0, 20, 100} * extent.x, .target = middle}, options);
+        }
+    }
+}
+
+// A picture that the recorded commands copy.
+class Copy {
+public:
+    explicit Copy(uint64_t size_bytes) : buffer_(test_gpu(), "copy", size_bytes, 0, MemoryKind::kReadback) {}
+    void record(VkCommandBuffer commands, const Renderer& renderer) const {
+        const VkBufferImageCopy region{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                       .imageExtent = {kWidth, kHeight, 1}};
+        test_gpu()->vk.vkCmdCopyImageToBuffer(commands, renderer.picture(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                              buffer_.handle(), 1, &region);
+        memory_barrier(*test_gpu(), commands, kTransferWrite, kHostRead);
+    }
+    Picture picture() const {
+        const auto* const bytes = reinterpret_cast<const uint8_t*>(buffer_.mapped());
+        return {kWidth, kHeight, {bytes, bytes + size_t{4} * kWidth * kHeight}};
+    }
+
+private:
+    Buffer buffer_;
+};
+
+// Frames of one command buffer and of the next, more than are under way at a time.
+TEST_F(NativeDraw, RecordedDrawingIsThatOfTheCall) {
+    const Character character = creature();
+    Crowd crowd = crowd_of(character, 9, {.culls = true});
+    const Camera camera = whole(crowd);
+    Renderer renderer = Pair::make(4, DrawPath::kNative);
+    for (int submission = 0; submission < 3; ++submission) {
+        std::vector<Picture> drawn;
+        std::vector<Copy> copies;
+        test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
+            for (int frame = 0; frame < 2; ++frame) {
+                ASSERT_TRUE(renderer.update(crowd, 0.3f, camera));
+                drawn.push_back(renderer.render(crowd, camera)->picture);
+                ASSERT_TRUE(renderer.record_drawing(commands, crowd, camera));
+                copies.emplace_back(drawn.back().rgba.size()).record(commands, renderer);
+            }
+        });
+        EXPECT_NE(drawn[0].rgba, drawn[1].rgba);
+        for (size_t frame = 0; frame < 2; ++frame)
+            EXPECT_EQ(copies[frame].picture().rgba, drawn[frame].rgba) << submission << ", " << frame;
+    }
+}
+
+// Of crowds whose update is recorded too; by both calls that record one.
+TEST_F(NativeDraw, TheDeviceDrawsWhatItUpdates) {
+    const Character character = creature();
+    Renderer renderer = Pair::make(4, DrawPath::kNative);
+    for (const bool in_one : {false, true}) {
+        Crowd crowd = crowd_of(character, 9, {.path = UpdatePath::kDevice, .culls = true});
+        const Camera camera = whole(crowd);
+        const Copy copy(uint64_t{4} * kWidth * kHeight);
+        test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
+            if (in_one) {
+                ASSERT_TRUE(renderer.record(commands, crowd, 0.3f, camera));
+            } else {
+                const CrowdView view = *view_of(camera, kWidth, kHeight, world_bounds(crowd));
+                ASSERT_TRUE(crowd.record(commands, 0.3f, &view));
+                ASSERT_TRUE(renderer.record_drawing(commands, crowd, camera));
+            }
+            copy.record(commands, renderer);
+        });
+        EXPECT_GT(renderer.draw_ms(), 0);
+        const Result<RenderResult> drawn = renderer.render(crowd, camera);
+        ASSERT_TRUE(drawn);
+        EXPECT_GE(psnr(copy.picture(), drawn->picture), kLeast_dB);
+        EXPECT_GT(renderer.draw_ms(), 0);
+    }
+}
+
+TEST(NativePictures, ThreadsChangeNothing) {
+    Asset asset = make_ball({.is_open = true, .has_morphs = true});
+    add_maps(asset);
+    const Character ball = compiled(asset, kExact), dragon = creature();
+    const auto picture = [&](const DeviceSettings& settings) {
+        const Device device = *Device::create(settings);
+        Crowd crowd = std::move(*Crowd::create(
+            device, {.groups = {{&ball, 400}, {&dragon, 100}}, .keep_model_matrices = true, .culls = true}));
+        Random random(8);
+        std::vector<Affine> places = in_rows(ball, 400, true);
+        for (const Affine& place : in_rows(dragon, 100)) places.push_back(place);
+        EXPECT_TRUE(crowd.set_placement(0, places));
+        EXPECT_TRUE(crowd.set_playback(400, random_playbacks(random, dragon, 100)));
+        Renderer renderer = std::move(
+            *Renderer::create(device, {.width = 1000, .height = 600, .options = {.skeletons = true, .bounds = true}}));
+        Result<RenderResult> result = renderer.render_frame(crowd, 0.1f, fit_camera(world_bounds(crowd), 5.0f / 3));
+        EXPECT_TRUE(result && result->draw_ms > 0);
+        return std::move(result->picture);
+    };
+    const Picture alone = picture({.select = "native", .threads = 1});
+    for (const uint32_t threads : {2u, 7u})
+        EXPECT_EQ(picture({.select = "native", .threads = threads}).rgba, alone.rgba) << threads;
+}
+
+}  // namespace
+}  // namespace throng::test
