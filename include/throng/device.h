@@ -61,7 +61,7 @@ struct AdoptedDevice {
     // The application's, which it keeps: throng's pipelines are made with it. Null: without one. It must not have been
     // created as externally synchronized.
     VkPipelineCache pipeline_cache = VK_NULL_HANDLE;
-    // Who computes native updates on a software device: as DeviceSettings::threads and jobs
+    // The threads of native updates on a software device, as DeviceSettings::threads and jobs
     uint32_t threads = 0;
     std::shared_ptr<JobSystem> jobs{};
 };

@@ -60,7 +60,7 @@ struct DrawOptions {
 Result<CrowdView> view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds,
                           const DrawOptions& options = {});
 
-// Who draws: kNative, this machine's processor, on native and software devices; kDevice, the device's shaders, on all
+// What draws: kNative, this machine's processor, on native and software devices; kDevice, the device's shaders, on all
 // but native ones. kAuto: natively where that can be. Both draw the same picture, but for rounding.
 enum class DrawPath { kAuto, kNative, kDevice };
 
@@ -73,7 +73,7 @@ struct RendererSettings {
 
 struct RenderResult {
     Picture picture{};
-    // Of skinning and drawing: GPU time, 0 where the queue has no timestamps; natively by the clock
+    // Milliseconds of skinning and drawing: of the GPU, 0 where the queue has no timestamps; natively, by the clock
     double draw_ms = 0;
     std::vector<std::string> warnings{};  // textures that could not be decoded and are drawn white
 };

@@ -130,8 +130,8 @@ void CrowdState::record(VkCommandBuffer commands, float time_step_s, const Crowd
     memory_barrier(*gpu, commands, kConsumers | kShaderWrite | kTransferWrite,
                    kShaderRead | kShaderWrite | kTransferWrite);
     check_runs(commands == VK_NULL_HANDLE);
-    if (feedback) feedback->begin(commands);    // before anything is taken up, since it may refuse
-    can_discard_ = commands != VK_NULL_HANDLE;  // a native update has run when this returns
+    if (feedback) feedback->begin(commands);                       // before anything is taken up, since it may refuse
+    awaits_commands_ = can_discard_ = commands != VK_NULL_HANDLE;  // a native update has run when this returns
     const Update update = update_of(commands, time_step_s, seen);
     for (const auto& stage : stages) stage->begin(update);
     take_turns();

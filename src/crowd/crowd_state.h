@@ -49,7 +49,7 @@ struct CrowdState {
     void record_disoccluded(VkCommandBuffer commands, const DepthImage& depths);
     void discard_last_record();
     // Whether the last update is in a command buffer of the application's, and may not have run.
-    bool awaits_commands() const { return can_discard_; }
+    bool awaits_commands() const { return awaits_commands_; }
     std::vector<DrawnInstance> read_drawn() const;
     std::vector<Affine> read_matrices(uint32_t instance, bool model) const;
     std::vector<Vec3<float>> read_positions(uint32_t instance);
@@ -104,10 +104,11 @@ private:
 
     std::optional<Kernel> skin_kernel_;  // made when positions are first read back
     bool has_updated_ = false;
-    bool was_native_ = false;     // the last record() that was begun
-    bool had_updated_ = false;    // before the last record()
-    bool can_discard_ = false;    // the last record() has not been discarded
-    float full_rate_factor_ = 1;  // what the budget makes of CrowdView::full_rate_pixels, as a factor
+    bool was_native_ = false;       // the last record() that was begun
+    bool had_updated_ = false;      // before the last record()
+    bool awaits_commands_ = false;  // the last update has been recorded, discarded or not
+    bool can_discard_ = false;      // the last record() has not been discarded
+    float full_rate_factor_ = 1;    // what the budget makes of CrowdView::full_rate_pixels, as a factor
     std::vector<Watched> watched_;
     uint32_t watch_capacity_ = 0;
 };

@@ -19,7 +19,7 @@ Real cell_value(Whole column, Whole row) {
     h = h ^ h >> 16;
     h = h * 2246822519u;
     h = h ^ h >> 13;
-    return Real(h & 0xFFFFu) / 65535.0;
+    return Real(h & 0xFFFFu) * (1 / 65535.0);
 }
 
 // Soft patches, -1..1, gone where a pixel holds a whole one.

@@ -10,19 +10,27 @@
 #include <algorithm>
 #include <bit>
 #include <chrono>
-#include <limits>
 
 namespace throng {
 namespace {
 
 constexpr uint32_t kMostPixels = 16'384;  // along one side: the kernels count subpixels in 24 bits
-constexpr VkExtent2D kPictureTile{480, 270}, kMapTile{1024, 1024};
+constexpr VkExtent2D kLargestPictureTile{480, 270}, kLargestMapTile{1024, 1024};
 constexpr uint32_t kRowsOfJob = 8, kVerticesOfJob = 1 << 14, kLinedOfJob = 256;
 constexpr uint64_t kIdCount = uint64_t{1} << 32;
 
 static_assert(sizeof(raster::Scene) == sizeof(io::DrawScene));
 
 uint64_t rounded_up(uint64_t count, uint64_t to) { return (count + to - 1) / to * to; }
+
+// A sixteenth, so that threads have equal work; of large pictures no more than caches hold.
+VkExtent2D tile_of(const VkExtent2D& of, const VkExtent2D& largest) {
+    static constexpr uint32_t kEachWay = 4, kLeast = 64;
+    const auto side = [](uint32_t whole, uint32_t most) {
+        return std::min(std::max((whole + kEachWay - 1) / kEachWay, kLeast), most);
+    };
+    return {side(of.width, largest.width), side(of.height, largest.height)};
+}
 
 // Milliseconds since the last call.
 class Clock {
@@ -36,12 +44,12 @@ private:
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-std::vector<uint8_t> srgb_of_linear() {
-    std::vector<uint8_t> all;
+std::vector<uint32_t> srgb_of_linear() {
+    std::vector<uint32_t> all;
     for (uint32_t i = 0; i <= raster::kSrgbSteps; ++i) {
         const double linear = static_cast<double>(i) / raster::kSrgbSteps;
         const double encoded = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-        all.push_back(static_cast<uint8_t>(std::lround(255 * encoded)));
+        all.push_back(static_cast<uint32_t>(std::lround(255 * encoded)));
     }
     return all;
 }
@@ -56,6 +64,15 @@ const VkExtent2D& checked(const VkExtent2D& extent) {
     return extent;
 }
 
+NativeMemory checked_memory(uint64_t needed_bytes, std::string_view what) {
+    if (needed_bytes > NativeDevice::memory_bytes())
+        throw Failure(ErrorCode::kLimit, "render",
+                      std::to_string(needed_bytes >> 20) + " MiB of " + std::string(what) +
+                          " exceed this machine's memory of " + std::to_string(NativeDevice::memory_bytes() >> 20) +
+                          " MiB");
+    return NativeMemory(needed_bytes);
+}
+
 }  // namespace
 
 NativeFrame::NativeFrame(std::shared_ptr<Gpu> gpu, VkExtent2D extent, uint32_t samples, NativeIsa isa)
@@ -63,9 +80,9 @@ NativeFrame::NativeFrame(std::shared_ptr<Gpu> gpu, VkExtent2D extent, uint32_t s
     frame_.width = extent.width;
     frame_.height = extent.height;
     frame_.sample_count = samples;
-    frame_.map_size = shadow_map_size(extent);
-    map_ = NativeMemory(uint64_t{frame_.map_size} * frame_.map_size * sizeof(float));
-    samples_ = NativeMemory(uint64_t{extent.width} * extent.height * samples * sizeof(uint64_t));
+    frame_.map_size = shadow_map_size(extent, samples);
+    map_ = checked_memory(uint64_t{frame_.map_size} * frame_.map_size * sizeof(float), "shadow map");
+    samples_ = checked_memory(uint64_t{extent.width} * extent.height * samples * sizeof(uint64_t), "samples");
     frame_.map = reinterpret_cast<float*>(map_.bytes());
     frame_.samples = reinterpret_cast<uint64_t*>(samples_.bytes());
     frame_.srgb = srgb_.data();
@@ -83,9 +100,10 @@ void NativeFrame::draw(const CrowdState& crowd, const NativeCrowd& native, const
     skin(crowd, native);
     sort_by_distance();
     times_.skin_ms = clock.lap_ms();
-    if (options.shadows) draw_tiles({frame_.map_size, frame_.map_size}, kMapTile, map_is_clear_, kernel_.draw_map);
+    if (options.shadows)
+        draw_tiles({frame_.map_size, frame_.map_size}, kLargestMapTile, map_is_clear_, kernel_.draw_map);
     times_.shadow_ms = clock.lap_ms();
-    draw_tiles(extent_, kPictureTile, picture_is_clear_, kernel_.draw_picture);
+    draw_tiles(extent_, kLargestPictureTile, picture_is_clear_, kernel_.draw_picture);
     times_.picture_ms = clock.lap_ms();
     resolve();
     times_.resolve_ms = clock.lap_ms();
@@ -173,7 +191,7 @@ void NativeFrame::give_ids(uint64_t id_count) {
     if (needed >= kIdCount)
         throw Failure(
             ErrorCode::kLimit, "render",
-            std::to_string(needed) + " triangles; a native picture numbers at most " + std::to_string(kIdCount - 1));
+            std::to_string(needed) + " numbers for triangles; a native picture has " + std::to_string(kIdCount - 1));
     frame_.first_line_id = static_cast<uint32_t>(id_count);
     draw_of_ids_.clear();
     for (uint32_t draw = 0; draw < draws_.size(); ++draw) {
@@ -195,14 +213,10 @@ void NativeFrame::give_memory() {
         block_count += rounded_up(draw.section->vertex_count, raster::kBlock) / raster::kBlock;
     }
     const uint64_t needed_bytes = block_count * raster::kBlockFloats * sizeof(float);
-    if (needed_bytes > NativeDevice::memory_bytes())
-        throw Failure(ErrorCode::kLimit, "render",
-                      std::to_string(needed_bytes >> 20) + " MiB of skinned vertices exceed this machine's memory of " +
-                          std::to_string(NativeDevice::memory_bytes() >> 20) + " MiB");
     if (needed_bytes > vertices_bytes_) {
         vertices_bytes_ = 0;
         vertices_ = NativeMemory();
-        vertices_ = NativeMemory(needed_bytes + needed_bytes / 4);
+        vertices_ = checked_memory(needed_bytes + needed_bytes / 4, "skinned vertices");
         vertices_bytes_ = needed_bytes + needed_bytes / 4;
     }
     auto* next = reinterpret_cast<float*>(vertices_.bytes());
@@ -245,6 +259,7 @@ void NativeFrame::skin_instance(const CrowdState& crowd, const NativeCrowd& nati
     const PosedInstance of{group, batch, drawn.list.instances[posed.place]};
     const bool is_linear = crowd.skin_blend == SkinBlend::kLinear, is_morphed = !crowd.skins_once && of.is_morphed();
     const std::span<const uint32_t> entries = mesh.entries(posed.lod);
+    if (entries.empty()) return;  // nothing to draw
 
     float* columns = nullptr;
     std::byte* similarities = nullptr;
@@ -297,7 +312,8 @@ void NativeFrame::sort_by_distance() {
 }
 
 template <class Draw>
-void NativeFrame::draw_tiles(VkExtent2D of, VkExtent2D tile, std::vector<uint8_t>& are_clear, const Draw& draw) {
+void NativeFrame::draw_tiles(VkExtent2D of, VkExtent2D largest, std::vector<uint8_t>& are_clear, const Draw& draw) {
+    const VkExtent2D tile = tile_of(of, largest);
     const uint32_t columns = (of.width + tile.width - 1) / tile.width,
                    rows = (of.height + tile.height - 1) / tile.height;
     are_clear.resize(columns * rows, 1);

@@ -10,7 +10,7 @@
 
 namespace throng {
 
-// What the last picture took, and of what.
+// Milliseconds of the steps of the last picture, and what it drew.
 struct NativeTimes {
     double list_ms = 0, skin_ms = 0, shadow_ms = 0, picture_ms = 0, resolve_ms = 0;
     uint64_t instances = 0, vertices = 0, triangles = 0;  // that were skinned
@@ -24,6 +24,7 @@ public:
     NativeFrame(std::shared_ptr<Gpu> gpu, VkExtent2D extent, uint32_t samples, NativeIsa isa);
 
     const VkExtent2D& extent() const { return extent_; }
+    uint32_t samples() const { return frame_.sample_count; }
     // `rgba`: [height][width][4]. Nothing of the queue that writes the crowd's buffers may be under way.
     void draw(const CrowdState& crowd, const NativeCrowd& native, const Camera& camera, const DrawOptions& options,
               uint8_t* rgba);
@@ -34,7 +35,7 @@ private:
     struct Posed {
         uint32_t batch = 0;
         uint32_t lod = 0;
-        uint32_t place = 0;  // in the batch's list, which is that among the draws of a section
+        uint32_t place = 0;  // in the batch's list, and so among the draws of each section
     };
     struct Drawn {  // of a batch
         NativeList list;
@@ -55,7 +56,7 @@ private:
     void sort_by_distance();
     // `are_clear`: [tile], what is known of them from the last picture; at first they are.
     template <class Draw>
-    void draw_tiles(VkExtent2D of, VkExtent2D tile, std::vector<uint8_t>& are_clear, const Draw& draw);
+    void draw_tiles(VkExtent2D of, VkExtent2D largest, std::vector<uint8_t>& are_clear, const Draw& draw);
     void resolve();
 
     std::shared_ptr<Gpu> gpu_;
@@ -64,7 +65,7 @@ private:
     NativeMemory map_, samples_, vertices_;
     uint64_t vertices_bytes_ = 0;                           // of vertices_
     std::vector<uint8_t> map_is_clear_, picture_is_clear_;  // [tile]
-    std::vector<uint8_t> srgb_;
+    std::vector<uint32_t> srgb_;
     NativeScratchPool scratch_;
 
     io::DrawScene scene_{};

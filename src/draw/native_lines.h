@@ -11,7 +11,7 @@
 
 namespace throng {
 
-// Those that some of the picture may show.
+// Appends the edges of the box, but for those wholly beside the picture.
 void add_box_lines(const io::DrawScene& scene, const Affine& world_from_model, const Bounds& box,
                    std::vector<raster::Line>& lines);
 // `model_from_joint`: of an instance, as long as `joints`.

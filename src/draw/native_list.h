@@ -9,21 +9,21 @@
 
 namespace throng {
 
-// Of a batch, in the order in which the device draws them.
+// Instances of a batch to draw, in the order in which the device draws them.
 struct NativeList {
     std::vector<uint32_t> instances;                   // of the batch, finest level of detail first
     std::array<uint32_t, io::kLodCount + 1> begins{};  // of the levels, and their end
 };
 
-// All that the crowd lists; where it does not cull, all there are, in the finest level.
+// All instances that the crowd's culling has listed; where it does not cull, all, in the finest level.
 void list_instances(const Batch& batch, NativeList& list);
 
-// Whose poses, as far as their bounds know, lie in the picture or, with shadows, in the shadow map.
+// The part of space that the picture or, with shadows, the shadow map shows.
 class NativeView {
 public:
     NativeView(const io::DrawScene& scene, bool shadows);
 
-    // Leaves out of the list who is not seen, and throws no shadow.
+    // Removes instances whose posed bounds lie outside of both.
     void keep_seen(const Group& group, const Batch& batch, const NativeDevice& device, NativeList& list);
 
 private:

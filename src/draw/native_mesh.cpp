@@ -29,7 +29,7 @@ NativeMesh::NativeMesh(const Group& group, uint32_t lod_count, const std::vector
 
 // Coarse levels refer to few of the palette's matrices.
 void NativeMesh::gather_entries(const Group& group, uint32_t lod) {
-    const std::span sections(&sections_[lod * section_count_], section_count_);
+    const std::span sections = std::span(sections_).subspan(lod * section_count_, section_count_);
     std::vector<bool> is_used(group.palette_count);
     for (const auto& section : sections)
         if (section)

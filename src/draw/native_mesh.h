@@ -11,7 +11,7 @@
 
 namespace throng {
 
-// Of a vertex in raster::Section::bind
+// Numbers of a vertex in raster::Section::bind
 inline constexpr size_t kBindFloats = 8;
 inline size_t whole_blocks(size_t count) { return (count + raster::kBlock - 1) / raster::kBlock * raster::kBlock; }
 
@@ -21,7 +21,7 @@ struct NativeSection {
     const MeshSection* of = nullptr;
     uint32_t first_influences = 0;                    // of the level, in Influences
     std::vector<uint32_t> sources;                    // [vertex_count], vertices of the group's section
-    struct Moved {                                    // by morphs
+    struct Moved {                                    // a vertex that morphs move
         uint32_t vertex = 0;                          // of this section
         uint32_t first_delta = 0, packed_normal = 0;  // Vertex's
     };

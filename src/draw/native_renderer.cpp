@@ -22,7 +22,8 @@ std::unique_ptr<StagedPicture> make_staged(const std::shared_ptr<Gpu>& gpu, cons
 }  // namespace
 
 std::string natively_undrawable_reason(const Gpu& gpu) {
-    if (!gpu.native) return gpu.info.name + " is no software device";
+    if (!gpu.native)
+        return gpu.info.name + " is a GPU, whose shaders draw; the processor draws for native and software devices";
     if (native_isas().empty()) return "there is no native engine for this processor";
     return {};
 }
@@ -67,7 +68,8 @@ RenderResult NativeRenderer::render(const Crowd& crowd, const Camera& camera) {
 
 RenderResult NativeRenderer::render_frame(Crowd& crowd, float time_step_s, const Camera& camera) {
     check_drawn(crowd);
-    make_view(camera, 1);  // refuses what is no camera before time goes on
+    make_view(camera, 1);  // what is refused is refused before time goes on
+    kept_of(crowd);
     update(crowd, time_step_s, camera);
     return render(crowd, camera);
 }
@@ -94,7 +96,11 @@ void NativeRenderer::record_drawing(VkCommandBuffer commands, const Crowd& crowd
 }
 
 RendererState& NativeRenderer::device_renderer() {
-    if (!device_) device_ = std::make_unique<VulkanRenderer>(gpu, settings_);
+    if (!device_) {
+        RendererSettings settings = settings_;
+        settings.samples = frame_->samples();
+        device_ = std::make_unique<VulkanRenderer>(gpu, settings);
+    }
     device_->options = options;
     return *device_;
 }

@@ -9,7 +9,7 @@
 
 namespace throng {
 
-// Why this device draws not natively; empty where it can.
+// Why a native renderer does not serve this device; empty where it does.
 std::string natively_undrawable_reason(const Gpu& gpu);
 
 class NativeRenderer : public RendererState {
@@ -37,7 +37,7 @@ private:
     std::unique_ptr<NativeFrame> frame_;
     std::unique_ptr<StagedPicture> staged_;  // where the device has images
     CrowdCache<const NativeCrowd> crowds_;
-    // Of a software device, for what only that can draw; made when first needed
+    // Of a software device, for updates that are recorded; made when first needed
     std::unique_ptr<RendererState> device_;
     bool device_drew_ = false;  // the last frame
 };

@@ -1,4 +1,4 @@
-// What becomes of vertices beside what the kernels of src/raster do: the shaders' own text.
+// What the kernels of src/raster do not do with vertices (formats, morphs, dual quaternions), by the shaders' own text.
 #pragma once
 
 #include "crowd/batch.h"
@@ -11,7 +11,7 @@ namespace throng {
 // Position, 1, normal, 0, as raster::Section::bind has them.
 void unpack_vertex(const Vertex& vertex, float* bind);
 
-// An instance of a batch, as the buffers have it. `skin`: the first of its matrices.
+// An instance of a batch, as the buffers have it. `skin()`: the first of its matrices.
 struct PosedInstance {
     const Group& group;
     const Batch& batch;

@@ -19,7 +19,9 @@ std::unique_ptr<RendererState> make_state(const std::shared_ptr<Gpu>& gpu, const
     const std::string unsupported_reason = natively_undrawable_reason(*gpu);
     if (settings.path == DrawPath::kDevice && gpu->is_native())
         throw Failure(ErrorCode::kNoDevice, "renderer",
-                      "drawing by the shaders of a device needs Vulkan (mesa-vulkan-drivers has a software device)");
+                      "a native device has no shaders: choose a Vulkan device (mesa-vulkan-drivers has a software "
+                      "one), or the native "
+                      "renderer");
     const bool must_be_native = settings.path == DrawPath::kNative || gpu->is_native();
     if (must_be_native && !unsupported_reason.empty())
         throw Failure(ErrorCode::kUnsupported, "native renderer", unsupported_reason);

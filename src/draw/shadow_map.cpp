@@ -1,13 +1,12 @@
 #include "draw/shadow_map.h"
 
 #include <algorithm>
-#include <bit>
 #include <limits>
 
 namespace throng {
 namespace {
 
-constexpr uint32_t kLeastSize = 512, kMostSize = 4096;  // 4 MiB, and 64
+constexpr uint32_t kLeastSize = 512, kMostSize = 4096;  // 1 MiB, and 64
 constexpr double kMargin = 4;                           // texels around what is fitted, for the filter
 
 struct Interval {
@@ -66,13 +65,13 @@ ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed
     return fit;
 }
 
-uint32_t shadow_map_size(const VkExtent2D& picture) {
+uint32_t shadow_map_size(const VkExtent2D& picture, uint32_t samples) {
     const uint32_t larger = std::min(std::max(picture.width, picture.height), kMostSize);
-    return std::clamp(std::bit_ceil(2 * larger), kLeastSize, kMostSize);
+    return std::clamp(samples > 1 ? 2 * larger : larger, kLeastSize, kMostSize);
 }
 
-DepthPass make_shadow_map(const std::shared_ptr<Gpu>& gpu, const VkExtent2D& picture) {
-    const uint32_t size = std::min(shadow_map_size(picture), gpu->properties.limits.maxImageDimension2D);
+DepthPass make_shadow_map(const std::shared_ptr<Gpu>& gpu, const VkExtent2D& picture, uint32_t samples) {
+    const uint32_t size = std::min(shadow_map_size(picture, samples), gpu->properties.limits.maxImageDimension2D);
     return {gpu, "shadow map", {size, size}, VK_SAMPLE_COUNT_1_BIT, kDepthTexture};
 }
 

@@ -18,10 +18,10 @@ struct ShadowFit {
 ShadowFit fit_shadow(const Camera& camera, const View& view, const Bounds& posed, const Vec3<float>& to_sun,
                      uint32_t map_size);
 
-// The map's size, each way: two texels for each pixel of the picture's larger side, to a power of two.
-uint32_t shadow_map_size(const VkExtent2D& picture);
+// The map's size, each way: as many texels as the picture's larger side has samples, at least 512 and at most 4096.
+uint32_t shadow_map_size(const VkExtent2D& picture, uint32_t samples);
 
 // The map itself, which fragment shaders read.
-DepthPass make_shadow_map(const std::shared_ptr<Gpu>& gpu, const VkExtent2D& picture);
+DepthPass make_shadow_map(const std::shared_ptr<Gpu>& gpu, const VkExtent2D& picture, uint32_t samples);
 
 }  // namespace throng

@@ -10,6 +10,8 @@ Real sun_at(vec3 world, vec3 normal) {
     const vec4 point = vec4(world + normal * (scene.shadow.y * (0.5 + kShift * slope)), 1);
     const Real x = dot(vec4(scene.map_from_world[0]), point) * scene.shadow.x - 0.5,
                y = dot(vec4(scene.map_from_world[1]), point) * scene.shadow.x - 0.5;
+    const Mask inside = x >= 0 && y >= 0 && x <= scene.shadow.x - 1 && y <= scene.shadow.x - 1;
+    if (!some(inside)) return Real(1);
     // Below all that throws a shadow there may be ground
     const Real height = max(dot(vec4(scene.map_from_world[2]), point), 0);
     const Real x_part = fract(x), y_part = fract(y);
@@ -24,6 +26,5 @@ Real sun_at(vec3 world, vec3 normal) {
                             choose(height >= nearest.w, x_part, Real(0));
         lit += down[i] * of_row;
     }
-    const Mask outside = x < 0 || y < 0 || x > scene.shadow.x - 1 || y > scene.shadow.x - 1;
-    return choose(outside, Real(1), lit / 9);
+    return choose(inside, lit / 9, Real(1));
 }

@@ -32,7 +32,7 @@ VulkanRenderer::VulkanRenderer(std::shared_ptr<Gpu> gpu_in, const RendererSettin
     : RendererState(with_graphics(std::move(gpu_in)), settings.options),
       samples_(lower_samples(*gpu, settings.samples)),
       targets_(gpu, {settings.width, settings.height}, samples_),
-      shadow_map_(make_shadow_map(gpu, targets_.extent())),
+      shadow_map_(make_shadow_map(gpu, targets_.extent(), samples_)),
       stamps_(gpu, 4),  // around the occluders, and around the rest
       layout_(make_draw_layout(gpu)),
       pipelines_{gpu, layout_.get(), samples_},
@@ -42,7 +42,7 @@ VulkanRenderer::VulkanRenderer(std::shared_ptr<Gpu> gpu_in, const RendererSettin
 
 void VulkanRenderer::resize(VkExtent2D extent) {
     Targets resized(gpu, extent, samples_);
-    DepthPass map = make_shadow_map(gpu, extent);
+    DepthPass map = make_shadow_map(gpu, extent, samples_);
     scene_ = SceneBinding(gpu, layout_, map);
     targets_ = std::move(resized);
     occluders_.reset();

@@ -1,5 +1,6 @@
 // A kernel's text as C++: CMake includes it into a class `Text`, which begins as a NativeText does, and of which each
-// invocation has an object of its own. Only the sources that cmake/shaders.cmake makes include this file.
+// invocation has an object of its own. Included by the sources that cmake/shaders.cmake makes, and by those of
+// src/draw that compute with the text of shaders.
 #pragma once
 
 #include "gpu/glsl.h"

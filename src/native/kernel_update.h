@@ -25,10 +25,9 @@ struct KernelUpdate {
 };
 
 struct Kernel {
-    uint32_t lane_count;
     size_t (*scratch_bytes)(const KernelRig& rig, const KernelUpdate& update);
     // Characters whose skin matrices begin equally far from a line of the cache are walked together: instances
-    // [count], in groups of lane_count.
+    // [count], in groups of as many as there are lanes.
     void (*update)(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count);
     // Only what comes before the walk, for benchmarks.
     void (*decode)(const KernelRig& rig, const KernelUpdate& update, const uint32_t* instances, uint32_t count);

@@ -64,7 +64,7 @@ struct Lanes {
     }
     static void fence() { _mm_sfence(); }
 
-    // Of the renderer (raster/lane_types.h)
+    // Only raster/lane_types.h uses what follows
     static V load_any(const float* p) { return _mm256_loadu_ps(p); }
     static void store_any(float* p, V v) { _mm256_storeu_ps(p, v); }
     static V min(V a, V b) { return _mm256_min_ps(a, b); }
@@ -114,10 +114,6 @@ struct Lanes {
     static Mask mask_of(uint32_t bits) {
         const Words bit{1, 2, 4, 8, 16, 32, 64, 128};
         return reinterpret_cast<Mask>((static_cast<int32_t>(bits) & bit) != 0);
-    }
-    // Those of the mask, one after another.
-    static void compress(float* p, Mask m, V v) {
-        for (uint32_t rest = bits(m); rest != 0; rest &= rest - 1) *p++ = v[__builtin_ctz(rest)];
     }
 };
 

@@ -72,7 +72,7 @@ struct Lanes {
     }
     static void fence() { _mm_sfence(); }
 
-    // Of the renderer (raster/lane_types.h)
+    // Only raster/lane_types.h uses what follows
     static V load_any(const float* p) { return _mm512_loadu_ps(p); }
     static void store_any(float* p, V v) { _mm512_storeu_ps(p, v); }
     static V min(V a, V b) { return _mm512_min_ps(a, b); }
@@ -126,8 +126,6 @@ struct Lanes {
     static Mask none_of(Mask a) { return _knot_mask16(a); }
     static uint32_t bits(Mask m) { return m; }
     static Mask mask_of(uint32_t bits) { return static_cast<Mask>(bits); }
-    // Those of the mask, one after another; writes a whole vector.
-    static void compress(float* p, Mask m, V v) { _mm512_storeu_ps(p, _mm512_maskz_compress_ps(m, v)); }
 };
 
 }  // namespace

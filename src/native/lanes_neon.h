@@ -62,7 +62,7 @@ struct Lanes {
     }
     static void fence() {}
 
-    // Of the renderer (raster/lane_types.h)
+    // Only raster/lane_types.h uses what follows
     static V load_any(const float* p) { return vld1q_f32(p); }
     static void store_any(float* p, V v) { vst1q_f32(p, v); }
     // As on x86: the second one where one of the two is NaN
@@ -99,10 +99,6 @@ struct Lanes {
     static Mask none_of(Mask a) { return vmvnq_u32(a); }
     static uint32_t bits(Mask m) { return vaddvq_u32(vandq_u32(m, Mask{1, 2, 4, 8})); }
     static Mask mask_of(uint32_t bits) { return vtstq_u32(vdupq_n_u32(bits), Mask{1, 2, 4, 8}); }
-    // Those of the mask, one after another.
-    static void compress(float* p, Mask m, V v) {
-        for (uint32_t rest = bits(m); rest != 0; rest &= rest - 1) *p++ = v[__builtin_ctz(rest)];
-    }
 };
 
 }  // namespace

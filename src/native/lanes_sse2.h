@@ -68,7 +68,7 @@ struct Lanes {
     static V halves(V low, V high) { return _mm_castsi128_ps(_mm_or_si128(half(low), _mm_slli_epi32(half(high), 16))); }
     static void fence() { _mm_sfence(); }
 
-    // Of the renderer (raster/lane_types.h)
+    // Only raster/lane_types.h uses what follows
     static V load_any(const float* p) { return _mm_loadu_ps(p); }
     static void store_any(float* p, V v) { _mm_storeu_ps(p, v); }
     static V min(V a, V b) { return _mm_min_ps(a, b); }
@@ -116,10 +116,6 @@ struct Lanes {
     static Mask mask_of(uint32_t bits) {
         const Words bit{1, 2, 4, 8};
         return reinterpret_cast<Mask>((static_cast<int32_t>(bits) & bit) != 0);
-    }
-    // Those of the mask, one after another.
-    static void compress(float* p, Mask m, V v) {
-        for (uint32_t rest = bits(m); rest != 0; rest &= rest - 1) *p++ = v[__builtin_ctz(rest)];
     }
 };
 

@@ -7,7 +7,7 @@
 namespace throng::raster {
 namespace {
 
-// Clip coordinates, z but for the picture's, of which it is the same everywhere.
+// Clip coordinates without z, which of the picture is the near distance everywhere.
 struct ClipVertex {
     double x, y, w;
     double height;  // of a map
@@ -15,9 +15,15 @@ struct ClipVertex {
     float screen_x = kFarAway, screen_y = kFarAway;
 };
 
+// Each of five planes adds a corner at most. Where coordinates are so far apart that rounding makes the polygon concave
+// it could be more; those are left out.
 struct ClipPolygon {
-    ClipVertex of[3 + 5];  // each of five planes adds one at most
+    static constexpr uint32_t kMost = 3 + 5;
+    ClipVertex of[kMost];
     uint32_t count = 0;
+    INLINE void add(const ClipVertex& v) {
+        if (count < kMost) of[count++] = v;
+    }
 };
 
 template <class Distance>
@@ -26,26 +32,36 @@ void clip(ClipPolygon& polygon, const Distance& distance) {
     for (uint32_t i = 0; i < polygon.count; ++i) {
         const ClipVertex &a = polygon.of[i], &b = polygon.of[(i + 1) % polygon.count];
         const double from = distance(a), to = distance(b);
-        if (from >= 0) inside.of[inside.count++] = a;
+        if (from >= 0) inside.add(a);
         if ((from >= 0) == (to >= 0)) continue;
         // From the same end whichever way the edge is gone: neighbours meet
         const bool turns = from < 0;
         const ClipVertex &p = turns ? b : a, &q = turns ? a : b;
         const double part = (turns ? to : from) / ((turns ? to : from) - (turns ? from : to));
         const auto between = [part](double s, double t) { return s + part * (t - s); };
-        inside.of[inside.count++] = {between(p.x, q.x), between(p.y, q.y), between(p.w, q.w),
-                                     between(p.height, q.height)};
+        inside.add({between(p.x, q.x), between(p.y, q.y), between(p.w, q.w), between(p.height, q.height)});
     }
     polygon = inside;
 }
 
-// Calls draw(ScreenTriangle) for each of what is left of a triangle.
+// Subpixels, within the guard whatever the number is.
+INLINE int32_t guarded(double subpixels) {
+    constexpr double kMost = double{kGuard};
+    return static_cast<int32_t>(subpixels > kMost ? kMost : subpixels >= -kMost ? subpixels : -kMost);
+}
+
+// Calls draw(ScreenTriangle) for each part that is left of a triangle; for none of one with a corner that is not
+// finite.
 template <Into kInto, class Draw>
 void clip_triangle(const Frame& frame, const ClipVertex (&corners)[3], const Draw& draw) {
     const double half_width = (kInto == Into::kMap ? frame.map_size : frame.width) * 128.0,
                  half_height = (kInto == Into::kMap ? frame.map_size : frame.height) * 128.0;
     const double near = kInto == Into::kMap ? 0.0 : double{frame.scene.clip_from_world[2][3]};
-    ClipPolygon polygon{{corners[0], corners[1], corners[2]}, 3};
+    ClipPolygon polygon;
+    for (const ClipVertex& corner : corners) {
+        if (!__builtin_isfinite(corner.x + corner.y + corner.w + corner.height)) return;
+        polygon.add(corner);
+    }
     if constexpr (kInto != Into::kMap) clip(polygon, [near](const ClipVertex& v) { return v.w - near; });
     // Within half the guard, so that what is rounded stays within it.
     const double right = 0.5 * double{kGuard} / half_width - 1, bottom = 0.5 * double{kGuard} / half_height - 1;
@@ -55,13 +71,13 @@ void clip_triangle(const Frame& frame, const ClipVertex (&corners)[3], const Dra
     clip(polygon, [bottom](const ClipVertex& v) { return bottom * v.w + v.y; });
     if (polygon.count < 3) return;
 
-    int32_t x[8], y[8];
-    float z[8];
+    int32_t x[ClipPolygon::kMost], y[ClipPolygon::kMost];
+    float z[ClipPolygon::kMost];
     for (uint32_t i = 0; i < polygon.count; ++i) {
         const ClipVertex& v = polygon.of[i];
         const bool is_whole = v.screen_x < kFarAway && v.screen_y < kFarAway;
-        x[i] = static_cast<int32_t>(is_whole ? double{v.screen_x} : __builtin_rint((v.x / v.w + 1) * half_width));
-        y[i] = static_cast<int32_t>(is_whole ? double{v.screen_y} : __builtin_rint((v.y / v.w + 1) * half_height));
+        x[i] = guarded(is_whole ? double{v.screen_x} : __builtin_rint((v.x / v.w + 1) * half_width));
+        y[i] = guarded(is_whole ? double{v.screen_y} : __builtin_rint((v.y / v.w + 1) * half_height));
         z[i] = static_cast<float>(kInto == Into::kMap ? v.height : near / v.w);
     }
     for (uint32_t i = 2; i < polygon.count; ++i)

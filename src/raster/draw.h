@@ -1,9 +1,12 @@
-// The triangles of a tile: as many at a time as there are lanes. Most triangles of a crowd are smaller than a pixel or
-// two; those are tested at all samples of two by two pixels at once, the others one by one (fill.h).
+// The triangles of a tile: as many at a time as there are lanes. Most triangles of a crowd lie in one block of samples,
+// where lanes test them. Those of some more pixels are tested one by one with edges that lanes have set up (fitting.h),
+// larger ones by themselves (fill.h).
 #pragma once
 
 #include "raster/clip.h"
-#include "raster/mask.h"
+#include "raster/fitting.h"
+#include "raster/fragments.h"
+#include "raster/lines.h"
 #include "raster/occlusion.h"
 
 namespace throng::raster {
@@ -48,56 +51,10 @@ void project(const Frame& frame, const Draw& draw, const Screen& to) {
     }
 }
 
-// Of a material with a mask: pixels of triangles that wait for the texture to be read, as many at a time as lanes.
-template <Into kInto>
-class Fragments {
-public:
-    Fragments(const Draw& draw, const Target<kInto>& target) : draw_(draw), target_(target) {}
-
-    // `samples`: bits of those in the triangle.
-    void add(int x, int y, uint32_t samples, const Plane& plane, uint32_t triangle) {
-        x_[count_] = static_cast<uint32_t>(x);
-        y_[count_] = static_cast<uint32_t>(y);
-        triangles_[count_] = triangle;
-        samples_[count_] = samples;
-        planes_[count_] = plane;
-        if (++count_ == Lanes::kCount) finish();
-    }
-    void finish() {
-        if (count_ == 0) return;
-        for (uint32_t i = count_; i < Lanes::kCount; ++i) {
-            x_[i] = x_[0];
-            y_[i] = y_[0];
-            triangles_[i] = triangles_[0];
-        }
-        const Mask passes = mask_passes(target_.frame, draw_, kInto == Into::kMap, load_any(triangles_), load_any(x_),
-                                        load_any(y_));
-        for (uint32_t rest = bits(passes & first_lanes(count_)); rest != 0; rest &= rest - 1) {
-            const int i = __builtin_ctz(rest);
-            const int x = static_cast<int>(x_[i]), y = static_cast<int>(y_[i]);
-            for (uint32_t samples = samples_[i]; samples != 0; samples &= samples - 1) {
-                const int sample = __builtin_ctz(samples);
-                const float depth = planes_[i].at(static_cast<float>(256 * x) + Pattern<kInto>::kX[sample],
-                                                  static_cast<float>(256 * y) + Pattern<kInto>::kY[sample]);
-                target_.write(x, y, static_cast<uint32_t>(sample), depth, draw_.first_id + triangles_[i]);
-            }
-        }
-        count_ = 0;
-    }
-
-private:
-    const Draw& draw_;
-    const Target<kInto> target_;
-    uint32_t count_ = 0;
-    alignas(64) uint32_t x_[Lanes::kCount], y_[Lanes::kCount], triangles_[Lanes::kCount];
-    uint32_t samples_[Lanes::kCount];
-    Plane planes_[Lanes::kCount];
-};
-
 template <Into kInto, bool kMasked>
 class DrawTriangles {
 public:
-    // `occlusion`: of what hides some of the draw; or null.
+    // `occlusion`: null where nothing of the draw is hidden.
     DrawTriangles(const Frame& frame, const Tile& tile, const Draw& draw, const Screen& screen,
                   const Occlusion* occlusion)
         : frame_(frame),
@@ -137,121 +94,83 @@ private:
                    y1 = max(max(a.y, b.y), c.y);
         // The pixels of which some sample lies in the box.
         constexpr float kPerPixel = 1 / kSubpixels;
-        const Real column0 = -floor((Real(float{Of::kLast}) - x0) * kPerPixel),
-                   column1 = floor((x1 - float{Of::kFirst}) * kPerPixel),
-                   row0 = -floor((Real(float{Of::kLast}) - y0) * kPerPixel),
-                   row1 = floor((y1 - float{Of::kFirst}) * kPerPixel);
+        const PixelBox box{-floor((Real(float{Of::kLast}) - x0) * kPerPixel),
+                           -floor((Real(float{Of::kLast}) - y0) * kPerPixel),
+                           floor((x1 - float{Of::kFirst}) * kPerPixel), floor((y1 - float{Of::kFirst}) * kPerPixel)};
         const auto left = static_cast<float>(tile_.x0), top = static_cast<float>(tile_.y0),
                    right = static_cast<float>(tile_.x1 - 1), bottom = static_cast<float>(tile_.y1 - 1);
-        const Real first_column = max(column0, left), last_column = min(column1, right), first_row = max(row0, top),
-                   last_row = min(row1, bottom);
+        const PixelBox in_tile{max(box.x0, left), max(box.y0, top), min(box.x1, right), min(box.y1, bottom)};
         const Mask is_clipped = max(x1, y1) >= kFarAway;
-        Mask live = ((first_column <= last_column) & (first_row <= last_row)) | is_clipped;
+        Mask live = ((in_tile.x0 <= in_tile.x1) & (in_tile.y0 <= in_tile.y1)) | is_clipped;
         live = live & first_lanes(section_.triangle_count - first);
         if (!any(live)) return;
-        if (occlusion_ && !any(is_clipped) && hides(live, first_column, first_row, last_column, last_row)) return;
+        if (occlusion_ && !any(is_clipped & live) && hides(live, in_tile)) return;
 
-        const Mask is_small = live & ~is_clipped & (column1 - column0 <= 1) & (row1 - row0 <= 1);
-        const uint32_t small = bits(is_small);
-        if (small != 0)
-            draw_small(first, a, b, c, is_small, column0, row0, last_column, last_row, first_column, first_row);
-        for (uint32_t rest = bits(live) & ~small; rest != 0; rest &= rest - 1)
+        const Real columns = box.x1 - box.x0, rows = box.y1 - box.y0;
+        constexpr float kMost = FittingTriangles::kMostPixels - 1;
+        const Mask fits = live & ~is_clipped & (columns <= kMost) & (rows <= kMost);
+        constexpr float kOfBlock = Block::kSide - 1;
+        if (any(fits)) draw_fitting(first, a, b, c, box, (columns <= kOfBlock) & (rows <= kOfBlock), fits);
+        for (uint32_t rest = bits(live & ~fits); rest != 0; rest &= rest - 1)
             draw_one(first + static_cast<uint32_t>(__builtin_ctz(rest)));
     }
 
-    INLINE bool hides(Mask live, Real x0, Real y0, Real x1, Real y1) const {
-        return occlusion_->hides(draw_, least(choose(live, x0, kFarAway)), least(choose(live, y0, kFarAway)),
-                                 greatest(choose(live, x1, 0)), greatest(choose(live, y1, 0)));
+    INLINE bool hides(Mask live, const PixelBox& box) const {
+        return occlusion_->hides(draw_, least(choose(live, box.x0, kFarAway)), least(choose(live, box.y0, kFarAway)),
+                                 greatest(choose(live, box.x1, 0)), greatest(choose(live, box.y1, 0)));
     }
 
-    // Triangles of which all samples lie in two by two pixels.
-    INLINE void draw_small(uint32_t first, const Corner& a, const Corner& b, const Corner& c, Mask is_small,
-                           Real column0, Real row0, Real last_column, Real last_row, Real first_column,
-                           Real first_row) {
+    // Triangles whose edges floats count exactly (fitting.h). `is_small`: those in one block of samples, which are
+    // tested in lanes; the others are tested one after another.
+    INLINE void draw_fitting(uint32_t first, const Corner& a, const Corner& b, const Corner& c, const PixelBox& box,
+                             Mask is_small, Mask live) {
         const Real x1 = b.x - a.x, y1 = b.y - a.y, x2 = c.x - a.x, y2 = c.y - a.y;
-        const Real area = x2 * y1 - x1 * y2;  // exact, as all products here are: of 12 bits
-        Mask live = is_small & (area != 0);
+        const Real area = x2 * y1 - x1 * y2;
+        live = live & (area != 0);
         if (culls_) live = live & (draw_.is_mirrored ? area < 0 : area > 0);
         if (!any(live)) return;
         const Real side = choose(area < 0, 1.0f, -1.0f);
-        const Real left = column0 * kSubpixels, top = row0 * kSubpixels;
-        struct SmallEdge {
-            Real per_x, per_y, at;
-            INLINE SmallEdge(const Corner& from, const Corner& to, Real side, Real left, Real top) {
-                per_x = (from.y - to.y) * side;
-                per_y = (to.x - from.x) * side;
-                const Mask is_top_or_left = (per_x > 0) | ((per_x == 0) & (per_y > 0));
-                at = per_x * (left - from.x) + per_y * (top - from.y) - choose(is_top_or_left, 0.0f, 1.0f);
-            }
-            INLINE Real operator()(float x, float y) const { return at + (per_x * x + per_y * y); }
-        };
-        const SmallEdge ab(a, b, side, left, top), bc(b, c, side, left, top), ca(c, a, side, left, top);
-
-        const Mask two_columns = live & (column0 + 1 <= last_column), two_rows = live & (row0 + 1 <= last_row),
-                   first_columns = first_column <= column0, first_rows = first_row <= row0;
-        const bool has_two_columns = any(two_columns), has_two_rows = any(two_rows);
-        Whole samples = 0;
-        for (int pixel = 0; pixel < 4; ++pixel) {
-            const bool is_right = pixel & 1, is_below = pixel & 2;
-            if ((is_right && !has_two_columns) || (is_below && !has_two_rows)) continue;
-            const Mask has_pixel = live & (is_right ? two_columns : first_columns) & (is_below ? two_rows : first_rows);
-            for (int s = 0; s < Of::kCount; ++s) {
-                const float x = Of::kX[s] + (is_right ? 256.0f : 0.0f), y = Of::kY[s] + (is_below ? 256.0f : 0.0f);
-                const Mask inside = has_pixel & (min(min(ab(x, y), bc(x, y)), ca(x, y)) >= 0);
-                samples = samples | choose(inside, Whole(1 << (pixel * Of::kCount + s)), Whole(0));
-            }
-        }
-        const uint32_t hit = bits(live & ~(samples == 0));
+        const Real left = box.x0 * kSubpixels, top = box.y0 * kSubpixels;
+        const LaneEdge edges[3]{{a.x, a.y, b.x, b.y, side, left, top},
+                                {b.x, b.y, c.x, c.y, side, left, top},
+                                {c.x, c.y, a.x, a.y, side, left, top}};
+        is_small = is_small & live;
+        const Whole samples = samples_of_block<kInto>(edges, box, tile_, is_small);
+        const uint32_t small = bits(is_small), hit = bits(live & ~(is_small & (samples == 0)));
         if (hit == 0) return;
 
+        FittingTriangles triangles;
         const Real z0 = gather(screen_.z, a.vertex), of_b = gather(screen_.z, b.vertex),
                    of_c = gather(screen_.z, c.vertex);
         const Real z1 = of_b - z0, z2 = of_c - z0;
         const Real per_area = Real(-1) / area;
-        alignas(64) float numbers[8][Lanes::kCount];
-        store(numbers[0], a.x);
-        store(numbers[1], a.y);
-        store(numbers[2], z0);
-        store(numbers[3], (z1 * y2 - z2 * y1) * per_area);
-        store(numbers[4], (z2 * x1 - z1 * x2) * per_area);
-        store(numbers[5], column0);
-        store(numbers[6], row0);
-        store(numbers[7], max(max(of_b, of_c), z0));
-        alignas(64) uint32_t covered[Lanes::kCount];
-        store_any(covered, samples);
+        triangles.set_planes(a.x, a.y, z0, (z1 * y2 - z2 * y1) * per_area, (z2 * x1 - z1 * x2) * per_area,
+                             max(max(of_b, of_c), z0));
+        triangles.set_box(box, samples);
+        if ((hit & ~small) != 0) triangles.set_edges(edges);
         for (uint32_t rest = hit; rest != 0; rest &= rest - 1) {
             const int i = __builtin_ctz(rest);
-            Plane plane{numbers[0][i], numbers[1][i], numbers[2][i], numbers[3][i], numbers[4][i], numbers[7][i]};
+            Plane plane = triangles.plane(i);
             if constexpr (kInto == Into::kMap) plane.bias();
-            write_small(static_cast<int>(numbers[5][i]), static_cast<int>(numbers[6][i]), covered[i], plane,
-                        first + static_cast<uint32_t>(i));
-        }
-    }
-
-    // `samples`: of two by two pixels, one pixel's after another's.
-    INLINE void write_small(int x, int y, uint32_t samples, const Plane& plane, uint32_t triangle) {
-        if constexpr (!kMasked && kInto == Into::kPicture4) return write_block(x, y, samples, plane, triangle);
-        constexpr uint32_t kOfPixel = (1u << Of::kCount) - 1;
-        for (int pixel = 0; pixel < 4; ++pixel) {
-            const uint32_t of_pixel = samples >> (pixel * Of::kCount) & kOfPixel;
-            if (of_pixel == 0) continue;
-            const int px = x + (pixel & 1), py = y + (pixel >> 1);
-            if constexpr (kMasked)
-                fragments_.add(px, py, of_pixel, plane, triangle);
+            const auto write = [&](int x, int y, uint32_t mask) {
+                write_block(x, y, mask, plane, first + static_cast<uint32_t>(i));
+            };
+            if ((small >> i & 1) != 0)
+                write(triangles.x0(i), triangles.y0(i), triangles.samples(i));
             else
-                target_.write(
-                    px, py, 0,
-                    plane.at(static_cast<float>(256 * px) + Of::kX[0], static_cast<float>(256 * py) + Of::kY[0]),
-                    draw_.first_id + triangle);
+                triangles.template for_blocks<kInto>(i, tile_, write);
         }
     }
 
     INLINE void write_block(int x, int y, uint32_t mask, const Plane& plane, uint32_t triangle) {
-        alignas(64) float depths[16];
-        const auto left = static_cast<float>(256 * x), top = static_cast<float>(256 * y);
-        for (int v = 0; v < Block::kVectors; ++v)
-            store(depths + v * Lanes::kCount, plane.at(Block::x(v) + left, Block::y(v) + top));
-        target_.write_block(x, y, mask, depths, draw_.first_id + triangle);
+        if constexpr (kMasked) {
+            constexpr uint32_t kOfPixel = (1u << Of::kCount) - 1;
+            for (int pixel = 0; pixel < Block::kSide * Block::kSide; ++pixel)
+                if (const uint32_t of_pixel = mask >> (pixel * Of::kCount) & kOfPixel)
+                    fragments_.add(x + pixel % Block::kSide, y + pixel / Block::kSide, of_pixel, plane, triangle);
+        } else {
+            target_.write_block(x, y, mask, plane, draw_.first_id + triangle);
+        }
     }
 
     // Any triangle.
@@ -298,13 +217,7 @@ private:
         if (area == 0 || (culls_ && (area > 0) == draw_.is_mirrored)) return;
         Plane plane = plane_of(t, area);
         if constexpr (kInto == Into::kMap) plane.bias();
-        fill<kInto>(t, tile_, area, [&](int x, int y, uint32_t mask) {
-            if constexpr (!kMasked) return write_block(x, y, mask, plane, triangle);
-            constexpr uint32_t kOfPixel = (1u << Of::kCount) - 1;
-            for (int pixel = 0; pixel < Block::kSide * Block::kSide; ++pixel)
-                if (const uint32_t of_pixel = mask >> (pixel * Of::kCount) & kOfPixel)
-                    fragments_.add(x + pixel % Block::kSide, y + pixel / Block::kSide, of_pixel, plane, triangle);
-        });
+        fill<kInto>(t, tile_, area, [&](int x, int y, uint32_t mask) { write_block(x, y, mask, plane, triangle); });
     }
 
     const Frame& frame_;
@@ -317,37 +230,6 @@ private:
     Fragments<kInto> fragments_;
     const bool culls_;
 };
-
-template <Into kInto>
-void draw_lines(const Frame& frame, const Tile& tile) {
-    const Target<kInto> target(frame, tile);
-    using Block = SampleBlock<kInto>;
-    for (uint32_t i = 0; i < frame.line_count; ++i) {
-        const Line& line = frame.lines[i];
-        constexpr int kTriangles[2][3]{{0, 1, 2}, {2, 1, 3}};
-        for (uint32_t half = 0; half < 2; ++half) {
-            ClipVertex corners[3];
-            for (int k = 0; k < 3; ++k) {
-                const float(&at)[4] = line.corners[kTriangles[half][k]];
-                corners[k] = {double{at[0]}, double{at[1]}, double{at[3]}, 0};
-            }
-            clip_triangle<kInto>(frame, corners, [&](ScreenTriangle t) {
-                if (i >= frame.depth_tested_count)
-                    for (float& z : t.z) z = kOverEverything;
-                const int64_t area = doubled_area(t);
-                if (area == 0) return;
-                const Plane plane = plane_of(t, area);
-                fill<kInto>(t, tile, area, [&](int x, int y, uint32_t mask) {
-                    alignas(64) float depths[16];
-                    const auto left = static_cast<float>(256 * x), top = static_cast<float>(256 * y);
-                    for (int v = 0; v < Block::kVectors; ++v)
-                        store(depths + v * Lanes::kCount, plane.at(Block::x(v) + left, Block::y(v) + top));
-                    target.write_block(x, y, mask, depths, frame.first_line_id + 2 * i + half);
-                });
-            });
-        }
-    }
-}
 
 INLINE bool lies_in(const float (&box)[4], const Tile& tile) {
     return box[2] >= static_cast<float>(tile.x0) && box[3] >= static_cast<float>(tile.y0) &&
@@ -364,7 +246,7 @@ void draw_triangles(const Frame& frame, const Tile& tile, const Draw& draw, cons
         DrawTriangles<kInto, false>(frame, tile, draw, screen, occlusion).run();
 }
 
-// Of each row of the tile, items [columns of the tile].
+// Zeroes the tile's part of each row; `columns`: pixels of a whole row.
 template <class Item>
 INLINE void clear(Item* items, uint32_t columns, uint32_t items_of_pixel, const Tile& tile) {
     for (uint32_t y = tile.y0; y < tile.y1; ++y)

@@ -31,7 +31,7 @@ INLINE Plane plane_of(const ScreenTriangle& t, int64_t doubled_area) {
 // An edge at the pixels of a block. Samples lie at multiples of 32 subpixels: of its value they need no more than the
 // whole 32s, which one block's differences leave within 31 bits (2^24 + 2^24 subpixels an edge, 28 + 28 of these).
 struct Edge {
-    int64_t per_x, per_y;  // in 32 subpixels of way, of 32
+    int64_t per_x, per_y;  // the change where x, or y, grows by 32 subpixels, divided by 32
     int64_t at_origin;     // of the picture
 
     INLINE Edge(const ScreenTriangle& t, int from, int to, int side) {
@@ -61,7 +61,7 @@ struct Box {
     int x0, y0, x1, y1;  // pixels; the last ones among them
 };
 
-// Calls write(x, y, mask, plane) for blocks that have samples in the triangle.
+// Calls write(x, y, mask) for each block that has samples in the triangle.
 template <Into kInto, class Write>
 void fill(const ScreenTriangle& t, const Tile& tile, int64_t area, const Write& write) {
     using Block = SampleBlock<kInto>;
@@ -113,7 +113,7 @@ void fill(const ScreenTriangle& t, const Tile& tile, int64_t area, const Write& 
     constexpr int kCell = 16;  // pixels
     const bool is_large = most(t.x) - least(t.x) > 64 * 256 || most(t.y) - least(t.y) > 64 * 256;
     if (!is_large) return fill_box(box, int32_t{});  // values below 2^14 * 2^14 * 2 / 32
-    // What a large triangle leaves out of its box is left out by cells.
+    // Of a large triangle's box, cells that lie wholly outside of it are skipped.
     for (int y = box.y0; y <= box.y1; y += kCell)
         for (int x = box.x0; x <= box.x1; x += kCell) {
             if (edges[0].greatest(x, y, kCell) < 0 || edges[1].greatest(x, y, kCell) < 0 ||

@@ -60,11 +60,11 @@ struct Section {
 struct Draw {
     const Section* section = nullptr;
     float* vertices = nullptr;  // [block of vertices][kBlockFloats], at a multiple of 64 bytes
-    // Of the first triangle, a multiple of kIdBlock; in the order in which they are drawn: of two triangles at the same
-    // depth the first one is seen
+    // Number of the draw's first triangle, a multiple of kIdBlock. Numbers grow in drawing order: of two triangles at
+    // the same depth the lower one is seen
     uint32_t first_id = 0;
     bool is_mirrored = false;  // by its placement: front faces wind the other way
-    // What skin leaves: where all triangles lie, in pixels of the picture and texels of the map
+    // Written by skin: a box around all vertices, in pixels of the picture and texels of the map
     float picture_box[4] = {};  // x, y of the least corner, of the greatest
     float map_box[4] = {};
     float nearest = 0;  // the greatest depth of a vertex; 1 where one is before the near plane
@@ -107,20 +107,19 @@ struct Frame {
     float* map = nullptr;
     // [height][width][sample_count]: depth (its bits; 0: nothing) above ~id: the greatest is seen
     uint64_t* samples = nullptr;
-    const uint8_t* srgb = nullptr;  // [kSrgbSteps + 1], of a linear number
-    uint8_t* rgba = nullptr;        // [height][width][4], what resolve writes
+    const uint32_t* srgb = nullptr;  // [kSrgbSteps + 1], 0..255, of a linear number
+    uint8_t* rgba = nullptr;         // [height][width][4], what resolve writes
 };
 inline constexpr uint32_t kSrgbSteps = 1 << 14;
 // Depth of a line that covers everything; those of triangles are at most 1
 inline constexpr float kOverEverything = 2;
 
-// Of the picture, or of the map.
+// Pixels of the picture, or texels of the map; x1, y1: the ends.
 struct Tile {
     uint32_t x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
 
 struct Kernel {
-    uint32_t lane_count;
     // Columns of placement * skin, world_from_bind: columns [count][16], four floats a column; skin [count][12], rows
     // of four, as Affine.
     void (*place)(const float* placement, const float* skin, uint32_t count, float* columns);
@@ -135,7 +134,7 @@ struct Kernel {
     // whether it is clear then. `scratch`: at a multiple of 64.
     bool (*draw_map)(const Frame& frame, const Tile& tile, bool is_clear, std::byte* scratch);
     bool (*draw_picture)(const Frame& frame, const Tile& tile, bool is_clear, std::byte* scratch);
-    // Rows of rgba, of samples and the map that are complete.
+    // Writes these rows of rgba; all tiles must be finished.
     void (*resolve)(const Frame& frame, uint32_t first_row, uint32_t end_row, std::byte* scratch);
 };
 

@@ -11,7 +11,7 @@ struct ClipPoint {
     Real x, y, w;
 };
 
-// What corners have changes so to the next pixel on the right, or below.
+// How the weights of the corners change from a pixel to the next one on the right, or below.
 struct Steps {
     Real of[3];
     template <class T>
@@ -34,7 +34,7 @@ public:
             edges[k] = a.x * b.y - b.x * a.y;
         }
         area_ = edges[0] + edges[1] + edges[2];
-        // Of a triangle that is a line, the first corner
+        // A triangle without area is shaded as its first corner
         const Mask has_area = abs(area_) > 1e-30f;
         per_area_ = inverse(choose(has_area, area_, 1));
         for (int k = 0; k < 3; ++k) weights_[k] = choose(has_area, edges[k] * per_area_, k == 0 ? 1.0f : 0.0f);

@@ -9,13 +9,11 @@ namespace throng::raster {
 namespace {
 
 size_t scratch_bytes(const Frame& frame) {
-    const size_t draws = scratch_bytes_to_draw(frame), resolves = scratch_bytes_to_resolve(frame);
+    const size_t draws = scratch_bytes_to_draw(frame), resolves = sizeof(Span);
     return draws > resolves ? draws : resolves;
 }
 
-constexpr Kernel make_kernel() {
-    return {Lanes::kCount, place, skin, keep, scratch_bytes, draw_map, draw_picture, resolve};
-}
+constexpr Kernel make_kernel() { return {place, skin, keep, scratch_bytes, draw_map, draw_picture, resolve}; }
 
 }  // namespace
 }  // namespace throng::raster

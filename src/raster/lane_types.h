@@ -2,7 +2,6 @@
 // (native/lanes_*.h).
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <type_traits>
 
@@ -132,9 +131,6 @@ INLINE void store_pairs(float* p, Real x, Real y) { Lanes::store_pairs(p, x.v, y
 INLINE void gather_pairs(const float* p, const uint32_t* pairs, Real& x, Real& y) {
     Lanes::gather_pairs(p, pairs, x.v, y.v);
 }
-// Those of the mask, one after another; may write a whole vector.
-INLINE void compress(float* p, Mask m, Real a) { Lanes::compress(p, m.m, a.v); }
-INLINE void compress(uint32_t* p, Mask m, Whole a) { compress(reinterpret_cast<float*>(p), m, from_bits(a)); }
 // 0, 1, 2, …
 INLINE Whole lane_numbers() {
     Whole numbers;

@@ -89,7 +89,7 @@ private:
             }
             if (least == 0) break;
         }
-        return std::bit_cast<float>(static_cast<uint32_t>(least >> 32));
+        return __builtin_bit_cast(float, static_cast<uint32_t>(least >> 32));
     }
 
     const Frame& frame_;

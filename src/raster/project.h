@@ -45,7 +45,7 @@ public:
         const Real across = (row_times(rows[0], x, y, z) * per_w + 1) * half_width_,
                    down = (row_times(rows[1], x, y, z) * per_w + 1) * half_height_;
         return {choose(is_before_near, kFarAway, snapped(across)), choose(is_before_near, kFarAway, snapped(down)),
-                near_ * per_w};
+                choose(is_before_near, 1.0f, near_ * per_w)};
     }
 
 private:

@@ -9,6 +9,7 @@ namespace {
 // Pixels of a row that are resolved together: the triangles in them are shaded material by material.
 constexpr uint32_t kSpan = 1024;
 constexpr uint32_t kMostSamples = 4;
+constexpr uint32_t kAhead = 1024;  // samples: another page, which processors do not fetch by themselves
 constexpr uint32_t kMostMaterials = 64;
 constexpr uint32_t kNone = 0xFFFFFFFF;
 
@@ -54,6 +55,7 @@ public:
 private:
     // The samples that show the same triangle are one item.
     void add_pixel(const uint64_t* samples, uint32_t column) {
+        __builtin_prefetch(samples + kAhead);
         const auto id = [samples](uint32_t i) { return ~static_cast<uint32_t>(samples[i]); };
         const uint32_t count = frame_.sample_count;
         uint32_t equal = 1;
@@ -165,17 +167,16 @@ private:
     }
 
     void write(uint32_t column, uint32_t end, uint8_t* rgba) const {
-        const auto steps = [column](const float* of) {
-            return truncated(clamp(load(of + column), 0, 1) * static_cast<float>(kSrgbSteps) + 0.5f);
+        const auto encoded = [&](const float* of) {
+            const Real at = clamp(load(of + column), 0, 1) * static_cast<float>(kSrgbSteps) + 0.5f;
+            return gather(frame_.srgb, truncated(at));
         };
-        const Whole red = steps(span_.red), green = steps(span_.green), blue = steps(span_.blue);
-        for (int lane = 0; lane < Lanes::kCount && column + static_cast<uint32_t>(lane) < end; ++lane) {
-            uint8_t* const to = rgba + 4 * size_t{column + static_cast<uint32_t>(lane)};
-            to[0] = frame_.srgb[unsigned_lane(red, lane)];
-            to[1] = frame_.srgb[unsigned_lane(green, lane)];
-            to[2] = frame_.srgb[unsigned_lane(blue, lane)];
-            to[3] = 255;
-        }
+        const Whole pixels = encoded(span_.red) | (encoded(span_.green) << 8) | (encoded(span_.blue) << 16) |
+                             Whole(static_cast<int32_t>(0xFF000000));
+        alignas(64) uint32_t words[Lanes::kCount];
+        store_any(words, pixels);
+        const uint32_t left = end - column, count = left < Lanes::kCount ? left : uint32_t{Lanes::kCount};
+        __builtin_memcpy(rgba + 4 * size_t{column}, words, 4 * size_t{count});
     }
 
     const Frame& frame_;
@@ -185,8 +186,6 @@ private:
     uint32_t item_count_ = 0, list_count_ = 0;
     uint32_t last_draw_ = kNone, last_list_ = 0;
 };
-
-size_t scratch_bytes_to_resolve(const Frame&) { return sizeof(Span); }
 
 void resolve(const Frame& frame, uint32_t first_row, uint32_t end_row, std::byte* scratch) {
     Resolve resolve(frame, *reinterpret_cast<Span*>(scratch));

@@ -7,7 +7,7 @@
 namespace throng::raster {
 namespace {
 
-// Of positive numbers, within 2e-5; the polynomial is of least squares, and 0 and 1 at the ends.
+// Of a positive number, within 2e-5: a polynomial of least squares, exact at powers of two.
 INLINE Real log2(Real a) {
     const Whole bits = bits_of(a);
     const Real exponent = Real((bits >> 23) - 127), part = from_bits((bits & 0x7FFFFF) | 0x3F800000) - 1;

@@ -43,7 +43,7 @@ struct SampleBlock {
     static INLINE Real x(int vector) { return load(kPlaces.x + vector * Lanes::kCount); }
     static INLINE Real y(int vector) { return load(kPlaces.y + vector * Lanes::kCount); }
 
-    // Those of the first `width` columns and `height` rows of pixels.
+    // Mask of the samples in the first `width` columns and `height` rows of pixels.
     static INLINE uint32_t within(int width, int height) {
         constexpr uint32_t kColumns4[]{0x1111, 0x3333, 0x7777, 0xFFFF}, kRows4[]{0xF, 0xFF, 0xFFF, 0xFFFF},
             kColumns2[]{0x0F0F, 0xFFFF}, kRows2[]{0x00FF, 0xFFFF};
@@ -53,21 +53,21 @@ struct SampleBlock {
     }
 };
 
-// The depth, or height, of a triangle over the subpixels from its first corner. Whoever computes it does so alike, so
-// that a sample has the same whatever tile and block it is found in.
+// The depth, or height, of a triangle over the subpixels from its first corner. All compute it by the same expression,
+// so that a sample's depth depends on no tile or block.
 struct Plane {
     float x0, y0, z0;  // x0, y0: subpixels
     float per_x, per_y;
     float most;  // at its corners
-    // What a shadow map keeps a triangle away by, so that it does not shadow itself between texels: by its slope, as
-    // the pipeline's depth bias does
+    // Lowers it by its slope times 1.5 texels, as the pipeline's depth bias does: a triangle shall not shadow itself
+    // between the texels of a shadow map
     INLINE void bias() {
         const float x = per_x < 0 ? -per_x : per_x, y = per_y < 0 ? -per_y : per_y;
         const float way = 1.5f * 256 * (x < y ? y : x);
         z0 -= way;
         most -= way;
     }
-    // Nothing lies at 0, and all bits below that are of numbers below 0.
+    // At least kLeast: 0 means empty, and bits of numbers below 0 do not compare as integers.
     INLINE Real at(Real x, Real y) const { return max(min(per_x * (x - x0) + (per_y * (y - y0) + z0), most), kLeast); }
     INLINE float at(float x, float y) const {
         const float z = per_x * (x - x0) + (per_y * (y - y0) + z0), low = z < most ? z : most;
@@ -79,7 +79,7 @@ private:
 };
 
 INLINE uint64_t sample_of(float depth, uint32_t id) {
-    return uint64_t{std::bit_cast<uint32_t>(depth)} << 32 | static_cast<uint32_t>(~id);
+    return uint64_t{__builtin_bit_cast(uint32_t, depth)} << 32 | static_cast<uint32_t>(~id);
 }
 INLINE void raise(uint64_t& sample, uint64_t to) {
     if (sample < to) sample = to;
@@ -132,7 +132,10 @@ INLINE void raise_four(uint64_t* samples, uint32_t mask, const float* depths, ui
 template <Into kInto>
 struct Target {
     Target(const Frame& of, const Tile& tile)
-        : frame(of), columns(kInto == Into::kMap ? of.map_size : of.width), end_x(static_cast<int>(tile.x1)) {}
+        : frame(of),
+          columns(kInto == Into::kMap ? of.map_size : of.width),
+          first_x(static_cast<int>(tile.x0)),
+          end_x(static_cast<int>(tile.x1)) {}
 
     // One sample of a pixel.
     INLINE void write(int x, int y, uint32_t sample, float depth, uint32_t id) const {
@@ -142,14 +145,27 @@ struct Target {
         else
             raise(frame.samples[pixel * Pattern<kInto>::kCount + static_cast<int>(sample)], sample_of(depth, id));
     }
-    // A block's, whose first pixel is at x, y.
-    INLINE void write_block(int x, int y, uint32_t mask, const float* depths, uint32_t id) const {
+    // Samples of a block, whose first pixel is at x, y.
+    INLINE void write_block(int x, int y, uint32_t mask, const Plane& plane, uint32_t id) const {
+        using Of = Pattern<kInto>;
+        using Block = SampleBlock<kInto>;
+        const auto left = static_cast<float>(256 * x), top = static_cast<float>(256 * y);
+        if (Of::kCount == 1 && __builtin_popcount(mask) <= 2) {
+            for (uint32_t rest = mask; rest != 0; rest &= rest - 1) {
+                const int i = __builtin_ctz(rest);
+                write(x + i % 4, y + i / 4, 0, plane.at(left + Block::kPlaces.x[i], top + Block::kPlaces.y[i]), id);
+            }
+            return;
+        }
+        alignas(64) float depths[16];
+        for (int v = 0; v < Block::kVectors; ++v)
+            store(depths + v * Lanes::kCount, plane.at(Block::x(v) + left, Block::y(v) + top));
         if constexpr (kInto == Into::kPicture4) {
             for (int pixel = 0; pixel < 4; ++pixel)
                 if (const uint32_t of_pixel = mask >> (4 * pixel) & 0xF)
                     raise_four(frame.samples + ((y + pixel / 2) * columns + x + pixel % 2) * 4, of_pixel,
                                depths + 4 * pixel, id);
-        } else if (kInto == Into::kMap && x + 4 <= end_x) {
+        } else if (kInto == Into::kMap && x >= first_x && x + 4 <= end_x) {
             for (int row = 0; row < 4; ++row)
                 if (const uint32_t of_row = mask >> (4 * row) & 0xF)
                     raise_heights(frame.map + (y + row) * columns + x, of_row, depths + 4 * row);
@@ -163,7 +179,7 @@ struct Target {
 
     const Frame& frame;
     const ptrdiff_t columns;
-    const int end_x;  // of the tile, beyond which other threads write
+    const int first_x, end_x;  // of the tile, outside of which other threads write
 };
 
 }  // namespace

@@ -21,7 +21,7 @@ struct ShadeInput {
     alignas(64) Numbers side;  // -1 where front faces wind the other way
     alignas(64) Numbers column;
 
-    // Those of lane `lane`.
+    // Fills a lane.
     INLINE void set(uint32_t lane, const Draw& draw, uint32_t triangle, uint32_t pixel_column) {
         const Section& section = *draw.section;
         for (uint32_t k = 0; k < 3; ++k) {
@@ -39,7 +39,7 @@ struct ShadeInput {
         side[lane] = draw.is_mirrored ? -1 : 1;
         column[lane] = static_cast<float>(pixel_column);
     }
-    // What has no item is computed all the same.
+    // A lane without an item repeats another one.
     INLINE void copy(uint32_t lane, uint32_t from) {
         for (Corner& of : corners) {
             of.x[lane] = of.x[from];
@@ -65,7 +65,7 @@ INLINE vec3 unpacked_normal(Whole packed) {
     return normalize(vec3(choose(is_below, folded(x, y), x), choose(is_below, folded(y, x), y), z));
 }
 
-// Of one material, in one row of pixels. The light's text is inlined into it.
+// Colours of pixels of one row, all of one material. The light's text is inlined into it.
 [[gnu::flatten]] vec3 shaded(const Frame& frame, const TextScene& scene, const Material& material,
                              const ShadeInput& input, float row) {
     LightText text{scene, frame.map};

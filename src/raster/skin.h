@@ -111,8 +111,8 @@ struct WorldVertices {
     Real x, y, z, normal_x, normal_y, normal_z;
 };
 
-// Those of as many vertices as there are lanes: of each its place, 1, and its normal, which looks the other way where
-// the eighth number is below 0.
+// Transposes as many vertices as there are lanes, each its place, 1, its normal and a sign: where that is negative, the
+// normal is turned round.
 INLINE WorldVertices turned(const float* vertices) {
     constexpr size_t kApart = 4 * 8;
     WorldVertices to;
@@ -143,7 +143,7 @@ public:
         const ScreenPoint seen = to_picture_.point(x, y, z), sunlit = to_map_.point(x, y, z);
         picture_.add(seen.x, seen.y);
         map_.add(sunlit.x, sunlit.y);
-        nearest_ = max(nearest_, seen.depth);
+        nearest_ = max(seen.depth, nearest_);  // also where the depth is no number
     }
     void set(const Frame& frame, Draw& draw) const {
         picture_.set(frame.width, frame.height, draw.picture_box);

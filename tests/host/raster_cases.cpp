@@ -72,7 +72,7 @@ RasterPicture::RasterPicture(uint32_t width, uint32_t height, uint32_t sample_co
     samples_.resize(size_t{width} * height * sample_count);
     shown_.resize(samples_.size());
     for (uint32_t i = 0; i <= raster::kSrgbSteps; ++i)
-        srgb_.push_back(static_cast<uint8_t>(std::lround(encoded(static_cast<double>(i) / raster::kSrgbSteps))));
+        srgb_.push_back(static_cast<uint32_t>(std::lround(encoded(static_cast<double>(i) / raster::kSrgbSteps))));
 }
 
 const raster::Texture* RasterPicture::add_texture(const Picture& picture, raster::TexelKind kind) {

@@ -101,7 +101,7 @@ private:
     std::vector<float> map_;
     std::vector<uint64_t> samples_;
     std::vector<Shown> shown_;
-    std::vector<uint8_t> srgb_;
+    std::vector<uint32_t> srgb_;
 };
 
 // Texels of random colours.

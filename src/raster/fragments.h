@@ -1,0 +1,56 @@
+// Pixels of masked triangles, collected until there are as many as lanes, then tested against the texture.
+#pragma once
+
+#include "raster/mask.h"
+#include "raster/samples.h"
+
+namespace throng::raster {
+namespace {
+
+template <Into kInto>
+class Fragments {
+public:
+    Fragments(const Draw& draw, const Target<kInto>& target) : draw_(draw), target_(target) {}
+
+    // `samples`: bits of those in the triangle.
+    void add(int x, int y, uint32_t samples, const Plane& plane, uint32_t triangle) {
+        x_[count_] = static_cast<uint32_t>(x);
+        y_[count_] = static_cast<uint32_t>(y);
+        triangles_[count_] = triangle;
+        samples_[count_] = samples;
+        planes_[count_] = plane;
+        if (++count_ == Lanes::kCount) finish();
+    }
+    void finish() {
+        if (count_ == 0) return;
+        for (uint32_t i = count_; i < Lanes::kCount; ++i) {
+            x_[i] = x_[0];
+            y_[i] = y_[0];
+            triangles_[i] = triangles_[0];
+        }
+        const Mask passes = mask_passes(target_.frame, draw_, kInto == Into::kMap, load_any(triangles_), load_any(x_),
+                                        load_any(y_));
+        for (uint32_t rest = bits(passes & first_lanes(count_)); rest != 0; rest &= rest - 1) {
+            const int i = __builtin_ctz(rest);
+            const int x = static_cast<int>(x_[i]), y = static_cast<int>(y_[i]);
+            for (uint32_t samples = samples_[i]; samples != 0; samples &= samples - 1) {
+                const int sample = __builtin_ctz(samples);
+                const float depth = planes_[i].at(static_cast<float>(256 * x) + Pattern<kInto>::kX[sample],
+                                                  static_cast<float>(256 * y) + Pattern<kInto>::kY[sample]);
+                target_.write(x, y, static_cast<uint32_t>(sample), depth, draw_.first_id + triangles_[i]);
+            }
+        }
+        count_ = 0;
+    }
+
+private:
+    const Draw& draw_;
+    const Target<kInto> target_;
+    uint32_t count_ = 0;
+    alignas(64) uint32_t x_[Lanes::kCount], y_[Lanes::kCount], triangles_[Lanes::kCount];
+    uint32_t samples_[Lanes::kCount];
+    Plane planes_[Lanes::kCount];
+};
+
+}  // namespace
+}  // namespace throng::raster
