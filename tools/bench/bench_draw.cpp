@@ -160,13 +160,17 @@ void add_bench_draw(Command bench) {
                                            "pictures by the processor, with each of its instruction sets and numbers "
                                            "of threads: compared, then timed; needs no device");
     auto options = std::make_shared<DrawBenchOptions>();
-    command.add_option("files", options->files, "glTF 2.0 or .throng files (default: generated creatures)");
-    command.add_option("--count", options->count, "characters, of files")
+    Option files = command.add_option("files", options->files,
+                                      "glTF 2.0 or .throng files (default: generated creatures)");
+    command.add_option("--count", options->count, "characters (with files)")
+        .needs(files)
         .check(range(1u, 10'000'000u))
         .capture_default_str();
-    command.add_option("--size", options->size, "of the picture, of files").capture_default_str();
-    add_camera_options(command, options->camera);
-    command.add_flag("--against-vulkan", options->vulkan, "also by lavapipe, Vulkan in software");
+    command.add_option("--size", options->size, "of the picture (with files)").needs(files).capture_default_str();
+    // The crowds that are generated have cameras of their own
+    for (Option camera : add_camera_options(command, options->camera)) camera.needs(files);
+    command.add_flag("--against-vulkan", options->vulkan,
+                     "also by lavapipe, Mesa's software device (mesa-vulkan-drivers)");
     add_threads_option(command, options->threads);
     add_isa_option(command, options->isa);
     add_samples_option(command, options->samples, "pictures timed");

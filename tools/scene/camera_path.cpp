@@ -168,7 +168,7 @@ Camera CameraPath::at(double time_s, const CameraSubject& subject) const {
     return still_ ? *still_ : find_preset(name_)->at(time_s, subject, parameters_);
 }
 
-void add_camera_options(Command app, CameraOptions& options) {
+std::vector<Option> add_camera_options(Command app, CameraOptions& options) {
     std::string help;
     for (const Preset& preset : presets()) {
         help += (help.empty() ? "" : "; ") + std::string(preset.name) + ", " + preset.what;
@@ -183,6 +183,7 @@ void add_camera_options(Command app, CameraOptions& options) {
     Option target = add_place("--target", options.target, "where it looks");
     eye.needs(target).excludes(camera);
     target.needs(eye);
+    return {camera, eye, target};
 }
 
 CameraPath make_camera_path(const CameraOptions& options) {

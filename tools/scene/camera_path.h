@@ -39,13 +39,15 @@ private:
     std::optional<Camera> still_;
 };
 
-// --camera, --eye and --target.
+// Of --camera, --eye and --target.
 struct CameraOptions {
     std::string path = "fit";
     std::vector<float> eye, target;  // 3 numbers each, or none
 };
 class Command;
-void add_camera_options(Command app, CameraOptions& options);
+class Option;
+// Returns the three.
+std::vector<Option> add_camera_options(Command app, CameraOptions& options);
 // Throws CommandError.
 CameraPath make_camera_path(const CameraOptions& options);
 
