@@ -106,6 +106,8 @@ void add_render(Command app) {
     command.footer(
         "Examples:\n  throng render fox.glb --out fox.png\n  throng render fox.glb knight.glb --count 1000 --size "
         "1280x720 --time 2 --seed 3 --out crowd.png\n"
+        "  throng render fox.glb --device native --out fox.png    # by the processor, without Vulkan\n"
+        "  throng render fox.glb --renderer vulkan --out fox.png  # by the device's shaders, a software device's too\n"
         "  throng render walker.glb --count 500 --placement disc --camera orbit:seconds=10 --frames 0:300 --out "
         "orbit.mp4\n"
         "  throng render walker.glb --count 60 --spacing 2.5 --steer --controller walker_steer.json --eye 0,14,12 "

@@ -191,6 +191,9 @@ void figures_section(Scene& scene, const Measured& measured) {
     for (const uint32_t count : measured.drawn) drawn += (drawn.empty() ? "" : " + ") + std::to_string(count);
     ImGui::TextUnformatted(drawn.c_str());
     tip("characters of each level of detail, the finest first");
+    begin_row("renderer");
+    ImGui::TextUnformatted(tools::renderer_name(measured.is_drawn_natively).c_str());
+    tip("native: this machine's processor draws; vulkan: the device's shaders");
 }
 
 }  // namespace

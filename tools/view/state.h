@@ -55,6 +55,7 @@ struct State {
 struct Measured {
     std::string device;
     bool is_software = false;  // its device is the processor
+    bool is_drawn_natively = false;
     History history;
     float frame_ms = 0;                      // from one picture to the next
     std::vector<uint32_t> drawn;             // of each level of detail

@@ -34,7 +34,8 @@ void add_view(Command app) {
     command.add_option("--dump", options->dump, "the state at the end as JSON, for tests").hide();
     command.footer(
         "Examples:\n  throng view fox.glb\n  throng view fox.glb knight.glb --count 1000\n  throng view fox.glb "
-        "--after 60 --screenshot fox.png");
+        "--after 60 --screenshot fox.png\n  throng view fox.glb --renderer vulkan  # by the device's shaders, a "
+        "software device's too");
     command.callback([options, size] {
         const RendererSettings parsed = parse_size(*size);
         options->size.width = parsed.width;

@@ -40,7 +40,8 @@ SceneSettings make_settings(const tools::SceneOptions& options) {
             .seed = options.seed,
             .formation = options.formation,
             .spacing = static_cast<float>(options.spacing),
-            .scan = options.scan};
+            .scan = options.scan,
+            .path = options.path};
 }
 
 // A software device takes half the time without multisampling; pictures that are kept have it.
@@ -204,8 +205,9 @@ void Viewer::record(uint32_t image) {
     unwrap(renderer_.set_options(drawing));
     if (watches()) unwrap(scene_.crowd().watch({&*state_.selected, 1}));
     const Camera camera = state_.orbit.camera();
-    const bool is_native = unwrap(scene_.crowd().path(0)).is_native;  // then what is hidden is drawn
-    if (is_native) unwrap(renderer_.update(scene_.crowd(), time_step_s, camera));
+    const bool is_native = unwrap(scene_.crowd().path(0)).is_native;
+    measured_.is_drawn_natively = is_native && renderer_.is_native();  // who records an update has the device draw
+    if (is_native) unwrap(renderer_.update(scene_.crowd(), time_step_s, camera));  // where occlusion has no effect
     const VkCommandBuffer commands = submission_.begin();
     unwrap(is_native ? renderer_.record_drawing(commands, scene_.crowd(), camera)
                      : renderer_.record(commands, scene_.crowd(), time_step_s, camera));
