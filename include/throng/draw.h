@@ -40,7 +40,8 @@ Camera fit_camera(const Bounds& bounds, float aspect_ratio);
 struct DrawOptions {
     bool shadows = true;
     // render_frame() and record() leave out characters hidden behind others, in crowds that cull. Takes one more pass,
-    // the depths of those that were visible in the last frame: pays where some are large and hide many.
+    // the depths of those that were visible in the last frame: pays where some are large and hide many. Without effect
+    // where this machine's processor draws.
     bool occlusion = false;
     // Pixels by which a coarser level of detail may be off, in crowds that cull (render_frame(), record(), view_of());
     // above 0
