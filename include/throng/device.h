@@ -66,6 +66,10 @@ struct AdoptedDevice {
     std::shared_ptr<JobSystem> jobs{};
 };
 
+// What native updates and pictures are computed by, the best that this machine's processor has: "SSE2", "AVX2",
+// "AVX-512" or "NEON"; empty where throng has none for it. Results of different ones differ in last bits.
+std::string native_instruction_set();
+
 class Gpu;  // internal
 
 // A handle; copies share one device, which lives as long as the last copy and the last crowd made with it.

@@ -4,6 +4,8 @@
 #include "native/native.h"
 #include "scan/scan_shaders.h"
 
+#include <throng/device.h>
+
 namespace throng {
 namespace {
 
@@ -149,6 +151,10 @@ PathChoice choose_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
     PathChoice choice = gpu.is_native() ? native_path(gpu, settings, group) : vulkan_path(gpu, settings, group);
     if (group.sockets_only) check_sockets_only(choice, group);
     return choice;
+}
+
+std::string native_instruction_set() {
+    return native_isas().empty() ? std::string() : std::string(name_of(native_isas().back()));
 }
 
 }  // namespace throng

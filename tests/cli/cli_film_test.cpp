@@ -122,7 +122,6 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
         {"--seed", {"2", "seed 1, not 2"}},
         {"--scan", {"serial", "scan"}},
         {"--path", {"fused", "path 0, not 1"}},
-        {"--renderer", {"vulkan", "renderer 0, not 2"}},
         {"--error", {"exact", "error"}},
         {"--size", {"32x36", "size"}},
         {"--time", {"2", "time 0.0, not 2.0"}},
@@ -143,8 +142,8 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
     replaced.insert(replaced.erase(camera, camera + 2), {"--eye", "1,2,3", "--target", "0,1,0"});
     EXPECT_TRUE(run_tool(replaced).refused("made with"));
     // No option has been forgotten: the rest changes no frame.
-    std::set<std::string> known{"--help", "--frames", "--shard", "--out",   "--device",
-                                "--json", "--counts", "--eye",   "--target"};
+    std::set<std::string> known{"--help", "--frames", "--shard", "--out",    "--device",
+                                "--json", "--counts", "--eye",   "--target", "--renderer"};
     for (const std::string& flag : flags) known.insert("--" + flag);
     for (const auto& [option, other] : others) known.insert(option);
     const std::string help = run_tool("render --help").out;
@@ -158,6 +157,16 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
     settings["updates"][1] = "staged, serial";
     std::ofstream(folder + "/settings.json") << settings;
     EXPECT_TRUE(film(out).refused("updates")) << "another scan chosen, as by the costs of throng tune";
+    settings = Json::parse(before.at("settings.json"));
+    const std::string renderer = settings["renderer"];
+    if (renderer.starts_with("native ")) {
+        EXPECT_TRUE(film_with(out, "--renderer", "vulkan").refused("renderer \"" + renderer + "\", not \"vulkan\""));
+        EXPECT_TRUE(settings["updates"][0].get<std::string>().ends_with(renderer.substr(7))) << settings;
+    }
+    settings["renderer"] = "native MMX";
+    std::ofstream(folder + "/settings.json") << settings;
+    EXPECT_TRUE(film(out).refused("renderer \"native MMX\", not \"" + renderer)) << "of another instruction set";
+    std::ofstream(folder + "/settings.json") << before.at("settings.json");
     fs::remove(folder + "/3.png");
     EXPECT_TRUE(film(out, "--seed 2").refused("seed 1, not 2")) << "of a shard that has drawn nothing yet";
     std::ofstream(folder + "/3.png") << before.at("3.png");

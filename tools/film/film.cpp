@@ -61,7 +61,7 @@ std::string content_hash(const std::string& path) {
     return text;
 }
 
-// All that a frame depends on, but for the device.
+// All that a frame depends on, but for the device and what it leaves to this machine's processor.
 nlohmann::json settings_of(const RenderOptions& options) {
     const SceneOptions& scene = options.scene;
     nlohmann::json files = nlohmann::json::array(), controllers = files;
@@ -81,7 +81,6 @@ nlohmann::json settings_of(const RenderOptions& options) {
             {"steer", scene.steer},
             {"scan", scene.scan},
             {"path", static_cast<int>(scene.path)},
-            {"renderer", static_cast<int>(options.renderer)},
             {"error", scene.compile.error},
             {"camera", options.camera.path},
             {"eye", options.camera.eye},
@@ -101,15 +100,24 @@ nlohmann::json settings_of(const RenderOptions& options) {
 // rounds otherwise.
 nlohmann::json updates_of(const Crowd& crowd, size_t file_count) {
     nlohmann::json updates = nlohmann::json::array();
-    for (uint32_t group = 0; group < file_count; ++group)
-        updates.push_back(path_name(*crowd.path(group)) + ", " + crowd.path(group)->scan.method);
+    for (uint32_t group = 0; group < file_count; ++group) {
+        const GroupPath path = *crowd.path(group);
+        updates.push_back(path_name(path) + ", " + path.scan.method +
+                          (path.is_native ? ", " + native_instruction_set() : ""));
+    }
     return updates;
+}
+
+// Pictures of another instruction set differ in last bits.
+std::string renderer_of(const Shot& shot) {
+    const std::string name = renderer_name(shot.is_drawn_natively());
+    return shot.is_drawn_natively() ? name + " " + native_instruction_set() : name;
 }
 
 struct Film {
     std::vector<FrameTimes> frames;  // that were drawn
     std::vector<uint32_t> drawn;     // in the last of them, of each level of detail
-    bool is_drawn_natively = false;
+    std::string renderer;            // empty: none was drawn
 };
 
 std::string duration_text(double seconds) {
@@ -123,7 +131,7 @@ Film draw_frames(const Device& device, const RenderOptions& options, const FilmP
                  const std::vector<uint32_t>& frames, nlohmann::json settings) {
     Shot shot(device, options);
     settings["updates"] = updates_of(shot.crowd(), options.scene.files.size());
-    settings["drawn by"] = renderer_name(shot.is_drawn_natively());
+    settings["renderer"] = renderer_of(shot);
     if (plan.is_film) fs::create_directory(plan.folder);
     plan.files.keep_settings(settings);
     Film film;
@@ -144,7 +152,7 @@ Film draw_frames(const Device& device, const RenderOptions& options, const FilmP
                        " left");
     }
     film.drawn = shot.count_drawn();
-    film.is_drawn_natively = shot.is_drawn_natively();
+    film.renderer = renderer_name(shot.is_drawn_natively());
     print_progress("");
     return film;
 }
@@ -158,13 +166,12 @@ void print_film(const RenderOptions& options, const std::string& device, const F
                            {"frames", asked},
                            {"rendered", rendered},
                            {"kept", asked - rendered},
-                           {"renderer", rendered > 0 ? renderer_name(film.is_drawn_natively) : ""},
+                           {"renderer", rendered > 0 ? nlohmann::json(film.renderer) : nlohmann::json()},
                            {"drawn", film.drawn},
                            {"stages_ms", to_json(times)}});
     std::printf("%s: %zu frames, %zu of them new\n", options.out.c_str(), asked, rendered);
     if (rendered == 0) return;
-    std::printf("  medians of a frame on %s, renderer %s:\n", device.c_str(),
-                renderer_name(film.is_drawn_natively).c_str());
+    std::printf("  medians of a frame on %s, renderer %s:\n", device.c_str(), film.renderer.c_str());
     print_times(times);
     std::printf("  the last:\n");
     print_drawn(film.drawn);
