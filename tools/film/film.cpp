@@ -14,6 +14,7 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <future>
 
 namespace throng::tools {
 namespace {
@@ -127,6 +128,24 @@ std::string duration_text(double seconds) {
     return std::to_string(whole / 3600) + " h " + std::to_string(whole / 60 % 60) + " min";
 }
 
+// Compresses and writes a picture while the next one is drawn.
+class PictureWriter {
+public:
+    // Throws a CommandError where the one before could not be written.
+    void write(fs::path path, Picture picture) {
+        finish();
+        written_ = std::async(std::launch::async, [path = std::move(path), picture = std::move(picture)] {
+            return write_png(path, picture);
+        });
+    }
+    void finish() {
+        if (written_.valid()) unwrap(written_.get());
+    }
+
+private:
+    std::future<Result<void>> written_;  // waits where it is destroyed
+};
+
 Film draw_frames(const Device& device, const RenderOptions& options, const FilmPlan& plan,
                  const std::vector<uint32_t>& frames, nlohmann::json settings) {
     Shot shot(device, options);
@@ -137,12 +156,13 @@ Film draw_frames(const Device& device, const RenderOptions& options, const FilmP
     Film film;
     uint32_t next = 0;  // frame that all have yet to step to
     const auto step_to = [&](uint32_t frame) { return frame == 0 ? options.time_s : 1 / options.fps; };
+    PictureWriter writer;
     const auto start = std::chrono::steady_clock::now();
     for (const uint32_t frame : frames) {
         for (; next < frame; ++next) shot.skip(step_to(next));
-        const RenderResult result = shot.draw(step_to(next), options.time_s + next / options.fps);
+        RenderResult result = shot.draw(step_to(next), options.time_s + next / options.fps);
         ++next;
-        unwrap(write_png(plan.files.path(frame), result.picture));
+        writer.write(plan.files.path(frame), std::move(result.picture));
         if (film.frames.empty()) print_warnings(result.warnings);
         film.frames.push_back(shot.times());
         const double passed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -151,6 +171,7 @@ Film draw_frames(const Device& device, const RenderOptions& options, const FilmP
                        duration_text(passed_s / static_cast<double>(done) * static_cast<double>(frames.size() - done)) +
                        " left");
     }
+    writer.finish();
     film.drawn = shot.count_drawn();
     film.renderer = renderer_name(shot.is_drawn_natively());
     print_progress("");
