@@ -109,7 +109,7 @@ INLINE void raise_heights(float* heights, uint32_t mask, const float* to) {
     store_any_four(heights, there > before ? there : before);  // heights are at least 0
 }
 
-// The samples of a pixel that has four, of which the bits of `mask` say which.
+// Four samples side by side, of which the bits of `mask` say which.
 INLINE void raise_four(uint64_t* samples, uint32_t mask, const float* depths, uint32_t id) {
 #if defined(__AVX2__)
     // Numbers of 63 bits: depths are above 0
@@ -165,10 +165,15 @@ struct Target {
                 if (const uint32_t of_pixel = mask >> (4 * pixel) & 0xF)
                     raise_four(frame.samples + ((y + pixel / 2) * columns + x + pixel % 2) * 4, of_pixel,
                                depths + 4 * pixel, id);
-        } else if (kInto == Into::kMap && x >= first_x && x + 4 <= end_x) {
+        } else if (x >= first_x && x + 4 <= end_x) {
             for (int row = 0; row < 4; ++row)
-                if (const uint32_t of_row = mask >> (4 * row) & 0xF)
-                    raise_heights(frame.map + (y + row) * columns + x, of_row, depths + 4 * row);
+                if (const uint32_t of_row = mask >> (4 * row) & 0xF) {
+                    const ptrdiff_t first = (y + row) * columns + x;
+                    if constexpr (kInto == Into::kMap)
+                        raise_heights(frame.map + first, of_row, depths + 4 * row);
+                    else
+                        raise_four(frame.samples + first, of_row, depths + 4 * row, id);
+                }
         } else {
             for (uint32_t rest = mask; rest != 0; rest &= rest - 1) {
                 const int i = __builtin_ctz(rest);
