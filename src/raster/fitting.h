@@ -99,12 +99,15 @@ public:
         for (int e = 0; e < 3; ++e)
             for (int v = 0; v < Block::kVectors; ++v)
                 at_samples[e][v] = edges_[e][0][i] * Block::x(v) + edges_[e][1][i] * Block::y(v);
-        for (int y = first_y; y <= last_y; y += Block::kSide)
+        // All of these are whole numbers, so that sums stay exact
+        constexpr auto kStep = static_cast<float>(256 * Block::kSide);
+        float of_row[3];
+        for (int e = 0; e < 3; ++e)
+            of_row[e] = edges_[e][2][i] + (edges_[e][0][i] * static_cast<float>(256 * (first_x - left)) +
+                                           edges_[e][1][i] * static_cast<float>(256 * (first_y - top)));
+        for (int y = first_y; y <= last_y; y += Block::kSide) {
+            float at[3]{of_row[0], of_row[1], of_row[2]};
             for (int x = first_x; x <= last_x; x += Block::kSide) {
-                const auto right = static_cast<float>(256 * (x - left)), down = static_cast<float>(256 * (y - top));
-                float at[3];
-                for (int e = 0; e < 3; ++e)
-                    at[e] = edges_[e][2][i] + (edges_[e][0][i] * right + edges_[e][1][i] * down);
                 uint32_t mask = 0;
                 for (int v = 0; v < Block::kVectors; ++v)
                     mask |= bits(min(min(at_samples[0][v] + at[0], at_samples[1][v] + at[1]),
@@ -112,7 +115,10 @@ public:
                             << (v * Lanes::kCount);
                 mask &= Block::within(last_x - x + 1, last_y - y + 1);
                 if (mask != 0) write(x, y, mask);
+                for (int e = 0; e < 3; ++e) at[e] += kStep * edges_[e][0][i];
             }
+            for (int e = 0; e < 3; ++e) of_row[e] += kStep * edges_[e][1][i];
+        }
     }
 
 private:

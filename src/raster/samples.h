@@ -45,7 +45,7 @@ struct SampleBlock {
 
     // Mask of the samples in the first `width` columns and `height` rows of pixels.
     static INLINE uint32_t within(int width, int height) {
-        constexpr uint32_t kColumns4[]{0x1111, 0x3333, 0x7777, 0xFFFF}, kRows4[]{0xF, 0xFF, 0xFFF, 0xFFFF},
+        static constexpr uint32_t kColumns4[]{0x1111, 0x3333, 0x7777, 0xFFFF}, kRows4[]{0xF, 0xFF, 0xFFF, 0xFFFF},
             kColumns2[]{0x0F0F, 0xFFFF}, kRows2[]{0x00FF, 0xFFFF};
         const int w = (width < kSide ? width : kSide) - 1, h = (height < kSide ? height : kSide) - 1;
         if constexpr (kSide == 4) return kColumns4[w] & kRows4[h];
