@@ -3,6 +3,7 @@
 
 #include "raster/frame.h"
 #include "raster/lane_types.h"
+#include "raster/raise.h"
 
 namespace throng::raster {
 namespace {
@@ -78,57 +79,6 @@ private:
     static constexpr float kLeast = 0x1p-126f;
 };
 
-INLINE uint64_t sample_of(float depth, uint32_t id) {
-    return uint64_t{__builtin_bit_cast(uint32_t, depth)} << 32 | static_cast<uint32_t>(~id);
-}
-INLINE void raise(uint64_t& sample, uint64_t to) {
-    if (sample < to) sample = to;
-}
-INLINE void raise(float& height, float to) {
-    if (height < to) height = to;
-}
-
-// Four floats, all bits of those that a mask names.
-struct FourOf {
-    alignas(16) int32_t of[16][4];
-};
-constexpr FourOf four_of() {
-    FourOf all{};
-    for (int mask = 0; mask < 16; ++mask)
-        for (int i = 0; i < 4; ++i) all.of[mask][i] = (mask >> i & 1) != 0 ? -1 : 0;
-    return all;
-}
-constexpr FourOf kFourOf = four_of();
-
-// Four neighbouring texels, of which the bits of `mask` say which.
-INLINE void raise_heights(float* heights, uint32_t mask, const float* to) {
-    using Bits = int32_t __attribute__((vector_size(16), may_alias));
-    const Four before = load_any_four(heights);
-    const auto there = reinterpret_cast<Four>(*reinterpret_cast<const Bits*>(to) &
-                                              *reinterpret_cast<const Bits*>(kFourOf.of[mask]));
-    store_any_four(heights, there > before ? there : before);  // heights are at least 0
-}
-
-// Four samples side by side, of which the bits of `mask` say which.
-INLINE void raise_four(uint64_t* samples, uint32_t mask, const float* depths, uint32_t id) {
-#if defined(__AVX2__)
-    // Numbers of 63 bits: depths are above 0
-    const __m256i bit = _mm256_set_epi64x(8, 4, 2, 1), all = _mm256_set1_epi64x(mask);
-    const __m256i high = _mm256_slli_epi64(
-        _mm256_cvtepu32_epi64(_mm_load_si128(reinterpret_cast<const __m128i*>(depths))), 32);
-    const __m256i to = _mm256_or_si256(high, _mm256_set1_epi64x(static_cast<uint32_t>(~id)));
-    const __m256i before = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(samples));
-    const __m256i raises = _mm256_and_si256(_mm256_cmpgt_epi64(to, before),
-                                            _mm256_cmpeq_epi64(_mm256_and_si256(all, bit), bit));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(samples), _mm256_blendv_epi8(before, to, raises));
-#else
-    for (uint32_t rest = mask; rest != 0; rest &= rest - 1) {
-        const int i = __builtin_ctz(rest);
-        raise(samples[i], sample_of(depths[i], id));
-    }
-#endif
-}
-
 template <Into kInto>
 struct Target {
     Target(const Frame& of, const Tile& tile)
@@ -161,10 +111,9 @@ struct Target {
         for (int v = 0; v < Block::kVectors; ++v)
             store(depths + v * Lanes::kCount, plane.at(Block::x(v) + left, Block::y(v) + top));
         if constexpr (kInto == Into::kPicture4) {
-            for (int pixel = 0; pixel < 4; ++pixel)
-                if (const uint32_t of_pixel = mask >> (4 * pixel) & 0xF)
-                    raise_four(frame.samples + ((y + pixel / 2) * columns + x + pixel % 2) * 4, of_pixel,
-                               depths + 4 * pixel, id);
+            for (int row = 0; row < 2; ++row)
+                raise_eight(frame.samples + ((y + row) * columns + x) * 4, mask >> (8 * row) & 0xFF, depths + 8 * row,
+                            id);
         } else if (x >= first_x && x + 4 <= end_x) {
             for (int row = 0; row < 4; ++row)
                 if (const uint32_t of_row = mask >> (4 * row) & 0xF) {
