@@ -100,7 +100,7 @@ struct Target {
         using Of = Pattern<kInto>;
         using Block = SampleBlock<kInto>;
         const auto left = static_cast<float>(256 * x), top = static_cast<float>(256 * y);
-        if (Of::kCount == 1 && __builtin_popcount(mask) <= 2) {
+        if (Of::kCount == 1 && __builtin_popcount(mask) <= 1) {
             for (uint32_t rest = mask; rest != 0; rest &= rest - 1) {
                 const int i = __builtin_ctz(rest);
                 write(x + i % 4, y + i / 4, 0, plane.at(left + Block::kPlaces.x[i], top + Block::kPlaces.y[i]), id);
