@@ -1,30 +1,19 @@
 #include "bench/draw_bench.h"
 
+#include "bench/psnr.h"
 #include "bench/value_of.h"
 #include "draw/native_renderer.h"
 
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <limits>
 #include <optional>
 
 namespace throng::bench {
 namespace {
 
-// Peak signal to noise, of 8-bit pictures: 45 dB is a step of 1.4 of 255 everywhere, or one of 20 in 0.5 % of pixels.
+// A ratio (psnr()) that a difference of 1.4 of 255 in every pixel has, or one of 20 in 0.5 % of them.
 constexpr double kLeastAlike_db = 45;
-
-double alike_db(const Picture& a, const Picture& b) {
-    double sum = 0;
-    for (size_t i = 0; i < a.rgba.size(); ++i) {
-        const double off = static_cast<double>(a.rgba[i]) - static_cast<double>(b.rgba[i]);
-        sum += off * off;
-    }
-    // Alpha is the same everywhere, and is none
-    const double mean = sum / (static_cast<double>(a.rgba.size()) * 0.75);
-    return mean > 0 ? 10 * std::log10(255 * 255 / mean) : std::numeric_limits<double>::infinity();
-}
 
 // A crowd on a device of its own.
 struct Stage {
@@ -127,7 +116,8 @@ private:
         compare(entrant, progress);
     }
 
-    // With the first picture: that of the same instruction set has the same bytes, all others are alike.
+    // Wrong is a picture that differs at all from an earlier one of the same instruction set, by another number of
+    // threads, or visibly from the first one.
     void compare(Entrant& entrant, const Progress& progress) {
         progress(drawn_.configuration + ": checking " + entrant.renderer + " " + entrant.isa);
         double ms = 0;
@@ -135,7 +125,7 @@ private:
         for (const Entrant& before : entrants_)
             if (&before != &entrant && before.isa == entrant.isa && before.picture.rgba != entrant.picture.rgba)
                 entrant.is_wrong = true;
-        entrant.alike_db = alike_db(entrant.picture, entrants_.front().picture);
+        entrant.alike_db = psnr(entrant.picture, entrants_.front().picture);
         if (!(entrant.alike_db >= kLeastAlike_db)) entrant.is_wrong = true;
     }
 

@@ -11,19 +11,19 @@
 namespace throng::bench {
 
 struct DrawCase {
-    std::string configuration;  // its name
-    // Of this many characters, placed, and updated as the camera sees them.
+    std::string configuration;  // a name for what is drawn
+    // Makes the crowd on the device, with its characters in their places, and updates it for what the camera sees.
     std::function<Crowd(const Device&)> make_crowd;
     std::function<Camera(const Crowd&)> camera_of;
     RendererSettings picture;
     std::vector<NativeIsa> isas;
     std::vector<uint32_t> threads;
-    bool against_vulkan = false;  // also draws with a software device of Vulkan
+    bool against_vulkan = false;  // also by a software device of Vulkan, to compare
 };
 
-// A record for each way to draw (bench/README.md lists their fields). Pictures are compared first: with each number of
-// threads the same bytes; with each instruction set, and by Vulkan, what the eye takes for the same. One that is wrong
-// is not timed and says so.
+// A record for each way to draw (bench/README.md lists their fields). Pictures are compared first: those by different
+// numbers of threads must have the same bytes, those by different instruction sets and by Vulkan must look the same. A
+// way whose picture is wrong is not timed, and its record says so.
 std::vector<Json> measure_draw(const DrawCase& drawn, uint32_t samples, const Progress& progress);
 
 }  // namespace throng::bench

@@ -2,6 +2,7 @@
 // wait for.
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
+#include "tests/recorder.h"
 
 #include "gpu/barrier.h"
 #include "gpu/owned.h"
@@ -16,46 +17,6 @@
 
 namespace throng::test {
 namespace {
-
-// Command buffers that are recorded, and submitted or not.
-class Recorder {
-public:
-    Recorder() {
-        VkCommandPoolCreateInfo create{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-        create.queueFamilyIndex = gpu_->queue_family;
-        check(gpu_->vk.vkCreateCommandPool(gpu_->device, &create, nullptr, &pool_), "vkCreateCommandPool");
-    }
-    ~Recorder() {
-        gpu_->vk.vkQueueWaitIdle(gpu_->queue);
-        gpu_->vk.vkDestroyCommandPool(gpu_->device, pool_, nullptr);
-    }
-    Recorder(const Recorder&) = delete;
-    Recorder& operator=(const Recorder&) = delete;
-
-    template <class Body>
-    VkCommandBuffer record(const Body& body) {
-        VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-        allocate.commandPool = pool_;
-        allocate.commandBufferCount = 1;
-        VkCommandBuffer commands = VK_NULL_HANDLE;
-        check(gpu_->vk.vkAllocateCommandBuffers(gpu_->device, &allocate, &commands), "vkAllocateCommandBuffers");
-        const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-        check(gpu_->vk.vkBeginCommandBuffer(commands, &begin), "vkBeginCommandBuffer");
-        body(commands);
-        check(gpu_->vk.vkEndCommandBuffer(commands), "vkEndCommandBuffer");
-        return commands;
-    }
-    void submit(VkCommandBuffer commands) {
-        VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
-        submit.commandBufferCount = 1;
-        submit.pCommandBuffers = &commands;
-        check(gpu_->vk.vkQueueSubmit(gpu_->queue, 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit");
-    }
-
-private:
-    std::shared_ptr<Gpu> gpu_ = test_gpu();
-    VkCommandPool pool_ = VK_NULL_HANDLE;
-};
 
 std::string refusal(const auto& result) { return result ? std::string() : result.error().text(); }
 

@@ -1,10 +1,12 @@
 // The native renderer beside the device's: the same pictures of crowds of all kinds, and the same bytes for any number
 // of threads.
+#include "bench/psnr.h"
+#include "draw/camera.h"
 #include "draw/native_renderer.h"
 #include "tests/ball.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
-#include "tests/psnr.h"
+#include "tests/recorder.h"
 #include "tests/subset.h"
 
 #include <cstdio>
@@ -16,21 +18,41 @@ namespace {
 
 const InSubset kInSubsets({Subset::kNative}, {"NativePictures.*"});
 
+using bench::psnr;
+
 constexpr uint32_t kWidth = 240, kHeight = 160;
 constexpr double kLeast_dB = 45;
+constexpr double kLeastDetail = 0.005;  // of the pixels (part_with_detail)
 
-// Of the test device; made once for each number of samples, since pipelines take most of a small picture's time.
+Renderer make_renderer(const RendererSettings& settings) {
+    Result<Renderer> made = Renderer::create(test_device(), settings);
+    if (!made) throw std::runtime_error(made.error().text());
+    return std::move(*made);
+}
+Renderer make_renderer(DrawPath path) { return make_renderer({.width = kWidth, .height = kHeight, .path = path}); }
+
+// Both renderers of the test device.
 struct Pair {
-    explicit Pair(uint32_t samples)
-        : native(make(samples, DrawPath::kNative)), device(make(samples, DrawPath::kDevice)) {}
-    static Renderer make(uint32_t samples, DrawPath path) {
-        Result<Renderer> made = Renderer::create(
-            test_device(), {.width = kWidth, .height = kHeight, .samples = samples, .path = path});
-        if (!made) throw std::runtime_error(made.error().text());
-        return std::move(*made);
-    }
+    explicit Pair(uint32_t samples, uint32_t width = kWidth, uint32_t height = kHeight)
+        : native(make_renderer({.width = width, .height = height, .samples = samples, .path = DrawPath::kNative})),
+          device(make_renderer({.width = width, .height = height, .samples = samples, .path = DrawPath::kDevice})) {}
     Renderer native, device;
 };
+
+// How much of a picture differs from what is three pixels farther right: sky and ground without shadows change little
+// along a row, characters do.
+double part_with_detail(const Picture& picture) {
+    constexpr size_t kStep = 3;
+    size_t count = 0;
+    for (size_t y = 0; y < picture.height; ++y)
+        for (size_t x = 0; x + kStep < picture.width; ++x) {
+            const uint8_t* const pixel = &picture.rgba[(y * picture.width + x) * 4];
+            int apart = 0;
+            for (size_t i = 0; i < 3; ++i) apart += std::abs(pixel[i] - pixel[4 * kStep + i]);
+            count += apart > 40;
+        }
+    return static_cast<double>(count) / (picture.width * picture.height);
+}
 
 class NativeDraw : public testing::Test {
 protected:
@@ -38,15 +60,15 @@ protected:
         if (!test_gpu()->native || test_gpu()->is_native()) GTEST_SKIP() << "no device has both renderers";
     }
     static void TearDownTestSuite() { pairs().clear(); }
+    // By their number of samples. Kept, since to make pipelines takes longer than to draw a small picture.
     static std::map<uint32_t, Pair>& pairs() {
         static std::map<uint32_t, Pair> all;
         return all;
     }
 
-    // Both pictures of a crowd that has been updated for that. Where THRONG_PICTURES is a folder, it gets both.
-    static void expect_alike(const std::string& what, Crowd& crowd, const Camera& camera,
-                             const DrawOptions& options = {}, uint32_t samples = 4, double least_dB = kLeast_dB) {
-        Pair& pair = pairs().try_emplace(samples, samples).first->second;
+    // Updates the crowd and draws it with both. Where THRONG_PICTURES names a folder, the pictures are written there.
+    static void expect_alike(const std::string& what, Pair& pair, Crowd& crowd, const Camera& camera,
+                             const DrawOptions& options, size_t left_out_pixels = 0) {
         std::vector<Picture> pictures;
         ASSERT_TRUE(pair.native.set_options(options));
         const Result<void> updated = pair.native.update(crowd, 0.3f, camera);
@@ -63,9 +85,20 @@ protected:
             pictures.push_back(std::move(result->picture));
         }
         EXPECT_GT(static_cast<NativeRenderer&>(pair.native.state()).times().triangles, 0u) << what << ": empty";
-        const double apart_dB = psnr(pictures[0], pictures[1]);
-        std::printf("  %s: %.1f dB\n", what.c_str(), apart_dB);
-        EXPECT_GE(apart_dB, least_dB) << what;
+        const double alike_dB = psnr(pictures[0], pictures[1], left_out_pixels);
+        std::printf("  %s: %.1f dB\n", what.c_str(), alike_dB);
+        EXPECT_GE(alike_dB, kLeast_dB) << what;
+
+        DrawOptions characters_only = options;
+        characters_only.shadows = characters_only.skeletons = characters_only.bounds = false;
+        ASSERT_TRUE(pair.native.set_options(characters_only));
+        EXPECT_GT(part_with_detail(pair.native.render(crowd, camera)->picture), kLeastDetail)
+            << what << ": no characters are seen";
+    }
+    static void expect_alike(const std::string& what, Crowd& crowd, const Camera& camera,
+                             const DrawOptions& options = {}, uint32_t samples = 4, size_t left_out_pixels = 0) {
+        Pair& pair = pairs().try_emplace(samples, samples).first->second;
+        expect_alike(what, pair, crowd, camera, options, left_out_pixels);
     }
     static void expect_alike(const std::string& what, Crowd& crowd, const DrawOptions& options = {},
                              uint32_t samples = 4) {
@@ -130,7 +163,8 @@ TEST_F(NativeDraw, Files) {
         ASSERT_TRUE(character) << character.error().text();
         const std::string name = entry.path().stem().string();
         Crowd one = crowd_of(*character, 1), many = crowd_of(*character, 40, {.culls = true});
-        expect_alike(name, one);
+        // Some clips walk far away from where the rest pose stands
+        expect_alike(name, one, fit_camera(posed_bounds(one.state()), static_cast<float>(kWidth) / kHeight));
         expect_alike(name + " 40", many);
     }
 }
@@ -206,9 +240,10 @@ TEST_F(NativeDraw, Materials) {
                                      (is_double_sided ? ", both sides" : "");
             expect_alike(name, one);
             expect_alike(name + ", small", many);
-            // At the edge of a mask one texel more or less is a whole sample: here a whole pixel
-            expect_alike(name + ", 1 sample", many, whole(many), {}, 1,
-                         mode == AlphaMode::kOpaque ? kLeast_dB : kLeast_dB - 4);
+            // lavapipe chooses mip levels by a linear approximation of log2, up to 0.043 below the exact ones. At the
+            // edge of a mask an alpha close to the cutoff then falls on the other side: with one sample a whole pixel
+            const size_t left_out_pixels = mode == AlphaMode::kOpaque ? 0 : kWidth * kHeight / 1000;
+            expect_alike(name + ", 1 sample", many, whole(many), {}, 1, left_out_pixels);
         }
 }
 
@@ -253,7 +288,7 @@ TEST_F(NativeDraw, Options) {
     expect_alike("1 sample", crowd, {}, 1);
 }
 
-// Before and behind the near plane, and from below the ground.
+// So that triangles reach behind the near plane, are seen through the ground, or are smaller than pixels.
 TEST_F(NativeDraw, Cameras) {
     const Character character = creature();
     for (const bool culls : {false, true}) {
@@ -272,38 +307,55 @@ TEST_F(NativeDraw, Cameras) {
                          options);
             expect_alike("from below" + more, crowd,
                          {.eye = middle - Vec3<float>{extent.x, extent.y, 0}, .target = middle}, options);
-            expect_alike("far away" + more, crowd,
-                         {.eye = middle + Vec3<float>{0, 20, 100} * extent.x, .target = middle}, options);
+            expect_alike("far away" + more, crowd, {.eye = middle + Vec3<float>{0, 1, 4} * extent.x, .target = middle},
+                         options);
         }
+    }
+}
+
+// Tiles at the right and at the bottom are smaller than the others here; the larger picture has more than sixteen.
+TEST_F(NativeDraw, LargePictures) {
+    const Character character = creature();
+    Crowd crowd = crowd_of(character, 40, {.culls = true});
+    for (const auto& [width, height] : {std::pair(1000u, 600u), {2003u, 1111u}}) {
+        Pair pair(4, width, height);
+        const Camera camera = fit_camera(world_bounds(crowd), static_cast<float>(width) / static_cast<float>(height));
+        for (const bool shadows : {true, false})
+            expect_alike(std::to_string(width) + " wide" + (shadows ? "" : ", no shadows"), pair, crowd, camera,
+                         {.shadows = shadows});
     }
 }
 
 // A picture that the recorded commands copy.
 class Copy {
 public:
-    explicit Copy(uint64_t size_bytes) : buffer_(test_gpu(), "copy", size_bytes, 0, MemoryKind::kReadback) {}
+    explicit Copy(uint32_t width = kWidth, uint32_t height = kHeight)
+        : width_(width),
+          height_(height),
+          buffer_(test_gpu(), "copy", uint64_t{4} * width * height, 0, MemoryKind::kReadback) {}
     void record(VkCommandBuffer commands, const Renderer& renderer) const {
         const VkBufferImageCopy region{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-                                       .imageExtent = {kWidth, kHeight, 1}};
+                                       .imageExtent = {width_, height_, 1}};
         test_gpu()->vk.vkCmdCopyImageToBuffer(commands, renderer.picture(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                                               buffer_.handle(), 1, &region);
         memory_barrier(*test_gpu(), commands, kTransferWrite, kHostRead);
     }
     Picture picture() const {
         const auto* const bytes = reinterpret_cast<const uint8_t*>(buffer_.mapped());
-        return {kWidth, kHeight, {bytes, bytes + size_t{4} * kWidth * kHeight}};
+        return {width_, height_, {bytes, bytes + size_t{4} * width_ * height_}};
     }
 
 private:
+    uint32_t width_, height_;
     Buffer buffer_;
 };
 
-// Frames of one command buffer and of the next, more than are under way at a time.
+// Two frames in each command buffer, and more of both than are under way at a time.
 TEST_F(NativeDraw, RecordedDrawingIsThatOfTheCall) {
     const Character character = creature();
     Crowd crowd = crowd_of(character, 9, {.culls = true});
     const Camera camera = whole(crowd);
-    Renderer renderer = Pair::make(4, DrawPath::kNative);
+    Renderer renderer = make_renderer(DrawPath::kNative);
     for (int submission = 0; submission < 3; ++submission) {
         std::vector<Picture> drawn;
         std::vector<Copy> copies;
@@ -312,7 +364,7 @@ TEST_F(NativeDraw, RecordedDrawingIsThatOfTheCall) {
                 ASSERT_TRUE(renderer.update(crowd, 0.3f, camera));
                 drawn.push_back(renderer.render(crowd, camera)->picture);
                 ASSERT_TRUE(renderer.record_drawing(commands, crowd, camera));
-                copies.emplace_back(drawn.back().rgba.size()).record(commands, renderer);
+                copies.emplace_back().record(commands, renderer);
             }
         });
         EXPECT_NE(drawn[0].rgba, drawn[1].rgba);
@@ -321,14 +373,14 @@ TEST_F(NativeDraw, RecordedDrawingIsThatOfTheCall) {
     }
 }
 
-// Of crowds whose update is recorded too; by both calls that record one.
+// Where the update is recorded too, by either of the calls that record one.
 TEST_F(NativeDraw, TheDeviceDrawsWhatItUpdates) {
     const Character character = creature();
-    Renderer renderer = Pair::make(4, DrawPath::kNative);
+    Renderer renderer = make_renderer(DrawPath::kNative);
     for (const bool in_one : {false, true}) {
         Crowd crowd = crowd_of(character, 9, {.path = UpdatePath::kDevice, .culls = true});
         const Camera camera = whole(crowd);
-        const Copy copy(uint64_t{4} * kWidth * kHeight);
+        const Copy copy;
         test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
             if (in_one) {
                 ASSERT_TRUE(renderer.record(commands, crowd, 0.3f, camera));
@@ -347,11 +399,89 @@ TEST_F(NativeDraw, TheDeviceDrawsWhatItUpdates) {
     }
 }
 
+// The commands of the update before have not run either, so that there are no poses yet that could be drawn natively.
+TEST_F(NativeDraw, TheDeviceDrawsAlsoWhenTheLastUpdateIsDiscarded) {
+    const Character character = creature();
+    Crowd crowd = crowd_of(character, 9, {.path = UpdatePath::kDevice, .culls = true});
+    const Camera camera = whole(crowd);
+    Renderer renderer = make_renderer(DrawPath::kNative);
+    const CrowdView view = *view_of(camera, kWidth, kHeight, world_bounds(crowd));
+    const Copy copy;
+    const auto record = [&](VkCommandBuffer commands) { return crowd.record(commands, 0.3f, &view); };
+    Recorder recorder;
+    const VkCommandBuffer frame = recorder.record([&](VkCommandBuffer commands) {
+        ASSERT_TRUE(record(commands));
+        recorder.record([&](VkCommandBuffer dropped) { ASSERT_TRUE(record(dropped)); });
+        ASSERT_TRUE(crowd.discard_last_record());
+        ASSERT_TRUE(renderer.record_drawing(commands, crowd, camera));
+        copy.record(commands, renderer);
+    });
+    recorder.submit(frame);
+    test_gpu()->wait_idle();
+    EXPECT_GT(part_with_detail(copy.picture()), kLeastDetail);
+    EXPECT_GE(psnr(copy.picture(), renderer.render(crowd, camera)->picture), kLeast_dB);
+}
+
+TEST_F(NativeDraw, IsChosenForSoftwareDevicesAndNotForGpus) {
+    EXPECT_TRUE(make_renderer(DrawPath::kAuto).is_native());
+    EXPECT_FALSE(make_renderer(DrawPath::kDevice).is_native());
+
+    const Device gpu = another_device();
+    gpu.gpu()->native.reset();  // as hardware has none
+    EXPECT_NE(natively_undrawable_reason(*gpu.gpu()).find("is a GPU"), std::string::npos);
+    const Result<Renderer> native = Renderer::create(gpu, {.width = 8, .height = 8, .path = DrawPath::kNative}),
+                           chosen = Renderer::create(gpu, {.width = 8, .height = 8});
+    ASSERT_FALSE(native);
+    EXPECT_EQ(native.error().code, ErrorCode::kUnsupported);
+    ASSERT_TRUE(chosen);
+    EXPECT_FALSE(chosen->is_native());
+}
+
+// Occlusion is a pass of the device's: here it is neither made nor leaves anything out.
+TEST_F(NativeDraw, OcclusionChangesNothing) {
+    const Character character = creature();
+    std::vector<Picture> pictures;
+    for (const bool occlusion : {false, true}) {
+        Crowd crowd = crowd_of(character, 40, {.culls = true});
+        Renderer renderer = make_renderer(
+            {.width = kWidth, .height = kHeight, .options = {.occlusion = occlusion}, .path = DrawPath::kNative});
+        for (int frame = 0; frame < 3; ++frame)  // the device would go by what the frame before hid
+            pictures.push_back(renderer.render_frame(crowd, 0.1f, whole(crowd))->picture);
+    }
+    for (size_t frame = 0; frame < 3; ++frame) EXPECT_EQ(pictures[frame].rgba, pictures[3 + frame].rgba) << frame;
+    EXPECT_NE(pictures[0].rgba, pictures[2].rgba);
+}
+
+// Larger and smaller than before; drawn at once, by recorded commands, and by the device.
+TEST_F(NativeDraw, Resizes) {
+    const Character character = creature();
+    Crowd crowd = crowd_of(character, 9, {.culls = true}),
+          updated_by_device = crowd_of(character, 9, {.path = UpdatePath::kDevice, .culls = true});
+    const Camera camera = whole(crowd);
+    Renderer renderer = make_renderer({.width = 50, .height = 30, .path = DrawPath::kNative});
+    for (const auto& [width, height] : {std::pair(800u, 500u), {kWidth, kHeight}}) {
+        ASSERT_TRUE(renderer.resize(width, height));
+        Renderer made = make_renderer({.width = width, .height = height, .path = DrawPath::kNative});
+        const Copy copy(width, height), of_device(width, height);
+        test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
+            ASSERT_TRUE(renderer.update(crowd, 0.3f, camera));
+            ASSERT_TRUE(renderer.record_drawing(commands, crowd, camera));
+            copy.record(commands, renderer);
+            ASSERT_TRUE(renderer.record(commands, updated_by_device, 0.3f, camera));
+            of_device.record(commands, renderer);
+        });
+        const Picture wanted = made.render(crowd, camera)->picture;
+        EXPECT_EQ(copy.picture().rgba, wanted.rgba);
+        EXPECT_EQ(renderer.render(crowd, camera)->picture.rgba, wanted.rgba);
+        EXPECT_GE(psnr(of_device.picture(), made.render(updated_by_device, camera)->picture), kLeast_dB);
+    }
+}
+
 TEST(NativePictures, ThreadsChangeNothing) {
     Asset asset = make_ball({.is_open = true, .has_morphs = true});
     add_maps(asset);
     const Character ball = compiled(asset, kExact), dragon = creature();
-    const auto picture = [&](const DeviceSettings& settings) {
+    const auto picture = [&](const DeviceSettings& settings, const DrawOptions& options) {
         const Device device = *Device::create(settings);
         Crowd crowd = std::move(*Crowd::create(
             device, {.groups = {{&ball, 400}, {&dragon, 100}}, .keep_model_matrices = true, .culls = true}));
@@ -360,15 +490,16 @@ TEST(NativePictures, ThreadsChangeNothing) {
         for (const Affine& place : in_rows(dragon, 100)) places.push_back(place);
         EXPECT_TRUE(crowd.set_placement(0, places));
         EXPECT_TRUE(crowd.set_playback(400, random_playbacks(random, dragon, 100)));
-        Renderer renderer = std::move(
-            *Renderer::create(device, {.width = 1000, .height = 600, .options = {.skeletons = true, .bounds = true}}));
+        Renderer renderer = std::move(*Renderer::create(device, {.width = 1000, .height = 600, .options = options}));
         Result<RenderResult> result = renderer.render_frame(crowd, 0.1f, fit_camera(world_bounds(crowd), 5.0f / 3));
         EXPECT_TRUE(result && result->draw_ms > 0);
         return std::move(result->picture);
     };
-    const Picture alone = picture({.select = "native", .threads = 1});
+    EXPECT_GT(part_with_detail(picture({.select = "native", .threads = 1}, {.shadows = false})), kLeastDetail);
+    const DrawOptions all{.skeletons = true, .bounds = true};
+    const Picture alone = picture({.select = "native", .threads = 1}, all);
     for (const uint32_t threads : {2u, 7u})
-        EXPECT_EQ(picture({.select = "native", .threads = threads}).rgba, alone.rgba) << threads;
+        EXPECT_EQ(picture({.select = "native", .threads = threads}, all).rgba, alone.rgba) << threads;
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // The command line as a user meets it: what it prints, what it writes, and one clear line for whatever is wrong.
+#include "bench/psnr.h"
 #include "tests/png.h"
-#include "tests/psnr.h"
 #include "tests/text.h"
 #include "tests/tool_runner.h"
 
@@ -86,11 +86,19 @@ double pose_difference(const Json& a, const Json& b) {
 }
 
 TEST_F(Cli, HelpHasExamples) {
-    const Outcome all = succeed("--help");
-    for (const char* command : {"info", "compile", "pose", "render", "generate", "bench", "devices"}) {
-        EXPECT_TRUE(contains(all.out, command)) << command;
-        const Outcome run = succeed({command, "--help"});
-        EXPECT_TRUE(contains(run.out, std::string("Examples:\n  throng ") + command)) << run;
+    const std::string all = succeed("--help").out, benches = succeed("bench --help").out;
+    for (const char* command : {"info", "compile", "controller check", "controller graph", "pose", "render", "generate",
+                                "devices", "view", "bench", "tune", "bench baselines", "bench control", "bench cpu",
+                                "bench draw", "bench frame", "bench scan", "bench view"}) {
+        const std::string name(command), first = name.substr(0, name.find(' '));
+        EXPECT_TRUE(contains(all, "\n  " + first + " ")) << command;
+        EXPECT_TRUE(first != "bench" || first == name || contains(benches, "\n  " + name.substr(6) + " ")) << command;
+        const Outcome run = succeed(Words(command) + "--help");
+        EXPECT_TRUE(contains(run.out, "Examples:\n  throng " + name)) << run;
+    }
+    for (const char* command : {"bench diagrams", "bench report"}) {  // one is enough for these
+        const Outcome run = succeed(Words(command) + "--help");
+        EXPECT_TRUE(contains(run.out, std::string("Example:\n  throng ") + command)) << run;
     }
     succeed("--version");
 }
@@ -182,7 +190,7 @@ TEST_F(Cli, InfoAndReferencePoseNeedNoGpu) {
     EXPECT_TRUE(picture.succeeded()) << picture;
     EXPECT_TRUE(contains(picture.out, "renderer native")) << picture;
     const Outcome vulkan = run_tool("render creature.glb --renderer vulkan --out crowd.png", no_driver);
-    EXPECT_TRUE(vulkan.refused("needs Vulkan")) << vulkan;
+    EXPECT_TRUE(vulkan.refused("choose a Vulkan device")) << vulkan;
 }
 
 TEST_F(Cli, PoseHasItsDocumentedShape) {
@@ -297,8 +305,11 @@ TEST_F(Cli, BothRenderersDrawThePicture) {
     };
     const Picture native = picture("native", "native");
     EXPECT_EQ(picture("cpu", "native").rgba, native.rgba);
-    EXPECT_GT(psnr(picture("cpu", "vulkan"), native), 45);
-    EXPECT_TRUE(run_tool("render creature.glb --out of.png --device native --renderer vulkan").refused("needs Vulkan"));
+    EXPECT_GT(bench::psnr(picture("cpu", "vulkan"), native), 45);
+    const Outcome chosen = succeed("render creature.glb --size 64x64 --json --out of.png --device cpu");
+    EXPECT_EQ(Json::parse(chosen.out)["renderer"], "native");
+    EXPECT_TRUE(run_tool("render creature.glb --out of.png --device native --renderer vulkan")
+                    .refused("choose a Vulkan device"));
 }
 
 TEST_F(Cli, GenerateIsExactAndDeterministic) {
@@ -497,7 +508,9 @@ TEST_F(Cli, BenchDrawComparesPicturesAndTimesThem) {
     EXPECT_GE(native, 2u);
     EXPECT_EQ(vulkan, 1u);
     EXPECT_TRUE(contains(text.out, "9 x creature.glb, 160x90")) << text;
-    EXPECT_TRUE(run_tool("bench draw --count 0").refused("--count"));
+    expect_refused({{"bench draw --count 0", "--count"},
+                    {"bench draw nobody.glb", "nobody.glb"},
+                    {"bench draw creature.glb --size 20000x9", "16384"}});
 }
 
 TEST_F(Cli, BenchFrameHasARecordForEachVariantOfEachConfiguration) {
@@ -666,6 +679,7 @@ TEST_F(Cli, WrongInputIsRefusedInOneLineThatNamesIt) {
         {"render creature.glb --out picture.png --time nan", "--time"},
         {"render creature.glb --out picture.png --time 1e300", "--time"},
         {"render creature.glb --out picture.png --device 99", "99"},
+        {"render creature.glb --out picture.png --renderer metal", "--renderer"},
         {"generate --out nowhere/creature.glb", "nowhere/creature.glb"},
         {"generate unicorn --out none.glb", "there is no 'unicorn'. There are: dragon, willow, walker, centipede"},
         {"generate --joints 0 --out none.glb", "joints"},
