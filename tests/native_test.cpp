@@ -121,7 +121,8 @@ TEST(Native, WhatNeedsVulkanIsRefused) {
     for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kFused, UpdatePath::kStaged})
         expect_refused(Crowd::create(device, {.groups = {{&character, 2}}, .path = path, .scan = "doubling"}),
                        ErrorCode::kUnsupported, "scan method 'doubling': a native device does not have it");
-    expect_refused(Renderer::create(device, {.path = DrawPath::kDevice}), ErrorCode::kNoDevice, "needs Vulkan");
+    expect_refused(Renderer::create(device, {.path = DrawPath::kDevice}), ErrorCode::kNoDevice,
+                   "choose a Vulkan device");
 
     Crowd crowd = std::move(*Crowd::create(device, {.groups = {{&character, 2}}, .culls = true}));
     CrowdView view = *view_of({.eye = {0, 0, 5}, .target = {0, 0, 0}}, 160, 120, {});
