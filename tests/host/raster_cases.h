@@ -57,13 +57,13 @@ public:
     Vec3<double> expected(uint32_t x, uint32_t y) const;
     // By this kernel, so many rows at a time; with guards around it.
     std::vector<uint8_t> resolved(NativeIsa isa, uint32_t rows_each) const;
-    // Of all that has been added, by this kernel's own rasteriser.
+    // All that has been added, as this kernel rasterises it: show() has no say in these.
     std::vector<uint64_t> drawn_picture(NativeIsa isa) const;
     std::vector<float> drawn_map(NativeIsa isa) const;
     // All pixels are as expected, rounded: but for 0.7 of 255.
     void expect_resolved();
 
-    // Of a triangle at a place of the picture, in pixels: its weights' place.
+    // What a triangle has at a place of the picture, in pixels.
     struct At {
         Vec3<double> place, normal, color;
         double alpha = 1;

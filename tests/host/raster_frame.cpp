@@ -1,5 +1,7 @@
 #include "tests/host/raster_frame.h"
 
+#include "tests/host/native_cases.h"
+
 #include <algorithm>
 #include <bit>
 #include <numeric>
@@ -44,7 +46,8 @@ void RasterFrame::add_world(const std::vector<Vec3<float>>& vertices, const std:
         std::ranges::copy(floats, kept + i * 8);
     }
     mesh.texcoords.resize(2 * vertices.size());
-    mesh.colors.assign(vertices.size(), 0xFFFFFFFFu);
+    for (size_t i = 0; i < vertices.size(); ++i)
+        mesh.colors.push_back(material.is_masked && i % 3 == 0 ? 0x00FFFFFFu : 0xFFFFFFFFu);
     mesh.vertices = native::aligned_bytes(room * 4 * sizeof(float));
     mesh.section = {.material = &material,
                     .vertex_count = static_cast<uint32_t>(vertices.size()),
@@ -76,8 +79,9 @@ void RasterFrame::draw(NativeIsa isa, uint32_t tile_side, bool farthest_first) {
     frame_.lines = lines_.data();
     frame_.line_count = static_cast<uint32_t>(lines_.size());
     frame_.first_line_id = static_cast<uint32_t>(draw_of_ids_.size()) * raster::kIdBlock;
-    frame_.map = map_.data();
-    frame_.samples = samples_.data();
+    GuardedBytes map(map_.size() * sizeof(float)), samples(samples_.size() * sizeof(uint64_t));
+    frame_.map = reinterpret_cast<float*>(map.data());
+    frame_.samples = reinterpret_cast<uint64_t*>(samples.data());
     for (size_t i = 0; i < draws_.size(); ++i)
         kernel.keep(frame_, reinterpret_cast<const float*>(meshes_[i].kept.get()), draws_[i]);
     nearest_first_.resize(draws_.size());
@@ -93,6 +97,8 @@ void RasterFrame::draw(NativeIsa isa, uint32_t tile_side, bool farthest_first) {
             kernel.draw_map(frame_, tile, false, scratch.get());
             kernel.draw_picture(frame_, tile, false, scratch.get());
         }
+    std::ranges::copy_n(frame_.map, static_cast<std::ptrdiff_t>(map_.size()), map_.begin());
+    std::ranges::copy_n(frame_.samples, static_cast<std::ptrdiff_t>(samples_.size()), samples_.begin());
 }
 
 int RasterFrame::triangle_at(size_t sample) const {

@@ -22,7 +22,7 @@ public:
 
     explicit RasterFrame(uint32_t sample_count);
 
-    // Corners: of triangles, three each.
+    // `corners`: three for each triangle. Of a masked material, every third vertex from the first on has no alpha.
     raster::Material& material() { return materials_.emplace_back(); }
     void add(const std::vector<ScreenVertex>& vertices, const std::vector<uint32_t>& corners,
              const raster::Material& material, bool is_mirrored = false);
@@ -31,7 +31,7 @@ public:
                    const raster::Material& material, bool is_mirrored = false);
     void add_line(const raster::Line& line, bool is_depth_tested);
 
-    // Draws tile by tile; then samples() and map() are those of the frame.
+    // Draws tile by tile, into memory with guards around it; then samples() and map() are those of the frame.
     void draw(NativeIsa isa, uint32_t tile_side = kSize, bool farthest_first = false);
     const std::vector<uint64_t>& samples() const { return samples_; }
     const std::vector<float>& map() const { return map_; }
@@ -44,7 +44,7 @@ public:
 private:
     struct Mesh {
         std::vector<uint32_t> corners[3];
-        std::vector<float> world, weights, texcoords;
+        std::vector<float> texcoords;
         std::vector<uint32_t> colors;
         native::AlignedBytes vertices, kept;
         raster::Section section;

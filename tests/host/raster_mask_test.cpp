@@ -7,8 +7,7 @@ namespace throng::test {
 namespace {
 
 constexpr float kCutoff = 0.4f;
-// Alphas as near to it may be on either side.
-constexpr double kNear = 2e-3;
+constexpr double kNear = 2e-3;  // alphas this near to the cutoff may be rounded to either side
 
 // A square before the camera, with a texture of random alphas. All that its two triangles have is linear in the place.
 struct Square {
