@@ -70,7 +70,7 @@ std::vector<std::function<Shown(uint64_t seed)>> generated() {
 void print_row(const Json& record) {
     std::printf("%-8s %7s  ", text(record, "variant").c_str(),
                 record.contains("threads") ? record["threads"].dump().c_str() : "");
-    if (print_untimed(record, "not measured", " dB alike")) return;
+    if (print_untimed(record, "not measured", " dB alike", "alike_db")) return;
     print_columns(record, {{"%9.1f", "ms/median"},
                            {" %9.1f", "ms/p5"},
                            {" -%8.1f", "ms/p95"},

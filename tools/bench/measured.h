@@ -63,7 +63,8 @@ struct Column {
 void print_columns(const Json& record, std::initializer_list<Column> columns);
 
 // Prints why a record has no times; returns whether it has none. `not_done` is what is said of a method that does not
-// apply, `off` how far a wrong result is.
-bool print_untimed(const Json& record, const char* not_done, const std::string& off = " of the size off");
+// apply. `field` has how far off a wrong result is, where the record has it, and `off` is said behind its number.
+bool print_untimed(const Json& record, const char* not_done, const std::string& off = " of the size off",
+                   const std::string& field = "max_error");
 
 }  // namespace throng::tools

@@ -1,0 +1,27 @@
+// Rows of the benchmarks' tables for records without times: those of each benchmark say in a field of their own how far
+// off a wrong result is, or not at all.
+#include "tools/bench/measured.h"
+
+#include <gtest/gtest.h>
+
+namespace throng::tools {
+namespace {
+
+using testing::internal::CaptureStdout, testing::internal::GetCapturedStdout;
+
+TEST(BenchRows, SayWhyThereAreNoTimes) {
+    CaptureStdout();
+    EXPECT_TRUE(print_untimed({{"wrong", true}, {"max_error", 0.5}}, "not measured"));
+    EXPECT_TRUE(print_untimed({{"wrong", true}, {"alike_db", 12.5}}, "not measured", " dB alike", "alike_db"));
+    EXPECT_TRUE(print_untimed({{"wrong", true}}, "not measured", " dB alike", "alike_db"));
+    EXPECT_TRUE(print_untimed({{"unsupported_reason", "there is no llvmpipe"}}, "not measured"));
+    EXPECT_FALSE(print_untimed({{"ms", 3}}, "not measured"));
+    EXPECT_EQ(GetCapturedStdout(),
+              "WRONG, not timed: it is 0.5 of the size off\n"
+              "WRONG, not timed: it is 12.5 dB alike\n"
+              "WRONG, not timed\n"
+              "not measured: there is no llvmpipe\n");
+}
+
+}  // namespace
+}  // namespace throng::tools
