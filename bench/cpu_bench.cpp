@@ -285,7 +285,8 @@ private:
         return record;
     }
 
-    // What runs beside an entrant by the same instruction set; null: nothing does.
+    // An entrant with the instruction set of `beside`: of this variant, or the fill floor where that is null. Null
+    // where there is none.
     const Entrant* find(const Entrant& beside, const CpuVariant* variant, uint32_t threads) const {
         const auto found = std::ranges::find_if(entrants_, [&](const Entrant& entrant) {
             return entrant.variant == variant && entrant.isa == beside.isa && entrant.threads == threads;

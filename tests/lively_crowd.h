@@ -116,7 +116,7 @@ public:
         const auto bytes = std::as_bytes(std::span(values));
         all.insert(all.end(), bytes.begin(), bytes.end());
     }
-    // Of a crowd of a native device, after an update.
+    // The outputs of a crowd on a native device, as its last update left them.
     void add_results(Crowd& crowd) {
         for (const OutputBlock& block : crowd.outputs()) {
             add(block.host.skin);

@@ -17,7 +17,7 @@ Affine place_of(uint32_t i, float apart) {
     return to_affine(Trs<float>{.translation = Vec3<float>{float(i % 6), 0, float(i / 6)} * apart});
 }
 
-// It moves on.
+// Moves along x from update to update, so that other characters come into view.
 CrowdView view_in(uint32_t update, float apart) {
     return view_of_box(Vec3<float>{static_cast<float>(update), 0, 1} * apart, 3 * apart);
 }
