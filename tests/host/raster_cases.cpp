@@ -51,11 +51,16 @@ double encoded(double linear) {
     return 255 * (color <= 0.0031308 ? 12.92 * color : 1.055 * std::pow(color, 1 / 2.4) - 0.055);
 }
 
-Vec3<double> unpacked(uint32_t packed) {
-    const auto part = [](uint32_t bits) { return std::max(static_cast<int16_t>(bits) / 32767.0, -1.0); };
-    const double x = part(packed & 0xFFFF), y = part(packed >> 16), z = 1 - std::abs(x) - std::abs(y);
-    const auto folded = [](double a, double b) { return (1 - std::abs(b)) * (a >= 0 ? 1 : -1); };
-    return normalized(z < 0 ? Vec3<double>{folded(x, y), folded(y, x), z} : Vec3<double>{x, y, z});
+// What `draw` writes to memory with guards around it, to which this member of the frame points.
+template <class Value, class Draw>
+std::vector<Value> written(const raster::Frame& frame, Value* raster::Frame::*member, size_t count, NativeIsa isa,
+                           const Draw& draw) {
+    const raster::Kernel& kernel = raster::kernel_of(isa);
+    GuardedBytes values(count * sizeof(Value)), scratch(kernel.scratch_bytes(frame));
+    raster::Frame into = frame;
+    into.*member = reinterpret_cast<Value*>(values.data());
+    draw(kernel, into, scratch.data());
+    return {into.*member, into.*member + count};
 }
 
 }  // namespace
@@ -91,62 +96,32 @@ void RasterPicture::add_line(const Vec3<float>& color) { lines_.push_back({{}, {
 void RasterPicture::finish() {
     static_assert(sizeof frame.scene == sizeof scene);
     std::memcpy(&frame.scene, &scene, sizeof scene);
-    const auto to_blocks = [](size_t count) { return (count + raster::kBlock - 1) / raster::kBlock * raster::kBlock; };
-    for (uint32_t number = 0; number < drawn_.size(); ++number) {
-        DrawData& draw = drawn_[number];
-        const size_t triangle_count = draw.triangles.size(), vertex_count = 3 * triangle_count;
-        raster::Section& section = draw.section;
-        section.material = draw.material;
-        section.vertex_count = static_cast<uint32_t>(vertex_count);
-        section.triangle_count = static_cast<uint32_t>(triangle_count);
-        native::AlignedBytes world = native::aligned_bytes(to_blocks(vertex_count) * 8 * sizeof(float));
-        auto* place = reinterpret_cast<float*>(world.get());
-        for (uint32_t k = 0; k < 3; ++k) {
-            draw.corners[k].resize(to_blocks(triangle_count));
-            // The last vertices first: what is where is told by corners alone
-            for (uint32_t t = 0; t < triangle_count; ++t)
-                draw.corners[k][t] = static_cast<uint32_t>(vertex_count) - 1 - (3 * t + k);
-            section.corners[k] = draw.corners[k].data();
+    for (const DrawData& draw : drawn_) {
+        std::vector<RasterVertex> vertices;
+        std::vector<uint32_t> corners;
+        // The last vertices first: what is where is told by corners alone
+        for (size_t i = 3 * draw.triangles.size(); i-- > 0;) {
+            const RasterCorner& corner = draw.triangles[i / 3][i % 3];
+            vertices.push_back(
+                {.place = corner.place.as<float>(),
+                 .normal = corner.normal.as<float>(),
+                 .texcoord = {static_cast<float>(corner.texcoord[0]), static_cast<float>(corner.texcoord[1])},
+                 .color = std::bit_cast<uint32_t>(corner.color)});
+            corners.push_back(static_cast<uint32_t>(i));
         }
-        for (size_t i = 0; i < vertex_count; ++i) {
-            const size_t from = vertex_count - 1 - i;
-            const RasterCorner& corner = draw.triangles[from / 3][from % 3];
-            for (const double n : {corner.place.x, corner.place.y, corner.place.z, 1.0, corner.normal.x,
-                                   corner.normal.y, corner.normal.z, 0.0})
-                *place++ = static_cast<float>(n);
-            for (const double n : corner.texcoord) draw.texcoords.push_back(static_cast<float>(n));
-            draw.colors.push_back(std::bit_cast<uint32_t>(corner.color));
-        }
-        section.texcoords = draw.texcoords.data();
-        section.colors = draw.colors.data();
-        draw.vertices = native::aligned_bytes(to_blocks(vertex_count) * 4 * sizeof(float));
-        frame.most_vertices = std::max(frame.most_vertices, section.vertex_count);
-        draws_.push_back({.section = &section,
-                          .vertices = reinterpret_cast<float*>(draw.vertices.get()),
-                          .first_id = static_cast<uint32_t>(draw_of_ids_.size()) * raster::kIdBlock,
-                          .is_mirrored = draw.is_mirrored});
-        draw_of_ids_.insert(draw_of_ids_.end(), (triangle_count + raster::kIdBlock - 1) / raster::kIdBlock, number);
-        nearest_first_.push_back(number);
-        raster::kernel_of(NativeIsa(native_isas().front()))
-            .keep(frame, reinterpret_cast<const float*>(world.get()), draws_.back());
-        // As floats have them from here on
-        for (size_t i = 0; i < vertex_count; ++i) {
-            const size_t to = vertex_count - 1 - i;
-            const float* const v = draws_.back().vertices + i / raster::kBlock * raster::kBlockFloats +
-                                   i % raster::kBlock;
-            RasterCorner& corner = draw.triangles[to / 3][to % 3];
-            corner.place = {v[0], v[raster::kBlock], v[2 * raster::kBlock]};
-            corner.normal = unpacked(std::bit_cast<uint32_t>(v[3 * raster::kBlock]));
-            corner.texcoord = {draw.texcoords[2 * i], draw.texcoords[2 * i + 1]};
-        }
+        draws_.add(*draw.material, vertices, corners, draw.is_mirrored);
     }
-    frame.draws = draws_.data();
-    frame.draw_count = static_cast<uint32_t>(draws_.size());
-    frame.nearest_first = nearest_first_.data();
-    frame.draw_of_ids = draw_of_ids_.data();
+    draws_.set(frame, raster::kernel_of(native_isas().front()));
+    // As floats have them from here on
+    for (size_t d = 0; d < drawn_.size(); ++d)
+        for (size_t i = 0, count = 3 * drawn_[d].triangles.size(); i < count; ++i) {
+            RasterCorner& corner = drawn_[d].triangles[i / 3][i % 3];
+            corner.place = draws_.place(d, count - 1 - i);
+            corner.normal = draws_.normal(d, count - 1 - i);
+            for (double& texcoord : corner.texcoord) texcoord = static_cast<double>(static_cast<float>(texcoord));
+        }
     frame.lines = lines_.data();
     frame.line_count = static_cast<uint32_t>(lines_.size());
-    frame.first_line_id = static_cast<uint32_t>(draw_of_ids_.size()) * raster::kIdBlock;
     frame.map = map_.data();
     frame.samples = samples_.data();
     frame.srgb = srgb_.data();
@@ -156,7 +131,7 @@ void RasterPicture::show(uint32_t x, uint32_t y, uint32_t sample, const Shown& s
     const size_t at = (size_t{y} * frame.width + x) * frame.sample_count + sample;
     shown_[at] = shown;
     const uint32_t id = shown.of_draw == kLines ? frame.first_line_id + shown.triangle
-                                                : draws_[shown.of_draw].first_id + shown.triangle;
+                                                : draws_.first_id(shown.of_draw) + shown.triangle;
     samples_[at] = uint64_t{std::bit_cast<uint32_t>(0.5f)} << 32 | static_cast<uint32_t>(~id);
 }
 
@@ -277,31 +252,25 @@ Vec3<double> RasterPicture::expected(uint32_t x, uint32_t y) const {
 }
 
 std::vector<uint8_t> RasterPicture::resolved(NativeIsa isa, uint32_t rows_each) const {
-    const raster::Kernel& kernel = raster::kernel_of(isa);
-    GuardedBytes rgba(size_t{frame.width} * frame.height * 4), scratch(kernel.scratch_bytes(frame));
-    raster::Frame into = frame;
-    into.rgba = reinterpret_cast<uint8_t*>(rgba.data());
-    for (uint32_t row = 0; row < frame.height; row += rows_each)
-        kernel.resolve(into, row, std::min(row + rows_each, frame.height), scratch.data());
-    return {into.rgba, into.rgba + rgba.content().size()};
+    return written(frame, &raster::Frame::rgba, size_t{frame.width} * frame.height * 4, isa,
+                   [&](const raster::Kernel& kernel, const raster::Frame& into, std::byte* scratch) {
+                       for (uint32_t row = 0; row < frame.height; row += rows_each)
+                           kernel.resolve(into, row, std::min(row + rows_each, frame.height), scratch);
+                   });
 }
 
 std::vector<uint64_t> RasterPicture::drawn_picture(NativeIsa isa) const {
-    const raster::Kernel& kernel = raster::kernel_of(isa);
-    GuardedBytes samples(samples_.size() * sizeof(uint64_t)), scratch(kernel.scratch_bytes(frame));
-    raster::Frame into = frame;
-    into.samples = reinterpret_cast<uint64_t*>(samples.data());
-    kernel.draw_picture(into, {0, 0, frame.width, frame.height}, false, scratch.data());
-    return {into.samples, into.samples + samples_.size()};
+    return written(frame, &raster::Frame::samples, samples_.size(), isa,
+                   [&](const raster::Kernel& kernel, const raster::Frame& into, std::byte* scratch) {
+                       kernel.draw_picture(into, {0, 0, frame.width, frame.height}, false, scratch);
+                   });
 }
 
 std::vector<float> RasterPicture::drawn_map(NativeIsa isa) const {
-    const raster::Kernel& kernel = raster::kernel_of(isa);
-    GuardedBytes map(map_.size() * sizeof(float)), scratch(kernel.scratch_bytes(frame));
-    raster::Frame into = frame;
-    into.map = reinterpret_cast<float*>(map.data());
-    kernel.draw_map(into, {0, 0, frame.map_size, frame.map_size}, false, scratch.data());
-    return {into.map, into.map + map_.size()};
+    return written(frame, &raster::Frame::map, map_.size(), isa,
+                   [&](const raster::Kernel& kernel, const raster::Frame& into, std::byte* scratch) {
+                       kernel.draw_map(into, {0, 0, frame.map_size, frame.map_size}, false, scratch);
+                   });
 }
 
 void RasterPicture::expect_resolved() {

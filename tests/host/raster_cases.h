@@ -6,6 +6,7 @@
 #include "raster/kernels.h"
 #include "raster/texture.h"
 #include "tests/host/native_cases.h"
+#include "tests/host/raster_draws.h"
 #include "tests/test_rig.h"
 
 #include <gtest/gtest.h>
@@ -83,10 +84,6 @@ private:
         const raster::Material* material;
         std::vector<RasterTriangle> triangles;  // as floats have them
         bool is_mirrored;
-        raster::Section section;
-        std::vector<uint32_t> corners[3], colors;
-        std::vector<float> texcoords;
-        native::AlignedBytes vertices;
     };
     Vec3<double> ray(double x, double y) const;
     At weighted(const RasterTriangle& triangle, const std::array<double, 3>& weights) const;
@@ -94,9 +91,8 @@ private:
 
     std::deque<raster::Material> materials_;
     std::deque<raster::OwnedTexture> textures_;
-    std::deque<DrawData> drawn_;
-    std::vector<raster::Draw> draws_;
-    std::vector<uint32_t> draw_of_ids_, nearest_first_;
+    std::vector<DrawData> drawn_;
+    RasterDraws draws_;
     std::vector<raster::Line> lines_;
     std::vector<float> map_;
     std::vector<uint64_t> samples_;

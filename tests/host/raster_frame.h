@@ -1,8 +1,8 @@
 // A frame of the renderer for processors, of triangles whose places on the screen are known to the subpixel.
 #pragma once
 
-#include "native/aligned.h"
 #include "raster/kernels.h"
+#include "tests/host/raster_draws.h"
 #include "tests/test_rig.h"
 
 #include <deque>
@@ -42,18 +42,9 @@ public:
     static float depth_of(uint64_t sample);
 
 private:
-    struct Mesh {
-        std::vector<uint32_t> corners[3];
-        std::vector<float> texcoords;
-        std::vector<uint32_t> colors;
-        native::AlignedBytes vertices, kept;
-        raster::Section section;
-    };
     std::deque<raster::Material> materials_;
-    std::deque<Mesh> meshes_;
-    std::vector<raster::Draw> draws_;
+    RasterDraws draws_;
     std::vector<raster::Line> lines_;
-    std::vector<uint32_t> draw_of_ids_, nearest_first_;
     std::vector<int> first_triangles_;
     int triangle_count_ = 0;
     std::vector<uint64_t> samples_;

@@ -1,0 +1,55 @@
+// What the kernels of the native renderer are given to draw, and the memory that it points to.
+#pragma once
+
+#include "native/aligned.h"
+#include "raster/kernels.h"
+#include "tests/test_rig.h"
+
+#include <array>
+#include <deque>
+#include <span>
+#include <vector>
+
+namespace throng::test {
+
+struct RasterVertex {
+    Vec3<float> place, normal{0, 1, 0};  // world space
+    std::array<float, 2> texcoord{};
+    uint32_t color = 0xFFFFFFFF;  // red in the lowest byte
+};
+
+class RasterDraws {
+public:
+    // `corners`: three for each triangle.
+    void add(const raster::Material& material, std::span<const RasterVertex> vertices,
+             std::span<const uint32_t> corners, bool is_mirrored);
+    // Has the frame draw all of them: keeps their vertices by this kernel, and sorts them by their distance.
+    void set(raster::Frame& frame, const raster::Kernel& kernel, bool farthest_first = false);
+
+    size_t count() const { return draws_.size(); }
+    uint32_t first_id(size_t draw) const { return draws_[draw].first_id; }
+    uint32_t draw_of(uint32_t id) const { return draw_of_ids_[id / raster::kIdBlock]; }
+    // As set() has kept it.
+    Vec3<double> place(size_t draw, size_t vertex) const;
+    Vec3<double> normal(size_t draw, size_t vertex) const;
+
+private:
+    struct Mesh {
+        std::vector<uint32_t> corners[3], colors;
+        std::vector<float> texcoords;
+        native::AlignedBytes world, kept;
+        raster::Section section;
+    };
+    const float* kept(size_t draw, size_t vertex) const {
+        return draws_[draw].vertices + vertex / raster::kBlock * raster::kBlockFloats + vertex % raster::kBlock;
+    }
+
+    std::deque<Mesh> meshes_;
+    std::vector<raster::Draw> draws_;
+    std::vector<uint32_t> draw_of_ids_, nearest_first_;
+};
+
+// A normal as kernels keep it: on an octahedron, 16 bits each way.
+Vec3<double> unpacked_normal(float packed);
+
+}  // namespace throng::test
