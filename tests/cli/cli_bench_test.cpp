@@ -1,0 +1,300 @@
+// throng bench and tune: what they measure has the fields that their users read, and no wrong result is timed.
+#include "tests/cli/cli_cases.h"
+#include "tests/text.h"
+
+#include <throng/crowd.h>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace throng {
+namespace {
+
+using namespace test;
+namespace fs = std::filesystem;
+
+class CliBench : public ToolTestWithCreature {};
+
+TEST_F(CliBench, BenchHasARecordForEachScanMethod) {
+    const Outcome text = succeed("bench creature.glb --count 50 --samples 2");
+    const Outcome run = succeed("bench creature.glb --count 50 --samples 2 --json", kOfCommit);
+    std::set<std::string> scans;
+    for (const Json& record : records_of(run.out)) {
+        EXPECT_EQ(keys(record),
+                  set_of("bench scan path characters joints files clips_blended samples host_samples stages total "
+                         "ns_per_joint max_error memory_bytes device driver subgroup_size commit date"));
+        EXPECT_EQ(record["path"], "staged");
+        EXPECT_EQ(record["stages"]["fused"]["median_ms"], 0);
+        EXPECT_GT(record["stages"]["sample"]["median_ms"], 0);
+        EXPECT_EQ(record["characters"], 50);
+        EXPECT_EQ(record["joints"], 50 * kJoints);
+        EXPECT_EQ(record["samples"], 2);
+        EXPECT_EQ(record["commit"], "abc1234");
+        EXPECT_LT(record["max_error"], 1e-4);
+        EXPECT_GE(record["memory_bytes"], 50 * kJoints * 48);
+        EXPECT_EQ(keys(record["stages"]), std::set<std::string>(kStageNames.begin(), kStageNames.end()));
+        for (const Json& spread : {record["stages"]["scan"], record["total"]}) {
+            EXPECT_EQ(keys(spread), set_of("median_ms p5_ms p95_ms"));
+            EXPECT_LE(spread["p5_ms"], spread["median_ms"]);
+            EXPECT_LE(spread["median_ms"], spread["p95_ms"]);
+        }
+        ASSERT_EQ(record["files"].size(), 1u);
+        EXPECT_EQ(keys(record["files"][0]), set_of("name joints levels mean_depth leaves palette_entries keys"));
+        EXPECT_TRUE(record["files"][0]["keys"].get<std::string>().ends_with(" %"));
+        EXPECT_TRUE(scans.insert(record["scan"]).second) << "twice: " << record["scan"];
+        EXPECT_TRUE(contains(text.out, record["scan"].get<std::string>()));
+    }
+    const Outcome fused = succeed(
+        "bench creature.glb --count 50 --samples 1 --scan auto --path fused --error exact --json");
+    EXPECT_EQ(Json::parse(fused.out)["path"], "fused");
+    EXPECT_EQ(Json::parse(fused.out)["files"][0]["keys"], "exact");
+    EXPECT_TRUE(contains(text.out, " staged ")) << text;
+    // Every method that --help names.
+    const std::string help = run_tool("bench --help").out;
+    EXPECT_GE(scans.size(), 2u);
+    for (const std::string& scan : scans) EXPECT_TRUE(contains(help, scan)) << scan;
+}
+
+// Costs are kept where the next choice finds them; the file that lies there does not have to be sound.
+TEST_F(CliBench, TuneKeepsWhatInfoChoosesBy) {
+    const fs::path cache = file("cache");
+    const std::map<std::string, std::string> environment{{"XDG_CACHE_HOME", cache.string()}};
+    const auto scan_line = [&] {
+        const Outcome info = succeed("info creature.glb --count 500", {.environment = environment});
+        return info.out.substr(info.out.find("  scan "));
+    };
+    EXPECT_TRUE(contains(scan_line(), "500 x " + std::to_string(kJoints) + " joints"));
+    EXPECT_TRUE(contains(scan_line(), "costs: built in")) << scan_line();
+
+    const Outcome dry = succeed("tune --quick --dry-run --json", {.environment = environment});
+    EXPECT_GT(Json::parse(dry.out)["row_ns"].get<double>(), 0);
+    EXPECT_FALSE(fs::exists(cache / "throng"));
+
+    const Outcome tune = succeed("tune --quick", {.environment = environment});
+    EXPECT_TRUE(contains(scan_line(), "costs: measured by throng tune")) << scan_line();
+
+    ASSERT_EQ(std::distance(fs::directory_iterator(cache / "throng"), fs::directory_iterator()), 1)
+        << "one file, and nothing temporary";
+    const fs::path file = fs::directory_iterator(cache / "throng")->path();
+    std::ofstream(file) << "{}";
+    EXPECT_TRUE(contains(scan_line(), file.string())) << scan_line();
+
+    const fs::path blocked = this->file("blocked");
+    fs::create_directory(blocked);
+    std::ofstream(blocked / "throng") << "no folder";
+    EXPECT_TRUE(run_tool("tune --quick", {.environment = {{"XDG_CACHE_HOME", blocked.string()}}})
+                    .refused((blocked / "throng").string()));
+}
+
+TEST_F(CliBench, BenchScanHasARecordForEachMethodAndCase) {
+    const Outcome run = succeed(
+        "bench scan --methods serial,compressed --characters 20 --joints 30 --levels 5,9 --samples 2 --json scan.jsonl",
+        kOfCommit);
+    std::set<std::string> cases;
+    for (const Json& record : records_of(read_file("scan.jsonl"))) {
+        const bool on_chip = record["experiment"] == "on_chip";
+        std::set<std::string> wanted = set_of(
+            "bench experiment method shape seed characters joints levels "
+            "mean_depth leaves device driver subgroup_size commit date");
+        if (!record.contains("unsupported_reason")) {
+            wanted.merge(set_of("threads multiplications longest_thread barriers shared_bytes max_error samples"));
+            if (on_chip)
+                wanted.merge(set_of("workgroup_size on_chip_ns_per_joint on_chip_p5 on_chip_p95 barrier_share"));
+            else
+                wanted.merge(set_of("bytes median_ms p5_ms p95_ms copy_ms times_copy ns_per_joint"));
+            EXPECT_LE(record["max_error"], 1e-5);
+            EXPECT_EQ(record["samples"], 2);
+        } else {
+            wanted.insert("unsupported_reason");
+        }
+        if (record["method"] == "auto") wanted.insert("chosen");
+        EXPECT_EQ(keys(record), wanted);
+        EXPECT_EQ(record["bench"], "scan");
+        EXPECT_EQ(record["characters"], 20);
+        EXPECT_EQ(record["joints"], 30);
+        EXPECT_EQ(record["commit"], "abc1234");
+        if (record.contains("median_ms")) {
+            const bool of_similarities = contains(record.value("chosen", ""), "_quaternion");
+            EXPECT_EQ(record["bytes"], 20 * 30 * (of_similarities ? 80 : 96));
+            EXPECT_LE(record["p5_ms"], record["median_ms"]);
+            EXPECT_LE(record["median_ms"], record["p95_ms"]);
+            EXPECT_NEAR(record["times_copy"].get<double>(),
+                        record["median_ms"].get<double>() / record["copy_ms"].get<double>(), 1e-9);
+        }
+        EXPECT_TRUE(cases
+                        .insert(record["experiment"].get<std::string>() + record["levels"].dump() +
+                                record["method"].get<std::string>())
+                        .second)
+            << "twice: " << record;
+        EXPECT_TRUE(contains(run.out, record["method"].get<std::string>()));
+    }
+    EXPECT_EQ(cases, set_of("levels5auto levels5serial levels5compressed levels9auto levels9serial "
+                            "levels9compressed on_chip5serial on_chip5compressed on_chip9serial "
+                            "on_chip9compressed"));
+    const std::string help = run_tool("bench scan --help").out;
+    EXPECT_TRUE(contains(help, "Examples:\n  throng bench scan")) << help;
+}
+
+TEST_F(CliBench, BenchCpuChecksAndTimesEachInstructionSet) {
+    const Outcome run = succeed("bench cpu --characters 40 --joints 40 --levels 8 --threads 2,1 --samples 2 --json",
+                                kOfCommit);
+    size_t timed = 0;
+    for (const Json& record : records_of(run.out)) {
+        EXPECT_EQ(record["bench"], "cpu");
+        EXPECT_EQ(record["commit"], "abc1234");
+        EXPECT_FALSE(record.contains("wrong"));
+        EXPECT_GT(record["wall_ms"]["p5"], 0);
+        EXPECT_EQ(record.contains("times_one_thread"), record["threads"] == 2);
+        if (record["variant"] == "fill") continue;
+        EXPECT_LT(record["max_error"], 1e-4);
+        EXPECT_GT(record["times_fill_floor"], 0);
+        ++timed;
+    }
+    EXPECT_GE(timed, 8u);
+    const std::string help = run_tool("bench cpu --help").out;
+    EXPECT_TRUE(contains(help, "Examples:\n  throng bench cpu")) << help;
+}
+
+TEST_F(CliBench, BenchDrawComparesPicturesAndTimesThem) {
+    const std::string command = "bench draw creature.glb --count 9 --size 160x90 --samples 1 --threads 2,1";
+    const Outcome text = succeed(command);
+    const Outcome run = succeed(command + " --against-vulkan --json", kOfCommit);
+    size_t native = 0, vulkan = 0;
+    for (const Json& record : records_of(run.out)) {
+        const bool is_native = record["renderer"] == "native";
+        std::set<std::string> wanted = set_of(
+            "bench configuration renderer variant size samples_per_pixel characters drawn vertices triangles samples "
+            "ms "
+            "mtriangles_per_s msamples_per_s device driver subgroup_size commit date");
+        if (is_native) wanted.merge(set_of("threads parts times_faster"));
+        if (record.contains("alike_db")) wanted.insert("alike_db");
+        EXPECT_EQ(keys(record), wanted) << record;
+        EXPECT_EQ(record["commit"], "abc1234");
+        EXPECT_EQ(record["drawn"], 9);
+        if (!is_native) {
+            EXPECT_GT(record["alike_db"], 45);
+        }
+        ++(is_native ? native : vulkan);
+    }
+    EXPECT_GE(native, 2u);
+    EXPECT_EQ(vulkan, 1u);
+    EXPECT_TRUE(contains(text.out, "9 x creature.glb, 160x90")) << text;
+    expect_refused({{"bench draw --count 0", "--count"},
+                    {"bench draw nobody.glb", "nobody.glb"},
+                    {"bench draw creature.glb --size 20000x9", "16384"}});
+}
+
+TEST_F(CliBench, BenchFrameHasARecordForEachVariantOfEachConfiguration) {
+    const Outcome run = succeed("bench frame --quick --count 20 --samples 2 --json", kOfCommit);
+    std::map<std::string, std::set<std::string>> variants;  // of each configuration
+    for (const Json& record : records_of(run.out)) {
+        std::set<std::string> wanted = set_of(
+            "bench configuration variant path characters joints levels "
+            "mean_depth palette_entries bytes device driver subgroup_size "
+            "commit date");
+        const bool is_copy = record["path"] == "copy", is_floor = is_copy || record["path"] == "fill";
+        if (is_floor)
+            wanted.insert("by");
+        else
+            wanted.merge(set_of("clips keys"));
+        if (!is_copy) wanted.insert("skin_format");
+        if (record.contains("unsupported_reason"))
+            wanted.insert("unsupported_reason");
+        else
+            wanted.merge(set_of("samples host_samples ms ns_per_joint gb_per_s"));
+        if (!is_floor && !record.contains("unsupported_reason"))
+            wanted.merge(set_of("scan max_error stages times_fill_floor"));
+        EXPECT_EQ(keys(record), wanted) << record;
+        EXPECT_EQ(record["bench"], "frame");
+        EXPECT_EQ(record["characters"], 20);
+        EXPECT_EQ(record["commit"], "abc1234");
+        EXPECT_TRUE(variants[record["configuration"]].insert(record["variant"]).second) << "twice: " << record;
+    }
+    ASSERT_EQ(variants.size(), 5u) << "two of the six differ in the number of characters alone";
+    for (const auto& [configuration, names] : variants)
+        for (const char* name : {"staged", "fused", "fused, one clip", "fused, 24 bytes", "fused, 32 bytes",
+                                 "fill, 48 bytes", "vkCmdFillBuffer", "copy as staged"})
+            EXPECT_TRUE(names.contains(name)) << configuration << ": " << name;
+    EXPECT_TRUE(variants["20 x 300, 60 levels"].contains("fused, exact keys"));
+    const std::string help = run_tool("bench frame --help").out;
+    EXPECT_TRUE(contains(help, "Examples:\n  throng bench frame")) << help;
+}
+
+TEST_F(CliBench, BenchFrameMeasuresAFileAndWritesAReport) {
+    const Outcome run = succeed("bench frame creature.glb --count 30 --samples 1 --error exact --report frame.html");
+    EXPECT_TRUE(contains(run.out, "30 x creature.glb, keys exact: 30 characters x 40 joints")) << run;
+    EXPECT_TRUE(contains(run.out, "\ncopy as staged")) << run;
+    EXPECT_TRUE(contains(read_file("frame.html"), "Whole updates"));
+}
+
+TEST_F(CliBench, BenchViewTellsWhatLeavingOutGains) {
+    const std::string command = "bench view creature.glb --count 60 --samples 1 --size 320x180";
+    const Outcome text = succeed(command);
+    const Outcome run = succeed(command + " --json", kOfCommit);
+    std::set<std::string> variants;
+    for (const Json& record : records_of(run.out)) {
+        std::set<std::string> wanted = set_of(
+            "bench configuration variant path characters joints levels drawn "
+            "memory_bytes max_error samples ms stages times_faster device "
+            "driver subgroup_size commit date");
+        if (record["variant"] != "everything") wanted.insert("lod_pixels");
+        if (record.contains("max_pixels")) wanted.insert("max_pixels");
+        if (record.contains("full_rate_pixels")) wanted.insert("full_rate_pixels");
+        EXPECT_EQ(keys(record), wanted);
+        EXPECT_EQ(record["commit"], "abc1234");
+        EXPECT_TRUE(variants.insert(record["variant"]).second);
+        EXPECT_TRUE(contains(text.out, record["variant"].get<std::string>())) << text;
+    }
+    EXPECT_EQ(variants.size(), 4u);
+    const Outcome nobody = succeed("bench view creature.glb --count 20 --samples 1 --eye 0,500,0 --target 0,1000,1");
+    EXPECT_TRUE(contains(nobody.out, "not measured: the camera sees none")) << nobody;
+    EXPECT_TRUE(run_tool("bench view --count 0").refused("--count"));
+}
+
+TEST_F(CliBench, BenchBaselinesComparesAllThree) {
+    const Outcome run = succeed("bench baselines creature.glb --count 50 --samples 2 --json baselines.jsonl",
+                                kOfCommit);
+    std::map<std::string, Json> records;
+    for (const Json& record : records_of(read_file("baselines.jsonl"))) {
+        EXPECT_EQ(record["bench"], "baseline");
+        EXPECT_EQ(record["joints"], kJoints);
+        EXPECT_EQ(record["characters"], 50);
+        EXPECT_EQ(record["commit"], "abc1234");
+        EXPECT_LT(record["max_error"], 1e-4);
+        EXPECT_LE(record["p5_ms"], record["median_ms"]);
+        EXPECT_LE(record["sample_error_mm_p95"], record["sample_error_mm_max"]);
+        EXPECT_TRUE(contains(run.out, record["method"].get<std::string>())) << run;
+        records[record["method"]] = record;
+    }
+    ASSERT_EQ(records.size(), 3u);
+    for (const char* method : {"baked", "flattened"}) {
+        EXPECT_GT(records[method]["bytes_per_clip"], records["throng"]["bytes_per_clip"]);
+        EXPECT_GT(records[method]["blend_error_mm_max"], 100 * records["throng"]["blend_error_mm_max"].get<double>())
+            << method;
+    }
+}
+
+TEST_F(CliBench, BenchReportMakesAPageOfRecords) {
+    std::ofstream("scan.jsonl")
+        << R"({"bench": "scan", "experiment": "levels", "method": "serial", "levels": 15, "median_ms": 3, "copy_ms": )"
+           R"(2, "times_copy": 1.5})"
+           "\n";
+    const Outcome run = succeed("bench report scan.jsonl --out report.html --plot levels.svg");
+    EXPECT_GT(fs::file_size("report.html"), 10'000u);
+    EXPECT_GT(fs::file_size("levels.svg"), 1'000u);
+    std::ofstream("scan.jsonl", std::ios::app) << "{\"bench\": \n";
+    const Outcome refused = run_tool("bench report scan.jsonl --out report.html");
+    EXPECT_TRUE(refused.refused("scan.jsonl:2")) << refused;
+}
+
+}  // namespace
+}  // namespace throng

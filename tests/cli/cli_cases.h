@@ -1,0 +1,45 @@
+// A creature to run commands on, and what they print as JSON.
+#pragma once
+
+#include "tests/tool_runner.h"
+
+#include <nlohmann/json.hpp>
+
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace throng::test {
+
+inline constexpr int kJoints = 40, kLevels = 12;  // of creature.glb
+
+class ToolTestWithCreature : public ToolTest {
+protected:
+    static void SetUpTestSuite() {
+        ToolTest::SetUpTestSuite();
+        generate("creature.glb",
+                 "--joints " + std::to_string(kJoints) + " --levels " + std::to_string(kLevels) + " --faces 600");
+    }
+};
+
+inline std::set<std::string> keys(const Json& object) {
+    std::set<std::string> out;
+    for (const auto& [key, value] : object.items()) out.insert(key);
+    return out;
+}
+
+inline std::set<std::string> set_of(const Words& words) { return {words.begin(), words.end()}; }
+
+// One on each line.
+inline std::vector<Json> records_of(const std::string& text) {
+    std::vector<Json> records;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) records.push_back(Json::parse(line));
+    return records;
+}
+
+// Benchmarks write the commit to their records.
+inline const RunSettings kOfCommit{.environment = {{"THRONG_COMMIT", "abc1234"}}};
+
+}  // namespace throng::test
