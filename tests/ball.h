@@ -19,6 +19,13 @@ inline std::vector<std::byte> png_bytes(const Picture& picture) {
     return {bytes, bytes + text.size()};
 }
 
+// A colour of its own in most pixels.
+inline Picture gradient(uint32_t width, uint32_t height) {
+    Picture picture{width, height, {}};
+    for (uint32_t i = 0; i < width * height * 4; ++i) picture.rgba.push_back(static_cast<uint8_t>(i * 37 + i / 11));
+    return picture;
+}
+
 // `pixel(x, y)` is its red, green, blue and alpha, 0..1.
 template <class Pixel>
 AssetImage make_image(const char* name, uint32_t width, uint32_t height, const Pixel& pixel) {

@@ -1,17 +1,16 @@
-// The draw: cameras that hold a crowd, pictures that survive a PNG, and a square whose colour says what was drawn.
+// The draw: a square whose colour says what was drawn.
 #include <throng/draw.h>
 
 #include "base/failure.h"
 #include "crowd/crowd_state.h"
 #include "draw/light_reference.h"
 #include "draw/scene.h"
-#include "draw/shadow_map.h"
 #include "draw/textures.h"
 #include "gpu/barrier.h"
 #include "gpu/buffer.h"
 #include "tests/ball.h"
-#include "tests/files.h"
 #include "tests/png.h"
+#include "tests/projection.h"
 #include "tests/subset.h"
 #include "tests/test_device.h"
 
@@ -37,105 +36,7 @@ const test::InSubset kInSubsets({test::Subset::kGpuAssisted},
 // Shaders where the device has some: on native devices these are tests of the native renderer.
 DrawPath device_path() { return test_device().gpu()->is_native() ? DrawPath::kNative : DrawPath::kDevice; }
 
-namespace fs = std::filesystem;
-using test::png_bytes, test::TemporaryFolder;
-
-// Where a point falls in the picture: -1..1 across and upward where it is inside, and the distance in front of the eye.
-Vec3<double> project(const Camera& camera, double aspect_ratio, const Vec3<double>& point) {
-    const Vec3<double> eye = camera.eye.as<double>(), forward = normalized(camera.target.as<double>() - eye);
-    const Vec3<double> right = normalized(cross(forward, Vec3<double>{0, 1, 0})), up = cross(right, forward),
-                       p = point - eye;
-    const double depth = dot(p, forward), half_height = depth * std::tan(double{camera.vertical_field_of_view_rad} / 2);
-    return {dot(p, right) / (half_height * aspect_ratio), dot(p, up) / half_height, depth};
-}
-
-struct FitCase {
-    Bounds bounds;
-    float aspect_ratio;
-};
-
-TEST(FitCamera, HoldsAllCornersInViewAndFillsThePicture) {
-    const FitCase cases[] = {
-        {{{-0.5f, 0, -0.2f}, {0.5f, 1.8f, 0.2f}}, 16.0f / 9},  // a person
-        {{{-0.5f, 0, -0.2f}, {0.5f, 1.8f, 0.2f}}, 0.5f},
-        {{{-60, -10, -90}, {60, 80, 70}}, 1},               // a file in centimetres
-        {{{-8, 0, -8}, {8, 1.8f, 8}}, 16.0f / 9},           // a hundred
-        {{{990, 0, -1008}, {1010, 1.8f, -992}}, 4.0f / 3},  // far from the origin
-        {{{-0.01f, 0, -0.01f}, {0.01f, 0.02f, 0.01f}}, 2},
-    };
-    for (const auto& [bounds, aspect_ratio] : cases) {
-        const Camera camera = fit_camera(bounds, aspect_ratio);
-        EXPECT_GT(camera.eye.x, camera.target.x) << "from the right";
-        EXPECT_GT(camera.eye.y, camera.target.y) << "from above";
-        EXPECT_GT(camera.eye.z, camera.target.z) << "from the front";
-        double widest = 0;
-        for (int i = 0; i < 8; ++i) {
-            const Vec3<double> corner{i & 1 ? bounds.max.x : bounds.min.x, i & 2 ? bounds.max.y : bounds.min.y,
-                                      i & 4 ? bounds.max.z : bounds.min.z};
-            const Vec3<double> seen = project(camera, aspect_ratio, corner);
-            EXPECT_GT(seen.z, 0);
-            EXPECT_LT(std::abs(seen.x), 1);
-            EXPECT_LT(std::abs(seen.y), 1);
-            widest = std::max({widest, std::abs(seen.x), std::abs(seen.y)});
-        }
-        EXPECT_GT(widest, 0.9);
-    }
-}
-
-TEST(FitCamera, FillsThePictureWithAVastCrowd) {
-    const Bounds bounds{{-75, 0, -75}, {75, 1.8f, 75}};
-    const Camera camera = fit_camera(bounds, 16.0f / 9);
-    const Vec3<double> near = project(camera, 16.0 / 9, {0, 0, 75}), far = project(camera, 16.0 / 9, {0, 0, -75});
-    EXPECT_LT(near.y, -0.7);
-    EXPECT_GT(far.y, 0.3);
-    EXPECT_LT(far.y, 1);
-}
-
-TEST(FitCamera, TakesAPointForBounds) {
-    const Camera camera = fit_camera({{1, 2, 3}, {1, 2, 3}}, 1);
-    EXPECT_GT(length(camera.target - camera.eye), 0);
-    const Vec3<double> seen = project(camera, 1, {1, 2, 3});
-    EXPECT_NEAR(seen.x, 0, 1e-3);
-    EXPECT_NEAR(seen.y, 0, 1e-3);
-}
-
-Picture gradient(uint32_t width, uint32_t height) {
-    Picture picture{width, height, {}};
-    for (uint32_t i = 0; i < width * height * 4; ++i) picture.rgba.push_back(static_cast<uint8_t>(i * 37 + i / 11));
-    return picture;
-}
-
-TEST(WritePng, RoundTrips) {
-    const TemporaryFolder folder;
-    const fs::path path = folder.path() / "picture.png";
-    const Picture picture = gradient(13, 7);
-    ASSERT_TRUE(write_png(path, picture));
-    ASSERT_TRUE(write_png(path, picture)) << "replaces";
-    const test::Png read = test::read_png(path);
-    EXPECT_EQ(std::tuple(read.width, read.height, read.channels), std::tuple(13, 7, 4));
-    EXPECT_EQ(read.rgba, picture.rgba);
-    EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1) << "the temporary file is gone";
-}
-
-TEST(WritePng, FailsWithoutLeavingAnything) {
-    const TemporaryFolder temporary;
-    const fs::path& folder = temporary.path();
-    const Result<void> absent = write_png(folder / "absent" / "picture.png", gradient(2, 2));
-    ASSERT_FALSE(absent);
-    EXPECT_EQ(absent.error().code, ErrorCode::kFile);
-    EXPECT_TRUE(fs::is_empty(folder));
-
-    fs::create_directories(folder / "taken" / "by a folder");
-    const Result<void> taken = write_png(folder / "taken", gradient(2, 2));
-    ASSERT_FALSE(taken);
-    EXPECT_EQ(taken.error().code, ErrorCode::kFile);
-    EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
-
-    const Result<void> torn = write_png(folder / "torn.png", {.width = 2, .height = 2, .rgba = {1, 2, 3}});
-    ASSERT_FALSE(torn);
-    EXPECT_EQ(torn.error().code, ErrorCode::kInvalidArgument);
-    EXPECT_FALSE(fs::exists(folder / "torn.png"));
-}
+using test::gradient, test::png_bytes, test::project;
 
 constexpr uint32_t kWidth = 64, kHeight = 48;
 
@@ -835,38 +736,6 @@ TEST(Draw, BoundsAreTheBoxesOfCulling) {
             EXPECT_NEAR(p.b, encoded(0.1), 1);
         }
     }
-}
-
-// A camera that moves: the map's texels stay where they are.
-TEST(ShadowMap, MovesInWholeTexels) {
-    const Bounds bounds{{-20, 0, -20}, {20, 2, 20}};
-    const Vec3<float> sun = normalized(Vec3<float>{-0.45f, 0.85f, 0.5f});
-    constexpr uint32_t kSize = 1024;
-    const Vec3<float> point{3, 1, -2};
-    const auto place_in = [&](const ShadowFit& fit, size_t row) {
-        return double{
-                   dot(Vec3<float>{fit.map_from_world[row][0], fit.map_from_world[row][1], fit.map_from_world[row][2]},
-                       point) +
-                   fit.map_from_world[row][3]} *
-               kSize;
-    };
-    std::optional<ShadowFit> before;
-    int compared = 0;
-    for (int step = 0; step < 40; ++step) {
-        const Camera camera{.eye = {0.07f * static_cast<float>(step), 3, 12},
-                            .target = {0.02f * static_cast<float>(step), 0, 0}};
-        const ShadowFit fit = fit_shadow(camera, make_view(camera, 1.5f), bounds, sun, kSize);
-        for (size_t row = 0; row < 2; ++row) {
-            EXPECT_GT(place_in(fit, row), 2);
-            EXPECT_LT(place_in(fit, row), kSize - 2);
-            if (!before || before->map_from_world[row][0] != fit.map_from_world[row][0]) continue;
-            const double moved = place_in(fit, row) - place_in(*before, row);
-            EXPECT_NEAR(moved, std::round(moved), 0.01);
-            ++compared;
-        }
-        before = fit;
-    }
-    EXPECT_GT(compared, 60) << "the size of a texel seldom changes";
 }
 
 TEST(WorldBounds, HoldEveryInstance) {
