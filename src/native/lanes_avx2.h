@@ -65,6 +65,10 @@ struct Lanes {
     static void fence() { _mm_sfence(); }
 
     // Only raster/lane_types.h uses what follows
+    static void store_fours(float* p, size_t stride, V v) {
+        _mm_store_ps(p, _mm256_castps256_ps128(v));
+        _mm_store_ps(p + stride, _mm256_extractf128_ps(v, 1));
+    }
     static V load_any(const float* p) { return _mm256_loadu_ps(p); }
     static void store_any(float* p, V v) { _mm256_storeu_ps(p, v); }
     static V min(V a, V b) { return _mm256_min_ps(a, b); }

@@ -73,6 +73,12 @@ struct Lanes {
     static void fence() { _mm_sfence(); }
 
     // Only raster/lane_types.h uses what follows
+    static void store_fours(float* p, size_t stride, V v) {
+        _mm_store_ps(p, _mm512_castps512_ps128(v));
+        _mm_store_ps(p + stride, _mm512_extractf32x4_ps(v, 1));
+        _mm_store_ps(p + 2 * stride, _mm512_extractf32x4_ps(v, 2));
+        _mm_store_ps(p + 3 * stride, _mm512_extractf32x4_ps(v, 3));
+    }
     static V load_any(const float* p) { return _mm512_loadu_ps(p); }
     static void store_any(float* p, V v) { _mm512_storeu_ps(p, v); }
     static V min(V a, V b) { return _mm512_min_ps(a, b); }

@@ -63,6 +63,7 @@ struct Lanes {
     static void fence() {}
 
     // Only raster/lane_types.h uses what follows
+    static void store_fours(float* p, size_t, V v) { store(p, v); }
     static V load_any(const float* p) { return vld1q_f32(p); }
     static void store_any(float* p, V v) { vst1q_f32(p, v); }
     // As on x86: the second one where one of the two is NaN

@@ -43,8 +43,10 @@ void project(const Frame& frame, const Draw& draw, const Screen& to) {
     for (uint32_t first = 0; first < draw.section->vertex_count; first += kBlock) {
         const float* const block = draw.vertices + first / kBlock * kBlockFloats;
         for (uint32_t i = 0; i < kBlock; i += Lanes::kCount) {
-            const ScreenPoint at = screen_from_world.point(load(block + i), load(block + kBlock + i),
-                                                           load(block + 2 * kBlock + i));
+            const float* const fours = block + i / kFour * kFourFloats;
+            const ScreenPoint at = screen_from_world.point(load_fours(fours, kFourFloats),
+                                                           load_fours(fours + kFour, kFourFloats),
+                                                           load_fours(fours + 2 * kFour, kFourFloats));
             store_pairs(to.xy + 2 * (first + i), at.x, at.y);
             store(to.z + first + i, at.depth);
         }
@@ -193,8 +195,8 @@ private:
     }
 
     ClipVertex clip_vertex(uint32_t vertex) const {
-        const float* const block = draw_.vertices + vertex / kBlock * kBlockFloats + vertex % kBlock;
-        const double x = double{block[0]}, y = double{block[kBlock]}, z = double{block[2 * kBlock]};
+        const float* const at = draw_.vertices + place_of(vertex);
+        const double x = double{at[0]}, y = double{at[kFour]}, z = double{at[2 * kFour]};
         const auto times = [&](const float(&row)[4]) {
             return double{row[0]} * x + double{row[1]} * y + double{row[2]} * z + double{row[3]};
         };

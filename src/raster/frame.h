@@ -13,8 +13,10 @@ namespace throng::raster {
 
 // Vertices and triangles lie in blocks of so many, filled up with some of no effect: zeros.
 inline constexpr uint32_t kBlock = 16;
-// Numbers of a block of vertices in world space: x[16], y[16], z[16], normals[16] (unit; as Vertex has them)
-inline constexpr uint32_t kBlockFloats = 4 * kBlock;
+// Vertices in world space lie by fours, each in a line of the cache, since shading reads three of them anywhere: x[4],
+// y[4], z[4], normals[4] (unit; as Vertex has them).
+inline constexpr uint32_t kFour = 4, kFourFloats = 4 * kFour;
+inline constexpr uint32_t kBlockFloats = kBlock / kFour * kFourFloats;
 
 inline constexpr uint32_t kMipLimit = 16;
 

@@ -144,6 +144,10 @@ INLINE float least(Real a) {
 }
 INLINE float greatest(Real a) { return -least(-a); }
 
+// Four floats from each of as many places as fill the lanes, `stride` floats apart, each at a multiple of 16 bytes.
+INLINE Real load_fours(const float* p, size_t stride) { return Real(Lanes::fours(p, stride)); }
+INLINE void store_fours(float* p, size_t stride, Real a) { Lanes::store_fours(p, stride, a.v); }
+
 // Four floats whatever the lanes: a column, or a vertex.
 using Four = float __attribute__((vector_size(16), may_alias));
 INLINE Four load_four(const float* p) { return *reinterpret_cast<const Four*>(p); }

@@ -16,10 +16,10 @@ INLINE Mask mask_passes(const Frame& frame, const Draw& draw, bool is_map, Whole
     vec2 texcoords[3];
     for (int k = 0; k < 3; ++k) {
         const Whole vertex = gather(section.corners[k], triangles);
-        constexpr int32_t kWithin = kBlock - 1, kFloatsEach = kBlockFloats / kBlock;
+        constexpr int32_t kWithin = kFour - 1, kFloatsEach = kFourFloats / kFour;
         const Whole at = (vertex & ~kWithin) * kFloatsEach + (vertex & kWithin);
-        const vec3 world(gather(draw.vertices, at), gather(draw.vertices + kBlock, at),
-                         gather(draw.vertices + 2 * kBlock, at));
+        const vec3 world(gather(draw.vertices, at), gather(draw.vertices + kFour, at),
+                         gather(draw.vertices + 2 * kFour, at));
         corners[k] = is_map ? to_map(frame.scene, world) : to_picture(frame.scene, world);
         alphas[k] = unpacked_color(gather(section.colors, vertex)).w;
         texcoords[k] = {gather(section.texcoords, vertex << 1), gather(section.texcoords + 1, vertex << 1)};

@@ -15,6 +15,9 @@ constexpr float kSubpixels = 256;
 constexpr float kGuard = 0x1p23f;
 constexpr float kFarAway = 0x1p24f;
 
+// Of a vertex's x in Draw::vertices.
+INLINE size_t place_of(uint32_t vertex) { return size_t{vertex / kFour} * kFourFloats + vertex % kFour; }
+
 struct ScreenPoint {
     Real x, y;   // subpixels, kFarAway where beyond the guard or before the near plane
     Real depth;  // of the picture 1 at the near plane, 0 infinitely far; of the map the height towards the sun

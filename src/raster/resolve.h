@@ -127,9 +127,10 @@ private:
     uint32_t shade_lanes(const Material& material, uint32_t item) {
         uint32_t columns[Lanes::kCount], count = 0;
         float weights[Lanes::kCount];
+        const bool has_textures = is_textured(material);
         for (; count < Lanes::kCount && item != kNone; ++count) {
             const Item& of = span_.items[item];
-            span_.input.set(count, frame_.draws[of.draw], of.triangle, first_column_ + of.column);
+            span_.input.set(count, frame_.draws[of.draw], of.triangle, first_column_ + of.column, has_textures);
             columns[count] = of.column;
             weights[count] = of.weight;
             item = of.next;
@@ -150,9 +151,7 @@ private:
         for (uint32_t lane = 0; lane < Lanes::kCount && item != kNone; ++lane, item = span_.items[item].next) {
             const Draw& draw = frame_.draws[span_.items[item].draw];
             for (const uint32_t* const corners : draw.section->corners) {
-                const uint32_t block = corners[span_.items[item].triangle] / kBlock;
-                for (uint32_t i = 0; i < kBlockFloats; i += kBlock)
-                    __builtin_prefetch(draw.vertices + size_t{block} * kBlockFloats + i);
+                __builtin_prefetch(draw.vertices + place_of(corners[span_.items[item].triangle]));
             }
         }
     }

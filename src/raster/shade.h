@@ -21,18 +21,19 @@ struct ShadeInput {
     alignas(64) Numbers side;  // -1 where front faces wind the other way
     alignas(64) Numbers column;
 
-    // Fills a lane.
-    INLINE void set(uint32_t lane, const Draw& draw, uint32_t triangle, uint32_t pixel_column) {
+    // Fills a lane; texture coordinates only where they are read.
+    INLINE void set(uint32_t lane, const Draw& draw, uint32_t triangle, uint32_t pixel_column, bool is_textured) {
         const Section& section = *draw.section;
         for (uint32_t k = 0; k < 3; ++k) {
             const uint32_t vertex = section.corners[k][triangle];
-            const float* const from = draw.vertices + size_t{vertex / kBlock} * kBlockFloats + vertex % kBlock;
+            const float* const from = draw.vertices + place_of(vertex);
             Corner& to = corners[k];
             to.x[lane] = from[0];
-            to.y[lane] = from[kBlock];
-            to.z[lane] = from[2 * kBlock];
-            __builtin_memcpy(&to.normal[lane], from + 3 * kBlock, sizeof(uint32_t));
+            to.y[lane] = from[kFour];
+            to.z[lane] = from[2 * kFour];
+            __builtin_memcpy(&to.normal[lane], from + 3 * kFour, sizeof(uint32_t));
             to.color[lane] = section.colors[vertex];
+            if (!is_textured) continue;
             to.u[lane] = section.texcoords[2 * size_t{vertex}];
             to.v[lane] = section.texcoords[2 * size_t{vertex} + 1];
         }
@@ -54,6 +55,8 @@ struct ShadeInput {
         column[lane] = column[from];
     }
 };
+
+INLINE bool is_textured(const Material& material) { return material.base_color_map || material.has_maps; }
 
 // As unpack_normal() of skin/normal.glsl, then unit.
 INLINE vec3 unpacked_normal(Whole packed) {
@@ -87,7 +90,7 @@ INLINE vec3 unpacked_normal(Whole packed) {
         emissive(material.emissive[0], material.emissive[1], material.emissive[2]);
     LightText::Surface surface = text.plain_surface(base_color * point.at(colors), material.metallic,
                                                     material.roughness, emissive, world, normal);
-    if (material.base_color_map || material.has_maps) {
+    if (is_textured(material)) {
         const vec2 texcoord = point.at(texcoords);
         const Steps step_x = point.step_x(pixel_x), step_y = point.step_y(pixel_y);
         const LightText::PixelSteps steps{step_x.sum(places), step_y.sum(places), step_x.sum(texcoords),

@@ -190,11 +190,12 @@ INLINE void set_vertices(const Frame& frame, Draw& draw, const SetVertex& set_ve
                 set_vertex(vertex < count ? vertex : count - 1, vertices[i]);
             }
             const WorldVertices world = turned(vertices[0]);
-            store(block + part, world.x);
-            store(block + kBlock + part, world.y);
-            store(block + 2 * kBlock + part, world.z);
+            float* const fours = block + part / kFour * kFourFloats;
+            store_fours(fours, kFourFloats, world.x);
+            store_fours(fours + kFour, kFourFloats, world.y);
+            store_fours(fours + 2 * kFour, kFourFloats, world.z);
             const Whole normals = packed_normal(world.normal_x, world.normal_y, world.normal_z);
-            store(block + 3 * kBlock + part, from_bits(normals));
+            store_fours(fours + 3 * kFour, kFourFloats, from_bits(normals));
             extent.add(world.x, world.y, world.z);
         }
     }

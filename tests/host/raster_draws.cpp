@@ -59,11 +59,11 @@ void RasterDraws::set(raster::Frame& frame, const raster::Kernel& kernel, bool f
 
 Vec3<double> RasterDraws::place(size_t draw, size_t vertex) const {
     const float* const v = kept(draw, vertex);
-    return Vec3<float>{v[0], v[kBlock], v[2 * kBlock]}.as<double>();
+    return Vec3<float>{v[0], v[raster::kFour], v[2 * raster::kFour]}.as<double>();
 }
 
 Vec3<double> RasterDraws::normal(size_t draw, size_t vertex) const {
-    return unpacked_normal(kept(draw, vertex)[3 * kBlock]);
+    return unpacked_normal(kept(draw, vertex)[3 * raster::kFour]);
 }
 
 Vec3<double> unpacked_normal(float packed) {

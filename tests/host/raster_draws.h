@@ -41,7 +41,7 @@ private:
         raster::Section section;
     };
     const float* kept(size_t draw, size_t vertex) const {
-        return draws_[draw].vertices + vertex / raster::kBlock * raster::kBlockFloats + vertex % raster::kBlock;
+        return draws_[draw].vertices + vertex / raster::kFour * raster::kFourFloats + vertex % raster::kFour;
     }
 
     std::deque<Mesh> meshes_;

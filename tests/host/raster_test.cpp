@@ -513,10 +513,11 @@ TEST_P(RasterTest, SkinsVerticesAndTheirNormals) {
                 const float* const in = floats(bind) + size_t{v} * 8;
                 const Vec3<double> place = transform_point(world,
                                                            Vec3<double>{double{in[0]}, double{in[1]}, double{in[2]}});
-                const float* const out = floats(kept) + v / 16 * 64 + v % 16;
+                constexpr uint32_t kFour = raster::kFour, kFourFloats = raster::kFourFloats;
+                const float* const out = floats(kept) + v / kFour * kFourFloats + v % kFour;
                 EXPECT_NEAR(static_cast<double>(out[0]), place.x, 2e-5);
-                EXPECT_NEAR(static_cast<double>(out[16]), place.y, 2e-5);
-                EXPECT_NEAR(static_cast<double>(out[32]), place.z, 2e-5);
+                EXPECT_NEAR(static_cast<double>(out[kFour]), place.y, 2e-5);
+                EXPECT_NEAR(static_cast<double>(out[2 * kFour]), place.z, 2e-5);
                 // The normal of two tangents that have been transformed, on the side that the vertex's was
                 const Vec3<double> normal{double{in[4]}, double{in[5]}, double{in[6]}};
                 const Vec3<double> along = normalized(
@@ -526,7 +527,7 @@ TEST_P(RasterTest, SkinsVerticesAndTheirNormals) {
                 };
                 Vec3<double> wanted = normalized(cross(turned(along), turned(cross(normal, along))));
                 if (determinant(world) < 0) wanted = wanted * -1.0;
-                EXPECT_LT(length(test::unpacked_normal(out[48]) - wanted), 2e-4) << v;
+                EXPECT_LT(length(test::unpacked_normal(out[3 * kFour]) - wanted), 2e-4) << v;
             }
         }
 }
