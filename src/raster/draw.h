@@ -146,14 +146,14 @@ private:
                    of_c = gather(screen_.z, c.vertex);
         const Real z1 = of_b - z0, z2 = of_c - z0;
         const Real per_area = Real(-1) / area;
-        triangles.set_planes(a.x, a.y, z0, (z1 * y2 - z2 * y1) * per_area, (z2 * x1 - z1 * x2) * per_area,
-                             max(max(of_b, of_c), z0));
+        const Real per_x = (z1 * y2 - z2 * y1) * per_area, per_y = (z2 * x1 - z1 * x2) * per_area;
+        const Real bias = kInto == Into::kMap ? bias_of(per_x, per_y) : Real(0);
+        triangles.set_planes(a.x, a.y, z0 - bias, per_x, per_y, max(max(of_b, of_c), z0) - bias);
         triangles.set_box(box, samples);
         if ((hit & ~small) != 0) triangles.set_edges(edges);
         for (uint32_t rest = hit; rest != 0; rest &= rest - 1) {
             const int i = __builtin_ctz(rest);
-            Plane plane = triangles.plane(i);
-            if constexpr (kInto == Into::kMap) plane.bias();
+            const Plane plane = triangles.plane(i);
             const auto write = [&](int x, int y, uint32_t mask) {
                 write_block(x, y, mask, plane, first + static_cast<uint32_t>(i));
             };
@@ -218,7 +218,7 @@ private:
         const int64_t area = doubled_area(t);
         if (area == 0 || (culls_ && (area > 0) == draw_.is_mirrored)) return;
         Plane plane = plane_of(t, area);
-        if constexpr (kInto == Into::kMap) plane.bias();
+        if constexpr (kInto == Into::kMap) plane.lower(bias_of(plane.per_x, plane.per_y));
         fill<kInto>(t, tile_, area, [&](int x, int y, uint32_t mask) { write_block(x, y, mask, plane, triangle); });
     }
 

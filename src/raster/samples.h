@@ -54,19 +54,22 @@ struct SampleBlock {
     }
 };
 
+// What a shadow map lowers triangles by: 1.5 texels of their slope, as the pipeline's depth bias does, so that none
+// shadows itself between the texels.
+INLINE Real bias_of(Real per_x, Real per_y) { return max(abs(per_x), abs(per_y)) * (1.5f * 256); }
+INLINE float bias_of(float per_x, float per_y) {
+    return __builtin_fmaxf(__builtin_fabsf(per_x), __builtin_fabsf(per_y)) * (1.5f * 256);
+}
+
 // The depth, or height, of a triangle over the subpixels from its first corner. All compute it by the same expression,
 // so that a sample's depth depends on no tile or block.
 struct Plane {
     float x0, y0, z0;  // x0, y0: subpixels
     float per_x, per_y;
     float most;  // at its corners
-    // Lowers it by its slope times 1.5 texels, as the pipeline's depth bias does: a triangle shall not shadow itself
-    // between the texels of a shadow map
-    INLINE void bias() {
-        const float x = per_x < 0 ? -per_x : per_x, y = per_y < 0 ? -per_y : per_y;
-        const float way = 1.5f * 256 * (x < y ? y : x);
-        z0 -= way;
-        most -= way;
+    INLINE void lower(float by) {
+        z0 -= by;
+        most -= by;
     }
     // At least kLeast: 0 means empty, and bits of numbers below 0 do not compare as integers.
     INLINE Real at(Real x, Real y) const { return max(min(per_x * (x - x0) + (per_y * (y - y0) + z0), most), kLeast); }
