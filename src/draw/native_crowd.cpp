@@ -55,7 +55,7 @@ NativeGroup::NativeGroup(const CrowdState& crowd, const Group& group, TextureAcc
             of_sections(group, textured_, materials_)) {}
 
 NativeCrowd::NativeCrowd(const CrowdState& crowd) {
-    TextureAccount account{warnings, kTexturesLimit_bytes / 2};  // which counts 4 bytes a texel; these have 8
+    TextureAccount account{warnings};  // counts as the device renderer does, so that both draw the same ones white
     for (const Group& group : crowd.groups) groups.emplace_back(crowd, group, account);
 }
 
