@@ -162,10 +162,10 @@ TEST_F(NativeDraw, Files) {
         const Result<Character> character = load_character(entry.path());
         ASSERT_TRUE(character) << character.error().text();
         const std::string name = entry.path().stem().string();
-        Crowd one = crowd_of(*character, 1), many = crowd_of(*character, 40, {.culls = true});
+        Crowd one = crowd_of(*character, 1), many = crowd_of(*character, 100, {.culls = true});
         // Some clips walk far away from where the rest pose stands
         expect_alike(name, one, fit_camera(posed_bounds(one.state()), static_cast<float>(kWidth) / kHeight));
-        expect_alike(name + " 40", many);
+        expect_alike(name + " 100", many);
     }
 }
 

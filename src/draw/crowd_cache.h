@@ -12,7 +12,7 @@ namespace throng {
 template <class Kept>
 class CrowdCache {
 public:
-    // What is kept of this crowd, made by make() the first time. Entries of destroyed crowds are removed.
+    // Returns what is kept for this crowd, made by make() the first time. Removes the entries of destroyed crowds.
     template <class Make>
     Kept& of(const CrowdState& crowd, const Make& make) {
         std::erase_if(entries_, [](const Entry& entry) { return entry.life.expired(); });

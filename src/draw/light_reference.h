@@ -24,7 +24,7 @@ Vec3<double> reflected_light_reference(const io::DrawScene& scene, const LitSurf
 // What of it arrives, as the picture has it: through fog, tone-mapped, linear.
 Vec3<double> pictured_reference(const io::DrawScene& scene, const Vec3<double>& place, const Vec3<double>& light);
 
-// Of the texel in this column and row of the shadow map.
+// Returns the height in a column and row of the shadow map.
 using MapHeights = std::function<double(int column, int row)>;
 // The part of the sun that arrives at a surface.
 double sun_reference(const io::DrawScene& scene, const MapHeights& heights, const Vec3<double>& place,

@@ -37,7 +37,7 @@ private:
 
 class NativeMesh {
 public:
-    // Of the levels of detail 0..lod_count - 1. `materials`: a pointer for each of the group's sections.
+    // Holds the levels of detail 0..lod_count - 1. `materials`: a pointer for each of the group's sections.
     NativeMesh(const Group& group, uint32_t lod_count, const std::vector<const raster::Material*>& materials);
 
     size_t section_count() const { return section_count_; }

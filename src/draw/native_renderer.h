@@ -37,7 +37,7 @@ private:
     std::unique_ptr<NativeFrame> frame_;
     std::unique_ptr<StagedPicture> staged_;  // where the device has images
     CrowdCache<const NativeCrowd> crowds_;
-    // Of a software device, for updates that are recorded; made when first needed
+    // Draws updates that are recorded, on a software device; made when first needed
     std::unique_ptr<RendererState> device_;
     bool device_drew_ = false;  // the last frame
 };

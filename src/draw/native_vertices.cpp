@@ -53,7 +53,7 @@ std::byte* PosedInstance::skin(SkinFormat format) const {
 bool PosedInstance::is_morphed() const {
     const Buffer& active = batch[io::kActiveMorphsBuffer];
     if (group.morph_count == 0 || !active) return false;
-    // Those of largest weight are first
+    // Morphs are sorted, the largest weight first
     return reinterpret_cast<const io::ActiveMorph*>(active.mapped())[size_t{instance} * io::kActiveMorphs].weight != 0;
 }
 
