@@ -373,6 +373,28 @@ TEST_F(NativeDraw, RecordedDrawingIsThatOfTheCall) {
     }
 }
 
+// As displays take it, whoever draws; a picture that is returned has red first all the same.
+TEST_F(NativeDraw, ARecordedPictureMayHaveBlueFirst) {
+    const Character character = creature();
+    Crowd crowd = crowd_of(character, 9, {.culls = true});
+    const Camera camera = whole(crowd);
+    ASSERT_TRUE(crowd.update(0.3f));
+    for (const DrawPath path : {DrawPath::kNative, DrawPath::kDevice}) {
+        const Picture wanted = make_renderer(path).render(crowd, camera)->picture;
+        Renderer renderer = make_renderer({.width = kWidth, .height = kHeight, .path = path, .blue_first = true});
+        EXPECT_EQ(renderer.render(crowd, camera)->picture.rgba, wanted.rgba);
+        const Copy copy;
+        test_gpu()->submit_and_wait([&](VkCommandBuffer commands) {
+            ASSERT_TRUE(renderer.record_drawing(commands, crowd, camera));
+            copy.record(commands, renderer);
+        });
+        Picture copied = copy.picture();
+        EXPECT_NE(copied.rgba, wanted.rgba);
+        for (size_t i = 0; i < copied.rgba.size(); i += 4) std::swap(copied.rgba[i], copied.rgba[i + 2]);
+        EXPECT_EQ(copied.rgba, wanted.rgba);
+    }
+}
+
 // Where the update is recorded too, by either of the calls that record one.
 TEST_F(NativeDraw, TheDeviceDrawsWhatItUpdates) {
     const Character character = creature();

@@ -70,6 +70,7 @@ struct RendererSettings {
     uint32_t samples = 4;                  // lowered to what the device has; natively 1 or 4
     DrawOptions options = {};
     DrawPath path = DrawPath::kAuto;
+    bool blue_first = false;  // in picture(), which is of VK_FORMAT_B8G8R8A8_SRGB then, as most displays are
 };
 
 struct RenderResult {
@@ -112,7 +113,8 @@ public:
     // commands copy the picture; but where that last update is recorded and may not have run, the device draws.
     Result<void> update(Crowd& crowd, float time_step_s, const Camera& camera);
     Result<void> record_drawing(VkCommandBuffer commands, const Crowd& crowd, const Camera& camera);
-    // VK_FORMAT_R8G8B8A8_SRGB, of the renderer's size; another after resize(). Null on a native device.
+    // VK_FORMAT_R8G8B8A8_SRGB (RendererSettings::blue_first: VK_FORMAT_B8G8R8A8_SRGB), of the renderer's size; another
+    // after resize(). Null on a native device.
     VkImage picture() const;
     // Errors: kInvalidArgument (empty), kLimit (names the device's limit); then it keeps its size.
     Result<void> resize(uint32_t width, uint32_t height);

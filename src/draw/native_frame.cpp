@@ -89,12 +89,13 @@ NativeFrame::NativeFrame(std::shared_ptr<Gpu> gpu, VkExtent2D extent, uint32_t s
 }
 
 void NativeFrame::draw(const CrowdState& crowd, const NativeCrowd& native, const Camera& camera,
-                       const DrawOptions& options, uint8_t* rgba) {
+                       const DrawOptions& options, const NativePixels& pixels) {
     Clock clock;
     times_ = {};
     scene_ = make_scene(crowd, camera, extent_, frame_.map_size, options);
     std::memcpy(&frame_.scene, &scene_, sizeof scene_);
-    frame_.rgba = rgba;
+    frame_.pixels = pixels.bytes;
+    frame_.blue_first = pixels.blue_first;
     list(crowd, native, options);
     times_.list_ms = clock.lap_ms();
     skin(crowd, native);

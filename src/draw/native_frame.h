@@ -17,6 +17,12 @@ struct NativeTimes {
     double total_ms() const { return list_ms + skin_ms + shadow_ms + picture_ms + resolve_ms; }
 };
 
+// Where a picture is written.
+struct NativePixels {
+    uint8_t* bytes;           // [height][width][4]
+    bool blue_first = false;  // else red, green, blue, 255
+};
+
 // Memory of pictures of one size, kept from one to the next. Results do not depend on the number of threads.
 class NativeFrame {
 public:
@@ -25,9 +31,9 @@ public:
 
     const VkExtent2D& extent() const { return extent_; }
     uint32_t samples() const { return frame_.sample_count; }
-    // `rgba`: [height][width][4]. Nothing of the queue that writes the crowd's buffers may be under way.
+    // Nothing of the queue that writes the crowd's buffers may be under way.
     void draw(const CrowdState& crowd, const NativeCrowd& native, const Camera& camera, const DrawOptions& options,
-              uint8_t* rgba);
+              const NativePixels& pixels);
     const NativeTimes& times() const { return times_; }
 
 private:

@@ -16,7 +16,7 @@ std::unique_ptr<NativeFrame> make_frame(const std::shared_ptr<Gpu>& gpu, const R
 
 std::unique_ptr<StagedPicture> make_staged(const std::shared_ptr<Gpu>& gpu, const RendererSettings& settings) {
     if (gpu->is_native()) return nullptr;
-    return std::make_unique<StagedPicture>(gpu, VkExtent2D{settings.width, settings.height});
+    return std::make_unique<StagedPicture>(gpu, VkExtent2D{settings.width, settings.height}, settings.blue_first);
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ RenderResult NativeRenderer::render(const Crowd& crowd, const Camera& camera) {
     RenderResult result{.picture = {width, height, std::vector<uint8_t>(size_t{4} * width * height)},
                         .draw_ms = 0,
                         .warnings = kept.warnings};
-    frame_->draw(crowd.state(), kept, camera, options, result.picture.rgba.data());
+    frame_->draw(crowd.state(), kept, camera, options, {result.picture.rgba.data()});
     device_drew_ = false;
     result.draw_ms = draw_ms();
     return result;
@@ -90,7 +90,7 @@ void NativeRenderer::record_drawing(VkCommandBuffer commands, const Crowd& crowd
         device_drew_ = true;
         return;
     }
-    frame_->draw(crowd.state(), kept_of(crowd), camera, options, staged_->next());
+    frame_->draw(crowd.state(), kept_of(crowd), camera, options, {staged_->next(), settings_.blue_first});
     staged_->record(commands);
     device_drew_ = false;
 }

@@ -41,7 +41,7 @@ struct Program {
     std::array<uint32_t, 5> vertex_constants{};
     std::array<uint32_t, 2> fragment_constants{};
     Depth depth = Depth::kNone;
-    VkFormat color_format = kColorFormat;
+    bool has_depth = true;
 };
 
 OwnedPipeline make_pipeline(const PipelineSettings& settings, const Program& program) {
@@ -93,8 +93,8 @@ OwnedPipeline make_pipeline(const PipelineSettings& settings, const Program& pro
     const VkPipelineRenderingCreateInfo rendering{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
         .colorAttachmentCount = blend.attachmentCount,
-        .pColorAttachmentFormats = &program.color_format,
-        .depthAttachmentFormat = program.color_format == kColorFormat ? kDepthFormat : VK_FORMAT_UNDEFINED};
+        .pColorAttachmentFormats = &settings.color_format,
+        .depthAttachmentFormat = program.has_depth ? kDepthFormat : VK_FORMAT_UNDEFINED};
     return {gpu,
             gpu->make_pipeline(VkGraphicsPipelineCreateInfo{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
                                                             .pNext = &rendering,
@@ -138,8 +138,8 @@ OwnedPipeline make_ground_pipeline(const PipelineSettings& settings) {
 }
 
 OwnedPipeline make_farthest_pipeline(const std::shared_ptr<Gpu>& gpu, const ShaderLayout& layout) {
-    return make_pipeline({gpu, layout.get(), VK_SAMPLE_COUNT_1_BIT},
-                         {.vertex = kFarthestVertex, .fragment = kFarthestFragment, .color_format = kFarthestFormat});
+    return make_pipeline({gpu, layout.get(), VK_SAMPLE_COUNT_1_BIT, kFarthestFormat},
+                         {.vertex = kFarthestVertex, .fragment = kFarthestFragment, .has_depth = false});
 }
 
 CharacterPipelines::CharacterPipelines(const PipelineSettings& settings, const VertexKind& kind) {

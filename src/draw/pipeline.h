@@ -9,7 +9,7 @@
 
 namespace throng {
 
-inline constexpr VkFormat kColorFormat = VK_FORMAT_R8G8B8A8_SRGB;
+inline VkFormat color_format(bool blue_first) { return blue_first ? VK_FORMAT_B8G8R8A8_SRGB : VK_FORMAT_R8G8B8A8_SRGB; }
 inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 inline constexpr VkFormat kFarthestFormat = VK_FORMAT_R32_SFLOAT;  // draw/occluders.h
 
@@ -25,6 +25,7 @@ struct PipelineSettings {
     std::shared_ptr<Gpu> gpu;
     VkPipelineLayout layout;
     VkSampleCountFlagBits samples;
+    VkFormat color_format;
 };
 
 // The ground over the whole picture, without depth.

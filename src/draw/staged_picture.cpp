@@ -6,12 +6,12 @@
 
 namespace throng {
 
-StagedPicture::StagedPicture(std::shared_ptr<Gpu> gpu, VkExtent2D extent)
+StagedPicture::StagedPicture(std::shared_ptr<Gpu> gpu, VkExtent2D extent, bool blue_first)
     : gpu_(std::move(gpu)),
       extent_(extent),
       image_(gpu_, {.what = "picture",
                     .extent = extent,
-                    .format = kColorFormat,
+                    .format = color_format(blue_first),
                     .usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT}) {}
 
 uint8_t* StagedPicture::next() {

@@ -12,10 +12,11 @@ namespace throng {
 
 class StagedPicture {
 public:
-    StagedPicture(std::shared_ptr<Gpu> gpu, VkExtent2D extent);
+    StagedPicture(std::shared_ptr<Gpu> gpu, VkExtent2D extent, bool blue_first);
 
     VkImage image() const { return image_.handle(); }
-    // Where the next picture is written, [height][width][4]: memory that no frame under way still copies from.
+    // Where the next picture is written, [height][width][4], in the image's order of channels: memory that no frame
+    // under way still copies from.
     uint8_t* next();
     // Copies it into the image, which is then in TRANSFER_SRC_OPTIMAL, visible to transfers.
     void record(VkCommandBuffer commands);

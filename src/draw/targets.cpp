@@ -5,8 +5,8 @@
 
 namespace throng {
 
-Targets::Targets(std::shared_ptr<Gpu> gpu, VkExtent2D extent, VkSampleCountFlagBits samples)
-    : gpu_(std::move(gpu)), extent_(extent) {
+Targets::Targets(std::shared_ptr<Gpu> gpu, VkExtent2D extent, VkSampleCountFlagBits samples, bool blue_first)
+    : gpu_(std::move(gpu)), extent_(extent), blue_first_(blue_first) {
     const VkPhysicalDeviceLimits& limits = gpu_->properties.limits;
     if (extent.width > limits.maxFramebufferWidth || extent.height > limits.maxFramebufferHeight)
         throw Failure(ErrorCode::kLimit, "picture",
@@ -15,7 +15,7 @@ Targets::Targets(std::shared_ptr<Gpu> gpu, VkExtent2D extent, VkSampleCountFlagB
                           " x " + std::to_string(limits.maxFramebufferHeight));
     ImageSettings settings{.what = "picture",
                            .extent = extent,
-                           .format = kColorFormat,
+                           .format = color_format(blue_first),
                            .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
                            .samples = samples};
     color_ = Image(gpu_, settings);
@@ -69,7 +69,10 @@ void Targets::record_read_back(VkCommandBuffer commands) {
 
 Picture Targets::read_back() const {
     const auto* bytes = reinterpret_cast<const uint8_t*>(read_back_.mapped());
-    return {extent_.width, extent_.height, {bytes, bytes + read_back_.size_bytes()}};
+    Picture picture{extent_.width, extent_.height, {bytes, bytes + read_back_.size_bytes()}};
+    if (blue_first_)
+        for (size_t i = 0; i < picture.rgba.size(); i += 4) std::swap(picture.rgba[i], picture.rgba[i + 2]);
+    return picture;
 }
 
 }  // namespace throng

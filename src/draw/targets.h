@@ -13,7 +13,7 @@ class Targets {
 public:
     Targets() = default;
     // Throws kLimit where the device cannot draw so large a picture.
-    Targets(std::shared_ptr<Gpu> gpu, VkExtent2D extent, VkSampleCountFlagBits samples);
+    Targets(std::shared_ptr<Gpu> gpu, VkExtent2D extent, VkSampleCountFlagBits samples, bool blue_first);
 
     // Begins the render pass: color is undefined, depth infinitely far. Waits for whoever draws to the targets, or
     // copies from them, before.
@@ -30,6 +30,7 @@ public:
 private:
     std::shared_ptr<Gpu> gpu_;
     VkExtent2D extent_{};
+    bool blue_first_ = false;
     Image color_, depth_;
     Image resolved_;    // of color_, where that has several samples
     Buffer read_back_;  // made when first needed

@@ -31,17 +31,18 @@ VkSampleCountFlagBits lower_samples(const Gpu& gpu, uint32_t wanted) {
 VulkanRenderer::VulkanRenderer(std::shared_ptr<Gpu> gpu_in, const RendererSettings& settings)
     : RendererState(with_graphics(std::move(gpu_in)), settings.options),
       samples_(lower_samples(*gpu, settings.samples)),
-      targets_(gpu, {settings.width, settings.height}, samples_),
+      blue_first_(settings.blue_first),
+      targets_(gpu, {settings.width, settings.height}, samples_, blue_first_),
       shadow_map_(make_shadow_map(gpu, targets_.extent(), samples_)),
       stamps_(gpu, 4),  // around the occluders, and around the rest
       layout_(make_draw_layout(gpu)),
-      pipelines_{gpu, layout_.get(), samples_},
+      pipelines_{gpu, layout_.get(), samples_, color_format(blue_first_)},
       sampling_(gpu),
       scene_(gpu, layout_, shadow_map_),
       ground_(make_ground_pipeline(pipelines_)) {}
 
 void VulkanRenderer::resize(VkExtent2D extent) {
-    Targets resized(gpu, extent, samples_);
+    Targets resized(gpu, extent, samples_, blue_first_);
     DepthPass map = make_shadow_map(gpu, extent, samples_);
     scene_ = SceneBinding(gpu, layout_, map);
     targets_ = std::move(resized);

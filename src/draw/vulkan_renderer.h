@@ -42,6 +42,7 @@ private:
     RenderResult result_of(const Frame& frame) const;
 
     VkSampleCountFlagBits samples_;
+    bool blue_first_;
     Targets targets_;
     DepthPass shadow_map_;
     Timestamps stamps_;

@@ -110,7 +110,8 @@ struct Frame {
     // [height][width][sample_count]: depth (its bits; 0: nothing) above ~id: the greatest is seen
     uint64_t* samples = nullptr;
     const uint32_t* srgb = nullptr;  // [kSrgbSteps + 1], 0..255, of a linear number
-    uint8_t* rgba = nullptr;         // [height][width][4], what resolve writes
+    uint8_t* pixels = nullptr;       // [height][width][4], what resolve writes: red, green, blue, 255
+    bool blue_first = false;         // of pixels: blue, green, red, 255
 };
 inline constexpr uint32_t kSrgbSteps = 1 << 14;
 // Depth of a line that covers everything; those of triangles are at most 1
@@ -136,7 +137,7 @@ struct Kernel {
     // whether it is clear then. `scratch`: at a multiple of 64.
     bool (*draw_map)(const Frame& frame, const Tile& tile, bool is_clear, std::byte* scratch);
     bool (*draw_picture)(const Frame& frame, const Tile& tile, bool is_clear, std::byte* scratch);
-    // Writes these rows of rgba; all tiles must be finished.
+    // Writes these rows of pixels; all tiles must be finished.
     void (*resolve)(const Frame& frame, uint32_t first_row, uint32_t end_row, std::byte* scratch);
 };
 

@@ -49,7 +49,7 @@ public:
         for (uint32_t i = 0; i < count; ++i) add_pixel(frame_.samples + (first + i) * frame_.sample_count, i);
         shade_items();
         for (uint32_t i = 0; i < count; i += Lanes::kCount) shade_background(i);
-        for (uint32_t i = 0; i < count; i += Lanes::kCount) write(i, count, frame_.rgba + 4 * first);
+        for (uint32_t i = 0; i < count; i += Lanes::kCount) write(i, count, frame_.pixels + 4 * first);
     }
 
 private:
@@ -165,17 +165,19 @@ private:
         store(span_.blue + column, load(span_.blue + column) + weight * color.z);
     }
 
-    void write(uint32_t column, uint32_t end, uint8_t* rgba) const {
+    void write(uint32_t column, uint32_t end, uint8_t* bytes) const {
         const auto encoded = [&](const float* of) {
             const Real at = clamp(load(of + column), 0, 1) * static_cast<float>(kSrgbSteps) + 0.5f;
             return gather(frame_.srgb, truncated(at));
         };
-        const Whole pixels = encoded(span_.red) | (encoded(span_.green) << 8) | (encoded(span_.blue) << 16) |
+        const float* const lowest = frame_.blue_first ? span_.blue : span_.red;
+        const float* const highest = frame_.blue_first ? span_.red : span_.blue;
+        const Whole pixels = encoded(lowest) | (encoded(span_.green) << 8) | (encoded(highest) << 16) |
                              Whole(static_cast<int32_t>(0xFF000000));
         alignas(64) uint32_t words[Lanes::kCount];
         store_any(words, pixels);
         const uint32_t left = end - column, count = left < Lanes::kCount ? left : uint32_t{Lanes::kCount};
-        __builtin_memcpy(rgba + 4 * size_t{column}, words, 4 * size_t{count});
+        __builtin_memcpy(bytes + 4 * size_t{column}, words, 4 * size_t{count});
     }
 
     const Frame& frame_;
