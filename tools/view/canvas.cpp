@@ -9,11 +9,10 @@
 namespace throng::view {
 namespace {
 
-constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_UNORM;
 constexpr VkImageSubresourceLayers kLayer{VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
 
-OwnedRenderPass make_render_pass(VkDevice device) {
-    const VkAttachmentDescription attachment{.format = kFormat,
+OwnedRenderPass make_render_pass(VkDevice device, VkFormat format) {
+    const VkAttachmentDescription attachment{.format = format,
                                              .samples = VK_SAMPLE_COUNT_1_BIT,
                                              .loadOp = VK_ATTACHMENT_LOAD_OP_LOAD,
                                              .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
@@ -42,14 +41,15 @@ OwnedRenderPass make_render_pass(VkDevice device) {
 
 }  // namespace
 
-Canvas::Canvas(const Context& context) : context_(&context), render_pass_(make_render_pass(context.device())) {}
+Canvas::Canvas(const Context& context, VkFormat format)
+    : context_(&context), format_(format), render_pass_(make_render_pass(context.device(), format)) {}
 
 void Canvas::resize(VkExtent2D extent) {
     extent_ = extent;
     const VkDevice device = context_->device();
     const VkImageCreateInfo image_create{.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
                                          .imageType = VK_IMAGE_TYPE_2D,
-                                         .format = kFormat,
+                                         .format = format_,
                                          .extent = size(),
                                          .mipLevels = 1,
                                          .arrayLayers = 1,
@@ -66,7 +66,7 @@ void Canvas::resize(VkExtent2D extent) {
     const VkImageViewCreateInfo view_create{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
                                             .image = image_.get(),
                                             .viewType = VK_IMAGE_VIEW_TYPE_2D,
-                                            .format = kFormat,
+                                            .format = format_,
                                             .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
     view_ = {device, vkCreateImageView, view_create, "vkCreateImageView"};
     const VkImageView view = view_.get();
@@ -102,12 +102,9 @@ void Canvas::record_panels(VkCommandBuffer commands) const {
 
 void Canvas::record_copy(VkCommandBuffer commands, VkImage shown) const {
     transition(commands, shown, {.stage = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT}, kCopiedTo);
-    const VkOffset3D end{static_cast<int32_t>(extent_.width), static_cast<int32_t>(extent_.height), 1};
-    // Which also puts the channels in the display's order
-    const VkImageBlit blit{
-        .srcSubresource = kLayer, .srcOffsets = {{}, end}, .dstSubresource = kLayer, .dstOffsets = {{}, end}};
-    vkCmdBlitImage(commands, image_.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, shown,
-                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_NEAREST);
+    const VkImageCopy copy{.srcSubresource = kLayer, .dstSubresource = kLayer, .extent = size()};
+    vkCmdCopyImage(commands, image_.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, shown,
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
     transition(commands, shown, kCopiedTo,
                {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_NONE, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR});
 }
@@ -120,7 +117,10 @@ void Canvas::record_read_back(VkCommandBuffer commands) const {
 
 Picture Canvas::read() const {
     Picture picture{extent_.width, extent_.height, read_back_.read()};
-    for (size_t alpha = 3; alpha < picture.rgba.size(); alpha += 4) picture.rgba[alpha] = 255;  // the window is opaque
+    for (size_t i = 0; i < picture.rgba.size(); i += 4) {
+        if (format_ == VK_FORMAT_B8G8R8A8_UNORM) std::swap(picture.rgba[i], picture.rgba[i + 2]);
+        picture.rgba[i + 3] = 255;  // the window is opaque
+    }
     return picture;
 }
 

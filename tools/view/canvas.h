@@ -8,21 +8,22 @@
 
 namespace throng::view {
 
-// R8G8B8A8_UNORM: Dear ImGui's colours are bytes of sRGB, and blended as such.
 class Canvas {
 public:
-    explicit Canvas(const Context& context);
+    // `format`: of the display, so that pictures are copied as they are. Of UNORM: Dear ImGui's colours are bytes of
+    // sRGB, and blended as such.
+    Canvas(const Context& context, VkFormat format);
 
     // The device must be idle.
     void resize(VkExtent2D extent);
     // Panels are drawn in it, over what is there.
     VkRenderPass render_pass() const { return render_pass_.get(); }
 
-    // Recorded in this order. `picture` is as large as the canvas, of VK_FORMAT_R8G8B8A8_SRGB, and in
+    // Recorded in this order. `picture` is as large as the canvas, its bytes have the same order, and it is in
     // VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL.
     void record_picture(VkCommandBuffer commands, VkImage picture) const;
     void record_panels(VkCommandBuffer commands) const;
-    // `shown` is an image of the swapchain, of the same size; it is ready to be presented then.
+    // `shown` is an image of the swapchain, of the same size and format; it is ready to be presented then.
     void record_copy(VkCommandBuffer commands, VkImage shown) const;
     void record_read_back(VkCommandBuffer commands) const;
 
@@ -33,6 +34,7 @@ private:
     VkExtent3D size() const { return {extent_.width, extent_.height, 1}; }
 
     const Context* context_;
+    VkFormat format_;
     OwnedRenderPass render_pass_;
     VkExtent2D extent_{};
     OwnedMemory memory_;

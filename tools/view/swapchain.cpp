@@ -24,6 +24,8 @@ VkSurfaceFormatKHR find_format(const Context& context) {
 
 }  // namespace
 
+Swapchain::Swapchain(const Context& context) : context_(&context), format_(find_format(context)) {}
+
 void Swapchain::recreate(VkExtent2D window_size) {
     VkSurfaceCapabilitiesKHR surface{};
     check(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(context_->physical_device(), context_->surface(), &surface),
@@ -36,14 +38,13 @@ void Swapchain::recreate(VkExtent2D window_size) {
                   : VkExtent2D{
                         std::clamp(window_size.width, surface.minImageExtent.width, surface.maxImageExtent.width),
                         std::clamp(window_size.height, surface.minImageExtent.height, surface.maxImageExtent.height)};
-    const VkSurfaceFormatKHR format = find_format(*context_);
     const uint32_t wanted = surface.minImageCount + 1;
     const VkSwapchainCreateInfoKHR create{
         .sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR,
         .surface = context_->surface(),
         .minImageCount = surface.maxImageCount ? std::min(wanted, surface.maxImageCount) : wanted,
-        .imageFormat = format.format,
-        .imageColorSpace = format.colorSpace,
+        .imageFormat = format_.format,
+        .imageColorSpace = format_.colorSpace,
         .imageExtent = extent_,
         .imageArrayLayers = 1,
         .imageUsage = VK_IMAGE_USAGE_TRANSFER_DST_BIT,

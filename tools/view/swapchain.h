@@ -10,7 +10,8 @@ namespace throng::view {
 
 class Swapchain {
 public:
-    explicit Swapchain(const Context& context) : context_(&context) {}
+    // Throws a CommandError where the display takes no pictures of 8 bits a channel.
+    explicit Swapchain(const Context& context);
 
     // Makes it anew, in the window's size where the surface says none itself. The device must be idle.
     void recreate(VkExtent2D window_size);
@@ -19,6 +20,8 @@ public:
         return stale_ || window_size.width != asked_.width || window_size.height != asked_.height;
     }
     VkExtent2D extent() const { return extent_; }
+    // VK_FORMAT_R8G8B8A8_UNORM or B8G8R8A8, whose bytes are sRGB.
+    VkFormat format() const { return format_.format; }
 
     // The image to be written next, once acquired() is signalled; none where the swapchain is stale. Of one image at a
     // time.
@@ -31,6 +34,7 @@ public:
 
 private:
     const Context* context_;
+    VkSurfaceFormatKHR format_;
     VkExtent2D asked_{}, extent_{};
     OwnedSwapchain swapchain_;
     std::vector<VkImage> images_;

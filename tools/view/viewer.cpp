@@ -45,8 +45,9 @@ SceneSettings make_settings(const tools::SceneOptions& options) {
 }
 
 // A software device takes half the time without multisampling; pictures that are kept have it.
-RendererSettings renderer_settings(const ViewOptions& options, const Device& device) {
+RendererSettings renderer_settings(const ViewOptions& options, const Device& device, VkFormat display_format) {
     RendererSettings settings = options.size;
+    settings.blue_first = display_format == VK_FORMAT_B8G8R8A8_UNORM;
     if (device.info().type == "cpu" && !options.frames) settings.samples = 1;
     return settings;
 }
@@ -84,11 +85,10 @@ Viewer::Viewer(const ViewOptions& options)
       window_(options.size.width, options.size.height),
       context_(window_, options.device),
       device_(unwrap(Device::adopt(context_.adopted()))),
-      swapchain_(context_),
-      canvas_(context_),
+      display_(context_),
+      canvas_(context_, display_.format()),
       gui_(window_, context_, canvas_.render_pass()),
-      submission_(context_),
-      renderer_(unwrap(Renderer::create(device_, renderer_settings(options, device_)))),
+      renderer_(unwrap(Renderer::create(device_, renderer_settings(options, device_, display_.format())))),
       scene_(device_, make_cast(options.scene), make_settings(options.scene)) {
     if (!options.script.empty()) script_.emplace(options.script);
     state_.wanted = scene_.settings();
@@ -105,7 +105,7 @@ Viewer::Viewer(const ViewOptions& options)
     }
 }
 
-Viewer::~Viewer() { vkDeviceWaitIdle(context_.device()); }
+Viewer::~Viewer() { display_.abandon(); }
 
 void Viewer::run() {
     window_.show();
@@ -123,6 +123,7 @@ void Viewer::run() {
         show_frame();
         take_settings();
     }
+    display_.finish();
     if (!options_.dump.empty()) write_dump();
 }
 
@@ -132,10 +133,8 @@ bool Viewer::is_done() const {
 }
 
 void Viewer::show_frame() {
-    if (swapchain_.is_stale(window_.size())) resize();
-    const std::optional<uint32_t> image = swapchain_.acquire();
-    if (!image) return;
-    gui_.take_input(swapchain_.extent());
+    if (display_.is_stale(window_.size())) resize();
+    gui_.take_input(display_.extent());
     if (script_) shot_ = script_->play(frame_, window_).value_or("");
     if (is_scripted()) ImGui::GetIO().DeltaTime = kScriptedStep_s;
     ImGui::NewFrame();
@@ -145,19 +144,17 @@ void Viewer::show_frame() {
     if (std::exchange(state_.takes_screenshot, false) || is_last)
         shot_ = options_.screenshot.empty() ? free_name() : options_.screenshot;
 
-    record(*image);
-    submission_.submit(swapchain_.acquired(), swapchain_.written(*image));
-    swapchain_.present(*image);
-    submission_.wait();
+    record();
+    if (!shows_later()) display_.finish();
     if (!shot_.empty()) save_shot();
     measure();
     ++frame_;
 }
 
 void Viewer::resize() {
-    check(vkDeviceWaitIdle(context_.device()), "vkDeviceWaitIdle");
-    swapchain_.recreate(window_.size());
-    const VkExtent2D extent = swapchain_.extent();
+    display_.finish();
+    display_.resize(window_.size());
+    const VkExtent2D extent = display_.extent();
     canvas_.resize(extent);
     unwrap(renderer_.resize(extent.width, extent.height));
 }
@@ -197,7 +194,7 @@ void Viewer::draw_panels() {
     draw_message(state_);
 }
 
-void Viewer::record(uint32_t image) {
+void Viewer::record() {
     const float time_step_s = next_time_step();
     scene_.advance(time_step_s);
     DrawOptions drawing = state_.drawing;
@@ -207,14 +204,21 @@ void Viewer::record(uint32_t image) {
     const Camera camera = state_.orbit.camera();
     const bool is_native = unwrap(scene_.crowd().path(0)).is_native;
     measured_.is_drawn_natively = is_native && renderer_.is_native();  // who records an update has the device draw
+    if (!measured_.is_drawn_natively) display_.finish();
     if (is_native) unwrap(renderer_.update(scene_.crowd(), time_step_s, camera));  // where occlusion has no effect
-    const VkCommandBuffer commands = submission_.begin();
+    display_.start();  // after the update, which uses the queue
+    const VkCommandBuffer commands = display_.begin();
     unwrap(is_native ? renderer_.record_drawing(commands, scene_.crowd(), camera)
                      : renderer_.record(commands, scene_.crowd(), time_step_s, camera));
     canvas_.record_picture(commands, renderer_.picture());
     canvas_.record_panels(commands);
-    canvas_.record_copy(commands, swapchain_.image(image));
     if (!shot_.empty()) canvas_.record_read_back(commands);
+    display_.end(canvas_);
+}
+
+// While the next frame is drawn, where that comes soon and the device does not read for this one what the next changes.
+bool Viewer::shows_later() const {
+    return measured_.is_drawn_natively && shot_.empty() && (is_scripted() || !state_.paused);
 }
 
 float Viewer::next_time_step() {
@@ -332,7 +336,7 @@ void Viewer::write_dump() const {
                               {"paused", state_.paused},
                               {"shows_keys", state_.shows_keys},
                               {"message", state_.message},
-                              {"size", {swapchain_.extent().width, swapchain_.extent().height}},
+                              {"size", {display_.extent().width, display_.extent().height}},
                               {"eye", {camera.eye.x, camera.eye.y, camera.eye.z}},
                               {"target", {camera.target.x, camera.target.y, camera.target.z}},
                               {"drawn", measured_.drawn}};

@@ -2,13 +2,11 @@
 #pragma once
 
 #include "tools/scene/crowd_scene.h"
-#include "tools/view/canvas.h"
+#include "tools/view/display.h"
 #include "tools/view/gui.h"
 #include "tools/view/loader.h"
 #include "tools/view/script.h"
 #include "tools/view/state.h"
-#include "tools/view/submission.h"
-#include "tools/view/swapchain.h"
 
 #include <chrono>
 #include <filesystem>
@@ -47,7 +45,8 @@ private:
     void resize();
     void move_camera(float aspect_ratio);
     void draw_panels();
-    void record(uint32_t image);
+    void record();
+    bool shows_later() const;
     float next_time_step();
     void measure();
     void save_shot();
@@ -62,10 +61,9 @@ private:
     Window window_;
     Context context_;
     Device device_;
-    Swapchain swapchain_;
+    Display display_;
     Canvas canvas_;
     Gui gui_;
-    Submission submission_;
     Renderer renderer_;
     Scene scene_;
     Loader loader_;

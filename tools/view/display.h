@@ -1,0 +1,49 @@
+// Recorded frames on their way to the window: one may be shown while the processor draws the next.
+#pragma once
+
+#include "tools/view/canvas.h"
+#include "tools/view/submission.h"
+#include "tools/view/swapchain.h"
+
+#include <array>
+#include <future>
+#include <optional>
+
+namespace throng::view {
+
+// From start() to end(), or finish(), nothing else may use the queue.
+class Display {
+public:
+    explicit Display(const Context& context);
+
+    bool is_stale(VkExtent2D window_size) const { return swapchain_.is_stale(window_size); }
+    // Nothing may be ready or under way.
+    void resize(VkExtent2D window_size);
+    VkFormat format() const { return swapchain_.format(); }
+    VkExtent2D extent() const { return swapchain_.extent(); }
+
+    // The next frame's commands.
+    VkCommandBuffer begin();
+    // They show the canvas. Waits for the frame before; then this one is ready.
+    void end(const Canvas& canvas);
+    // Begins to show the frame that is ready, if there is one.
+    void start();
+    // Shows the frame that is ready, and waits for it.
+    void finish();
+    // Waits until nothing is under way, whatever has failed.
+    void abandon();
+
+private:
+    void wait();
+
+    const Context* context_;
+    Swapchain swapchain_;
+    std::array<Submission, 2> submissions_;  // of the frame that is recorded, and of the one before
+    uint32_t recorded_ = 0;                  // of submissions_
+    bool is_ready_ = false;
+    std::optional<uint32_t> image_;  // of the frame that is ready; none: the swapchain is stale, and it is not shown
+    VkCommandBuffer commands_ = VK_NULL_HANDLE;
+    std::future<void> shown_;  // of the frame that has been started
+};
+
+}  // namespace throng::view
