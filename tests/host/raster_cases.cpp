@@ -252,7 +252,7 @@ Vec3<double> RasterPicture::expected(uint32_t x, uint32_t y) const {
 }
 
 std::vector<uint8_t> RasterPicture::resolved(NativeIsa isa, uint32_t rows_each) const {
-    return written(frame, &raster::Frame::rgba, size_t{frame.width} * frame.height * 4, isa,
+    return written(frame, &raster::Frame::pixels, size_t{frame.width} * frame.height * 4, isa,
                    [&](const raster::Kernel& kernel, const raster::Frame& into, std::byte* scratch) {
                        for (uint32_t row = 0; row < frame.height; row += rows_each)
                            kernel.resolve(into, row, std::min(row + rows_each, frame.height), scratch);
