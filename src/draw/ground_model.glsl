@@ -8,8 +8,10 @@ Real line_across(Real x, Real pixel) {
 
 // The lines of a square grid, 0 where its cells are no longer resolved.
 Real grid_line(vec2 position, vec2 pixel) {
+    const Real width = max(pixel.x, pixel.y), kGone = 0.25;
+    if (!some(width < kGone)) return Real(0);
     return max(line_across(position.x, pixel.x), line_across(position.y, pixel.y)) *
-           (1 - smoothstep(0.02, 0.25, max(pixel.x, pixel.y)));
+           (1 - smoothstep(0.02, kGone, width));
 }
 
 // A number for each cell, 0..1 (the hash pcg3d's first round: M. Jarzynski and M. Olano, Hash Functions for GPU
@@ -53,9 +55,12 @@ vec3 ground_light(vec3 world, vec2 pixel) {
 // A pixel where no character is, as the picture has it. `ray`: through its centre; `pixel`: its width and height in
 // ground_position().
 vec3 background(vec3 ray, vec2 pixel) {
-    const Mask meets = ray.y < 0 && Real(scene.eye.y) > scene.ground.y;
-    const vec3 sky = sky_color(normalize(ray));
-    if (!some(meets)) return tone_mapped(sky);
-    const vec3 world = ground_point(ray), ground = through_fog(ground_light(world, pixel), world);
-    return tone_mapped(choose(meets, ground, sky));
+    const Mask misses = ray.y >= 0 || Real(scene.eye.y) <= scene.ground.y;
+    vec3 color = vec3(0);
+    if (some(!misses)) {
+        const vec3 world = ground_point(ray);
+        color = through_fog(ground_light(world, pixel), world);
+    }
+    if (some(misses)) color = choose(misses, sky_color(normalize(ray)), color);
+    return tone_mapped(color);
 }

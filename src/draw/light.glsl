@@ -7,5 +7,6 @@ vec4 heights_at(Whole column, Whole row) {
     for (int i = 0; i < 4; ++i) heights[i] = texelFetch(shadow_map, ivec2(clamp(column + i, 0, last), row), 0).r;
     return heights;
 }
+bool has_heights(Whole column, Whole row) { return true; }
 #include "draw/light_model.glsl"
 #include "draw/sun_model.glsl"

@@ -62,6 +62,7 @@ vec3 tone_mapped(vec3 light) {
     const Real least = min(exposed.x, min(exposed.y, exposed.z));
     const vec3 color = exposed - vec3(choose(least < 0.08, least - 6.25 * least * least, Real(0.04)));
     const Real peak = max(color.x, max(color.y, color.z)), room = 1 - kStart;
+    if (!some(peak >= kStart)) return color;
     const Real lower_peak = 1 - room * room / (max(peak, kStart) + room - kStart);
     const Real white = 1 - 1 / (kDesaturation * (peak - lower_peak) + 1);
     return choose(peak < kStart, color, mix(color * (lower_peak / peak), vec3(lower_peak), white));

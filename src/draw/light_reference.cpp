@@ -29,6 +29,7 @@ struct LightText {
         };
         return {at(0), at(1), at(2), at(3)};
     }
+    static bool has_heights(int, int) { return true; }
 
 #include "draw/ground_model.glsl"
 #include "draw/light_model.glsl"

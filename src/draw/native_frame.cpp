@@ -5,6 +5,7 @@
 #include "draw/native_vertices.h"
 #include "draw/scene.h"
 #include "draw/shadow_map.h"
+#include "raster/casters.h"
 #include "raster/kernels.h"
 
 #include <algorithm>
@@ -101,8 +102,11 @@ void NativeFrame::draw(const CrowdState& crowd, const NativeCrowd& native, const
     skin(crowd, native);
     sort_by_distance();
     times_.skin_ms = clock.lap_ms();
-    if (options.shadows)
+    if (options.shadows) {
+        raster::count_casters(frame_, casters_);
+        frame_.casters = casters_.data();
         draw_tiles({frame_.map_size, frame_.map_size}, kLargestMapTile, map_is_clear_, kernel_.draw_map);
+    }
     times_.shadow_ms = clock.lap_ms();
     draw_tiles(extent_, kLargestPictureTile, picture_is_clear_, kernel_.draw_picture);
     times_.picture_ms = clock.lap_ms();

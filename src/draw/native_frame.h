@@ -83,6 +83,7 @@ private:
     std::vector<uint64_t> distances_;  // greatest depth, and draw
     std::vector<uint32_t> nearest_first_, draw_of_ids_;
     std::vector<raster::Line> lines_;
+    std::vector<uint32_t> casters_;
     NativeTimes times_;
 };
 

@@ -20,6 +20,10 @@ inline constexpr uint32_t kBlockFloats = kBlock / kFour * kFourFloats;
 
 inline constexpr uint32_t kMipLimit = 16;
 
+// Cells of the shadow map have 2^kCellShift texels each way.
+inline constexpr uint32_t kCellShift = 4;
+constexpr uint32_t cells_of_map(uint32_t map_size) { return (map_size + (1u << kCellShift) - 1) >> kCellShift; }
+
 // Linear light or plain numbers, 16 bits each, red lowest; a coordinate outside of 0..1 repeats.
 struct Texture {
     const uint64_t* texels = nullptr;  // of all mips
@@ -107,6 +111,9 @@ struct Frame {
 
     // [map_size][map_size], greatest height (0: none); map_from_world
     float* map = nullptr;
+    // [row of cells][column]: 0 only where the map is empty in the cell's texels and 3 more to the right and below.
+    // Null: not known
+    const uint32_t* casters = nullptr;
     // [height][width][sample_count]: depth (its bits; 0: nothing) above ~id: the greatest is seen
     uint64_t* samples = nullptr;
     const uint32_t* srgb = nullptr;  // [kSrgbSteps + 1], 0..255, of a linear number

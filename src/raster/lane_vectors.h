@@ -128,6 +128,7 @@ INLINE V choose(Mask condition, const V& yes, const V& no) {
     return V::each(Chosen{condition}, yes, no);
 }
 
+INLINE Mask operator!(Mask a) { return ~a; }
 INLINE Mask operator&&(Mask a, Mask b) { return a & b; }
 INLINE Mask operator||(Mask a, Mask b) { return a | b; }
 

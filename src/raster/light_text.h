@@ -31,7 +31,15 @@ struct LightText {
 
     const TextScene& scene;
     const float* map;
+    const uint32_t* casters;  // as Frame::casters
 
+    INLINE Mask has_heights(Whole column, Whole row) const {
+        if (!casters) return first_lanes(Lanes::kCount);
+        const auto size = static_cast<uint32_t>(scene.shadow.x);
+        const auto count = static_cast<int32_t>(cells_of_map(size));
+        const auto cell = [&](Whole texel) { return clamp(texel >> kCellShift, 0, count - 1); };
+        return Whole(0) < gather(casters, cell(row) * count + cell(column));
+    }
     INLINE vec4 heights_at(Whole column, Whole row) const {
         const auto size = static_cast<int32_t>(scene.shadow.x);
         const Whole first = row * size;

@@ -44,18 +44,31 @@ public:
         row_ = row;
         first_column_ = first_column;
         const uint32_t left = frame_.width - first_column, count = left < kSpan ? left : kSpan;
-        for (uint32_t i = 0; i < kSpan; ++i) span_.red[i] = span_.green[i] = span_.blue[i] = span_.background[i] = 0;
+        const uint32_t end = (count + Lanes::kCount - 1) / Lanes::kCount * Lanes::kCount;
+        for (uint32_t i = 0; i < end; ++i) span_.red[i] = span_.green[i] = span_.blue[i] = span_.background[i] = 0;
         const size_t first = size_t{row} * frame_.width + first_column;
-        for (uint32_t i = 0; i < count; ++i) add_pixel(frame_.samples + (first + i) * frame_.sample_count, i);
+        for (uint32_t i = 0; i < count; i += Lanes::kCount)
+            add_pixels(frame_.samples + (first + i) * frame_.sample_count, i, count);
         shade_items();
         for (uint32_t i = 0; i < count; i += Lanes::kCount) shade_background(i);
         for (uint32_t i = 0; i < count; i += Lanes::kCount) write(i, count, frame_.pixels + 4 * first);
     }
 
 private:
+    // As many as there are lanes, but for those from the column `end` on.
+    INLINE void add_pixels(const uint64_t* samples, uint32_t column, uint32_t end) {
+        const uint32_t left = end - column, pixel_count = left < Lanes::kCount ? left : uint32_t{Lanes::kCount},
+                       sample_count = pixel_count * frame_.sample_count;
+        constexpr uint32_t kOfLine = 64 / sizeof(uint64_t);
+        for (uint32_t i = 0; i < sample_count; i += kOfLine) __builtin_prefetch(samples + kAhead + i);
+        uint64_t all = 0;
+        for (uint32_t i = 0; i < sample_count; ++i) all |= samples[i];
+        if (all == 0) return store(span_.background + column, 1);
+        for (uint32_t i = 0; i < pixel_count; ++i) add_pixel(samples + size_t{i} * frame_.sample_count, column + i);
+    }
+
     // The samples that show the same triangle are one item.
     void add_pixel(const uint64_t* samples, uint32_t column) {
-        __builtin_prefetch(samples + kAhead);
         const auto id = [samples](uint32_t i) { return ~static_cast<uint32_t>(samples[i]); };
         const uint32_t count = frame_.sample_count;
         uint32_t equal = 1;

@@ -71,7 +71,7 @@ INLINE vec3 unpacked_normal(Whole packed) {
 // Colours of pixels of one row, all of one material. The light's text is inlined into it.
 [[gnu::flatten]] vec3 shaded(const Frame& frame, const TextScene& scene, const Material& material,
                              const ShadeInput& input, float row) {
-    LightText text{scene, frame.map};
+    LightText text{scene, frame.map, frame.casters};
     vec3 places[3], normals[3], colors[3];
     vec2 texcoords[3];
     ClipPoint clip[3];
@@ -111,7 +111,7 @@ INLINE vec3 unpacked_normal(Whole packed) {
 
 // Of the ground, or the sky, in as many columns as there are lanes.
 [[gnu::flatten]] vec3 shaded_background(const Frame& frame, const TextScene& scene, uint32_t column, uint32_t row) {
-    LightText text{scene, frame.map};
+    LightText text{scene, frame.map, frame.casters};
     const Whole columns = lane_numbers() + static_cast<int32_t>(column), rows = static_cast<int32_t>(row);
     const auto ray_through = [&](Whole x, Whole y) {
         return xyz(scene.forward) + xyz(scene.right) * ((Real(x) + 0.5f) * (2 / static_cast<float>(frame.width)) - 1) +

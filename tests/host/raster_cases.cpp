@@ -244,6 +244,16 @@ Vec3<double> RasterPicture::shaded(const Shown& shown, uint32_t x, uint32_t y) c
                                 .texcoord_y = step_y.texcoord});
 }
 
+void RasterPicture::keep_heights(uint32_t first, uint32_t end) {
+    const auto is_kept = [&](uint32_t texel) { return texel >= first && texel < end; };
+    for (uint32_t i = 0; i < map_.size(); ++i)
+        if (!is_kept(i % frame.map_size) || !is_kept(i / frame.map_size)) map_[i] = 0;
+    const uint32_t side = raster::cells_of_map(frame.map_size), cell = 1u << raster::kCellShift;
+    const auto may_read = [&](uint32_t i) { return i * cell < end && (i + 1) * cell + 3 > first; };
+    for (uint32_t i = 0; i < side * side; ++i) casters_.push_back(may_read(i % side) && may_read(i / side) ? 1 : 0);
+    frame.casters = casters_.data();
+}
+
 Vec3<double> RasterPicture::expected(uint32_t x, uint32_t y) const {
     Vec3<double> sum;
     for (uint32_t i = 0; i < frame.sample_count; ++i)

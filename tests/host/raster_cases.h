@@ -42,6 +42,8 @@ public:
     uint32_t add_draw(const raster::Material& material, std::span<const RasterTriangle> triangles,
                       bool is_mirrored = false);
     void add_line(const Vec3<float>& color);
+    // The map is empty but for these columns and rows, and the kernels are told where.
+    void keep_heights(uint32_t first, uint32_t end);
     // After all has been added: what points into what.
     void finish();
 
@@ -95,6 +97,7 @@ private:
     RasterDraws draws_;
     std::vector<raster::Line> lines_;
     std::vector<float> map_;
+    std::vector<uint32_t> casters_;
     std::vector<uint64_t> samples_;
     std::vector<Shown> shown_;
     std::vector<uint32_t> srgb_;

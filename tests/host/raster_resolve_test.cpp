@@ -66,6 +66,21 @@ TEST(RasterResolve, GroundAndSky) {
     below_ground.expect_resolved();
 }
 
+TEST(RasterResolve, ShadowsAreLookedUpNearCasters) {
+    RasterPicture picture(61, 61, 1, 4);
+    picture.keep_heights(21, 34);
+    picture.finish();
+    picture.expect_resolved();
+    // Nowhere else: no height is read where there is said to be none
+    const std::vector<uint32_t> none(size_t{raster::cells_of_map(64)} * raster::cells_of_map(64));
+    RasterPicture told(61, 61, 1, 4), unshadowed(61, 61, 1, 4);
+    told.frame.casters = none.data();
+    unshadowed.scene.shadow.z = 0;
+    told.finish();
+    unshadowed.finish();
+    for (const NativeIsa isa : native_isas()) EXPECT_EQ(told.resolved(isa, 8), unshadowed.resolved(isa, 8));
+}
+
 TEST(RasterResolve, GroundWithoutShadows) {
     RasterPicture picture(31, 9, 1, 3);
     picture.scene.shadow.z = 0;
