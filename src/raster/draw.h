@@ -141,17 +141,25 @@ private:
         const uint32_t small = bits(is_small), hit = bits(live & ~(is_small & (samples == 0)));
         if (hit == 0) return;
 
-        FittingTriangles triangles;
         const Real z0 = gather(screen_.z, a.vertex), of_b = gather(screen_.z, b.vertex),
                    of_c = gather(screen_.z, c.vertex);
         const Real z1 = of_b - z0, z2 = of_c - z0;
         const Real per_area = Real(-1) / area;
         const Real per_x = (z1 * y2 - z2 * y1) * per_area, per_y = (z2 * x1 - z1 * x2) * per_area;
         const Real bias = kInto == Into::kMap ? bias_of(per_x, per_y) : Real(0);
-        triangles.set_planes(a.x, a.y, z0 - bias, per_x, per_y, max(max(of_b, of_c), z0) - bias);
+        const LanePlane plane_of{a.x, a.y, z0 - bias, per_x, per_y, max(max(of_b, of_c), z0) - bias};
+        uint32_t rest = hit;
+        if constexpr (Of::kCount == 1 && !kMasked) {
+            const Mask is_single = is_small & (samples > 0) & ((samples & (samples - 1)) == 0);
+            write_singles(first, samples, box, plane_of, is_single);
+            rest &= ~bits(is_single);
+            if (rest == 0) return;
+        }
+        FittingTriangles triangles;
+        triangles.set_planes(plane_of);
         triangles.set_box(box, samples);
-        if ((hit & ~small) != 0) triangles.set_edges(edges);
-        for (uint32_t rest = hit; rest != 0; rest &= rest - 1) {
+        if ((rest & ~small) != 0) triangles.set_edges(edges);
+        for (; rest != 0; rest &= rest - 1) {
             const int i = __builtin_ctz(rest);
             const Plane plane = triangles.plane(i);
             const auto write = [&](int x, int y, uint32_t mask) {
@@ -161,6 +169,22 @@ private:
                 write(triangles.x0(i), triangles.y0(i), triangles.samples(i));
             else
                 triangles.template for_blocks<kInto>(i, tile_, write);
+        }
+    }
+
+    // Triangles of one sample, whose depths lanes find: `samples`, in blocks of pixels that have one each.
+    INLINE void write_singles(uint32_t first, Whole samples, const PixelBox& box, const LanePlane& plane, Mask live) {
+        const Whole place = (bits_of(Real(samples)) >> 23) - 127;  // the bit's number, by its exponent
+        const Real x = box.x0 + Real(place & 3), y = box.y0 + Real(place >> 2);
+        alignas(64) float depths[Lanes::kCount];
+        store(depths, plane.at(x * kSubpixels + Of::kX[0], y * kSubpixels + Of::kY[0]));
+        uint32_t columns[Lanes::kCount], rows[Lanes::kCount];
+        store_any(columns, truncated(x));
+        store_any(rows, truncated(y));
+        for (uint32_t rest = bits(live); rest != 0; rest &= rest - 1) {
+            const auto i = static_cast<uint32_t>(__builtin_ctz(rest));
+            target_.write(static_cast<int>(columns[i]), static_cast<int>(rows[i]), 0, depths[i],
+                          draw_.first_id + first + i);
         }
     }
 

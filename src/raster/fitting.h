@@ -54,14 +54,22 @@ INLINE Whole samples_of_block(const LaneEdge (&edges)[3], const PixelBox& box, c
     return samples;
 }
 
+// As Plane, of as many triangles as there are lanes.
+struct LanePlane {
+    Real x0, y0, z0, per_x, per_y, most;
+    INLINE Real at(Real x, Real y) const {
+        return max(min(per_x * (x - x0) + (per_y * (y - y0) + z0), most), Plane::kLeast);
+    }
+};
+
 class FittingTriangles {
 public:
     // So that all numbers of edges are exact, also in a block that reaches 3 pixels beyond the box: the sum of two
     // products of at most 9 and 12 times 256 is below 2^24.
     static constexpr int kMostPixels = 8;
 
-    INLINE void set_planes(Real x, Real y, Real z, Real per_x, Real per_y, Real most) {
-        const Real numbers[6]{x, y, z, per_x, per_y, most};
+    INLINE void set_planes(const LanePlane& of) {
+        const Real numbers[6]{of.x0, of.y0, of.z0, of.per_x, of.per_y, of.most};
         for (int k = 0; k < 6; ++k) store(plane_[k], numbers[k]);
     }
     // `samples`: of those in one block.

@@ -78,7 +78,6 @@ struct Plane {
         return low > kLeast ? low : kLeast;
     }
 
-private:
     static constexpr float kLeast = 0x1p-126f;
 };
 
