@@ -21,8 +21,11 @@ const InSubset kInSubsets({Subset::kNative}, {"NativePictures.*"});
 using bench::psnr;
 
 constexpr uint32_t kWidth = 240, kHeight = 160;
-constexpr double kLeast_dB = 45;
 constexpr double kLeastDetail = 0.005;  // of the pixels (part_with_detail)
+
+// How alike pictures are by both renderers. The native one places vertices to a 256th of a pixel, as most devices do.
+// SwiftShader has sixteenths, which moves the edges of all triangles a little.
+double least_dB() { return test_gpu()->properties.limits.subPixelPrecisionBits >= 8 ? 45 : 33; }
 
 Renderer make_renderer(const RendererSettings& settings) {
     Result<Renderer> made = Renderer::create(test_device(), settings);
@@ -87,7 +90,7 @@ protected:
         EXPECT_GT(static_cast<NativeRenderer&>(pair.native.state()).times().triangles, 0u) << what << ": empty";
         const double alike_dB = psnr(pictures[0], pictures[1], left_out_pixels);
         std::printf("  %s: %.1f dB\n", what.c_str(), alike_dB);
-        EXPECT_GE(alike_dB, kLeast_dB) << what;
+        EXPECT_GE(alike_dB, least_dB()) << what;
 
         DrawOptions characters_only = options;
         characters_only.shadows = characters_only.skeletons = characters_only.bounds = false;
@@ -416,7 +419,7 @@ TEST_F(NativeDraw, TheDeviceDrawsWhatItUpdates) {
         EXPECT_GT(renderer.draw_ms(), 0);
         const Result<RenderResult> drawn = renderer.render(crowd, camera);
         ASSERT_TRUE(drawn);
-        EXPECT_GE(psnr(copy.picture(), drawn->picture), kLeast_dB);
+        EXPECT_GE(psnr(copy.picture(), drawn->picture), least_dB());
         EXPECT_GT(renderer.draw_ms(), 0);
     }
 }
@@ -441,7 +444,7 @@ TEST_F(NativeDraw, TheDeviceDrawsAlsoWhenTheLastUpdateIsDiscarded) {
     recorder.submit(frame);
     test_gpu()->wait_idle();
     EXPECT_GT(part_with_detail(copy.picture()), kLeastDetail);
-    EXPECT_GE(psnr(copy.picture(), renderer.render(crowd, camera)->picture), kLeast_dB);
+    EXPECT_GE(psnr(copy.picture(), renderer.render(crowd, camera)->picture), least_dB());
 }
 
 TEST_F(NativeDraw, IsChosenForSoftwareDevicesAndNotForGpus) {
@@ -495,7 +498,7 @@ TEST_F(NativeDraw, Resizes) {
         const Picture wanted = made.render(crowd, camera)->picture;
         EXPECT_EQ(copy.picture().rgba, wanted.rgba);
         EXPECT_EQ(renderer.render(crowd, camera)->picture.rgba, wanted.rgba);
-        EXPECT_GE(psnr(of_device.picture(), made.render(updated_by_device, camera)->picture), kLeast_dB);
+        EXPECT_GE(psnr(of_device.picture(), made.render(updated_by_device, camera)->picture), least_dB());
     }
 }
 

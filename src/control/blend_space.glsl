@@ -10,11 +10,14 @@ struct ClipMix {
     uint sync;
 };
 
+// `do` with a `break` before its body: on a software device `while` goes round once more for all invocations. Without
+// the `break`, SwiftShader gives those that have left a loop what its other rounds compute (docs/devices.md).
 void mix_line(INOUT(ClipMix) clip_mix, ControlState state, float x) {
     uint i = 0, k = 1;
-    do
-        if (k < state.point_count && load_point(state.first_point + k).x <= x) i = k;
-    while (++k < state.point_count);
+    do {
+        if (k >= state.point_count) break;
+        if (load_point(state.first_point + k).x <= x) i = k;
+    } while (++k < state.point_count);
     const ControlPoint point = load_point(state.first_point + i);
     const float t = clamp(product(difference(x, point.x), point.inverse_span), 0, 1);
     clip_mix.clips = uvec3(i, min(i + 1, state.point_count - 1), 0);

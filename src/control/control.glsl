@@ -19,7 +19,9 @@ float local_time(float time_s, float duration_s, bool loop) {
 // alone.
 SlotCursor find_rows(ClipTimeline timeline, float time_s) {
     uint low = 0, high = timeline.row_count;  // times[low] <= time_s < times[high], but for the ends
-    do {  // not while: a software device would go round once more; a single row may be looked at
+    // As in blend_space.glsl
+    do {
+        if (high - low <= 1) break;
         const uint middle = (low + high) / 2;
         if (time_at(timeline.first_time + middle) <= time_s)
             low = middle;
