@@ -73,7 +73,7 @@ public:
                 compare(entrant, progress);
             }
         }
-        if (drawn_.against_vulkan) add_vulkan(progress);
+        if (drawn_.vulkan_device) add_vulkan(progress);
     }
 
     void time(uint32_t samples, const Progress& progress) {
@@ -103,7 +103,7 @@ private:
     void add_vulkan(const Progress& progress) {
         Stage& stage = stages_.back();
         Entrant& entrant = add("vulkan", stage);
-        const Result<Device> device = Device::create({.select = "llvmpipe"});
+        const Result<Device> device = Device::create({.select = *drawn_.vulkan_device});
         RendererSettings settings = drawn_.picture;
         settings.path = DrawPath::kDevice;
         if (!device) {

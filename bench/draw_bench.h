@@ -1,5 +1,5 @@
 // `throng bench draw`: pictures of crowds by this machine's processor, with each of its instruction sets, and by a
-// software Vulkan device beside it.
+// Vulkan device beside it.
 #pragma once
 
 #include "bench/record.h"
@@ -7,6 +7,9 @@
 #include "native/native.h"
 
 #include <throng/draw.h>
+
+#include <optional>
+#include <string>
 
 namespace throng::bench {
 
@@ -18,7 +21,7 @@ struct DrawCase {
     RendererSettings picture;
     std::vector<NativeIsa> isas;
     std::vector<uint32_t> threads;
-    bool against_vulkan = false;  // also by a software device of Vulkan, to compare
+    std::optional<std::string> vulkan_device;  // also by this device, to compare
 };
 
 // A record for each way to draw (bench/README.md lists their fields). Pictures are compared first: those by different

@@ -71,8 +71,8 @@ std::string summary_of(const Cells& cells) {
     return sentence.empty() ? sentence : sentence + ".";
 }
 
-std::string figure_of(const Cells& cells, int& figure_count) {
-    BarPlot plot{.id = "frame" + std::to_string(++figure_count),
+std::string figure_of(const Cells& cells, PageFigures& page) {
+    BarPlot plot{.id = page.next_id(),
                  .title = text(*cells.front(), "configuration"),
                  .x_label = "ms",
                  .log_x = true,
@@ -88,17 +88,17 @@ std::string figure_of(const Cells& cells, int& figure_count) {
                              .high = number(*record, "ms/p95"),
                              .note = digits(ms) + (std::isnan(times_fill) ? "" : " · " + digits(times_fill) + " ×")});
     }
-    const std::string svg = bar_plot(plot), summary = summary_of(cells);
+    const std::string svg = page.drawn ? bar_plot(plot) : "", summary = summary_of(cells);
     return svg.empty()
                ? ""
                : "<figure><div class=\"plot\">" + svg + "</div><figcaption>" + summary + "</figcaption></figure>\n";
 }
 
-std::string device_section(const Cells& cells, int& figure_count) {
+std::string device_section(const Cells& cells, PageFigures& page) {
     std::string figures, tables;
     for (const Cells& configuration : grouped(cells, {"configuration", "characters", "joints", "levels"})) {
         const Json& first = *configuration.front();
-        figures += figure_of(configuration, figure_count);
+        figures += figure_of(configuration, page);
         tables += details(escape(text(first, "configuration")) + "<small>" + whole(number(first, "characters")) +
                               " characters × " + whole(number(first, "joints")) + " joints · mean depth " +
                               digits(number(first, "mean_depth")) + " · keys " + escape(text(first, "keys")) +
@@ -133,11 +133,11 @@ keys and tables, which all characters share, are not counted. Bars are logarithm
 
 }  // namespace
 
-std::string frame_section(std::span<const Json> records, int& figure_count) {
+std::string frame_section(std::span<const Json> records, PageFigures& page) {
     const Cells cells = latest_cells(records, "frame", "variant",
                                      {"device", "driver", "configuration", "characters", "joints", "levels"});
     std::string html;
-    for (const Cells& device : grouped(cells, {"device", "driver"})) html += device_section(device, figure_count);
+    for (const Cells& device : grouped(cells, {"device", "driver"})) html += device_section(device, page);
     return html.empty() ? html : html + kMethod;
 }
 

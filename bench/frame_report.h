@@ -1,6 +1,7 @@
 // The section of the report on whole updates: the records of `throng bench frame`.
 #pragma once
 
+#include "bench/report/plot.h"
 #include "bench/report/records.h"
 
 #include <span>
@@ -8,8 +9,7 @@
 
 namespace throng::bench {
 
-// HTML; empty where there is no such record. Its figures get identifiers from `figure_count` on. Throws as
-// run_gnuplot() does.
-std::string frame_section(std::span<const Json> records, int& figure_count);
+// HTML; empty where there is no such record. Throws as run_gnuplot() does where figures are drawn.
+std::string frame_section(std::span<const Json> records, PageFigures& page);
 
 }  // namespace throng::bench

@@ -5,6 +5,7 @@
 #include "bench/report/html.h"
 #include "bench/report/plot.h"
 #include "bench/report/tables.h"
+#include "bench/summary.h"
 
 #include <throng/crowd.h>
 
@@ -121,11 +122,9 @@ std::string levels_summary(const Cells& cells) {
     return sentences.empty() ? "" : sentences + ".";
 }
 
-// An identifier for each figure of the page.
-std::string next_id(int& count) { return "figure" + std::to_string(++count); }
-
-std::string line_figure(const Cells& cells, const View& view, const std::string& title, int& count) {
-    return line_plot({.id = next_id(count),
+std::string line_figure(const Cells& cells, const View& view, const std::string& title, PageFigures& page) {
+    if (!page.drawn) return {};
+    return line_plot({.id = page.next_id(),
                       .title = title,
                       .y_label = view.y_label,
                       .x_label = view.x_label,
@@ -133,16 +132,16 @@ std::string line_figure(const Cells& cells, const View& view, const std::string&
                       .series = series_of(cells, view)});
 }
 
-std::string levels_section(const Cells& cells, int& count) {
+std::string levels_section(const Cells& cells, PageFigures& page) {
     std::string html;
     for (const Cells& panel : grouped(having(cells, "experiment", "levels"), {"shape", "joints", "characters"})) {
-        const std::string time = line_figure(panel, kTime, "", count);
+        const std::string time = line_figure(panel, kTime, "", page);
         html += heading("Time over levels", setting(panel, "levels"));
         html += figure(time,
                        levels_summary(panel) +
                            " The dotted line is the copy kernel, which moves the same bytes and computes nothing." +
                            (having(panel, "method", kPlanner).empty() ? "" : " Rings are the planner's choices."));
-        const std::string over_copy = line_figure(panel, kTimesCopy, "", count);
+        const std::string over_copy = line_figure(panel, kTimesCopy, "", page);
         if (!over_copy.empty())
             html += "<h3>Time over the copy's</h3>\n" +
                     figure(over_copy,
@@ -165,22 +164,22 @@ std::string levels_section(const Cells& cells, int& count) {
 }
 
 std::string scaling_section(const Cells& cells, const std::string& experiment, const std::vector<const char*>& fixed,
-                            const View& view, const std::string& title, int& count) {
+                            const View& view, const std::string& title, PageFigures& page) {
     std::string html;
     for (const Cells& panel : grouped(having(cells, "experiment", experiment), fixed)) {
-        html += heading(title, setting(panel, view.x)) + figure(line_figure(panel, view, "", count), "");
+        html += heading(title, setting(panel, view.x)) + figure(line_figure(panel, view, "", page), "");
         html += details("The same as a table, " + std::string(view.y_label),
                         matrix_table(panel, view.x, view.x_label, view.y), false);
     }
     return html;
 }
 
-std::string on_chip_section(const Cells& cells, int& count) {
+std::string on_chip_section(const Cells& cells, PageFigures& page) {
     std::string html;
     for (const Cells& panel : grouped(having(cells, "experiment", "on_chip"), {"shape"})) {
         std::string figures;
         for (const Cells& level : grouped(panel, {"levels"})) {
-            BarPlot plot{.id = next_id(count),
+            BarPlot plot{.id = page.next_id(),
                          .title = whole(number(*level.front(), "levels")) + " levels",
                          .x_label = "ns a joint",
                          .bars = {}};
@@ -196,9 +195,9 @@ std::string on_chip_section(const Cells& cells, int& count) {
             }
             std::stable_sort(plot.bars.begin(), plot.bars.end(),
                              [](const Bar& a, const Bar& b) { return a.value < b.value; });
-            figures += figure(bar_plot(plot), "");
+            figures += page.drawn ? figure(bar_plot(plot), "") : "";
         }
-        if (figures.empty()) continue;
+        if (figures.empty() && page.drawn) continue;
         html += heading("On the chip", setting(panel, "levels")) +
                 "<p>The scan alone, again and again without going to memory. The pale part of a bar, and the "
                 "percentage, is what its barriers take at least."
@@ -220,12 +219,12 @@ std::string grid_section(const Cells& cells) {
     return html;
 }
 
-std::string device_section(const Cells& cells, int& count) {
+std::string device_section(const Cells& cells, PageFigures& page) {
     const std::string device = text(*cells.front(), "device");
     return "<section>\n<h2>" + (device.empty() ? "Unnamed device" : escape(device)) + "</h2>\n" +
-           levels_section(cells, count) + scaling_section(cells, "joints", {"shape"}, kJoints, "Over joints", count) +
-           scaling_section(cells, "characters", {"shape", "joints"}, kCharacters, "Over characters", count) +
-           on_chip_section(cells, count) + grid_section(cells) + "</section>\n";
+           levels_section(cells, page) + scaling_section(cells, "joints", {"shape"}, kJoints, "Over joints", page) +
+           scaling_section(cells, "characters", {"shape", "joints"}, kCharacters, "Over characters", page) +
+           on_chip_section(cells, page) + grid_section(cells) + "</section>\n";
 }
 
 std::string facts(const Cells& cells) {
@@ -309,15 +308,15 @@ On software devices they move 64-bit words, which throng's sample, blend and bin
 
 }  // namespace
 
-std::string scan_report(std::span<const Json> records) {
+std::string scan_report(std::span<const Json> records, bool with_figures) {
     const Cells cells = scan_cells(records);
-    int count = 0;
-    const std::string frames = frame_section(records, count);
+    PageFigures page{.drawn = with_figures};
+    const std::string frames = frame_section(records, page);
     const char* title = cells.empty() && !frames.empty() ? "A frame of animation" : "Hierarchy-Scan, every method";
     std::string body = std::string("<h1>") + title + "</h1>\n";
     if (!cells.empty()) body += facts(cells) + legend(cells);
-    for (const Cells& device : grouped(cells, {"device", "driver"})) body += device_section(device, count);
-    body += frames + baseline_section(records);
+    for (const Cells& device : grouped(cells, {"device", "driver"})) body += device_section(device, page);
+    body += frames + summary_section(records) + baseline_section(records);
     if (!cells.empty())
         body += methods_section(cells) + measuring_section(cells);
     else if (frames.empty())
@@ -331,11 +330,11 @@ std::string scan_levels_plot(std::span<const Json> records) {
     std::string svg;
     if (!panels.empty()) {
         const Cells& panel = panels.front();
-        int count = 0;
+        PageFigures page;
         svg = line_figure(panel, kTime,
                           "Hierarchy-Scan of " + range(panel, "characters") + " characters × " +
                               range(panel, "joints") + " joints, " + text(*panel.front(), "device"),
-                          count);
+                          page);
     }
     if (svg.empty())
         throw Failure(ErrorCode::kInvalidArgument, "records", "none of the scan benchmark's times over levels");

@@ -8,9 +8,10 @@
 
 namespace throng::bench {
 
-// A page that stands alone. Where a case was measured again, its last record counts. Both throw kUnsupported where
-// gnuplot is not installed; records of other benchmarks are left out, but for "frame" and "baseline".
-std::string scan_report(std::span<const Json> records);
+// A page that stands alone. Where a case was measured again, its last record counts. Of benchmarks other than "scan",
+// "frame" and "baseline" it has a table of times. Both throw kUnsupported where figures are drawn and gnuplot is not
+// installed.
+std::string scan_report(std::span<const Json> records, bool with_figures = true);
 
 // The paper's figure as SVG: the first device's time over levels. Throws kInvalidArgument where there are no such
 // records.

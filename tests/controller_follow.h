@@ -5,6 +5,7 @@
 #include "control/controller_reference.h"
 #include "gpu/upload.h"
 #include "tests/controller_cases.h"
+#include "tests/shared.h"
 #include "tests/test_rig.h"
 #include "tools/creatures/creature.h"
 
@@ -200,8 +201,8 @@ Followed follow(const Controller& controller, const Character& character, uint32
 
 template <class Kernels>
 void follow_example(const char* name, uint32_t instance_count = 1000, uint32_t update_count = 2000) {
-    const Result<Controller> controller = load_controller(std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" +
-                                                          name + ".json");
+    const Result<Controller> controller = load_controller(
+        source_file(std::string("examples/controllers/") + name + ".json"));
     ASSERT_TRUE(controller) << controller.error().text();
     const Followed followed = follow<Kernels>(
         *controller, creature(), instance_count, update_count,

@@ -3,6 +3,7 @@
 
 #include "control/control_reference.h"
 #include "crowd/crowd_state.h"
+#include "tests/shared.h"
 #include "tests/test_device.h"
 #include "tests/test_rig.h"
 #include "tools/creatures/creature.h"
@@ -45,8 +46,7 @@ inline Character creature(uint32_t joints = 60, uint32_t levels = 15, double err
 
 // One of examples/controllers.
 inline Controller example(const char* name) {
-    Result<Controller> controller = load_controller(std::string(THRONG_SOURCE_DIR) + "/examples/controllers/" + name +
-                                                    ".json");
+    Result<Controller> controller = load_controller(source_file(std::string("examples/controllers/") + name + ".json"));
     EXPECT_TRUE(controller) << (controller ? "" : controller.error().text());
     return std::move(*controller);
 }

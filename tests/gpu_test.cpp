@@ -287,7 +287,7 @@ TEST(Gpu, StructsLieAlikeInCppAndInTheShaders) {
 }
 
 TEST(Gpu, EveryStructOfTheIoHeadersIsCompared) {
-    const std::filesystem::path source = THRONG_SOURCE_DIR "/src";
+    const std::filesystem::path source = source_file("src");
     THRONG_SKIP_WITHOUT(source);
     const std::map<std::string, Layout> compared = layouts_in_cpp();
     size_t found = 0;

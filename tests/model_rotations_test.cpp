@@ -198,8 +198,7 @@ TEST(ModelRotations, ManyJointsTakeSeveralDispatches) { follow(creature(8000, 60
 TEST(ModelRotations, AStateMachineFollowsTheReference) {
     constexpr uint32_t kInstances = 20;
     const Character character = creature(60, 15);
-    Controller controller = std::move(
-        *load_controller(std::string(THRONG_SOURCE_DIR) + "/examples/controllers/dragon.json"));
+    Controller controller = std::move(*load_controller(source_file("examples/controllers/dragon.json")));
     size_t changed = 0;
     for (size_t i = 1; i < controller.layers.size(); ++i) {
         controller.layers[i].mode = LayerMode::kOverride;

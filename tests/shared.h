@@ -8,6 +8,9 @@
 
 namespace throng {
 
+// A file of the repository; of the folder THRONG_SOURCE, where a bundle of the tests has some of them.
+std::filesystem::path source_file(const std::string& name);
+
 // A folder of the shared material (characters, goldens, invalid); a test skips where it is missing.
 std::filesystem::path shared_folder(const std::string& name);
 

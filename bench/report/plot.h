@@ -10,6 +10,14 @@
 
 namespace throng::bench {
 
+// The figures of a page.
+struct PageFigures {
+    bool drawn = true;  // else there are only tables, and gnuplot is not needed
+    int count = 0;
+
+    std::string next_id() { return "figure" + std::to_string(++count); }
+};
+
 // Low to high is drawn as a band where both are given.
 struct PlotPoint {
     double x = 0, y = 0, low = 0, high = 0;

@@ -6,6 +6,7 @@
 #include "bench/report/plot.h"
 #include "bench/report/records.h"
 #include "bench/scan_report.h"
+#include "bench/summary.h"
 #include "tests/files.h"
 #include "tests/text.h"
 
@@ -160,6 +161,51 @@ TEST(Report, SaysThatGnuplotIsMissing) {
     setenv("PATH", path.c_str(), 1);
     EXPECT_EQ(failure, "gnuplot: not installed, and the plots need it (Debian: apt-get install gnuplot-nox)");
     EXPECT_EQ(failure_of([] { run_gnuplot("plot nothing\n"); }), "gnuplot: line 0: undefined variable: nothing");
+}
+
+TEST(Report, NeedsNoGnuplotWithoutFigures) {
+    const std::string path = std::getenv("PATH") ? std::getenv("PATH") : "";
+    setenv("PATH", "/nowhere", 1);
+    const std::string page = scan_report(records_of("levels"), false);
+    setenv("PATH", path.c_str(), 1);
+    EXPECT_EQ(count_of(page, "<svg"), 0u);
+    EXPECT_GT(count_of(page, "<table"), 0u);
+}
+
+TEST(Summary, HasALineForEachTimeBesideItsPrediction) {
+    const Json fused{{"bench", "frame"},
+                     {"configuration", "10000 x 300, 60 levels"},
+                     {"variant", "fused"},
+                     {"path", "fused"},
+                     {"scan", "serial"},
+                     {"subgroup_size", 32},
+                     {"ms", {{"median", 0.3}, {"p5", 0.2}, {"p95", 0.4}}},
+                     {"device", "NVIDIA H100 80GB HBM3"}};
+    Json prediction = fused;
+    prediction.update(
+        {{"bench", "isa"}, {"kernel", "fused, two clips"}, {"machine", "H100 SXM"}, {"predicted_ms", 0.1}});
+    Json of_other_subgroups = prediction, of_other_machine = prediction;
+    of_other_subgroups.update({{"subgroup_size", 64}, {"predicted_ms", 7}});
+    of_other_machine.update({{"machine", "RTX 3080"}, {"predicted_ms", 8}});
+    const Json wrong{{"bench", "draw"}, {"configuration", "one dragon"}, {"variant", "vulkan"}, {"wrong", true}};
+    const Json control{{"bench", "control"},
+                       {"characters", 10'000},
+                       {"joints", 300},
+                       {"control_ms", {{"median", 8}}},
+                       {"update_ms", {{"median", 70}}}};
+
+    const std::vector<Json> records{fused, wrong, control};
+    const std::string text = summary_text(records, std::vector<Json>{of_other_subgroups, of_other_machine, prediction});
+    EXPECT_EQ(count_of(text, "| 10000 x 300, 60 levels | fused | 0.300 | 0.200 – 0.400 | 0.100 | 3.00 |"), 1u) << text;
+    EXPECT_EQ(count_of(text, "| one dragon | vulkan | wrong, not timed |"), 1u) << text;
+    EXPECT_EQ(count_of(text, "| the control stage | 8.00 |"), 1u) << text;
+    EXPECT_EQ(count_of(text, "| the whole update | 70.0 |"), 1u) << text;
+
+    EXPECT_EQ(count_of(summary_text(records, {}), "predicted"), 1u) << "says that nothing was, and has no column";
+    EXPECT_EQ(count_of(summary_text(records, std::vector<Json>{of_other_machine}), "predicted |"), 0u);
+    const std::string section = summary_section(records);
+    EXPECT_EQ(count_of(section, "one dragon"), 1u);
+    EXPECT_EQ(count_of(section, "60 levels"), 0u) << "updates have a section of their own";
 }
 
 TEST(Report, NamesTheLineThatIsNoRecord) {

@@ -162,6 +162,7 @@ void add_bench(Command app) {
     add_bench_scan(command);
     add_bench_baselines(command);
     add_bench_report(command);
+    add_bench_summary(command);
     add_bench_diagrams(command);
     command.callback([options, command] {
         if (!command.has_subcommand()) run_bench(*options);

@@ -18,6 +18,7 @@ void add_bench_draw(Command bench);
 void add_bench_scan(Command bench);
 void add_bench_baselines(Command bench);
 void add_bench_report(Command bench);
+void add_bench_summary(Command bench);
 void add_bench_diagrams(Command bench);
 
 }  // namespace throng::tools

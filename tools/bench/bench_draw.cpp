@@ -17,7 +17,7 @@ namespace {
 struct DrawBenchOptions {
     std::vector<std::string> files;
     uint32_t count = 1000, samples = 9;
-    std::string size = "1920x1080", isa = "all";
+    std::string size = "1920x1080", isa = "all", device = "llvmpipe";
     std::vector<uint32_t> threads;
     CameraOptions camera;
     uint64_t seed = 1;
@@ -126,7 +126,7 @@ void measure(const DrawBenchOptions& options, const Shown& shown, Measured& meas
          .picture = picture,
          .isas = chosen_isas(options.isa),
          .threads = options.threads,
-         .against_vulkan = options.vulkan},
+         .vulkan_device = options.vulkan ? std::optional(options.device) : std::nullopt},
         options.samples, print_progress);
     measured.add(records, [&] { print_table(records); });
 }
@@ -169,8 +169,10 @@ void add_bench_draw(Command bench) {
     command.add_option("--size", options->size, "of the picture (with files)").needs(files).capture_default_str();
     // The crowds that are generated have cameras of their own
     for (Option camera : add_camera_options(command, options->camera)) camera.needs(files);
-    command.add_flag("--against-vulkan", options->vulkan,
-                     "also by lavapipe, Mesa's software device (mesa-vulkan-drivers)");
+    Option vulkan = command.add_flag("--against-vulkan", options->vulkan,
+                                     "also by lavapipe, Mesa's software device (mesa-vulkan-drivers)");
+    command.add_option("--device", options->device, "by this one instead of lavapipe: its number or a part of its name")
+        .needs(vulkan);
     add_threads_option(command, options->threads);
     add_isa_option(command, options->isa);
     add_samples_option(command, options->samples, "pictures timed");

@@ -10,6 +10,7 @@ namespace {
 struct ReportOptions {
     std::vector<std::string> files;
     std::string out, plot;
+    bool tables = false;
 };
 
 void run_report(const ReportOptions& options) {
@@ -18,14 +19,14 @@ void run_report(const ReportOptions& options) {
     for (const std::string& file : options.files)
         for (Json& record : bench::read_records(file)) records.push_back(std::move(record));
     if (!options.plot.empty()) write_text(options.plot, bench::scan_levels_plot(records));
-    write_text(options.out, bench::scan_report(records));
+    write_text(options.out, bench::scan_report(records, !options.tables));
 }
 
 }  // namespace
 
 void add_bench_report(Command bench_command) {
     Command command = bench_command.add_subcommand(
-        "report", "records of 'throng bench scan', 'baselines' and 'frame' as an HTML page with figures, by gnuplot");
+        "report", "records of 'throng bench' as an HTML page: those of 'scan' and 'frame' with figures, by gnuplot");
     auto options = std::make_shared<ReportOptions>();
     command
         .add_option("records", options->files, "files of records, one a line; of a case measured twice the last counts")
@@ -33,6 +34,7 @@ void add_bench_report(Command bench_command) {
     add_out_option(command, options->out, "the .html file to write; it needs no other file");
     command.add_option("--plot", options->plot, "a file for the figure of time over levels, SVG")
         .check(writable_file());
+    command.add_flag("--tables", options->tables, "no figures, and so no gnuplot");
     command.footer("Example:\n  throng bench report scan.jsonl baselines.jsonl --out report.html --plot levels.svg");
     command.callback([options] { run_report(*options); });
 }

@@ -1,0 +1,150 @@
+#include "bench/summary.h"
+
+#include "bench/report/html.h"
+
+#include <algorithm>
+#include <sstream>
+
+namespace throng::bench {
+namespace {
+
+bool has_digit(const std::string& word) {
+    return std::ranges::any_of(word, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+bool is_for(const Json& prediction, const Json& record) {
+    const std::string device = text(record, "device");
+    std::istringstream machine(text(prediction, "machine"));
+    bool named = false;
+    for (std::string word; machine >> word;) {
+        if (!has_digit(word)) continue;
+        if (device.find(word) == std::string::npos) return false;
+        named = true;
+    }
+    return named;
+}
+
+// Predicted are the fused updates of `throng bench frame`, for each size of subgroups.
+double predicted_ms(const Json& record, std::span<const Json> predictions) {
+    std::string kernel = text(record, "variant");
+    if (text(record, "bench") != "frame" || text(record, "path") != "fused") return std::nan("");
+    if (kernel == "fused") kernel = "fused, two clips";
+    for (const Json& prediction : predictions)
+        if (text(prediction, "kernel") == kernel &&
+            text(prediction, "configuration") == text(record, "configuration") &&
+            text(prediction, "scan") == text(record, "scan") &&
+            number(prediction, "subgroup_size") == number(record, "subgroup_size") && is_for(prediction, record))
+            return number(prediction, "predicted_ms");
+    return std::nan("");
+}
+
+std::string characters_of(const Json& record) {
+    const double characters = number(record, "characters"), joints = number(record, "joints");
+    return (std::isnan(characters) ? "" : whole(characters) + " characters") +
+           (std::isnan(joints) ? "" : ", " + whole(joints) + " joints");
+}
+
+std::string what_of(const Json& record) {
+    const std::string configuration = text(record, "configuration");
+    if (!configuration.empty()) return configuration;
+    const double levels = number(record, "levels");
+    return characters_of(record) + (std::isnan(levels) ? "" : ", " + whole(levels) + " levels");
+}
+
+std::string variant_of(const Json& record) {
+    std::string variant = text(record, "variant");
+    if (variant.empty()) variant = text(record, "method");
+    if (variant.empty()) variant = text(record, "scan");
+    if (const std::string chosen = text(record, "chosen"); !chosen.empty()) variant += ": " + chosen;
+    if (const double threads = number(record, "threads"); threads > 0)
+        variant += ", " + whole(threads) + (threads > 1 ? " threads" : " thread");
+    return variant;
+}
+
+std::string note_of(const Json& record) {
+    if (flag(record, "wrong")) return "wrong, not timed";
+    return text(record, "unsupported_reason");
+}
+
+// Where a record has its times: "ms/median", "control_ms/median", or "total/median_ms".
+struct Place {
+    const char *ms, *p5, *p95, *of;
+};
+constexpr Place kPlaces[]{{"ms/median", "ms/p5", "ms/p95", ""},
+                          {"median_ms", "p5_ms", "p95_ms", ""},
+                          {"total/median_ms", "total/p5_ms", "total/p95_ms", ""},
+                          {"control_ms/median", "control_ms/p5", "control_ms/p95", "the control stage"},
+                          {"update_ms/median", "update_ms/p5", "update_ms/p95", "the whole update"}};
+
+bool has_own_section(const std::string& bench) { return bench == "scan" || bench == "frame" || bench == "baseline"; }
+
+std::string range_of(const MeasuredTime& time) {
+    return std::isnan(time.p5_ms) ? "" : digits(time.p5_ms) + " – " + digits(time.p95_ms);
+}
+
+}  // namespace
+
+std::vector<MeasuredTime> measured_times(std::span<const Json> records, std::span<const Json> predictions) {
+    std::vector<MeasuredTime> times;
+    for (const Json& record : records) {
+        const std::string bench = text(record, "bench");
+        if (bench.empty() || (bench == "scan" && text(record, "experiment") != "levels")) continue;
+        MeasuredTime time{.bench = bench, .what = what_of(record), .variant = variant_of(record)};
+        bool has_time = false;
+        for (const Place& place : kPlaces) {
+            time.ms = number(record, place.ms);
+            if (std::isnan(time.ms)) continue;
+            time.p5_ms = number(record, place.p5);
+            time.p95_ms = number(record, place.p95);
+            if (place.of[0]) time.variant = place.of;
+            time.predicted_ms = predicted_ms(record, predictions);
+            times.push_back(time);
+            has_time = true;
+        }
+        time.note = note_of(record);
+        if (!has_time && !time.note.empty()) times.push_back(time);
+    }
+    return times;
+}
+
+std::string summary_text(std::span<const Json> records, std::span<const Json> predictions) {
+    const std::vector<MeasuredTime> times = measured_times(records, predictions);
+    const bool predicted = std::ranges::any_of(times,
+                                               [](const MeasuredTime& time) { return !std::isnan(time.predicted_ms); });
+    std::string text;
+    if (predictions.empty())
+        text += "Nothing was predicted: there are no records of `throng bench isa` here.\n";
+    else if (!predicted)
+        text += "None of the predictions is for this device.\n";
+    std::string bench;
+    for (const MeasuredTime& time : times) {
+        if (time.bench != bench) {
+            bench = time.bench;
+            text += "\n## " + bench + "\n\n| what | variant | ms | 5 % – 95 % |" +
+                    (predicted ? " predicted, ms | measured / predicted |" : "") + "\n|---|---|---|---|" +
+                    (predicted ? "---|---|" : "") + "\n";
+        }
+        text += "| " + time.what + " | " + time.variant + " | " + (time.note.empty() ? digits(time.ms) : time.note) +
+                " | " + range_of(time) + " |";
+        if (predicted) text += " " + digits(time.predicted_ms) + " | " + digits(time.ms / time.predicted_ms) + " |";
+        text += "\n";
+    }
+    return text;
+}
+
+std::string summary_section(std::span<const Json> records) {
+    std::string rows;
+    for (const MeasuredTime& time : measured_times(records, {})) {
+        if (has_own_section(time.bench)) continue;
+        rows += "<tr><td>" + escape(time.bench) + "</td><td class=\"wide\">" + escape(time.what) +
+                "</td><td class=\"wide\">" + escape(time.variant) + "</td><td>" + digits(time.ms) + "</td><td>" +
+                range_of(time) + "</td><td class=\"note\">" + escape(time.note) + "</td></tr>\n";
+    }
+    return rows.empty() ? ""
+                        : "<h2>Other benchmarks</h2>\n<div class=\"scroll\"><table><thead><tr><th>benchmark</th>"
+                          "<th class=\"wide\">what</th><th class=\"wide\">variant</th><th>ms</th><th>5 % – 95 %</th>"
+                          "<th></th></tr></thead><tbody>\n" +
+                              rows + "</tbody></table></div>\n";
+}
+
+}  // namespace throng::bench

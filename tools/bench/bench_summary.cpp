@@ -1,0 +1,37 @@
+// throng bench summary: the times of earlier runs in one Markdown table for each benchmark, beside what was predicted.
+#include "bench/summary.h"
+#include "tools/cli/inputs.h"
+#include "tools/bench/bench_commands.h"
+#include "tools/bench/measured.h"
+
+namespace throng::tools {
+namespace {
+
+struct SummaryOptions {
+    std::vector<std::string> files;
+    std::string predictions, out;
+};
+
+void run_summary(const SummaryOptions& options) {
+    keep_inputs(options.files, {options.out});
+    std::vector<Json> records, predictions;
+    for (const std::string& file : options.files)
+        for (Json& record : bench::read_records(file)) records.push_back(std::move(record));
+    if (!options.predictions.empty()) predictions = bench::read_records(options.predictions);
+    write_text(options.out, bench::summary_text(records, predictions));
+}
+
+}  // namespace
+
+void add_bench_summary(Command bench_command) {
+    Command command = bench_command.add_subcommand(
+        "summary", "records of 'throng bench' as Markdown, a line for each time, beside what was predicted");
+    auto options = std::make_shared<SummaryOptions>();
+    command.add_option("records", options->files, "files of records, one a line").required();
+    command.add_option("--predictions", options->predictions, "records of 'throng bench isa'");
+    add_out_option(command, options->out, "the .md file to write");
+    command.footer("Example:\n  throng bench summary records.jsonl --predictions isa.jsonl --out SUMMARY.md");
+    command.callback([options] { run_summary(*options); });
+}
+
+}  // namespace throng::tools

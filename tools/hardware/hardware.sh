@@ -1,0 +1,191 @@
+#!/bin/sh
+# All that throng can find out about a GPU, in nine minutes: tests, benchmarks, drawing. For a machine that has nothing
+# but a C library, coreutils, awk, sed and a Vulkan driver. `./run bundle` puts it beside the programs that it runs.
+#
+#   ./hardware [FOLDER]      writes records.jsonl, report.html, SUMMARY.md and log.txt there (default: ./results)
+#   THRONG_TIME=SECONDS      for all of it (540)
+#   THRONG_DEVICE=NAME       a device's number or a part of its name (default: a hardware GPU if there is one)
+set -u
+here=$(cd "$(dirname "$0")" && pwd)
+out=${1-results}
+mkdir -p "$out" || exit 1
+out=$(cd "$out" && pwd)
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+time_s=${THRONG_TIME-540}
+case $time_s in ''|*[!0-9]*) echo "hardware: THRONG_TIME: '$time_s' is not a number of seconds" >&2; exit 1 ;; esac
+device=${THRONG_DEVICE-}
+export THRONG_SOURCE="$here/source" THRONG_SHARED="$here/shared" HOME="$work" XDG_CACHE_HOME="$work/cache"
+[ ! -f "$here/commit" ] || THRONG_COMMIT=$(cat "$here/commit")
+export THRONG_COMMIT="${THRONG_COMMIT-}"
+
+# A line for each benchmark: its name, percent of the time that are its due, and its options, in order of importance.
+# What one leaves goes to those after it.
+steps() {
+  cat <<TEXT
+scan 13 --experiments levels,on_chip --budget $((time_s / 12)) $quick --json $work/scan.jsonl
+frame 20 --samples 9 $quick --json
+control 6 --path device --characters $controlled --samples 15 --json
+view 8 --path device --count $viewed --samples 9 --json
+million 10 --json
+draw 11 --against-vulkan --samples 3 --threads $(nproc) --isa $isa --json
+TEXT
+}
+
+started=$(date +%s)
+left() { echo $((started + time_s - $(date +%s))); }
+log() { printf '%s\n' "$*" >> "$work/log"; }
+say() { printf '%s\n' "$*"; }
+# Not more than the first and the last 200 kB of a file.
+shortened() {
+  if [ "$(wc -c < "$1")" -lt 400000 ]; then
+    cat "$1"
+  else
+    head -c 200000 "$1"
+    printf '\n[…]\n'
+    tail -c 200000 "$1"
+  fi
+}
+row() { printf '| %s | %s | %s |\n' "$@" >> "$work/steps"; say "$1: $2, $3"; }
+
+has_gpu() { "$here/throng" devices 2>/dev/null | grep -q ', driver '; }
+find_driver() {
+  has_gpu && return
+  # Where containers have mounted NVIDIA's driver without telling the loader
+  for icd in /usr/local/nvidia/share/vulkan/icd.d/nvidia_icd.json; do
+    [ -f "$icd" ] && [ -z "${VK_DRIVER_FILES-}" ] || continue
+    export VK_DRIVER_FILES=$icd
+    has_gpu && return
+  done
+  unset VK_DRIVER_FILES
+  return 1
+}
+
+# What became of each test of a log, a line for each; what a test did last counts.
+states_of() {
+  awk '/^\[ RUN      \]/ { state[$4] = "not_ended" } /^\[       OK \]/ { state[$4] = "passed" }
+    /^\[  SKIPPED \] .*ms\)/ { state[$4] = "skipped" } /^\[  FAILED  \] .*ms\)/ { state[$4] = "failed" }
+    END { for (name in state) print state[name], name }' "$1" | sort
+}
+
+# The suites with tests that have neither passed nor been skipped.
+suites_left() {
+  states_of "$1" > "$work/states"
+  "$here/throng_tests" --gtest_list_tests | awk -v states="$work/states" '
+    BEGIN { while ((getline < states) > 0) if ($1 == "passed" || $1 == "skipped") done[$2] }
+    /^[^ ]/ { suite = $1; next }
+    !((suite $1) in done) && !(suite in seen) { seen[suite]; print suite }'
+}
+
+# All device tests in one process; then, suite by suite, those that failed, or that a crash has kept from running.
+run_tests() {
+  limit=$1
+  begun=$(date +%s)
+  timeout "$limit" "$here/throng_tests" > "$work/tests" 2>&1
+  status=$?
+  cp "$work/tests" "$work/tests.all"
+  if [ $status -ne 0 ]; then
+    for suite in $(suites_left "$work/tests"); do
+      rest=$((begun + limit - $(date +%s)))
+      [ $rest -gt 2 ] || break
+      timeout "$rest" "$here/throng_tests" --gtest_filter="$suite*" > "$work/suite" 2>&1
+      cat "$work/suite" >> "$work/tests.all"
+    done
+  fi
+  states_of "$work/tests.all" > "$work/states"
+  of() { grep -c "^$1 " "$work/states"; }
+  total=$("$here/throng_tests" --gtest_list_tests | grep -c '^ ')
+  result="$(of passed) of $total passed, $(of skipped) skipped, $(of failed) failed, $(of not_ended) not ended"
+  row "device tests" "$result, $((total - $(wc -l < "$work/states"))) not reached" "$(($(date +%s) - begun)) s"
+  if grep -q '^failed \|^not_ended ' "$work/states"; then
+    sed -n 's/^failed /failed: /p; s/^not_ended /not ended: /p' "$work/states" > "$work/failed"
+    log "==== device tests"
+    shortened "$work/failed" >> "$work/log"
+    shortened "$work/tests.all" >> "$work/log"
+  fi
+}
+
+# A benchmark; its records are kept also where it fails or its time is over.
+run_step() {
+  name=$1
+  limit=$2
+  shift 2
+  if ! "$here/throng" bench --help 2>/dev/null | grep -q "^  $name "; then
+    row "$name" "not in this build" "0 s"
+    return
+  fi
+  [ "$limit" -ge 5 ] || { row "$name" "not run: no time left" "0 s"; return; }
+  begun=$(date +%s)
+  timeout "$limit" "$here/throng" bench "$name" --device "$device" "$@" > "$work/stdout" 2> "$work/stderr"
+  status=$?
+  cat "$work/$name.jsonl" "$work/stdout" 2>/dev/null | grep '^{.*}$' > "$work/records"
+  cat "$work/records" >> "$work/records.jsonl"
+  result="$(wc -l < "$work/records") records"
+  case $status in
+    0) ;;
+    124) result="$result; stopped after its $limit s" ;;
+    *) result="$result; failed ($status): $(grep . "$work/stderr" | tail -n 1 | tr '\r|' '  ' | cut -c1-200)" ;;
+  esac
+  row "$name" "$result" "$(($(date +%s) - begun)) s"
+  if [ $status -ne 0 ]; then
+    log "==== throng bench $name --device '$device' $*"
+    shortened "$work/stderr" >> "$work/log"
+    shortened "$work/stdout" >> "$work/log"
+  fi
+}
+
+: > "$work/log"; : > "$work/steps"; : > "$work/records.jsonl"
+"$here/throng" devices > "$work/devices" 2>&1 || {
+  echo "hardware: the programs do not run here: $(head -n 1 "$work/devices")" >&2
+  exit 1
+}
+find_driver || {
+  echo "hardware: no Vulkan driver was found; name its .json file in VK_DRIVER_FILES" >&2
+  exit 1
+}
+"$here/throng" devices > "$work/devices" 2>&1
+cat "$work/devices"
+quick= controlled=1000,10000,100000 viewed=100000
+if grep ', driver ' "$work/devices" | head -n 1 | grep -q '^ *cpu,'; then  # a software device
+  quick=--quick controlled=1000 viewed=10000
+fi
+isa=all
+if grep -q avx2 /proc/cpuinfo; then isa=avx2; fi
+
+export THRONG_VALIDATION=off
+# The tests have 28 percent, the benchmarks `share`, and what is written at the end 4
+run_tests $((time_s * 28 / 100))
+steps > "$work/list"
+share=68
+while read -r name percent options <&3; do
+  share=$((share - percent))
+  run_step "$name" $(($(left) - time_s * (share + 4) / 100)) $options
+done 3< "$work/list"
+
+cp "$work/records.jsonl" "$out/records.jsonl"
+predictions=
+[ ! -f "$here/predictions.jsonl" ] || predictions="--predictions $here/predictions.jsonl"
+"$here/throng" bench summary "$out/records.jsonl" $predictions --out "$work/summary.md" 2>> "$work/log" ||
+  row summary "failed; see log.txt" "0 s"
+"$here/throng" bench report "$out/records.jsonl" --tables --out "$out/report.html" 2>> "$work/log" ||
+  row report "failed; see log.txt" "0 s"
+{
+  printf '# throng on this machine\n\n'
+  printf 'Commit %s, %s, %s s in all.\n\n```\n' "${THRONG_COMMIT:-unknown}" "$(date -u '+%Y-%m-%d %H:%M UTC')" \
+    $(($(date +%s) - started))
+  cat "$work/devices"
+  sed -n 's/^model name[^:]*: /processor: /p' /proc/cpuinfo | head -n 1
+  printf '```\n\n| step | result | time |\n|---|---|---|\n'
+  cat "$work/steps"
+  [ ! -f "$work/failed" ] || { printf '\n'; sed 's/^/- /' "$work/failed"; }
+  printf '\n'
+  cat "$work/summary.md" 2>/dev/null
+} > "$out/SUMMARY.md"
+shortened "$work/log" > "$out/log.txt"
+grep -E 'not run|not in this build|stopped|failed' "$work/steps" |
+  grep -v ' 0 failed, 0 not ended, 0 not reached' > "$work/open"
+if [ -s "$work/open" ]; then
+  say "what could not be run, or not to its end:"
+  sed 's/^| /  /; s/ | /: /; s/ | .*//' "$work/open"
+fi
+say "written to $out: $(cd "$out" && du -ch records.jsonl report.html SUMMARY.md log.txt | tail -n 1 | cut -f1)"
