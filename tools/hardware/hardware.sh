@@ -61,11 +61,15 @@ find_driver() {
   return 1
 }
 
-# What became of each test of a log, a line for each; what a test did last counts.
+# What became of each test of a log, a line for each; of one that ran again, the worst.
 states_of() {
-  awk '/^\[ RUN      \]/ { state[$4] = "not_ended" } /^\[       OK \]/ { state[$4] = "passed" }
-    /^\[  SKIPPED \] .*ms\)/ { state[$4] = "skipped" } /^\[  FAILED  \] .*ms\)/ { state[$4] = "failed" }
-    END { for (name in state) print state[name], name }' "$1" | sort
+  awk 'function not_ended() { if (runs != "") bad[runs] = "not_ended"; runs = "" }
+    /^\[ RUN      \]/ { not_ended(); runs = $4 }
+    /^\[       OK \] .*ms\)/ { state[$4] = "passed"; runs = "" }
+    /^\[  SKIPPED \] .*ms\)/ { state[$4] = "skipped"; runs = "" }
+    /^\[  FAILED  \] .*ms\)/ { bad[$4] = "failed"; runs = "" }
+    END { not_ended(); for (name in bad) state[name] = bad[name]
+      for (name in state) print state[name], name }' "$1" | sort
 }
 
 # The suites with tests that have neither passed nor been skipped.
@@ -96,6 +100,7 @@ run_tests() {
   of() { grep -c "^$1 " "$work/states"; }
   total=$("$here/throng_tests" --gtest_list_tests | grep -c '^ ')
   result="$(of passed) of $total passed, $(of skipped) skipped, $(of failed) failed, $(of not_ended) not ended"
+  [ $status -lt 2 ] || [ $status -eq 124 ] || log "==== throng_tests ended with status $status"
   row "device tests" "$result, $((total - $(wc -l < "$work/states"))) not reached" "$(($(date +%s) - begun)) s"
   if grep -q '^failed \|^not_ended ' "$work/states"; then
     sed -n 's/^failed /failed: /p; s/^not_ended /not ended: /p' "$work/states" > "$work/failed"
