@@ -26,7 +26,8 @@ void run_devices(bool json) {
                             {"subgroup_size", d.subgroup_size},
                             {"shared_memory_bytes", d.shared_memory_bytes},
                             {"storage_buffer_range_bytes", d.storage_buffer_range_bytes},
-                            {"usable", d.usable}});
+                            {"usable", d.usable},
+                            {"compiles_only", d.compiles_only}});
         return print_json(list);
     }
     for (const DeviceInfo& d : devices) {
@@ -36,7 +37,9 @@ void run_devices(bool json) {
         }
         std::printf("%u  %s\n   %s, driver %s, Vulkan %s, subgroups of %u%s\n", d.index, d.name.c_str(), d.type.c_str(),
                     d.driver.c_str(), version_text(d.api_version).c_str(), d.subgroup_size,
-                    d.usable ? "" : "; not usable: Vulkan 1.3 is needed");
+                    d.usable          ? ""
+                    : d.compiles_only ? "; compiles only"
+                                      : "; not usable: Vulkan 1.3 is needed");
     }
 }
 

@@ -22,7 +22,8 @@ struct DeviceInfo {
     uint32_t subgroup_size = 0;
     uint32_t shared_memory_bytes = 0;  // per workgroup
     uint64_t storage_buffer_range_bytes = 0;
-    bool usable = false;  // false: too old for throng
+    bool usable = false;         // false: too old for throng, or compiles_only
+    bool compiles_only = false;  // the driver stands in for hardware that is not there: nothing runs on it
 };
 
 // What the Khronos validation layer looks at. Needs the layer; a device with more than kOff is for tests.

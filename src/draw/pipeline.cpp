@@ -37,6 +37,7 @@ constexpr uint32_t kLineFragment[] = {
 enum class Depth { kNone, kTested, kAlone, kShadowMap };  // the last two: nothing else is written
 
 struct Program {
+    std::string_view name;
     std::span<const uint32_t> vertex, fragment;  // no fragment shader: depth is written
     std::array<uint32_t, 5> vertex_constants{};
     std::array<uint32_t, 2> fragment_constants{};
@@ -95,20 +96,22 @@ OwnedPipeline make_pipeline(const PipelineSettings& settings, const Program& pro
         .colorAttachmentCount = blend.attachmentCount,
         .pColorAttachmentFormats = &settings.color_format,
         .depthAttachmentFormat = program.has_depth ? kDepthFormat : VK_FORMAT_UNDEFINED};
-    return {gpu,
-            gpu->make_pipeline(VkGraphicsPipelineCreateInfo{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-                                                            .pNext = &rendering,
-                                                            .stageCount = static_cast<uint32_t>(stages.size()),
-                                                            .pStages = stages.data(),
-                                                            .pVertexInputState = &vertex_input,
-                                                            .pInputAssemblyState = &assembly,
-                                                            .pViewportState = &viewport,
-                                                            .pRasterizationState = &rasterization,
-                                                            .pMultisampleState = &multisample,
-                                                            .pDepthStencilState = &depth,
-                                                            .pColorBlendState = &blend,
-                                                            .pDynamicState = &dynamic,
-                                                            .layout = settings.layout})};
+    OwnedPipeline pipeline{
+        gpu, gpu->make_pipeline(VkGraphicsPipelineCreateInfo{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+                                                             .pNext = &rendering,
+                                                             .stageCount = static_cast<uint32_t>(stages.size()),
+                                                             .pStages = stages.data(),
+                                                             .pVertexInputState = &vertex_input,
+                                                             .pInputAssemblyState = &assembly,
+                                                             .pViewportState = &viewport,
+                                                             .pRasterizationState = &rasterization,
+                                                             .pMultisampleState = &multisample,
+                                                             .pDepthStencilState = &depth,
+                                                             .pColorBlendState = &blend,
+                                                             .pDynamicState = &dynamic,
+                                                             .layout = settings.layout})};
+    if (gpu->on_pipeline) gpu->on_pipeline({program.name, 0, pipeline.get()});
+    return pipeline;
 }
 
 ShaderLayout make_layout(const std::shared_ptr<Gpu>& gpu,
@@ -134,18 +137,21 @@ ShaderLayout make_farthest_layout(const std::shared_ptr<Gpu>& gpu) {
 }
 
 OwnedPipeline make_ground_pipeline(const PipelineSettings& settings) {
-    return make_pipeline(settings, {.vertex = kGroundVertex, .fragment = kGroundFragment});
+    return make_pipeline(settings, {.name = "draw ground", .vertex = kGroundVertex, .fragment = kGroundFragment});
 }
 
 OwnedPipeline make_farthest_pipeline(const std::shared_ptr<Gpu>& gpu, const ShaderLayout& layout) {
-    return make_pipeline({gpu, layout.get(), VK_SAMPLE_COUNT_1_BIT, kFarthestFormat},
-                         {.vertex = kFarthestVertex, .fragment = kFarthestFragment, .has_depth = false});
+    return make_pipeline(
+        {gpu, layout.get(), VK_SAMPLE_COUNT_1_BIT, kFarthestFormat},
+        {.name = "draw farthest", .vertex = kFarthestVertex, .fragment = kFarthestFragment, .has_depth = false});
 }
 
 CharacterPipelines::CharacterPipelines(const PipelineSettings& settings, const VertexKind& kind) {
-    const auto make = [&](std::span<const uint32_t> fragment, Depth depth, const std::array<uint32_t, 2>& constants) {
+    const auto make = [&](std::string_view name, std::span<const uint32_t> fragment, Depth depth,
+                          const std::array<uint32_t, 2>& constants) {
         return make_pipeline(
-            settings, {.vertex = kCharacterVertex,
+            settings, {.name = name,
+                       .vertex = kCharacterVertex,
                        .fragment = fragment,
                        .vertex_constants = {depth == Depth::kShadowMap, static_cast<uint32_t>(kind.format), kind.listed,
                                             static_cast<uint32_t>(kind.blend), kind.skinned},
@@ -154,20 +160,23 @@ CharacterPipelines::CharacterPipelines(const PipelineSettings& settings, const V
     };
     for (uint32_t discards = 0; discards < 2; ++discards) {
         const auto depths_shader = discards ? std::span<const uint32_t>(kShadowFragment) : std::span<const uint32_t>();
-        shadow[discards] = make(depths_shader, Depth::kShadowMap, {});
-        occluder[discards] = make(depths_shader, Depth::kAlone, {});
+        shadow[discards] = make(discards ? "draw shadow, masked" : "draw shadow", depths_shader, Depth::kShadowMap, {});
+        occluder[discards] = make(discards ? "draw occluders, masked" : "draw occluders", depths_shader, Depth::kAlone,
+                                  {});
         for (uint32_t has_maps = 0; has_maps < 2; ++has_maps)
-            into_picture[discards][has_maps] = make(kCharacterFragment, Depth::kTested, {discards, has_maps});
+            into_picture[discards][has_maps] = make(has_maps ? "draw picture, maps" : "draw picture",
+                                                    kCharacterFragment, Depth::kTested, {discards, has_maps});
     }
 }
 
 LinePipelines::LinePipelines(const PipelineSettings& settings, bool listed) {
-    const auto make = [&](std::span<const uint32_t> vertex, Depth depth) {
+    const auto make = [&](std::string_view name, std::span<const uint32_t> vertex, Depth depth) {
         return make_pipeline(
-            settings, {.vertex = vertex, .fragment = kLineFragment, .vertex_constants = {listed}, .depth = depth});
+            settings,
+            {.name = name, .vertex = vertex, .fragment = kLineFragment, .vertex_constants = {listed}, .depth = depth});
     };
-    skeletons = make(kSkeletonVertex, Depth::kNone);
-    bounds = make(kBoundsVertex, Depth::kTested);
+    skeletons = make("draw skeletons", kSkeletonVertex, Depth::kNone);
+    bounds = make("draw bounds", kBoundsVertex, Depth::kTested);
 }
 
 }  // namespace throng

@@ -41,7 +41,7 @@ Buffer::Buffer(std::shared_ptr<Gpu> gpu, std::string_view what, VkDeviceSize siz
 }
 
 void Buffer::Content::create(VkDeviceSize size, VkBufferUsageFlags usage, MemoryKind kind) {
-    if (gpu->is_native()) {
+    if (gpu->is_native() || gpu->compiles_only()) {
         native_memory = NativeMemory(size);
         mapped = native_memory.bytes();
         size_bytes = size;

@@ -57,6 +57,8 @@ DeviceInfo describe(VkPhysicalDevice physical, uint32_t index) {
     VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &v12};
     vkGetPhysicalDeviceProperties2(physical, &properties);
     const auto& p = properties.properties;
+    const bool is_null = v12.driverID == VK_DRIVER_ID_MESA_RADV &&
+                         std::string_view(p.deviceName).starts_with("Null hardware");
     return {.index = index,
             .name = p.deviceName,
             .type = type_name(p.deviceType),
@@ -65,7 +67,8 @@ DeviceInfo describe(VkPhysicalDevice physical, uint32_t index) {
             .subgroup_size = v11.subgroupSize,
             .shared_memory_bytes = p.limits.maxComputeSharedMemorySize,
             .storage_buffer_range_bytes = p.limits.maxStorageBufferRange,
-            .usable = p.apiVersion >= kApiVersion && find_family(physical).has_value()};
+            .usable = !is_null && p.apiVersion >= kApiVersion && find_family(physical).has_value(),
+            .compiles_only = is_null};
 }
 
 std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
@@ -82,6 +85,11 @@ std::vector<DeviceInfo> describe_all(const std::vector<VkPhysicalDevice>& device
     for (VkPhysicalDevice physical : devices) infos.push_back(describe(physical, static_cast<uint32_t>(infos.size())));
     infos.push_back(NativeDevice::info(static_cast<uint32_t>(infos.size())));
     return infos;
+}
+
+std::string unusable_reason(const DeviceInfo& info) {
+    if (info.compiles_only) return "it compiles only, for hardware that is not there, and nothing runs on it";
+    return info.usable ? std::string() : "Vulkan 1.3 and a compute queue are needed";
 }
 
 bool is_native_name(const std::string& select) { return lower(select) == kNativeType; }
@@ -109,8 +117,9 @@ DeviceInfo select_device(const std::vector<DeviceInfo>& infos, const std::string
     std::ranges::copy_if(infos, std::back_inserter(candidates),
                          [&](const DeviceInfo& info) { return is_selected(info, select); });
     if (candidates.empty()) throw refuse("no such device");
+    const std::string unusable = unusable_reason(candidates.front());
     std::erase_if(candidates, [](const DeviceInfo& info) { return !info.usable; });
-    if (candidates.empty()) throw refuse("Vulkan 1.3 and a compute queue are needed");
+    if (candidates.empty()) throw refuse(unusable);
     return *std::min_element(candidates.begin(), candidates.end(),
                              [](const auto& a, const auto& b) { return preference(a) < preference(b); });
 }

@@ -21,6 +21,8 @@ DeviceInfo describe(VkPhysicalDevice physical, uint32_t index);
 // With the native device, which is the last.
 std::vector<DeviceInfo> describe_all(const std::vector<VkPhysicalDevice>& devices);
 
+// Why nothing can run on it; empty where it can.
+std::string unusable_reason(const DeviceInfo& info);
 // Whether DeviceSettings::select names the native device and no other.
 bool is_native_name(const std::string& select);
 // Whether it means this device, maybe among others.

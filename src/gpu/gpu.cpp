@@ -82,6 +82,21 @@ std::shared_ptr<Gpu> Gpu::create(const DeviceSettings& settings) {
     return gpu;
 }
 
+std::shared_ptr<Gpu> Gpu::create_compiler() {
+    std::shared_ptr<Gpu> gpu(new Gpu(true));  // before the lock, as in list()
+    const std::lock_guard lock(instance_level_mutex());
+    load_vulkan();
+    gpu->create_instance(Validation::kOff);
+    const std::vector<VkPhysicalDevice> devices = physical_devices(gpu->instance_);
+    const std::vector<DeviceInfo> infos = describe_all(devices);
+    const auto found = std::ranges::find_if(infos, &DeviceInfo::compiles_only);
+    if (found == infos.end()) return nullptr;
+    gpu->create_device({.pipeline_cache = false}, devices[found->index], *found);
+    gpu->memory_properties.memoryHeapCount = 1;
+    gpu->memory_properties.memoryHeaps[0].size = NativeDevice::memory_bytes();
+    return gpu;
+}
+
 // A software device's memory is this machine's.
 bool Gpu::computes_in_host_memory() const {
     constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
@@ -112,9 +127,8 @@ std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
     load_vulkan();
     volkLoadInstanceOnly(adopted.instance);
     gpu->info = describe(adopted.physical_device, 0);
-    if (!gpu->info.usable)
-        throw Failure(ErrorCode::kNoDevice, "adopted device " + gpu->info.name,
-                      "Vulkan 1.3 and a compute queue are needed");
+    if (const std::string reason = unusable_reason(gpu->info); !reason.empty())
+        throw Failure(ErrorCode::kNoDevice, "adopted device " + gpu->info.name, reason);
     gpu->device = adopted.device;
     gpu->queue = adopted.queue;
     gpu->queue_family = adopted.queue_family;
@@ -194,6 +208,14 @@ void Gpu::create_device(const DeviceSettings& settings, VkPhysicalDevice physica
         features.features.fragmentStoresAndAtomics = available.features.fragmentStoresAndAtomics;
         features.features.vertexPipelineStoresAndAtomics = available.features.vertexPipelineStoresAndAtomics;
     }
+    VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR executables{
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR,
+        .pipelineExecutableInfo = VK_TRUE};
+    constexpr const char* kExecutables = VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME;
+    if (compiles_only()) {
+        features13.subgroupSizeControl = VK_TRUE;
+        features13.pNext = &executables;
+    }
     const float priority = 1;
     const VkDeviceQueueCreateInfo queue_create{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                                .queueFamilyIndex = queue_family,
@@ -202,7 +224,9 @@ void Gpu::create_device(const DeviceSettings& settings, VkPhysicalDevice physica
     const VkDeviceCreateInfo create{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                     .pNext = &features,
                                     .queueCreateInfoCount = 1,
-                                    .pQueueCreateInfos = &queue_create};
+                                    .pQueueCreateInfos = &queue_create,
+                                    .enabledExtensionCount = compiles_only() ? 1u : 0u,
+                                    .ppEnabledExtensionNames = &kExecutables};
     check(vkCreateDevice(physical, &create, nullptr, &device), "vkCreateDevice");
     volkLoadDeviceTable(&vk, device);
     if (computes_in_host_memory()) native = std::make_unique<NativeDevice>(settings);
@@ -241,7 +265,7 @@ Gpu::~Gpu() {
     if (!instance_ && !device) return;  // and Vulkan may not even be there
     const std::lock_guard lock(instance_level_mutex());
     if (owns_device_ && device) {
-        vk.vkDeviceWaitIdle(device);
+        if (!compiles_only()) vk.vkDeviceWaitIdle(device);
         vk.vkDestroyDevice(device, nullptr);
     }
     if (messenger_) destroy_messenger_(instance_, messenger_, nullptr);
@@ -250,6 +274,7 @@ Gpu::~Gpu() {
 
 void Gpu::submit_and_wait(const std::function<void(VkCommandBuffer)>& body) const {
     if (is_native()) return body(VK_NULL_HANDLE);
+    if (compiles_only()) return;
     // A pool and a fence of its own: rare calls, and nothing to share between threads.
     const VkCommandPoolCreateInfo pool_create{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                               .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
@@ -302,6 +327,9 @@ VkPipeline Gpu::make_pipeline(Info create, uint32_t stage_count, Create function
         .pipelineStageCreationFeedbackCount = stage_count,
         .pPipelineStageCreationFeedbacks = stages.data()};
     create.pNext = &feedback;
+    if (compiles_only())
+        create.flags |= VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR |
+                        VK_PIPELINE_CREATE_CAPTURE_INTERNAL_REPRESENTATIONS_BIT_KHR;
     VkPipeline pipeline = VK_NULL_HANDLE;
     check(function(device, pipeline_cache(), 1, &create, nullptr, &pipeline), call);
     ++counts.pipelines;

@@ -26,11 +26,21 @@ struct GpuCounts {
     std::atomic<uint64_t> cached_pipelines{0};  // of these, without compiling: says the driver
 };
 
+// What a device that compiles only has made.
+struct MadePipeline {
+    std::string_view name;
+    uint32_t workgroup_size = 0;  // 0: a graphics pipeline
+    VkPipeline pipeline = VK_NULL_HANDLE;
+};
+
 class Gpu {
 public:
     static std::vector<DeviceInfo> list();
     static std::shared_ptr<Gpu> create(const DeviceSettings& settings);
     static std::shared_ptr<Gpu> adopt(const AdoptedDevice& adopted);
+    // The first device that compiles only (DeviceInfo::compiles_only); null where there is none. Its buffers lie in
+    // host memory, nothing is bound or submitted, and what the driver makes of each pipeline can be asked.
+    static std::shared_ptr<Gpu> create_compiler();
     ~Gpu();
     Gpu(const Gpu&) = delete;
     Gpu& operator=(const Gpu&) = delete;
@@ -40,6 +50,8 @@ public:
 
     // Whether it is a device without Vulkan, which has none of the handles.
     bool is_native() const { return is_native_; }
+    // Whether pipelines can be made and nothing runs.
+    bool compiles_only() const { return info.compiles_only; }
 
     // Records `body` into a fresh command buffer, submits it to the queue and waits for it. On a native device the
     // command buffer is null.
@@ -90,6 +102,11 @@ public:
     bool has_full_subgroups = false;  // a pipeline can ask for subgroups without idle invocations; enabled
     uint32_t validation_message_count() const { return validation_messages_; }
     VkPipelineCache pipeline_cache() const;
+
+    // Where it compiles only: what kernels are compiled for; 0: what the driver chooses.
+    uint32_t compiled_subgroup_size = 0;
+    // Likewise: called for each kernel, also for one that shares its pipeline, and each graphics pipeline.
+    std::function<void(const MadePipeline&)> on_pipeline;
 
     MemoryBlocks memory;
     SharedKernels kernels;

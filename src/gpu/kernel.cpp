@@ -54,6 +54,10 @@ void CompiledKernel::make_pipeline(const Gpu& gpu) const {
         .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO, .stage = stage.info(), .layout = layout.get()};
     if (full_subgroups_ && gpu.has_full_subgroups && workgroup_size % gpu.largest_subgroup == 0)
         create.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
+    const VkPipelineShaderStageRequiredSubgroupSizeCreateInfo subgroups{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO,
+        .requiredSubgroupSize = gpu.compiled_subgroup_size};
+    if (gpu.compiled_subgroup_size > 0) create.stage.pNext = &subgroups;
     pipeline_ = {gpu.unowned(), gpu.make_pipeline(create)};
 }
 
@@ -94,6 +98,7 @@ Kernel::Kernel(std::shared_ptr<Gpu> gpu, const KernelSettings& settings) : gpu_(
     else
         compiled_ = gpu_->kernels.add(std::move(key), std::make_shared<const CompiledKernel>(*gpu_, settings));
     workgroup_size_ = compiled_->workgroup_size;
+    if (gpu_->on_pipeline) gpu_->on_pipeline({name_, workgroup_size_, compiled_->pipeline(*gpu_)});
 }
 
 Bindings Kernel::bind(const BufferTable& buffers) const {

@@ -98,6 +98,7 @@ ShaderStage::ShaderStage(const std::shared_ptr<const Gpu>& gpu, const ShaderCode
 
 Bindings::Bindings(const std::shared_ptr<const Gpu>& gpu, std::string_view what, const ShaderLayout::Set& set,
                    const BufferTable& buffers, std::span<const VkDescriptorImageInfo> images) {
+    if (gpu->compiles_only()) return;
     std::vector<VkDescriptorPoolSize> sizes;
     for (const BindingInfo& binding : set.bindings) sizes.push_back({descriptor_type(binding.kind), 1});
     const VkDescriptorPoolCreateInfo create{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,

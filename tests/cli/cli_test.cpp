@@ -317,7 +317,7 @@ TEST_F(Cli, DevicesAreListed) {
     for (size_t i = 0; i < devices.size(); ++i) {
         EXPECT_EQ(devices[i]["index"], i);
         EXPECT_EQ(keys(devices[i]), set_of("index name type driver vulkan subgroup_size shared_memory_bytes "
-                                           "storage_buffer_range_bytes usable"));
+                                           "storage_buffer_range_bytes usable compiles_only"));
     }
     const Outcome text = run_tool("devices");
     EXPECT_TRUE(contains(text.out, devices[0]["name"].get<std::string>())) << text;
