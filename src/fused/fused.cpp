@@ -28,6 +28,16 @@ ScanPlan plan_tiled(const ScanChoice& choice, const ScanRig& rig, const ScanLimi
     return plan;
 }
 
+// The loops that make the local transforms come before those of the scan.
+std::vector<LoopTrips> with_tile(const ScanPlan& plan, uint32_t joint_count) {
+    if (plan.counts.loops.empty()) return {};
+    const uint64_t characters = plan.instances_per_workgroup,
+                   strides = (joint_count + plan.workgroup_size - 1) / plan.workgroup_size;
+    std::vector<LoopTrips> loops{{"characters", characters}, {"local transforms", characters * strides}};
+    loops.insert(loops.end(), plan.counts.loops.begin(), plan.counts.loops.end());
+    return loops;
+}
+
 }  // namespace
 
 FusedRig::FusedRig(const Character& character, uint32_t lod) {
@@ -72,9 +82,11 @@ FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLi
     plan.unsupported_reason = plan.scan.unsupported_reason;
     plan.tile_transforms = serial ? 0 : plan.scan.instances_per_workgroup * rig.rig.joint_count();
     plan.one_bind = rig.most_binds <= 1;
+    if (!plan.unsupported_reason.empty()) return plan;
+    plan.loops = serial ? plan.scan.counts.loops : with_tile(plan.scan, rig.rig.joint_count());
     const uint64_t iterations = plan.scan.counts.loop_iterations + 2 * uint64_t{rig.rig.joint_count()} +
                                 rig.palette_count;
-    if (plan.unsupported_reason.empty() && iterations > limits.loop_iterations)
+    if (iterations > limits.loop_iterations)
         plan.unsupported_reason = "up to " + std::to_string(iterations) + " loop iterations exceed the device's " +
                                   std::to_string(limits.loop_iterations);
     return plan;
@@ -123,7 +135,9 @@ Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, cons
         {settings.packed, settings.blends, settings.keeps_model, static_cast<uint32_t>(settings.skin_format),
          plan.one_bind, tile_instances, std::max(plan.tile_transforms, 1u), settings.layered, settings.socket_count,
          settings.inertial, settings.pose_overrides, settings.listed, settings.some_joints});
-    return Kernel(gpu, {.name = "fused",
+    return Kernel(gpu, {.name = settings.layered  ? "fused, layers"
+                                : settings.blends ? "fused, two clips"
+                                                  : "fused, one clip",
                         .spirv = gpu->uses_software_kernels() ? shaders.fused_software : shaders.fused,
                         .workgroup_size = plan.scan.workgroup_size,
                         .constants = std::move(constants),

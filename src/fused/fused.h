@@ -42,6 +42,9 @@ struct FusedPlan {
     ScanPlan scan;
     uint32_t tile_transforms = 0;  // local transforms that pass through shared memory together; 0: none do
     bool one_bind = false;         // no joint has two palette entries
+    // Of the kernel, as ScanCounts::loops, where clips are packed, two or one are blended and no joint has two palette
+    // entries: other kernels have more loops.
+    std::vector<LoopTrips> loops;
 };
 
 FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLimits& limits);

@@ -212,6 +212,10 @@ PieceTable piece_table(const ScanRig& rig, uint32_t threads, double rows_of_loca
     return table;
 }
 
+std::vector<LoopTrips> PieceTable::loops() const {
+    return {{"path", path_row_count > 0 ? path_row_count - 1 : 0}, {"rounds", round_count}, {"walk", walk_row_count}};
+}
+
 Flow flow_pieces(const ScanRig& rig, uint32_t threads, FlowBoundary between_rounds) {
     const PieceCut cut = cut_into_pieces(rig, threads);
     const auto piece_count = static_cast<uint32_t>(cut.pieces.size());

@@ -3,9 +3,16 @@
 
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace throng {
+
+// How often a subgroup runs a loop of the kernel, all times together that it comes to it.
+struct LoopTrips {
+    std::string_view loop;
+    uint64_t trips = 0;
+};
 
 struct ScanCounts {
     uint64_t multiplications = 0;  // of all invocations
@@ -19,6 +26,9 @@ struct ScanCounts {
     bool scattered = false;
     // 16-byte rows that a subgroup loads or stores, likewise, wherever they lie; a link counts as half a row
     double issue_rows = 0;
+    // Of the loops of scan() and what it calls, in the text's order; none: not counted. `throng bench isa` finds the
+    // instructions of each in machine code.
+    std::vector<LoopTrips> loops = {};
 };
 
 inline constexpr double kRowsOfAffine = 3, kRowsOfSimilarity = 2, kRowsOfLink = 0.5;

@@ -41,6 +41,9 @@ ScanPlan plan_fused_serial(const ScanRig& rig, const std::vector<bool>& fixed, c
     plan.links.insert(plan.links.end(), walk.begin(), walk.end());
     plan.counts.multiplications = rig.joint_count();
     plan.counts.longest_thread = rig.joint_count();
+    Segment sum;
+    for (const Segment& segment : segments) sum = {sum.fixed + segment.fixed, sum.free + segment.free};
+    plan.counts.loops = {{"segments", segments.size()}, {"fixed joints", sum.fixed}, {"free joints", sum.free}};
     plan.counts.loop_iterations = rig.joint_count() + 3 * uint64_t{segments.size()} + 1;
     const uint32_t shared_bytes = limits.is_cpu ? 0 : plan.constants[1] * 48;
     plan.counts.shared_bytes = shared_bytes;

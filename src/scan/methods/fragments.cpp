@@ -33,7 +33,8 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t threads) {
                    .issue_steps = table.longest_thread * subgroups,
                    .loop_iterations = table.loop_iterations(),
                    .scattered = true,
-                   .issue_rows = table.rows_on(limits) * subgroups};
+                   .issue_rows = table.rows_on(limits) * subgroups,
+                   .loops = table.loops()};
     return plan;
 }
 

@@ -39,7 +39,8 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t thread
                    .issue_steps = table.longest_thread * subgroups,
                    .loop_iterations = table.loop_iterations(),
                    .scattered = true,
-                   .issue_rows = table.rows_on(limits) * subgroups};
+                   .issue_rows = table.rows_on(limits) * subgroups,
+                   .loops = table.loops()};
     return plan;
 }
 
