@@ -38,7 +38,7 @@ void run_devices(bool json) {
         std::printf("%u  %s\n   %s, driver %s, Vulkan %s, subgroups of %u%s\n", d.index, d.name.c_str(), d.type.c_str(),
                     d.driver.c_str(), version_text(d.api_version).c_str(), d.subgroup_size,
                     d.usable          ? ""
-                    : d.compiles_only ? "; compiles only"
+                    : d.compiles_only ? "; compiles only, for 'throng bench isa'"
                                       : "; not usable: Vulkan 1.3 is needed");
     }
 }

@@ -1,4 +1,4 @@
-// Devices that compile only, as a user meets them.
+// Devices that compile only, as a user meets them, and `throng bench isa`.
 #include "tests/tool_runner.h"
 
 #include <nlohmann/json.hpp>
@@ -34,6 +34,11 @@ TEST_F(Isa, ADeviceWithoutHardwareIsListedAndRefused) {
         EXPECT_TRUE(run_tool(command + " --device navi21", without_hardware()).refused("compiles only")) << command;
     // What needs a device and has a choice takes another one
     EXPECT_TRUE(run_tool("render creature.glb --out creature.png --size 32x32", without_hardware()).exit_code == 0);
+}
+
+TEST_F(Isa, WhatIsMissingIsNamed) {
+    EXPECT_TRUE(run_tool("bench isa", {.environment = {{"VK_DRIVER_FILES", "/nowhere.json"}}}).refused("driver"));
+    EXPECT_GT(run_tool("bench isa --family voodoo").exit_code, 0);
 }
 
 }  // namespace

@@ -157,6 +157,7 @@ void add_bench(Command app) {
     add_bench_frame(command);
     add_bench_cpu(command);
     add_bench_control(command);
+    add_bench_isa(command);
     add_bench_view(command);
     add_bench_draw(command);
     add_bench_scan(command);

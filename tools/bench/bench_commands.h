@@ -13,6 +13,7 @@ void add_tune(Command app);
 void add_bench_frame(Command bench);
 void add_bench_cpu(Command bench);
 void add_bench_control(Command bench);
+void add_bench_isa(Command bench);
 void add_bench_view(Command bench);
 void add_bench_draw(Command bench);
 void add_bench_scan(Command bench);

@@ -1,0 +1,62 @@
+#include "bench/isa/compiler.h"
+
+#include "base/failure.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+
+namespace throng::bench {
+namespace {
+
+// A variable of the environment, as long as this lives.
+class Variable {
+public:
+    Variable(const char* name, const std::string& value) : name_(name) {
+        if (const char* before = std::getenv(name)) before_ = before;
+        setenv(name, value.c_str(), 1);
+    }
+    ~Variable() {
+        if (before_)
+            setenv(name_, before_->c_str(), 1);
+        else
+            unsetenv(name_);
+    }
+    Variable(const Variable&) = delete;
+
+private:
+    const char* name_;
+    std::optional<std::string> before_;
+};
+
+// The descriptions of AMD's driver for the Vulkan loader, as VK_DRIVER_FILES takes them; empty where there are none.
+std::string driver_files() {
+    std::string files;
+    std::error_code error;
+    for (const char* folder : {"/usr/local/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d", "/etc/vulkan/icd.d",
+                               "/usr/share/vulkan/icd.d"})
+        for (const auto& file : std::filesystem::directory_iterator(folder, error))
+            if (file.path().filename().string().starts_with("radeon_icd") && file.path().extension() == ".json")
+                files += (files.empty() ? "" : ":") + file.path().string();
+    return files;
+}
+
+}  // namespace
+
+std::shared_ptr<Gpu> open_compiler(const std::string& family) {
+    const std::string place = "AMD's Vulkan driver (radv)";
+    const Variable forced("RADV_FORCE_FAMILY", family);
+    std::optional<Variable> driver;
+    if (!std::getenv("VK_DRIVER_FILES") && !std::getenv("VK_ICD_FILENAMES")) {
+        const std::string files = driver_files();
+        if (files.empty())
+            throw Failure(ErrorCode::kNoDevice, place, "it is not installed (Debian's package is mesa-vulkan-drivers)");
+        driver.emplace("VK_DRIVER_FILES", files);
+    }
+    std::shared_ptr<Gpu> gpu = Gpu::create_compiler();
+    if (!gpu)
+        throw Failure(ErrorCode::kNoDevice, place, "not among those that VK_DRIVER_FILES and VK_ICD_FILENAMES name");
+    return gpu;
+}
+
+}  // namespace throng::bench

@@ -1,0 +1,114 @@
+#include "bench/isa/configurations.h"
+
+#include "bench/control_bench.h"
+#include "bench/value_of.h"
+#include "scan/scan_shaders.h"
+#include "scan/scan_table.h"
+#include "tools/creatures/creature.h"
+
+#include <algorithm>
+
+namespace throng::bench {
+namespace {
+
+Asset creature_of(uint32_t joints, uint32_t levels) {
+    return value_of(make_creature({.joint_count = joints, .level_count = levels}));
+}
+
+std::string size_text(uint32_t characters, const Character& character) {
+    return std::to_string(characters) + " x " + std::to_string(character.rig.joint_count()) + ", " +
+           std::to_string(character.rig.level_count) + " levels";
+}
+
+struct Visits {
+    const Character& character;
+    const VisitIsa& visit;
+
+    void operator()(const std::string& name, const CrowdGroup& group, CrowdSettings settings = {},
+                    uint32_t characters = 0) const {
+        settings.groups = {group};
+        settings.groups[0].character = &character;
+        settings.groups[0].instance_count = 1;
+        settings.timestamps = false;
+        visit({name, characters, &character, settings});
+    }
+};
+
+void visit_fused_forms(const Character& character, const Visits& visits) {
+    for (const ScanMethod& method : scan_table())
+        if (!scan_shaders(method.name).fused.empty())
+            visits("by " + std::string(method.name), {}, {.path = UpdatePath::kFused, .scan = std::string(method.name)},
+                   10'000);
+    visits("24 bytes", {}, {.skin_format = SkinFormat::kHalfAffine}, 10'000);
+    visits("32 bytes", {}, {.skin_format = SkinFormat::kSimilarity}, 10'000);
+    visits("model matrices", {}, {.keep_model_matrices = true});
+    visits("sockets", {.sockets = {0, character.rig.joint_count() / 2}});
+    visits("pose overrides", {.pose_capacity = 1});
+    visits("for a view", {}, {.culls = true, .skips_updates = true, .reduces_joints = true});
+    const Controller controller = control_bench_controller(character);
+    visits("controller", {.controller = &controller});
+    visits("controller, overrides, for a view", {.controller = &controller, .pose_capacity = 1},
+           {.skin_format = SkinFormat::kHalfAffine, .culls = true});
+    const Controller inertial = direct_layers(2, {}, true);
+    visits("inertial", {.controller = &inertial});
+}
+
+// What is updated stage by stage, and the stages beside the update of joints.
+void visit_stages(const Character& character, const Visits& visits) {
+    const CrowdSettings staged{.path = UpdatePath::kStaged};
+    visits("staged", {}, staged);
+    visits("staged, 24 bytes", {}, {.path = UpdatePath::kStaged, .skin_format = SkinFormat::kHalfAffine});
+    const Controller controller = control_bench_controller(character);
+    visits("staged, controller", {.controller = &controller}, staged);
+    Controller in_model = direct_layers(2);
+    in_model.layers.back().model_space_rotations = true;
+    visits("layers in model space", {.controller = &in_model});
+    const std::string& joint = character.rig.names[character.rig.joint_count() / 2];
+    const ProceduralRules rules{
+        .targets = {"target"},
+        .rules = {WindRule{.joint = joint}, SpringRule{.joint = joint}, LookAtRule{.joint = joint, .target = "target"},
+                  ReachRule{.joint = joint, .target = "target"}}};
+    visits("procedural", {.procedural = &rules});
+    visits("agents on terrain", {.steering = Steering{}, .on_terrain = true},
+           {.terrain = Terrain{.columns = 2, .rows = 2, .heights = {0, 0, 0, 0}}});
+    visits("skinned once", {}, {.skins_once = true});
+    visits("skinned once, dual quaternions, for a view", {},
+           {.culls = true, .skin_blend = SkinBlend::kDualQuaternion, .skins_once = true});
+}
+
+// Its first mesh gets a morph target.
+Asset with_morph(Asset asset) {
+    AssetMesh& mesh = asset.meshes.front();
+    mesh.weights = {1};
+    for (AssetPrimitive& primitive : mesh.primitives)
+        primitive.targets = {{.positions = std::vector<Vec3<float>>(primitive.positions.size(), {0, 0.1f, 0})}};
+    return asset;
+}
+
+}  // namespace
+
+void visit_default_forms(const VisitIsa& visit) {
+    struct Size {
+        uint32_t characters, joints, levels;
+    };
+    constexpr std::array kSizes{Size{10'000, 300, 15},  Size{10'000, 300, 30}, Size{10'000, 300, 60},
+                                Size{10'000, 300, 120}, Size{100'000, 64, 15}, Size{100'000, 19, 8}};
+    for (const Size& size : kSizes) {
+        const Character character = value_of(compile_character(creature_of(size.joints, size.levels), {.lods = false}));
+        Visits{character, visit}(size_text(size.characters, character), {}, {}, size.characters);
+    }
+}
+
+void visit_other_forms(const VisitIsa& visit) {
+    const Asset asset = creature_of(300, 60);
+    const Character character = value_of(compile_character(asset)), exact = value_of(compile_character(asset, kExact)),
+                    morphed = value_of(compile_character(with_morph(asset)));
+    Visits{exact, visit}("exact keys", {});
+    visit_fused_forms(character, {character, visit});
+    visit_stages(character, {character, visit});
+    const Controller controller = direct_layers(2);
+    Visits{morphed, visit}("morphs", {}, {.skins_once = true});
+    Visits{morphed, visit}("morphs in layers", {.controller = &controller});
+}
+
+}  // namespace throng::bench

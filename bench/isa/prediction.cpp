@@ -1,0 +1,71 @@
+#include "bench/isa/prediction.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace throng::bench {
+namespace {
+
+// Assumed of all devices, in clocks: what a subgroup waits for loads that the second cache answers, and for shared
+// memory, the scalar cache or a barrier.
+constexpr double kMemoryWait = 300, kSharedWait = 60;
+constexpr double kTranscendentalRate = 4;  // clocks, where other arithmetic takes one
+
+// Clocks in which a subgroup's instructions are issued, if all of them are, one at a time.
+double issue_clocks(const InstructionCounts& issued, uint32_t subgroup_size, const Simd& simd) {
+    using enum InstructionClass;
+    const double passes = std::max(1.0, static_cast<double>(subgroup_size) / simd.lanes);
+    return passes * (issued[kVector] + kTranscendentalRate * issued[kTranscendental]) + issued[kShared] +
+           issued[kLoad] + issued[kStore] + issued[kScalar];
+}
+
+}  // namespace
+
+std::optional<std::vector<LoopTrips>> trips_of(const MachineCode& code, std::span<const LoopTrips> known,
+                                               uint32_t subgroup_size) {
+    std::vector<LoopTrips> trips;
+    std::vector<uint64_t> around{1};  // trips of the loops around the next one, by their depth
+    for (const MachineLoop& loop : code.loops) {
+        around.resize(loop.depth + 1);
+        if (loop.over_lanes) {
+            trips.push_back({"lanes", around.back() * subgroup_size});
+        } else {
+            if (known.empty()) return std::nullopt;
+            trips.push_back(known.front());
+            known = known.subspan(1);
+        }
+        around.push_back(trips.back().trips);
+    }
+    if (!known.empty()) return std::nullopt;
+    return trips;
+}
+
+InstructionCounts issued_by_subgroup(const MachineCode& code, std::span<const LoopTrips> trips) {
+    InstructionCounts issued = code.outside;
+    for (size_t i = 0; i < trips.size(); ++i) issued.add(code.loops[i].own, static_cast<double>(trips[i].trips));
+    return issued;
+}
+
+double Prediction::ms() const { return std::max({issue_ms, latency_ms, memory_ms}); }
+
+std::string Prediction::limit() const {
+    if (ms() == memory_ms) return "memory";
+    if (ms() == issue_ms) return "instructions";
+    return "waiting for loads";
+}
+
+Prediction predict(const KernelWork& work, const Machine& machine) {
+    constexpr double kMs_per_ns = 1e-6;
+    const Occupancy occupancy = occupancy_of(work.needs, *machine.simd);
+    const double clocks = issue_clocks(work.issued, work.needs.subgroup_size, *machine.simd);
+    const double waits = kMemoryWait * work.issued[InstructionClass::kMemoryWait] +
+                         kSharedWait * work.issued[InstructionClass::kSharedWait];
+    const double subgroups_of_simd = std::max(1.0, work.subgroups / machine.simd_count),
+                 ms_per_clock = kMs_per_ns / machine.clock_ghz;
+    return {.issue_ms = subgroups_of_simd * clocks * ms_per_clock,
+            .latency_ms = std::max(1.0, subgroups_of_simd / occupancy.subgroups) * (clocks + waits) * ms_per_clock,
+            .memory_ms = work.bytes / machine.bytes_per_ns * kMs_per_ns,
+            .occupancy = occupancy};
+}
+
+}  // namespace throng::bench

@@ -1,0 +1,105 @@
+// What AMD's compiler makes of the kernels, where its driver is installed, beside the committed record.
+#include "base/failure.h"
+#include "bench/isa/compiler.h"
+#include "bench/isa/executable.h"
+#include "bench/isa/machines.h"
+#include "bench/isa_bench.h"
+#include "bench/report/records.h"
+#include "bench/value_of.h"
+#include "tests/shared.h"
+#include "tools/creatures/creature.h"
+
+#include <throng/crowd.h>
+
+#include <map>
+#include <set>
+
+namespace throng::bench {
+namespace {
+
+std::shared_ptr<Gpu> compiler_or_null() {
+    try {
+        return open_compiler("navi21");
+    } catch (const Failure& failure) {
+        std::printf("%s\n", failure.text.c_str());
+        return nullptr;
+    }
+}
+
+// What a row of the table is known by.
+std::string key_of(const Json& record) {
+    return text(record, "configuration") + "; " + text(record, "kernel") + "; " + text(record, "scan") + "; " +
+           record["subgroup_size"].dump();
+}
+
+std::map<std::string, Json> kernels_of(const std::vector<Json>& records) {
+    std::map<std::string, Json> kernels;
+    for (const Json& record : records)
+        if (!record.contains("machine")) kernels[key_of(record)] = record;
+    return kernels;
+}
+
+TEST(Isa, ADeviceThatCompilesOnlyRunsNothing) {
+    const std::shared_ptr<Gpu> gpu = compiler_or_null();
+    if (!gpu) GTEST_SKIP() << "without AMD's driver";
+    EXPECT_TRUE(gpu->compiles_only());
+    EXPECT_FALSE(gpu->info.usable);
+    std::vector<Executable> made;
+    gpu->on_pipeline = [&](const MadePipeline& pipeline) {
+        for (const Executable& executable : executables_of(*gpu, pipeline)) made.push_back(executable);
+    };
+    const Character character = value_of(
+        compile_character(value_of(make_creature({.joint_count = 20, .level_count = 8})), {.lods = false}));
+    Crowd crowd = value_of(Crowd::create(Device(gpu), {.groups = {{&character, 3}}}));
+    EXPECT_TRUE(crowd.update(0.1f));
+    ASSERT_FALSE(made.empty());
+    for (const Executable& kernel : made) {
+        EXPECT_GT(kernel.vgprs, 0u) << kernel.name;
+        EXPECT_GT(kernel.code.all().total(), 0) << kernel.name;
+    }
+    gpu->on_pipeline = nullptr;
+}
+
+const std::filesystem::path kSource = THRONG_SOURCE_DIR,
+                            kRecord = kSource / "bench/results/2026-11-23_isa_navi21.jsonl";
+
+// A stage's kernel has the name of its file, a scan method's may have another behind it.
+TEST(Isa, EachKernelIsInTheRecord) {
+    std::set<std::string> recorded;
+    for (const Json& record : read_records(kRecord)) recorded.insert(text(record, "kernel"));
+    size_t count = 0;
+    for (const auto& file : std::filesystem::recursive_directory_iterator(kSource / "src")) {
+        if (file.path().extension() != ".comp" || file.path().parent_path().filename() == "fused") continue;
+        EXPECT_TRUE(recorded.contains(file.path().stem().string())) << file.path();
+        ++count;
+    }
+    EXPECT_GT(count, 20u);
+}
+
+// Where this goes red on purpose: throng bench isa --json > bench/results/…_isa_navi21.jsonl
+TEST(Isa, DefaultFormsAreAsTheRecordHasThem) {
+    const std::shared_ptr<Gpu> gpu = compiler_or_null();
+    if (!gpu) GTEST_SKIP() << "without AMD's driver";
+    const auto recorded = kernels_of(read_records(kRecord));
+    const std::string driver = text(recorded.begin()->second, "driver");
+    if (gpu->info.driver != driver) GTEST_SKIP() << "the record is of " << driver << ", this is " << gpu->info.driver;
+    const auto made = kernels_of(measure_isa("navi21", IsaScope::kDefaultForms, [](const std::string&) {}));
+    ASSERT_FALSE(made.empty());
+    for (const auto& [key, kernel] : made) {
+        SCOPED_TRACE(key);
+        for (const char* field : {"spilled_vgprs", "spilled_sgprs", "scratch_bytes"}) EXPECT_EQ(kernel[field], 0);
+        const auto before = recorded.find(key);
+        ASSERT_NE(before, recorded.end());
+        for (const char* field : {"subgroups_per_simd", "instructions/all", "issued/all"}) {
+            const double wanted = number(before->second, field), is = number(kernel, field);
+            if (std::isnan(wanted)) {
+                EXPECT_TRUE(std::isnan(is)) << field;
+            } else {
+                EXPECT_NEAR(is, wanted, 0.05 * wanted) << field;
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace throng::bench
