@@ -18,7 +18,9 @@ namespace throng::test {
 
 inline constexpr double kPoseBound = 1e-5;  // of the character's size
 
-inline Crowd create(const CrowdSettings& settings) {
+// With THRONG_TEST_SCAN by that method, where a test leaves it open.
+inline Crowd create(CrowdSettings settings) {
+    if (const char* scan = std::getenv("THRONG_TEST_SCAN"); scan && settings.scan == "auto") settings.scan = scan;
     Result<Crowd> crowd = Crowd::create(test_device(), settings);
     if (!crowd) {
         ADD_FAILURE() << crowd.error().text();

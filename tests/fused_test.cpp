@@ -91,7 +91,7 @@ TEST(Fused, EveryMethodFollowsTheReference) {
 TEST(Fused, AnyNumberOfInstances) {
     const Character character = packed_character({.joint_count = 70, .seed = 3});
     size_t scan_count = 0;
-    for (const char* scan : {"serial", "subgroup:1", "subgroup:8", "fragments"}) {
+    for (const char* scan : {"serial", "subgroup:1", "subgroup:8", "fragments", "stream", "stream:4"}) {
         const ScanRequest request = parse_scan_request(scan);
         if (!has_scan(request.method->name)) continue;
         if (request.threads && !obstacle({request.method, *request.threads}, character).empty()) continue;
@@ -296,25 +296,41 @@ TEST(Fused, AGpuTakesTheFirstMethodThatFits) {
     struct Case {
         uint32_t joint_count;
         double scale_spread;
+        uint32_t shared_memory_bytes;
         const char* wanted;  // empty: none
     };
-    // A tile of 2 characters, 64 lanes: 2 * joints * 32 bytes of similarities or 48 of affines, and slots of 64 lanes
-    // each beside it.
+    // Parents wait for children in later chunks, in 32 or 48 bytes each, those of two characters in a workgroup.
     for (const Case& c :
-         {Case{64, 0, "subgroup_quaternion:32"}, Case{64, 0.1, "subgroup:32"}, Case{700, 0, "subgroup_quaternion:32"},
-          Case{700, 0.1, "fragments:32"}, Case{1100, 0, ""}, Case{1100, 0.1, ""}}) {
-        const FusedPlan plan = choose_fused(FusedRig(character_of(c.joint_count, c.scale_spread)), kHardware);
+         {Case{64, 0, 49152, "stream_quaternion:32"}, Case{64, 0.1, 49152, "stream:32"},
+          Case{1100, 0, 49152, "stream_quaternion:32"}, Case{1100, 0.1, 49152, "stream:32"}, Case{1100, 0.1, 64, ""}}) {
+        ScanLimits limits = kHardware;
+        limits.shared_memory_bytes = c.shared_memory_bytes;
+        const FusedPlan plan = choose_fused(FusedRig(character_of(c.joint_count, c.scale_spread)), limits);
         const std::string where = std::to_string(c.joint_count) + " joints, scale spread " +
                                   std::to_string(c.scale_spread);
         EXPECT_EQ(plan.unsupported_reason.empty() ? name_of(plan.choice) : "", c.wanted)
             << where << ": " << plan.unsupported_reason;
-        if (!plan.unsupported_reason.empty()) {
-            EXPECT_NE(plan.unsupported_reason.find("49152"), std::string::npos) << plan.unsupported_reason;
-        }
         if (plan.unsupported_reason.empty()) {
-            EXPECT_EQ(plan.tile_transforms, plan.scan.instances_per_workgroup * c.joint_count) << where;
+            EXPECT_EQ(plan.tile_transforms, 0u) << where;
+        } else {
+            EXPECT_NE(plan.unsupported_reason.find("device's 64"), std::string::npos) << plan.unsupported_reason;
         }
     }
+}
+
+// What is asked for by name has a tile of 2 characters, 64 lanes: 2 * joints * 32 bytes of similarities or 48 of
+// affines, and slots of 64 lanes each beside it.
+TEST(Fused, ATileMustFit) {
+    const auto plan_of = [](const char* method, uint32_t joint_count) {
+        return plan_fused({find_scan_method(method), 32}, FusedRig(character_of(joint_count, 0)), kHardware);
+    };
+    for (const auto& [method, joint_count] : {std::pair{"subgroup_quaternion", 700u}, std::pair{"subgroup", 64u}}) {
+        const FusedPlan plan = plan_of(method, joint_count);
+        EXPECT_EQ(plan.unsupported_reason, "");
+        EXPECT_EQ(plan.tile_transforms, plan.scan.instances_per_workgroup * joint_count);
+    }
+    for (const auto& [method, joint_count] : {std::pair{"subgroup_quaternion", 1100u}, std::pair{"subgroup", 700u}})
+        EXPECT_NE(plan_of(method, joint_count).unsupported_reason.find("49152"), std::string::npos) << method;
 }
 
 // To the byte: the tile, and at least an element of each array that the method declares.

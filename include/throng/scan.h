@@ -30,4 +30,14 @@ struct ScanAdvice {
 };
 Result<ScanAdvice> advise_scan(const Device& device, const Rig& rig, uint32_t instance_count);
 
+// The order in which `stream`, the method of fused updates on GPUs, goes about a rig: docs/scan.md#stream.
+struct StreamOrder {
+    uint32_t lanes = 0;       // of a subgroup: joints of a chunk, 1 to 128
+    uint32_t characters = 1;  // that share the chunks
+    uint32_t chunks = 0;
+    uint32_t rounds = 0;  // products after shuffles, of all chunks together
+    uint32_t slots = 0;   // transforms in shared memory
+};
+StreamOrder stream_order(const Rig& rig, uint32_t lanes = 32);
+
 }  // namespace throng

@@ -74,13 +74,14 @@ FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLi
         return {.unsupported_reason = std::to_string(bindings.size()) +
                                       " storage buffers in one kernel exceed the device's " +
                                       std::to_string(limits.storage_buffers)};
-    const bool serial = method.name == "serial";
-    FusedPlan plan{
-        .unsupported_reason = {},
-        .choice = choice,
-        .scan = serial ? plan_fused_serial(rig.rig, rig.fixed, limits) : plan_tiled(choice, rig.rig, limits)};
+    const bool serial = method.name == "serial", tiled = scan_shaders(method.name).is_tiled;
+    FusedPlan plan{.unsupported_reason = {},
+                   .choice = choice,
+                   .scan = serial  ? plan_fused_serial(rig.rig, rig.fixed, limits)
+                           : tiled ? plan_tiled(choice, rig.rig, limits)
+                                   : plan_scan(method, rig.rig, limits, choice.threads)};
     plan.unsupported_reason = plan.scan.unsupported_reason;
-    plan.tile_transforms = serial ? 0 : plan.scan.instances_per_workgroup * rig.rig.joint_count();
+    plan.tile_transforms = !tiled ? 0 : plan.scan.instances_per_workgroup * rig.rig.joint_count();
     plan.one_bind = rig.most_binds <= 1;
     if (!plan.unsupported_reason.empty()) return plan;
     plan.loops = serial ? plan.scan.counts.loops : with_tile(plan.scan, rig.rig.joint_count());
@@ -141,6 +142,7 @@ Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, cons
                         .spirv = gpu->uses_software_kernels() ? shaders.fused_software : shaders.fused,
                         .workgroup_size = plan.scan.workgroup_size,
                         .constants = std::move(constants),
+                        .subgroup_size = plan.scan.subgroup_size,
                         .full_subgroups = plan.scan.full_subgroups});
 }
 

@@ -175,6 +175,7 @@ void scan_barrier(bool through_buffers) { barrier(); }
 
 shared StoredTransform tile[kTileTransforms];  // [instance of the workgroup][joint]
 
+void begin_instance(uint index) {}
 Transform load_local(uint index, uint joint) { return unpack(tile[index % kTileInstances * push.joint_count + joint]); }
 void store_model(uint index, uint joint, Transform transform) { store_instance(instance_at(index), joint, transform); }
 
@@ -192,13 +193,17 @@ void main() {
 
 #else
 
-InstanceCursor scan_cursor;  // of the instance that the invocation walks, which its scan() sets
+// The one that the invocation is at.
+uint scan_instance;
+InstanceCursor scan_cursor;
 
-Transform load_local(uint instance, uint joint) { return to_local(local_pose(instance, scan_cursor, joint)); }
-Transform load_local_of_fixed(uint instance, uint joint) {
-    return to_local(local_pose_of_fixed(instance, scan_cursor, joint));
+void begin_instance(uint index) {
+    scan_instance = instance_at(index);
+    scan_cursor = cursor_of(scan_instance);
 }
-void store_model(uint instance, uint joint, Transform transform) { store_instance(instance, joint, transform); }
+Transform load_local(uint index, uint joint) { return to_local(local_pose(scan_instance, scan_cursor, joint)); }
+Transform load_local_of_fixed(uint joint) { return to_local(local_pose_of_fixed(scan_instance, scan_cursor, joint)); }
+void store_model(uint index, uint joint, Transform transform) { store_instance(scan_instance, joint, transform); }
 
 void main() { scan(); }
 

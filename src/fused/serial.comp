@@ -15,19 +15,18 @@
 
 Transform walk_last;
 
-void walk(uint instance, uint step, uint invocation, Transform parent_from_joint) {
+void walk(uint index, uint step, uint invocation, Transform parent_from_joint) {
     const uint parent = step >> kWalkParentShift & kWalkFieldMask, keep = step >> kWalkKeepShift & kWalkFieldMask;
     if (parent == kParentIsPrefix) walk_last = kIdentityTransform;
     walk_last = multiply(load_slot(parent - kParentInSlot, invocation, walk_last), parent_from_joint);
-    store_model(instance, step & kWalkJointMask, walk_last);
+    store_model(index, step & kWalkJointMask, walk_last);
     store_slot(keep - 1, invocation, walk_last);
 }
 
 void scan() {
     const uint index = gl_GlobalInvocationID.x, invocation = gl_LocalInvocationID.x;
     if (index >= instance_count()) return;
-    const uint instance = instance_at(index);
-    scan_cursor = cursor_of(instance);
+    begin_instance(index);
     walk_last = kIdentityTransform;
     const uint segment_end = kFirstSegment + 2 * link(kSegmentCount);
     uint word = segment_end;
@@ -35,11 +34,11 @@ void scan() {
         const uint fixed_end = word + link(segment), free_end = fixed_end + link(segment + 1);
         for (; word < fixed_end; ++word) {
             const uint step = link(word);
-            walk(instance, step, invocation, load_local_of_fixed(instance, step & kWalkJointMask));
+            walk(index, step, invocation, load_local_of_fixed(step & kWalkJointMask));
         }
         for (; word < free_end; ++word) {
             const uint step = link(word);
-            walk(instance, step, invocation, load_local(instance, step & kWalkJointMask));
+            walk(index, step, invocation, load_local(index, step & kWalkJointMask));
         }
     }
 }

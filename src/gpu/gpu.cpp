@@ -134,6 +134,7 @@ std::shared_ptr<Gpu> Gpu::adopt(const AdoptedDevice& adopted) {
     gpu->queue_family = adopted.queue_family;
     gpu->has_int64 = adopted.shader_int64;
     gpu->read_properties(adopted.physical_device);
+    gpu->can_choose_subgroup = false;  // whether the application has enabled it is not known
     if (!(gpu->queue_flags & VK_QUEUE_COMPUTE_BIT))
         throw Failure(ErrorCode::kInvalidArgument, "adopted device",
                       "queue family " + std::to_string(adopted.queue_family) + " has no compute");
@@ -195,8 +196,10 @@ void Gpu::create_device(const DeviceSettings& settings, VkPhysicalDevice physica
     vkGetPhysicalDeviceFeatures2(physical, &available);
     has_int64 = available.features.shaderInt64 == VK_TRUE;
     has_full_subgroups = available13.computeFullSubgroups == VK_TRUE;
+    can_choose_subgroup = can_choose_subgroup && available13.subgroupSizeControl == VK_TRUE;
     // What must be there, and what is used where it is there.
     VkPhysicalDeviceVulkan13Features features13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
+                                                .subgroupSizeControl = available13.subgroupSizeControl,
                                                 .computeFullSubgroups = available13.computeFullSubgroups,
                                                 .synchronization2 = VK_TRUE,
                                                 .dynamicRendering = VK_TRUE,
@@ -247,6 +250,7 @@ void Gpu::read_properties(VkPhysicalDevice physical) {
     max_allocation_bytes = v11.maxMemoryAllocationSize;
     smallest_subgroup = std::max(1u, std::min(v13.minSubgroupSize, v11.subgroupSize));
     largest_subgroup = std::max(v13.maxSubgroupSize, v11.subgroupSize);
+    can_choose_subgroup = (v13.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
     has_shuffle = (v11.subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
                   (v11.subgroupSupportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT);
     vkGetPhysicalDeviceMemoryProperties(physical, &memory_properties);

@@ -97,8 +97,10 @@ public:
     uint64_t max_allocation_bytes = 0;
     uint32_t smallest_subgroup = 1;  // of those that the driver may choose
     uint32_t largest_subgroup = 1;
-    bool has_shuffle = false;         // subgroup shuffles in compute shaders
-    bool has_int64 = false;           // 64-bit integers, enabled
+    bool has_shuffle = false;  // subgroup shuffles in compute shaders
+    bool has_int64 = false;    // 64-bit integers, enabled
+    // A compute pipeline can ask for a size, from the smallest to the largest; enabled
+    bool can_choose_subgroup = false;
     bool has_full_subgroups = false;  // a pipeline can ask for subgroups without idle invocations; enabled
     uint32_t validation_message_count() const { return validation_messages_; }
     VkPipelineCache pipeline_cache() const;

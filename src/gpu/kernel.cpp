@@ -26,6 +26,7 @@ private:
 
     ShaderCode code_;
     std::vector<uint32_t> constants_;  // constant_id 0, 1, …
+    uint32_t subgroup_size_ = 0;
     bool full_subgroups_ = false;
     mutable std::once_flag pipeline_made_;
     mutable OwnedPipeline pipeline_;
@@ -36,6 +37,7 @@ CompiledKernel::CompiledKernel(const Gpu& gpu, const KernelSettings& settings)
       workgroup_size(settings.workgroup_size != 0 ? settings.workgroup_size : info.local_size_x),
       code_{VK_SHADER_STAGE_COMPUTE_BIT, settings.spirv},
       constants_{workgroup_size},
+      subgroup_size_(settings.subgroup_size),
       full_subgroups_(settings.full_subgroups) {
     check_settings(gpu, settings);
     layout = ShaderLayout(gpu.unowned(), {&code_, 1});
@@ -52,7 +54,13 @@ void CompiledKernel::make_pipeline(const Gpu& gpu) const {
     const ShaderStage stage(gpu.unowned(), code_, constants_);
     VkComputePipelineCreateInfo create{
         .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO, .stage = stage.info(), .layout = layout.get()};
-    if (full_subgroups_ && gpu.has_full_subgroups && workgroup_size % gpu.largest_subgroup == 0)
+    const VkPipelineShaderStageRequiredSubgroupSizeCreateInfo required{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO,
+        .requiredSubgroupSize = subgroup_size_};
+    const bool is_required = subgroup_size_ != 0 && gpu.can_choose_subgroup;
+    if (is_required) create.stage.pNext = &required;
+    const uint32_t largest = is_required ? subgroup_size_ : gpu.largest_subgroup;
+    if (full_subgroups_ && gpu.has_full_subgroups && workgroup_size % largest == 0)
         create.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
     const VkPipelineShaderStageRequiredSubgroupSizeCreateInfo subgroups{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO,
@@ -72,7 +80,7 @@ namespace {
 
 SharedKernels::Key key_of(const KernelSettings& settings) {
     SharedKernels::Key key{static_cast<uint32_t>(settings.spirv.size()), settings.workgroup_size,
-                           settings.full_subgroups};
+                           settings.subgroup_size, settings.full_subgroups};
     key.insert(key.end(), settings.spirv.begin(), settings.spirv.end());
     key.insert(key.end(), settings.constants.begin(), settings.constants.end());
     return key;

@@ -12,6 +12,7 @@ struct KernelSettings {
     std::span<const uint32_t> spirv;       // static: a pipeline may be made of it later
     uint32_t workgroup_size = 0;           // constant_id 0; 0 where the shader fixes its own
     std::vector<uint32_t> constants = {};  // constant_id 1, 2, …
+    uint32_t subgroup_size = 0;            // asked for, where Gpu::can_choose_subgroup; 0: the device chooses
     bool full_subgroups = false;           // no idle invocations in them, where the device can promise it
     const NativeKernel* native = nullptr;  // what Gpu::native runs; null: nothing
 };

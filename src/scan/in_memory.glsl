@@ -8,6 +8,8 @@ void store_model(uint instance, uint joint, Transform model_from_joint) {
 }
 
 #ifndef __cplusplus
+void begin_instance(uint index) {}
+
 void scan_barrier(bool through_buffers) {
     if (through_buffers)
         controlBarrier(gl_ScopeWorkgroup, gl_ScopeWorkgroup, gl_StorageSemanticsBuffer | gl_StorageSemanticsShared,

@@ -3,6 +3,7 @@
 #include "scan/scan_buffers.glsl"
 
 uint instance_count() { return push.instance_count; }
+void begin_instance(uint index) {}
 
 CONSTANT(8, bool, kBarriersTwice, false);                  // to measure what barriers cost
 CONSTANT(9, uint, kOnChipCharacters, 1);                   // of a workgroup

@@ -17,6 +17,7 @@ ScanLimits scan_limits(const Gpu& gpu) {
     return {.shared_memory_bytes = limits.maxComputeSharedMemorySize,
             .workgroup_size = std::min(limits.maxComputeWorkGroupSize[0], limits.maxComputeWorkGroupInvocations),
             .subgroup_size = gpu.smallest_subgroup,
+            .largest_subgroup_size = gpu.can_choose_subgroup ? gpu.largest_subgroup : 0,
             .shuffle = gpu.has_shuffle,
             .is_cpu = gpu.is_cpu(),
             .loop_iterations = gpu.is_cpu() ? kLlvmpipeLoopIterations : 0xFFFFFFFF,
@@ -39,6 +40,7 @@ ScanStage::ScanStage(Uploads& uploads, const ScanChoice& choice, const ScanRig& 
                            .spirv = gpu->uses_software_kernels() ? shaders.software : shaders.plain,
                            .workgroup_size = plan.workgroup_size,
                            .constants = std::move(plan.constants),
+                           .subgroup_size = plan.subgroup_size,
                            .full_subgroups = plan.full_subgroups,
                            .native = shaders.native});
 }

@@ -1,7 +1,8 @@
 // The interface of every scan method: a method defines scan(), which reads transforms by load_local() and writes each
-// joint's by store_model(), or to model[] where it reads them back, of the instances below instance_count().
-// constant_id 0 is the workgroup size, 1 to 7 are the method's own; link() reads its own table of the skeleton, made
-// beside it in <method>.cpp. The same file is compiled as several variants:
+// joint's by store_model(), or to model[] where it reads them back, of the instances below instance_count(). A method
+// that loads each joint once calls begin_instance() first, and needs no tile when it is fused. constant_id 0 is the
+// workgroup size, 1 to 7 are the method's own; link() reads its own table of the skeleton, made beside it in
+// <method>.cpp. The same file is compiled as several variants:
 //   GPU_SOFTWARE          transforms move as 64-bit words, for software devices
 //   SCAN_QUATERNION   local transforms are similarities, 32 bytes each, and so are products
 //   SCAN_TRANSPOSED   local[joint][instance], model[joint][instance]

@@ -13,8 +13,9 @@ struct ScanShaders {
     std::string_view name;
     std::span<const uint32_t> plain;
     std::span<const uint32_t> software;  // GPU_SOFTWARE
-    // SCAN_FUSED, all but serial's FUSED_TILED; empty where the method has no such form
+    // SCAN_FUSED; empty where the method has no such form
     std::span<const uint32_t> fused, fused_software;
+    bool is_tiled = false;                 // FUSED_TILED
     const NativeKernel* native = nullptr;  // null: devices without Vulkan do not have it
 };
 

@@ -1,5 +1,7 @@
 #include "scan/scan_table.h"
 
+#include "scan/stream_plan.h"
+
 #include <throng/scan.h>
 
 #include <algorithm>
@@ -74,6 +76,15 @@ std::vector<ScanMethodInfo> scan_methods() {
         methods.push_back({std::string(method.name), std::string(method.summary), std::string(method.source),
                            method.layout == ScanLayout::kCharacterMajor});
     return methods;
+}
+
+StreamOrder stream_order(const Rig& rig, uint32_t lanes) {
+    const StreamPlan plan = plan_stream(ScanRig(rig.parents), {.lanes = std::clamp(lanes, 1u, 128u)});
+    return {.lanes = plan.lanes,
+            .characters = plan.characters,
+            .chunks = static_cast<uint32_t>(plan.chunks.size()),
+            .rounds = plan.round_count,
+            .slots = plan.slots};
 }
 
 }  // namespace throng

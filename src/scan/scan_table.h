@@ -17,9 +17,10 @@ namespace throng {
 // What a device offers that a method may need.
 struct ScanLimits {
     uint32_t shared_memory_bytes = 0;
-    uint32_t workgroup_size = 0;  // largest
-    uint32_t subgroup_size = 0;   // smallest that the device may choose
-    bool shuffle = false;         // subgroups can exchange registers
+    uint32_t workgroup_size = 0;         // largest
+    uint32_t subgroup_size = 0;          // smallest that the device may choose
+    uint32_t largest_subgroup_size = 0;  // that a kernel can ask for; 0: it cannot
+    bool shuffle = false;                // subgroups can exchange registers
     bool is_cpu = false;
     // Iterations of an invocation, all loops together, after which the device silently ends them
     uint32_t loop_iterations = 0xFFFFFFFF;
@@ -33,6 +34,7 @@ struct ScanPlan {
     uint32_t instances_per_workgroup = 1;
     std::vector<uint32_t> constants = {};  // specialization constants 1, 2, …, at most 7
     std::vector<uint32_t> links = {};      // the method's own table of the skeleton
+    uint32_t subgroup_size = 0;            // that it asks for; 0: any
     bool full_subgroups = false;           // it relies on subgroups without idle invocations
     // Nothing but local and model passes through memory, so that the on-chip variant runs
     bool on_chip = false;

@@ -193,6 +193,16 @@ void run_info(const InfoOptions& options) {
     const Character character = unwrap(load_character(options.file, options.compile));
     nlohmann::json json = options.json ? to_json(character) : nlohmann::json();
     if (!options.json) print_text(character);
+    const StreamOrder order = stream_order(character.rig);
+    if (options.json)
+        json["stream"] = {{"lanes", order.lanes},
+                          {"characters", order.characters},
+                          {"chunks", order.chunks},
+                          {"rounds", order.rounds},
+                          {"slots", order.slots}};
+    else
+        std::printf("  stream     of %u on GPUs: chunks of %u joints: %u, rounds: %u, slots: %u\n", order.characters,
+                    order.lanes, order.chunks, order.rounds, order.slots);
     // The file is of interest without a device too; one that was asked for must be there.
     const Result<Device> device = Device::create({.select = options.device});
     if (!device && !options.device.empty()) throw CommandError(device.error().text());

@@ -12,6 +12,7 @@
 // Measured: docs/scan.md#serial
 // Methods: serial serial_quaternion serial_transposed
 // Fused: serial
+// Untiled: serial
 // Native: serial serial_quaternion serial_transposed
 #include "scan/scan.glsl"
 

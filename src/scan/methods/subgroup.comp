@@ -15,15 +15,7 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "scan/scan.glsl"
 #include "scan/pieces.glsl"
-
-// The transform of another invocation of the subgroup.
-Transform shuffled(Transform t, uint source) {
-#ifdef SCAN_QUATERNION
-    return Similarity(subgroupShuffle(t.rotation, source), subgroupShuffle(t.translation_scale, source));
-#else
-    return Affine(subgroupShuffle(t.row0, source), subgroupShuffle(t.row1, source), subgroupShuffle(t.row2, source));
-#endif
-}
+#include "scan/shuffled.glsl"
 
 void scan() {
     const uint invocation = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID, lane = invocation % kThreads;

@@ -1,0 +1,67 @@
+// stream: joints in chunks of a subgroup's width, each made by a lane of its own; parents by shuffles, or from slots.
+// Source: doubling inside a chunk as in warp scans (Harris and Garland, GPU Computing Gems Jade, 2012); the order of
+//   the joints by list scheduling (Hu, Operations Research 9 (6), 1961).
+// Difference: a chunk has any joints whose parents are in it or in earlier ones, found offline: few chunks, few rounds,
+//   few slots. Each local transform is loaded once, by the lane that stores the model transform, so that nothing of a
+//   character waits in shared memory but the parents of later chunks. Small characters share their chunks.
+// Input: local[instance][joint], parent_from_joint, affine 3x4. Output: model[instance][joint], model_from_joint.
+//   stream_quaternion reads similarities.
+// Needs: shuffles; lanes a power of two, at most a subgroup's; shared memory for the slots; any joint count.
+// Cost: a multiplication a chunk and one a round; no barrier.
+// Wins: GPUs, above all fused: no tile of local transforms limits how many subgroups a processor holds.
+// Loses: software devices, on which shuffles and shared memory are slow.
+// Measured: docs/scan.md#stream
+// Methods: stream stream_quaternion
+// Fused: stream stream_quaternion
+// Untiled: stream stream_quaternion
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+#include "scan/scan.glsl"
+#include "scan/shuffled.glsl"
+#include "scan/stream_io.h"
+
+CONSTANT(1, uint, kLanes, 1);           // of a team, which has characters of its own
+CONSTANT(2, uint, kCharacters, 1);      // of a team
+CONSTANT(3, uint, kSlots, 1);           // of a team
+CONSTANT(4, uint, kSlotTransforms, 1);  // of the workgroup
+shared StoredTransform slots[kSlotTransforms];
+
+void scan() {
+    uint team = gl_SubgroupID, lane = gl_SubgroupInvocationID;
+    if (kLanes < gl_SubgroupSize) {
+        team = (gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID) / kLanes;
+        lane %= kLanes;
+    }
+    const uint first_lane = gl_SubgroupInvocationID - lane, first_slot = team * kSlots - 1;  // words count from 1
+    const uint first_index = (gl_WorkGroupID.x * (gl_WorkGroupSize.x / kLanes) + team) * kCharacters;
+    if (kCharacters == 1 && first_index < instance_count()) begin_instance(first_index);
+
+    const uint chunk_count = link(kChunkCount);
+    uint word = kFirstChunk + chunk_count + 2 * lane;
+    for (uint chunk = 0; chunk < chunk_count; ++chunk, word += 2 * kLanes) {
+        const uint joint_word = link(word), parent_word = link(word + 1);
+        const uint joint = joint_word & kStreamJointMask, keep = joint_word >> kStreamKeepShift;
+        const uint from = parent_word >> kStreamSlotShift;
+        uint index = first_index;
+        if (kCharacters > 1) index += parent_word >> kStreamCharacterShift & kStreamCharacterMask;
+        const bool exists = joint != kStreamIdle && index < instance_count();
+
+        Transform transform = kIdentityTransform;
+        if (exists) {
+            if (kCharacters > 1) begin_instance(index);
+            transform = load_local(index, joint);
+            if (from != 0) transform = multiply(unpack(slots[first_slot + from]), transform);
+        }
+        uint ancestor = parent_word & kStreamLaneMask;
+        for (uint round = link(kFirstChunk + chunk); round > 0; --round) {
+            const Transform above = shuffled(transform, first_lane + ancestor);
+            const uint next = subgroupShuffle(ancestor, first_lane + ancestor);
+            if (ancestor != lane) transform = multiply(above, transform);
+            ancestor = next == ancestor ? lane : next;  // nothing of the chunk lies above that one
+        }
+        subgroupBarrier();  // all have read the slots that are written anew
+        if (exists && keep != 0) slots[first_slot + keep] = pack(transform);
+        subgroupBarrier();
+        if (exists) store_model(index, joint, transform);
+    }
+}

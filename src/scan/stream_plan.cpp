@@ -1,0 +1,260 @@
+#include "scan/stream_plan.h"
+
+#include "scan/stream_io.h"
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+#include <queue>
+
+namespace throng {
+namespace {
+
+// In multiplications: what sampling, blending and storing a joint costs. From machine code, docs/performance.md.
+constexpr double kChunkCost = 5;
+constexpr double kCharacterCost = 0.5;  // more where the lanes of a chunk have several characters
+// A slot takes shared memory, which at first does not keep other subgroups away (docs/performance.md)
+constexpr double kSlotCost = 0.02, kCostOfManySlots = 0.2;
+constexpr uint32_t kManySlots = 56;
+constexpr uint32_t kMostShared = 4;  // chunks of several small characters
+
+// Several characters side by side.
+struct Forest {
+    Forest(std::span<const uint32_t> of_one, uint32_t characters) : parents(of_one.size() * characters) {
+        const auto joint_count = static_cast<uint32_t>(of_one.size());
+        for (uint32_t joint = 0; joint < parents.size(); ++joint) {
+            const uint32_t parent = of_one[joint % joint_count];
+            parents[joint] = parent == kNone ? kNone : joint / joint_count * joint_count + parent;
+        }
+        children.resize(parents.size());
+        heights.resize(parents.size(), 1);
+        for (uint32_t joint = static_cast<uint32_t>(parents.size()); joint-- > 0;) {
+            if (parents[joint] == kNone) continue;
+            children[parents[joint]].push_back(joint);
+            heights[parents[joint]] = std::max(heights[parents[joint]], heights[joint] + 1);
+        }
+    }
+
+    uint32_t joint_count() const { return static_cast<uint32_t>(parents.size()); }
+
+    std::vector<uint32_t> parents;
+    std::vector<std::vector<uint32_t>> children;
+    std::vector<uint32_t> heights;  // joints on the longest way down
+};
+
+using Chunks = std::vector<std::vector<uint32_t>>;
+
+// What a chunk may take of joints whose parents it has taken already.
+struct DepthLimit {
+    uint32_t most = 0;            // generations below its first
+    bool only_if_needed = false;  // none, while the joints left can be taken a generation a chunk
+};
+
+// Always the ready joint with the longest way below it. Source: list scheduling by levels, T. C. Hu, Parallel
+// Sequencing and Assembly Line Problems, Operations Research 9 (6), 1961.
+Chunks schedule(const Forest& forest, uint32_t lanes, const DepthLimit& limit) {
+    const auto lower = [&](uint32_t a, uint32_t b) {
+        return forest.heights[a] != forest.heights[b] ? forest.heights[a] < forest.heights[b] : a > b;
+    };
+    using Queue = std::priority_queue<uint32_t, std::vector<uint32_t>, decltype(lower)>;
+    Queue ready(lower), below(lower);  // joints whose parents are in earlier chunks, and in this one
+    for (uint32_t joint = 0; joint < forest.joint_count(); ++joint)
+        if (forest.parents[joint] == kNone) ready.push(joint);
+    std::vector<uint32_t> depths(forest.joint_count()), later;
+    Chunks chunks;
+    for (uint32_t left = forest.joint_count(); left > 0; left -= static_cast<uint32_t>(chunks.back().size())) {
+        const uint32_t chunks_left = (left + lanes - 1) / lanes;
+        const bool needs_depth = ready.size() < std::min(lanes, left) || forest.heights[ready.top()] > chunks_left;
+        const uint32_t most_depth = limit.only_if_needed && !needs_depth ? 0 : limit.most;
+        std::vector<uint32_t>& chunk = chunks.emplace_back();
+        while (chunk.size() < lanes && !(ready.empty() && below.empty())) {
+            const bool from_below = ready.empty() || (!below.empty() && lower(ready.top(), below.top()));
+            Queue& queue = from_below ? below : ready;
+            const uint32_t joint = queue.top();
+            queue.pop();
+            if (!from_below) depths[joint] = 0;
+            chunk.push_back(joint);
+            for (const uint32_t child : forest.children[joint]) {
+                depths[child] = depths[joint] + 1;
+                if (depths[child] <= most_depth)
+                    below.push(child);
+                else
+                    later.push_back(child);
+            }
+        }
+        for (; !below.empty(); below.pop()) ready.push(below.top());
+        for (const uint32_t joint : later) ready.push(joint);
+        later.clear();
+    }
+    return chunks;
+}
+
+Chunks cut(const std::vector<uint32_t>& order, uint32_t lanes) {
+    Chunks chunks;
+    for (size_t first = 0; first < order.size(); first += lanes)
+        chunks.emplace_back(order.begin() + static_cast<ptrdiff_t>(first),
+                            order.begin() + static_cast<ptrdiff_t>(std::min<size_t>(first + lanes, order.size())));
+    return chunks;
+}
+
+// The largest subtree last, so that few joints wait for children.
+std::vector<uint32_t> depth_first(const Forest& forest) {
+    std::vector<uint32_t> sizes(forest.joint_count(), 1), order, stack;
+    for (uint32_t joint = forest.joint_count(); joint-- > 0;)
+        if (forest.parents[joint] != kNone) sizes[forest.parents[joint]] += sizes[joint];
+    for (uint32_t joint = forest.joint_count(); joint-- > 0;)
+        if (forest.parents[joint] == kNone) stack.push_back(joint);
+    while (!stack.empty()) {
+        const uint32_t joint = stack.back();
+        stack.pop_back();
+        order.push_back(joint);
+        const auto first = static_cast<ptrdiff_t>(stack.size());
+        stack.insert(stack.end(), forest.children[joint].begin(), forest.children[joint].end());
+        std::stable_sort(stack.begin() + first, stack.end(),
+                         [&](uint32_t a, uint32_t b) { return sizes[a] > sizes[b]; });
+    }
+    return order;
+}
+
+std::vector<uint32_t> breadth_first(const Forest& forest) {
+    std::vector<uint32_t> depths(forest.joint_count()), order(forest.joint_count());
+    for (uint32_t joint = 0; joint < forest.joint_count(); ++joint)
+        if (forest.parents[joint] != kNone) depths[joint] = depths[forest.parents[joint]] + 1;
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::stable_sort(order, {}, [&](uint32_t joint) { return depths[joint]; });
+    return order;
+}
+
+std::vector<uint32_t> chunks_of_joints(const Chunks& chunks, size_t joint_count) {
+    std::vector<uint32_t> of_joint(joint_count);
+    for (uint32_t c = 0; c < chunks.size(); ++c)
+        for (const uint32_t joint : chunks[c]) of_joint[joint] = c;
+    return of_joint;
+}
+
+// Rounds and multiplications of the plan's chunks.
+void count(const Forest& forest, StreamPlan& plan) {
+    const std::vector<uint32_t> chunk_of = chunks_of_joints(plan.chunks, forest.joint_count());
+    std::vector<uint32_t> depths(forest.joint_count());  // within the chunk
+    for (const std::vector<uint32_t>& chunk : plan.chunks) {
+        uint32_t most_rounds = 0, from_slots = 0;
+        for (const uint32_t joint : chunk) {  // parents first
+            const uint32_t parent = forest.parents[joint];
+            if (parent == kNone) continue;
+            if (chunk_of[parent] == chunk_of[joint])
+                depths[joint] = depths[parent] + 1;
+            else
+                ++from_slots;
+            const auto rounds = static_cast<uint32_t>(std::bit_width(depths[joint]));
+            plan.multiplications += rounds;
+            most_rounds = std::max(most_rounds, rounds);
+        }
+        plan.rounds.push_back(most_rounds);
+        plan.round_count += most_rounds;
+        plan.multiplications += from_slots;
+        plan.longest_lane += most_rounds + (from_slots > 0 ? 1 : 0);
+    }
+}
+
+// Where joints wait for children in later chunks.
+struct Slots {
+    std::vector<uint32_t> of_joint;  // kNone where none is needed
+    uint32_t count = 0;
+};
+
+// A chunk reads slots before it writes them, so that one can change hands within it.
+Slots slots_of(const std::vector<uint32_t>& parents, const Chunks& chunks) {
+    const std::vector<uint32_t> chunk_of = chunks_of_joints(chunks, parents.size());
+    std::vector<uint32_t> last_readers(parents.size());  // chunks
+    for (size_t joint = 0; joint < parents.size(); ++joint)
+        if (parents[joint] != kNone)
+            last_readers[parents[joint]] = std::max(last_readers[parents[joint]], chunk_of[joint]);
+    Slots slots{.of_joint = std::vector<uint32_t>(parents.size(), kNone)};
+    std::vector<std::vector<uint32_t>> freed(chunks.size());  // [chunk], slots read for the last time
+    std::priority_queue<uint32_t, std::vector<uint32_t>, std::greater<>> free;
+    for (uint32_t c = 0; c < chunks.size(); ++c) {
+        for (const uint32_t slot : freed[c]) free.push(slot);
+        for (const uint32_t joint : chunks[c]) {
+            if (last_readers[joint] <= c) continue;
+            if (free.empty()) free.push(slots.count++);
+            slots.of_joint[joint] = free.top();
+            free.pop();
+            freed[last_readers[joint]].push_back(slots.of_joint[joint]);
+        }
+    }
+    return slots;
+}
+
+struct Candidate {
+    StreamPlan plan;
+    double cost = 0;  // a character, in multiplications of a subgroup
+};
+
+Candidate candidate_of(const Forest& forest, Chunks chunks, uint32_t lanes, uint32_t characters) {
+    Candidate candidate;
+    StreamPlan& plan = candidate.plan;
+    plan.lanes = lanes;
+    plan.characters = characters;
+    plan.chunks = std::move(chunks);
+    plan.slots = slots_of(forest.parents, plan.chunks).count;
+    count(forest, plan);
+    const double chunk_cost = characters == 1 ? kChunkCost : kChunkCost + kCharacterCost;
+    candidate.cost = (chunk_cost * static_cast<double>(plan.chunks.size()) + plan.round_count + kSlotCost * plan.slots +
+                      kCostOfManySlots * (std::max(plan.slots, kManySlots) - kManySlots)) /
+                     characters;
+    return candidate;
+}
+
+}  // namespace
+
+StreamPlan plan_stream(const ScanRig& rig, const StreamLimits& limits) {
+    const uint32_t lanes = limits.lanes;
+    Candidate best;
+    for (uint32_t characters = 1; characters <= limits.most_characters; ++characters) {
+        if (characters > 1 && characters * rig.joint_count() > kMostShared * lanes) break;
+        const Forest forest(rig.parents, characters);
+        const auto consider = [&](Chunks chunks) {
+            Candidate candidate = candidate_of(forest, std::move(chunks), lanes, characters);
+            const auto excess = [&](const StreamPlan& plan) {
+                return std::max(plan.slots, limits.most_slots) - limits.most_slots;
+            };
+            const bool is_first = best.plan.lanes == 0;
+            if (is_first || std::pair(excess(candidate.plan), candidate.cost) < std::pair(excess(best.plan), best.cost))
+                best = std::move(candidate);
+        };
+        consider(cut(breadth_first(forest), lanes));
+        consider(cut(depth_first(forest), lanes));
+        for (uint32_t depth = 0; depth < lanes; depth = 2 * depth + 1)
+            for (const bool only_if_needed : {false, true}) consider(schedule(forest, lanes, {depth, only_if_needed}));
+    }
+    return std::move(best.plan);
+}
+
+std::vector<uint32_t> stream_links(const StreamPlan& plan, std::span<const uint32_t> parents) {
+    const Forest forest(parents, plan.characters);
+    const std::vector<uint32_t> chunk_of = chunks_of_joints(plan.chunks, forest.joint_count());
+    const Slots slots = slots_of(forest.parents, plan.chunks);
+    std::vector<uint32_t> lane_of(forest.joint_count());
+    for (const std::vector<uint32_t>& chunk : plan.chunks)
+        for (uint32_t lane = 0; lane < chunk.size(); ++lane) lane_of[chunk[lane]] = lane;
+    std::vector<uint32_t> links{static_cast<uint32_t>(plan.chunks.size())};
+    links.insert(links.end(), plan.rounds.begin(), plan.rounds.end());
+    for (const std::vector<uint32_t>& chunk : plan.chunks)
+        for (uint32_t lane = 0; lane < plan.lanes; ++lane) {
+            if (lane >= chunk.size()) {
+                links.insert(links.end(), {io::kStreamIdle, lane});
+                continue;
+            }
+            const uint32_t joint = chunk[lane], parent = forest.parents[joint];
+            const bool is_inside = parent != kNone && chunk_of[parent] == chunk_of[joint];
+            const uint32_t keep = slots.of_joint[joint] + 1;  // kNone + 1 is 0
+            const uint32_t from = parent == kNone || is_inside ? 0 : slots.of_joint[parent] + 1;
+            const auto joint_count = static_cast<uint32_t>(parents.size());
+            links.push_back(joint % joint_count | keep << io::kStreamKeepShift);
+            links.push_back((is_inside ? lane_of[parent] : lane) | joint / joint_count << io::kStreamCharacterShift |
+                            from << io::kStreamSlotShift);
+        }
+    return links;
+}
+
+}  // namespace throng
