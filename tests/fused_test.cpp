@@ -15,11 +15,14 @@ namespace throng {
 namespace {
 
 const test::InSubset kInSubsets({test::Subset::kGpuAssisted, test::Subset::kSubgroups}, {"Fused.*"});
-const test::InSubset kNatively({test::Subset::kNative}, {"Fused.*", "-Fused.AGpuTakesTheFirstMethodThatFits",
-                                                         "-Fused.SharedMemoryIsTheTileAndTheMethodsOwn",
-                                                         "-Fused.TooFewStorageBuffersAreAnObstacle",
-                                                         "-Fused.TablesAreNamedWhereTheDeviceCannotReadThem",
-                                                         "-Fused.WhatDoesNotFitIsStagedUnlessAskedFor"});
+const test::InSubset kWithAMethodGiven({test::Subset::kSubgroups}, {"-Fused.WhatDoesNotFitIsStagedUnlessAskedFor"});
+const test::InSubset kNatively({test::Subset::kNative},
+                               {"Fused.*", "-Fused.AGpuTakesTheFirstMethodThatFits",
+                                "-Fused.SharedMemoryIsTheTileAndTheMethodsOwn",
+                                "-Fused.TooFewStorageBuffersAreAnObstacle",
+                                "-Fused.TablesAreNamedWhereTheDeviceCannotReadThem",
+                                "-Fused.WhatDoesNotFitIsStagedUnlessAskedFor", "-Fused.RowsFollowTheReference",
+                                "-Fused.KeysAreReadWhereThereAreNoRows"});
 
 using namespace test;
 
@@ -83,6 +86,45 @@ TEST(Fused, EveryMethodFollowsTheReference) {
         EXPECT_GT(cases, 0u) << method.name;
         std::printf("  %-22s %3zu cases, %zu refused: largest error %.1e of the size\n",
                     std::string(method.name).c_str(), cases, refused, worst);
+    }
+}
+
+// Where scales are uniform, `stream` reads rows in place of keys: of clips that step, of joints that move and of those
+// that only turn, of ranges that need more than 16 bits and of small ones.
+TEST(Fused, RowsFollowTheReference) {
+    if (!has_scan("stream")) GTEST_SKIP() << "no stream here";
+    double worst = 0;
+    for (const uint32_t joint_count : {1u, 3u, 20u, 70u, 300u}) {
+        const AssetSettings asset{.joint_count = joint_count, .seed = joint_count};
+        for (const Character& character : {make_character(asset), packed_character(asset)})
+            for (const SkinFormat format : {SkinFormat::kAffine, SkinFormat::kHalfAffine, SkinFormat::kSimilarity}) {
+                Random random(joint_count);
+                const std::vector<Playback> playbacks = random_playbacks(random, character, 19);
+                Crowd crowd = create({.groups = {{&character, 19}},
+                                      .path = UpdatePath::kFused,
+                                      .scan = "stream",
+                                      .skin_format = format,
+                                      .keep_model_matrices = true});
+                EXPECT_NE(crowd.path(0)->reason.find("from rows"), std::string::npos) << crowd.path(0)->reason;
+                ASSERT_TRUE(crowd.set_playback(0, playbacks));
+                ASSERT_TRUE(crowd.update(0));
+                const double error = crowd_error(crowd, character, playbacks);
+                EXPECT_LE(error, format == SkinFormat::kHalfAffine ? 2e-3 : 2 * kPoseBound)
+                    << joint_count << " joints, " << (character.packed ? "packed" : "exact");
+                if (format == SkinFormat::kAffine) worst = std::max(worst, error);
+            }
+    }
+    std::printf("  largest error %.1e of the size\n", worst);
+}
+
+TEST(Fused, KeysAreReadWhereThereAreNoRows) {
+    if (!has_scan("stream")) GTEST_SKIP() << "no stream here";
+    const Character uneven = make_character({.joint_count = 20, .scale_spread = 0.1});
+    const Character even = make_character({.joint_count = 20});
+    for (const CrowdGroup& group : {CrowdGroup{.character = &uneven, .instance_count = 2},
+                                    CrowdGroup{.character = &even, .instance_count = 2, .pose_capacity = 1}}) {
+        const Crowd crowd = create({.groups = {group}, .path = UpdatePath::kFused, .scan = "stream"});
+        EXPECT_EQ(crowd.path(0)->reason.find("from rows"), std::string::npos) << crowd.path(0)->reason;
     }
 }
 

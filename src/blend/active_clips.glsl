@@ -1,7 +1,8 @@
 // The active clips of an instance -> the pose of one joint. Included by the staged kernel and by the fused one; defined
-// by active_clips_reference.h. The includer declares the tables `tracks`, `keys` and `words` as for sample/sample.glsl,
-// `active_clips` (TABLE_OF_ROWS, two rows a ActiveClip: [instance][push.active_clip_limit]) and `masks`
-// (TABLE_OF_WORDS, floats: [mask][rig_joint_count()]), `push` and the constant kPacked.
+// by active_clips_reference.h. The includer declares what sample/clip_pose.glsl needs, or defines the two
+// functions that it has; the tables `active_clips` (TABLE_OF_ROWS, two rows a ActiveClip:
+// [instance][push.active_clip_limit]) and `masks` (TABLE_OF_WORDS, floats: [mask][rig_joint_count()]), `push` and the
+// constant kPacked.
 //
 // Layers lie on each other from the lowest up. A layer's pose is the weighted sum of its active clips: rotations each
 // in the hemisphere of the sum so far, normalised at the end. Source of the sum and its limits: Gramkow, On Averaging
@@ -14,7 +15,9 @@
 // more.
 #include "blend/blend.glsl"
 #include "control/controller_io.h"
-#include "sample/sample.glsl"
+#ifndef FUSED_ROWS
+#include "sample/clip_pose.glsl"
+#endif
 
 const JointPose kIdentityPose = JointPose(vec4(0, 0, 0, 1), vec4(0), vec4(1));
 const JointPose kEmptySum = JointPose(vec4(0), vec4(0), vec4(0));
@@ -40,10 +43,8 @@ JointPose sample_active_clip(ActiveClip active_clip, uint joint, bool at_referen
     const SlotCursor cursor = SlotCursor(
         active_clip.first_track, at_reference ? active_clip.reference_row : active_clip.earlier,
         at_reference ? active_clip.reference_row : active_clip.later, at_reference ? 0 : active_clip.fraction);
-    const uvec4 joint_tracks = ROW_AT(tracks, active_clip.first_track + joint);
-    if (only_rotation)
-        return JointPose(sample_rotation(joint_tracks.x, cursor), kIdentityPose.translation, kIdentityPose.scale);
-    return sample_joint(joint_tracks, cursor);
+    if (only_rotation) return JointPose(clip_rotation(cursor, joint), kIdentityPose.translation, kIdentityPose.scale);
+    return clip_pose(cursor, joint);
 }
 
 // What leads from one pose to another, in the space of the parent: a rotation, a translation and a ratio of scales.

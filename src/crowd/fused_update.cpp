@@ -91,7 +91,8 @@ FusedUpdate::Kernels FusedUpdate::make_kernels(const Group& group, size_t set, c
                              .inertial = group.controller && group.controller->is_inertial,
                              .pose_overrides = group.pose_capacity > 0,
                              .listed = is_listed(group),
-                             .some_joints = set > 0});
+                             .some_joints = set > 0 || group.rows,
+                             .rows = group.rows ? group.rows->of_set(static_cast<uint32_t>(set)) : FusedRows()});
     };
     Kernels kernels{.blending = make(true), .single = {}};
     if (!group.controller) kernels.single = make(false);

@@ -114,10 +114,7 @@ Group::Group(Uploads& uploads, const Character& character, const PathChoice& cho
       path_reason(choice.path_reason) {
     native = choice.native;
     if (choice.fused)
-        fused.push_back({joint_count,
-                         *choice.fused,
-                         upload_fused_tables(uploads, character, FusedRig(character), *choice.fused),
-                         {}});
+        add_fused(uploads, character, FusedRig(character), *choice.fused, choice.rows);
     else
         scan.emplace(uploads, scan_choice, ScanRig(character.rig.parents, character.rig.uniform_scale),
                      scan_limits(*uploads.gpu()));
@@ -142,6 +139,24 @@ Group::Group(Uploads& uploads, const Character& character, const PathChoice& cho
     morph_count = static_cast<uint32_t>(character.morphs.size());
     if (morph_count > 0) upload_morph_tables(uploads, character, buffers);
     make_lods(uploads, character);
+}
+
+// From rows where `may_have_rows`, in whose order the joints are then walked.
+void Group::add_fused(Uploads& uploads, const Character& character, FusedRig rig, FusedPlan plan, bool may_have_rows) {
+    if (may_have_rows) {
+        FusedRig in_order = rig.in_stream_order(plan.choice.threads);
+        if (fused.empty()) {
+            rows = GroupRows::make(uploads, character, in_order, buffers);
+            if (rows) path_reason += ", from rows";
+        }
+        if (rows) {
+            rig = std::move(in_order);
+            plan = plan_fused(plan.choice, rig, scan_limits(*uploads.gpu()));
+        }
+    }
+    Buffers tables = rows ? rows->upload_tables(uploads, character, rig, plan)
+                          : upload_fused_tables(uploads, character, rig, plan);
+    fused.push_back({rig.rig.joint_count(), std::move(plan), std::move(tables), {}, {}});
 }
 
 // Indices of all levels of detail, one after the other.
@@ -192,8 +207,7 @@ void Group::reduce_joints(Uploads& uploads, NativeRigs& rigs, const Character& c
         FusedPlan plan = fused[0].plan;
         if (!uploads.gpu()->is_native()) plan = plan_fused(plan.choice, rig, scan_limits(*uploads.gpu()));
         if (!plan.unsupported_reason.empty()) break;
-        Buffers tables = upload_fused_tables(uploads, character, rig, plan);
-        fused.push_back({rig.rig.joint_count(), std::move(plan), std::move(tables), {}, {}});
+        add_fused(uploads, character, rig, std::move(plan), rows.has_value());
         make_native(rigs, character, settings, lod);
         const std::vector<Influences> of_lod = influences_of_lod(character, lod);
         all.insert(all.end(), of_lod.begin(), of_lod.end());

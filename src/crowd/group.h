@@ -4,6 +4,7 @@
 #include "bind/sockets_io.h"
 #include "control/controller_io.h"
 #include "control/layer_commands.h"
+#include "crowd/group_rows.h"
 #include "crowd/native_rigs.h"
 #include "crowd/path.h"
 #include "cull/cull_io.h"
@@ -17,6 +18,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 namespace throng {
 
@@ -89,6 +91,7 @@ struct Group {
     std::optional<ScanStage> scan;  // where staged
     // Where fused: all joints; then, with CrowdSettings::reduces_joints, those of each coarser level of detail
     std::vector<FusedJoints> fused;
+    std::optional<GroupRows> rows;                           // where fused kernels read rows
     std::array<uint32_t, io::kLodCount> set_entry_counts{};  // [fused], palette entries of each set of joints
     bool uniform_scale = false;                              // Rig::uniform_scale
     uint32_t pose_capacity = 0;
@@ -120,6 +123,7 @@ struct Group {
 private:
     void make_procedural(Uploads& uploads, const ProceduralRules& rules, const Character& character);
     void make_native(NativeRigs& rigs, const Character& character, const CrowdSettings& settings, uint32_t lod);
+    void add_fused(Uploads& uploads, const Character& character, FusedRig rig, FusedPlan plan, bool may_have_rows);
     void make_lods(Uploads& uploads, const Character& character);
     void reduce_joints(Uploads& uploads, NativeRigs& rigs, const Character& character, const CrowdSettings& settings);
     void make_palette_by_set(Uploads& uploads, const Character& character);

@@ -76,8 +76,11 @@ PathChoice device_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
         FusedPlan plan = any_scan ? choose_fused(rig, limits) : plan_named(settings.scan, rig, limits);
         if (plan.unsupported_reason.empty()) {
             const ScanChoice scan = plan.choice;
+            // Poses from outside may have any scale, which rows have not
+            const bool rows = !scan_shaders(scan.method->name).fused_rows.empty() && group.pose_capacity == 0;
             return {.fused = std::move(plan),
                     .native = false,
+                    .rows = rows,
                     .scan = scan,
                     .scan_reason = any_scan ? "the one that suits a fused update on this kind of device" : "asked for",
                     .path_reason = "fused: all stages in one pass"};

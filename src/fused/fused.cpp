@@ -1,10 +1,13 @@
 #include "fused/fused.h"
 
+#include "fused/rows_io.h"
 #include "scan/fixed_joints.h"
 #include "scan/serial_plan.h"
 #include "scan/scan_shaders.h"
+#include "scan/stream_plan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace throng {
@@ -38,6 +41,15 @@ std::vector<LoopTrips> with_tile(const ScanPlan& plan, uint32_t joint_count) {
     return loops;
 }
 
+// A matrix that displaces nothing by more than a part of the character's size that could be seen.
+bool makes_no_difference(const AffineT<double>& m, double size) {
+    constexpr double kSeen = 5e-7;
+    for (size_t r = 0; r < 3; ++r)
+        for (size_t c = 0; c < 4; ++c)
+            if (!(std::abs(m.row[r][c] - (r == c ? 1 : 0)) * (c < 3 ? size : 1) <= kSeen * size)) return false;
+    return true;
+}
+
 }  // namespace
 
 FusedRig::FusedRig(const Character& character, uint32_t lod) {
@@ -59,6 +71,23 @@ FusedRig::FusedRig(const Character& character, uint32_t lod) {
         ++palette_count;
         most_binds = std::max(most_binds, ++binds[entry.joint]);
     }
+}
+
+FusedRig FusedRig::in_stream_order(uint32_t lanes) const {
+    FusedRig out = *this;
+    std::vector<uint32_t> order, parents(rig.joint_count()), places(rig.joint_count());
+    for (const std::vector<uint32_t>& chunk : plan_stream(rig, {.lanes = lanes}).chunks)
+        for (const uint32_t joint : chunk)
+            if (joint < rig.joint_count()) order.push_back(joint);  // of several characters the first
+    for (uint32_t place = 0; place < order.size(); ++place) places[order[place]] = place;
+    for (uint32_t place = 0; place < order.size(); ++place) {
+        const uint32_t parent = rig.parents[order[place]];
+        parents[place] = parent == kNone ? kNone : places[parent];
+        out.rig_joints[place] = rig_joints[order[place]];
+        out.fixed[place] = fixed[order[place]];
+    }
+    out.rig = ScanRig(parents, rig.uniform_scale);
+    return out;
 }
 
 FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLimits& limits) {
@@ -84,7 +113,7 @@ FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLi
     plan.tile_transforms = !tiled ? 0 : plan.scan.instances_per_workgroup * rig.rig.joint_count();
     plan.one_bind = rig.most_binds <= 1;
     if (!plan.unsupported_reason.empty()) return plan;
-    plan.loops = serial ? plan.scan.counts.loops : with_tile(plan.scan, rig.rig.joint_count());
+    plan.loops = !tiled ? plan.scan.counts.loops : with_tile(plan.scan, rig.rig.joint_count());
     const uint64_t iterations = plan.scan.counts.loop_iterations + 2 * uint64_t{rig.rig.joint_count()} +
                                 rig.palette_count;
     if (iterations > limits.loop_iterations)
@@ -106,7 +135,8 @@ FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits) {
     return plan;
 }
 
-Buffers upload_fused_tables(Uploads& uploads, const Character& character, const FusedRig& rig, const FusedPlan& plan) {
+Buffers upload_fused_tables(Uploads& uploads, const Character& character, const FusedRig& rig, const FusedPlan& plan,
+                            std::span<const AffineT<double>> spaces) {
     std::vector<std::vector<uint32_t>> entries_of(character.rig.joint_count());
     for (uint32_t entry = 0; entry < character.palette.size(); ++entry)
         entries_of[character.palette[entry].joint].push_back(entry);
@@ -116,7 +146,14 @@ Buffers upload_fused_tables(Uploads& uploads, const Character& character, const 
         ranges.push_back(static_cast<uint32_t>(entries.size()));
     }
     std::vector<Affine> sorted;
-    for (const uint32_t entry : entries) sorted.push_back(character.palette[entry].joint_from_bind);
+    for (uint32_t& entry : entries) {
+        const PaletteEntry& of = character.palette[entry];
+        sorted.push_back(of.joint_from_bind);
+        if (spaces.empty()) continue;
+        const AffineT<double> bind = spaces[of.joint] * of.joint_from_bind.as<double>();
+        sorted.back() = bind.as<float>();
+        if (makes_no_difference(bind, character.size)) entry |= io::kPlainEntry;
+    }
     Buffers buffers;
     buffers[io::kScanLinksBuffer] = upload_table(uploads, character.name + ": scan links", plan.scan.links);
     buffers[io::kBindRangesBuffer] = upload_table(uploads, character.name + ": palette entries of joints", ranges);
@@ -128,6 +165,8 @@ Buffers upload_fused_tables(Uploads& uploads, const Character& character, const 
 
 Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, const FusedSettings& settings) {
     const ScanShaders& shaders = scan_shaders(plan.choice.method->name);
+    const FusedRows& rows = settings.rows;
+    const bool has_rows = rows.joint_count > 0, software = gpu->uses_software_kernels();
     const uint32_t tile_instances = plan.tile_transforms > 0 ? plan.scan.instances_per_workgroup : 1;
     std::vector<uint32_t> constants = plan.scan.constants;
     constants.resize(io::kMethodConstants);
@@ -135,11 +174,13 @@ Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, cons
         constants.end(),
         {settings.packed, settings.blends, settings.keeps_model, static_cast<uint32_t>(settings.skin_format),
          plan.one_bind, tile_instances, std::max(plan.tile_transforms, 1u), settings.layered, settings.socket_count,
-         settings.inertial, settings.pose_overrides, settings.listed, settings.some_joints});
+         settings.inertial, settings.pose_overrides, settings.listed, settings.some_joints, rows.joint_count,
+         rows.other_columns, rows.fine_rotation_count, rows.motion_count, rows.fine_motion_count});
     return Kernel(gpu, {.name = settings.layered  ? "fused, layers"
                                 : settings.blends ? "fused, two clips"
                                                   : "fused, one clip",
-                        .spirv = gpu->uses_software_kernels() ? shaders.fused_software : shaders.fused,
+                        .spirv = has_rows ? (software ? shaders.fused_rows_software : shaders.fused_rows)
+                                          : (software ? shaders.fused_software : shaders.fused),
                         .workgroup_size = plan.scan.workgroup_size,
                         .constants = std::move(constants),
                         .subgroup_size = plan.scan.subgroup_size,

@@ -17,14 +17,11 @@
 
 WORKGROUP_OF_CONSTANT;
 READONLY_BUFFER(kCursorsBuffer, InstanceCursor, cursors);
-TABLE_OF_ROWS(kTracksBuffer, tracks);
-TABLE_OF_ROWS(kKeysBuffer, keys);
-TABLE_OF_WORDS(kWordsBuffer, words);
 TABLE_OF_WORDS(kScanLinksBuffer, link_words);
 // [joint_count + 1]: where a joint's palette entries begin in the next two
 TABLE_OF_WORDS(kBindRangesBuffer, bind_ranges);
 TABLE_OF_WORDS(kBindEntriesBuffer, bind_entries);  // palette entries, sorted by joint
-TABLE_OF_ROWS(kBindsBuffer, binds);                // their inverse binds, three rows each
+TABLE_OF_ROWS(kBindsBuffer, binds);                // three rows each: walked matrix * bind = skin matrix
 BUFFER(kModelBuffer, StoredAffine, model);
 TABLE_OF_ROWS(kActiveClipsBuffer, active_clips);  // of layers, in place of cursors
 TABLE_OF_WORDS(kMasksBuffer, masks);
@@ -32,13 +29,10 @@ TABLE_OF_WORDS(kSocketSlotsBuffer, socket_slots);  // [joint_count]: 1 + the joi
 WRITEONLY_BUFFER(kSocketsBuffer, StoredAffine, sockets);
 READONLY_BUFFER(kInertiasBuffer, InstanceInertia, inertias);
 BUFFER(kInertiaStatesBuffer, InertiaState, inertia_states);
-TABLE_OF_WORDS(kPoseOverridesBuffer, pose_overrides);
-TABLE_OF_ROWS(kSetPosesBuffer, poses);
 TABLE_OF_WORDS(kWorkBuffer, work);                  // of listed instances (cull/cull_io.h)
 TABLE_OF_WORDS(kAnimatedJointsBuffer, rig_joints);  // of a part of the joints: their numbers in the rig
 // Named by methods that exchange through memory where shared memory is too small: no such plan is fused
 #define scratch model
-CONSTANT(8, bool, kPacked, false);
 CONSTANT(9, bool, kBlends, true);  // false: every instance plays one clip
 CONSTANT(10, bool, kKeepsModel, false);
 CONSTANT(11, uint, kSkinFormat, kSkinAffine);
@@ -47,19 +41,14 @@ CONSTANT(13, uint, kTileInstances, 1);   // of a workgroup
 CONSTANT(14, uint, kTileTransforms, 1);  // of all of them
 CONSTANT(15, bool, kLayered, false);     // instances play active clips in layers, not two clips
 CONSTANT(16, uint, kSocketCount, 0);
-CONSTANT(17, bool, kInertial, false);       // of layers
-CONSTANT(18, bool, kPoseOverrides, false);  // poses may be set
-CONSTANT(19, bool, kListed, false);         // only listed instances are animated
-CONSTANT(20, bool, kSomeJoints, false);     // not all joints are
+CONSTANT(17, bool, kInertial, false);    // of layers
+CONSTANT(19, bool, kListed, false);      // only listed instances are animated
+CONSTANT(20, bool, kSomeJoints, false);  // not all joints are
 PUSH(FusedPush);
 
 #define SKIN_STORES
 uint rig_joint_count() { return push.rig_joint_count; }
 #include "bind/skin_format.glsl"
-#include "blend/inertial.glsl"
-#include "blend/pose_override.glsl"
-#include "blend/active_clips.glsl"
-#include "sample/sample.glsl"
 
 uint link(uint index) { return WORD_AT(link_words, index); }
 // Scan methods count what they are dispatched for; this is the instance that one stands for.
@@ -70,102 +59,28 @@ uint instance_count() { return kListed ? WORD_AT(work, 2 * push.section + 1) : p
 uint rig_joint(uint joint) { return kSomeJoints ? WORD_AT(rig_joints, joint) : joint; }
 uint at(uint instance, uint joint) { return instance * push.rig_joint_count + joint; }
 
-// Layers have none.
-InstanceCursor cursor_of(uint instance) {
-    InstanceCursor cursor;
-    if (!kLayered) cursor = cursors[instance];
-    return cursor;
-}
-
-SlotCursor only_slot(InstanceCursor cursor) {
-    if (cursor.weight <= 0) return cursor.second;
-    return cursor.first;
-}
-
-uvec4 tracks_of(SlotCursor slot, uint joint) { return ROW_AT(tracks, slot.first_track + joint); }
-
-JointPose animated_pose(uint instance, InstanceCursor cursor, uint joint) {
-    if (kInertial) return inertial_pose(instance, at(instance, joint), active_clips_pose(instance, joint));
-    if (kLayered) return active_clips_pose(instance, joint);
-    if (!kBlends) {
-        const SlotCursor slot = only_slot(cursor);
-        return sample_joint(tracks_of(slot, joint), slot);
-    }
-    JointPose first, second;
-    if (cursor.weight > 0) first = sample_joint(tracks_of(cursor.first, joint), cursor.first);
-    if (cursor.weight < 1) second = sample_joint(tracks_of(cursor.second, joint), cursor.second);
-    if (cursor.weight >= 1) return first;
-    if (cursor.weight <= 0) return second;
-    return blend_joint(first, second, cursor.weight);
-}
-
-// The pose of a joint whose translation and scale are the rest pose's in every clip (scan/fixed_joints.h).
-JointPose animated_pose_of_fixed(uint instance, InstanceCursor cursor, uint joint) {
-    if (kInertial) return animated_pose(instance, cursor, joint);
-    const uvec4 rest = ROW_AT(tracks, push.rest_track + joint) & kTrackPositionMask;
-    JointPose pose;
-    pose.translation = uintBitsToFloat(ROW_AT(keys, rest.y));
-    pose.scale = uintBitsToFloat(ROW_AT(keys, rest.z));
-    if (kLayered) {
-        pose.rotation = active_clips_rotation(instance, joint);
-        return pose;
-    }
-    if (!kBlends) {
-        const SlotCursor slot = only_slot(cursor);
-        pose.rotation = sample_rotation(tracks_of(slot, joint).x, slot);
-        return pose;
-    }
-    vec4 first, second;
-    if (cursor.weight > 0) first = sample_rotation(tracks_of(cursor.first, joint).x, cursor.first);
-    if (cursor.weight < 1) second = sample_rotation(tracks_of(cursor.second, joint).x, cursor.second);
-    if (cursor.weight >= 1)
-        pose.rotation = first;
-    else if (cursor.weight <= 0)
-        pose.rotation = second;
-    else
-        pose.rotation = blend_rotation(first, second, cursor.weight);
-    return pose;
-}
-
-JointPose local_pose(uint instance, InstanceCursor cursor, uint walked_joint) {
-    const uint joint = rig_joint(walked_joint);
-    const JointPose pose = animated_pose(instance, cursor, joint);
-    if (kPoseOverrides) return overridden_pose(instance, joint, pose);
-    return pose;
-}
-
-JointPose local_pose_of_fixed(uint instance, InstanceCursor cursor, uint walked_joint) {
-    const uint joint = rig_joint(walked_joint);
-    const JointPose pose = animated_pose_of_fixed(instance, cursor, joint);
-    if (kPoseOverrides) return overridden_pose(instance, joint, pose);
-    return pose;
-}
-
-Transform to_local(JointPose pose) {
-#ifdef SCAN_QUATERNION
-    return similarity_parent_from_joint(pose);
+#ifdef FUSED_ROWS
+#include "fused/from_rows.glsl"
 #else
-    return parent_from_joint(pose);
+#include "fused/from_keys.glsl"
 #endif
-}
 
-void bind_entry(uint instance, uint i, Affine model_from_joint) {
-    store_skin(instance * push.palette_count + WORD_AT(bind_entries, i),
-               skin_matrix(model_from_joint, AFFINE_AT(binds, i)));
-}
-
-void store_instance(uint instance, uint joint, Transform transform) {
-    const Affine model_from_joint = to_affine(transform);
-    if (kKeepsModel) model[at(instance, rig_joint(joint))] = pack(model_from_joint);
-    if (kSocketCount > 0) {
-        const uint slot = WORD_AT(socket_slots, joint);
-        if (slot > 0) sockets[instance * kSocketCount + slot - 1] = pack(model_from_joint);
+void store_instance(uint instance, uint joint, Transform walked) {
+    if (kKeepsModel || kSocketCount > 0) {
+        const uint number = rig_joint(joint);
+        const uint slot = kSocketCount > 0 ? WORD_AT(socket_slots, number) : 0;
+        if (kKeepsModel || slot > 0) {
+            const StoredAffine model_from_joint = pack(model_from_joint_of(walked, joint));
+            if (kKeepsModel) model[at(instance, number)] = model_from_joint;
+            if (slot > 0) sockets[instance * kSocketCount + slot - 1] = model_from_joint;
+        }
     }
+    const Affine affine = to_affine(walked);
     const uint begin = WORD_AT(bind_ranges, joint), end = WORD_AT(bind_ranges, joint + 1);
     if (kOneBind) {  // without a loop, of which a software device runs one round more than there is to do
-        if (begin < end) bind_entry(instance, begin, model_from_joint);
+        if (begin < end) bind_entry(instance, begin, affine);
     } else {
-        for (uint i = begin; i < end; ++i) bind_entry(instance, i, model_from_joint);
+        for (uint i = begin; i < end; ++i) bind_entry(instance, i, affine);
     }
 }
 
@@ -183,9 +98,9 @@ void main() {
     const uint first = gl_WorkGroupID.x * kTileInstances;
     for (uint slot = 0; slot < kTileInstances && first + slot < instance_count(); ++slot) {
         const uint instance = instance_at(first + slot);
-        const InstanceCursor cursor = cursor_of(instance);
+        begin_clips(instance);
         for (uint joint = gl_LocalInvocationID.x; joint < push.joint_count; joint += gl_WorkGroupSize.x)
-            tile[slot * push.joint_count + joint] = pack(to_local(local_pose(instance, cursor, joint)));
+            tile[slot * push.joint_count + joint] = pack(local_transform(instance, joint));
     }
     barrier();
     scan();
@@ -193,16 +108,16 @@ void main() {
 
 #else
 
-// The one that the invocation is at.
-uint scan_instance;
-InstanceCursor scan_cursor;
+uint scan_instance;  // that the invocation is at
 
 void begin_instance(uint index) {
     scan_instance = instance_at(index);
-    scan_cursor = cursor_of(scan_instance);
+    begin_clips(scan_instance);
 }
-Transform load_local(uint index, uint joint) { return to_local(local_pose(scan_instance, scan_cursor, joint)); }
-Transform load_local_of_fixed(uint joint) { return to_local(local_pose_of_fixed(scan_instance, scan_cursor, joint)); }
+Transform load_local(uint index, uint joint) { return local_transform(scan_instance, joint); }
+#ifndef FUSED_ROWS
+Transform load_local_of_fixed(uint joint) { return local_transform_of_fixed(scan_instance, joint); }
+#endif
 void store_model(uint index, uint joint, Transform transform) { store_instance(scan_instance, joint, transform); }
 
 void main() { scan(); }

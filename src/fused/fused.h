@@ -11,6 +11,13 @@
 
 namespace throng {
 
+// Of rows (fused/rows_io.h), in place of keys.
+struct FusedRows {
+    uint32_t joint_count = 0;    // that have columns; 0: keys are read
+    bool other_columns = false;  // kRowColumnsBuffer says which
+    uint32_t fine_rotation_count = 0, motion_count = 0, fine_motion_count = 0;
+};
+
 struct FusedSettings {
     bool packed = false;  // Character::packed
     bool blends = true;   // false: no instance has two clips with weight
@@ -21,12 +28,15 @@ struct FusedSettings {
     bool inertial = false;        // layered, with inertial transitions
     bool pose_overrides = false;  // poses may be set
     bool listed = false;          // only instances of a section of the work are animated
-    bool some_joints = false;     // not all joints are
+    bool some_joints = false;     // not all joints are, or in another order
+    FusedRows rows{};
 };
 
 // What of a character decides how it is fused: of all its joints, or of those of a coarser level of detail.
 struct FusedRig {
     explicit FusedRig(const Character& character, uint32_t lod = 0);
+    // In the order of `stream`, so that what the lanes of a chunk read lies side by side.
+    FusedRig in_stream_order(uint32_t lanes) const;
 
     ScanRig rig;
     std::vector<uint32_t> rig_joints;  // [joint_count], the character's
@@ -54,7 +64,9 @@ FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits);
 
 // What the kernel reads of a character beside its clips: kScanLinksBuffer of the plan, kBindRangesBuffer,
 // kBindEntriesBuffer, kBindsBuffer and kAnimatedJointsBuffer of the rig's joints.
-Buffers upload_fused_tables(Uploads& uploads, const Character& character, const FusedRig& rig, const FusedPlan& plan);
+// `spaces`, where rows are read: what a walked matrix of a joint of the rig is multiplied by to yield model_from_joint.
+Buffers upload_fused_tables(Uploads& uploads, const Character& character, const FusedRig& rig, const FusedPlan& plan,
+                            std::span<const AffineT<double>> spaces = {});
 
 Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, const FusedSettings& settings);
 

@@ -2,6 +2,7 @@
 
 #include "base/failure.h"
 
+#include <algorithm>
 #include <mutex>
 
 namespace throng {
@@ -54,18 +55,15 @@ void CompiledKernel::make_pipeline(const Gpu& gpu) const {
     const ShaderStage stage(gpu.unowned(), code_, constants_);
     VkComputePipelineCreateInfo create{
         .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO, .stage = stage.info(), .layout = layout.get()};
+    uint32_t subgroup_size = gpu.can_choose_subgroup ? subgroup_size_ : 0;
+    if (gpu.compiled_subgroup_size > 0) subgroup_size = std::max(gpu.compiled_subgroup_size, subgroup_size);
     const VkPipelineShaderStageRequiredSubgroupSizeCreateInfo required{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO,
-        .requiredSubgroupSize = subgroup_size_};
-    const bool is_required = subgroup_size_ != 0 && gpu.can_choose_subgroup;
-    if (is_required) create.stage.pNext = &required;
-    const uint32_t largest = is_required ? subgroup_size_ : gpu.largest_subgroup;
+        .requiredSubgroupSize = subgroup_size};
+    if (subgroup_size > 0) create.stage.pNext = &required;
+    const uint32_t largest = subgroup_size > 0 ? subgroup_size : gpu.largest_subgroup;
     if (full_subgroups_ && gpu.has_full_subgroups && workgroup_size % largest == 0)
         create.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
-    const VkPipelineShaderStageRequiredSubgroupSizeCreateInfo subgroups{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO,
-        .requiredSubgroupSize = gpu.compiled_subgroup_size};
-    if (gpu.compiled_subgroup_size > 0) create.stage.pNext = &subgroups;
     pipeline_ = {gpu.unowned(), gpu.make_pipeline(create)};
 }
 

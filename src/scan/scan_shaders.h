@@ -15,8 +15,9 @@ struct ScanShaders {
     std::span<const uint32_t> software;  // GPU_SOFTWARE
     // SCAN_FUSED; empty where the method has no such form
     std::span<const uint32_t> fused, fused_software;
-    bool is_tiled = false;                 // FUSED_TILED
-    const NativeKernel* native = nullptr;  // null: devices without Vulkan do not have it
+    std::span<const uint32_t> fused_rows, fused_rows_software;  // FUSED_ROWS, likewise
+    bool is_tiled = false;                                      // FUSED_TILED
+    const NativeKernel* native = nullptr;                       // null: devices without Vulkan do not have it
 };
 
 // The shaders of the method with this name. Throws kInvalidArgument where the build has none.

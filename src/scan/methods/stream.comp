@@ -14,6 +14,7 @@
 // Methods: stream stream_quaternion
 // Fused: stream stream_quaternion
 // Untiled: stream stream_quaternion
+// Rows: stream
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "scan/scan.glsl"

@@ -48,7 +48,8 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes,
                    .issue_steps = stream.longest_lane * subgroups,
                    .loop_iterations = uint64_t{2} * chunks + stream.round_count + 1,
                    // Links, a local transform, a slot read and one written, a model transform
-                   .issue_rows = chunks * (2 * kRowsOfLink + 3 * rows_of_local + kRowsOfAffine) * subgroups};
+                   .issue_rows = chunks * (2 * kRowsOfLink + 3 * rows_of_local + kRowsOfAffine) * subgroups,
+                   .loops = {{"chunks", chunks}, {"rounds", stream.round_count}}};
     return plan;
 }
 

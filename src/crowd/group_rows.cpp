@@ -1,0 +1,50 @@
+#include "crowd/group_rows.h"
+
+#include "native/gpu_rows.h"
+
+#include <algorithm>
+
+namespace throng {
+
+std::optional<GroupRows> GroupRows::make(Uploads& uploads, const Character& character, const FusedRig& finest,
+                                         Buffers& buffers) {
+    const native::RowSpaces spaces(character, false);
+    if (!spaces.uniform_scale) return std::nullopt;
+    GroupRows out;
+    out.columns_.resize(character.rig.joint_count());
+    std::vector<native::RowJoint> joints;
+    for (const uint32_t joint : finest.rig_joints) {
+        out.columns_[joint] = static_cast<uint32_t>(joints.size());
+        joints.push_back(spaces.of_joints[joint]);
+    }
+    for (const native::RowJoint& joint : spaces.of_joints) out.spaces_.push_back(native::to_affine(joint.joint_space));
+    const GpuRows rows(character, joints);
+    const uint64_t most_bytes = uploads.gpu()->properties.limits.maxStorageBufferRange;
+    if (std::max(rows.rows.size() * sizeof rows.rows[0], rows.joints.size() * sizeof rows.joints[0]) > most_bytes)
+        return std::nullopt;
+    out.counts_ = {.joint_count = static_cast<uint32_t>(joints.size()),
+                   .fine_rotation_count = rows.fine_rotation_count,
+                   .motion_count = rows.motion_count,
+                   .fine_motion_count = rows.fine_motion_count};
+    buffers[io::kRowsBuffer] = upload(uploads, character.name + ": rows", rows.rows);
+    buffers[io::kRowJointsBuffer] = upload(uploads, character.name + ": joints of rows", rows.joints);
+    buffers[io::kRowPlacesBuffer] = upload(uploads, character.name + ": places of rows", rows.places);
+    return out;
+}
+
+Buffers GroupRows::upload_tables(Uploads& uploads, const Character& character, const FusedRig& rig,
+                                 const FusedPlan& plan) const {
+    Buffers tables = upload_fused_tables(uploads, character, rig, plan, spaces_);
+    std::vector<uint32_t> columns;
+    for (const uint32_t joint : rig.rig_joints) columns.push_back(columns_[joint]);
+    tables[io::kRowColumnsBuffer] = upload(uploads, character.name + ": columns of rows", columns);
+    return tables;
+}
+
+FusedRows GroupRows::of_set(uint32_t set) const {
+    FusedRows rows = counts_;
+    rows.other_columns = set > 0;
+    return rows;
+}
+
+}  // namespace throng

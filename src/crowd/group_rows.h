@@ -1,0 +1,30 @@
+// The rows of a group's clips, which kernels read in place of keys, and the matrices that go with them.
+#pragma once
+
+#include "fused/fused.h"
+#include "gpu/upload.h"
+
+#include <optional>
+#include <vector>
+
+namespace throng {
+
+class GroupRows {
+public:
+    // `finest`: all joints of the character, in the order of the rows' columns. Adds its buffers. None where the
+    // character's joints have several scales, or its rows are more than a kernel of the device can bind.
+    static std::optional<GroupRows> make(Uploads& uploads, const Character& character, const FusedRig& finest,
+                                         Buffers& buffers);
+
+    // For a set of joints: upload_fused_tables(), and their columns.
+    Buffers upload_tables(Uploads& uploads, const Character& character, const FusedRig& rig,
+                          const FusedPlan& plan) const;
+    FusedRows of_set(uint32_t set) const;
+
+private:
+    FusedRows counts_;
+    std::vector<AffineT<double>> spaces_;  // [joint of the rig]
+    std::vector<uint32_t> columns_;        // [joint of the rig]
+};
+
+}  // namespace throng

@@ -1,0 +1,212 @@
+#include "native/gpu_rows.h"
+
+#include "base/failure.h"
+#include "fused/rows_io.h"
+#include "native/row_values.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace throng {
+namespace {
+
+using namespace native;
+
+// Parts of the character's size, as in rows.cpp
+constexpr double kStill = 1e-7;
+constexpr double kSeen = 1e-6;
+constexpr double kFiner = 65536;            // a finer word counts parts of a word
+constexpr double kLeastStep = 1.0 / 16384;  // of a rotation's range, the least normal half float
+
+// Up, so that a range of that size holds all that it must.
+uint32_t half_up(double value) {
+    uint32_t half = 0x0400;  // kLeastStep
+    for (uint32_t bit = 0x4000; bit >= 1; bit /= 2) {
+        const uint32_t larger = half + bit;
+        if (larger > 0x7BFF) continue;
+        const double of_larger = std::ldexp(1 + (larger & 0x3FF) / 1024.0, static_cast<int>(larger >> 10) - 15);
+        if (of_larger < value) half = larger;
+    }
+    return value <= kLeastStep ? 0x0400 : half + 1;
+}
+
+double value_of_half(uint32_t half) {
+    const double size = std::ldexp(1 + (half & 0x3FF) / 1024.0, static_cast<int>(half >> 10 & 0x1F) - 15);
+    return (half >> 10 & 0x1F) == 0 ? 0 : half & 0x8000 ? -size : size;
+}
+
+// The nearest but for denormal ones, which devices may take for 0, as this does.
+uint32_t nearest_half(double value) {
+    const uint32_t sign = value < 0 ? 0x8000 : 0;
+    if (std::abs(value) < kLeastStep) return 0;
+    const uint32_t above = half_up(std::abs(value));
+    const uint32_t below = above > 0x0400 ? above - 1 : above;
+    return sign | (value_of_half(above) - std::abs(value) < std::abs(value) - value_of_half(below) ? above : below);
+}
+
+// What words are parts of.
+struct WordRange {
+    Four middle{}, half{};
+
+    int64_t finest(const Four& value, size_t c) const {
+        const double part = half[c] > 0 ? (value[c] - middle[c]) / half[c] : 0;
+        return std::llround(std::clamp(part, -1.0, 1.0) * kMostWord * kFiner);
+    }
+    double error() const { return *std::max_element(half.begin(), half.end()) / kMostWord / 2; }
+};
+
+std::array<uint32_t, 2> packed(const std::array<int64_t, 4>& words) {
+    const auto word = [&](size_t c) { return static_cast<uint32_t>(words[c]) & 0xFFFF; };
+    return {word(0) | word(1) << 16, word(2) | word(3) << 16};
+}
+
+class GpuRowMaker {
+public:
+    GpuRowMaker(GpuRows& out, const Character& character, std::span<const RowJoint> joints)
+        : out_(out), character_(character), joints_(joints), values_(character, true, row_times(character, joints)) {}
+
+    void make() {
+        constexpr uint64_t kMost_bytes = uint64_t{1} << 30;
+        measure();
+        const uint64_t bytes = uint64_t{values_.row_count()} * out_.column_count * sizeof out_.rows[0];
+        if (bytes > kMost_bytes)
+            throw Failure(ErrorCode::kLimit, character_.name + ": rows of its clips",
+                          std::to_string(bytes) + " bytes exceed " + std::to_string(kMost_bytes));
+        out_.rows.resize(values_.row_count() * out_.column_count);
+        for (size_t j = 0; j < joints_.size(); ++j) write(static_cast<uint32_t>(j));
+        write_places();
+    }
+
+private:
+    struct Columns {
+        uint32_t motion = kNoIndex, fine_rotation = kNoIndex;  // counted among their kind
+        bool is_fine_motion = false;
+    };
+
+    void measure() {
+        const double size = character_.size;
+        for (const RowJoint& joint : joints_) {
+            const JointValues values = values_.of(joint);
+            const RowRange rotation = values_.range_of(values.rotation), motion = values_.range_of(values.motion);
+            WordRange& turns = rotations_.emplace_back();
+            for (size_t c = 0; c < 4; ++c) {
+                turns.middle[c] = value_of_half(nearest_half(kMostWord * rotation.middle[c])) / kMostWord;
+                turns.half[c] = value_of_half(
+                    half_up(rotation.half[c] + std::abs(rotation.middle[c] - turns.middle[c])));
+            }
+            // As floats, which is what words will be parts of
+            WordRange& moves = motions_.emplace_back();
+            for (size_t c = 0; c < 4; ++c) {
+                moves.middle[c] = static_cast<float>(motion.middle[c]);
+                moves.half[c] = motion.half[c] * (1 + 1e-6) + std::abs(motion.middle[c] - moves.middle[c]);
+            }
+            Columns& columns = columns_.emplace_back();
+            if (2 * turns.error() * joint.reach > kSeen * size) columns.fine_rotation = out_.fine_rotation_count++;
+            const double most_moved = std::max({motion.half[0], motion.half[1], motion.half[2]});
+            if (most_moved <= kStill * size && motion.half[3] * joint.reach <= kStill * size) continue;
+            columns.motion = 0;
+            columns.is_fine_motion = moves.error() * std::max(1.0, joint.reach / size) > kSeen * size;
+        }
+        // Finer ones first, so that their columns need no numbers of their own
+        for (const bool fine : {true, false})
+            for (Columns& columns : columns_)
+                if (columns.motion != kNoIndex && columns.is_fine_motion == fine) {
+                    columns.motion = out_.motion_count++;
+                    out_.fine_motion_count += fine ? 1 : 0;
+                }
+        out_.column_count = static_cast<uint32_t>(joints_.size()) + out_.fine_rotation_count + out_.motion_count +
+                            out_.fine_motion_count;
+        out_.joints.resize(joints_.size() * io::kRowJointRows + out_.motion_count);
+    }
+
+    void write(uint32_t joint) {
+        const Columns& columns = columns_[joint];
+        const JointValues values = values_.of(joints_[joint]);
+        const auto joint_count = static_cast<uint32_t>(joints_.size());
+        const uint32_t first_motion = joint_count + out_.fine_rotation_count;
+        write_words(values.rotation, rotations_[joint], joint,
+                    columns.fine_rotation == kNoIndex ? kNoIndex : joint_count + columns.fine_rotation);
+        if (columns.motion != kNoIndex)
+            write_words(values.motion, motions_[joint], first_motion + columns.motion,
+                        columns.is_fine_motion ? first_motion + out_.motion_count + columns.motion : kNoIndex);
+        write_joint(joint);
+    }
+
+    void write_words(std::span<const Four> values, const WordRange& range, uint32_t column, uint32_t fine_column) {
+        for (size_t row = 0; row < values.size(); ++row) {
+            std::array<int64_t, 4> words{}, finer{};
+            for (size_t c = 0; c < 4; ++c) {
+                const int64_t finest = range.finest(values[row], c);
+                const auto least = static_cast<int64_t>(kFiner) / 2;
+                words[c] = std::clamp<int64_t>((finest + least) >> 16, -32767, 32767);
+                finer[c] = std::clamp<int64_t>(finest - words[c] * static_cast<int64_t>(kFiner), -least, least - 1);
+            }
+            std::array<uint32_t, 2>* at = out_.rows.data() + row * out_.column_count;
+            at[column] = packed(words);
+            if (fine_column != kNoIndex) at[fine_column] = packed(finer);
+        }
+    }
+
+    void write_joint(uint32_t joint) {
+        const Columns& columns = columns_[joint];
+        const RowJoint& of = joints_[joint];
+        const size_t joint_count = joints_.size();
+        const auto row_at = [&](uint32_t kind) -> std::array<uint32_t, 4>& {
+            return out_.joints[kind * joint_count + joint];
+        };
+        const auto bits = [](double value) { return std::bit_cast<uint32_t>(static_cast<float>(value)); };
+        const auto halves = [](double a, double b) { return nearest_half(a) | nearest_half(b) << 16; };
+        const Four &middle = rotations_[joint].middle, &half = rotations_[joint].half;
+        row_at(io::kRowRange) = {halves(kMostWord * middle[0], kMostWord * middle[1]),
+                                 halves(kMostWord * middle[2], kMostWord * middle[3]), halves(half[0], half[1]),
+                                 halves(half[2], half[3])};
+        const Four& centre = motions_[joint].middle;
+        row_at(io::kRowCentre) = {bits(centre[0]), bits(centre[1]), bits(centre[2]), bits(centre[3])};
+        const Vec3<double>& pivot = of.joint_space.translation;
+        const auto column = [](uint32_t index) { return index == kNoIndex ? io::kNoColumn : index; };
+        row_at(io::kRowPivot) = {bits(pivot.x), bits(pivot.y), bits(pivot.z),
+                                 column(columns.motion) | column(columns.fine_rotation) << 16};
+        const AffineT<float> space = to_affine(of.joint_space).as<float>();
+        for (uint32_t r = 0; r < 3; ++r)
+            row_at(io::kRowSpace + r) = {bits(space.row[r][0]), bits(space.row[r][1]), bits(space.row[r][2]),
+                                         bits(space.row[r][3])};
+        if (columns.motion == kNoIndex) return;
+        const Four& step = motions_[joint].half;
+        out_.joints[io::kRowJointRows * joint_count + columns.motion] = {
+            bits(step[0] / kMostWord), bits(step[1] / kMostWord), bits(step[2] / kMostWord), bits(step[3] / kMostWord)};
+    }
+
+    void write_places() {
+        const std::vector<ClipRowTimes>& times = values_.times();
+        auto span_word = static_cast<uint32_t>(times.size() * io::kRowClipWords);
+        std::vector<uint32_t> spans;
+        for (size_t c = 0; c < times.size(); ++c) {
+            const bool has_keys = c < character_.clips.size() && character_.clips[c].row_stride > 0;
+            const float spans_a_key = has_keys ? 1.0f / static_cast<float>(character_.clips[c].row_stride) : 0;
+            out_.places.insert(out_.places.end(), {has_keys ? character_.clips[c].first_row : 0,
+                                                   std::bit_cast<uint32_t>(spans_a_key), span_word, 0});
+            for (const RowSpan& span : times[c].spans) {
+                spans.push_back(values_.first_row(c) + span.first_row);
+                spans.push_back(std::bit_cast<uint32_t>(span.piece_count));
+                span_word += io::kRowSpanWords;
+            }
+        }
+        out_.places.insert(out_.places.end(), spans.begin(), spans.end());
+    }
+
+    GpuRows& out_;
+    const Character& character_;
+    std::span<const RowJoint> joints_;
+    RowValues values_;
+    std::vector<WordRange> rotations_, motions_;  // [joint]
+    std::vector<Columns> columns_;                // [joint]
+};
+
+}  // namespace
+
+GpuRows::GpuRows(const Character& character, std::span<const native::RowJoint> of_joints) {
+    GpuRowMaker(*this, character, of_joints).make();
+}
+
+}  // namespace throng

@@ -1,0 +1,49 @@
+// The values that rows are made of: a character's joints at all rows of all clips, in the spaces that they are brought
+// into.
+#pragma once
+
+#include "native/row_times.h"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace throng::native {
+
+using Four = std::array<double, 4>;
+
+inline constexpr double kMostWord = 32767;  // of 16 bits
+
+// What a joint has in all rows of all clips: rotations; translations and, where it is one, scales; three scales.
+struct JointValues {
+    std::vector<Four> rotation, motion, scales;
+};
+
+struct RowRange {
+    Four middle{}, half{};
+    double largest_step = 0;  // from one row to the next
+
+    double largest_half() const;
+};
+
+class RowValues {
+public:
+    // Keeps references.
+    RowValues(const Character& character, bool uniform_scale, std::vector<ClipRowTimes> times);
+
+    size_t row_count() const { return row_count_; }
+    const std::vector<ClipRowTimes>& times() const { return times_; }
+    uint32_t first_row(size_t clip) const { return first_rows_[clip]; }
+
+    JointValues of(const RowJoint& joint) const;
+    RowRange range_of(std::span<const Four> rows) const;
+
+private:
+    const Character& character_;
+    bool uniform_scale_ = false;  // of each joint one: the mean of x, y and z, which are nearly the same
+    std::vector<ClipRowTimes> times_;
+    std::vector<uint32_t> first_rows_;  // [clip_count + 1]
+    size_t row_count_ = 0;
+};
+
+}  // namespace throng::native
