@@ -25,7 +25,10 @@ std::optional<GroupRows> GroupRows::make(Uploads& uploads, const Character& char
     out.counts_ = {.joint_count = static_cast<uint32_t>(joints.size()),
                    .fine_rotation_count = rows.fine_rotation_count,
                    .motion_count = rows.motion_count,
-                   .fine_motion_count = rows.fine_motion_count};
+                   .fine_motion_count = rows.fine_motion_count,
+                   .plain_entries = std::ranges::all_of(character.palette, [&](const PaletteEntry& entry) {
+                       return is_plain_entry(entry, out.spaces_[entry.joint], character.size);
+                   })};
     buffers[io::kRowsBuffer] = upload(uploads, character.name + ": rows", rows.rows);
     buffers[io::kRowJointsBuffer] = upload(uploads, character.name + ": joints of rows", rows.joints);
     buffers[io::kRowPlacesBuffer] = upload(uploads, character.name + ": places of rows", rows.places);

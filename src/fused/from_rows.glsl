@@ -12,6 +12,7 @@ CONSTANT(22, bool, kOtherColumns, false);  // the columns are those of a finer s
 CONSTANT(23, uint, kFineRotations, 0);
 CONSTANT(24, uint, kMotions, 0);
 CONSTANT(25, uint, kFineMotions, 0);
+CONSTANT(26, bool, kPlainEntries, false);  // all are
 const uint kRowColumns = kRowJoints + kFineRotations + kMotions + kFineMotions;
 
 // A place in a clip.
@@ -157,6 +158,6 @@ Affine model_from_joint_of(Transform walked, uint joint) {
 
 void bind_entry(uint instance, uint i, Affine walked) {
     const uint entry = WORD_AT(bind_entries, i);
-    if ((entry & kPlainEntry) == 0) walked = affine_multiply(walked, AFFINE_AT(binds, i));
+    if (!kPlainEntries && (entry & kPlainEntry) == 0) walked = affine_multiply(walked, AFFINE_AT(binds, i));
     store_skin(instance * push.palette_count + (entry & ~kPlainEntry), walked);
 }

@@ -41,15 +41,6 @@ std::vector<LoopTrips> with_tile(const ScanPlan& plan, uint32_t joint_count) {
     return loops;
 }
 
-// A matrix that displaces nothing by more than a part of the character's size that could be seen.
-bool makes_no_difference(const AffineT<double>& m, double size) {
-    constexpr double kSeen = 5e-7;
-    for (size_t r = 0; r < 3; ++r)
-        for (size_t c = 0; c < 4; ++c)
-            if (!(std::abs(m.row[r][c] - (r == c ? 1 : 0)) * (c < 3 ? size : 1) <= kSeen * size)) return false;
-    return true;
-}
-
 }  // namespace
 
 FusedRig::FusedRig(const Character& character, uint32_t lod) {
@@ -150,9 +141,8 @@ Buffers upload_fused_tables(Uploads& uploads, const Character& character, const 
         const PaletteEntry& of = character.palette[entry];
         sorted.push_back(of.joint_from_bind);
         if (spaces.empty()) continue;
-        const AffineT<double> bind = spaces[of.joint] * of.joint_from_bind.as<double>();
-        sorted.back() = bind.as<float>();
-        if (makes_no_difference(bind, character.size)) entry |= io::kPlainEntry;
+        sorted.back() = (spaces[of.joint] * of.joint_from_bind.as<double>()).as<float>();
+        if (is_plain_entry(of, spaces[of.joint], character.size)) entry |= io::kPlainEntry;
     }
     Buffers buffers;
     buffers[io::kScanLinksBuffer] = upload_table(uploads, character.name + ": scan links", plan.scan.links);
@@ -161,6 +151,15 @@ Buffers upload_fused_tables(Uploads& uploads, const Character& character, const 
     buffers[io::kBindsBuffer] = upload_table(uploads, character.name + ": inverse binds by joint", sorted);
     buffers[io::kAnimatedJointsBuffer] = upload_table(uploads, character.name + ": animated joints", rig.rig_joints);
     return buffers;
+}
+
+bool is_plain_entry(const PaletteEntry& entry, const AffineT<double>& space, double size) {
+    constexpr double kSeen = 5e-7;  // parts of the size, by which a vertex may be displaced
+    const AffineT<double> m = space * entry.joint_from_bind.as<double>();
+    for (size_t r = 0; r < 3; ++r)
+        for (size_t c = 0; c < 4; ++c)
+            if (!(std::abs(m.row[r][c] - (r == c ? 1 : 0)) * (c < 3 ? size : 1) <= kSeen * size)) return false;
+    return true;
 }
 
 Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, const FusedSettings& settings) {
@@ -175,7 +174,7 @@ Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, cons
         {settings.packed, settings.blends, settings.keeps_model, static_cast<uint32_t>(settings.skin_format),
          plan.one_bind, tile_instances, std::max(plan.tile_transforms, 1u), settings.layered, settings.socket_count,
          settings.inertial, settings.pose_overrides, settings.listed, settings.some_joints, rows.joint_count,
-         rows.other_columns, rows.fine_rotation_count, rows.motion_count, rows.fine_motion_count});
+         rows.other_columns, rows.fine_rotation_count, rows.motion_count, rows.fine_motion_count, rows.plain_entries});
     return Kernel(gpu, {.name = settings.layered  ? "fused, layers"
                                 : settings.blends ? "fused, two clips"
                                                   : "fused, one clip",

@@ -16,6 +16,7 @@ struct FusedRows {
     uint32_t joint_count = 0;    // that have columns; 0: keys are read
     bool other_columns = false;  // kRowColumnsBuffer says which
     uint32_t fine_rotation_count = 0, motion_count = 0, fine_motion_count = 0;
+    bool plain_entries = false;  // the walked matrices are the skin matrices
 };
 
 struct FusedSettings {
@@ -67,6 +68,9 @@ FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits);
 // `spaces`, where rows are read: what a walked matrix of a joint of the rig is multiplied by to yield model_from_joint.
 Buffers upload_fused_tables(Uploads& uploads, const Character& character, const FusedRig& rig, const FusedPlan& plan,
                             std::span<const AffineT<double>> spaces = {});
+
+// Whether the skin matrix of a palette entry is what is walked of its joint, whose space this is.
+bool is_plain_entry(const PaletteEntry& entry, const AffineT<double>& space, double size);
 
 Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, const FusedSettings& settings);
 

@@ -191,7 +191,7 @@ TEST(ScanPlan, FusedFormsAreTriedInAnOrderOfTheirOwn) {
             }
         std::string order;
         for (const auto& [number, name] : tried) order += name + " ";
-        EXPECT_EQ(order, is_cpu ? "serial " : "stream_quaternion stream subgroup_quaternion subgroup fragments ");
+        EXPECT_EQ(order, is_cpu ? "serial " : "stream stream_quaternion subgroup_quaternion subgroup fragments ");
     }
 }
 

@@ -111,7 +111,7 @@ ScanMethod stream() {
             .source = "warp scans (Harris and Garland 2012), list scheduling (Hu 1961)",
             .thread_choices = lane_choices,
             .plan = plan_affine,
-            .fused_place = fused_place<5>,
+            .fused_place = fused_place<4>,  // it reads rows where a character has them
             .picture = {simulate,
                         "Drawn with 4 lanes. A chunk holds any joints whose parents are in it or in earlier ones;\n"
                         "parents in earlier chunks wait in shared memory. ×1: nothing lies above a root."},
@@ -127,7 +127,7 @@ ScanMethod stream_quaternion() {
             .format = ScanFormat::kSimilarity,
             .thread_choices = lane_choices,
             .plan = plan_similarity,
-            .fused_place = fused_place<4>,  // fewer registers and slots, fewer words to shuffle
+            .fused_place = fused_place<5>,
             .rank = 118,
             .style = {{"#0f5c2b", "#a6f0b5"}, 2.4, "", 5, 0.45}};
 }
