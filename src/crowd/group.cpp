@@ -145,15 +145,17 @@ Group::Group(Uploads& uploads, const Character& character, const PathChoice& cho
 void Group::add_fused(Uploads& uploads, const Character& character, FusedRig rig, FusedPlan plan, bool may_have_rows) {
     if (may_have_rows) {
         FusedRig in_order = rig.in_stream_order(plan.choice.threads);
-        if (fused.empty()) {
+        FusedPlan of_order = plan_fused(plan.choice, in_order, scan_limits(*uploads.gpu()));
+        if (fused.empty() && of_order.unsupported_reason.empty()) {
             rows = GroupRows::make(uploads, character, in_order, buffers);
             if (rows) path_reason += ", from rows";
         }
         if (rows) {
             rig = std::move(in_order);
-            plan = plan_fused(plan.choice, rig, scan_limits(*uploads.gpu()));
+            plan = std::move(of_order);
         }
     }
+    if (!plan.unsupported_reason.empty()) return;  // of a coarser set of joints: the finer ones are there
     Buffers tables = rows ? rows->upload_tables(uploads, character, rig, plan)
                           : upload_fused_tables(uploads, character, rig, plan);
     fused.push_back({rig.rig.joint_count(), std::move(plan), std::move(tables), {}, {}});
@@ -206,8 +208,8 @@ void Group::reduce_joints(Uploads& uploads, NativeRigs& rigs, const Character& c
         const FusedRig rig(character, lod);
         FusedPlan plan = fused[0].plan;
         if (!uploads.gpu()->is_native()) plan = plan_fused(plan.choice, rig, scan_limits(*uploads.gpu()));
-        if (!plan.unsupported_reason.empty()) break;
         add_fused(uploads, character, rig, std::move(plan), rows.has_value());
+        if (fused.size() <= lod) break;
         make_native(rigs, character, settings, lod);
         const std::vector<Influences> of_lod = influences_of_lod(character, lod);
         all.insert(all.end(), of_lod.begin(), of_lod.end());

@@ -18,10 +18,10 @@ std::optional<GroupRows> GroupRows::make(Uploads& uploads, const Character& char
         joints.push_back(spaces.of_joints[joint]);
     }
     for (const native::RowJoint& joint : spaces.of_joints) out.spaces_.push_back(native::to_affine(joint.joint_space));
-    const GpuRows rows(character, joints);
-    const uint64_t most_bytes = uploads.gpu()->properties.limits.maxStorageBufferRange;
-    if (std::max(rows.rows.size() * sizeof rows.rows[0], rows.joints.size() * sizeof rows.joints[0]) > most_bytes)
-        return std::nullopt;
+    const std::optional<GpuRows> made = make_gpu_rows(character, joints,
+                                                      uploads.gpu()->properties.limits.maxStorageBufferRange);
+    if (!made) return std::nullopt;
+    const GpuRows& rows = *made;
     out.counts_ = {.joint_count = static_cast<uint32_t>(joints.size()),
                    .fine_rotation_count = rows.fine_rotation_count,
                    .motion_count = rows.motion_count,

@@ -1,6 +1,5 @@
 #include "native/gpu_rows.h"
 
-#include "base/failure.h"
 #include "fused/rows_io.h"
 #include "native/row_values.h"
 
@@ -63,19 +62,16 @@ std::array<uint32_t, 2> packed(const std::array<int64_t, 4>& words) {
 
 class GpuRowMaker {
 public:
-    GpuRowMaker(GpuRows& out, const Character& character, std::span<const RowJoint> joints)
-        : out_(out), character_(character), joints_(joints), values_(character, true, row_times(character, joints)) {}
+    GpuRowMaker(const Character& character, std::span<const RowJoint> joints)
+        : character_(character), joints_(joints), values_(character, true, row_times(character, joints)) {}
 
-    void make() {
-        constexpr uint64_t kMost_bytes = uint64_t{1} << 30;
+    std::optional<GpuRows> make(uint64_t most_bytes) {
         measure();
-        const uint64_t bytes = uint64_t{values_.row_count()} * out_.column_count * sizeof out_.rows[0];
-        if (bytes > kMost_bytes)
-            throw Failure(ErrorCode::kLimit, character_.name + ": rows of its clips",
-                          std::to_string(bytes) + " bytes exceed " + std::to_string(kMost_bytes));
+        if (uint64_t{values_.row_count()} * out_.column_count * sizeof out_.rows[0] > most_bytes) return std::nullopt;
         out_.rows.resize(values_.row_count() * out_.column_count);
         for (size_t j = 0; j < joints_.size(); ++j) write(static_cast<uint32_t>(j));
         write_places();
+        return std::move(out_);
     }
 
 private:
@@ -195,7 +191,7 @@ private:
         out_.places.insert(out_.places.end(), spans.begin(), spans.end());
     }
 
-    GpuRows& out_;
+    GpuRows out_;
     const Character& character_;
     std::span<const RowJoint> joints_;
     RowValues values_;
@@ -205,8 +201,9 @@ private:
 
 }  // namespace
 
-GpuRows::GpuRows(const Character& character, std::span<const native::RowJoint> of_joints) {
-    GpuRowMaker(*this, character, of_joints).make();
+std::optional<GpuRows> make_gpu_rows(const Character& character, std::span<const native::RowJoint> joints,
+                                     uint64_t most_bytes) {
+    return GpuRowMaker(character, joints).make(most_bytes);
 }
 
 }  // namespace throng

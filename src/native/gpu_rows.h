@@ -8,21 +8,23 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace throng {
 
 struct GpuRows {
-    // `joints` of RowSpaces::of_joints, in the order of columns; they have uniform scales. Throws kLimit where the rows
-    // would exceed a gigabyte.
-    GpuRows(const Character& character, std::span<const native::RowJoint> joints);
-
     uint32_t column_count = 0;
     std::vector<std::array<uint32_t, 2>> rows;    // kRowsBuffer
     std::vector<std::array<uint32_t, 4>> joints;  // kRowJointsBuffer
     std::vector<uint32_t> places;                 // kRowPlacesBuffer
     uint32_t motion_count = 0, fine_rotation_count = 0, fine_motion_count = 0;
 };
+
+// `joints` of RowSpaces::of_joints, in the order of columns; they have uniform scales. None where the rows would exceed
+// so many bytes.
+std::optional<GpuRows> make_gpu_rows(const Character& character, std::span<const native::RowJoint> joints,
+                                     uint64_t most_bytes);
 
 }  // namespace throng
