@@ -45,30 +45,36 @@ TEST(Isa, ADeviceThatCompilesOnlyRunsNothing) {
     EXPECT_TRUE(gpu->compiles_only());
     EXPECT_FALSE(gpu->info.usable);
     std::vector<Executable> made;
+    std::string refusal;  // of drivers that say less, as some versions do
     gpu->on_pipeline = [&](const MadePipeline& pipeline) {
-        for (const Executable& executable : executables_of(*gpu, pipeline)) made.push_back(executable);
+        try {
+            for (const Executable& executable : executables_of(*gpu, pipeline)) made.push_back(executable);
+        } catch (const Failure& failure) {
+            refusal = failure.text;
+        }
     };
     const Character character = value_of(
         compile_character(value_of(make_creature({.joint_count = 20, .level_count = 8})), {.lods = false}));
     Crowd crowd = value_of(Crowd::create(Device(gpu), {.groups = {{&character, 3}}}));
     EXPECT_TRUE(crowd.update(0.1f));
+    gpu->on_pipeline = nullptr;
+    if (!refusal.empty()) GTEST_SKIP() << refusal;
     ASSERT_FALSE(made.empty());
     for (const Executable& kernel : made) {
         EXPECT_GT(kernel.vgprs, 0u) << kernel.name;
         EXPECT_GT(kernel.code.all().total(), 0) << kernel.name;
     }
-    gpu->on_pipeline = nullptr;
 }
-
-const std::filesystem::path kSource = THRONG_SOURCE_DIR,
-                            kRecord = kSource / "bench/results/2026-11-23_isa_navi21.jsonl";
 
 // A stage's kernel has the name of its file, a scan method's may have another behind it.
 TEST(Isa, EachKernelIsInTheRecord) {
+    const auto record_file = source_file("bench/results/2026-11-23_isa_navi21.jsonl"), sources = source_file("src");
+    THRONG_SKIP_WITHOUT(record_file);
+    THRONG_SKIP_WITHOUT(sources);
     std::set<std::string> recorded;
-    for (const Json& record : read_records(kRecord)) recorded.insert(text(record, "kernel"));
+    for (const Json& record : read_records(record_file)) recorded.insert(text(record, "kernel"));
     size_t count = 0;
-    for (const auto& file : std::filesystem::recursive_directory_iterator(kSource / "src")) {
+    for (const auto& file : std::filesystem::recursive_directory_iterator(sources)) {
         if (file.path().extension() != ".comp" || file.path().parent_path().filename() == "fused") continue;
         EXPECT_TRUE(recorded.contains(file.path().stem().string())) << file.path();
         ++count;
@@ -78,9 +84,11 @@ TEST(Isa, EachKernelIsInTheRecord) {
 
 // Where this goes red on purpose: throng bench isa --json > bench/results/…_isa_navi21.jsonl
 TEST(Isa, DefaultFormsAreAsTheRecordHasThem) {
+    const auto record_file = source_file("bench/results/2026-11-23_isa_navi21.jsonl");
+    THRONG_SKIP_WITHOUT(record_file);
     const std::shared_ptr<Gpu> gpu = compiler_or_null();
     if (!gpu) GTEST_SKIP() << "without AMD's driver";
-    const auto recorded = kernels_of(read_records(kRecord));
+    const auto recorded = kernels_of(read_records(record_file));
     const std::string driver = text(recorded.begin()->second, "driver");
     if (gpu->info.driver != driver) GTEST_SKIP() << "the record is of " << driver << ", this is " << gpu->info.driver;
     const auto made = kernels_of(measure_isa("navi21", IsaScope::kDefaultForms, [](const std::string&) {}));
