@@ -6,14 +6,27 @@
 #   THRONG_TIME=SECONDS      for all of it (540)
 #   THRONG_DEVICE=NAME       a device's number or a part of its name (default: a hardware GPU if there is one)
 set -u
+fail() { echo "hardware: $*" >&2; exit 1; }
+missing=
+for program in timeout awk sed grep nproc du; do
+  command -v $program > /dev/null || missing="$missing $program"
+done
+[ -z "$missing" ] || fail "these programs are missing, of coreutils, awk, sed and grep:$missing"
+time_s=${THRONG_TIME-540}
+case $time_s in
+  '' | 0* | *[!0-9]* | ?????????*) time_is_valid= ;;
+  *) time_is_valid=$([ "$time_s" -lt 60 ] || echo yes) ;;
+esac
+[ -n "$time_is_valid" ] || fail "THRONG_TIME: '$time_s' is not a number of seconds, at least 60"
 here=$(cd "$(dirname "$0")" && pwd)
 out=${1-results}
 mkdir -p "$out" || exit 1
 out=$(cd "$out" && pwd)
 work=$(mktemp -d) || exit 1
+running=  # the program of limited()
 trap 'rm -rf "$work"' EXIT
-time_s=${THRONG_TIME-540}
-case $time_s in ''|*[!0-9]*) echo "hardware: THRONG_TIME: '$time_s' is not a number of seconds" >&2; exit 1 ;; esac
+trap 'stop 130' INT
+trap 'stop 143' TERM
 device=${THRONG_DEVICE-}
 export THRONG_SOURCE="$here/source" THRONG_SHARED="$here/shared" HOME="$work" XDG_CACHE_HOME="$work/cache"
 [ ! -f "$here/commit" ] || THRONG_COMMIT=$(cat "$here/commit")
@@ -23,7 +36,7 @@ export THRONG_COMMIT="${THRONG_COMMIT-}"
 # What one leaves goes to those after it.
 steps() {
   cat <<TEXT
-scan 13 --experiments levels,on_chip --budget $((time_s / 12)) $quick --json $work/scan.jsonl
+scan 13 --experiments levels,on_chip --budget $((time_s / 12)) $quick --json scan.jsonl
 frame 20 --samples 9 $quick --json
 control 6 --path device --characters $controlled --samples 15 --json
 view 8 --path device --count $viewed --samples 9 --json
@@ -36,6 +49,20 @@ started=$(date +%s)
 left() { echo $((started + time_s - $(date +%s))); }
 log() { printf '%s\n' "$*" >> "$work/log"; }
 say() { printf '%s\n' "$*"; }
+# Runs a program in $work for at most so many seconds. Behind the shell, which hears signals only while it waits.
+limited() {
+  (cd "$work" && exec timeout -k 5 "$@") &
+  running=$!
+  wait $running
+  set -- $?
+  running=
+  return "$1"
+}
+is_timed_out() { [ "$1" -eq 124 ] || [ "$1" -eq 137 ]; }  # 137: it had to be killed
+stop() {
+  [ -z "$running" ] || { kill $running && wait $running; } 2> /dev/null
+  exit "$1"
+}
 # Not more than the first and the last 200 kB of a file.
 shortened() {
   if [ "$(wc -c < "$1")" -lt 400000 ]; then
@@ -48,17 +75,37 @@ shortened() {
 }
 row() { printf '| %s | %s | %s |\n' "$@" >> "$work/steps"; say "$1: $2, $3"; }
 
-has_gpu() { "$here/throng" devices 2>/dev/null | grep -q ', driver '; }
+# A driver that the host has may need a newer C++ library than the bundle's, and a process has but one.
+newest_of() { grep -aoh 'GLIBCXX_3\.4\.[0-9]*' "$@" | sort -V | tail -n 1; }
+choose_cpp_library() {
+  bundled=$here/lib/libstdc++.so.6
+  for host in /usr/lib/x86_64-linux-gnu /lib/x86_64-linux-gnu /usr/lib64 /lib64 /usr/lib; do
+    host=$host/libstdc++.so.6
+    [ -f "$host" ] || continue
+    [ "$(newest_of "$bundled")" = "$(newest_of "$bundled" "$host")" ] ||
+      export LD_PRELOAD="$host${LD_PRELOAD:+:$LD_PRELOAD}"
+    return
+  done
+}
+
+# The devices that can draw, of those that THRONG_DEVICE selects; each is two lines, its name and its driver.
+has_gpu() {
+  "$here/throng" devices 2> /dev/null | awk -v wanted="$device" '
+    BEGIN { wanted = tolower(wanted) }
+    /^[0-9]/ { named = wanted ~ /^[0-9]+$/ ? $1 == wanted : wanted == "" || index(tolower($0), wanted) }
+    /, driver / && !/; compiles only|; not usable/ && $1 != "cpu," && named { found = 1 }
+    END { exit !found }'
+}
 find_driver() {
   has_gpu && return
   # Where containers have mounted NVIDIA's driver without telling the loader
-  for icd in /usr/local/nvidia/share/vulkan/icd.d/nvidia_icd.json; do
-    [ -f "$icd" ] && [ -z "${VK_DRIVER_FILES-}" ] || continue
+  icd=/usr/local/nvidia/share/vulkan/icd.d/nvidia_icd.json
+  if [ -z "${VK_DRIVER_FILES-}${VK_ICD_FILENAMES-}" ] && [ -f $icd ]; then
     export VK_DRIVER_FILES=$icd
     has_gpu && return
-  done
-  unset VK_DRIVER_FILES
-  return 1
+    unset VK_DRIVER_FILES
+  fi
+  "$here/throng" devices 2> /dev/null | grep ', driver ' | grep -qv '; compiles only\|; not usable'
 }
 
 # What became of each test of a log, a line for each; of one that ran again, the worst.
@@ -85,14 +132,14 @@ suites_left() {
 run_tests() {
   limit=$1
   begun=$(date +%s)
-  timeout "$limit" "$here/throng_tests" > "$work/tests" 2>&1
+  limited "$limit" "$here/throng_tests" > "$work/tests" 2>&1
   status=$?
   cp "$work/tests" "$work/tests.all"
   if [ $status -ne 0 ]; then
     for suite in $(suites_left "$work/tests"); do
       rest=$((begun + limit - $(date +%s)))
       [ $rest -gt 2 ] || break
-      timeout "$rest" "$here/throng_tests" --gtest_filter="$suite*" > "$work/suite" 2>&1
+      limited "$rest" "$here/throng_tests" --gtest_filter="$suite*" > "$work/suite" 2>&1
       cat "$work/suite" >> "$work/tests.all"
     done
   fi
@@ -100,7 +147,7 @@ run_tests() {
   of() { grep -c "^$1 " "$work/states"; }
   total=$("$here/throng_tests" --gtest_list_tests | grep -c '^ ')
   result="$(of passed) of $total passed, $(of skipped) skipped, $(of failed) failed, $(of not_ended) not ended"
-  [ $status -lt 2 ] || [ $status -eq 124 ] || log "==== throng_tests ended with status $status"
+  [ $status -lt 2 ] || is_timed_out $status || log "==== throng_tests ended with status $status"
   row "device tests" "$result, $((total - $(wc -l < "$work/states"))) not reached" "$(($(date +%s) - begun)) s"
   if grep -q '^failed \|^not_ended ' "$work/states"; then
     sed -n 's/^failed /failed: /p; s/^not_ended /not ended: /p' "$work/states" > "$work/failed"
@@ -121,16 +168,16 @@ run_step() {
   fi
   [ "$limit" -ge 5 ] || { row "$name" "not run: no time left" "0 s"; return; }
   begun=$(date +%s)
-  timeout "$limit" "$here/throng" bench "$name" --device "$device" "$@" > "$work/stdout" 2> "$work/stderr"
+  limited "$limit" "$here/throng" bench "$name" --device "$device" "$@" > "$work/stdout" 2> "$work/stderr"
   status=$?
   cat "$work/$name.jsonl" "$work/stdout" 2>/dev/null | grep '^{.*}$' > "$work/records"
-  cat "$work/records" >> "$work/records.jsonl"
+  cat "$work/records" >> "$out/records.jsonl"
   result="$(wc -l < "$work/records") records"
-  case $status in
-    0) ;;
-    124) result="$result; stopped after its $limit s" ;;
-    *) result="$result; failed ($status): $(grep . "$work/stderr" | tail -n 1 | tr '\r|' '  ' | cut -c1-200)" ;;
-  esac
+  if is_timed_out $status; then
+    result="$result; stopped after its $limit s"
+  elif [ $status -ne 0 ]; then
+    result="$result; failed ($status): $(grep . "$work/stderr" | tail -n 1 | tr '\r|' '  ' | cut -c1-200)"
+  fi
   row "$name" "$result" "$(($(date +%s) - begun)) s"
   if [ $status -ne 0 ]; then
     log "==== throng bench $name --device '$device' $*"
@@ -139,21 +186,15 @@ run_step() {
   fi
 }
 
-: > "$work/log"; : > "$work/steps"; : > "$work/records.jsonl"
-"$here/throng" devices > "$work/devices" 2>&1 || {
-  echo "hardware: the programs do not run here: $(head -n 1 "$work/devices")" >&2
-  exit 1
-}
-find_driver || {
-  echo "hardware: no Vulkan driver was found; name its .json file in VK_DRIVER_FILES" >&2
-  exit 1
-}
+choose_cpp_library
+"$here/throng" devices > "$work/devices" 2>&1 || fail "the programs do not run here: $(head -n 1 "$work/devices")"
+find_driver || fail "no Vulkan driver was found; name its .json file in VK_DRIVER_FILES"
+for file in records.jsonl report.html SUMMARY.md log.txt; do rm -f "$out/$file"; done
+: > "$out/records.jsonl"; : > "$work/log"; : > "$work/steps"
 "$here/throng" devices > "$work/devices" 2>&1
 cat "$work/devices"
 quick= controlled=1000,10000,100000 viewed=100000
-if grep ', driver ' "$work/devices" | head -n 1 | grep -q '^ *cpu,'; then  # a software device
-  quick=--quick controlled=1000 viewed=10000
-fi
+has_gpu || quick=--quick controlled=1000 viewed=10000
 isa=all
 if grep -q avx2 /proc/cpuinfo; then isa=avx2; fi
 
@@ -167,10 +208,9 @@ while read -r name percent options <&3; do
   run_step "$name" $(($(left) - time_s * (share + 4) / 100)) $options
 done 3< "$work/list"
 
-cp "$work/records.jsonl" "$out/records.jsonl"
-predictions=
-[ ! -f "$here/predictions.jsonl" ] || predictions="--predictions $here/predictions.jsonl"
-"$here/throng" bench summary "$out/records.jsonl" $predictions --out "$work/summary.md" 2>> "$work/log" ||
+set --
+[ ! -f "$here/predictions.jsonl" ] || set -- --predictions "$here/predictions.jsonl"
+"$here/throng" bench summary "$out/records.jsonl" "$@" --out "$work/summary.md" 2>> "$work/log" ||
   row summary "failed; see log.txt" "0 s"
 "$here/throng" bench report "$out/records.jsonl" --tables --out "$out/report.html" 2>> "$work/log" ||
   row report "failed; see log.txt" "0 s"
@@ -186,7 +226,7 @@ predictions=
   printf '\n'
   cat "$work/summary.md" 2>/dev/null
 } > "$out/SUMMARY.md"
-shortened "$work/log" > "$out/log.txt"
+cp "$work/log" "$out/log.txt"
 grep -E 'not run|not in this build|stopped|failed' "$work/steps" |
   grep -v ' 0 failed, 0 not ended, 0 not reached' > "$work/open"
 if [ -s "$work/open" ]; then
