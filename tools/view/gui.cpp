@@ -82,7 +82,7 @@ Gui::Gui(const Window& window, const Context& context, VkRenderPass render_pass)
     choose_font(window.content_scale());
     choose_style(window.content_scale());
     ImGui_ImplGlfw_InitForVulkan(window.handle(), true);
-    constexpr uint32_t kFrames = 2;  // the least that it takes; there is one at a time
+    constexpr uint32_t kFrames = 2;  // one may be shown while the next is recorded (display.h)
     ImGui_ImplVulkan_InitInfo info{.Instance = context.instance(),
                                    .PhysicalDevice = context.physical_device(),
                                    .Device = context.device(),

@@ -71,7 +71,7 @@ std::optional<uint32_t> Swapchain::acquire() {
     uint32_t index = 0;
     const VkResult result = vkAcquireNextImageKHR(context_->device(), swapchain_.get(), UINT64_MAX, acquired_.get(),
                                                   VK_NULL_HANDLE, &index);
-    stale_ = result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR;
+    stale_ |= result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR;
     if (result == VK_ERROR_OUT_OF_DATE_KHR) return std::nullopt;
     if (result != VK_SUBOPTIMAL_KHR) check(result, "vkAcquireNextImageKHR");
     return index;
