@@ -3,7 +3,11 @@
 #include "bench/report/html.h"
 
 #include <algorithm>
+#include <array>
+#include <iterator>
+#include <ranges>
 #include <sstream>
+#include <string_view>
 
 namespace throng::bench {
 namespace {
@@ -12,24 +16,37 @@ bool has_digit(const std::string& word) {
     return std::ranges::any_of(word, [](char c) { return c >= '0' && c <= '9'; });
 }
 
+std::vector<std::string> words_of(const std::string& text) {
+    std::istringstream stream(text);
+    return {std::istream_iterator<std::string>(stream), {}};
+}
+
+// What makes another device of a number, as in "RTX 3080 Ti".
+constexpr std::array<std::string_view, 7> kVariants{"XT", "XTX", "GRE", "Ti", "PCIe", "NVL", "Laptop"};
+
+// By the words with digits. A machine that has none, the Steam Deck, is known by no device's name.
 bool is_for(const Json& prediction, const Json& record) {
-    const std::string device = text(record, "device");
-    std::istringstream machine(text(prediction, "machine"));
+    const std::vector<std::string> machine = words_of(text(prediction, "machine")),
+                                   device = words_of(text(record, "device"));
     bool named = false;
-    for (std::string word; machine >> word;) {
+    for (const std::string& word : machine) {
         if (!has_digit(word)) continue;
-        if (device.find(word) == std::string::npos) return false;
+        const auto found = std::ranges::find(device, word);
+        if (found == device.end()) return false;
+        const auto next = found + 1;
+        if (next != device.end() && std::ranges::count(kVariants, *next) > 0 && std::ranges::count(machine, *next) == 0)
+            return false;
         named = true;
     }
     return named;
 }
 
-// Predicted are the fused updates of `throng bench frame`, for each size of subgroups.
+// Predicted are the fused updates of `throng bench frame`, for each size of subgroups; the last prediction counts.
 double predicted_ms(const Json& record, std::span<const Json> predictions) {
     std::string kernel = text(record, "variant");
     if (text(record, "bench") != "frame" || text(record, "path") != "fused") return std::nan("");
     if (kernel == "fused") kernel = "fused, two clips";
-    for (const Json& prediction : predictions)
+    for (const Json& prediction : std::views::reverse(predictions))
         if (text(prediction, "kernel") == kernel &&
             text(prediction, "configuration") == text(record, "configuration") &&
             text(prediction, "scan") == text(record, "scan") &&

@@ -30,6 +30,13 @@ std::vector<Json> read_records(const std::filesystem::path& path) {
     return records;
 }
 
+std::vector<Json> read_records(std::span<const std::string> paths) {
+    std::vector<Json> records;
+    for (const std::string& path : paths)
+        for (Json& record : read_records(path)) records.push_back(std::move(record));
+    return records;
+}
+
 double number(const Json& record, const std::string& field) {
     const Json found = value_at(record, field);
     const double value = found.is_number() ? found.get<double>() : std::nan("");

@@ -203,9 +203,32 @@ TEST(Summary, HasALineForEachTimeBesideItsPrediction) {
 
     EXPECT_EQ(count_of(summary_text(records, {}), "predicted"), 1u) << "says that nothing was, and has no column";
     EXPECT_EQ(count_of(summary_text(records, std::vector<Json>{of_other_machine}), "predicted |"), 0u);
+    Json newer = prediction;
+    newer["predicted_ms"] = 0.15;
+    EXPECT_EQ(count_of(summary_text(records, std::vector<Json>{prediction, newer}), "| 0.150 | 2.00 |"), 1u);
     const std::string section = summary_section(records);
     EXPECT_EQ(count_of(section, "one dragon"), 1u);
     EXPECT_EQ(count_of(section, "60 levels"), 0u) << "updates have a section of their own";
+}
+
+TEST(Summary, PredictionsAreForOneDevice) {
+    const auto is_predicted = [](const char* machine, const char* device) {
+        Json record{{"bench", "frame"},    {"variant", "fused"},      {"path", "fused"},
+                    {"subgroup_size", 32}, {"ms", {{"median", 0.3}}}, {"device", device}};
+        Json prediction = record;
+        prediction.update({{"kernel", "fused, two clips"}, {"machine", machine}, {"predicted_ms", 0.1}});
+        return summary_text(std::vector<Json>{record}, std::vector<Json>{prediction}).find("| 0.100 | 3.00 |") !=
+               std::string::npos;
+    };
+    EXPECT_TRUE(is_predicted("RX 7900 XTX", "AMD Radeon RX 7900 XTX (RADV GFX1100)"));
+    EXPECT_FALSE(is_predicted("RX 7900 XTX", "AMD Radeon RX 7900 XT (RADV GFX1100)"));
+    EXPECT_TRUE(is_predicted("RTX 3080", "NVIDIA GeForce RTX 3080"));
+    EXPECT_FALSE(is_predicted("RTX 3080", "NVIDIA GeForce RTX 3080 Ti"));
+    EXPECT_TRUE(is_predicted("H100 SXM", "NVIDIA H100 80GB HBM3"));
+    EXPECT_FALSE(is_predicted("H100 SXM", "NVIDIA H100 PCIe"));
+    EXPECT_FALSE(is_predicted("H100 SXM", "NVIDIA H100 NVL"));
+    EXPECT_FALSE(is_predicted("RX 6900 XT", "AMD Radeon RX 6900M"));
+    EXPECT_FALSE(is_predicted("Steam Deck", "AMD Custom GPU 0405 (RADV VANGOGH)"));
 }
 
 TEST(Report, NamesTheLineThatIsNoRecord) {

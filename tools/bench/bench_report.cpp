@@ -15,9 +15,7 @@ struct ReportOptions {
 
 void run_report(const ReportOptions& options) {
     keep_inputs(options.files, {options.out, options.plot});
-    std::vector<Json> records;
-    for (const std::string& file : options.files)
-        for (Json& record : bench::read_records(file)) records.push_back(std::move(record));
+    const std::vector<Json> records = bench::read_records(options.files);
     if (!options.plot.empty()) write_text(options.plot, bench::scan_levels_plot(records));
     write_text(options.out, bench::scan_report(records, !options.tables));
 }

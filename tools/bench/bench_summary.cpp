@@ -13,10 +13,11 @@ struct SummaryOptions {
 };
 
 void run_summary(const SummaryOptions& options) {
-    keep_inputs(options.files, {options.out});
-    std::vector<Json> records, predictions;
-    for (const std::string& file : options.files)
-        for (Json& record : bench::read_records(file)) records.push_back(std::move(record));
+    std::vector<std::string> inputs = options.files;
+    if (!options.predictions.empty()) inputs.push_back(options.predictions);
+    keep_inputs(inputs, {options.out});
+    const std::vector<Json> records = bench::read_records(options.files);
+    std::vector<Json> predictions;
     if (!options.predictions.empty()) predictions = bench::read_records(options.predictions);
     write_text(options.out, bench::summary_text(records, predictions));
 }
