@@ -57,9 +57,7 @@ INLINE Whole samples_of_block(const LaneEdge (&edges)[3], const PixelBox& box, c
 // As Plane, of as many triangles as there are lanes.
 struct LanePlane {
     Real x0, y0, z0, per_x, per_y, most;
-    INLINE Real at(Real x, Real y) const {
-        return max(min(per_x * (x - x0) + (per_y * (y - y0) + z0), most), Plane::kLeast);
-    }
+    INLINE Real at(Real x, Real y) const { return depth_on(*this, x, y); }
 };
 
 class FittingTriangles {

@@ -61,8 +61,20 @@ INLINE float bias_of(float per_x, float per_y) {
     return __builtin_fmaxf(__builtin_fabsf(per_x), __builtin_fabsf(per_y)) * (1.5f * 256);
 }
 
-// The depth, or height, of a triangle over the subpixels from its first corner. All compute it by the same expression,
-// so that a sample's depth depends on no tile or block.
+// The depth, or height, of a triangle over the subpixels from its first corner: at least kLeastDepth, as 0 means empty,
+// and bits of numbers below 0 do not compare as integers. This is the only expression for it, of one triangle or of
+// several, so that a sample's depth depends on no tile or block.
+constexpr float kLeastDepth = 0x1p-126f;
+INLINE float lesser(float a, float b) { return a < b ? a : b; }
+INLINE Real lesser(Real a, Real b) { return min(a, b); }
+INLINE float greater(float a, float b) { return a > b ? a : b; }
+INLINE Real greater(Real a, Real b) { return max(a, b); }
+template <class Of, class Number>
+INLINE Number depth_on(const Of& plane, Number x, Number y) {
+    const Number z = plane.per_x * (x - plane.x0) + (plane.per_y * (y - plane.y0) + plane.z0);
+    return greater(lesser(z, plane.most), kLeastDepth);
+}
+
 struct Plane {
     float x0, y0, z0;  // x0, y0: subpixels
     float per_x, per_y;
@@ -71,14 +83,8 @@ struct Plane {
         z0 -= by;
         most -= by;
     }
-    // At least kLeast: 0 means empty, and bits of numbers below 0 do not compare as integers.
-    INLINE Real at(Real x, Real y) const { return max(min(per_x * (x - x0) + (per_y * (y - y0) + z0), most), kLeast); }
-    INLINE float at(float x, float y) const {
-        const float z = per_x * (x - x0) + (per_y * (y - y0) + z0), low = z < most ? z : most;
-        return low > kLeast ? low : kLeast;
-    }
-
-    static constexpr float kLeast = 0x1p-126f;
+    INLINE Real at(Real x, Real y) const { return depth_on(*this, x, y); }
+    INLINE float at(float x, float y) const { return depth_on(*this, x, y); }
 };
 
 template <Into kInto>
