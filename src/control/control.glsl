@@ -19,7 +19,7 @@ float local_time(float time_s, float duration_s, bool loop) {
 // alone.
 SlotCursor find_rows(ClipTimeline timeline, float time_s) {
     uint low = 0, high = timeline.row_count;  // times[low] <= time_s < times[high], but for the ends
-    // As in blend_space.glsl
+    // `do` with a `break`, as in mix_line() (blend_space.glsl)
     do {
         if (high - low <= 1) break;
         const uint middle = (low + high) / 2;

@@ -44,7 +44,7 @@ void add_clips(LayerState state, ControlLayer layer, vec3 weights, float layer_w
     if (layer_weight <= 0 || heard == 0) return;
     begin_layer(state, layer, layer_weight);
     do {
-        if (heard == 0) break;
+        if (heard == 0) break;  // see mix_line() in blend_space.glsl
         const uint bit = findLSB(heard), k = bit / 3, point = bit % 3;
         const float weight = product(weights[k], mixes[k].weights[point]);
         heard &= heard - 1;
@@ -86,8 +86,8 @@ void update_layer(uint index) {
 
     float common_rate = 0;  // of the leading play's sync group
     uint count = 0;
-    do {  // of a layer that plays nothing, nothing of this is kept
-        if (count >= state.play_count) break;
+    do {
+        if (count >= state.play_count) break;  // see mix_line() in blend_space.glsl
         mixes[count] = mix_of_play(layer, state.plays[count]);
         common_rate = sum(common_rate,
                           product(weights[count], mixes[is_in_step(mixes[0], mixes[count]) ? count : 0].rate));
