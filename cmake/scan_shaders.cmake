@@ -51,7 +51,8 @@ endforeach()
 
 # throng_add_scan_variants(target table row variants...): the methods' shaders, compiled as each variant says, and a
 # file of rows {"method", words of each variant}, of which those of the fused forms may be empty; of the variant
-# `tiled` a row has whether its fused form is, of `native` the address of the NativeKernel, which may be null. `row` is the rows' type.
+# `tiled` a row has whether its fused form is, of `native` the address of the NativeKernel, which may be null. `row` is
+# the rows' type.
 function(throng_add_scan_variants target table row)
   set(plain_defines "")
   set(software_defines GPU_SOFTWARE)
