@@ -30,9 +30,10 @@ struct ScanAdvice {
 };
 Result<ScanAdvice> advise_scan(const Device& device, const Rig& rig, uint32_t instance_count);
 
-// The order in which `stream`, the method of fused updates on GPUs, goes about a rig: docs/scan.md#stream.
+// The order in which `stream`, the method of fused updates on GPUs, goes about a compiled character's rig:
+// docs/scan.md#stream.
 struct StreamOrder {
-    uint32_t lanes = 0;       // of a subgroup: joints of a chunk, 1 to 128
+    uint32_t lanes = 0;       // of a subgroup: joints of a chunk; a power of two, 4 to 64
     uint32_t characters = 1;  // that share the chunks
     uint32_t chunks = 0;
     uint32_t rounds = 0;  // products after shuffles, of all chunks together

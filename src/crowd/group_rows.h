@@ -23,8 +23,8 @@ public:
 
 private:
     FusedRows counts_;
-    std::vector<AffineT<double>> spaces_;  // [joint of the rig]
-    std::vector<uint32_t> columns_;        // [joint of the rig]
+    FusedBinds binds_;
+    std::vector<uint32_t> columns_;  // [joint of the rig]
 };
 
 }  // namespace throng

@@ -74,10 +74,15 @@ PathChoice device_path(const Gpu& gpu, const CrowdSettings& settings, const Crow
     } else if (settings.path != UpdatePath::kStaged) {
         const FusedRig rig(character);
         FusedPlan plan = any_scan ? choose_fused(rig, limits) : plan_named(settings.scan, rig, limits);
+        // Poses from outside may have any scale, which rows have not; from keys the form of similarities is the faster
+        const bool may_have_rows = group.pose_capacity == 0;
+        if (any_scan && !may_have_rows && plan.unsupported_reason.empty() && plan.choice.method->name == "stream") {
+            FusedPlan similar = plan_fused({find_scan_method("stream_quaternion"), plan.choice.threads}, rig, limits);
+            if (similar.unsupported_reason.empty()) plan = std::move(similar);
+        }
         if (plan.unsupported_reason.empty()) {
             const ScanChoice scan = plan.choice;
-            // Poses from outside may have any scale, which rows have not
-            const bool rows = !scan_shaders(scan.method->name).fused_rows.empty() && group.pose_capacity == 0;
+            const bool rows = !scan_shaders(scan.method->name).fused_rows.empty() && may_have_rows;
             return {.fused = std::move(plan),
                     .native = false,
                     .rows = rows,

@@ -34,6 +34,7 @@ float first_weight;
 RowJoint row_joint;
 
 RowPlace row_place(SlotCursor cursor) {
+    // In floats, which are exact enough here: integers are divided slowly
     const uint clip = kRowClipWords * uint(float(cursor.first_track) / float(push.rig_joint_count) + 0.5);
     const float keys = float(cursor.earlier - row_places[clip]) * uintBitsToFloat(row_places[clip + 1]);
     const uint span = row_places[clip + 2] + kRowSpanWords * uint(keys + 0.5);

@@ -7,7 +7,6 @@
 #include "scan/stream_plan.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 namespace throng {
@@ -127,7 +126,7 @@ FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits) {
 }
 
 Buffers upload_fused_tables(Uploads& uploads, const Character& character, const FusedRig& rig, const FusedPlan& plan,
-                            std::span<const AffineT<double>> spaces) {
+                            const FusedBinds* binds) {
     std::vector<std::vector<uint32_t>> entries_of(character.rig.joint_count());
     for (uint32_t entry = 0; entry < character.palette.size(); ++entry)
         entries_of[character.palette[entry].joint].push_back(entry);
@@ -138,11 +137,8 @@ Buffers upload_fused_tables(Uploads& uploads, const Character& character, const 
     }
     std::vector<Affine> sorted;
     for (uint32_t& entry : entries) {
-        const PaletteEntry& of = character.palette[entry];
-        sorted.push_back(of.joint_from_bind);
-        if (spaces.empty()) continue;
-        sorted.back() = (spaces[of.joint] * of.joint_from_bind.as<double>()).as<float>();
-        if (is_plain_entry(of, spaces[of.joint], character.size)) entry |= io::kPlainEntry;
+        sorted.push_back(binds ? binds->matrices[entry] : character.palette[entry].joint_from_bind);
+        if (binds && binds->is_plain[entry]) entry |= io::kPlainEntry;
     }
     Buffers buffers;
     buffers[io::kScanLinksBuffer] = upload_table(uploads, character.name + ": scan links", plan.scan.links);
@@ -151,15 +147,6 @@ Buffers upload_fused_tables(Uploads& uploads, const Character& character, const 
     buffers[io::kBindsBuffer] = upload_table(uploads, character.name + ": inverse binds by joint", sorted);
     buffers[io::kAnimatedJointsBuffer] = upload_table(uploads, character.name + ": animated joints", rig.rig_joints);
     return buffers;
-}
-
-bool is_plain_entry(const PaletteEntry& entry, const AffineT<double>& space, double size) {
-    constexpr double kSeen = 5e-7;  // parts of the size, by which a vertex may be displaced
-    const AffineT<double> m = space * entry.joint_from_bind.as<double>();
-    for (size_t r = 0; r < 3; ++r)
-        for (size_t c = 0; c < 4; ++c)
-            if (!(std::abs(m.row[r][c] - (r == c ? 1 : 0)) * (c < 3 ? size : 1) <= kSeen * size)) return false;
-    return true;
 }
 
 Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, const FusedSettings& settings) {

@@ -4,8 +4,8 @@
 // - FUSED_TILED: a workgroup first computes the local transforms of its characters into shared memory, joints side by
 //   side; for methods that load a joint more than once;
 // - else load_local() computes: for methods that load each joint once.
-// Bytes a joint: keys (once for all characters in the caches), 24 to 48 written; tiled also 48 through shared memory
-// and back.
+// Bytes a joint: keys, or 8 for each column and row of rows (once for all characters in the caches), 24 to 48 written;
+// tiled also 48 through shared memory and back.
 #include "gpu/buffers_io.h"
 #include "bind/bind.glsl"
 #include "blend/blend.glsl"

@@ -19,6 +19,12 @@ struct FusedRows {
     bool plain_entries = false;  // the walked matrices are the skin matrices
 };
 
+// Of rows, [palette entry]: what the walked matrix of its joint is multiplied by.
+struct FusedBinds {
+    std::vector<Affine> matrices;
+    std::vector<bool> is_plain;  // by nothing: the walked matrix is the skin matrix
+};
+
 struct FusedSettings {
     bool packed = false;  // Character::packed
     bool blends = true;   // false: no instance has two clips with weight
@@ -36,7 +42,8 @@ struct FusedSettings {
 // What of a character decides how it is fused: of all its joints, or of those of a coarser level of detail.
 struct FusedRig {
     explicit FusedRig(const Character& character, uint32_t lod = 0);
-    // In the order of `stream`, so that what the lanes of a chunk read lies side by side.
+    // In the order of `stream`, so that what the lanes of a chunk read lies side by side, but where the plan of this
+    // order is another one: among equals a plan takes the first.
     FusedRig in_stream_order(uint32_t lanes) const;
 
     ScanRig rig;
@@ -65,12 +72,9 @@ FusedPlan choose_fused(const FusedRig& rig, const ScanLimits& limits);
 
 // What the kernel reads of a character beside its clips: kScanLinksBuffer of the plan, kBindRangesBuffer,
 // kBindEntriesBuffer, kBindsBuffer and kAnimatedJointsBuffer of the rig's joints.
-// `spaces`, where rows are read: what a walked matrix of a joint of the rig is multiplied by to yield model_from_joint.
+// `binds` where rows are read, else the character's inverse binds.
 Buffers upload_fused_tables(Uploads& uploads, const Character& character, const FusedRig& rig, const FusedPlan& plan,
-                            std::span<const AffineT<double>> spaces = {});
-
-// Whether the skin matrix of a palette entry is what is walked of its joint, whose space this is.
-bool is_plain_entry(const PaletteEntry& entry, const AffineT<double>& space, double size);
+                            const FusedBinds* binds = nullptr);
 
 Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, const FusedSettings& settings);
 

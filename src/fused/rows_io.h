@@ -10,8 +10,8 @@ THRONG_IO_BEGIN
 
 // kRowJointsBuffer, of each joint, in the order of the columns: kRowJointRows rows.
 THRONG_IO_CONSTANT kRowJointRows = 6;
-// Of the rotation, in halves: 32767 times its middle x, y, z, w, then what a word is multiplied by. The quaternion that
-// comes of it is of that length.
+// Of the rotation, in halves: 32767 times its middle x, y, z, w, then what a word is multiplied by. Words are
+// not divided by 32767, so that the quaternion is about as long.
 THRONG_IO_CONSTANT kRowRange = 0;
 THRONG_IO_CONSTANT kRowCentre = 1;  // translation and scale of a joint that only turns; of one that moves, the middle
 THRONG_IO_CONSTANT kRowPivot = 2;   // the point that it turns about, and its columns: motion, then finer rotation << 16
@@ -20,7 +20,7 @@ THRONG_IO_CONSTANT kRowSpace = 3;   // model_from_joint = the walked matrix * th
 THRONG_IO_CONSTANT kNoColumn = 0xFFFFu;
 
 // kRowPlacesBuffer: four words a clip, then two words a span of keys.
-THRONG_IO_CONSTANT kRowClipWords = 4;  // its first key, spans a key (float), its first span's word, 0
+THRONG_IO_CONSTANT kRowClipWords = 4;  // its first key, 1 / Clip::row_stride (float), its first span's word, 0
 THRONG_IO_CONSTANT kRowSpanWords = 2;  // its first row, its pieces (float)
 
 // kBindEntriesBuffer: an entry whose skin matrix is the walked matrix itself.

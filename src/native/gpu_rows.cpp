@@ -12,13 +12,13 @@ namespace {
 
 using namespace native;
 
-// Parts of the character's size, as in rows.cpp
+// Parts of the character's size; half of what rows.cpp allows, since a further column costs little
 constexpr double kStill = 1e-7;
 constexpr double kSeen = 1e-6;
 constexpr double kFiner = 65536;            // a finer word counts parts of a word
 constexpr double kLeastStep = 1.0 / 16384;  // of a rotation's range, the least normal half float
 
-// Up, so that a range of that size holds all that it must.
+// The least half that is not below value, at least kLeastStep: a range of that size holds all that it must.
 uint32_t half_up(double value) {
     uint32_t half = 0x0400;  // kLeastStep
     for (uint32_t bit = 0x4000; bit >= 1; bit /= 2) {
@@ -52,7 +52,12 @@ struct WordRange {
         const double part = half[c] > 0 ? (value[c] - middle[c]) / half[c] : 0;
         return std::llround(std::clamp(part, -1.0, 1.0) * kMostWord * kFiner);
     }
-    double error() const { return *std::max_element(half.begin(), half.end()) / kMostWord / 2; }
+    // How far one of these components is off at most.
+    double error(size_t first, size_t end) const {
+        double error = 0;
+        for (size_t c = first; c < end; ++c) error = std::max(error, half[c] / kMostWord / 2);
+        return error;
+    }
 };
 
 std::array<uint32_t, 2> packed(const std::array<int64_t, 4>& words) {
@@ -66,6 +71,7 @@ public:
         : character_(character), joints_(joints), values_(character, true, row_times(character, joints)) {}
 
     std::optional<GpuRows> make(uint64_t most_bytes) {
+        if (uint64_t{values_.row_count()} * joints_.size() * sizeof out_.rows[0] > most_bytes) return std::nullopt;
         measure();
         if (uint64_t{values_.row_count()} * out_.column_count * sizeof out_.rows[0] > most_bytes) return std::nullopt;
         out_.rows.resize(values_.row_count() * out_.column_count);
@@ -98,11 +104,11 @@ private:
                 moves.half[c] = motion.half[c] * (1 + 1e-6) + std::abs(motion.middle[c] - moves.middle[c]);
             }
             Columns& columns = columns_.emplace_back();
-            if (2 * turns.error() * joint.reach > kSeen * size) columns.fine_rotation = out_.fine_rotation_count++;
+            if (2 * turns.error(0, 4) * joint.reach > kSeen * size) columns.fine_rotation = out_.fine_rotation_count++;
             const double most_moved = std::max({motion.half[0], motion.half[1], motion.half[2]});
             if (most_moved <= kStill * size && motion.half[3] * joint.reach <= kStill * size) continue;
             columns.motion = 0;
-            columns.is_fine_motion = moves.error() * std::max(1.0, joint.reach / size) > kSeen * size;
+            columns.is_fine_motion = std::max(moves.error(0, 3), moves.error(3, 4) * joint.reach) > kSeen * size;
         }
         // Finer ones first, so that their columns need no numbers of their own
         for (const bool fine : {true, false})

@@ -12,8 +12,6 @@ double dot(const Four& a, const Four& b) { return a[0] * b[0] + a[1] * b[1] + a[
 
 }  // namespace
 
-double RowRange::largest_half() const { return *std::max_element(half.begin(), half.end()); }
-
 RowValues::RowValues(const Character& character, bool uniform_scale, std::vector<ClipRowTimes> times)
     : character_(character), uniform_scale_(uniform_scale), times_(std::move(times)) {
     for (const ClipRowTimes& clip : times_) {
@@ -65,7 +63,8 @@ RowRange RowValues::range_of(std::span<const Four> rows) const {
         for (size_t c = 0; c < 4; ++c) {
             low[c] = std::min(low[c], rows[row][c]);
             high[c] = std::max(high[c], rows[row][c]);
-            if (!begins) range.largest_step = std::max(range.largest_step, std::abs(rows[row][c] - rows[row - 1][c]));
+            if (!begins)
+                range.largest_step[c] = std::max(range.largest_step[c], std::abs(rows[row][c] - rows[row - 1][c]));
         }
     }
     for (size_t c = 0; c < 4; ++c) {

@@ -21,9 +21,7 @@ struct JointValues {
 
 struct RowRange {
     Four middle{}, half{};
-    double largest_step = 0;  // from one row to the next
-
-    double largest_half() const;
+    Four largest_step{};  // from one row to the next
 };
 
 class RowValues {

@@ -14,8 +14,13 @@ constexpr double kStill = 1e-7;          // parts of the character's size below 
 constexpr double kSeen = 2e-6;           // and above which a joint's words are floats
 constexpr double kPart = 1 / kMostWord;  // a fraction between two rows is off by half of it
 
-// How far a component is off at most.
-double error_of(const RowRange& range) { return range.largest_half() / kMostWord / 2 + range.largest_step * kPart / 2; }
+// How far one of these components is off at most.
+double error_of(const RowRange& range, size_t first, size_t end) {
+    double error = 0;
+    for (size_t c = first; c < end; ++c)
+        error = std::max(error, range.half[c] / kMostWord / 2 + range.largest_step[c] * kPart / 2);
+    return error;
+}
 
 class RowMaker {
 public:
@@ -78,7 +83,7 @@ private:
             const RowRange rotation = values_.range_of(values.rotation), motion = values_.range_of(values.motion),
                            three = values_.range_of(values.scales);
             rotations.push_back(rotation);
-            fine_rotations.push_back(2 * error_of(rotation) * joint.reach > kSeen * size);
+            fine_rotations.push_back(2 * error_of(rotation, 0, 4) * joint.reach > kSeen * size);
             StillJoint still{.centre = {motion.middle[0], motion.middle[1], motion.middle[2]}};
             const bool uniform = settings_.uniform_scale;
             still.scale = uniform ? Vec3<double>{motion.middle[3], motion.middle[3], motion.middle[3]}
@@ -91,12 +96,13 @@ private:
                 most(motion, 3, 4) * joint.reach > kStill * size) {
                 still.motion = rows_.motion_count++;
                 motions.push_back(motion);
-                fine_motions.push_back(error_of(motion) * std::max(1.0, joint.reach / size) > kSeen * size);
+                fine_motions.push_back(std::max(error_of(motion, 0, 3), error_of(motion, 3, 4) * joint.reach) >
+                                       kSeen * size);
             }
             if (!uniform && (settings_.all_move || most(three, 0, 3) * joint.reach > kStill * size)) {
                 still.scales = rows_.scales_count++;
                 scales.push_back(three);
-                fine_scales.push_back(error_of(three) * joint.reach > kSeen * size);
+                fine_scales.push_back(error_of(three, 0, 3) * joint.reach > kSeen * size);
             }
             rows_.still.push_back(still);
         }

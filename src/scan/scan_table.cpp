@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 
 namespace throng {
 
@@ -79,7 +80,7 @@ std::vector<ScanMethodInfo> scan_methods() {
 }
 
 StreamOrder stream_order(const Rig& rig, uint32_t lanes) {
-    const StreamPlan plan = plan_stream(ScanRig(rig.parents), {.lanes = std::clamp(lanes, 1u, 128u)});
+    const StreamPlan plan = plan_stream(ScanRig(rig.parents), {.lanes = std::bit_floor(std::clamp(lanes, 4u, 64u))});
     return {.lanes = plan.lanes,
             .characters = plan.characters,
             .chunks = static_cast<uint32_t>(plan.chunks.size()),

@@ -72,8 +72,8 @@ struct ScanMethod {
     // In figures lines of a higher rank lie over others, and stand behind them in tables and legends: plain methods,
     // the paper's, ours.
     uint32_t rank = 1000;
-    // Plain methods are grey, the paper's orange and dashed, ours blue to violet and solid. Within a family lightness,
-    // dashes and the shape of the points tell methods apart, so that no pair rests on hue alone.
+    // Plain methods are grey, the paper's orange and dashed, ours green, blue and violet and solid. Within a family
+    // lightness, dashes and the shape of the points tell methods apart, so that no pair rests on hue alone.
     LineStyle style = {};
 };
 

@@ -201,8 +201,8 @@ void run_info(const InfoOptions& options) {
                           {"rounds", order.rounds},
                           {"slots", order.slots}};
     else
-        std::printf("  stream     of %u on GPUs: chunks of %u joints: %u, rounds: %u, slots: %u\n", order.characters,
-                    order.lanes, order.chunks, order.rounds, order.slots);
+        std::printf("  stream     on GPUs: %u chunks of %u joints, %u rounds, %u slots, %u characters side by side\n",
+                    order.chunks, order.lanes, order.rounds, order.slots, order.characters);
     // The file is of interest without a device too; one that was asked for must be there.
     const Result<Device> device = Device::create({.select = options.device});
     if (!device && !options.device.empty()) throw CommandError(device.error().text());

@@ -36,7 +36,8 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes,
                   .instances_per_workgroup = teams * stream.characters,
                   .constants = {lanes, stream.characters, stream.slots, std::max(stream.slots * teams, 1u)},
                   .links = stream_links(stream, rig.parents),
-                  .subgroup_size = lanes > limits.subgroup_size ? lanes : 0,
+                  // Drivers may prefer larger ones, in which rounds cost more
+                  .subgroup_size = lanes >= limits.subgroup_size && lanes <= limits.largest_subgroup_size ? lanes : 0,
                   .full_subgroups = true,
                   .on_chip = true};
     const double rows_of_local = bytes_of(format) / 16.0;
