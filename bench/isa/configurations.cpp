@@ -53,7 +53,7 @@ void visit_fused_forms(const Character& character, const Visits& visits) {
     visits("inertial", {.controller = &inertial});
 }
 
-// What is updated stage by stage, and the stages beside the update of joints.
+// The kernels of updates that run stage by stage, and those of stages that move no joints: steering, skinning, morphs.
 void visit_stages(const Character& character, const Visits& visits) {
     const CrowdSettings staged{.path = UpdatePath::kStaged};
     visits("staged", {}, staged);

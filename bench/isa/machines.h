@@ -21,8 +21,9 @@ struct Simd {
     uint32_t shared_step_bytes = 0;    // what a workgroup takes of it is a multiple of that
 };
 
-// Of AMD's families, those that `throng bench isa` compiles for. Null where there is none of this name.
+// The families of AMD's GPUs that `throng bench isa` compiles for.
 std::span<const Simd> compiled_families();
+// Null where there is none of this name.
 const Simd* find_family(std::string_view name);
 
 // A device that times are predicted for.

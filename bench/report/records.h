@@ -12,7 +12,7 @@ namespace throng::bench {
 
 // Throws kFile, or kInvalidFile naming file and line where a line is not a JSON object. Empty lines are left out.
 std::vector<Json> read_records(const std::filesystem::path& path);
-// Those of one file after the other.
+// The records of all files, in the order of the files.
 std::vector<Json> read_records(std::span<const std::string> paths);
 
 // NaN where the field is missing or not a finite number. "ms/median" is a field of a field.

@@ -11,7 +11,7 @@
 
 namespace throng {
 
-// Of rows (fused/rows_io.h), in place of keys.
+// What a kernel must know of the rows (fused/rows_io.h) that it reads in place of keys.
 struct FusedRows {
     uint32_t joint_count = 0;    // that have columns; 0: keys are read
     bool other_columns = false;  // kRowColumnsBuffer says which
@@ -19,10 +19,11 @@ struct FusedRows {
     bool plain_entries = false;  // the walked matrices are the skin matrices
 };
 
-// Of rows, [palette entry]: what the walked matrix of its joint is multiplied by.
+// Where rows are read, the joints' matrices are nearly skin matrices.
+// What is left to multiply them by, for each palette entry:
 struct FusedBinds {
     std::vector<Affine> matrices;
-    std::vector<bool> is_plain;  // by nothing: the walked matrix is the skin matrix
+    std::vector<bool> is_plain;  // the identity: the joint's matrix is the skin matrix
 };
 
 struct FusedSettings {
