@@ -259,7 +259,12 @@ Character block_of(Character character) {
 
 // From anywhere to anywhere, in one submission each: the picture is that of a crowd that is animated and drawn
 // entirely, to the pixel, shadows included. Every tenth view stays for three frames, of which the last hides most.
-void expect_nothing_lost(uint32_t view_count, bool skins_once) {
+struct Kept {
+    bool skins_once = false;
+    bool pools = false;  // skin matrices of what is drawn, in place of updates that are left out
+};
+
+void expect_nothing_lost(uint32_t view_count, const Kept& kept) {
     constexpr uint32_t kCount = 40, kBlocks = 10;
     const Character character = at_full_lod(
                         *compile_character(*make_creature({.joint_count = 20, .level_count = 6, .face_count = 100}))),
@@ -277,8 +282,12 @@ void expect_nothing_lost(uint32_t view_count, bool skins_once) {
     }
     const std::vector<Playback> playbacks = random_playbacks(random, character, kBlocks + kCount);
     const std::vector<CrowdGroup> groups{{&block, kBlocks}, {&character, kCount}};
-    Crowd crowd = create({.groups = groups, .culls = true, .skips_updates = true, .skins_once = skins_once}),
-          whole = create({.groups = groups, .skins_once = skins_once});
+    std::vector<CrowdGroup> pooled = groups;
+    if (kept.pools)
+        for (CrowdGroup& group : pooled) group.skin_pool = SkinPool{.capacity = group.instance_count};
+    Crowd crowd = create(
+              {.groups = pooled, .culls = true, .skips_updates = !kept.pools, .skins_once = kept.skins_once}),
+          whole = create({.groups = groups, .skins_once = kept.skins_once});
     for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_placement(0, places) && one->set_playback(0, playbacks));
     Result<Renderer> renderer = Renderer::create(test_device(), {.width = 48, .height = 36, .path = DrawPath::kDevice});
     ASSERT_TRUE(renderer);
@@ -294,7 +303,7 @@ void expect_nothing_lost(uint32_t view_count, bool skins_once) {
                                 random.between(-10, 10) * size}
                        .as<float>(),
             .target = Vec3<double>{random.between(-5, 5) * size, size, random.between(-5, 5) * size}.as<float>()};
-        ASSERT_TRUE(renderer->set_options({.shadows = number % 3 == 0, .occlusion = true}));
+        ASSERT_TRUE(renderer->set_options({.shadows = number % 3 == 0, .occlusion = true, .shared_pose_pixels = 0}));
         ASSERT_TRUE(see(camera)) << "view " << number;
         if (number % 10 > 0) continue;
         ASSERT_TRUE(see(camera) && see(camera)) << "view " << number << ", seen again";
@@ -308,8 +317,9 @@ void expect_nothing_lost(uint32_t view_count, bool skins_once) {
                 static_cast<unsigned long long>(drawn));
 }
 
-TEST(Occlusion, AThousandRandomViewsLoseNothing) { expect_nothing_lost(1000, false); }
-TEST(Occlusion, NorDoViewsOfVerticesThatAreSkinnedOnce) { expect_nothing_lost(60, true); }
+TEST(Occlusion, AThousandRandomViewsLoseNothing) { expect_nothing_lost(1000, {}); }
+TEST(Occlusion, NorDoViewsOfVerticesThatAreSkinnedOnce) { expect_nothing_lost(60, {.skins_once = true}); }
+TEST(Occlusion, NorDoViewsWithASkinPool) { expect_nothing_lost(100, {.pools = true}); }
 
 TEST(Occlusion, WrongUseIsRefused) {
     const Character character = small_character();

@@ -26,6 +26,17 @@ namespace throng {
 // What the outputs of sockets hold: model_from_joint, or world_from_joint by the instance's placement.
 enum class SocketSpace { kModel, kWorld };
 
+// Skin matrices of only those instances that are drawn, in place of some for each: their memory is then a function of
+// what is seen. An instance that is drawn has a row of the pool of its own; or, where it plays one clip alone and is so
+// far away that nobody sees the difference (CrowdView::shared_pose_pixels), the nearest of the poses that its group has
+// of each clip, which were made with the crowd: it is not animated then. Where there are more to animate than rows,
+// what is left over shows such a pose too, of the clip that has most weight: coarser sets of joints first, and of one
+// set the instances with the highest numbers. Large groups are several OutputBlocks; each has such a pool.
+struct SkinPool {
+    uint32_t capacity = 0;          // rows for instances of an OutputBlock; above 0
+    float shared_poses_per_s = 30;  // of each clip; above 0, at most 1000
+};
+
 // Instances of one character. Instances of a crowd are numbered group after group. Without a controller each plays what
 // set_playback() says, two clips at most; with one, its layers (docs/controller.md). All are read by Crowd::create()
 // and not kept.
@@ -51,6 +62,10 @@ struct CrowdGroup {
     bool on_terrain = false;
     // Instances that may have a pose of set_pose() at the same time; 48 bytes a joint each, 0: no cost at all
     uint32_t pose_capacity = 0;
+    // With CrowdSettings::culls, of groups that are updated in one pass. Not together with sockets, inertial
+    // transitions, pose_capacity, nor the crowd's keep_model_matrices, keep_previous_matrices, skips_updates and
+    // skins_once, all of which keep something of instances that are not drawn.
+    std::optional<SkinPool> skin_pool{};
 };
 
 // How an update goes from clips to skin matrices. kStaged: sample, blend, scan and bind one after another, each through
@@ -108,8 +123,9 @@ struct CrowdState;  // internal
 class Crowd {
 public:
     // Errors: kInvalidArgument (unknown scan, no instances), kUnsupported (the scan method,
-    // the fused path, the skin format or the skin blend does not apply to a character), what controllers, sockets and
-    // procedural rules have wrong, kLimit (names what exceeds which limit of the device), kOutOfMemory.
+    // the fused path, the skin format, the skin blend or the skin pool does not apply to a character), what
+    // controllers, sockets and procedural rules have wrong, kLimit (names what exceeds which limit of the device),
+    // kOutOfMemory.
     static Result<Crowd> create(const Device& device, const CrowdSettings& settings);
     Crowd(Crowd&&) noexcept;
     Crowd& operator=(Crowd&&) noexcept;
@@ -207,7 +223,8 @@ public:
     Result<StageTimes> stage_times() const;
 
     // Copies of one instance's results; they submit and wait. Shapes: [palette_count], [joint_count], [vertex_count].
-    // Errors: kInvalidArgument (instance out of range, a group of CrowdGroup::sockets_only).
+    // Errors: kInvalidArgument (instance out of range, a group of CrowdGroup::sockets_only; with a skin pool, an
+    // instance that the last update has not drawn).
     Result<std::vector<Affine>> read_skin_matrices(uint32_t instance);
     Result<std::vector<Affine>> read_model_matrices(uint32_t instance);
     // Morphed and skinned on the GPU, model space, in the order of Character::vertices; where

@@ -47,6 +47,7 @@ struct DrawOptions {
     // above 0
     float lod_pixels = 1;
     float full_rate_pixels = 0, budget_ms = 0;  // CrowdView's, for crowds that skip updates
+    float shared_pose_pixels = 1;               // CrowdView's, for groups with a skin pool
     bool fog = true;                            // the ground and what is far away fade into the horizon
     float exposure = 1;                         // all light is multiplied by it; above 0
     Vec3<float> to_sun{-0.45f, 0.85f, 0.5f};    // world space, of any length; y at least a twentieth of it
@@ -119,7 +120,8 @@ public:
     // Errors: kInvalidArgument (empty), kLimit (names the device's limit); then it keeps its size.
     Result<void> resize(uint32_t width, uint32_t height);
 
-    // From the next frame on. Errors: kInvalidArgument (exposure, sun, lod_pixels, full_rate_pixels, budget_ms).
+    // From the next frame on. Errors: kInvalidArgument (exposure, sun, lod_pixels, full_rate_pixels, budget_ms,
+    // shared_pose_pixels).
     Result<void> set_options(const DrawOptions& options);
     const DrawOptions& options() const;
 

@@ -39,7 +39,7 @@ struct HostOutputs {
     std::span<const RootMotion> root{};
     std::span<std::array<float, 4>> target{}, destination{};
     std::span<const ShownMorph> morph{};
-    std::span<const uint32_t> list{};
+    std::span<const uint32_t> list{}, skin_row{};
     std::span<const SkinnedVertex> skinned{};
 };
 
@@ -59,11 +59,15 @@ struct OutputBlock {
     uint32_t joint_count = 0;
 
     // Skin matrices, [instance_count][palette_count] in CrowdSettings::skin_format, model space: skinned position =
-    // matrix * bind position.
+    // matrix * bind position. With CrowdGroup::skin_pool [skin_row_count][palette_count].
     VkBuffer skin_buffer = VK_NULL_HANDLE;
     // Those of the update before, with CrowdSettings::keep_previous_matrices; changes places with skin_buffer in every
     // record().
     VkBuffer previous_skin_buffer = VK_NULL_HANDLE;
+    uint32_t skin_row_count = 0;  // instance_count, or of the pool: shared poses, then those of instances
+    // Of a group with a skin pool, uint32_t[instance_count]: the row of skin_buffer that an instance has, if it is
+    // listed.
+    VkBuffer skin_row_buffer = VK_NULL_HANDLE;
     // model_from_joint, Affine[instance_count][joint_count], with CrowdSettings::keep_model_matrices.
     VkBuffer model_buffer = VK_NULL_HANDLE;
     // world_from_model, Affine[instance_count].

@@ -36,6 +36,9 @@ struct CrowdView {
     // Leaves out characters hidden behind others too: record() animates and lists only those that were visible in the
     // last update, and record_disoccluded() the rest of those that are visible.
     bool occlusion = false;
+    // Where CrowdGroup::skin_pool: a character may show a shared pose that displaces it by at most so many pixels, as
+    // measured for lod_pixels; 0: only where the pool is full.
+    float shared_pose_pixels = 1;
 };
 
 // Depths of what the crowd's last record() has listed, and of anything else that hides characters, as they are drawn by
@@ -49,9 +52,11 @@ struct DepthImage {
     bool reversed = true;  // nearer is greater
 };
 
-// An instance that is drawn, and its level of detail: 0 is the finest.
+// An instance that is drawn, its level of detail (0 is the finest), and which row of OutputBlock::skin_buffer it has:
+// its number in the block or, with a skin pool, a shared pose's or one of its own.
 struct DrawnInstance {
-    uint32_t instance = 0, lod = 0;
+    uint32_t instance = 0, lod = 0, skin_row = 0;
+    bool shares_pose = false;
 };
 
 }  // namespace throng

@@ -32,6 +32,12 @@ struct Batch {
     }
 };
 
+// Which [palette_count] of the skin matrices an instance of the batch has, where buffers lie in host memory.
+inline uint32_t skin_row_of(const Group& group, const Batch& batch, uint32_t instance) {
+    if (!group.skin_pool) return instance;
+    return reinterpret_cast<const uint32_t*>(batch[io::kSkinRowsBuffer].mapped())[instance];
+}
+
 // The index of the batch that this instance of the crowd belongs to.
 inline uint32_t batch_index_of(const std::vector<Batch>& batches, uint32_t instance) {
     const auto after = std::upper_bound(batches.begin(), batches.end(), instance,

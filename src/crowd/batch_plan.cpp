@@ -10,6 +10,11 @@ void BatchPlan::add(uint32_t number, uint64_t instance_bytes, Make make) {
     entries_.push_back({number, instance_bytes, std::move(make)});
 }
 
+void BatchPlan::add_of_batch(uint32_t number, uint64_t most_bytes, Make make) {
+    batch_bytes_ += most_bytes;
+    entries_.push_back({number, 0, std::move(make)});
+}
+
 void BatchPlan::add_storage(uint32_t number, uint64_t instance_bytes) {
     add(number, instance_bytes, [=](Uploads& uploads, const std::string& what, uint64_t n) {
         return Buffer(uploads.gpu(), what, n * instance_bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);

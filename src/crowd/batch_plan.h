@@ -41,6 +41,8 @@ public:
         });
     }
     void add(uint32_t number, uint64_t instance_bytes, Make make);
+    // As large however many instances the batch has; `most_bytes`: or smaller.
+    void add_of_batch(uint32_t number, uint64_t most_bytes, Make make);
     // Keeps batches small enough for a buffer that they do not own but share, as the arena of the staged update: of
     // such a buffer, an instance takes this much.
     void limit(uint64_t instance_bytes) { largest_bytes_ = std::max(largest_bytes_, instance_bytes); }
@@ -51,6 +53,7 @@ public:
     const CrowdSettings& settings() const { return settings_; }
     // What an instance takes of everything together.
     uint64_t instance_bytes() const;
+    uint64_t batch_bytes() const { return batch_bytes_; }  // and a batch, whatever its size
     // What an instance takes of the buffer that it takes most of: this decides how many make a batch.
     uint64_t largest_bytes() const { return largest_bytes_; }
     // Makes the buffers of a batch, for as many instances as it has.
@@ -73,7 +76,7 @@ private:
     const Group& group_;
     const CrowdSettings& settings_;
     std::vector<Entry> entries_;
-    uint64_t largest_bytes_ = 0, unbuffered_bytes_ = 0;
+    uint64_t largest_bytes_ = 0, unbuffered_bytes_ = 0, batch_bytes_ = 0;
 };
 
 // What the poses of CrowdGroup::pose_capacity take.

@@ -96,10 +96,17 @@ std::span<T> in_host_memory(const Gpu& gpu, const Buffer& buffer, uint64_t count
 
 }  // namespace
 
+uint64_t CrowdState::skin_row_count(const Batch& batch) const {
+    const std::optional<GroupSkinPool>& pool = groups[batch.group].skin_pool;
+    return pool ? uint64_t{pool->shared_row_count} + std::min(pool->capacity, batch.instance_count)
+                : batch.instance_count;
+}
+
 HostOutputs CrowdState::host_outputs(const Batch& batch) const {
     static_assert(sizeof(RootMotion) == sizeof(io::RootState) && sizeof(ShownMorph) == sizeof(io::ActiveMorph));
     const Group& group = groups[batch.group];
-    const uint64_t n = batch.instance_count, skin_bytes = n * group.palette_count * skin_format_bytes(skin_format),
+    const uint64_t n = batch.instance_count,
+                   skin_bytes = skin_row_count(batch) * group.palette_count * skin_format_bytes(skin_format),
                    parameters = group.controller ? group.controller->parameter_count : 0,
                    targets = group.procedural ? group.procedural->target_count : 0;
     const auto bytes = [&](const Buffer& skin) { return in_host_memory<const std::byte>(*gpu, skin, skin_bytes); };
@@ -119,6 +126,7 @@ HostOutputs CrowdState::host_outputs(const Batch& batch) const {
             .destination = items(kRows, io::kDestinationsBuffer, 1),
             .morph = items(std::type_identity<const ShownMorph>(), io::kActiveMorphsBuffer, kActiveMorphLimit),
             .list = in_host_memory<const uint32_t>(*gpu, batch[io::kListBuffer], io::kFirstListed + n),
+            .skin_row = in_host_memory<const uint32_t>(*gpu, batch[io::kSkinRowsBuffer], n),
             .skinned = items(std::type_identity<const SkinnedVertex>(), io::kSkinnedBuffer,
                              group.sockets_only ? 0 : group.vertex_count)};
 }
@@ -132,6 +140,8 @@ void CrowdState::add_output(const Batch& batch) {
                        .joint_count = group.joint_count,
                        .skin_buffer = batch.skins[0].handle(),
                        .previous_skin_buffer = batch.skins[1].handle(),
+                       .skin_row_count = static_cast<uint32_t>(skin_row_count(batch)),
+                       .skin_row_buffer = batch[io::kSkinRowsBuffer].handle(),
                        .model_buffer = batch[io::kModelBuffer].handle(),
                        .placement_buffer = batch[io::kPlacementsBuffer].handle(),
                        .socket_count = group.socket_count(),

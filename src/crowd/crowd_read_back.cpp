@@ -65,8 +65,9 @@ std::vector<Affine> CrowdState::read_matrices(uint32_t instance, bool model) con
                       "model matrices are kept only with CrowdSettings::keep_model_matrices");
     const uint64_t size_bytes = model ? group.joint_count * kMatrix_bytes
                                       : uint64_t{group.palette_count} * skin_format_bytes(skin_format);
-    const BufferRange range(model ? batch[io::kModelBuffer] : batch.skin(),
-                            (instance - batch.first_instance) * size_bytes, size_bytes);
+    const uint32_t of_batch = instance - batch.first_instance;
+    const uint64_t row = model ? of_batch : read_skin_row(group, batch, of_batch);
+    const BufferRange range(model ? batch[io::kModelBuffer] : batch.skin(), row * size_bytes, size_bytes);
     return unpack_skin(model ? SkinFormat::kAffine : skin_format, download<std::byte>(gpu, range));
 }
 
@@ -76,6 +77,7 @@ std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
     const Group& group = groups[batch.group];
     if (group.sockets_only) throw Failure(ErrorCode::kInvalidArgument, "read-back", group.name + " has sockets only");
     if (group.vertex_count == 0) return {};
+    read_skin_row(group, batch, instance - batch.first_instance);  // which refuses what is not drawn
     if (!skin_kernel_) skin_kernel_ = skin_kernel(gpu, skin_format, skin_blend, false);
     const Buffer skinned(gpu, group.name + ": skinned vertices", group.vertex_count * sizeof(SkinnedVertex),
                          VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
@@ -92,13 +94,23 @@ std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
     return positions;
 }
 
+// A word of each instance.
+uint32_t CrowdState::read_word(const Buffer& words, uint32_t instance) const {
+    return download<uint32_t>(gpu, BufferRange(words, instance * sizeof(uint32_t), sizeof(uint32_t)))[0];
+}
+
+uint32_t CrowdState::read_skin_row(const Group& group, const Batch& batch, uint32_t instance) const {
+    if (!group.skin_pool) return instance;
+    if ((read_word(batch[io::kStatesBuffer], instance) & io::kStateDrawn) == 0)
+        throw Failure(ErrorCode::kInvalidArgument, "read-back",
+                      "instance " + std::to_string(batch.first_instance + instance) + " is not drawn, and " +
+                          group.name + " has a skin pool");
+    return read_word(batch[io::kSkinRowsBuffer], instance);
+}
+
 // The set of joints that an instance's skin matrices were written for; the finest, where it has not been drawn.
 uint32_t CrowdState::joint_set_of(const Batch& batch, uint32_t instance) const {
-    return batch[io::kStatesBuffer]
-               ? download<uint32_t>(
-                     gpu, BufferRange(batch[io::kStatesBuffer], instance * sizeof(uint32_t), sizeof(uint32_t)))[0] >>
-                     io::kStateSetShift
-               : 0;
+    return batch[io::kStatesBuffer] ? read_word(batch[io::kStatesBuffer], instance) >> io::kStateSetShift : 0;
 }
 
 std::vector<DrawnInstance> CrowdState::read_drawn() const {

@@ -44,10 +44,12 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     for (const Group& group : groups) plans.push_back(plan_batches(group, settings));
     uint64_t needed_bytes = pose_bytes(settings);
     for (size_t i = 0; i < plans.size(); ++i)
-        needed_bytes += settings.groups[i].instance_count * plans[i].instance_bytes() +
+        needed_bytes += settings.groups[i].instance_count * plans[i].instance_bytes() + plans[i].batch_bytes() +
                         PoseStage::native_bytes(groups[i]);
     check_memory(needed_bytes);
     for (uint32_t i = 0; i < groups.size(); ++i) make_batches(uploads, plans[i], i, settings.groups[i].instance_count);
+    for (Group& group : groups)
+        if (group.skin_pool) group.skin_pool->shared_skin = {};
     make_feedback(settings);
     make_stages(uploads, settings);
     uploads.finish();

@@ -86,6 +86,7 @@ private:
     void check_memory(uint64_t needed_bytes) const;
     void make_batches(Uploads& uploads, const BatchPlan& plan, uint32_t group, uint32_t count);
     void add_output(const Batch& batch);
+    uint64_t skin_row_count(const Batch& batch) const;
     HostOutputs host_outputs(const Batch& batch) const;
     void make_feedback(const CrowdSettings& settings);
     void make_stages(Uploads& uploads, const CrowdSettings& settings);
@@ -99,6 +100,8 @@ private:
     void copy_to_previous(VkCommandBuffer commands) const;
     void check_range(uint32_t first_instance, size_t count, const char* what) const;
     const Batch& batch_of(uint32_t instance) const;
+    uint32_t read_word(const Buffer& words, uint32_t instance) const;
+    uint32_t read_skin_row(const Group& group, const Batch& batch, uint32_t instance) const;
     uint32_t joint_set_of(const Batch& batch, uint32_t instance) const;
     uint32_t index_of(const Batch& batch) const { return static_cast<uint32_t>(&batch - batches.data()); }
 

@@ -18,7 +18,7 @@ uint32_t workgroups_of(uint32_t instance_count) {
 
 io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
     constexpr float kMost = 1e30f;
-    io::CullView seen{.eye = {0, 0, 0, kMost}, .ground = -kMost};
+    io::CullView seen{.eye = {0, 0, 0, kMost}, .ground = -kMost, .shared_pixels = kMost};
     if (!view) return seen;
     const auto& rows = view->clip_from_world;
     for (const auto& row : rows)
@@ -27,6 +27,8 @@ io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
     const Vec3<float>&eye = view->eye, &shadow = view->shadow;
     if (!std::isfinite(length(eye)) || !std::isfinite(length(shadow)) || !std::isfinite(view->ground))
         throw Failure(ErrorCode::kInvalidArgument, "view", "eye, shadow and ground must be finite");
+    if (!(view->shared_pose_pixels >= 0))
+        throw Failure(ErrorCode::kInvalidArgument, "view", "shared_pose_pixels must not be negative");
     if (!(view->pixels > 0) || !(view->lod_pixels > 0))
         throw Failure(ErrorCode::kInvalidArgument, "view", "pixels and lod_pixels must be above 0");
     if (!(full_rate_pixels >= 0 && full_rate_pixels <= kMost) || !(view->budget_ms >= 0))
@@ -49,6 +51,7 @@ io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
                        : 0};
     seen.occlusion = view->occlusion;
     seen.ground = view->ground;
+    seen.shared_pixels = std::min(view->pixels / view->shared_pose_pixels, kMost);
     return seen;
 }
 
@@ -107,7 +110,7 @@ CullStage::CullStage(const StageContext& context)
 
 BufferTable CullStage::table_of(size_t index) const {
     const Batch& batch = batches_[index];
-    return batch.table(group_of(batch), {}).set({{io::kViewBuffer, view_}});
+    return batch.table(group_of(batch), batch[io::kVerdictsBuffer]).set({{io::kViewBuffer, view_}});
 }
 
 void CullStage::begin(const Update& update) {
@@ -137,7 +140,11 @@ io::CullPush CullStage::push_of(const Batch& batch) const {
             .lod_count = static_cast<uint32_t>(1 + group.lods.size()),
             .joint_set_count = std::max(1u, static_cast<uint32_t>(group.fused.size())),
             .keeps_previous = is_listed && keeps_previous_,
-            .may_skip = is_listed && may_skip_};
+            .may_skip = is_listed && may_skip_,
+            .own_row_count = group.skin_pool ? std::min(group.skin_pool->capacity, batch.instance_count) : 0,
+            .first_own_row = group.skin_pool ? group.skin_pool->shared_row_count : 0,
+            .joint_count = group.joint_count,
+            .active_clip_limit = group.controller ? group.controller->active_clip_limit : 0};
 }
 
 template <class Dispatch>
@@ -151,15 +158,17 @@ void CullStage::record(const Update& update) {
         kernels_.cull.dispatch_invocations(update.commands, members_[i].cull, push_of(batches_[i]),
                                            batches_[i].instance_count);
     });
-    record_lists(update);
+    record_lists(update, false);
 }
 
-void CullStage::record_lists(const Update& update) const {
+void CullStage::record_lists(const Update& update, bool is_second_half) const {
     for_each_batch(update.commands, [&](size_t i) {
         const Batch& batch = batches_[i];
         const Group& group = group_of(batch);
         io::OffsetsPush push{.workgroup_count = workgroups_of(batch.instance_count),
                              .section_count = static_cast<uint32_t>(group.sections.size()),
+                             .own_row_count = push_of(batch).own_row_count,
+                             .is_second_half = is_second_half,
                              .instances_of_workgroup = {1, 1, 1, 1}};
         const std::array of_sets{&io::uvec4::x, &io::uvec4::y, &io::uvec4::z, &io::uvec4::w};
         for (size_t set = 0; set < group.fused.size(); ++set)
@@ -190,7 +199,7 @@ void CullStage::record_disoccluded(const Update& update, const DepthImage& depth
                                   .sign = depths.reversed ? 1.0f : -1.0f};
         kernels_.reveal.dispatch_invocations(update.commands, reveal.members[i], push, batches_[i].instance_count);
     });
-    record_lists(update);
+    record_lists(update, true);
 }
 
 const CullStage::Reveal& CullStage::reveal_for(const DepthImage& depths) {
@@ -210,11 +219,19 @@ const CullStage::Reveal& CullStage::reveal_for(const DepthImage& depths) {
 std::vector<DrawnInstance> CullStage::read(uint32_t batch_index) const {
     const Batch& batch = batches_[batch_index];
     const std::vector<uint32_t> list = download<uint32_t>(gpu_, batch[io::kListBuffer]);
+    const std::optional<GroupSkinPool>& pool = group_of(batch).skin_pool;
+    const std::vector<uint32_t> rows = pool ? download<uint32_t>(gpu_, batch[io::kSkinRowsBuffer])
+                                            : std::vector<uint32_t>();
     std::vector<DrawnInstance> drawn;
     for (uint32_t lod = 0; lod < io::kLodCount; ++lod) {
         const uint32_t end = lod + 1 < io::kLodCount ? list[io::kListBegins + lod + 1] : list[io::kListCount];
-        for (uint32_t i = list[io::kListBegins + lod]; i < end; ++i)
-            drawn.push_back({batch.first_instance + list[io::kFirstListed + i], lod});
+        for (uint32_t i = list[io::kListBegins + lod]; i < end; ++i) {
+            const uint32_t instance = list[io::kFirstListed + i], row = pool ? rows[instance] : instance;
+            drawn.push_back({.instance = batch.first_instance + instance,
+                             .lod = lod,
+                             .skin_row = row,
+                             .shares_pose = pool && row < pool->shared_row_count});
+        }
     }
     return drawn;
 }

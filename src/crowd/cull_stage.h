@@ -42,7 +42,7 @@ private:
         std::vector<Bindings> members;  // [batch]
     };
     io::CullPush push_of(const Batch& batch) const;
-    void record_lists(const Update& update) const;
+    void record_lists(const Update& update, bool is_second_half) const;
     template <class Dispatch>
     void for_each_batch(VkCommandBuffer commands, const Dispatch& dispatch) const;
     BufferTable table_of(size_t index) const;

@@ -1,6 +1,7 @@
 #include "crowd/fused_update.h"
 
 #include "bind/sockets.h"
+#include "crowd/group_skin_pool.h"
 #include "cull/cull_io.h"
 #include "native/native.h"
 
@@ -26,6 +27,7 @@ uint64_t inertia_bytes(const Group& group) {
 void FusedUpdate::plan(BatchPlan& plan) {
     const Group& group = plan.group();
     const CrowdSettings& settings = plan.settings();
+    if (group.skin_pool) return plan_skin_pool(plan);
     // The update_rate stage reads skin matrices as rows of 16 bytes.
     const auto add_skin = [&](uint32_t number) {
         const uint64_t bytes = uint64_t{std::max(group.palette_count, 1u)} * skin_format_bytes(settings.skin_format);
@@ -92,6 +94,7 @@ FusedUpdate::Kernels FusedUpdate::make_kernels(const Group& group, size_t set, c
                              .pose_overrides = group.pose_capacity > 0,
                              .listed = is_listed(group),
                              .some_joints = set > 0 || group.rows,
+                             .skin_pool = group.skin_pool.has_value(),
                              .rows = group.rows ? group.rows->of_set(static_cast<uint32_t>(set)) : FusedRows()});
     };
     Kernels kernels{.blending = make(true), .single = {}};
@@ -187,6 +190,7 @@ void FusedUpdate::update_natively(const Member& member, uint32_t set, const Buff
                           .set_poses = poses_.native_poses(batch.group),
                           .skin_format = skin_format_,
                           .skin = skin.mapped(),
+                          .skin_rows = in_memory<const uint32_t>(batch[io::kSkinRowsBuffer]),
                           .model = in_memory<Affine>(batch[io::kModelBuffer]),
                           .sockets = in_memory<Affine>(batch[io::kSocketsBuffer])};
     uint32_t count = batch.instance_count;

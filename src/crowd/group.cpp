@@ -2,6 +2,7 @@
 
 #include "base/failure.h"
 #include "controller/controller_tables.h"
+#include "crowd/group_skin_pool.h"
 #include "sample/sample_io.h"
 #include "skin/skin_io.h"
 
@@ -91,6 +92,7 @@ Group::Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const 
         reduce_joints(uploads, rigs, *group.character, settings);
     if (skips_updates(settings)) make_palette_by_set(uploads, *group.character);
     make_skin_tables(uploads, *group.character);
+    if (group.skin_pool) skin_pool = make_skin_pool(uploads, rigs, *this, group, settings);
     if (pose_capacity > 0)
         buffers[io::kSetPosesBuffer] = make_table<io::JointPose>(
             uploads.gpu(), name + ": poses of CrowdGroup::pose_capacity", uint64_t{pose_capacity} * joint_count);

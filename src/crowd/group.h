@@ -57,6 +57,13 @@ struct GroupProcedural {
     uint32_t spring_count = 0, target_count = 0;  // of an instance
 };
 
+// A group's part of CrowdGroup::skin_pool.
+struct GroupSkinPool {
+    uint32_t capacity = 0;
+    uint32_t shared_row_count = 0;
+    std::vector<std::byte> shared_skin;  // until batches have it
+};
+
 struct Group {
     Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const PathChoice& choice,
           const CrowdSettings& settings);
@@ -95,6 +102,7 @@ struct Group {
     std::array<uint32_t, io::kLodCount> set_entry_counts{};  // [fused], palette entries of each set of joints
     bool uniform_scale = false;                              // Rig::uniform_scale
     uint32_t pose_capacity = 0;
+    std::optional<GroupSkinPool> skin_pool;
     uint32_t influence_count = 0;  // of one set of joints; those of each set lie one after another
     uint32_t morph_count = 0;
 

@@ -13,7 +13,8 @@ io::SkinPush skin_push(const Group& group) {
             .palette_count = group.palette_count,
             .first_instance = 0,
             .influence_offset = 0,
-            .only_animated = 0};
+            .only_animated = 0,
+            .has_skin_pool = group.skin_pool.has_value()};
 }
 
 namespace {

@@ -7,6 +7,7 @@ WORKGROUP(kCullWorkgroupSize);
 BUFFER(kStatesBuffer, uint, states);
 WRITEONLY_BUFFER(kVerdictsBuffer, uint, verdicts);
 #include "cull/count.glsl"
+#include "cull/shared_poses.glsl"
 PUSH(CullPush);
 
 void main() {
@@ -24,6 +25,7 @@ void main() {
             state = 0;
         } else {
             verdict = verdict_of(view, push, placement, instance, state);
+            verdict = shared_verdict(view, push, placement, instance, verdict);
         }
         states[instance] = state;
         verdicts[instance] = verdict;

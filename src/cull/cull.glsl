@@ -19,6 +19,7 @@ CullView load_view() {
     view.update_number = last.x;
     view.occlusion = last.y;
     view.ground = uintBitsToFloat(last.z);
+    view.shared_pixels = uintBitsToFloat(last.w);
     return view;
 }
 

@@ -21,13 +21,16 @@ THRONG_IO_CONSTANT kCounters = 16;  // of a workgroup
 // The work of a batch: for each section where it begins, in words from the first, and how many instances it has; then
 // the instances, section by section, each one's in ascending order. A section of instances that are animated, for each
 // set of joints; of those animated towards a later update, likewise; of those whose matrices go on towards that; and of
-// those that are drawn anew.
+// those that are drawn anew. Before the instances stands how many rows of a skin pool the first half of the update has
+// given away, and how many both have.
 THRONG_IO_CONSTANT kAnimated = 0;
 THRONG_IO_CONSTANT kAnimatedAhead = 4;
 THRONG_IO_CONSTANT kGoingOn = 8;
 THRONG_IO_CONSTANT kAppearing = 9;
 THRONG_IO_CONSTANT kWorkSections = 10;
-THRONG_IO_CONSTANT kFirstWork = 20;
+THRONG_IO_CONSTANT kOwnRowsBefore = 20;
+THRONG_IO_CONSTANT kOwnRowsTaken = 21;
+THRONG_IO_CONSTANT kFirstWork = 22;
 THRONG_IO_CONSTANT kMostWorkOfInstance = 2;  // sections that an instance is in at most
 
 // A verdict on an instance, for one update.
@@ -61,7 +64,16 @@ struct CullView {
     uint update_number;  // modulo 2^32
     uint occlusion;      // whether what was hidden in the last update waits
     float ground;        // y: no shadow falls below it
-    uint unused;
+    // Pixels of a length of 1 at a distance of 1, over those by which a shared pose may be off
+    float shared_pixels;
+};
+
+// Poses of a clip that instances share, at equal intervals of time from its beginning to its end.
+struct SharedClip {
+    uint first_row;  // of the skin matrices
+    uint interval_count;
+    float intervals_per_s;  // 0: the clip has no length
+    float error;            // model space: how far the nearest of them is off at most
 };
 
 // What the characters of a batch have in common.
@@ -74,6 +86,11 @@ struct CullPush {
     uint joint_set_count;  // level k has the joints of set min(k, joint_set_count - 1)
     uint keeps_previous;   // skin matrices of the update before
     uint may_skip;         // not animated in every update
+    // Of groups with a skin pool: rows that instances may have of their own; 0: there is no pool
+    uint own_row_count;
+    uint first_own_row;
+    uint joint_count;
+    uint active_clip_limit;  // of groups with a controller; else 0
     uint unused0, unused1, unused2;
 };
 
@@ -94,9 +111,10 @@ struct RevealPush {
 };
 
 struct OffsetsPush {
-    uint workgroup_count;  // of the cull kernel
-    uint section_count;    // of the mesh
-    uint unused0, unused1;
+    uint workgroup_count;          // of the cull kernel
+    uint section_count;            // of the mesh
+    uint own_row_count;            // CullPush's
+    uint is_second_half;           // of an update
     uvec4 instances_of_workgroup;  // of the kernels that animate, by joint set
 };
 

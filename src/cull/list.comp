@@ -1,5 +1,6 @@
 // list: instances that are drawn, those of a level together, and those of each section of the work, in ascending order,
-// so that the same view has the same lists. One invocation per instance.
+// so that the same view has the same lists; and the rows of a skin pool that the animated ones have of their own. One
+// invocation per instance.
 #include "gpu/buffers_io.h"
 #include "cull/cull_io.h"
 
@@ -7,8 +8,17 @@ WORKGROUP(kCullWorkgroupSize);
 READONLY_BUFFER(kVerdictsBuffer, uint, verdicts);
 READONLY_BUFFER(kCountsBuffer, uint, offsets);  // [workgroup][kCounters]
 WRITEONLY_BUFFER(kListBuffer, uint, list);
-WRITEONLY_BUFFER(kWorkBuffer, uint, work);
+BUFFER(kWorkBuffer, uint, work);
+WRITEONLY_BUFFER(kSkinRowsBuffer, uint, skin_rows);
 PUSH(CullPush);
+
+// `at`: of the work, where those that are animated come first.
+void list_animated(uint instance, uint at) {
+    work[at] = instance;
+    if (push.own_row_count == 0) return;
+    const uint row = work[kOwnRowsBefore] + at - kFirstWork;
+    if (row < push.own_row_count) skin_rows[instance] = push.first_own_row + row;
+}
 
 #ifdef __cplusplus
 
@@ -21,7 +31,7 @@ void main() {
     for (uint instance = first; instance < end; ++instance) {
         const uint verdict = verdicts[instance], section = verdict >> kVerdictSectionShift & kVerdictSectionMask;
         if ((verdict & kVerdictDrawn) != 0) list[next[verdict & kVerdictLodMask]++] = instance;
-        if ((verdict & kVerdictAnimated) != 0) work[next[kLodCount + section]++] = instance;
+        if ((verdict & kVerdictAnimated) != 0) list_animated(instance, next[kLodCount + section]++);
         if ((verdict & kVerdictGoesOn) != 0) work[next[kLodCount + kGoingOn]++] = instance;
         if ((verdict & kVerdictAppears) != 0) work[next[kLodCount + kAppearing]++] = instance;
     }
@@ -53,8 +63,8 @@ void main() {
     const uint first = gl_WorkGroupID.x * kCounters;
     if (is_drawn) list[offsets[first + lod] + bitfieldExtract(rank.x, int(8 * lod), 8) - 1] = instance;
     if (is_animated)
-        work[offsets[first + kLodCount + section] +
-             bitfieldExtract(section < 4 ? rank.y : rank.z, int(8 * (section % 4)), 8) - 1] = instance;
+        list_animated(instance, offsets[first + kLodCount + section] +
+                                    bitfieldExtract(section < 4 ? rank.y : rank.z, int(8 * (section % 4)), 8) - 1);
     if (goes_on) work[offsets[first + kLodCount + kGoingOn] + (rank.w & 255u) - 1] = instance;
     if (appears) work[offsets[first + kLodCount + kAppearing] + (rank.w >> 8) - 1] = instance;
 }

@@ -7,7 +7,7 @@ WORKGROUP(kCullWorkgroupSize);
 // [workgroup][kCounters / 4]: before, how many; after, where they begin
 BUFFER(kCountsBuffer, uvec4, counts);
 WRITEONLY_BUFFER(kListBuffer, uint, list);
-WRITEONLY_BUFFER(kWorkBuffer, uint, work);
+BUFFER(kWorkBuffer, uint, work);
 // [kWorkSections + 1] of three words
 WRITEONLY_BUFFER(kDispatchesBuffer, uint, dispatches);
 BUFFER(kDrawsBuffer, DrawCommand, draws);  // [section][kLodCount]
@@ -15,12 +15,23 @@ PUSH(OffsetsPush);
 
 shared uint totals[kCounters];
 shared uint begins[kCounters];
+shared uint own_rows_before;
 
 void set_dispatch(uint command, uint workgroups) {
     dispatches[3 * command] = workgroups;
     dispatches[3 * command + 1] = 1;
     dispatches[3 * command + 2] = 1;
 }
+
+// Of the instances of a section those that are animated: of a skin pool, as many as there are rows left for.
+uint count_of(uint section) {
+    const uint total = totals[kLodCount + section];
+    if (push.own_row_count == 0 || section >= kGoingOn) return total;
+    const uint before = own_rows_before + begins[kLodCount + section] - kFirstWork;
+    return min(total, push.own_row_count - min(before, push.own_row_count));
+}
+
+void begin_rows() { own_rows_before = push.is_second_half != 0 ? work[kOwnRowsTaken] : 0; }
 
 // Writes the indirect dispatches and draws, from the totals.
 void tell(uint invocation) {
@@ -29,9 +40,15 @@ void tell(uint invocation) {
     if (invocation < kLodCount) list[kListBegins + invocation] = begins[invocation] - kFirstListed;
     const uint drawn_count = totals[0] + totals[1] + totals[2] + totals[3];
     if (invocation == 0) list[kListCount] = drawn_count;
-    if (invocation == kWorkSections) set_dispatch(kWorkSections, drawn_count);
+    if (invocation == kWorkSections) {
+        set_dispatch(kWorkSections, drawn_count);
+        uint taken = own_rows_before;
+        for (uint section = 0; section < kGoingOn; ++section) taken += count_of(section);
+        work[kOwnRowsBefore] = own_rows_before;
+        work[kOwnRowsTaken] = taken;
+    }
     if (invocation >= kWorkSections) return;
-    const uint count = totals[kLodCount + invocation];
+    const uint count = count_of(invocation);
     const uint instances_of_workgroup = invocation < kGoingOn ? push.instances_of_workgroup[invocation % kLodCount] : 1;
     work[2 * invocation] = begins[kLodCount + invocation];
     work[2 * invocation + 1] = count;
@@ -43,6 +60,7 @@ void tell(uint invocation) {
 // One thread goes through all workgroups.
 void main() {
     if (gl_LocalInvocationID.x > 0) return;
+    begin_rows();
     uint at = kFirstListed;
     for (uint k = 0; k < kCounters; ++k) {
         if (k == kLodCount) at = kFirstWork;
@@ -64,6 +82,7 @@ shared uvec4 sums[kCullWorkgroupSize][kFours];
 
 void main() {
     const uint invocation = gl_LocalInvocationID.x;
+    if (invocation == 0) begin_rows();
     const uint share = (push.workgroup_count + kCullWorkgroupSize - 1) / kCullWorkgroupSize;
     const uint begin = min(invocation * share, push.workgroup_count), end = min(begin + share, push.workgroup_count);
     for (uint k = 0; k < kFours; ++k) {

@@ -9,6 +9,7 @@ WORKGROUP(kCullWorkgroupSize);
 BUFFER(kStatesBuffer, uint, states);
 BUFFER(kVerdictsBuffer, uint, verdicts);
 #include "cull/count.glsl"
+#include "cull/shared_poses.glsl"
 READONLY_BUFFER(kCoarserDepthsBuffer, float, pyramid);
 PUSH(RevealPush);
 
@@ -28,6 +29,7 @@ void main() {
             if (hidden) state &= ~kStateVisible;
         } else if (!hidden) {
             verdict = verdict_of(view, push.cull, placement, instance, state);
+            verdict = shared_verdict(view, push.cull, placement, instance, verdict);
         }
         states[instance] = state;
         verdicts[instance] = verdict;

@@ -81,6 +81,8 @@ const DrawOptions& checked(const DrawOptions& options) {
     if (!(options.full_rate_pixels >= 0 && options.full_rate_pixels <= 1e30f) || !(options.budget_ms >= 0))
         throw Failure(ErrorCode::kInvalidArgument, "draw options",
                       "full_rate_pixels and budget_ms must not be negative, and the first is at most 1e30");
+    if (!(options.shared_pose_pixels >= 0))
+        throw Failure(ErrorCode::kInvalidArgument, "draw options", "shared_pose_pixels must not be negative");
     const float height = normalized(options.to_sun).y;
     if (!(height >= kLowestSun))
         throw Failure(
@@ -108,7 +110,8 @@ CrowdView crowd_view_of(const Camera& camera, uint32_t width, uint32_t height, c
             .shadow = to_sun * -reach,
             .ground = bounds.min.y - kDeepest * extent,
             .full_rate_pixels = options.full_rate_pixels,
-            .budget_ms = options.budget_ms};
+            .budget_ms = options.budget_ms,
+            .shared_pose_pixels = options.shared_pose_pixels};
 }
 
 Result<CrowdView> view_of(const Camera& camera, uint32_t width, uint32_t height, const Bounds& bounds,

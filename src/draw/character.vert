@@ -21,6 +21,7 @@ READONLY_BUFFER(kPlacementsBuffer, Affine, world_from_model);
 READONLY_BUFFER(kMorphDeltasBuffer, uvec4, morph_deltas);
 READONLY_BUFFER(kActiveMorphsBuffer, ActiveMorph, active_morphs);
 READONLY_BUFFER(kListBuffer, uint, list);  // cull/cull_io.h
+READONLY_BUFFER(kSkinRowsBuffer, uint, skin_rows);
 PUSH(DrawPush);
 
 layout(location = 0) out vec3 out_world;
@@ -45,8 +46,9 @@ ModelVertex model_vertex(uint instance, VertexRows vertex) {
     }
     const MorphSum morphs = sum_of_morphs(vertex.texcoord_color_delta.w, push.first_morph, push.morph_count,
                                           instance * kActiveMorphs);
+    const uint skin_row = push.has_skin_pool != 0 ? skin_rows[instance] : instance;
     const Affine model_from_bind = blended_skin_matrix(push.first_influences, push.influence_sets, gl_VertexIndex,
-                                                       instance * push.palette_count);
+                                                       skin_row * push.palette_count);
     const vec3 bind_normal = morphed_normal(floatBitsToUint(vertex.position_normal.w), push.morph_count, morphs.normal);
     return ModelVertex(affine_point(model_from_bind, vertex.position_normal.xyz + morphs.position),
                        transform_normal(model_from_bind, bind_normal));

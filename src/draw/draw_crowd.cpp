@@ -30,7 +30,8 @@ io::DrawPush push_of(const Group& group, const MeshSection& section, const Textu
             .metallic = f.metallic,
             .roughness = f.roughness,
             .normal_scale = f.normal_image == kNone ? 0 : f.normal_scale,
-            .vertex_count = group.vertex_count};
+            .vertex_count = group.vertex_count,
+            .has_skin_pool = group.skin_pool.has_value()};
 }
 
 template <class Push>

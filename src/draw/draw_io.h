@@ -41,7 +41,8 @@ struct DrawPush {
     float metallic, roughness;
     float normal_scale;  // 0: there is no normal map
     uint vertex_count;   // of the character
-    uint unused0, unused1, unused2;
+    uint has_skin_pool;  // skin matrices lie where skin_rows says
+    uint unused0, unused1;
 };
 
 // A joint, as its line is drawn.

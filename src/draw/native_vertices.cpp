@@ -47,7 +47,8 @@ struct VertexText : NativeText {
 using io::VertexText;
 
 std::byte* PosedInstance::skin(SkinFormat format) const {
-    return batch.skin().mapped() + size_t{instance} * group.palette_count * skin_format_bytes(format);
+    return batch.skin().mapped() +
+           size_t{skin_row_of(group, batch, instance)} * group.palette_count * skin_format_bytes(format);
 }
 
 bool PosedInstance::is_morphed() const {

@@ -96,5 +96,5 @@ Transform local_transform_of_fixed(uint instance, uint joint) { return to_local(
 Affine model_from_joint_of(Transform walked, uint joint) { return to_affine(walked); }
 
 void bind_entry(uint instance, uint i, Affine walked) {
-    store_skin(instance * push.palette_count + WORD_AT(bind_entries, i), skin_matrix(walked, AFFINE_AT(binds, i)));
+    store_skin(palette_of(instance) + WORD_AT(bind_entries, i), skin_matrix(walked, AFFINE_AT(binds, i)));
 }

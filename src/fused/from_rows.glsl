@@ -160,5 +160,5 @@ Affine model_from_joint_of(Transform walked, uint joint) {
 void bind_entry(uint instance, uint i, Affine walked) {
     const uint entry = WORD_AT(bind_entries, i);
     if (!kPlainEntries && (entry & kPlainEntry) == 0) walked = affine_multiply(walked, AFFINE_AT(binds, i));
-    store_skin(instance * push.palette_count + (entry & ~kPlainEntry), walked);
+    store_skin(palette_of(instance) + (entry & ~kPlainEntry), walked);
 }

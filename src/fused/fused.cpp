@@ -156,12 +156,26 @@ Kernel fused_kernel(const std::shared_ptr<Gpu>& gpu, const FusedPlan& plan, cons
     const uint32_t tile_instances = plan.tile_transforms > 0 ? plan.scan.instances_per_workgroup : 1;
     std::vector<uint32_t> constants = plan.scan.constants;
     constants.resize(io::kMethodConstants);
-    constants.insert(
-        constants.end(),
-        {settings.packed, settings.blends, settings.keeps_model, static_cast<uint32_t>(settings.skin_format),
-         plan.one_bind, tile_instances, std::max(plan.tile_transforms, 1u), settings.layered, settings.socket_count,
-         settings.inertial, settings.pose_overrides, settings.listed, settings.some_joints, rows.joint_count,
-         rows.other_columns, rows.fine_rotation_count, rows.motion_count, rows.fine_motion_count, rows.plain_entries});
+    constants.insert(constants.end(), {settings.packed,
+                                       settings.blends,
+                                       settings.keeps_model,
+                                       static_cast<uint32_t>(settings.skin_format),
+                                       plan.one_bind,
+                                       tile_instances,
+                                       std::max(plan.tile_transforms, 1u),
+                                       settings.layered,
+                                       settings.socket_count,
+                                       settings.inertial,
+                                       settings.pose_overrides,
+                                       settings.listed,
+                                       settings.some_joints,
+                                       rows.joint_count,
+                                       rows.other_columns,
+                                       rows.fine_rotation_count,
+                                       rows.motion_count,
+                                       rows.fine_motion_count,
+                                       rows.plain_entries,
+                                       settings.skin_pool});
     return Kernel(gpu, {.name = settings.layered  ? "fused, layers"
                                 : settings.blends ? "fused, two clips"
                                                   : "fused, one clip",

@@ -30,6 +30,7 @@ WRITEONLY_BUFFER(kSocketsBuffer, StoredAffine, sockets);
 READONLY_BUFFER(kInertiasBuffer, InstanceInertia, inertias);
 BUFFER(kInertiaStatesBuffer, InertiaState, inertia_states);
 TABLE_OF_WORDS(kWorkBuffer, work);                  // of listed instances (cull/cull_io.h)
+TABLE_OF_WORDS(kSkinRowsBuffer, skin_rows);         // of a skin pool
 TABLE_OF_WORDS(kAnimatedJointsBuffer, rig_joints);  // of a part of the joints: their numbers in the rig
 // Named by methods that exchange through memory where shared memory is too small: no such plan is fused
 #define scratch model
@@ -44,6 +45,7 @@ CONSTANT(16, uint, kSocketCount, 0);
 CONSTANT(17, bool, kInertial, false);    // of layers
 CONSTANT(19, bool, kListed, false);      // only listed instances are animated
 CONSTANT(20, bool, kSomeJoints, false);  // not all joints are
+CONSTANT(27, bool, kSkinPool, false);    // skin matrices lie in a pool, not in the order of the instances
 PUSH(FusedPush);
 
 #define SKIN_STORES
@@ -57,6 +59,8 @@ uint instance_count() { return kListed ? WORD_AT(work, 2 * push.section + 1) : p
 
 // Scan methods count the joints that are animated; clips, masks and poses those of the rig.
 uint rig_joint(uint joint) { return kSomeJoints ? WORD_AT(rig_joints, joint) : joint; }
+// Where an instance's skin matrices begin.
+uint palette_of(uint instance) { return (kSkinPool ? WORD_AT(skin_rows, instance) : instance) * push.palette_count; }
 uint at(uint instance, uint joint) { return instance * push.rig_joint_count + joint; }
 
 #ifdef FUSED_ROWS

@@ -37,6 +37,7 @@ struct FusedSettings {
     bool pose_overrides = false;  // poses may be set
     bool listed = false;          // only instances of a section of the work are animated
     bool some_joints = false;     // not all joints are, or in another order
+    bool skin_pool = false;       // skin matrices lie where kSkinRowsBuffer says
     FusedRows rows{};
 };
 

@@ -64,9 +64,11 @@ void begin(const KernelRig& rig, const KernelUpdate& update, const uint32_t* ins
            SkinTarget& target) {
     constexpr uint32_t kWords[] = {12, 6, 8};
     const size_t stride = size_t{rig.palette_count} * kWords[update.skin_format];
+    const auto skin_of = [&](uint32_t instance) {
+        return update.skin + (update.skin_rows ? update.skin_rows[instance] : instance) * stride * 4;
+    };
     group.count = target.count = count;
-    target.begin = static_cast<uint32_t>(reinterpret_cast<uintptr_t>(update.skin + instances[0] * stride * 4) / 4 %
-                                         kLine);
+    target.begin = static_cast<uint32_t>(reinterpret_cast<uintptr_t>(skin_of(instances[0])) / 4 % kLine);
     target.position = target.begin;
     target.written = 0;
     group.parts = reinterpret_cast<Part*>(update.scratch + (size_t{rig.slot_count} + 1) * sizeof(Matrix));
@@ -81,7 +83,7 @@ void begin(const KernelRig& rig, const KernelUpdate& update, const uint32_t* ins
                 if (group.all[c].weight < 1) prefetch(group.all[c].second, 0);
             }
         }
-        target.line[c] = update.skin + instances[c] * stride * 4 - target.begin * 4;
+        target.line[c] = skin_of(instances[c]) - target.begin * 4;
     }
 }
 

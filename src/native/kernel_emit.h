@@ -115,13 +115,13 @@ INLINE uint32_t skin_words(uint32_t format, const Matrix& m, V (&words)[12]) {
     return 12;
 }
 
-// An element of each character's own array, `stride` words long.
-INLINE void scatter(const V* words, uint32_t count, std::byte* array, size_t stride, size_t offset, const Played* all,
-                    uint32_t character_count) {
+// The same words of each character, to place_of(c).
+template <class PlaceOf>
+INLINE void scatter(const V* words, uint32_t count, uint32_t character_count, const PlaceOf& place_of) {
     alignas(64) float at[12][Lanes::kCount];
     for (uint32_t i = 0; i < count; ++i) Lanes::store(at[i], words[i]);
     for (uint32_t c = 0; c < character_count; ++c) {
-        float* to = reinterpret_cast<float*>(array) + all[c].instance * stride + offset;
+        float* to = place_of(c);
         for (uint32_t i = 0; i < count; ++i) to[i] = at[i][c];
     }
 }
@@ -140,15 +140,17 @@ struct Outputs {
     if (emission.kind == EmissionKind::kModel || emission.kind == EmissionKind::kSocket) {
         const bool is_model = emission.kind == EmissionKind::kModel;
         for (uint32_t i = 0; i < 12; ++i) words[i] = m.of[i / 4][i % 4];
-        scatter(words, 12, reinterpret_cast<std::byte*>(is_model ? update.model : update.sockets),
-                size_t{12} * (is_model ? rig.rig_joint_count : rig.socket_count), size_t{emission.target} * 12, all,
-                out.target.count);
+        float* const array = is_model ? update.model : update.sockets;
+        const size_t stride = is_model ? rig.rig_joint_count : rig.socket_count;
+        scatter(words, 12, out.target.count,
+                [=](uint32_t c) { return array + 12 * (all[c].instance * stride + emission.target); });
         return;
     }
     const uint32_t count = skin_words(update.skin_format, m, words);
     if (emission.kind == EmissionKind::kSkinAt)
-        scatter(words, count, update.skin, size_t{count} * rig.palette_count, size_t{emission.target} * count, all,
-                out.target.count);
+        scatter(words, count, out.target.count, [&](uint32_t c) {
+            return reinterpret_cast<float*>(out.target.line[c]) + out.target.begin + size_t{emission.target} * count;
+        });
     else if (count == 12)
         put_words<12, 4>(out.ring, out.target, words);
     else if (count == 8)

@@ -19,6 +19,7 @@ struct KernelUpdate {
     const float* set_poses = nullptr;                  // [slot][NativeRig::pose_floats()]
     uint32_t skin_format = 0;                          // bind/bind_io.h
     std::byte* skin = nullptr;                         // [instance][palette entry], at a multiple of 16 bytes
+    const uint32_t* skin_rows = nullptr;               // [instance]: which of them it has instead of its own number
     float* model = nullptr;                            // [instance][joint of the rig][12], or none
     float* sockets = nullptr;                          // [instance][socket][12]
     std::byte* scratch = nullptr;                      // scratch_bytes() of the kernel, at a multiple of 64

@@ -72,6 +72,7 @@ void for_instances(const NativeRig& rig, const NativeUpdate& update, uint32_t fi
                                  .set_poses = update.set_poses,
                                  .skin_format = static_cast<uint32_t>(update.skin_format),
                                  .skin = update.skin,
+                                 .skin_rows = update.skin_rows,
                                  .model = reinterpret_cast<float*>(update.model),
                                  .sockets = reinterpret_cast<float*>(update.sockets)};
     buffers.scratch = scratch(kernel.scratch_bytes(of, buffers));
@@ -86,7 +87,7 @@ void for_instances(const NativeRig& rig, const NativeUpdate& update, uint32_t fi
     };
     for (uint32_t i = first; i < end; ++i) {
         const uint32_t instance = update.listed ? update.listed[i] : i;
-        const uint32_t c = instance % class_count;
+        const uint32_t c = (update.skin_rows ? update.skin_rows[instance] : instance) % class_count;
         classes[c][counts[c]++] = instance;
         if (counts[c] == kClassSize) run(c);
     }

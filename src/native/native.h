@@ -39,10 +39,11 @@ struct NativeUpdate {
     const io::InstancePose* pose_overrides = nullptr;
     const float* set_poses = nullptr;  // [slot][NativeRig::pose_floats()], by put_pose()
     SkinFormat skin_format = SkinFormat::kAffine;
-    std::byte* skin = nullptr;         // at a multiple of 64 bytes
-    Affine* model = nullptr;           // of rigs that keep them
-    Affine* sockets = nullptr;         // of rigs that have any; model_from_joint
-    const uint32_t* listed = nullptr;  // instances; none: all
+    std::byte* skin = nullptr;            // at a multiple of 64 bytes
+    const uint32_t* skin_rows = nullptr;  // where an instance's matrices lie; none: in the order of the instances
+    Affine* model = nullptr;              // of rigs that keep them
+    Affine* sockets = nullptr;            // of rigs that have any; model_from_joint
+    const uint32_t* listed = nullptr;     // instances; none: all
 };
 
 // Instances first..end - 1, or those that `listed` has there. Threads may update different instances of the same

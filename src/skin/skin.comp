@@ -21,6 +21,7 @@ READONLY_BUFFER(kSkinSectionsBuffer, SkinSection, sections);  // [detail][sectio
 READONLY_BUFFER(kListedVerticesBuffer, uint, listed_vertices);
 READONLY_BUFFER(kListBuffer, uint, list);  // cull/cull_io.h
 READONLY_BUFFER(kVerdictsBuffer, uint, verdicts);
+READONLY_BUFFER(kSkinRowsBuffer, uint, skin_rows);
 PUSH(SkinPush);
 
 #include "bind/skin_format.glsl"
@@ -41,6 +42,7 @@ void main() {
     const uint instance = kListed ? list[kFirstListed + n] : push.first_instance + n;
     if (kListed && push.only_animated != 0 && (verdicts[instance] & kVerdictAnimated) == 0) return;
     const uint first_section = kListed ? lod_of(n) * push.section_count : 0;
+    const uint skin_row = push.has_skin_pool != 0 ? skin_rows[instance] : instance;
     const uint first_written = (kListed ? instance : n) * push.vertex_count;
     for (uint s = 0; s < push.section_count; ++s) {
         const SkinSection section = sections[first_section + s];
@@ -51,7 +53,7 @@ void main() {
                                                   instance * kActiveMorphs);
             const Affine model_from_bind = blended_skin_matrix(section.first_influences + push.influence_offset,
                                                                section.influence_sets, vertex,
-                                                               instance * push.palette_count);
+                                                               skin_row * push.palette_count);
             const vec3 position = affine_point(model_from_bind, rows.position_normal.xyz + morphs.position);
             const vec3 normal = transform_normal(
                 model_from_bind,

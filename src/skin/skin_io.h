@@ -34,6 +34,7 @@ struct SkinPush {
     uint first_instance;               // where nothing is listed; its vertices are written first
     uint influence_offset;             // likewise, of influences from those of the section
     uint only_animated;                // of those listed, only who is animated in this half of the update
+    uint has_skin_pool;                // skin matrices lie where skin_rows says
 };
 
 THRONG_IO_END

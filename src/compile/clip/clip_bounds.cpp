@@ -1,7 +1,7 @@
 #include "compile/clip/clip_bounds.h"
 
-#include "compile/clip/sampled_poses.h"
-#include "compile/mesh/influence_boxes.h"
+#include "reference/sampled_poses.h"
+#include "reference/influence_boxes.h"
 
 #include <cmath>
 

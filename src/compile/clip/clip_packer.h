@@ -2,7 +2,7 @@
 #pragma once
 
 #include "compile/clip/exact_clip.h"
-#include "compile/mesh/influence_boxes.h"
+#include "reference/influence_boxes.h"
 
 namespace throng {
 

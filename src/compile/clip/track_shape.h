@@ -3,7 +3,7 @@
 #pragma once
 
 #include "compile/clip/clip_grid.h"
-#include "compile/mesh/influence_boxes.h"
+#include "reference/influence_boxes.h"
 
 #include <vector>
 

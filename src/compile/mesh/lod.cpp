@@ -2,7 +2,7 @@
 
 #include "base/count.h"
 #include "bind/bind_reference.h"
-#include "compile/clip/sampled_poses.h"
+#include "reference/sampled_poses.h"
 #include "compile/mesh/triangle_index.h"
 #include "morph/morph_reference.h"
 #include "skin/skin_reference.h"

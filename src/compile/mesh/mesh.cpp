@@ -2,7 +2,7 @@
 
 #include "base/count.h"
 #include "base/failure.h"
-#include "compile/clip/sampled_poses.h"
+#include "reference/sampled_poses.h"
 #include "compile/limits.h"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 #include "compile/rig/joint_lod.h"
 
 #include "bind/bind_reference.h"
-#include "compile/mesh/influence_boxes.h"
-#include "compile/clip/sampled_poses.h"
+#include "reference/influence_boxes.h"
+#include "reference/sampled_poses.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "compile/clip/sampled_poses.h"
+#include "reference/sampled_poses.h"
 
 #include "sample/sample_reference.h"
 #include "scan/scan_reference.h"

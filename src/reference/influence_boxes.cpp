@@ -1,6 +1,6 @@
-#include "compile/mesh/influence_boxes.h"
+#include "reference/influence_boxes.h"
 
-#include "compile/clip/sampled_poses.h"
+#include "reference/sampled_poses.h"
 
 #include <algorithm>
 #include <limits>

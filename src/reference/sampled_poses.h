@@ -1,4 +1,4 @@
-// Poses in which the compiler measures errors.
+// Poses in which errors are measured.
 #pragma once
 
 #include <throng/character.h>

@@ -1,0 +1,76 @@
+#include "crowd/group_skin_pool.h"
+
+#include "base/failure.h"
+#include "crowd/staged_update.h"
+#include "native/native.h"
+#include "native/shared_poses.h"
+
+#include <algorithm>
+
+namespace throng {
+namespace {
+
+// Why a group cannot have one; empty where it can.
+std::string unsupported_reason(const Group& group, const Character& character, const CrowdSettings& settings) {
+    if (!settings.culls) return "it needs CrowdSettings::culls";
+    if (group.fused.empty()) return "the group is updated stage by stage";
+    if (group.sockets) return "sockets move whether or not they are drawn";
+    if (group.controller && group.controller->is_inertial)
+        return "inertial transitions go on from poses whether or not they are drawn";
+    if (group.pose_capacity > 0) return "CrowdGroup::pose_capacity is set";
+    if (settings.keep_model_matrices) return "CrowdSettings::keep_model_matrices is set";
+    if (settings.keep_previous_matrices) return "CrowdSettings::keep_previous_matrices is set";
+    if (settings.skips_updates) return "CrowdSettings::skips_updates is set";
+    if (settings.skins_once) return "CrowdSettings::skins_once is set";
+    if (const std::string reason = native_unsupported(character, {.skin_format = settings.skin_format});
+        !reason.empty())
+        return "its shared poses are computed natively, and " + reason;
+    return {};
+}
+
+uint64_t row_bytes(const Group& group, SkinFormat format) {
+    return uint64_t{std::max(group.palette_count, 1u)} * skin_format_bytes(format);
+}
+
+}  // namespace
+
+GroupSkinPool make_skin_pool(Uploads& uploads, NativeRigs& rigs, Group& group, const CrowdGroup& made_of,
+                             const CrowdSettings& settings) {
+    const std::string place = group.name + ": skin pool";
+    const Character& character = *made_of.character;
+    const SkinPool& pool = *made_of.skin_pool;
+    if (const std::string reason = unsupported_reason(group, character, settings); !reason.empty())
+        throw Failure(ErrorCode::kUnsupported, place, reason);
+    constexpr float kMostPoses_per_s = 1000;
+    if (pool.capacity == 0 || !(pool.shared_poses_per_s > 0 && pool.shared_poses_per_s <= kMostPoses_per_s))
+        throw Failure(ErrorCode::kInvalidArgument, place,
+                      "capacity and shared_poses_per_s must be above 0, and the second at most 1000");
+    const uint64_t rows = shared_pose_count(character, pool.shared_poses_per_s) +
+                          std::min(pool.capacity, made_of.instance_count),
+                   most_rows = arena_limit_bytes(*uploads.gpu()) / row_bytes(group, settings.skin_format);
+    if (rows > most_rows)
+        throw Failure(ErrorCode::kLimit, place,
+                      std::to_string(rows) + " rows, those of shared poses among them; the device can bind " +
+                          std::to_string(most_rows) + " of them to a kernel");
+    SharedPoses shared = make_shared_poses(character, *rigs.get(character, {}), settings.skin_format,
+                                           pool.shared_poses_per_s);
+    group.buffers[io::kSharedClipsBuffer] = upload(uploads, group.name + ": shared clips", shared.clips);
+    return {.capacity = pool.capacity, .shared_row_count = shared.row_count, .shared_skin = std::move(shared.skin)};
+}
+
+void plan_skin_pool(BatchPlan& plan) {
+    const GroupSkinPool& pool = *plan.group().skin_pool;
+    const uint64_t bytes = row_bytes(plan.group(), plan.settings().skin_format);
+    plan.add_of_batch(io::kSkinBuffer, (uint64_t{pool.shared_row_count} + pool.capacity) * bytes,
+                      [&pool, bytes](Uploads& uploads, const std::string& what, uint64_t n) {
+                          const uint64_t rows = pool.shared_row_count + std::min<uint64_t>(pool.capacity, n);
+                          Buffer skin(uploads.gpu(), what, rows * bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+                          uploads.add(skin, pool.shared_skin);
+                          return skin;
+                      });
+    plan.add(io::kSkinRowsBuffer, sizeof(uint32_t), [](Uploads& uploads, const std::string& what, uint64_t n) {
+        return upload_writable_table(uploads, what, std::vector<uint32_t>(n));
+    });
+}
+
+}  // namespace throng

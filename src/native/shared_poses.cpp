@@ -1,0 +1,103 @@
+#include "native/shared_poses.h"
+
+#include "bind/skin_format.h"
+#include "control/control_reference.h"
+#include "native/native.h"
+#include "reference/influence_boxes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace throng {
+namespace {
+
+uint64_t interval_count(const Clip& clip, float poses_per_s) {
+    return static_cast<uint64_t>(std::ceil(double{clip.duration_s} * poses_per_s));
+}
+
+// A clip's pose by itself.
+class Poser {
+public:
+    Poser(const Character& character, const NativeRig& rig) : character_(character), rig_(rig) {}
+
+    void pose(uint32_t clip, double time_s, SkinFormat format, std::byte* skin) const {
+        const io::SlotCursor slot = cursor_reference({.clip = clip, .time_s = time_s, .loop = false}, character_.clips,
+                                                     character_.times_s, character_.rig.joint_count());
+        const io::InstanceCursor cursor{slot, slot, 1};
+        update(rig_, {.cursors = &cursor, .skin_format = format, .skin = skin}, 0, 1);
+    }
+
+    std::vector<Affine> affines(uint32_t clip, double time_s) const {
+        std::vector<Affine> skin(character_.palette.size());
+        pose(clip, time_s, SkinFormat::kAffine, reinterpret_cast<std::byte*>(skin.data()));
+        return skin;
+    }
+
+private:
+    const Character& character_;
+    const NativeRig& rig_;
+};
+
+double largest_displacement(const std::vector<Affine>& a, const std::vector<Affine>& b, const std::vector<Box>& boxes) {
+    double most = 0;
+    for (size_t entry = 0; entry < boxes.size(); ++entry) {
+        if (boxes[entry].empty) continue;
+        AffineT<double> difference = a[entry].as<double>();
+        for (size_t r = 0; r < 3; ++r)
+            for (size_t c = 0; c < 4; ++c) difference.row[r][c] -= double{b[entry].row[r][c]};
+        most = std::max(most, displacement(difference, boxes[entry]));
+    }
+    return most;
+}
+
+}  // namespace
+
+uint64_t shared_pose_count(const Character& character, float poses_per_s) {
+    uint64_t sum = 1;  // the rest pose
+    for (const Clip& clip : character.clips) sum += interval_count(clip, poses_per_s) + 1;
+    return sum;
+}
+
+SharedPoses make_shared_poses(const Character& character, const NativeRig& rig, SkinFormat format, float poses_per_s) {
+    const Poser poser(character, rig);
+    const std::vector<Box> boxes = bind_boxes(character);
+    const size_t pose_bytes = character.palette.size() * skin_format_bytes(format);
+    SharedPoses shared;
+    shared.row_count = static_cast<uint32_t>(shared_pose_count(character, poses_per_s));
+    shared.skin.resize(shared.row_count * pose_bytes);
+    std::byte* skin = shared.skin.data();
+    const auto add = [&](uint32_t clip, double time_s) {
+        poser.pose(clip, time_s, format, skin);
+        skin += pose_bytes;
+    };
+    uint32_t row = 0;
+    for (uint32_t clip = 0; clip < character.clips.size(); ++clip) {
+        const double duration_s = character.clips[clip].duration_s;
+        const auto intervals = static_cast<uint32_t>(interval_count(character.clips[clip], poses_per_s));
+        double error = 0;
+        std::vector<Affine> last;
+        for (uint32_t i = 0; i <= intervals; ++i) {
+            const double at = duration_s * i / std::max(intervals, 1u);
+            add(clip, at);
+            std::vector<Affine> here = poser.affines(clip, at);
+            if (i > 0) {
+                const std::vector<Affine> between = poser.affines(clip, duration_s * (i - 0.5) / intervals);
+                error = std::max(
+                    {error, largest_displacement(between, last, boxes), largest_displacement(between, here, boxes)});
+            }
+            last = std::move(here);
+        }
+        shared.clips.push_back(
+            {.first_row = row,
+             .interval_count = intervals,
+             .intervals_per_s = intervals > 0 ? static_cast<float>(intervals / duration_s) : 0,
+             .error = std::nextafter(static_cast<float>(error), std::numeric_limits<float>::infinity())});
+        row += intervals + 1;
+    }
+    add(kNone, 0);
+    shared.clips.push_back({.first_row = row, .interval_count = 0, .intervals_per_s = 0, .error = 0});
+    return shared;
+}
+
+}  // namespace throng

@@ -1,0 +1,314 @@
+// Skin matrices of only those instances that are drawn, and poses that those far away share.
+#include "tests/crowd_cases.h"
+#include "tests/kernel_runner.h"
+#include "tests/subset.h"
+
+#include <throng/draw.h>
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <map>
+#include <set>
+
+namespace throng::test {
+namespace {
+
+const InSubset kInSubsets({Subset::kGpuAssisted, Subset::kSubgroups}, {"SkinPool.OnTheDeviceToo"});
+const InSubset kNatively({Subset::kNative}, {"SkinPool.*"});
+
+constexpr uint32_t kWidth = 320, kHeight = 240;
+
+Character creature_with_lods() {
+    return *compile_character(*make_creature({.joint_count = 40, .level_count = 12, .face_count = 800}));
+}
+
+// In a square before the camera that view() has.
+std::vector<Affine> places(uint32_t count, double extent) {
+    Random random(5);
+    std::vector<Affine> all;
+    for (uint32_t i = 0; i < count; ++i) {
+        Trs<double> place = random.trs(1, 0.2);
+        place.translation = {random.between(-extent, extent), 0, random.between(-extent, extent)};
+        all.push_back(to_affine(place).as<float>());
+    }
+    return all;
+}
+
+CrowdView view(double extent) {
+    return *view_of({.eye = {0, 3, static_cast<float>(extent)}, .target = {0, 0, 0}}, kWidth, kHeight, {});
+}
+
+// How many pixels the vertices of an instance lie from where the reference has them.
+double pixels_off(Crowd& crowd, uint32_t instance, const Character& character, const Playback& playback,
+                  const Affine& placement, const CrowdView& seen) {
+    const std::vector<Vec3<float>> got = *crowd.read_positions(instance);
+    const std::vector<Vec3<double>> wanted = reference_positions(character, *reference_pose(character, playback));
+    const AffineT<double> world_from_model = placement.as<double>();
+    double most = 0;
+    for (size_t i = 0; i < wanted.size(); ++i) {
+        const Vec3<double> there = transform_point(world_from_model, got[i].as<double>()),
+                           place = transform_point(world_from_model, wanted[i]);
+        most = std::max(most, length(there - place) * double{seen.pixels} / length(place - seen.eye.as<double>()));
+    }
+    return most;
+}
+
+struct Counts {
+    uint32_t own = 0, shared = 0;
+};
+
+// Whoever is drawn has its own pose, bit for bit as without a pool, or one that a picture hardly tells from it; rows
+// are given away once, and those of shared poses to nobody.
+Counts expect_right(Crowd& pooled, Crowd& whole, const Character& character, std::span<const Playback> playbacks,
+                    std::span<const Affine> placements, const CrowdView& seen) {
+    const GroupSkinPool& pool = *pooled.state().groups[0].skin_pool;
+    const std::vector<DrawnInstance> drawn = drawn_of(pooled), drawn_without = drawn_of(whole);
+    EXPECT_EQ(drawn.size(), drawn_without.size());
+    Counts counts;
+    std::set<uint32_t> own_rows;
+    for (size_t i = 0; i < std::min(drawn.size(), drawn_without.size()); ++i) {
+        const DrawnInstance& one = drawn[i];
+        EXPECT_TRUE(one.instance == drawn_without[i].instance && one.lod == drawn_without[i].lod);
+        EXPECT_EQ(one.shares_pose, one.skin_row < pool.shared_row_count);
+        EXPECT_LT(one.skin_row, pooled.outputs()[0].skin_row_count);
+        if (one.shares_pose) {
+            ++counts.shared;
+            const double pixels = pixels_off(pooled, one.instance, character, playbacks[one.instance],
+                                             placements[one.instance], seen);
+            EXPECT_LE(pixels, seen.shared_pose_pixels * 1.01 + 0.01) << "instance " << one.instance;
+            continue;
+        }
+        ++counts.own;
+        EXPECT_TRUE(own_rows.insert(one.skin_row).second) << "two instances in a row";
+        EXPECT_EQ(*pooled.read_skin_matrices(one.instance), *whole.read_skin_matrices(one.instance))
+            << "instance " << one.instance;
+    }
+    return counts;
+}
+
+void expect_exact_or_near(UpdatePath path) {
+    const Character character = creature_with_lods();
+    constexpr uint32_t kCount = 300;
+    constexpr double kExtent = 60;
+    const std::vector<Affine> placements = places(kCount, kExtent);
+    Counts all;
+    for (const SkinFormat format : {SkinFormat::kAffine, SkinFormat::kHalfAffine}) {
+        for (const bool reduces : {false, true}) {
+            const auto make = [&](std::optional<SkinPool> pool) {
+                return create({.groups = {{.character = &character, .instance_count = kCount, .skin_pool = pool}},
+                               .path = path,
+                               .skin_format = format,
+                               .culls = true,
+                               .reduces_joints = reduces});
+            };
+            Crowd pooled = make(SkinPool{.capacity = kCount, .shared_poses_per_s = 60}), whole = make({});
+            Random random(7);
+            std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
+            for (Crowd* crowd : {&pooled, &whole})
+                ASSERT_TRUE(crowd->set_placement(0, placements) && crowd->set_playback(0, playbacks));
+            for (const float pixels : {0.0f, 0.25f, 2.0f}) {
+                CrowdView seen = view(kExtent);
+                seen.shared_pose_pixels = pixels;
+                seen.lod_pixels = reduces ? 0.5f : 1.0f;
+                for (Crowd* crowd : {&pooled, &whole}) ASSERT_TRUE(crowd->update(0.05f, &seen));
+                for (Playback& playback : playbacks) playback = advanced(playback, character, 0.05);
+                if (reduces) seen.shared_pose_pixels += seen.lod_pixels;  // positions are those of fewer joints
+                const Counts counts = expect_right(pooled, whole, character, playbacks, placements, seen);
+                EXPECT_GT(counts.own, 0u);
+                EXPECT_TRUE(pixels < 2 || counts.shared > 20) << counts.shared;
+                all.own += counts.own;
+                all.shared += counts.shared;
+            }
+        }
+    }
+    std::printf("  %u own poses, %u shared\n", all.own, all.shared);
+}
+
+TEST(SkinPool, OwnPosesAreExactAndSharedOnesNear) { expect_exact_or_near(UpdatePath::kAuto); }
+TEST(SkinPool, OnTheDeviceToo) { expect_exact_or_near(UpdatePath::kDevice); }
+
+void expect_shared_where_full(UpdatePath path) {
+    const Character character = creature_with_lods();
+    constexpr uint32_t kCount = 200, kCapacity = 37;
+    Crowd crowd = create(
+        {.groups = {{.character = &character, .instance_count = kCount, .skin_pool = SkinPool{.capacity = kCapacity}}},
+         .path = path,
+         .culls = true,
+         .reduces_joints = true});
+    const std::vector<Affine> placements = places(kCount, 30);
+    std::vector<Playback> playbacks(kCount);
+    for (uint32_t i = 0; i < kCount; ++i)
+        playbacks[i] = {.first = {.clip = 0, .time_s = 0.01 * i}, .second = {.clip = 1}, .weight = 0.7f};
+    ASSERT_TRUE(crowd.set_placement(0, placements) && crowd.set_playback(0, playbacks));
+    CrowdView seen = view(30);
+    seen.shared_pose_pixels = 0;
+    ASSERT_TRUE(crowd.update(0, &seen));
+    const std::vector<DrawnInstance> drawn = drawn_of(crowd);
+    ASSERT_GT(drawn.size(), kCapacity);
+    const auto own = static_cast<uint32_t>(std::ranges::count(drawn, false, &DrawnInstance::shares_pose));
+    EXPECT_EQ(own, kCapacity);
+    // The finest come first, and lists have them first
+    EXPECT_FALSE(drawn.front().shares_pose);
+    EXPECT_TRUE(drawn.back().shares_pose);
+    // They show a pose of the clip that has most weight, near their own time
+    const auto& clips = character.clips;
+    for (const DrawnInstance& one : drawn) {
+        if (!one.shares_pose) {
+            EXPECT_LE(instance_error(crowd, one.instance, character, playbacks[one.instance]),
+                      one.lod == 0 ? kPoseBound : 1);
+            continue;
+        }
+        const double row = one.skin_row;
+        const double time_s = local_time_reference(0.01 * one.instance, clips[0].duration_s, true),
+                     intervals = std::ceil(double{clips[0].duration_s} * 30);
+        EXPECT_NEAR(row, time_s / clips[0].duration_s * intervals, 0.51);
+        const Playback shared{.first = {.clip = 0, .time_s = clips[0].duration_s * row / intervals, .loop = false}};
+        const ReferencePose pose = *reference_pose(character, shared);
+        const std::vector<Affine> got = *crowd.read_skin_matrices(one.instance);
+        for (size_t i = 0; i < got.size(); ++i)
+            EXPECT_LE(matrix_error(got[i], pose.model_from_bind[i], character.size), kPoseBound);
+    }
+}
+
+TEST(SkinPool, WhatHasNoRowSharesAPose) {
+    for (const UpdatePath path : {UpdatePath::kAuto, UpdatePath::kDevice}) expect_shared_where_full(path);
+}
+
+TEST(SkinPool, OfControllersTheLowestClipIsShared) {
+    const Character character = creature_with_lods();
+    constexpr uint32_t kCount = 90;
+    Controller controller;
+    controller.name = "two clips";
+    controller.layers.push_back({.name = "base"});
+    const auto make = [&](std::optional<SkinPool> pool) {
+        return create(
+            {.groups =
+                 {{.character = &character, .instance_count = kCount, .controller = &controller, .skin_pool = pool}},
+             .culls = true});
+    };
+    Crowd pooled = make(SkinPool{.capacity = kCount, .shared_poses_per_s = 60}), whole = make({});
+    const std::vector<Affine> placements = places(kCount, 40);
+    std::vector<Playback> playbacks;
+    Random random(3);
+    for (uint32_t i = 0; i < kCount; ++i) {
+        const ClipPlayback clip{.clip = random.below(2), .time_s = random.unit(), .speed = 0};
+        playbacks.push_back({.first = clip});
+        for (Crowd* crowd : {&pooled, &whole}) ASSERT_TRUE(crowd->play(i, 0, {.clip = clip}));
+    }
+    CrowdView seen = view(40);
+    seen.shared_pose_pixels = 0.3f;
+    for (Crowd* crowd : {&pooled, &whole})
+        ASSERT_TRUE(crowd->set_placement(0, placements) && crowd->update(0, &seen) && crowd->update(0, &seen));
+    const Counts counts = expect_right(pooled, whole, character, playbacks, placements, seen);
+    EXPECT_GT(counts.own, 5u);
+    EXPECT_GT(counts.shared, 5u);
+}
+
+TEST(SkinPool, WithoutAViewAllAreAnimated) {
+    const Character character = small_character();
+    Crowd crowd = create(
+        {.groups = {{.character = &character, .instance_count = 70, .skin_pool = SkinPool{.capacity = 1000}}},
+         .culls = true});
+    ASSERT_TRUE(crowd.update(0.1f));
+    for (const DrawnInstance& one : drawn_of(crowd)) EXPECT_EQ(one.shares_pose, one.instance >= 70);
+    EXPECT_EQ(drawn_of(crowd).size(), 70u);
+}
+
+TEST(SkinPool, PicturesAreThoseOfEverything) {
+    const Character character = creature_with_lods();
+    constexpr uint32_t kCount = 120;
+    const std::vector<Affine> placements = places(kCount, 25);
+    Random random(9);
+    const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
+    std::map<std::string, Picture> pictures;
+    for (const auto& [name, pool, pixels] : {std::tuple{"without", std::optional<SkinPool>(), 0.0f},
+                                             {"own", SkinPool{.capacity = kCount}, 0.0f},
+                                             {"shared", SkinPool{.capacity = kCount}, 0.5f}}) {
+        Crowd crowd = create(
+            {.groups = {{.character = &character, .instance_count = kCount, .skin_pool = pool}}, .culls = true});
+        ASSERT_TRUE(crowd.set_placement(0, placements) && crowd.set_playback(0, playbacks));
+        Renderer renderer = *Renderer::create(test_device(), {.width = kWidth, .height = kHeight});
+        const Camera camera{.eye = {0, 3, 25}, .target = {0, 0, 0}};
+        CrowdView seen = *view_of(camera, kWidth, kHeight, {});
+        seen.shared_pose_pixels = pixels;
+        ASSERT_TRUE(crowd.update(0.1f, &seen));
+        Result<RenderResult> rendered = renderer.render(crowd, camera);
+        ASSERT_TRUE(rendered) << rendered.error().text();
+        pictures[name] = std::move(rendered->picture);
+    }
+    EXPECT_EQ(pictures["without"].rgba, pictures["own"].rgba);
+    EXPECT_NE(pictures["without"].rgba, pictures["shared"].rgba);
+}
+
+TEST(SkinPool, WhatIsNotDrawnHasNoMatrices) {
+    const Character character = small_character();
+    Crowd crowd = create(
+        {.groups = {{.character = &character, .instance_count = 2, .skin_pool = SkinPool{.capacity = 1}}},
+         .culls = true});
+    const std::vector<Affine> placements{to_affine(Trs<double>{}).as<float>(),
+                                         to_affine(Trs<double>{.translation = {0, 0, 1e4}}).as<float>()};
+    ASSERT_TRUE(crowd.set_placement(0, placements));
+    const CrowdView seen = view(20);
+    ASSERT_TRUE(crowd.update(0.1f, &seen));
+    EXPECT_TRUE(crowd.read_skin_matrices(0));
+    EXPECT_TRUE(crowd.read_positions(0));
+    const Result<std::vector<Affine>> matrices = crowd.read_skin_matrices(1);
+    ASSERT_FALSE(matrices);
+    EXPECT_EQ(matrices.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_NE(matrices.error().text().find("instance 1 is not drawn"), std::string::npos) << matrices.error().text();
+    EXPECT_FALSE(crowd.read_positions(1));
+}
+
+TEST(SkinPool, MemoryGoesByWhatIsDrawn) {
+    const Character character = creature_with_lods();
+    const auto bytes = [&](std::optional<SkinPool> pool, uint32_t count) {
+        return create(
+                   {.groups = {{.character = &character, .instance_count = count, .skin_pool = pool}}, .culls = true})
+            .size_bytes();
+    };
+    const uint64_t matrices = character.palette.size() * 48;
+    EXPECT_GT(bytes({}, 3000), 3000 * matrices);
+    const uint64_t few = bytes(SkinPool{.capacity = 10}, 1000), many = bytes(SkinPool{.capacity = 10}, 3000);
+    EXPECT_LT(many - few, 2000u * 200);  // state of instances alone
+}
+
+TEST(SkinPool, WhatDoesNotGoTogetherIsRefused) {
+    const Character character = small_character();
+    const auto message = [&](CrowdGroup group, CrowdSettings settings) {
+        group.character = &character;
+        group.instance_count = 10;
+        settings.groups = {group};
+        const Result<Crowd> crowd = Crowd::create(test_device(), settings);
+        return crowd ? std::string() : crowd.error().text();
+    };
+    const CrowdGroup pooled{.skin_pool = SkinPool{.capacity = 5}};
+    EXPECT_EQ(message(pooled, {.culls = true}), "");
+    CrowdGroup with_sockets = pooled, with_poses = pooled, empty = pooled, too_many = pooled;
+    with_sockets.sockets = {0};
+    with_poses.pose_capacity = 3;
+    empty.skin_pool->capacity = 0;
+    too_many.skin_pool->shared_poses_per_s = 1e6f;
+    const std::vector<std::pair<std::string, std::string>> refused{
+        {message(pooled, {}), "culls"},
+        {message(pooled, {.path = UpdatePath::kStaged, .culls = true}), "stage by stage"},
+        {message(pooled, {.keep_model_matrices = true, .culls = true}), "keep_model_matrices"},
+        {message(pooled, {.keep_previous_matrices = true, .culls = true}), "keep_previous_matrices"},
+        {message(pooled, {.culls = true, .skips_updates = true}), "skips_updates"},
+        {message(pooled, {.culls = true, .skins_once = true}), "skins_once"},
+        {message(with_sockets, {.culls = true}), "sockets"},
+        {message(with_poses, {.culls = true}), "pose_capacity"},
+        {message(empty, {.culls = true}), "above 0"},
+        {message(too_many, {.culls = true}), "at most 1000"}};
+    for (const auto& [text, reason] : refused) {
+        EXPECT_NE(text.find("skin pool"), std::string::npos) << text;
+        EXPECT_NE(text.find(reason), std::string::npos) << text;
+    }
+    CrowdView seen = view(10);
+    seen.shared_pose_pixels = -1;
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 1}}, .culls = true});
+    EXPECT_FALSE(crowd.update(0, &seen));
+}
+
+}  // namespace
+}  // namespace throng::test
