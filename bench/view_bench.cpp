@@ -1,5 +1,6 @@
 #include "bench/view_bench.h"
 
+#include "bench/pixels_off.h"
 #include "bench/updates.h"
 #include "tools/cli/drawn.h"
 
@@ -116,27 +117,14 @@ private:
     void compare(Entrant& entrant, const DrawnInstance& one) const {
         const ReferencePose pose = value_of(reference_pose(*seen_.character, seen_.playback[one.instance]));
         if (entrant.variant->reduces_joints && one.lod > 0)
-            entrant.max_pixels = std::max(entrant.max_pixels, pixels_off(*entrant.crowd, one.instance, pose));
+            entrant.max_pixels = std::max(
+                entrant.max_pixels,
+                pixels_off(value_of(entrant.crowd->read_positions(one.instance)),
+                           reference_positions(*seen_.character, pose), seen_.placement[one.instance], *view_));
         else
             entrant.max_error = std::max(entrant.max_error,
                                          skin_error(value_of(entrant.crowd->read_skin_matrices(one.instance)),
                                                     pose.model_from_bind, seen_.character->size));
-    }
-
-    double pixels_off(Crowd& crowd, uint32_t instance, const ReferencePose& pose) const {
-        const std::vector<Vec3<float>> got = value_of(crowd.read_positions(instance));
-        const std::vector<Vec3<double>> wanted = reference_positions(*seen_.character, pose);
-        const AffineT<double> world_from_model = seen_.placement[instance].as<double>();
-        double most = 0;
-        for (size_t vertex = 0; vertex < wanted.size(); ++vertex) {
-            const Vec3<double> there = transform_point(world_from_model, got[vertex].as<double>()),
-                               place = transform_point(world_from_model, wanted[vertex]);
-            const double pixels = length(there - place) * double{view_->pixels} /
-                                  length(place - view_->eye.as<double>());
-            if (!(pixels >= 0)) return std::numeric_limits<double>::infinity();
-            most = std::max(most, pixels);
-        }
-        return most;
     }
 
     Json record_of(const Entrant& entrant) const {

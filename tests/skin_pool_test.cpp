@@ -1,4 +1,5 @@
 // Skin matrices of only those instances that are drawn, and poses that those far away share.
+#include "bench/pixels_off.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
 #include "tests/subset.h"
@@ -39,21 +40,6 @@ CrowdView view(double extent) {
     return *view_of({.eye = {0, 3, static_cast<float>(extent)}, .target = {0, 0, 0}}, kWidth, kHeight, {});
 }
 
-// How many pixels the vertices of an instance lie from where the reference has them.
-double pixels_off(Crowd& crowd, uint32_t instance, const Character& character, const Playback& playback,
-                  const Affine& placement, const CrowdView& seen) {
-    const std::vector<Vec3<float>> got = *crowd.read_positions(instance);
-    const std::vector<Vec3<double>> wanted = reference_positions(character, *reference_pose(character, playback));
-    const AffineT<double> world_from_model = placement.as<double>();
-    double most = 0;
-    for (size_t i = 0; i < wanted.size(); ++i) {
-        const Vec3<double> there = transform_point(world_from_model, got[i].as<double>()),
-                           place = transform_point(world_from_model, wanted[i]);
-        most = std::max(most, length(there - place) * double{seen.pixels} / length(place - seen.eye.as<double>()));
-    }
-    return most;
-}
-
 struct Counts {
     uint32_t own = 0, shared = 0;
 };
@@ -74,8 +60,10 @@ Counts expect_right(Crowd& pooled, Crowd& whole, const Character& character, std
         EXPECT_LT(one.skin_row, pooled.outputs()[0].skin_row_count);
         if (one.shares_pose) {
             ++counts.shared;
-            const double pixels = pixels_off(pooled, one.instance, character, playbacks[one.instance],
-                                             placements[one.instance], seen);
+            const double pixels = bench::pixels_off(
+                *pooled.read_positions(one.instance),
+                reference_positions(character, *reference_pose(character, playbacks[one.instance])),
+                placements[one.instance], seen);
             EXPECT_LE(pixels, seen.shared_pose_pixels * 1.01 + 0.01) << "instance " << one.instance;
             continue;
         }

@@ -27,11 +27,12 @@ namespace throng {
 enum class SocketSpace { kModel, kWorld };
 
 // Skin matrices of only those instances that are drawn, in place of some for each: their memory is then a function of
-// what is seen. An instance that is drawn has a row of the pool of its own; or, where it plays one clip alone and is so
-// far away that nobody sees the difference (CrowdView::shared_pose_pixels), the nearest of the poses that its group has
-// of each clip, which were made with the crowd: it is not animated then. Where there are more to animate than rows,
-// what is left over shows such a pose too, of the clip that has most weight: coarser sets of joints first, and of one
-// set the instances with the highest numbers. Large groups are several OutputBlocks; each has such a pool.
+// what is seen. An instance that is drawn has a row of the pool of its own; or, where it is so far away that nobody
+// sees the difference (CrowdView::shared_pose_pixels), the nearest of the poses that its group has of each clip, which
+// were made with the crowd: it is not animated then. Of controllers that is only where a clip plays alone. Where there
+// are more to animate than rows, what is left over shows such a pose too, of the clip that has most weight: coarser
+// sets of joints first, and of one set the instances with the highest numbers. Large groups are several OutputBlocks;
+// each has such a pool.
 struct SkinPool {
     uint32_t capacity = 0;          // rows for instances of an OutputBlock; above 0
     float shared_poses_per_s = 30;  // of each clip; above 0, at most 1000

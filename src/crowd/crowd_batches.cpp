@@ -65,8 +65,10 @@ void CrowdState::check_memory(uint64_t needed_bytes) const {
 // As few batches as the device's limits allow, of nearly equal size.
 void CrowdState::make_batches(Uploads& uploads, const BatchPlan& plan, uint32_t group, uint32_t count) {
     const uint64_t limit_bytes = arena_limit_bytes(*gpu);
-    const uint64_t capacity = std::min<uint64_t>(limit_bytes / plan.largest_bytes(),
-                                                 gpu->properties.limits.maxComputeWorkGroupCount[0]);
+    // Where matrices lie in a pool, only as many instances as that has rows may take a workgroup each
+    const uint64_t instances_per_workgroup = plan.group().skin_pool ? io::kCullWorkgroupSize : 1,
+                   capacity = std::min(limit_bytes / plan.largest_bytes(),
+                                       instances_per_workgroup * gpu->properties.limits.maxComputeWorkGroupCount[0]);
     if (capacity == 0)
         throw Failure(ErrorCode::kLimit, plan.group().name,
                       "what one instance takes (" + std::to_string(plan.largest_bytes()) +

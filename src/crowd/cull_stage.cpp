@@ -144,7 +144,8 @@ io::CullPush CullStage::push_of(const Batch& batch) const {
             .own_row_count = group.skin_pool ? std::min(group.skin_pool->capacity, batch.instance_count) : 0,
             .first_own_row = group.skin_pool ? group.skin_pool->shared_row_count : 0,
             .joint_count = group.joint_count,
-            .active_clip_limit = group.controller ? group.controller->active_clip_limit : 0};
+            .active_clip_limit = group.controller ? group.controller->active_clip_limit : 0,
+            .pose_spread = group.skin_pool ? group.skin_pool->pose_spread : 0};
 }
 
 template <class Dispatch>

@@ -61,6 +61,7 @@ struct GroupProcedural {
 struct GroupSkinPool {
     uint32_t capacity = 0;
     uint32_t shared_row_count = 0;
+    float pose_spread = 0;               // SharedPoses::spread
     std::vector<std::byte> shared_skin;  // until batches have it
 };
 

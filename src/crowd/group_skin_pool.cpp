@@ -52,10 +52,18 @@ GroupSkinPool make_skin_pool(Uploads& uploads, NativeRigs& rigs, Group& group, c
         throw Failure(ErrorCode::kLimit, place,
                       std::to_string(rows) + " rows, those of shared poses among them; the device can bind " +
                           std::to_string(most_rows) + " of them to a kernel");
+    if (const uint32_t most = uploads.gpu()->properties.limits.maxComputeWorkGroupCount[0];
+        std::min(pool.capacity, made_of.instance_count) > most)
+        throw Failure(ErrorCode::kLimit, place,
+                      "a capacity of " + std::to_string(pool.capacity) + "; the device dispatches " +
+                          std::to_string(most) + " workgroups at most");
     SharedPoses shared = make_shared_poses(character, *rigs.get(character, {}), settings.skin_format,
                                            pool.shared_poses_per_s);
     group.buffers[io::kSharedClipsBuffer] = upload(uploads, group.name + ": shared clips", shared.clips);
-    return {.capacity = pool.capacity, .shared_row_count = shared.row_count, .shared_skin = std::move(shared.skin)};
+    return {.capacity = pool.capacity,
+            .shared_row_count = shared.row_count,
+            .pose_spread = shared.spread,
+            .shared_skin = std::move(shared.skin)};
 }
 
 void plan_skin_pool(BatchPlan& plan) {

@@ -25,7 +25,9 @@ uint64_t arena_limit_bytes(const Gpu& gpu) {
         {kArenaBuffer_bytes, uint64_t{gpu.properties.limits.maxStorageBufferRange}, gpu.max_allocation_bytes});
 }
 
-void StagedUpdate::plan(BatchPlan& plan) { plan.limit(plan.group().joint_count * sizeof(Affine)); }
+void StagedUpdate::plan(BatchPlan& plan) {
+    if (plan.group().fused.empty()) plan.limit(plan.group().joint_count * sizeof(Affine));
+}
 
 StagedUpdate::StagedUpdate(const StageContext& context)
     : Stage(context), procedural_(*find_stage<ProceduralStage>(context.before)) {

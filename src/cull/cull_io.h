@@ -91,7 +91,8 @@ struct CullPush {
     uint first_own_row;
     uint joint_count;
     uint active_clip_limit;  // of groups with a controller; else 0
-    uint unused0, unused1, unused2;
+    float pose_spread;       // model space: how far two poses of clips are apart at most
+    uint unused0, unused1;
 };
 
 // The depth pyramid: depths of a picture, greater where nearer, half as fine level by level, down to one texel. A level

@@ -10,10 +10,13 @@ WRITEONLY_BUFFER(kSkinRowsBuffer, uint, skin_rows);
 
 #include "control/control.glsl"
 
+// In place of a weight: additive clips may go anywhere.
+const float kFarFromAny = 1e20;
+
 // The clip that most of an instance's pose comes from.
 struct MainClip {
     SlotCursor cursor;
-    bool is_all;  // there is no other
+    float others_weight;  // 0: there is no other
 };
 
 MainClip main_clip(CullPush push, uint instance) {
@@ -23,13 +26,14 @@ MainClip main_clip(CullPush push, uint instance) {
         const uvec4 cursor = ROW_AT(active_clips, at);
         const uint flags = ROW_AT(active_clips, at + 1).w;
         main.cursor = SlotCursor(cursor.x, cursor.y, cursor.z, uintBitsToFloat(cursor.w));
-        main.is_all = (flags & (kActiveClipEnds | kActiveClipAdditive | kActiveClipMasked)) == kActiveClipEnds;
+        const bool is_all = (flags & (kActiveClipEnds | kActiveClipAdditive | kActiveClipMasked)) == kActiveClipEnds;
+        main.others_weight = is_all ? 0 : kFarFromAny;
         return main;
     }
     const InstanceCursor cursor = cursors[instance];
     main.cursor = cursor.second;
     if (cursor.weight >= 0.5) main.cursor = cursor.first;
-    main.is_all = cursor.weight <= 0 || cursor.weight >= 1;
+    main.others_weight = min(cursor.weight, 1 - cursor.weight);
     return main;
 }
 
@@ -50,7 +54,8 @@ uint shared_verdict(CullView view, CullPush push, Affine world_from_model, uint 
                              main.cursor.fraction);
     const uint nearest = uint(time_s * shared_clip.intervals_per_s + 0.5);
     skin_rows[instance] = shared_clip.first_row + min(nearest, shared_clip.interval_count);
-    const bool is_near = shared_clip.error * largest_scale(world_from_model) * view.shared_pixels <=
+    const float off = shared_clip.error + main.others_weight * push.pose_spread;
+    const bool is_near = off * largest_scale(world_from_model) * view.shared_pixels <=
                          distance_to_box(view, world_from_model, push.centre.xyz, push.half_extent.xyz);
-    return main.is_all && is_near ? verdict & ~kVerdictAnimated : verdict;
+    return is_near ? verdict & ~kVerdictAnimated : verdict;
 }

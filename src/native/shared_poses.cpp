@@ -6,6 +6,7 @@
 #include "reference/influence_boxes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -51,6 +52,32 @@ double largest_displacement(const std::vector<Affine>& a, const std::vector<Affi
     return most;
 }
 
+// How far the corners of boxes go, which bound what they hold.
+class Spread {
+public:
+    explicit Spread(const std::vector<Box>& boxes) : boxes_(boxes), places_(boxes.size()) {}
+
+    void add(const std::vector<Affine>& skin) {
+        for (size_t entry = 0; entry < boxes_.size(); ++entry) {
+            if (boxes_[entry].empty) continue;
+            for (size_t corner = 0; corner < 8; ++corner)
+                places_[entry][corner].add(transform_point(skin[entry].as<double>(), boxes_[entry].corner(corner)));
+        }
+    }
+
+    double largest() const {
+        double most = 0;
+        for (const auto& corners : places_)
+            for (const Box& of_corner : corners)
+                if (!of_corner.empty) most = std::max(most, length(of_corner.high - of_corner.low));
+        return most;
+    }
+
+private:
+    const std::vector<Box>& boxes_;
+    std::vector<std::array<Box, 8>> places_;
+};
+
 }  // namespace
 
 uint64_t shared_pose_count(const Character& character, float poses_per_s) {
@@ -62,6 +89,7 @@ uint64_t shared_pose_count(const Character& character, float poses_per_s) {
 SharedPoses make_shared_poses(const Character& character, const NativeRig& rig, SkinFormat format, float poses_per_s) {
     const Poser poser(character, rig);
     const std::vector<Box> boxes = bind_boxes(character);
+    Spread spread(boxes);
     const size_t pose_bytes = character.palette.size() * skin_format_bytes(format);
     SharedPoses shared;
     shared.row_count = static_cast<uint32_t>(shared_pose_count(character, poses_per_s));
@@ -81,6 +109,7 @@ SharedPoses make_shared_poses(const Character& character, const NativeRig& rig, 
             const double at = duration_s * i / std::max(intervals, 1u);
             add(clip, at);
             std::vector<Affine> here = poser.affines(clip, at);
+            spread.add(here);
             if (i > 0) {
                 const std::vector<Affine> between = poser.affines(clip, duration_s * (i - 0.5) / intervals);
                 error = std::max(
@@ -96,6 +125,9 @@ SharedPoses make_shared_poses(const Character& character, const NativeRig& rig, 
         row += intervals + 1;
     }
     add(kNone, 0);
+    spread.add(poser.affines(kNone, 0));
+    constexpr double kBlends = 1.1;
+    shared.spread = static_cast<float>(kBlends * spread.largest());
     shared.clips.push_back({.first_row = row, .interval_count = 0, .intervals_per_s = 0, .error = 0});
     return shared;
 }

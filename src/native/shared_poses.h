@@ -12,6 +12,9 @@ namespace throng {
 struct SharedPoses {
     std::vector<io::SharedClip> clips;  // [clip_count + 1]; the last is the rest pose
     uint32_t row_count = 0;
+    // Model space: how far a vertex is at most from where it is in another of these poses; of blends a tenth more than
+    // that is assumed, as boxes for culling do.
+    float spread = 0;
     std::vector<std::byte> skin;  // [row_count][palette_count], in the format that was asked for
 };
 

@@ -80,8 +80,7 @@ TEST(NativeCrowd, ListsWhatTheReferenceSees) {
                                     .keeps_previous = update % 2,
                                     .may_skip = 1,
                                     .unused0 = 0,
-                                    .unused1 = 0,
-                                    .unused2 = 0};
+                                    .unused1 = 0};
             NativeRun cull(kernels::cull.native), offsets(kernels::offsets.native), lists(kernels::list.native);
             cull.bind(io::kViewBuffer, view).bind(io::kPlacementsBuffer, placements).bind(io::kStatesBuffer, states);
             cull.bind(io::kVerdictsBuffer, verdicts).bind(io::kCountsBuffer, counts);

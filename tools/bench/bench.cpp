@@ -159,6 +159,7 @@ void add_bench(Command app) {
     add_bench_control(command);
     add_bench_isa(command);
     add_bench_view(command);
+    add_bench_million(command);
     add_bench_draw(command);
     add_bench_scan(command);
     add_bench_baselines(command);

@@ -1,0 +1,35 @@
+// `throng bench million`: what a frame of very many characters costs where a camera sees some of them: time as a
+// function of what is drawn, memory, poses that are distinct, the CPU's part, and what GPUs would need.
+#pragma once
+
+#include "bench/record.h"
+#include "bench/rounds.h"
+
+#include <throng/crowd.h>
+#include <throng/draw.h>
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace throng::bench {
+
+struct MillionCase {
+    std::string configuration;  // its name
+    const Character* character = nullptr;
+    std::span<const Playback> playback;  // [instance_count]
+    std::span<const Affine> placement;   // [instance_count]
+    UpdatePath path = UpdatePath::kAuto;
+    SkinPool pool;
+    uint32_t width = 1280, height = 720;  // of the picture
+    float shared_pose_pixels = 1;
+};
+
+// A record for each camera, from one that sees a handful of characters to one that sees all; where the device is one of
+// Vulkan, one for each number of characters up to all, with the CPU time that recording takes; and, where AMD's
+// compiler is installed, one for each GPU and camera, predicted (bench/README.md lists their fields). Throws what a
+// device throws that cannot go on.
+std::vector<Json> measure_million(const Device& device, const MillionCase& million, uint32_t samples,
+                                  const Progress& progress);
+
+}  // namespace throng::bench

@@ -1,0 +1,16 @@
+// How far a picture has the vertices of an instance from where they belong.
+#pragma once
+
+#include <throng/transform.h>
+#include <throng/view.h>
+
+#include <span>
+
+namespace throng::bench {
+
+// The largest distance of two corresponding vertices, model space, in pixels of the view; infinite where a number is
+// not one.
+double pixels_off(std::span<const Vec3<float>> got, std::span<const Vec3<double>> wanted,
+                  const Affine& world_from_model, const CrowdView& view);
+
+}  // namespace throng::bench

@@ -1,0 +1,175 @@
+// throng bench million: a frame of very many characters.
+#include "bench/million_bench.h"
+#include "tools/bench/bench_commands.h"
+#include "tools/bench/measured.h"
+#include "tools/cli/command.h"
+#include "tools/creatures/creature.h"
+#include "tools/scene/scatter.h"
+
+#include <cstdio>
+#include <filesystem>
+
+namespace throng::tools {
+namespace {
+
+struct MillionOptions {
+    std::string file, size = "1280x720", device, report;
+    uint32_t count = 1'000'000, joints = 64, levels = 16, faces = 500, samples = 9, capacity = 32'768;
+    uint64_t seed = 1;
+    float poses_per_s = 30, shared_pixels = 1, blending = 0.1f;
+    CompileSettings compile;
+    UpdatePath path = UpdatePath::kAuto;
+    bool json = false;
+};
+
+// Most play one clip, the others are between two.
+std::vector<Playback> mostly_one_clip(std::vector<Playback> playback, float blending) {
+    const double step = blending;
+    double due = 0;
+    for (Playback& one : playback) {
+        due += step;
+        if (due >= 1)
+            due -= 1;
+        else
+            one.weight = 1;
+    }
+    return playback;
+}
+
+void print_views(std::span<const Json> records) {
+    std::printf("%-12s %9s %9s %9s %9s %19s  %-6s %s\n", "view", "drawn", "own poses", "distinct", "ms", "5 % - 95 %",
+                "pixels", "stages, ms");
+    for (const Json& record : records) {
+        if (!record.contains("drawn")) continue;
+        std::printf("%-12s", text(record, "view").c_str());
+        print_columns(record, {{" %9.0f", "drawn"}, {" %9.0f", "own_poses"}, {" %9.0f", "distinct_poses"}});
+        if (print_untimed(record, "not measured", " pixels off", "max_pixels")) continue;
+        print_columns(
+            record, {{" %9.2f", "ms/median"}, {" %8.2f", "ms/p5"}, {" - %8.2f", "ms/p95"}, {"  %-6.2f", "max_pixels"}});
+        const Json stages = record.value("stages", Json::object());
+        for (const auto& [stage, ms] : stages.items()) std::printf(" %s %.2f", stage.c_str(), ms.get<double>());
+        std::printf("\n");
+    }
+    constexpr double kMiB = 1.0 / (1 << 20);
+    print_columns(records.front(), {{"memory of the crowd %.0f MiB;", "memory_bytes", kMiB},
+                                    {" skin matrices of all characters would take %.0f MiB more or less\n",
+                                     "matrices_of_all_bytes", kMiB}});
+}
+
+void print_recording(std::span<const Json> records) {
+    if (std::ranges::none_of(records, [](const Json& record) { return record.contains("record_ms"); })) return;
+    std::printf("\nthe CPU's part of a frame that the device computes\n%10s %10s %19s\n", "characters", "ms",
+                "5 % - 95 %");
+    for (const Json& record : records)
+        if (record.contains("record_ms")) {
+            print_columns(record, {{"%10.0f", "characters"},
+                                   {" %10.3f", "record_ms/median"},
+                                   {" %8.3f", "record_ms/p5"},
+                                   {" - %8.3f", "record_ms/p95"}});
+            std::printf("\n");
+        }
+}
+
+void print_predictions(std::span<const Json> records) {
+    std::string machine;
+    for (const Json& record : records) {
+        if (!record.contains("machine")) continue;
+        if (machine.empty())
+            std::printf(
+                "\npredicted from machine code (%s) and data sheets, measured on none of these; ms\n%-22s %-12s "
+                "%8s %8s %8s %8s\n",
+                text(record, "family").c_str(), "device", "view", "control", "cull", "fused", "in all");
+        machine = text(record, "machine");
+        std::printf("%-22s %-12s", machine.c_str(), text(record, "view").c_str());
+        print_columns(record, {{" %8.3f", "predicted_stages/control"},
+                               {" %8.3f", "predicted_stages/cull"},
+                               {" %8.3f", "predicted_stages/fused"},
+                               {" %8.3f", "predicted_ms"}});
+        std::printf("\n");
+    }
+}
+
+void run_million(const MillionOptions& options) {
+    const Device device = open_device(options.device);
+    const RendererSettings size = parse_size(options.size);
+    print_progress("compiling");
+    const Character character = options.file.empty()
+                                    ? unwrap(compile_character(unwrap(make_creature({.joint_count = options.joints,
+                                                                                     .level_count = options.levels,
+                                                                                     .face_count = options.faces,
+                                                                                     .seed = options.seed})),
+                                                               options.compile))
+                                    : unwrap(load_character(options.file, options.compile));
+    const Scatter field = scatter({&character, 1}, {.counts = {options.count}, .seed = options.seed});
+    const std::vector<Playback> playback = mostly_one_clip(field.playback, options.blending);
+    const std::string configuration = std::to_string(options.count) + " x " +
+                                      (options.file.empty() ? std::to_string(options.joints) + " joints"
+                                                            : std::filesystem::path(options.file).filename().string());
+    const std::vector<Json> records = bench::measure_million(
+        device,
+        {.configuration = configuration,
+         .character = &character,
+         .playback = playback,
+         .placement = field.placement,
+         .path = options.path,
+         .pool = {.capacity = options.capacity, .shared_poses_per_s = options.poses_per_s},
+         .width = size.width,
+         .height = size.height,
+         .shared_pose_pixels = options.shared_pixels},
+        options.samples, print_progress);
+    Measured measured(options.json);
+    measured.add(records, [&] {
+        std::printf("%s, driver %s: %s, %s; medians of %u updates\n", device.info().name.c_str(),
+                    device.info().driver.c_str(), configuration.c_str(), text(records.front(), "path").c_str(),
+                    options.samples);
+        print_views(records);
+        print_recording(records);
+        print_predictions(records);
+    });
+    measured.finish("", "an update");
+}
+
+}  // namespace
+
+void add_bench_million(Command bench) {
+    Command command = bench.add_subcommand(
+        "million",
+        "a frame of very many characters: time by what is drawn, memory, distinct poses, the CPU's part, and "
+        "what GPUs would need");
+    auto options = std::make_shared<MillionOptions>();
+    Option file = command.add_option("file", options->file,
+                                     "a glTF 2.0 or .throng file (default: a generated creature)");
+    command.add_option("--count", options->count, "characters").check(range(1u, 10'000'000u)).capture_default_str();
+    command.add_option("--joints", options->joints, "of the generated creature").excludes(file).capture_default_str();
+    command.add_option("--levels", options->levels, "of the generated creature").excludes(file).capture_default_str();
+    command.add_option("--faces", options->faces, "of the generated creature").excludes(file).capture_default_str();
+    command.add_option("--size", options->size, "of the picture that the cameras take").capture_default_str();
+    command.add_option("--blending", options->blending, "part of the characters that are between two clips")
+        .check(finite())
+        .check(range(0.0, 1.0))
+        .capture_default_str();
+    command.add_option("--capacity", options->capacity, "characters that may have poses of their own at a time")
+        .check(range(1u, 10'000'000u))
+        .capture_default_str();
+    command.add_option("--poses-per-second", options->poses_per_s, "of each clip, that characters share")
+        .check(finite())
+        .check(range(0.01, 1000.0))
+        .capture_default_str();
+    command.add_option("--shared-pixels", options->shared_pixels, "pixels by which a shared pose may be off")
+        .check(finite())
+        .check(range(0.0, 1000.0))
+        .capture_default_str();
+    add_path_option(command, options->path);
+    add_samples_option(command, options->samples);
+    add_error_option(command, options->compile);
+    command.add_option("--seed", options->seed, "of creature, clips, times and blends").capture_default_str();
+    add_json_flag(command, options->json);
+    add_device_option(command, options->device);
+    command.footer(
+        "Examples:\n  throng bench million\n  throng bench million fox.glb --count 100000 --device native\n  throng "
+        "bench "
+        "million --json > million.jsonl");
+    command.callback([options] { run_million(*options); });
+}
+
+}  // namespace throng::tools
