@@ -93,6 +93,7 @@ nlohmann::json settings_of(const RenderOptions& options) {
             {"skin-once", options.skins_once},
             {"lod-pixels", options.lod_pixels},
             {"everything", options.everything},
+            {"own-poses", scene.own_poses},
             {"skeletons", options.skeletons},
             {"bounds", options.bounds}};
 }

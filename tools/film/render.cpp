@@ -87,10 +87,16 @@ void add_render(Command app) {
                      .check(finite())
                      .check(range(0.01, 1000.0))
                      .capture_default_str();
+    Option own_poses = command
+                           .add_option("--own-poses", options.scene.own_poses,
+                                       "characters of each file that have skin matrices of their own at a time, at "
+                                       "most; those far away share poses, where a pixel does not tell (default: all)")
+                           .check(range(1u, 10'000'000u));
     command
         .add_flag("--everything", options.everything,
                   "animate and draw all, at full detail, also what the picture does not show")
-        .excludes(lod);
+        .excludes(lod)
+        .excludes(own_poses);
     const std::map<std::string, SkinBlend> blends{{"linear", SkinBlend::kLinear},
                                                   {"dual-quaternion", SkinBlend::kDualQuaternion}};
     command.add_choice("--skinning", options.skin_blend, blends,

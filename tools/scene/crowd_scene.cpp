@@ -118,6 +118,8 @@ CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdS
         has_controllers_ = true;
     }
     print_progress("placing " + std::to_string(field.placement.size()) + " characters");
+    if (options.own_poses > 0)
+        for (CrowdGroup& group : field.groups) group.skin_pool = SkinPool{.capacity = options.own_poses};
     settings.groups = field.groups;
     settings.scan = options.scan;
     settings.path = options.path;

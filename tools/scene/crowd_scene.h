@@ -28,6 +28,7 @@ struct SceneOptions {
     double spacing = 1;
     uint64_t seed = 1;
     bool steer = false;
+    uint32_t own_poses = 0;  // SkinPool::capacity of each file's characters; 0: no pool
 };
 
 // The files, and all options of a scene. Wrong numbers of counts and sizes are said by the parser.
