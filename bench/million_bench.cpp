@@ -4,6 +4,7 @@
 #include "bench/pixels_off.h"
 #include "bench/updates.h"
 #include "bench/value_of.h"
+#include "cull/cull_io.h"
 
 #include <throng/reference.h>
 
@@ -58,12 +59,14 @@ public:
             seen.view = view_of_crowd(viewpoint, bounds);
             value_of(crowd_.update(0, &seen.view));
             std::vector<DrawnInstance> own, shared;
-            std::set<uint32_t> rows;
+            std::set<uint32_t> rows, cells;
             for (const DrawnInstance& one : value_of(crowd_.read_drawn())) {
                 (one.shares_pose ? shared : own).push_back(one);
                 if (one.shares_pose) rows.insert(one.skin_row);
+                cells.insert(one.instance / io::kCullWorkgroupSize);
             }
-            seen.drawn = {static_cast<uint32_t>(own.size()), static_cast<uint32_t>(shared.size())};
+            seen.drawn = {static_cast<uint32_t>(own.size()), static_cast<uint32_t>(shared.size()),
+                          static_cast<uint32_t>(cells.size())};
             seen.shared_poses = static_cast<uint32_t>(rows.size());
             seen.max_error = largest_error_of_some(seen.drawn.own,
                                                    [&](uint32_t i) { return error_of(own[i].instance); });

@@ -7,12 +7,13 @@
 #include "bench/value_of.h"
 #include "control/control_io.h"
 #include "crowd/path.h"
-#include "cull/cull_io.h"
+#include "cull/cull.h"
 
 #include <throng/device.h>
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace throng::bench {
 namespace {
@@ -41,15 +42,23 @@ public:
     Json stages(uint32_t instances, DrawnCounts drawn, const Machine& machine) const {
         const double all = instances, n = drawn.own, seen = drawn.own + drawn.shared;
         constexpr double kWord = sizeof(uint32_t);
-        const uint64_t workgroups = (instances + io::kCullWorkgroupSize - 1) / io::kCullWorkgroupSize,
+        const uint64_t workgroups = cull_workgroups_of(instances), cells = cells_of_workgroup(instances),
                        of_invocation = (workgroups + io::kCullWorkgroupSize - 1) / io::kCullWorkgroupSize;
+        const double in_seen_cells = std::min(all, double{io::kCullWorkgroupSize} * drawn.cells);
         const uint64_t searched = std::bit_width(std::ranges::max(character_.clips, {}, &Clip::row_count).row_count);
         Json stages;
         stages["control"] = ms_of("control", {{"rows", searched}, {"rows", searched}}, all,
                                   all * 2 * (sizeof(io::InstancePlayback) + sizeof(io::InstanceCursor)) / 1.5, machine);
-        // Placement, state, verdict; of what is seen the cursor and the row
-        const double culled = ms_of(
-            "cull", {}, all, all * (sizeof(Affine) + 3 * kWord) + seen * (sizeof(io::InstanceCursor) + kWord), machine);
+        // Of cells their boxes; of instances in those that are seen placement and state; of all state and verdict,
+        // written; of what is drawn the cursor and the row
+        const double culled_bytes = sizeof(io::Cell) * std::ceil(all / io::kCullWorkgroupSize) +
+                                    in_seen_cells * (sizeof(Affine) + kWord) + all * 2 * kWord +
+                                    seen * (sizeof(io::InstanceCursor) + kWord);
+        const auto seen_of_workgroup = static_cast<uint64_t>(
+            std::ceil(static_cast<double>(cells) * in_seen_cells / all));
+        const double invocations = static_cast<double>(workgroups) * io::kCullWorkgroupSize;
+        const double culled = ms_of("cull", {{"cells", std::max<uint64_t>(seen_of_workgroup, 1)}}, invocations,
+                                    culled_bytes, machine);
         const uint64_t fours = io::kCounters / 4, wide = io::kCullWorkgroupSize;
         const double offset = ms_of("offsets",
                                     {{"counters", fours},
@@ -62,7 +71,7 @@ public:
                                      {"sections", 1}},
                                     io::kCullWorkgroupSize,
                                     2.0 * static_cast<double>(workgroups) * io::kCounters * kWord, machine);
-        const double listed = ms_of("list", {{"ranks", std::bit_width(wide) - 1}}, all,
+        const double listed = ms_of("list", {{"cells", cells}, {"ranks", std::bit_width(wide) - 1}}, invocations,
                                     all * kWord + seen * kWord + n * 2 * kWord, machine);
         stages["cull"] = culled + offset + listed;
         stages["offsets"] = offset;

@@ -14,6 +14,7 @@ namespace throng::bench {
 
 struct DrawnCounts {
     uint32_t own = 0, shared = 0;  // instances with poses of their own, and others
+    uint32_t cells = 0;            // of consecutive instances, of which any is drawn
 };
 
 struct ViewToPredict {

@@ -8,14 +8,6 @@
 #include <limits>
 
 namespace throng {
-namespace {
-
-uint32_t workgroups_of(uint32_t instance_count) {
-    return (instance_count + io::kCullWorkgroupSize - 1) / io::kCullWorkgroupSize;
-}
-
-}  // namespace
-
 io::CullView cull_view_of(const CrowdView* view, float full_rate_pixels) {
     constexpr float kMost = 1e30f;
     io::CullView seen{.eye = {0, 0, 0, kMost}, .ground = -kMost, .shared_pixels = kMost};
@@ -69,9 +61,14 @@ void CullStage::plan(BatchPlan& plan) {
     plan.add_storage(io::kVerdictsBuffer, kWord_bytes);
     plan.add(io::kCountsBuffer, kWord_bytes, [](Uploads& uploads, const std::string& what, uint64_t n) {
         return Buffer(uploads.gpu(), what,
-                      workgroups_of(static_cast<uint32_t>(n)) * uint64_t{io::kCounters} * sizeof(uint32_t),
+                      cull_workgroups_of(static_cast<uint32_t>(n)) * uint64_t{io::kCounters} * sizeof(uint32_t),
                       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     });
+    plan.add(io::kCellsBuffer, sizeof(io::Cell) / io::kCullWorkgroupSize,
+             [](Uploads& uploads, const std::string& what, uint64_t n) {
+                 return Buffer(uploads.gpu(), what, cell_count(static_cast<uint32_t>(n)) * sizeof(io::Cell),
+                               VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+             });
     std::vector<io::DrawCommand> draws;
     for (size_t section = 0; section < group.sections.size(); ++section)
         for (size_t lod = 0; lod < io::kLodCount; ++lod) {
@@ -102,6 +99,7 @@ CullStage::CullStage(const StageContext& context)
       view_(upload_table(context.uploads, "view", std::vector{cull_view_of(nullptr, 0)})) {
     for (size_t i = 0; i < batches_.size(); ++i) {
         Member& member = members_.emplace_back();
+        member.cells = kernels_.cells.bind(table_of(i));
         member.cull = kernels_.cull.bind(table_of(i));
         member.offsets = kernels_.offsets.bind(table_of(i));
         member.list = kernels_.list.bind(table_of(i));
@@ -124,6 +122,7 @@ void CullStage::begin(const Update& update) {
 void CullStage::discard() {
     --update_number_;
     is_half_done_ = was_half_done_;
+    for (Member& member : members_) member.has_cells = false;
 }
 
 io::CullPush CullStage::push_of(const Batch& batch) const {
@@ -145,7 +144,9 @@ io::CullPush CullStage::push_of(const Batch& batch) const {
             .first_own_row = group.skin_pool ? group.skin_pool->shared_row_count : 0,
             .joint_count = group.joint_count,
             .active_clip_limit = group.controller ? group.controller->active_clip_limit : 0,
-            .pose_spread = group.skin_pool ? group.skin_pool->pose_spread : 0};
+            .pose_spread = group.skin_pool ? group.skin_pool->pose_spread : 0,
+            .cells_of_workgroup = cells_of_workgroup(batch.instance_count),
+            .has_cells = members_[static_cast<size_t>(&batch - batches_.data())].has_cells};
 }
 
 template <class Dispatch>
@@ -154,10 +155,28 @@ void CullStage::for_each_batch(VkCommandBuffer commands, const Dispatch& dispatc
     memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite | kIndirectRead);
 }
 
+// As soon as placements stand still: whoever moves some of them in each update pays nothing for cells that would never
+// be looked at again.
+void CullStage::record_cells(const Update& update) {
+    bool any = false;
+    for (size_t i = 0; i < members_.size(); ++i) {
+        const Batch& batch = batches_[i];
+        const bool stands_still = !batch.is_moved && !group_of(batch).moves_placements(),
+                   is_made = stands_still && !members_[i].has_cells;
+        members_[i].has_cells = stands_still;
+        if (!is_made) continue;
+        kernels_.cells.dispatch_invocations(update.commands, members_[i].cells, push_of(batch),
+                                            cell_count(batch.instance_count));
+        any = true;
+    }
+    if (any) separate_kernels(update.commands);
+}
+
 void CullStage::record(const Update& update) {
+    record_cells(update);
     for_each_batch(update.commands, [&](size_t i) {
-        kernels_.cull.dispatch_invocations(update.commands, members_[i].cull, push_of(batches_[i]),
-                                           batches_[i].instance_count);
+        kernels_.cull.dispatch_workgroups(update.commands, members_[i].cull, push_of(batches_[i]),
+                                          cull_workgroups_of(batches_[i].instance_count));
     });
     record_lists(update, false);
 }
@@ -166,7 +185,7 @@ void CullStage::record_lists(const Update& update, bool is_second_half) const {
     for_each_batch(update.commands, [&](size_t i) {
         const Batch& batch = batches_[i];
         const Group& group = group_of(batch);
-        io::OffsetsPush push{.workgroup_count = workgroups_of(batch.instance_count),
+        io::OffsetsPush push{.workgroup_count = cull_workgroups_of(batch.instance_count),
                              .section_count = static_cast<uint32_t>(group.sections.size()),
                              .own_row_count = push_of(batch).own_row_count,
                              .is_second_half = is_second_half,
@@ -177,8 +196,8 @@ void CullStage::record_lists(const Update& update, bool is_second_half) const {
         kernels_.offsets.dispatch_workgroups(update.commands, members_[i].offsets, push, 1);
     });
     for_each_batch(update.commands, [&](size_t i) {
-        kernels_.list.dispatch_invocations(update.commands, members_[i].list, push_of(batches_[i]),
-                                           batches_[i].instance_count);
+        kernels_.list.dispatch_workgroups(update.commands, members_[i].list, push_of(batches_[i]),
+                                          cull_workgroups_of(batches_[i].instance_count));
     });
     update.end_stage("cull");
 }
@@ -198,7 +217,8 @@ void CullStage::record_disoccluded(const Update& update, const DepthImage& depth
                                   .width = depths.width,
                                   .height = depths.height,
                                   .sign = depths.reversed ? 1.0f : -1.0f};
-        kernels_.reveal.dispatch_invocations(update.commands, reveal.members[i], push, batches_[i].instance_count);
+        kernels_.reveal.dispatch_workgroups(update.commands, reveal.members[i], push,
+                                            cull_workgroups_of(batches_[i].instance_count));
     });
     record_lists(update, true);
 }

@@ -35,13 +35,15 @@ public:
 
 private:
     struct Member {
-        Bindings cull, offsets, list;
+        Bindings cells, cull, offsets, list;
+        bool has_cells = false;  // which are those of the placements
     };
     struct Reveal {
         DepthPyramid pyramid;
         std::vector<Bindings> members;  // [batch]
     };
     io::CullPush push_of(const Batch& batch) const;
+    void record_cells(const Update& update);
     void record_lists(const Update& update, bool is_second_half) const;
     template <class Dispatch>
     void for_each_batch(VkCommandBuffer commands, const Dispatch& dispatch) const;

@@ -77,6 +77,7 @@ Group::Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const 
     sockets_only = group.sockets_only;
     if (sockets_only) palette_count = 0;
     steering = group.steering;
+    on_terrain = group.on_terrain;
     if (!group.sockets.empty()) make_sockets(uploads, group.sockets);
     if (group.procedural) make_procedural(uploads, *group.procedural, *group.character);
     uniform_scale = group.character->rig.uniform_scale;

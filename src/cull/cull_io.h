@@ -5,6 +5,9 @@
 THRONG_IO_BEGIN
 
 THRONG_IO_CONSTANT kCullWorkgroupSize = 64;
+// A workgroup goes through several cells, each of as many consecutive instances as it has invocations, where a batch
+// has so many instances that the offsets kernel would have to go through too many workgroups.
+THRONG_IO_CONSTANT kMostCells = 64;      // of a workgroup
 THRONG_IO_CONSTANT kLodCount = 4;        // levels of detail of a character; 0 is the finest
 THRONG_IO_CONSTANT kMostPeriodLog2 = 3;  // what is smallest is animated in every eighth update
 
@@ -76,6 +79,11 @@ struct SharedClip {
     float error;            // model space: how far the nearest of them is off at most
 };
 
+// A box around those of a cell's instances.
+struct Cell {
+    vec4 middle, half_extent;  // world space
+};
+
 // What the characters of a batch have in common.
 struct CullPush {
     vec4 centre;  // of the box that holds all of a character's poses, model space
@@ -92,7 +100,8 @@ struct CullPush {
     uint joint_count;
     uint active_clip_limit;  // of groups with a controller; else 0
     float pose_spread;       // model space: how far two poses of clips are apart at most
-    uint unused0, unused1;
+    uint cells_of_workgroup;
+    uint has_cells;  // what the cells kernel has made is up to date
 };
 
 // The depth pyramid: depths of a picture, greater where nearer, half as fine level by level, down to one texel. A level

@@ -1,6 +1,6 @@
 // list: instances that are drawn, those of a level together, and those of each section of the work, in ascending order,
 // so that the same view has the same lists; and the rows of a skin pool that the animated ones have of their own. One
-// invocation per instance.
+// invocation per instance of a cell.
 #include "gpu/buffers_io.h"
 #include "cull/cull_io.h"
 
@@ -27,7 +27,8 @@ void main() {
     if (gl_LocalInvocationID.x > 0) return;
     uint next[kCounters];
     for (uint k = 0; k < kCounters; ++k) next[k] = offsets[gl_WorkGroupID.x * kCounters + k];
-    const uint first = gl_GlobalInvocationID.x, end = min(first + kCullWorkgroupSize, push.instance_count);
+    const uint count = push.cells_of_workgroup * kCullWorkgroupSize, first = gl_WorkGroupID.x * count,
+               end = min(first + count, push.instance_count);
     for (uint instance = first; instance < end; ++instance) {
         const uint verdict = verdicts[instance], section = verdict >> kVerdictSectionShift & kVerdictSectionMask;
         if ((verdict & kVerdictDrawn) != 0) list[next[verdict & kVerdictLodMask]++] = instance;
@@ -41,9 +42,10 @@ void main() {
 
 // A byte for each counter: how many invocations up to this one it counts; at most 64
 shared uvec4 ranks[2][kCullWorkgroupSize];
+shared uint next[kCounters];  // where the next cell's begin
 
-void main() {
-    const uint invocation = gl_LocalInvocationID.x, instance = gl_GlobalInvocationID.x;
+void list_cell(uint instance) {
+    const uint invocation = gl_LocalInvocationID.x;
     const uint verdict = instance < push.instance_count ? verdicts[instance] : 0;
     const uint lod = verdict & kVerdictLodMask, section = verdict >> kVerdictSectionShift & kVerdictSectionMask;
     const bool is_drawn = (verdict & kVerdictDrawn) != 0, is_animated = (verdict & kVerdictAnimated) != 0,
@@ -60,13 +62,24 @@ void main() {
         ranks[from][invocation] = rank;
         barrier();
     }
-    const uint first = gl_WorkGroupID.x * kCounters;
-    if (is_drawn) list[offsets[first + lod] + bitfieldExtract(rank.x, int(8 * lod), 8) - 1] = instance;
+    if (is_drawn) list[next[lod] + bitfieldExtract(rank.x, int(8 * lod), 8) - 1] = instance;
     if (is_animated)
-        list_animated(instance, offsets[first + kLodCount + section] +
+        list_animated(instance, next[kLodCount + section] +
                                     bitfieldExtract(section < 4 ? rank.y : rank.z, int(8 * (section % 4)), 8) - 1);
-    if (goes_on) work[offsets[first + kLodCount + kGoingOn] + (rank.w & 255u) - 1] = instance;
-    if (appears) work[offsets[first + kLodCount + kAppearing] + (rank.w >> 8) - 1] = instance;
+    if (goes_on) work[next[kLodCount + kGoingOn] + (rank.w & 255u) - 1] = instance;
+    if (appears) work[next[kLodCount + kAppearing] + (rank.w >> 8) - 1] = instance;
+    barrier();
+    if (invocation < kCounters)
+        next[invocation] += bitfieldExtract(ranks[from][kCullWorkgroupSize - 1][invocation / 4],
+                                            int(8 * (invocation % 4)), 8);
+    barrier();
+}
+
+void main() {
+    const uint invocation = gl_LocalInvocationID.x;
+    if (invocation < kCounters) next[invocation] = offsets[gl_WorkGroupID.x * kCounters + invocation];
+    const uint first = gl_WorkGroupID.x * push.cells_of_workgroup * kCullWorkgroupSize + invocation;
+    for (uint i = 0; i < push.cells_of_workgroup; ++i) list_cell(first + i * kCullWorkgroupSize);
 }
 
 #endif

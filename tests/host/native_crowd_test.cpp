@@ -61,7 +61,8 @@ TEST(NativeCrowd, ListsWhatTheReferenceSees) {
         const CullBox box{{0.1, 1, 0}, {0.5, 1, 0.4}};
         std::vector<Affine> placements;
         for (uint32_t i = 0; i < count; ++i) placements.push_back(to_affine(random.trs(30, 0.3)).as<float>());
-        const uint32_t workgroups = (count + io::kCullWorkgroupSize - 1) / io::kCullWorkgroupSize;
+        const uint32_t cells_of_workgroup = count % 3 + 1, of_workgroup = cells_of_workgroup * io::kCullWorkgroupSize,
+                       workgroups = (count + of_workgroup - 1) / of_workgroup;
         std::vector<uint32_t> states(count);
         uint32_t going_on = 0, seen = 0;
         for (uint32_t update = 0; update < 9; ++update) {
@@ -79,8 +80,7 @@ TEST(NativeCrowd, ListsWhatTheReferenceSees) {
                                     .joint_set_count = 3,
                                     .keeps_previous = update % 2,
                                     .may_skip = 1,
-                                    .unused0 = 0,
-                                    .unused1 = 0};
+                                    .cells_of_workgroup = cells_of_workgroup};
             NativeRun cull(kernels::cull.native), offsets(kernels::offsets.native), lists(kernels::list.native);
             cull.bind(io::kViewBuffer, view).bind(io::kPlacementsBuffer, placements).bind(io::kStatesBuffer, states);
             cull.bind(io::kVerdictsBuffer, verdicts).bind(io::kCountsBuffer, counts);
@@ -88,9 +88,9 @@ TEST(NativeCrowd, ListsWhatTheReferenceSees) {
             offsets.bind(io::kDispatchesBuffer, dispatches).bind(io::kDrawsBuffer, draws);
             lists.bind(io::kVerdictsBuffer, verdicts).bind(io::kCountsBuffer, counts);
             lists.bind(io::kListBuffer, list).bind(io::kWorkBuffer, work);
-            cull.invocations(push, count);
+            cull.workgroups(push, workgroups);
             offsets.workgroups(io::OffsetsPush{workgroups, 2, 0, 0, {1, 2, 3, 4}}, 1);
-            lists.invocations(push, count);
+            lists.workgroups(push, workgroups);
             for (uint32_t i = 0; i < count; ++i) {
                 const double reach = seen_by(view[0], placements[i].as<double>(), box);
                 if (std::abs(reach) < 1e-3) continue;
