@@ -66,8 +66,9 @@ void CullStage::plan(BatchPlan& plan) {
     });
     plan.add(io::kCellsBuffer, sizeof(io::Cell) / io::kCullWorkgroupSize,
              [](Uploads& uploads, const std::string& what, uint64_t n) {
-                 return Buffer(uploads.gpu(), what, cell_count(static_cast<uint32_t>(n)) * sizeof(io::Cell),
-                               VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+                 constexpr float kMost = 1e30f;  // all are seen
+                 const io::Cell everywhere{.middle = {0, 0, 0, 0}, .half_extent = {kMost, kMost, kMost, 0}};
+                 return upload(uploads, what, std::vector(cell_count(static_cast<uint32_t>(n)), everywhere));
              });
     std::vector<io::DrawCommand> draws;
     for (size_t section = 0; section < group.sections.size(); ++section)
@@ -122,7 +123,7 @@ void CullStage::begin(const Update& update) {
 void CullStage::discard() {
     --update_number_;
     is_half_done_ = was_half_done_;
-    for (Member& member : members_) member.has_cells = false;
+    for (Member& member : members_) member.still_updates = 0;
 }
 
 io::CullPush CullStage::push_of(const Batch& batch) const {
@@ -146,7 +147,7 @@ io::CullPush CullStage::push_of(const Batch& batch) const {
             .active_clip_limit = group.controller ? group.controller->active_clip_limit : 0,
             .pose_spread = group.skin_pool ? group.skin_pool->pose_spread : 0,
             .cells_of_workgroup = cells_of_workgroup(batch.instance_count),
-            .has_cells = members_[static_cast<size_t>(&batch - batches_.data())].has_cells};
+            .has_cells = members_[static_cast<size_t>(&batch - batches_.data())].still_updates > 0};
 }
 
 template <class Dispatch>
@@ -158,13 +159,14 @@ void CullStage::for_each_batch(VkCommandBuffer commands, const Dispatch& dispatc
 // As soon as placements stand still: whoever moves some of them in each update pays nothing for cells that would never
 // be looked at again.
 void CullStage::record_cells(const Update& update) {
+    constexpr uint32_t kRenewal = 64;  // the update that made them may never have been submitted
     bool any = false;
     for (size_t i = 0; i < members_.size(); ++i) {
         const Batch& batch = batches_[i];
-        const bool stands_still = !batch.is_moved && !group_of(batch).moves_placements(),
-                   is_made = stands_still && !members_[i].has_cells;
-        members_[i].has_cells = stands_still;
-        if (!is_made) continue;
+        const bool stands_still = !batch.is_moved && !group_of(batch).moves_placements();
+        uint32_t& updates = members_[i].still_updates;
+        updates = stands_still ? updates + 1 : 0;
+        if (updates % kRenewal != 1) continue;
         kernels_.cells.dispatch_invocations(update.commands, members_[i].cells, push_of(batch),
                                             cell_count(batch.instance_count));
         any = true;

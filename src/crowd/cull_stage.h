@@ -36,7 +36,7 @@ public:
 private:
     struct Member {
         Bindings cells, cull, offsets, list;
-        bool has_cells = false;  // which are those of the placements
+        uint32_t still_updates = 0;  // so many in a row without a change of placements, this one included
     };
     struct Reveal {
         DepthPyramid pyramid;
