@@ -39,8 +39,8 @@ struct Seen {
     const Viewpoint* viewpoint = nullptr;
     CrowdView view;
     DrawnCounts drawn;
-    uint32_t shared_poses = 0;  // rows that are drawn at least once
-    double max_error = 0, max_pixels = 0;
+    uint32_t shared_poses = 0;                  // rows that are drawn at least once
+    double max_own_pixels = 0, max_pixels = 0;  // off, of own poses and of shared ones
     UpdateTimes times;
 };
 
@@ -68,10 +68,10 @@ public:
             seen.drawn = {static_cast<uint32_t>(own.size()), static_cast<uint32_t>(shared.size()),
                           static_cast<uint32_t>(cells.size())};
             seen.shared_poses = static_cast<uint32_t>(rows.size());
-            seen.max_error = largest_error_of_some(seen.drawn.own,
-                                                   [&](uint32_t i) { return error_of(own[i].instance); });
-            // Where rows were left, poses are shared for being near
-            if (seen.drawn.own < million_.pool.capacity)
+            seen.max_own_pixels = largest_error_of_some(seen.drawn.own,
+                                                        [&](uint32_t i) { return error_of(own[i].instance); });
+            // Where rows were left, poses are shared for being near alone
+            if (!is_full(seen))
                 seen.max_pixels = largest_error_of_some(
                     seen.drawn.shared, [&](uint32_t i) { return pixels_of(shared[i].instance, seen.view); });
         }
@@ -154,9 +154,11 @@ private:
                           million_.placement[instance], view);
     }
 
+    bool is_full(const Seen& seen) const { return seen.drawn.own >= million_.pool.capacity; }
+
     bool is_wrong(const Seen& seen) const {
         const float most = seen.view.shared_pose_pixels + seen.view.lod_pixels;
-        return !(seen.max_error <= seen.view.lod_pixels && seen.max_pixels <= most);
+        return !(seen.max_own_pixels <= seen.view.lod_pixels && seen.max_pixels <= most);
     }
     double error_of(uint32_t instance) { return pixels_of(instance, seen_.back().view); }
 
@@ -173,10 +175,11 @@ private:
                        {"path", path_name(crowd_)},
                        {"drawn", seen.drawn.own + seen.drawn.shared},
                        {"own_poses", seen.drawn.own},
+                       {"pool_is_full", is_full(seen)},
                        {"distinct_poses", seen.drawn.own + seen.shared_poses},
                        {"memory_bytes", crowd_.size_bytes()},
                        {"matrices_of_all_bytes", own_bytes * count()},
-                       {"max_pixels_own", seen.max_error},
+                       {"max_pixels_own", seen.max_own_pixels},
                        {"max_pixels", seen.max_pixels}});
         if (is_wrong(seen)) record["wrong"] = true;
         seen.times.add_to(record);

@@ -41,8 +41,18 @@ bool is_for(const Json& prediction, const Json& record) {
     return named;
 }
 
+// Of `throng bench million`, by its own records.
+double predicted_million_ms(const Json& record, std::span<const Json> predictions) {
+    for (const Json& prediction : std::views::reverse(predictions))
+        if (text(prediction, "bench") == "million" && text(prediction, "view") == text(record, "view") &&
+            text(prediction, "configuration") == text(record, "configuration") && is_for(prediction, record))
+            return number(prediction, "predicted_ms");
+    return std::nan("");
+}
+
 // Predicted are the fused updates of `throng bench frame`, for each size of subgroups; the last prediction counts.
 double predicted_ms(const Json& record, std::span<const Json> predictions) {
+    if (text(record, "bench") == "million") return predicted_million_ms(record, predictions);
     std::string kernel = text(record, "variant");
     if (text(record, "bench") != "frame" || text(record, "path") != "fused") return std::nan("");
     if (kernel == "fused") kernel = "fused, two clips";
@@ -72,6 +82,7 @@ std::string variant_of(const Json& record) {
     std::string variant = text(record, "variant");
     if (variant.empty()) variant = text(record, "method");
     if (variant.empty()) variant = text(record, "scan");
+    if (variant.empty()) variant = text(record, "view");
     if (const std::string chosen = text(record, "chosen"); !chosen.empty()) variant += ": " + chosen;
     if (const double threads = number(record, "threads"); threads > 0)
         variant += ", " + whole(threads) + (threads > 1 ? " threads" : " thread");
@@ -91,6 +102,7 @@ constexpr Place kPlaces[]{{"ms/median", "ms/p5", "ms/p95", ""},
                           {"median_ms", "p5_ms", "p95_ms", ""},
                           {"total/median_ms", "total/p5_ms", "total/p95_ms", ""},
                           {"control_ms/median", "control_ms/p5", "control_ms/p95", "the control stage"},
+                          {"record_ms/median", "record_ms/p5", "record_ms/p95", "recording, the CPU's part"},
                           {"update_ms/median", "update_ms/p5", "update_ms/p95", "the whole update"}};
 
 bool has_own_section(const std::string& bench) { return bench == "scan" || bench == "frame" || bench == "baseline"; }

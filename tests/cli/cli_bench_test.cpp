@@ -260,6 +260,42 @@ TEST_F(CliBench, BenchViewTellsWhatLeavingOutGains) {
     EXPECT_TRUE(run_tool("bench view --count 0").refused("--count"));
 }
 
+TEST_F(CliBench, MillionHasARecordForEachCameraAndEachNumberOfCharacters) {
+    const std::string command = "bench million creature.glb --count 3000 --capacity 500 --samples 1 --size 320x180";
+    std::set<std::string> views;
+    uint32_t recordings = 0, shared = 0;
+    for (const Json& record : records_of(succeed(command + " --json", kOfCommit).out)) {
+        EXPECT_EQ(record["bench"], "million");
+        if (record.contains("machine")) {
+            EXPECT_GT(record["predicted_ms"], 0);
+            continue;
+        }
+        if (record.contains("record_ms")) {
+            EXPECT_GT(record["record_ms"]["median"], 0);
+            ++recordings;
+            continue;
+        }
+        views.insert(record["view"]);
+        EXPECT_EQ(keys(record),
+                  set_of("bench configuration view characters joints levels path drawn own_poses distinct_poses "
+                         "pool_is_full memory_bytes matrices_of_all_bytes max_pixels_own max_pixels samples ms stages "
+                         "device driver subgroup_size commit date"));
+        EXPECT_LE(record["own_poses"], 500);
+        EXPECT_LE(record["own_poses"], record["distinct_poses"]);
+        EXPECT_LE(record["distinct_poses"], record["drawn"]);
+        EXPECT_LT(record["memory_bytes"], record["matrices_of_all_bytes"].get<double>() * 2);
+        EXPECT_LE(record["max_pixels"], 2);
+        shared += record["drawn"].get<uint32_t>() - record["own_poses"].get<uint32_t>();
+    }
+    EXPECT_EQ(views.size(), 5u);
+    EXPECT_EQ(recordings, 2u) << "of 1,000 and of 3,000";
+    EXPECT_GT(shared, 0u);
+    const std::string text = succeed(command).out;
+    EXPECT_TRUE(contains(text, "from above") && contains(text, "memory of the crowd")) << text;
+    EXPECT_TRUE(run_tool("bench million --count 0").refused("--count"));
+    EXPECT_TRUE(run_tool("bench million --blending 2").refused("--blending"));
+}
+
 TEST_F(CliBench, BenchBaselinesComparesAllThree) {
     const Outcome run = succeed("bench baselines creature.glb --count 50 --samples 2 --json baselines.jsonl",
                                 kOfCommit);

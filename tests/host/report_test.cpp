@@ -231,6 +231,27 @@ TEST(Summary, PredictionsAreForOneDevice) {
     EXPECT_FALSE(is_predicted("Steam Deck", "AMD Custom GPU 0405 (RADV VANGOGH)"));
 }
 
+TEST(Summary, AMillionIsPredictedByItsOwnRecords) {
+    const Json record{{"bench", "million"},
+                      {"view", "corner"},
+                      {"configuration", "a million"},
+                      {"ms", {{"median", 0.3}}},
+                      {"device", "NVIDIA GeForce RTX 3080"}},
+        prediction{{"bench", "million"},
+                   {"view", "corner"},
+                   {"configuration", "a million"},
+                   {"machine", "RTX 3080"},
+                   {"predicted_ms", 0.1}};
+    Json of_other_view = prediction;
+    of_other_view["view"] = "from above";
+    const auto summary = [&](const Json& predicted) {
+        return summary_text(std::vector<Json>{record}, std::vector<Json>{predicted});
+    };
+    EXPECT_EQ(count_of(summary(prediction), "| 0.100 | 3.00 |"), 1u) << summary(prediction);
+    EXPECT_EQ(count_of(summary(prediction), "a million | corner"), 1u);
+    EXPECT_EQ(count_of(summary(of_other_view), "| 0.100 |"), 0u);
+}
+
 TEST(Report, NamesTheLineThatIsNoRecord) {
     const auto read = [](const std::string& content) {
         const TemporaryFolder folder;

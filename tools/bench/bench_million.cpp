@@ -46,14 +46,15 @@ void print_views(std::span<const Json> records) {
         if (print_untimed(record, "not measured", " pixels off", "max_pixels")) continue;
         print_columns(
             record, {{" %9.2f", "ms/median"}, {" %8.2f", "ms/p5"}, {" - %8.2f", "ms/p95"}, {"  %-6.2f", "max_pixels"}});
+        if (flag(record, "pool_is_full")) std::printf(" (full)");
         const Json stages = record.value("stages", Json::object());
         for (const auto& [stage, ms] : stages.items()) std::printf(" %s %.2f", stage.c_str(), ms.get<double>());
         std::printf("\n");
     }
     constexpr double kMiB = 1.0 / (1 << 20);
-    print_columns(records.front(), {{"memory of the crowd %.0f MiB;", "memory_bytes", kMiB},
-                                    {" skin matrices of all characters would take %.0f MiB more or less\n",
-                                     "matrices_of_all_bytes", kMiB}});
+    print_columns(records.front(),
+                  {{"memory of the crowd %.0f MiB;", "memory_bytes", kMiB},
+                   {" skin matrices of all characters alone would take %.0f MiB\n", "matrices_of_all_bytes", kMiB}});
 }
 
 void print_recording(std::span<const Json> records) {

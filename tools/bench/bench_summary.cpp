@@ -29,7 +29,8 @@ void add_bench_summary(Command bench_command) {
         "summary", "records of 'throng bench' as Markdown, a line for each time, beside what was predicted");
     auto options = std::make_shared<SummaryOptions>();
     command.add_option("records", options->files, "files of records, one a line").required();
-    command.add_option("--predictions", options->predictions, "records of 'throng bench isa'");
+    command.add_option("--predictions", options->predictions,
+                       "records of 'throng bench isa' and 'throng bench million'");
     add_out_option(command, options->out, "the .md file to write");
     command.footer("Example:\n  throng bench summary records.jsonl --predictions isa.jsonl --out SUMMARY.md");
     command.callback([options] { run_summary(*options); });

@@ -11,6 +11,7 @@
 
 namespace throng::tools {
 
+using bench::flag;
 using bench::Json;
 using bench::text;
 
