@@ -309,7 +309,7 @@ void make_crowds(bool natively) {
     for (const Case& of : {Case{"1 group", 1, 1, false, 3},
                            {"10 groups of one rig", 10, 1, false, 3},
                            {"20 groups of three rigs", 20, 3, false, 7},
-                           {"the same, culled", 20, 3, true, 16}}) {
+                           {"the same, culled", 20, 3, true, 17}}) {
         const Device device = another_device();       // without pipelines of the case before
         if (!natively) device.gpu()->native.reset();  // as hardware, which makes them with the crowd
         const GpuCounts& counts = device.gpu()->counts;

@@ -170,8 +170,8 @@ TEST(Gpu, SpirvTellsWhatAShaderNeeds) {
            sizeof(io::BindPush), io::kBindWorkgroupSize);
     expect("skin", kernels::skin.plain,
            {io::kVerticesBuffer, io::kInfluencesBuffer, io::kSkinSectionsBuffer, io::kListedVerticesBuffer,
-            io::kMorphDeltasBuffer, io::kActiveMorphsBuffer, io::kSkinBuffer, io::kSkinnedBuffer, io::kVerdictsBuffer,
-            io::kListBuffer},
+            io::kMorphDeltasBuffer, io::kActiveMorphsBuffer, io::kSkinBuffer, io::kSkinRowsBuffer, io::kSkinnedBuffer,
+            io::kVerdictsBuffer, io::kListBuffer},
            sizeof(io::SkinPush), io::kSkinWorkgroupSize);
     for (const ScanMethod& method : scan_table()) {
         const ScanShaders& shaders = scan_shaders(method.name);

@@ -128,6 +128,7 @@ TEST_F(CliFilm, FramesOfOtherSettingsAreRefused) {
         {"--camera", {"fit", "camera"}},
         {"--fps", {"2", "fps 1.0, not 2.0"}},
         {"--skinning", {"dual-quaternion", "skinning"}},
+        {"--own-poses", {"5", "own-poses 0, not 5"}},
         {"--lod-pixels", {"2", "lod-pixels 1.0, not 2.0"}}};
     for (const auto& [option, other] : others)
         EXPECT_TRUE(film_with(out, option, other.first).refused(other.second)) << option;
