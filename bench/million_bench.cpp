@@ -39,8 +39,9 @@ struct Seen {
     const Viewpoint* viewpoint = nullptr;
     CrowdView view;
     DrawnCounts drawn;
-    uint32_t shared_poses = 0;                  // rows that are drawn at least once
-    double max_own_pixels = 0, max_pixels = 0;  // off, of own poses and of shared ones
+    uint32_t shared_poses = 0;  // rows that are drawn at least once
+    // Off, of own poses and of shared ones; none where none have been compared
+    std::optional<double> max_own_pixels{}, max_pixels{};
     UpdateTimes times;
 };
 
@@ -68,12 +69,13 @@ public:
             seen.drawn = {static_cast<uint32_t>(own.size()), static_cast<uint32_t>(shared.size()),
                           static_cast<uint32_t>(cells.size())};
             seen.shared_poses = static_cast<uint32_t>(rows.size());
-            seen.max_own_pixels = largest_error_of_some(seen.drawn.own,
-                                                        [&](uint32_t i) { return error_of(own[i].instance); });
+            const auto most = [&](const std::vector<DrawnInstance>& of) {
+                return largest_error_of_some(static_cast<uint32_t>(of.size()),
+                                             [&](uint32_t i) { return pixels_of(of[i].instance, seen.view); });
+            };
+            if (!own.empty()) seen.max_own_pixels = most(own);
             // Where rows were left, poses are shared for being near alone
-            if (!is_full(seen))
-                seen.max_pixels = largest_error_of_some(
-                    seen.drawn.shared, [&](uint32_t i) { return pixels_of(shared[i].instance, seen.view); });
+            if (!is_full(seen) && !shared.empty()) seen.max_pixels = most(shared);
         }
     }
 
@@ -158,9 +160,8 @@ private:
 
     bool is_wrong(const Seen& seen) const {
         const float most = seen.view.shared_pose_pixels + seen.view.lod_pixels;
-        return !(seen.max_own_pixels <= seen.view.lod_pixels && seen.max_pixels <= most);
+        return !(seen.max_own_pixels.value_or(0) <= seen.view.lod_pixels && seen.max_pixels.value_or(0) <= most);
     }
-    double error_of(uint32_t instance) { return pixels_of(instance, seen_.back().view); }
 
     Json record_of(const Seen& seen) const {
         Json record = where_and_when(device_.info());
@@ -178,9 +179,9 @@ private:
                        {"pool_is_full", is_full(seen)},
                        {"distinct_poses", seen.drawn.own + seen.shared_poses},
                        {"memory_bytes", crowd_.size_bytes()},
-                       {"matrices_of_all_bytes", own_bytes * count()},
-                       {"max_pixels_own", seen.max_own_pixels},
-                       {"max_pixels", seen.max_pixels}});
+                       {"matrices_of_all_bytes", own_bytes * count()}});
+        if (seen.max_own_pixels) record["max_pixels_own"] = *seen.max_own_pixels;
+        if (seen.max_pixels) record["max_pixels"] = *seen.max_pixels;
         if (is_wrong(seen)) record["wrong"] = true;
         seen.times.add_to(record);
         return record;

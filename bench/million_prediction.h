@@ -14,7 +14,7 @@ namespace throng::bench {
 
 struct DrawnCounts {
     uint32_t own = 0, shared = 0;  // instances with poses of their own, and others
-    uint32_t cells = 0;            // of consecutive instances, of which any is drawn
+    uint32_t cells = 0;            // those of which any instance is drawn
 };
 
 struct ViewToPredict {
@@ -22,7 +22,8 @@ struct ViewToPredict {
     DrawnCounts drawn;
 };
 
-// A record for each machine and view; none where AMD's driver is not installed.
+// A record for each machine and view; none where AMD's driver is not installed; one that says why, where nothing can be
+// predicted.
 std::vector<Json> predict_million(const Character& character, const SkinPool& pool, uint32_t instance_count,
                                   std::span<const ViewToPredict> views);
 

@@ -30,9 +30,9 @@ enum class SocketSpace { kModel, kWorld };
 // what is seen. An instance that is drawn has a row of the pool of its own; or, where it is so far away that nobody
 // sees the difference (CrowdView::shared_pose_pixels), the nearest of the poses that its group has of each clip, which
 // were made with the crowd: it is not animated then. Of controllers that is only where a clip plays alone. Where there
-// are more to animate than rows, what is left over shows such a pose too, of the clip that has most weight: coarser
-// sets of joints first, and of one set the instances with the highest numbers. Large groups are several OutputBlocks;
-// each has such a pool.
+// are more to animate than rows, what is left over shows such a pose too, of the clip that has most weight (of a
+// controller, the first clip of its lowest layer): coarser sets of joints first, and of one set the instances with the
+// highest numbers. Large groups are several OutputBlocks; each has such a pool, of at most 256 MiB.
 struct SkinPool {
     uint32_t capacity = 0;          // rows for instances of an OutputBlock; above 0
     float shared_poses_per_s = 30;  // of each clip; above 0, at most 1000
@@ -63,7 +63,8 @@ struct CrowdGroup {
     bool on_terrain = false;
     // Instances that may have a pose of set_pose() at the same time; 48 bytes a joint each, 0: no cost at all
     uint32_t pose_capacity = 0;
-    // With CrowdSettings::culls, of groups that are updated in one pass. Not together with sockets, inertial
+    // With CrowdSettings::culls, of groups that are updated in one pass and have a mesh, where there is a native engine
+    // (docs/native.md), which makes the shared poses. Not together with sockets, inertial
     // transitions, pose_capacity, nor the crowd's keep_model_matrices, keep_previous_matrices, skips_updates and
     // skins_once, all of which keep something of instances that are not drawn.
     std::optional<SkinPool> skin_pool{};

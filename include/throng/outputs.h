@@ -48,9 +48,9 @@ struct HostOutputs {
 // range. Valid once the recorded commands have run, until the next record() runs: written by compute shaders, and made
 // visible by record() to later compute, vertex, indirect and transfer reads on the same queue.
 //
-// Where CrowdSettings::culls, instances that are not listed keep the matrices of the last update that drew them (with
-// previous ones, which take turns, those of the last two); in an update that draws them anew, the previous matrices are
-// those of that update.
+// Where CrowdSettings::culls, without a skin pool, instances that are not listed keep the matrices of the last update
+// that drew them (with previous ones, which take turns, those of the last two); in an update that draws them anew, the
+// previous matrices are those of that update.
 struct OutputBlock {
     uint32_t group = 0;
     uint32_t first_instance = 0;  // of the crowd

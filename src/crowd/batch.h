@@ -11,9 +11,10 @@ namespace throng {
 struct Batch {
     uint32_t group = 0;
     uint32_t first_instance = 0, instance_count = 0;
-    bool blends = false;    // whether two clips have weight in any instance, in the update that is under way
-    bool is_moved = false;  // whether placements have been set for that update
-    Buffers buffers;        // those that its settings ask for
+    bool blends = false;      // whether two clips have weight in any instance, in the update that is under way
+    bool is_moved = false;    // whether placements have been set for that update
+    uint32_t move_count = 0;  // updates so far of which that is so
+    Buffers buffers;          // those that its settings ask for
     // Skin matrices; the second only where CrowdSettings::keep_previous_matrices, and then they take turns.
     std::array<Buffer, 2> skins;
     uint32_t current_skin = 0;  // written by the last update

@@ -41,7 +41,7 @@ public:
         });
     }
     void add(uint32_t number, uint64_t instance_bytes, Make make);
-    // As large however many instances the batch has; `most_bytes`: or smaller.
+    // Its size does not grow with the batch: `most_bytes` at most.
     void add_of_batch(uint32_t number, uint64_t most_bytes, Make make);
     // Keeps batches small enough for a buffer that they do not own but share, as the arena of the staged update: of
     // such a buffer, an instance takes this much.

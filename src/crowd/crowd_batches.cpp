@@ -62,8 +62,8 @@ void CrowdState::check_memory(uint64_t needed_bytes) const {
                           std::to_string(gpu->largest_heap_bytes() >> 20) + " MiB");
 }
 
-// As few batches as the device's limits allow, of nearly equal size.
-void CrowdState::make_batches(Uploads& uploads, const BatchPlan& plan, uint32_t group, uint32_t count) {
+// As few as the device's limits allow.
+uint64_t CrowdState::batch_count_of(const BatchPlan& plan, uint32_t count) const {
     const uint64_t limit_bytes = arena_limit_bytes(*gpu);
     // Where matrices lie in a pool, only as many instances as that has rows may take a workgroup each
     const uint64_t instances_per_workgroup = plan.group().skin_pool ? io::kCullWorkgroupSize : 1,
@@ -73,7 +73,12 @@ void CrowdState::make_batches(Uploads& uploads, const BatchPlan& plan, uint32_t 
         throw Failure(ErrorCode::kLimit, plan.group().name,
                       "what one instance takes (" + std::to_string(plan.largest_bytes()) +
                           " bytes) exceed the device's storage-buffer range of " + std::to_string(limit_bytes));
-    const uint64_t batch_count = (count + capacity - 1) / capacity;
+    return (count + capacity - 1) / capacity;
+}
+
+// Of nearly equal size.
+void CrowdState::make_batches(Uploads& uploads, const BatchPlan& plan, uint32_t group, uint32_t count) {
+    const uint64_t batch_count = batch_count_of(plan, count);
     for (uint64_t i = 0; i < batch_count; ++i) {
         const auto first = static_cast<uint32_t>(count * i / batch_count),
                    end = static_cast<uint32_t>(count * (i + 1) / batch_count);
@@ -100,8 +105,7 @@ std::span<T> in_host_memory(const Gpu& gpu, const Buffer& buffer, uint64_t count
 
 uint64_t CrowdState::skin_row_count(const Batch& batch) const {
     const std::optional<GroupSkinPool>& pool = groups[batch.group].skin_pool;
-    return pool ? uint64_t{pool->shared_row_count} + std::min(pool->capacity, batch.instance_count)
-                : batch.instance_count;
+    return pool ? uint64_t{pool->shared_row_count} + pool->row_count(batch.instance_count) : batch.instance_count;
 }
 
 HostOutputs CrowdState::host_outputs(const Batch& batch) const {

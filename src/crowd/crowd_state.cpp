@@ -43,9 +43,11 @@ CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& setting
     std::vector<BatchPlan> plans;
     for (const Group& group : groups) plans.push_back(plan_batches(group, settings));
     uint64_t needed_bytes = pose_bytes(settings);
-    for (size_t i = 0; i < plans.size(); ++i)
-        needed_bytes += settings.groups[i].instance_count * plans[i].instance_bytes() + plans[i].batch_bytes() +
+    for (size_t i = 0; i < plans.size(); ++i) {
+        const uint32_t count = settings.groups[i].instance_count;
+        needed_bytes += count * plans[i].instance_bytes() + batch_count_of(plans[i], count) * plans[i].batch_bytes() +
                         PoseStage::native_bytes(groups[i]);
+    }
     check_memory(needed_bytes);
     for (uint32_t i = 0; i < groups.size(); ++i) make_batches(uploads, plans[i], i, settings.groups[i].instance_count);
     for (Group& group : groups)

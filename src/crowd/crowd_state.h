@@ -84,6 +84,7 @@ private:
     void make_groups(Uploads& uploads, const CrowdSettings& settings);
     BatchPlan plan_batches(const Group& group, const CrowdSettings& settings) const;
     void check_memory(uint64_t needed_bytes) const;
+    uint64_t batch_count_of(const BatchPlan& plan, uint32_t count) const;
     void make_batches(Uploads& uploads, const BatchPlan& plan, uint32_t group, uint32_t count);
     void add_output(const Batch& batch);
     uint64_t skin_row_count(const Batch& batch) const;

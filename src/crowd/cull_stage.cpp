@@ -64,12 +64,10 @@ void CullStage::plan(BatchPlan& plan) {
                       cull_workgroups_of(static_cast<uint32_t>(n)) * uint64_t{io::kCounters} * sizeof(uint32_t),
                       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     });
-    plan.add(io::kCellsBuffer, sizeof(io::Cell) / io::kCullWorkgroupSize,
-             [](Uploads& uploads, const std::string& what, uint64_t n) {
-                 constexpr float kMost = 1e30f;  // all are seen
-                 const io::Cell everywhere{.middle = {0, 0, 0, 0}, .half_extent = {kMost, kMost, kMost, 0}};
-                 return upload(uploads, what, std::vector(cell_count(static_cast<uint32_t>(n)), everywhere));
-             });
+    constexpr uint64_t kCell_bytes = 1;  // half a byte of an instance, rounded up
+    plan.add(io::kCellsBuffer, kCell_bytes, [](Uploads& uploads, const std::string& what, uint64_t n) {
+        return upload(uploads, what, std::vector<io::Cell>(cell_count(static_cast<uint32_t>(n))));
+    });
     std::vector<io::DrawCommand> draws;
     for (size_t section = 0; section < group.sections.size(); ++section)
         for (size_t lod = 0; lod < io::kLodCount; ++lod) {
@@ -123,7 +121,13 @@ void CullStage::begin(const Update& update) {
 void CullStage::discard() {
     --update_number_;
     is_half_done_ = was_half_done_;
-    for (Member& member : members_) member.still_updates = 0;
+    for (Member& member : members_) member.has_cells = false;
+}
+
+// Numbers that floats hold. Of as many changes ago none is left.
+float CullStage::version_of(const Batch& batch) const {
+    constexpr uint32_t kNumbers = 1u << 24;
+    return group_of(batch).moves_placements() ? 0 : static_cast<float>(1 + batch.move_count % (kNumbers - 1));
 }
 
 io::CullPush CullStage::push_of(const Batch& batch) const {
@@ -141,13 +145,13 @@ io::CullPush CullStage::push_of(const Batch& batch) const {
             .joint_set_count = std::max(1u, static_cast<uint32_t>(group.fused.size())),
             .keeps_previous = is_listed && keeps_previous_,
             .may_skip = is_listed && may_skip_,
-            .own_row_count = group.skin_pool ? std::min(group.skin_pool->capacity, batch.instance_count) : 0,
+            .own_row_count = group.skin_pool ? group.skin_pool->row_count(batch.instance_count) : 0,
             .first_own_row = group.skin_pool ? group.skin_pool->shared_row_count : 0,
             .joint_count = group.joint_count,
             .active_clip_limit = group.controller ? group.controller->active_clip_limit : 0,
             .pose_spread = group.skin_pool ? group.skin_pool->pose_spread : 0,
             .cells_of_workgroup = cells_of_workgroup(batch.instance_count),
-            .has_cells = members_[static_cast<size_t>(&batch - batches_.data())].still_updates > 0};
+            .placements_version = version_of(batch)};
 }
 
 template <class Dispatch>
@@ -159,14 +163,12 @@ void CullStage::for_each_batch(VkCommandBuffer commands, const Dispatch& dispatc
 // As soon as placements stand still: whoever moves some of them in each update pays nothing for cells that would never
 // be looked at again.
 void CullStage::record_cells(const Update& update) {
-    constexpr uint32_t kRenewal = 64;  // the update that made them may never have been submitted
     bool any = false;
     for (size_t i = 0; i < members_.size(); ++i) {
         const Batch& batch = batches_[i];
-        const bool stands_still = !batch.is_moved && !group_of(batch).moves_placements();
-        uint32_t& updates = members_[i].still_updates;
-        updates = stands_still ? updates + 1 : 0;
-        if (updates % kRenewal != 1) continue;
+        const bool had_cells = members_[i].has_cells;
+        members_[i].has_cells = !batch.is_moved && !group_of(batch).moves_placements();
+        if (had_cells || !members_[i].has_cells) continue;
         kernels_.cells.dispatch_invocations(update.commands, members_[i].cells, push_of(batch),
                                             cell_count(batch.instance_count));
         any = true;

@@ -36,12 +36,13 @@ public:
 private:
     struct Member {
         Bindings cells, cull, offsets, list;
-        uint32_t still_updates = 0;  // so many in a row without a change of placements, this one included
+        bool has_cells = false;  // of placements as they are
     };
     struct Reveal {
         DepthPyramid pyramid;
         std::vector<Bindings> members;  // [batch]
     };
+    float version_of(const Batch& batch) const;
     io::CullPush push_of(const Batch& batch) const;
     void record_cells(const Update& update);
     void record_lists(const Update& update, bool is_second_half) const;

@@ -63,6 +63,9 @@ struct GroupSkinPool {
     uint32_t shared_row_count = 0;
     float pose_spread = 0;               // SharedPoses::spread
     std::vector<std::byte> shared_skin;  // until batches have it
+
+    // Rows that instances of a batch may have of their own.
+    uint32_t row_count(uint32_t instance_count) const { return std::min(capacity, instance_count); }
 };
 
 struct Group {

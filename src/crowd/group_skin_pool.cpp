@@ -22,6 +22,7 @@ std::string unsupported_reason(const Group& group, const Character& character, c
     if (settings.keep_previous_matrices) return "CrowdSettings::keep_previous_matrices is set";
     if (settings.skips_updates) return "CrowdSettings::skips_updates is set";
     if (settings.skins_once) return "CrowdSettings::skins_once is set";
+    if (character.vertices.empty()) return "without a mesh nobody can say how far off a shared pose is";
     if (const std::string reason = native_unsupported(character, {.skin_format = settings.skin_format});
         !reason.empty())
         return "its shared poses are computed natively, and " + reason;
@@ -50,8 +51,8 @@ GroupSkinPool make_skin_pool(Uploads& uploads, NativeRigs& rigs, Group& group, c
                    most_rows = arena_limit_bytes(*uploads.gpu()) / row_bytes(group, settings.skin_format);
     if (rows > most_rows)
         throw Failure(ErrorCode::kLimit, place,
-                      std::to_string(rows) + " rows, those of shared poses among them; the device can bind " +
-                          std::to_string(most_rows) + " of them to a kernel");
+                      std::to_string(rows) + " rows, those of shared poses among them; at most " +
+                          std::to_string(most_rows) + " fit a buffer, here and of 256 MiB anywhere");
     if (const uint32_t most = uploads.gpu()->properties.limits.maxComputeWorkGroupCount[0];
         std::min(pool.capacity, made_of.instance_count) > most)
         throw Failure(ErrorCode::kLimit, place,
@@ -60,7 +61,7 @@ GroupSkinPool make_skin_pool(Uploads& uploads, NativeRigs& rigs, Group& group, c
     SharedPoses shared = make_shared_poses(character, *rigs.get(character, {}), settings.skin_format,
                                            pool.shared_poses_per_s);
     group.buffers[io::kSharedClipsBuffer] = upload(uploads, group.name + ": shared clips", shared.clips);
-    return {.capacity = pool.capacity,
+    return {.capacity = std::min(pool.capacity, made_of.instance_count),
             .shared_row_count = shared.row_count,
             .pose_spread = shared.spread,
             .shared_skin = std::move(shared.skin)};
@@ -71,7 +72,8 @@ void plan_skin_pool(BatchPlan& plan) {
     const uint64_t bytes = row_bytes(plan.group(), plan.settings().skin_format);
     plan.add_of_batch(io::kSkinBuffer, (uint64_t{pool.shared_row_count} + pool.capacity) * bytes,
                       [&pool, bytes](Uploads& uploads, const std::string& what, uint64_t n) {
-                          const uint64_t rows = pool.shared_row_count + std::min<uint64_t>(pool.capacity, n);
+                          const uint64_t rows = pool.shared_row_count +
+                                                uint64_t{pool.row_count(static_cast<uint32_t>(n))};
                           Buffer skin(uploads.gpu(), what, rows * bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
                           uploads.add(skin, pool.shared_skin);
                           return skin;

@@ -29,9 +29,9 @@ void PlacementStage::set(uint32_t first_instance, std::span<const Affine> world_
 }
 
 void PlacementStage::begin(const Update& update) {
-    for (Batch& batch : batches_) batch.is_moved = false;
+    std::vector<bool> moved(batches_.size());
     for_each_part(batches_, dirty_.take(), [&](const Batch& batch, uint32_t first, uint32_t count) {
-        batches_[batch_index_of(batches_, first)].is_moved = true;
+        moved[batch_index_of(batches_, first)] = true;
         const uint32_t first_of_batch = first - batch.first_instance;
         record_update(*gpu_, update.commands, batch[io::kPlacementsBuffer], first_of_batch,
                       std::span<const Affine>(placements_).subspan(first, count));
@@ -41,6 +41,10 @@ void PlacementStage::begin(const Update& update) {
         record_update(*gpu_, update.commands, batch[io::kRootsBuffer], first_of_batch,
                       std::span<const io::RootState>(roots));
     });
+    for (size_t i = 0; i < batches_.size(); ++i) {
+        batches_[i].is_moved = moved[i];
+        if (moved[i]) ++batches_[i].move_count;
+    }
 }
 
 }  // namespace throng

@@ -25,5 +25,6 @@ void main() {
         high = max(high, middle + reach);
     }
     const vec3 middle = 0.5 * low + 0.5 * high, reach = 0.5 * high - 0.5 * low;
-    cells[gl_GlobalInvocationID.x] = Cell(vec4(middle, 0), vec4(reach + rounding * (abs(middle) + reach), 0));
+    cells[gl_GlobalInvocationID.x] = Cell(vec4(middle, push.placements_version),
+                                          vec4(reach + rounding * (abs(middle) + reach), 0));
 }

@@ -1,5 +1,5 @@
 // cull: which instances a view sees, each in which level of detail, and which of them are animated; and how many of
-// each a workgroup has found. Cells first, then the instances of those that are seen, an invocation for each. Cost: 20
+// each a workgroup has found. Cells first, then the instances of those that are seen, an invocation for each. Cost: 32
 // bytes for a cell that is not seen, and 8 written for each of its instances; for the others 52 bytes read, 8 written,
 // some 100 operations.
 #include "gpu/buffers_io.h"
@@ -15,8 +15,9 @@ PUSH(CullPush);
 
 // The box is in world space. Its top is above that of each instance, so its shadow reaches at least as far.
 bool is_cell_seen(CullView view, uint number) {
-    if (push.has_cells == 0) return true;
+    if (push.placements_version == 0) return true;
     const Cell cell = cells[number];
+    if (cell.middle.w != push.placements_version) return true;  // not made yet, or never submitted
     const Affine world_from_world = Affine(vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, 0));
     return is_seen(view, world_from_world, cell.middle.xyz, cell.half_extent.xyz);
 }

@@ -81,7 +81,8 @@ struct SharedClip {
 
 // A box around those of a cell's instances.
 struct Cell {
-    vec4 middle, half_extent;  // world space
+    vec4 middle;  // world space; w: CullPush::placements_version that it was made of
+    vec4 half_extent;
 };
 
 // What the characters of a batch have in common.
@@ -101,7 +102,8 @@ struct CullPush {
     uint active_clip_limit;  // of groups with a controller; else 0
     float pose_spread;       // model space: how far two poses of clips are apart at most
     uint cells_of_workgroup;
-    uint has_cells;  // what the cells kernel has made is up to date
+    // Another whenever placements have changed, above 0; 0: they always do, and there are no cells
+    float placements_version;
 };
 
 // The depth pyramid: depths of a picture, greater where nearer, half as fine level by level, down to one texel. A level

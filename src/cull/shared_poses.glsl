@@ -10,13 +10,10 @@ WRITEONLY_BUFFER(kSkinRowsBuffer, uint, skin_rows);
 
 #include "control/control.glsl"
 
-// In place of a weight: additive clips may go anywhere.
-const float kFarFromAny = 1e20;
-
-// The clip that most of an instance's pose comes from.
+// The clip that most of an instance's pose comes from; of a controller the first of its lowest layer.
 struct MainClip {
     SlotCursor cursor;
-    float others_weight;  // 0: there is no other
+    float others_weight;  // 0: there is no other; 1: not known, of controllers
 };
 
 MainClip main_clip(CullPush push, uint instance) {
@@ -27,7 +24,7 @@ MainClip main_clip(CullPush push, uint instance) {
         const uint flags = ROW_AT(active_clips, at + 1).w;
         main.cursor = SlotCursor(cursor.x, cursor.y, cursor.z, uintBitsToFloat(cursor.w));
         const bool is_all = (flags & (kActiveClipEnds | kActiveClipAdditive | kActiveClipMasked)) == kActiveClipEnds;
-        main.others_weight = is_all ? 0 : kFarFromAny;
+        main.others_weight = is_all ? 0 : 1;
         return main;
     }
     const InstanceCursor cursor = cursors[instance];
@@ -55,7 +52,8 @@ uint shared_verdict(CullView view, CullPush push, Affine world_from_model, uint 
     const uint nearest = uint(time_s * shared_clip.intervals_per_s + 0.5);
     skin_rows[instance] = shared_clip.first_row + min(nearest, shared_clip.interval_count);
     const float off = shared_clip.error + main.others_weight * push.pose_spread;
-    const bool is_near = off * largest_scale(world_from_model) * view.shared_pixels <=
-                         distance_to_box(view, world_from_model, push.centre.xyz, push.half_extent.xyz);
+    const bool is_near = main.others_weight < 1 &&
+                         off * largest_scale(world_from_model) * view.shared_pixels <=
+                             distance_to_box(view, world_from_model, push.centre.xyz, push.half_extent.xyz);
     return is_near ? verdict & ~kVerdictAnimated : verdict;
 }

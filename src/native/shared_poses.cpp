@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace throng {
@@ -94,41 +95,41 @@ SharedPoses make_shared_poses(const Character& character, const NativeRig& rig, 
     SharedPoses shared;
     shared.row_count = static_cast<uint32_t>(shared_pose_count(character, poses_per_s));
     shared.skin.resize(shared.row_count * pose_bytes);
-    std::byte* skin = shared.skin.data();
-    const auto add = [&](uint32_t clip, double time_s) {
-        poser.pose(clip, time_s, format, skin);
-        skin += pose_bytes;
-    };
+    native::AlignedBytes pose = native::aligned_bytes(pose_bytes);
     uint32_t row = 0;
+    const auto add = [&](uint32_t clip, double time_s) {
+        poser.pose(clip, time_s, format, pose.get());
+        std::memcpy(shared.skin.data() + row++ * pose_bytes, pose.get(), pose_bytes);
+        std::vector<Affine> affines = poser.affines(clip, time_s);
+        spread.add(affines);
+        return affines;
+    };
     for (uint32_t clip = 0; clip < character.clips.size(); ++clip) {
         const double duration_s = character.clips[clip].duration_s;
         const auto intervals = static_cast<uint32_t>(interval_count(character.clips[clip], poses_per_s));
+        const uint32_t first_row = row;
+        std::vector<std::vector<Affine>> poses;
+        for (uint32_t i = 0; i <= intervals; ++i) poses.push_back(add(clip, duration_s * i / std::max(intervals, 1u)));
         double error = 0;
-        std::vector<Affine> last;
-        for (uint32_t i = 0; i <= intervals; ++i) {
-            const double at = duration_s * i / std::max(intervals, 1u);
-            add(clip, at);
-            std::vector<Affine> here = poser.affines(clip, at);
-            spread.add(here);
-            if (i > 0) {
-                const std::vector<Affine> between = poser.affines(clip, duration_s * (i - 0.5) / intervals);
-                error = std::max(
-                    {error, largest_displacement(between, last, boxes), largest_displacement(between, here, boxes)});
-            }
-            last = std::move(here);
-        }
+        const auto compare = [&](double time_s, size_t with) {
+            error = std::max(error, largest_displacement(poser.affines(clip, time_s), poses[with], boxes));
+        };
+        for (uint32_t i = 0; i < intervals; ++i)
+            for (const uint32_t with : {i, i + 1}) compare(duration_s * (i + 0.5) / intervals, with);
+        for (const float key_s :
+             std::span(character.times_s).subspan(character.clips[clip].first_time, character.clips[clip].row_count))
+            if (intervals > 0)
+                compare(key_s, std::min(static_cast<uint32_t>(key_s / duration_s * intervals + 0.5), intervals));
         shared.clips.push_back(
-            {.first_row = row,
+            {.first_row = first_row,
              .interval_count = intervals,
              .intervals_per_s = intervals > 0 ? static_cast<float>(intervals / duration_s) : 0,
              .error = std::nextafter(static_cast<float>(error), std::numeric_limits<float>::infinity())});
-        row += intervals + 1;
     }
+    shared.clips.push_back({.first_row = row, .interval_count = 0, .intervals_per_s = 0, .error = 0});
     add(kNone, 0);
-    spread.add(poser.affines(kNone, 0));
     constexpr double kBlends = 1.1;
     shared.spread = static_cast<float>(kBlends * spread.largest());
-    shared.clips.push_back({.first_row = row, .interval_count = 0, .intervals_per_s = 0, .error = 0});
     return shared;
 }
 

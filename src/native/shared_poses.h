@@ -12,8 +12,8 @@ namespace throng {
 struct SharedPoses {
     std::vector<io::SharedClip> clips;  // [clip_count + 1]; the last is the rest pose
     uint32_t row_count = 0;
-    // Model space: how far a vertex is at most from where it is in another of these poses; of blends a tenth more than
-    // that is assumed, as boxes for culling do.
+    // Model space: how far a vertex is at most from where it is in another of these poses, and a tenth more, since
+    // blends go a little beyond them (as boxes for culling assume).
     float spread = 0;
     std::vector<std::byte> skin;  // [row_count][palette_count], in the format that was asked for
 };
@@ -22,8 +22,8 @@ struct SharedPoses {
 uint64_t shared_pose_count(const Character& character, float poses_per_s);
 
 // At least `poses_per_s` of each clip, its first and its last moment among them; of the rest pose one. A clip's error
-// is measured in the middle of each interval: no vertex that is blended linearly is further off there. The rig is of
-// all joints.
+// is the largest displacement of a vertex, blended linearly, in the middle of each interval and at the clip's keys. The
+// rig is of all joints.
 SharedPoses make_shared_poses(const Character& character, const NativeRig& rig, SkinFormat format, float poses_per_s);
 
 }  // namespace throng

@@ -43,10 +43,15 @@ void print_views(std::span<const Json> records) {
         if (!record.contains("drawn")) continue;
         std::printf("%-12s", text(record, "view").c_str());
         print_columns(record, {{" %9.0f", "drawn"}, {" %9.0f", "own_poses"}, {" %9.0f", "distinct_poses"}});
-        if (print_untimed(record, "not measured", " pixels off", "max_pixels")) continue;
-        print_columns(
-            record, {{" %9.2f", "ms/median"}, {" %8.2f", "ms/p5"}, {" - %8.2f", "ms/p95"}, {"  %-6.2f", "max_pixels"}});
-        if (flag(record, "pool_is_full")) std::printf(" (full)");
+        if (print_untimed(
+                record, "not measured", " pixels off",
+                real(record, "max_pixels_own") > real(record, "max_pixels") ? "max_pixels_own" : "max_pixels"))
+            continue;
+        print_columns(record, {{" %9.2f", "ms/median"}, {" %8.2f", "ms/p5"}, {" - %8.2f", "ms/p95"}});
+        if (record.contains("max_pixels"))
+            print_columns(record, {{"  %-6.2f", "max_pixels"}});
+        else
+            std::printf("  %-6s", flag(record, "pool_is_full") ? "full" : "-");
         const Json stages = record.value("stages", Json::object());
         for (const auto& [stage, ms] : stages.items()) std::printf(" %s %.2f", stage.c_str(), ms.get<double>());
         std::printf("\n");
@@ -74,6 +79,8 @@ void print_recording(std::span<const Json> records) {
 void print_predictions(std::span<const Json> records) {
     std::string machine;
     for (const Json& record : records) {
+        if (record.contains("family") && record.contains("unsupported_reason"))
+            std::printf("\nnothing is predicted: %s\n", text(record, "unsupported_reason").c_str());
         if (!record.contains("machine")) continue;
         if (machine.empty())
             std::printf(

@@ -101,12 +101,16 @@ void add_render(Command app) {
                                                   {"dual-quaternion", SkinBlend::kDualQuaternion}};
     command.add_choice("--skinning", options.skin_blend, blends,
                        "linear, or dual-quaternion: joints that twist keep their girth");
-    command.add_flag(
-        "--skin-once", options.skins_once,
-        "skin vertices once a frame, in compute, not once for the shadows and once for the picture (the native "
-        "renderer does that once anyway)");
-    command.add_flag("--skeletons", options.skeletons,
-                     "a line from each joint to its parent, over everything, coloured by level");
+    command
+        .add_flag(
+            "--skin-once", options.skins_once,
+            "skin vertices once a frame, in compute, not once for the shadows and once for the picture (the native "
+            "renderer does that once anyway)")
+        .excludes(own_poses);
+    command
+        .add_flag("--skeletons", options.skeletons,
+                  "a line from each joint to its parent, over everything, coloured by level")
+        .excludes(own_poses);
     command.add_flag("--bounds", options.bounds, "the boxes that culling goes by");
     command.add_flag("--json", options.json, "print the stage times as JSON");
     command.footer(
