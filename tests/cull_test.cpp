@@ -3,6 +3,7 @@
 #include "crowd/cull_stage.h"
 #include "tests/crowd_cases.h"
 #include "tests/kernel_runner.h"
+#include "tests/recorder.h"
 #include "tests/subset.h"
 
 #include <throng/draw.h>
@@ -199,6 +200,50 @@ TEST(Cull, BatchesChangeNothing) {
     };
     EXPECT_EQ(sorted(whole), sorted(*parts));
     EXPECT_FALSE(sorted(whole).empty());
+}
+
+// Cells are made when placements stand still, and forgotten when any of them changes; an update that is dropped,
+// whether anybody tells of it or not, leaves none that hide something.
+TEST(Cull, CellsFollowPlacements) {
+    const Character character = small_character();
+    constexpr uint32_t kCount = 400;
+    Random random(4);
+    std::vector<Affine> places = random_places(random, kCount, 40);
+    const CrowdView view = *view_of({.eye = {0, 10, 60}, .target = {10, 0, 0}}, kWidth, kHeight, {});
+    const CrowdSettings settings{.groups = {{&character, kCount}}, .culls = true};
+    Crowd crowd = create(settings);
+    ASSERT_TRUE(crowd.set_placement(0, places));
+    const auto instances_of = [](Crowd& of) {
+        std::vector<uint32_t> instances;
+        for (const DrawnInstance& one : drawn_of(of)) instances.push_back(one.instance);
+        return instances;
+    };
+    const auto expect_right = [&](const char* when) {
+        Crowd fresh = create(settings);  // which has no cells in its first update
+        ASSERT_TRUE(fresh.set_placement(0, places) && fresh.update(0, &view) && crowd.update(0, &view));
+        EXPECT_EQ(instances_of(crowd), instances_of(fresh)) << when;
+        EXPECT_FALSE(instances_of(fresh).empty());
+    };
+    const auto move = [&](uint32_t first, uint32_t count) {
+        std::vector<Affine> others = random_places(random, count, 40);
+        std::ranges::copy(others, places.begin() + first);
+        ASSERT_TRUE(crowd.set_placement(first, others));
+    };
+    for (int i = 0; i < 3; ++i) expect_right("at first");
+    for (int i = 0; i < 3; ++i) {
+        move(100 + 10 * static_cast<uint32_t>(i), 150);
+        expect_right("when some move");
+    }
+    for (int i = 0; i < 3; ++i) expect_right("when they stand still");
+    if (test_device().gpu()->is_native()) return;
+    for (const bool tells : {true, false}) {
+        move(0, kCount);
+        expect_right("when all move");
+        Recorder recorder;
+        recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(crowd.record(commands, 0, &view)); });
+        EXPECT_TRUE(!tells || crowd.discard_last_record());
+        for (int i = 0; i < 3; ++i) expect_right(tells ? "after a discarded update" : "after a dropped update");
+    }
 }
 
 // A flight over a crowd: the same pictures as of all of it at full detail, but for what a coarser mesh moves by less
