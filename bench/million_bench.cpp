@@ -88,7 +88,7 @@ public:
         run_rounds(contestants, samples, progress);
     }
 
-    // Of crowds of a thousand characters and more: the CPU's part of a frame that the device computes.
+    // How long the CPU takes to record a frame, for 1,000 characters, 10,000 and so on.
     void time_recording(uint32_t samples, const Progress& progress) {
         if (device_.gpu()->is_native()) return;
         for (uint64_t n = 1000;; n *= 10) {

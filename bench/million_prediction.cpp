@@ -63,8 +63,8 @@ private:
                      in_seen_cells = std::min(all, kWide * drawn.cells);
         const auto seen_of_workgroup = static_cast<uint64_t>(
             std::ceil(static_cast<double>(cells) * in_seen_cells / all));
-        // Of cells their boxes; of instances in those that are seen placement and state; of all state and verdict,
-        // written; of what is drawn the cursor and the row
+        // What the kernel reads and writes: the boxes of all cells; placements and states of instances in cells that
+        // are seen; states and verdicts of all instances; cursors and rows of those that are drawn
         const double culled_bytes = sizeof(io::Cell) * std::ceil(all / kWide) +
                                     in_seen_cells * (sizeof(Affine) + kWord) + all * 2 * kWord +
                                     seen * (sizeof(io::InstanceCursor) + kWord);

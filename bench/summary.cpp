@@ -41,7 +41,7 @@ bool is_for(const Json& prediction, const Json& record) {
     return named;
 }
 
-// Of `throng bench million`, by its own records.
+// For a record of `throng bench million`, which makes its predictions itself.
 double predicted_million_ms(const Json& record, std::span<const Json> predictions) {
     for (const Json& prediction : std::views::reverse(predictions))
         if (text(prediction, "bench") == "million" && text(prediction, "view") == text(record, "view") &&

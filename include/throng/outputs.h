@@ -65,8 +65,8 @@ struct OutputBlock {
     // record().
     VkBuffer previous_skin_buffer = VK_NULL_HANDLE;
     uint32_t skin_row_count = 0;  // instance_count, or of the pool: shared poses, then those of instances
-    // Of a group with a skin pool, uint32_t[instance_count]: the row of skin_buffer that an instance has, if it is
-    // listed.
+    // With a skin pool: which row of skin_buffer an instance has, uint32_t[instance_count]. Only instances that are
+    // listed have one.
     VkBuffer skin_row_buffer = VK_NULL_HANDLE;
     // model_from_joint, Affine[instance_count][joint_count], with CrowdSettings::keep_model_matrices.
     VkBuffer model_buffer = VK_NULL_HANDLE;

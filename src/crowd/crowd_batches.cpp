@@ -62,7 +62,7 @@ void CrowdState::check_memory(uint64_t needed_bytes) const {
                           std::to_string(gpu->largest_heap_bytes() >> 20) + " MiB");
 }
 
-// As few as the device's limits allow.
+// As few batches as the device's limits allow.
 uint64_t CrowdState::batch_count_of(const BatchPlan& plan, uint32_t count) const {
     const uint64_t limit_bytes = arena_limit_bytes(*gpu);
     // Where matrices lie in a pool, only as many instances as that has rows may take a workgroup each
@@ -76,7 +76,7 @@ uint64_t CrowdState::batch_count_of(const BatchPlan& plan, uint32_t count) const
     return (count + capacity - 1) / capacity;
 }
 
-// Of nearly equal size.
+// Cuts the group's instances into batches of nearly equal size.
 void CrowdState::make_batches(Uploads& uploads, const BatchPlan& plan, uint32_t group, uint32_t count) {
     const uint64_t batch_count = batch_count_of(plan, count);
     for (uint64_t i = 0; i < batch_count; ++i) {

@@ -1,23 +1,20 @@
 // throng bench million: a frame of very many characters.
 #include "bench/million_bench.h"
 #include "tools/bench/bench_commands.h"
+#include "tools/bench/generated_field.h"
 #include "tools/bench/measured.h"
 #include "tools/cli/command.h"
-#include "tools/creatures/creature.h"
-#include "tools/scene/scatter.h"
 
 #include <cstdio>
-#include <filesystem>
 
 namespace throng::tools {
 namespace {
 
 struct MillionOptions {
-    std::string file, size = "1280x720", device, report;
-    uint32_t count = 1'000'000, joints = 64, levels = 16, faces = 500, samples = 9, capacity = 32'768;
-    uint64_t seed = 1;
+    FieldOptions field{.count = 1'000'000};
+    std::string size = "1280x720", device;
+    uint32_t samples = 9, capacity = 32'768;
     float poses_per_s = 30, shared_pixels = 1, blending = 0.1f;
-    CompileSettings compile;
     UpdatePath path = UpdatePath::kAuto;
     bool json = false;
 };
@@ -101,22 +98,12 @@ void run_million(const MillionOptions& options) {
     const Device device = open_device(options.device);
     const RendererSettings size = parse_size(options.size);
     print_progress("compiling");
-    const Character character = options.file.empty()
-                                    ? unwrap(compile_character(unwrap(make_creature({.joint_count = options.joints,
-                                                                                     .level_count = options.levels,
-                                                                                     .face_count = options.faces,
-                                                                                     .seed = options.seed})),
-                                                               options.compile))
-                                    : unwrap(load_character(options.file, options.compile));
-    const Scatter field = scatter({&character, 1}, {.counts = {options.count}, .seed = options.seed});
+    const Field field = make_field(options.field);
     const std::vector<Playback> playback = mostly_one_clip(field.playback, options.blending);
-    const std::string configuration = std::to_string(options.count) + " x " +
-                                      (options.file.empty() ? std::to_string(options.joints) + " joints"
-                                                            : std::filesystem::path(options.file).filename().string());
     const std::vector<Json> records = bench::measure_million(
         device,
-        {.configuration = configuration,
-         .character = &character,
+        {.configuration = field.configuration,
+         .character = &field.character,
          .playback = playback,
          .placement = field.placement,
          .path = options.path,
@@ -128,7 +115,7 @@ void run_million(const MillionOptions& options) {
     Measured measured(options.json);
     measured.add(records, [&] {
         std::printf("%s, driver %s: %s, %s; medians of %u updates\n", device.info().name.c_str(),
-                    device.info().driver.c_str(), configuration.c_str(), text(records.front(), "path").c_str(),
+                    device.info().driver.c_str(), field.configuration.c_str(), text(records.front(), "path").c_str(),
                     options.samples);
         print_views(records);
         print_recording(records);
@@ -145,12 +132,7 @@ void add_bench_million(Command bench) {
         "a frame of very many characters: time by what is drawn, memory, distinct poses, the CPU's part, and "
         "what GPUs would need");
     auto options = std::make_shared<MillionOptions>();
-    Option file = command.add_option("file", options->file,
-                                     "a glTF 2.0 or .throng file (default: a generated creature)");
-    command.add_option("--count", options->count, "characters").check(range(1u, 10'000'000u)).capture_default_str();
-    command.add_option("--joints", options->joints, "of the generated creature").excludes(file).capture_default_str();
-    command.add_option("--levels", options->levels, "of the generated creature").excludes(file).capture_default_str();
-    command.add_option("--faces", options->faces, "of the generated creature").excludes(file).capture_default_str();
+    add_field_options(command, options->field);
     command.add_option("--size", options->size, "of the picture that the cameras take").capture_default_str();
     command.add_option("--blending", options->blending, "part of the characters that are between two clips")
         .check(finite())
@@ -169,8 +151,6 @@ void add_bench_million(Command bench) {
         .capture_default_str();
     add_path_option(command, options->path);
     add_samples_option(command, options->samples);
-    add_error_option(command, options->compile);
-    command.add_option("--seed", options->seed, "of creature, clips, times and blends").capture_default_str();
     add_json_flag(command, options->json);
     add_device_option(command, options->device);
     command.footer(

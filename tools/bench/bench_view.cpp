@@ -1,25 +1,22 @@
 // throng bench view: what an update for a view leaves out, and gains.
 #include "bench/view_bench.h"
-#include "tools/creatures/creature.h"
 #include "tools/bench/bench_commands.h"
+#include "tools/bench/generated_field.h"
 #include "tools/bench/measured.h"
 #include "tools/cli/command.h"
 #include "tools/scene/camera_path.h"
-#include "tools/scene/scatter.h"
 
 #include <cstdio>
-#include <filesystem>
 
 namespace throng::tools {
 namespace {
 
 struct ViewOptions {
-    std::string file, size = "1280x720", device;
-    uint32_t count = 100'000, joints = 64, levels = 16, faces = 500, samples = 15;
-    uint64_t seed = 1;
+    FieldOptions field{.count = 100'000};
+    std::string size = "1280x720", device;
+    uint32_t samples = 15;
     float lod_pixels = 1, full_rate_pixels = 100;
     CameraOptions camera{.path = "low"};
-    CompileSettings compile;
     UpdatePath path = UpdatePath::kAuto;
     bool json = false;
 };
@@ -48,28 +45,18 @@ void run_view(const ViewOptions& options) {
     const Device device = open_device(options.device);
     const RendererSettings size = parse_size(options.size);
     print_progress("compiling");
-    const Character character = options.file.empty()
-                                    ? unwrap(compile_character(unwrap(make_creature({.joint_count = options.joints,
-                                                                                     .level_count = options.levels,
-                                                                                     .face_count = options.faces,
-                                                                                     .seed = options.seed})),
-                                                               options.compile))
-                                    : unwrap(load_character(options.file, options.compile));
-    const Scatter field = scatter({&character, 1}, {.counts = {options.count}, .seed = options.seed});
-    const std::string configuration = std::to_string(options.count) + " x " +
-                                      (options.file.empty() ? std::to_string(options.joints) + " joints"
-                                                            : std::filesystem::path(options.file).filename().string());
+    const Field field = make_field(options.field);
     const auto view = [&](const Bounds& bounds) {
         const CameraSubject subject{.bounds = bounds,
                                     .aspect_ratio = static_cast<float>(size.width) / static_cast<float>(size.height),
                                     .world_from_model = field.placement.front(),
-                                    .model_bounds = {character.bounds_min, character.bounds_max}};
+                                    .model_bounds = {field.character.bounds_min, field.character.bounds_max}};
         return unwrap(view_of(make_camera_path(options.camera).at(0, subject), size.width, size.height, bounds,
                               {.lod_pixels = options.lod_pixels, .full_rate_pixels = options.full_rate_pixels}));
     };
     const std::vector<Json> records = bench::measure_view(device,
-                                                          {.configuration = configuration,
-                                                           .character = &character,
+                                                          {.configuration = field.configuration,
+                                                           .character = &field.character,
                                                            .playback = field.playback,
                                                            .placement = field.placement,
                                                            .path = options.path,
@@ -81,7 +68,7 @@ void run_view(const ViewOptions& options) {
             "%s, driver %s: %s, %s; medians of %u updates\n%-18s %9s %19s %7s  stages, characters drawn of each level "
             "of "
             "detail\n",
-            device.info().name.c_str(), device.info().driver.c_str(), configuration.c_str(),
+            device.info().name.c_str(), device.info().driver.c_str(), field.configuration.c_str(),
             text(records.front(), "path").c_str(), options.samples, "variant", "ms", "5 % - 95 %", "faster");
         for (const Json& record : records) print_row(record);
     });
@@ -95,12 +82,7 @@ void add_bench_view(Command bench) {
                                            "updates of what a camera sees: culled, with fewer joints, less often where "
                                            "small; checked, then timed beside an update of everything");
     auto options = std::make_shared<ViewOptions>();
-    Option file = command.add_option("file", options->file,
-                                     "a glTF 2.0 or .throng file (default: a generated creature)");
-    command.add_option("--count", options->count, "characters").check(range(1u, 10'000'000u)).capture_default_str();
-    command.add_option("--joints", options->joints, "of the generated creature").excludes(file).capture_default_str();
-    command.add_option("--levels", options->levels, "of the generated creature").excludes(file).capture_default_str();
-    command.add_option("--faces", options->faces, "of the generated creature").excludes(file).capture_default_str();
+    add_field_options(command, options->field);
     command.add_option("--size", options->size, "of the picture that the camera takes").capture_default_str();
     add_camera_options(command, options->camera);
     command
@@ -117,8 +99,6 @@ void add_bench_view(Command bench) {
         .capture_default_str();
     add_path_option(command, options->path);
     add_samples_option(command, options->samples);
-    add_error_option(command, options->compile);
-    command.add_option("--seed", options->seed, "of creature, clips, times and blends").capture_default_str();
     add_json_flag(command, options->json);
     add_device_option(command, options->device);
     command.footer(
