@@ -208,8 +208,18 @@ TEST(Cull, CellsFollowPlacements) {
     const Character character = small_character();
     constexpr uint32_t kCount = 400;
     Random random(4);
-    std::vector<Affine> places = random_places(random, kCount, 40);
-    const CrowdView view = *view_of({.eye = {0, 10, 60}, .target = {10, 0, 0}}, kWidth, kHeight, {});
+    // Sorted, so that cells are slices of the field, of which the camera sees one end; which end comes first changes
+    bool from_left = false;
+    const auto sorted_places = [&](uint32_t count) {
+        std::vector<Affine> sorted = random_places(random, count, 40);
+        std::ranges::sort(sorted, {},
+                          [&](const Affine& place) { return from_left ? place.row[0][3] : -place.row[0][3]; });
+        from_left = !from_left;
+        return sorted;
+    };
+    std::vector<Affine> places = sorted_places(kCount);
+    const CrowdView view = *view_of({.eye = {30, 10, 60}, .target = {30, 0, 0}, .vertical_field_of_view_rad = 0.3f},
+                                    kWidth, kHeight, {});
     const CrowdSettings settings{.groups = {{&character, kCount}}, .culls = true};
     Crowd crowd = create(settings);
     ASSERT_TRUE(crowd.set_placement(0, places));
@@ -225,7 +235,7 @@ TEST(Cull, CellsFollowPlacements) {
         EXPECT_FALSE(instances_of(fresh).empty());
     };
     const auto move = [&](uint32_t first, uint32_t count) {
-        std::vector<Affine> others = random_places(random, count, 40);
+        const std::vector<Affine> others = sorted_places(count);
         std::ranges::copy(others, places.begin() + first);
         ASSERT_TRUE(crowd.set_placement(first, others));
     };
