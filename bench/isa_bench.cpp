@@ -1,10 +1,8 @@
 #include "bench/isa_bench.h"
 
 #include "bench/frame_traffic.h"
-#include "bench/isa/compiler.h"
 #include "bench/isa/configurations.h"
-#include "bench/isa/executable.h"
-#include "bench/isa/prediction.h"
+#include "bench/isa/scan_works.h"
 #include "bench/skeletons.h"
 #include "bench/value_of.h"
 #include "crowd/path.h"
@@ -13,6 +11,7 @@
 #include <throng/device.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 namespace throng::bench {
@@ -40,25 +39,20 @@ Json json_of(const MachineCode& code, std::span<const LoopTrips> trips) {
 class IsaMeasurement {
 public:
     IsaMeasurement(const Simd& simd, uint32_t subgroup_size, const Progress& progress)
-        : simd_(simd), progress_(progress), gpu_(open_compiler(std::string(simd.family))) {
-        gpu_->compiled_subgroup_size = subgroup_size;
-        gpu_->on_pipeline = [this](const MadePipeline& made) {
-            for (Executable& executable : executables_of(*gpu_, made)) made_.push_back(std::move(executable));
-        };
-    }
-    ~IsaMeasurement() { gpu_->on_pipeline = nullptr; }
+        : simd_(simd), progress_(progress), compiler_(std::string(simd.family), subgroup_size) {}
 
     void measure_crowds(void (*visit_forms)(const VisitIsa&)) {
         visit_forms([&](const IsaConfiguration& configuration) {
             progress_(configuration.name);
-            made_.clear();
-            const Crowd crowd = value_of(Crowd::create(Device(gpu_), configuration.settings));
-            const PathChoice path = choose_path(*gpu_, configuration.settings, configuration.settings.groups[0]);
-            for (const Executable& kernel : made_) {
+            const std::shared_ptr<Gpu>& gpu = compiler_.gpu();
+            const std::vector<Executable> kernels = compiler_.made_by(
+                [&] { value_of(Crowd::create(Device(gpu), configuration.settings)); });
+            const PathChoice path = choose_path(*gpu, configuration.settings, configuration.settings.groups[0]);
+            for (const Executable& kernel : kernels) {
                 const bool is_fused = kernel.name.starts_with("fused"), is_counted = configuration.characters > 0;
                 const std::span<const LoopTrips> trips = is_fused && is_counted ? path.fused->loops
                                                                                 : std::span<const LoopTrips>();
-                Json record = record_of(kernel, configuration.name, trips);
+                Json record = record_of(kernel, configuration.name, trips_of_kernel(kernel, trips));
                 if (is_fused) record["scan"] = path.fused->choice.method->name;
                 add(record);
                 if (is_fused && is_counted) predict_update(kernel, configuration, *path.fused);
@@ -66,47 +60,52 @@ public:
         });
     }
 
-    void measure_scans() {
-        const ScanRig rig(make_skeleton(SkeletonShape::kRandom, 300, 60, 1), true);
-        const ScanLimits limits = scan_limits(*gpu_);
-        for (const ScanMethod& method : scan_table())
-            for (const uint32_t threads : method.thread_choices(limits)) {
-                if (!plan_scan(method, rig, limits, threads).unsupported_reason.empty()) continue;
-                progress_(std::string(method.name));
-                made_.clear();
-                const ScanStage scan(gpu_, {&method, threads}, rig, limits);
-                for (const Executable& kernel : made_) {
-                    Json record = record_of(kernel, "scan alone, 300 joints, 60 levels", scan.counts().loops);
-                    record["threads"] = threads;
-                    add(record);
-                }
-            }
+    // Of the choices of a method those that are predicted to take least, on one machine or another.
+    void measure_scans(uint32_t levels) {
+        const ScanRig rig(make_skeleton(SkeletonShape::kRandom, 300, levels, 1), true);
+        for (const ScanPlace place : {ScanPlace::kMemory, ScanPlace::kChip}) {
+            const std::string configuration = std::string(place == ScanPlace::kMemory ? "scan alone" : "scan on chip") +
+                                              ", 300 joints, " + std::to_string(levels) + " levels";
+            std::map<std::string_view, std::vector<ScanWork>> of_methods;
+            visit_scan_works(compiler_, rig, place, [&](const ScanWork& work) {
+                progress_(configuration + ": " + name_of(work.choice));
+                of_methods[work.choice.method->name].push_back(work);
+            });
+            for (const auto& [method, works] : of_methods) add_best(works, configuration, levels);
+        }
     }
 
     void measure_drawing() {
         progress_("drawing");
-        made_.clear();
-        const ShaderLayout layout = make_draw_layout(gpu_), farthest_layout = make_farthest_layout(gpu_);
-        const PipelineSettings settings{gpu_, layout.get(), VK_SAMPLE_COUNT_4_BIT};
-        make_ground_pipeline(settings);
-        make_farthest_pipeline(gpu_, farthest_layout);
-        for (const bool listed : {false, true}) {
-            const LinePipelines lines(settings, listed);
-            for (const SkinFormat format : {SkinFormat::kAffine, SkinFormat::kHalfAffine, SkinFormat::kSimilarity})
-                const CharacterPipelines characters(settings, {.format = format, .listed = listed});
-        }
-        const CharacterPipelines dual(settings, {.blend = SkinBlend::kDualQuaternion});
-        const CharacterPipelines skinned(settings, {.skinned = true});
-        for (const Executable& stage : made_) add(record_of(stage, "drawing", {}));
+        const std::vector<Executable> stages = compiler_.made_by([&] {
+            const std::shared_ptr<Gpu>& gpu = compiler_.gpu();
+            const ShaderLayout layout = make_draw_layout(gpu), farthest_layout = make_farthest_layout(gpu);
+            const PipelineSettings settings{gpu, layout.get(), VK_SAMPLE_COUNT_4_BIT};
+            make_ground_pipeline(settings);
+            make_farthest_pipeline(gpu, farthest_layout);
+            for (const bool listed : {false, true}) {
+                const LinePipelines lines(settings, listed);
+                for (const SkinFormat format : {SkinFormat::kAffine, SkinFormat::kHalfAffine, SkinFormat::kSimilarity})
+                    const CharacterPipelines characters(settings, {.format = format, .listed = listed});
+            }
+            const CharacterPipelines dual(settings, {.blend = SkinBlend::kDualQuaternion});
+            const CharacterPipelines skinned(settings, {.skinned = true});
+        });
+        for (const Executable& stage : stages) add(record_of(stage, "drawing", trips_of_kernel(stage, {})));
     }
 
     const std::vector<Json>& records() const { return records_; }
 
 private:
-    // `known`: as ScanCounts::loops, or nothing where that is not known.
-    Json record_of(const Executable& kernel, const std::string& configuration, std::span<const LoopTrips> known) const {
-        const auto trips = trips_of(kernel.code, known, kernel.subgroup_size);
-        Json record = where_and_when(gpu_->info);
+    static std::optional<std::vector<LoopTrips>> trips_of_kernel(const Executable& kernel,
+                                                                 std::span<const LoopTrips> known) {
+        return trips_of(kernel.code, known, kernel.subgroup_size);
+    }
+
+    // `trips`: of each loop, where they are known.
+    Json record_of(const Executable& kernel, const std::string& configuration,
+                   const std::optional<std::vector<LoopTrips>>& trips) const {
+        Json record = where_and_when(compiler_.gpu()->info);
         const Occupancy occupancy = occupancy_of(kernel.needs(), simd_);
         record.update({{"bench", "isa"},
                        {"family", simd_.family},
@@ -135,6 +134,41 @@ private:
         if (seen_.insert(what.dump()).second) records_.push_back(record);
     }
 
+    bool stands_for(const Executable& kernel, const Machine& machine) const {
+        return machine.code == simd_.family && kernel.subgroup_size <= machine.simd->largest_subgroup;
+    }
+
+    void add_best(std::span<const ScanWork> works, const std::string& configuration, uint32_t levels) {
+        constexpr uint32_t kCharacters = 10'000;
+        for (const Machine& machine : machines()) {
+            const auto ms = [&](const ScanWork& work) { return predict(work.of(kCharacters), machine).ms(); };
+            const auto best = std::ranges::min_element(works, {}, ms);
+            if (!stands_for(best->kernel, machine)) continue;
+            Json record = record_of(best->kernel, configuration, best->trips);
+            record["threads"] = best->choice.threads;
+            add(record);
+            record = prediction_of(best->kernel, configuration, machine);
+            record.update({{"scan", best->choice.method->name},
+                           {"threads", best->choice.threads},
+                           {"characters", kCharacters},
+                           {"joints", best->joint_count},
+                           {"levels", levels}});
+            add_prediction(record, best->of(kCharacters), predict(best->of(kCharacters), machine));
+            records_.push_back(record);
+        }
+    }
+
+    Json prediction_of(const Executable& kernel, const std::string& configuration, const Machine& machine) const {
+        Json record = where_and_when(compiler_.gpu()->info);
+        record.update({{"bench", "isa"},
+                       {"family", simd_.family},
+                       {"configuration", configuration},
+                       {"kernel", kernel.name},
+                       {"subgroup_size", kernel.subgroup_size},
+                       {"machine", machine.name}});
+        return record;
+    }
+
     void predict_update(const Executable& kernel, const IsaConfiguration& configuration, const FusedPlan& plan) {
         const uint32_t per_workgroup = plan.scan.instances_per_workgroup;
         const FrameTraffic traffic{.fused = true,
@@ -142,25 +176,18 @@ private:
                                    .palette_count = static_cast<uint32_t>(configuration.character->palette.size()),
                                    .skin_bytes = skin_format_bytes(configuration.settings.skin_format)};
         const uint32_t workgroups = (configuration.characters + per_workgroup - 1) / per_workgroup;
-        const auto trips = trips_of(kernel.code, plan.loops, kernel.subgroup_size);
+        const auto trips = trips_of_kernel(kernel, plan.loops);
         const KernelWork work{
             .needs = kernel.needs(),
             .issued = trips ? issued_by_subgroup(kernel.code, *trips) : InstructionCounts(),
             .subgroups = workgroups * subgroups_of(kernel.needs()),
             .bytes = static_cast<double>(configuration.characters) * static_cast<double>(traffic.bytes_per_instance())};
         for (const Machine& machine : machines()) {
-            if (machine.code != simd_.family || kernel.subgroup_size > machine.simd->largest_subgroup) continue;
-            Json record = where_and_when(gpu_->info);
-            record.update({{"bench", "isa"},
-                           {"family", simd_.family},
-                           {"configuration", configuration.name},
-                           {"kernel", kernel.name},
-                           {"scan", plan.choice.method->name},
-                           {"subgroup_size", kernel.subgroup_size},
+            if (!stands_for(kernel, machine)) continue;
+            Json record = prediction_of(kernel, configuration.name, machine);
+            record.update({{"scan", plan.choice.method->name},
                            {"characters", configuration.characters},
-                           {"joints", configuration.character->rig.joint_count()},
-                           {"machine", machine.name},
-                           {"bytes", work.bytes}});
+                           {"joints", configuration.character->rig.joint_count()}});
             if (trips)
                 add_prediction(record, work, predict(work, machine));
             else
@@ -170,7 +197,8 @@ private:
     }
 
     static void add_prediction(Json& record, const KernelWork& work, const Prediction& prediction) {
-        record.update({{"instructions_issued", work.issued.total() * work.subgroups},
+        record.update({{"bytes", work.bytes},
+                       {"instructions_issued", work.issued.total() * work.subgroups},
                        {"subgroups_per_simd", prediction.occupancy.subgroups},
                        {"limited_by", prediction.occupancy.limit},
                        {"predicted_issue_ms", prediction.issue_ms},
@@ -182,8 +210,7 @@ private:
 
     const Simd& simd_;
     const Progress& progress_;
-    std::shared_ptr<Gpu> gpu_;
-    std::vector<Executable> made_;  // since it was cleared
+    Compiler compiler_;
     std::vector<Json> records_;
     std::set<std::string> seen_;
 };
@@ -199,7 +226,8 @@ std::vector<Json> measure_isa(const std::string& family, IsaScope scope, const P
         measurement.measure_crowds(visit_default_forms);
         if (scope == IsaScope::kAll) {
             measurement.measure_crowds(visit_other_forms);
-            measurement.measure_scans();
+            if (subgroup_size == std::max(simd.smallest_subgroup, 32u))
+                for (const uint32_t levels : {15, 30, 60, 120}) measurement.measure_scans(levels);
             measurement.measure_drawing();
         }
         records.insert(records.end(), measurement.records().begin(), measurement.records().end());

@@ -2,7 +2,6 @@
 
 #include "base/failure.h"
 #include "bench/isa/compiler.h"
-#include "bench/isa/executable.h"
 #include "bench/isa/prediction.h"
 #include "bench/value_of.h"
 #include "control/control_io.h"
@@ -24,18 +23,14 @@ constexpr uint32_t kSubgroup = 32;
 class MillionKernels {
 public:
     MillionKernels(const std::string& family, const Character& character, const SkinPool& pool)
-        : gpu_(open_compiler(family)), character_(character) {
-        gpu_->compiled_subgroup_size = kSubgroup;
-        gpu_->on_pipeline = [this](const MadePipeline& made) {
-            for (Executable& executable : executables_of(*gpu_, made)) made_.push_back(std::move(executable));
-        };
+        : character_(character) {
+        const Compiler compiler(family, kSubgroup);
         const CrowdSettings settings{.groups = {{.character = &character, .instance_count = 1, .skin_pool = pool}},
                                      .timestamps = false};
         CrowdSettings viewed = settings;
         viewed.culls = true;
-        const Crowd crowd = value_of(Crowd::create(Device(gpu_), viewed));
-        plan_ = choose_path(*gpu_, viewed, viewed.groups[0]).fused;
-        gpu_->on_pipeline = nullptr;
+        made_ = compiler.made_by([&] { value_of(Crowd::create(Device(compiler.gpu()), viewed)); });
+        plan_ = choose_path(*compiler.gpu(), viewed, viewed.groups[0]).fused;
     }
 
     // Milliseconds of each stage. Throws kUnsupported where the machine code is not what is counted here.
@@ -48,21 +43,18 @@ public:
 private:
     // A playback is read and its times are written, which takes whole lines of the cache; a cursor is written.
     double control_ms(double instances, const Machine& machine) const {
-        const uint64_t searched = std::bit_width(std::ranges::max(character_.clips, {}, &Clip::row_count).row_count);
+        const double searched = std::bit_width(std::ranges::max(character_.clips, {}, &Clip::row_count).row_count);
         return ms_of("control", {{"rows", searched}, {"rows", searched}}, instances,
                      instances * (2 * sizeof(io::InstancePlayback) + sizeof(io::InstanceCursor)), machine);
     }
 
     double cull_ms(uint32_t instances, DrawnCounts drawn, const Machine& machine) const {
-        constexpr double kWord = sizeof(uint32_t), kWide = io::kCullWorkgroupSize;
-        constexpr uint64_t kFours = io::kCounters / 4, kRanks = std::bit_width(io::kCullWorkgroupSize) - 1;
-        const uint64_t workgroups = cull_workgroups_of(instances), cells = cells_of_workgroup(instances),
-                       share = (workgroups + io::kCullWorkgroupSize - 1) / io::kCullWorkgroupSize;
-        const double all = instances, seen = drawn.own + drawn.shared,
-                     invocations = static_cast<double>(workgroups) * kWide,
-                     in_seen_cells = std::min(all, kWide * drawn.cells);
-        const auto seen_of_workgroup = static_cast<uint64_t>(
-            std::ceil(static_cast<double>(cells) * in_seen_cells / all));
+        constexpr double kWord = sizeof(uint32_t), kWide = io::kCullWorkgroupSize, kFours = io::kCounters / 4;
+        constexpr double kRanks = std::bit_width(io::kCullWorkgroupSize) - 1;
+        const double workgroups = cull_workgroups_of(instances), cells = cells_of_workgroup(instances),
+                     share = std::ceil(workgroups / kWide), all = instances, seen = drawn.own + drawn.shared,
+                     invocations = workgroups * kWide, in_seen_cells = std::min(all, kWide * drawn.cells);
+        const double seen_of_workgroup = std::ceil(cells * in_seen_cells / all);
         // What the kernel reads and writes: the boxes of all cells; placements and states of instances in cells that
         // are seen; states and verdicts of all instances; cursors and rows of those that are drawn
         const double culled_bytes = sizeof(io::Cell) * std::ceil(all / kWide) +
@@ -77,8 +69,7 @@ private:
                                                 {"invocations", kFours * io::kCullWorkgroupSize},
                                                 {"workgroups", kFours * share},
                                                 {"sections", 1}};
-        return ms_of("cull", {{"cells", std::max<uint64_t>(seen_of_workgroup, 1)}}, invocations, culled_bytes,
-                     machine) +
+        return ms_of("cull", {{"cells", std::max(seen_of_workgroup, 1.0)}}, invocations, culled_bytes, machine) +
                ms_of("offsets", of_offsets, kWide, 2.0 * static_cast<double>(workgroups) * io::kCounters * kWord,
                      machine) +
                ms_of("list", {{"cells", cells}, {"ranks", cells * kRanks}}, invocations,
@@ -110,7 +101,6 @@ private:
             .ms();
     }
 
-    std::shared_ptr<Gpu> gpu_;
     const Character& character_;
     std::vector<Executable> made_;
     std::optional<FusedPlan> plan_;

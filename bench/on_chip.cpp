@@ -1,7 +1,7 @@
 // Measures what a scan costs without memory: every character reads the same local transforms from shared memory and
 // scans them repeat after repeat. The difference of two runs of different repeat counts is free of launching, loading
 // and storing.
-#include "bench/on_chip_shaders.h"
+#include "bench/on_chip_kernel.h"
 #include "bench/gpu_clock.h"
 #include "bench/scan_cell.h"
 #include "bench/scan_crowd.h"
@@ -14,32 +14,22 @@
 namespace throng::bench {
 namespace {
 
-constexpr uint32_t kBetweenBarriers_bytes = 16;  // scan.glsl, on_chip_between_barriers, and its alignment
-constexpr uint32_t kMethodConstants = 7;         // constant_id 1 to 7 are the method's own
-constexpr uint32_t kSoftwareCharacters = 256;    // more only take longer on a software device
-constexpr double kRun_ms = 10;                   // how long the difference of two runs should be at least
+constexpr uint32_t kSoftwareCharacters = 256;  // more only take longer on a software device
+constexpr double kRun_ms = 10;                 // how long the difference of two runs should be at least
 constexpr uint32_t kMostRepeats = 20'000;
-
-uint32_t on_chip_transforms(const ScanPlan& plan, const ScanRig& rig) {
-    return plan.instances_per_workgroup * rig.joint_count();
-}
 
 // Iterations of an invocation's loops in so many repeats, with those that fill shared memory.
 uint64_t loop_iterations(const ScanPlan& plan, const ScanRig& rig, uint64_t repeat_count) {
     return on_chip_transforms(plan, rig) / plan.workgroup_size + 2 + repeat_count * (plan.counts.loop_iterations + 1);
 }
 
-// Empty where the method runs on-chip, beside the local transforms of the workgroup's characters in the same shared
-// memory.
+// Empty where two repeats run.
 std::string unsupported_reason_of(const ScanPlan& plan, const ScanMethod& method, const ScanRig& rig,
                                   const ScanLimits& limits) {
-    if (!plan.unsupported_reason.empty()) return plan.unsupported_reason;
-    if (!plan.on_chip) return "its transforms pass through memory";
-    if (loop_iterations(plan, rig, 2) > limits.loop_iterations)
-        return "two repeats exceed the device's loop iterations";
-    const uint64_t needed_bytes = uint64_t{plan.counts.shared_bytes} * plan.instances_per_workgroup +
-                                  on_chip_transforms(plan, rig) * bytes_of(method.format) + kBetweenBarriers_bytes;
-    return memory_unsupported_reason(needed_bytes, ", with the local transforms,", limits);
+    std::string reason = on_chip_unsupported_reason(plan, method, rig, limits);
+    if (reason.empty() && loop_iterations(plan, rig, 2) > limits.loop_iterations)
+        reason = "two repeats exceed the device's loop iterations";
+    return reason;
 }
 
 std::string unsupported_reason_of(const Entrant& entrant, const ScanRig& rig, const ScanLimits& limits) {
@@ -95,7 +85,8 @@ public:
         local_ = upload(gpu, "local transforms", pose.bytes(0, 1, ScanLayout::kCharacterMajor, choice.method->format));
         model_ = storage("model matrices", matrix_count() * sizeof(Affine));
         scratch_ = storage("scratch", sizeof(Affine));
-        kernels_ = {kernel(0), kernel(1)};
+        for (const bool barriers_twice : {false, true})
+            kernels_[barriers_twice] = on_chip_kernel(gpu, *choice.method, plan_, rig, barriers_twice);
         bindings_ = kernels_[0].bind(BufferTable{{io::kLocalBuffer, local_},
                                                  {io::kScanLinksBuffer, links_},
                                                  {io::kModelBuffer, model_},
@@ -137,24 +128,11 @@ public:
 private:
     uint64_t matrix_count() const { return uint64_t{character_count_} * rig_.joint_count(); }
 
-    Kernel kernel(uint32_t barriers_twice) const {
-        const OnChipShaders& shaders = on_chip_shaders(choice_.method->name);
-        std::vector<uint32_t> constants = plan_.constants;
-        constants.resize(kMethodConstants);
-        constants.insert(constants.end(),
-                         {barriers_twice, plan_.instances_per_workgroup, on_chip_transforms(plan_, rig_)});
-        return Kernel(gpu_, {.name = choice_.method->name,
-                             .spirv = gpu_->uses_software_kernels() ? shaders.software : shaders.plain,
-                             .workgroup_size = plan_.workgroup_size,
-                             .constants = std::move(constants),
-                             .full_subgroups = plan_.full_subgroups});
-    }
-
     double run_ms(uint32_t repeat_count, bool barriers_twice) const {
         const uint32_t workgroups = (character_count_ + plan_.instances_per_workgroup - 1) /
                                     plan_.instances_per_workgroup;
         return clock_->time_ms([&](VkCommandBuffer commands) {
-            kernels_[barriers_twice ? 1 : 0].dispatch_workgroups(
+            kernels_[barriers_twice].dispatch_workgroups(
                 commands, bindings_, io::ScanPush{rig_.joint_count(), character_count_, repeat_count}, workgroups);
         });
     }

@@ -3,6 +3,7 @@
 #include "bench/isa/compiler.h"
 #include "bench/isa/executable.h"
 #include "bench/isa/machines.h"
+#include "bench/isa/predicted_costs.h"
 #include "bench/isa_bench.h"
 #include "bench/report/records.h"
 #include "bench/value_of.h"
@@ -11,6 +12,7 @@
 
 #include <throng/crowd.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -107,6 +109,20 @@ TEST(Isa, DefaultFormsAreAsTheRecordHasThem) {
             }
         }
     }
+}
+
+// The planner's built-in costs of GPUs are what `throng tune --predicted` prints, and choose well by machine code.
+TEST(Isa, CostsOfThePlannerAreThoseOfMachineCode) {
+    constexpr uint32_t kAmd = 0x1002;
+    if (!compiler_or_null()) GTEST_SKIP() << "without AMD's driver";
+    const ScanCosts built_in = built_in_hardware_costs(kAmd);
+    const auto machine = std::ranges::find(machines(), "RX 6900 XT", &Machine::name);
+    const PredictedCosts predicted = predict_scan_costs(*machine, built_in, [](const std::string&) {});
+    EXPECT_GT(predicted.scan_count, 50u);
+    EXPECT_LT(predicted.largest_slack, 1.1);
+    for (const auto constant : {&ScanCosts::row_ns, &ScanCosts::multiplication_ns, &ScanCosts::workgroup_ns,
+                                &ScanCosts::latency_ns, &ScanCosts::units, &ScanCosts::resident_subgroups})
+        EXPECT_NEAR(built_in.*constant, predicted.costs.*constant, 0.1 * predicted.costs.*constant);
 }
 
 }  // namespace

@@ -59,4 +59,26 @@ std::shared_ptr<Gpu> open_compiler(const std::string& family) {
     return gpu;
 }
 
+Compiler::Compiler(const std::string& family, uint32_t subgroup_size) : gpu_(open_compiler(family)) {
+    gpu_->compiled_subgroup_size = subgroup_size;
+}
+
+Compiler::~Compiler() { gpu_->on_pipeline = nullptr; }
+
+ScanLimits Compiler::scan_limits() const {
+    ScanLimits limits = throng::scan_limits(*gpu_);
+    limits.subgroup_size = gpu_->compiled_subgroup_size;
+    return limits;
+}
+
+std::vector<Executable> Compiler::made_by(const std::function<void()>& make) const {
+    std::vector<Executable> made;
+    gpu_->on_pipeline = [&](const MadePipeline& pipeline) {
+        for (Executable& executable : executables_of(*gpu_, pipeline)) made.push_back(std::move(executable));
+    };
+    make();
+    gpu_->on_pipeline = nullptr;
+    return made;
+}
+
 }  // namespace throng::bench

@@ -1,8 +1,10 @@
 // AMD's driver without its hardware: it compiles for the machine that it is told of.
 #pragma once
 
-#include "gpu/gpu.h"
+#include "bench/isa/executable.h"
+#include "scan/scan.h"
 
+#include <functional>
 #include <string>
 
 namespace throng::bench {
@@ -11,5 +13,22 @@ namespace throng::bench {
 // unless VK_DRIVER_FILES or VK_ICD_FILENAMES say where it is. Throws kNoDevice where it is not installed. The
 // environment is changed while the device is made: other threads must not read it then.
 std::shared_ptr<Gpu> open_compiler(const std::string& family);
+
+// Compiles for subgroups of one size, and keeps what comes of it.
+class Compiler {
+public:
+    Compiler(const std::string& family, uint32_t subgroup_size);  // throws as open_compiler()
+    ~Compiler();
+    Compiler(const Compiler&) = delete;
+
+    const std::shared_ptr<Gpu>& gpu() const { return gpu_; }
+    ScanLimits scan_limits() const;
+
+    // The kernels, and stages of graphics pipelines, that are made while `make` runs.
+    std::vector<Executable> made_by(const std::function<void()>& make) const;
+
+private:
+    std::shared_ptr<Gpu> gpu_;
+};
 
 }  // namespace throng::bench

@@ -24,7 +24,7 @@ double issue_clocks(const InstructionCounts& issued, uint32_t subgroup_size, con
 std::optional<std::vector<LoopTrips>> trips_of(const MachineCode& code, std::span<const LoopTrips> known,
                                                uint32_t subgroup_size) {
     std::vector<LoopTrips> trips;
-    std::vector<uint64_t> around{1};  // trips of the loops around the next one, by their depth
+    std::vector<double> around{1};  // trips of the loops around the next one, by their depth
     for (const MachineLoop& loop : code.loops) {
         around.resize(loop.depth + 1);
         if (loop.over_lanes) {
@@ -42,7 +42,7 @@ std::optional<std::vector<LoopTrips>> trips_of(const MachineCode& code, std::spa
 
 InstructionCounts issued_by_subgroup(const MachineCode& code, std::span<const LoopTrips> trips) {
     InstructionCounts issued = code.outside;
-    for (size_t i = 0; i < trips.size(); ++i) issued.add(code.loops[i].own, static_cast<double>(trips[i].trips));
+    for (size_t i = 0; i < trips.size(); ++i) issued.add(code.loops[i].own, trips[i].trips);
     return issued;
 }
 
@@ -54,16 +54,21 @@ std::string Prediction::limit() const {
     return "waiting for loads";
 }
 
+Waiting waiting_of(const KernelWork& work, const Machine& machine) {
+    const double waits = kMemoryWait * work.issued[InstructionClass::kMemoryWait] +
+                         kSharedWait * work.issued[InstructionClass::kSharedWait];
+    return {issue_clocks(work.issued, work.needs.subgroup_size, *machine.simd) / machine.clock_ghz,
+            waits / machine.clock_ghz};
+}
+
 Prediction predict(const KernelWork& work, const Machine& machine) {
     constexpr double kMs_per_ns = 1e-6;
     const Occupancy occupancy = occupancy_of(work.needs, *machine.simd);
-    const double clocks = issue_clocks(work.issued, work.needs.subgroup_size, *machine.simd);
-    const double waits = kMemoryWait * work.issued[InstructionClass::kMemoryWait] +
-                         kSharedWait * work.issued[InstructionClass::kSharedWait];
-    const double subgroups_of_simd = std::max(1.0, work.subgroups / machine.simd_count),
-                 ms_per_clock = kMs_per_ns / machine.clock_ghz;
-    return {.issue_ms = subgroups_of_simd * clocks * ms_per_clock,
-            .latency_ms = std::max(1.0, subgroups_of_simd / occupancy.subgroups) * (clocks + waits) * ms_per_clock,
+    const Waiting waiting = waiting_of(work, machine);
+    const double subgroups_of_simd = std::max(1.0, work.subgroups / machine.simd_count);
+    return {.issue_ms = subgroups_of_simd * waiting.issue_ns * kMs_per_ns,
+            .latency_ms = std::max(1.0, subgroups_of_simd / occupancy.subgroups) *
+                          (waiting.issue_ns + waiting.wait_ns) * kMs_per_ns,
             .memory_ms = work.bytes / machine.bytes_per_ns * kMs_per_ns,
             .occupancy = occupancy};
 }

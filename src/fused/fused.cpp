@@ -7,6 +7,7 @@
 #include "scan/stream_plan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace throng {
@@ -31,10 +32,11 @@ ScanPlan plan_tiled(const ScanChoice& choice, const ScanRig& rig, const ScanLimi
 }
 
 // The loops that make the local transforms come before those of the scan.
-std::vector<LoopTrips> with_tile(const ScanPlan& plan, uint32_t joint_count) {
+std::vector<LoopTrips> with_tile(const ScanPlan& plan, uint32_t joint_count, uint32_t subgroup_size) {
     if (plan.counts.loops.empty()) return {};
-    const uint64_t characters = plan.instances_per_workgroup,
-                   strides = (joint_count + plan.workgroup_size - 1) / plan.workgroup_size;
+    const auto subgroups = [&](double invocations) { return std::ceil(invocations / subgroup_size); };
+    const double characters = plan.instances_per_workgroup,
+                 strides = subgroups(joint_count) / subgroups(plan.workgroup_size);
     std::vector<LoopTrips> loops{{"characters", characters}, {"local transforms", characters * strides}};
     loops.insert(loops.end(), plan.counts.loops.begin(), plan.counts.loops.end());
     return loops;
@@ -103,7 +105,7 @@ FusedPlan plan_fused(const ScanChoice& choice, const FusedRig& rig, const ScanLi
     plan.tile_transforms = !tiled ? 0 : plan.scan.instances_per_workgroup * rig.rig.joint_count();
     plan.one_bind = rig.most_binds <= 1;
     if (!plan.unsupported_reason.empty()) return plan;
-    plan.loops = !tiled ? plan.scan.counts.loops : with_tile(plan.scan, rig.rig.joint_count());
+    plan.loops = !tiled ? plan.scan.counts.loops : with_tile(plan.scan, rig.rig.joint_count(), limits.subgroup_size);
     const uint64_t iterations = plan.scan.counts.loop_iterations + 2 * uint64_t{rig.rig.joint_count()} +
                                 rig.palette_count;
     if (iterations > limits.loop_iterations)

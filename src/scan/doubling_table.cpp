@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
 
 namespace throng {
 namespace {
@@ -45,15 +46,28 @@ DoublingTable doubling_table(std::span<const uint32_t> parents) {
     return table;
 }
 
-void count_doubling_round(const DoublingTable& table, uint32_t round, uint32_t joint_count, bool reloads,
-                          bool stores_all, ScanCounter& counter) {
-    std::vector<uint32_t> multiplications, moves;
-    for (const uint32_t word : std::span(table.links).subspan(size_t{round} * joint_count, joint_count)) {
-        const bool done = word == io::kDoublingDone;
-        multiplications.push_back(done || (word & io::kDoublingNoAncestor) ? 0 : 1);
-        moves.push_back(done && !stores_all ? 0 : (round == 0 || reloads ? 2 : 1));
+void count_doubling(const DoublingTable& table, uint32_t joint_count, bool reloads, bool last_stores_all,
+                    ScanCounter& counter) {
+    const uint32_t rounds = table.round_count;
+    std::vector<double> strides;  // [round]
+    for (uint32_t round = 0; round < rounds; ++round) {
+        if (round > 0) counter.barrier();
+        const bool stores_all = last_stores_all && round + 1 == rounds;
+        std::vector<uint32_t> multiplications, moves;
+        for (const uint32_t word : std::span(table.links).subspan(size_t{round} * joint_count, joint_count)) {
+            const bool done = word == io::kDoublingDone;
+            multiplications.push_back(done || (word & io::kDoublingNoAncestor) ? 0 : 1);
+            moves.push_back(done && !stores_all ? 0 : (round == 0 || reloads ? 2 : 1));
+        }
+        strides.push_back(counter.phase(multiplications, moves).strides);
     }
-    counter.phase(multiplications, moves);
+    const bool has_last = last_stores_all && rounds > 1;
+    counter.loop("joints, first round", strides.front());
+    if (const uint32_t between = rounds - 1 - (has_last ? 1 : 0); between > 0) {
+        if (between > 1) counter.loop("rounds", between);  // compilers remove a loop that runs once
+        counter.loop("joints, rounds", std::accumulate(strides.begin() + 1, strides.begin() + 1 + between, 0.0));
+    }
+    if (has_last) counter.loop("joints, last round", strides.back());
 }
 
 std::vector<Product> flow_doubling(Flow& flow, std::span<const uint32_t> parents) {

@@ -213,7 +213,8 @@ PieceTable piece_table(const ScanRig& rig, uint32_t threads, double rows_of_loca
 }
 
 std::vector<LoopTrips> PieceTable::loops() const {
-    return {{"path", path_row_count > 0 ? path_row_count - 1 : 0}, {"rounds", round_count}, {"walk", walk_row_count}};
+    const double path = path_row_count > 0 ? path_row_count - 1 : 0, rounds = round_count, walk = walk_row_count;
+    return {{"path", path}, {"rounds", rounds}, {"walk", walk}};
 }
 
 Flow flow_pieces(const ScanRig& rig, uint32_t threads, FlowBoundary between_rounds) {

@@ -35,10 +35,34 @@ std::string read_text(const std::filesystem::path& path) {
     return text.str();
 }
 
+// Of a GPU, from data sheets.
+struct Sheet {
+    std::string_view name;
+    double simds = 0;      // of 32 lanes
+    double subgroups = 0;  // that a SIMD holds of these kernels
+    double clock_ghz = 0, bytes_per_ns = 0;
+};
+
+// The counts are those of AMD's machine code for RDNA 2 (`throng tune --predicted 'RX 6900 XT'`), in clocks, and stand
+// for other makers' too; none has been measured yet, and `throng tune` replaces them.
+ScanCosts costs_of(const Sheet& gpu) {
+    return {.launch_ms = 0.003,
+            .row_ns = 4.3 / gpu.clock_ghz,
+            // A row takes 32 lines of the cache instead of the 12 of joints side by side
+            .scattered_rows = 2.7,
+            .multiplication_ns = 62 / gpu.clock_ghz,
+            .barrier_ns = 2 / gpu.clock_ghz,
+            .workgroup_ns = 52 / gpu.clock_ghz,
+            .latency_ns = 665 / gpu.clock_ghz,
+            .units = gpu.simds,
+            .resident_subgroups = gpu.simds * gpu.subgroups,
+            .bytes_per_ns = gpu.bytes_per_ns,
+            .origin = "built in for " + std::string(gpu.name) + ", from machine code and data sheets"};
+}
+
 }  // namespace
 
 ScanCosts built_in_scan_costs(const Gpu& gpu) {
-    constexpr uint32_t kNvidia = 0x10DE, kAmd = 0x1002, kIntel = 0x8086;
     // Fitted by `throng tune` on lavapipe, Mesa 22.3.6, two cores of an AMD EPYC.
     if (gpu.is_cpu())
         return {.launch_ms = 0.03,
@@ -51,33 +75,17 @@ ScanCosts built_in_scan_costs(const Gpu& gpu) {
                 .resident_subgroups = 1e9,
                 .bytes_per_ns = 20,
                 .origin = "built in for software devices"};
-    // From data sheets and instruction counts, not measured on one yet; `throng tune` replaces them.
-    // Scattered: 32 lines of the cache a row instead of the 12 of joints side by side.
-    ScanCosts costs{.launch_ms = 0.003,
-                    .row_ns = 2.4,
-                    .scattered_rows = 2.7,
-                    .multiplication_ns = 5.3,
-                    .barrier_ns = 20,
-                    .workgroup_ns = 50,
-                    .latency_ns = 130,
-                    .units = 80,
-                    .resident_subgroups = 80 * 32,
-                    .bytes_per_ns = 800,
-                    .origin = "built in for NVIDIA, from data sheets"};
-    switch (gpu.properties.vendorID) {
-        case kAmd:
-            costs.units = 60, costs.resident_subgroups = 60 * 32, costs.bytes_per_ns = 600,
-            costs.origin = "built in for AMD, from data sheets";
-            break;
-        case kIntel:
-            costs.units = 32, costs.resident_subgroups = 32 * 16, costs.bytes_per_ns = 400, costs.row_ns = 4,
-            costs.multiplication_ns = 9;
-            costs.origin = "built in for Intel, from data sheets";
-            break;
-        case kNvidia: break;
-        default: costs.origin = "built in for GPUs, from data sheets";
+    return built_in_hardware_costs(gpu.properties.vendorID);
+}
+
+ScanCosts built_in_hardware_costs(uint32_t vendor_id) {
+    constexpr uint32_t kNvidia = 0x10DE, kAmd = 0x1002, kIntel = 0x8086;
+    switch (vendor_id) {
+        case kNvidia: return costs_of({"NVIDIA", 272, 10, 1.71, 760});  // RTX 3080
+        case kAmd: return costs_of({"AMD", 160, 16, 2.25, 512});        // RX 6900 XT
+        case kIntel: return costs_of({"Intel", 128, 16, 2.1, 560});     // Arc A770
+        default: return costs_of({"GPUs", 272, 10, 1.71, 760});
     }
-    return costs;
 }
 
 std::filesystem::path scan_costs_file(const Gpu& gpu) {

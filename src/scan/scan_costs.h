@@ -18,7 +18,7 @@ struct ScanCosts {
     double barrier_ns = 0;          // a subgroup waits at a barrier
     double workgroup_ns = 0;        // a workgroup starts and ends
     double latency_ns = 0;          // a row follows one that it depends on, when nothing else is there to run
-    double units = 1;               // workgroups that run side by side at full speed: cores, multiprocessors
+    double units = 1;               // workgroups that run side by side at full speed: cores, SIMD units
     double resident_subgroups = 1;  // subgroups that are under way at once
     double bytes_per_ns = 1;        // of memory, read and written
     std::string origin;             // where these come from, for people
@@ -27,6 +27,7 @@ struct ScanCosts {
 // The measured ones where a readable file is in the cache, else the built-in ones.
 ScanCosts scan_costs(const Gpu& gpu);
 ScanCosts built_in_scan_costs(const Gpu& gpu);
+ScanCosts built_in_hardware_costs(uint32_t vendor_id);
 
 // $XDG_CACHE_HOME/throng, or ~/.cache/throng; a file for each device and driver. Empty where neither variable is set.
 std::filesystem::path scan_costs_file(const Gpu& gpu);

@@ -8,10 +8,11 @@
 
 namespace throng {
 
-// How often a subgroup runs a loop of the kernel, all times together that it comes to it.
+// How often a subgroup runs a loop of the kernel, all times together that it comes to it; on average over those of a
+// workgroup.
 struct LoopTrips {
     std::string_view loop;
-    uint64_t trips = 0;
+    double trips = 0;
 };
 
 struct ScanCounts {
@@ -39,12 +40,21 @@ class ScanCounter {
 public:
     ScanCounter(uint32_t threads, uint32_t subgroup_size);
 
+    // Trips of a phase, on average over the workgroup's subgroups.
+    struct Trips {
+        double strides = 0;          // in which some item moves or multiplies anything
+        double multiplications = 0;  // of all strides
+    };
+
     // multiplications[item], each with a link followed and an operand loaded; besides, an item moves moves[item]
     // transforms.
-    void phase(std::span<const uint32_t> multiplications, std::span<const uint32_t> moves);
-    void phase(std::span<const uint32_t> multiplications, uint32_t fixed_moves);
+    Trips phase(std::span<const uint32_t> multiplications, std::span<const uint32_t> moves);
+    Trips phase(std::span<const uint32_t> multiplications, uint32_t fixed_moves);
     void barrier() { ++counts_.barriers; }
     void shared_bytes(uint64_t bytes) { counts_.shared_bytes = static_cast<uint32_t>(bytes); }
+    // Of the kernel's next loops, in the text's order.
+    void loop(std::string_view name, double trips) { counts_.loops.push_back({name, trips}); }
+    void loops(std::string_view strides, std::string_view multiplications, const Trips& trips);
     const ScanCounts& counts() const { return counts_; }
 
 private:

@@ -43,7 +43,8 @@ ScanPlan plan_fused_serial(const ScanRig& rig, const std::vector<bool>& fixed, c
     plan.counts.longest_thread = rig.joint_count();
     Segment sum;
     for (const Segment& segment : segments) sum = {sum.fixed + segment.fixed, sum.free + segment.free};
-    plan.counts.loops = {{"segments", segments.size()}, {"fixed joints", sum.fixed}, {"free joints", sum.free}};
+    const double segment_count = static_cast<double>(segments.size()), fixed_count = sum.fixed, free_count = sum.free;
+    plan.counts.loops = {{"segments", segment_count}, {"fixed joints", fixed_count}, {"free joints", free_count}};
     plan.counts.loop_iterations = rig.joint_count() + 3 * uint64_t{segments.size()} + 1;
     const uint32_t shared_bytes = limits.is_cpu ? 0 : plan.constants[1] * 48;
     plan.counts.shared_bytes = shared_bytes;

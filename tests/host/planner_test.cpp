@@ -118,6 +118,24 @@ TEST(Planner, SaysWhyInOneLine) {
     EXPECT_EQ(reason.find('\n'), std::string::npos);
 }
 
+// A GPU with many characters waits for memory, however deep they are; one with few has invocations to spare.
+TEST(Planner, AGpuStreamsManyAndSharesFew) {
+    for (const uint32_t vendor : {0x10DEu, 0x1002u, 0x8086u, 0u}) {
+        const ScanCosts costs = built_in_hardware_costs(vendor);
+        for (const uint32_t levels : {15, 30, 60, 120}) {
+            const ScanRig rig(bench::make_skeleton(bench::SkeletonShape::kRandom, 300, levels, 1), true);
+            const ExplainedChoice many = choose_scan("auto", rig, 10'000, kHardware, costs),
+                                  few = choose_scan("auto", rig, 1, kHardware, costs);
+            EXPECT_EQ(many.choice.method->name, "stream_quaternion") << many.reason;
+            EXPECT_GT(plan_scan(*few.choice.method, rig, kHardware, few.choice.threads).workgroup_size, 64u)
+                << few.reason;
+            const double bytes = 10'000.0 * 300 * (32 + 48);
+            EXPECT_NEAR(predict_scans(rig, 10'000, kHardware, costs).front().milliseconds,
+                        bytes / costs.bytes_per_ns * 1e-6, 0.05 * bytes / costs.bytes_per_ns * 1e-6);
+        }
+    }
+}
+
 TEST(ScanCosts, AreReadAsTheyAreWritten) {
     const ScanCosts read = scan_costs_from_json(to_json(kHardwareCosts), "test");
     EXPECT_EQ(to_json(read), to_json(kHardwareCosts));

@@ -6,6 +6,7 @@
 #include "tools/cli/command.h"
 
 #include <cstdio>
+#include <map>
 
 namespace throng::tools {
 namespace {
@@ -75,12 +76,44 @@ void print_predictions(std::span<const Json> records) {
     }
 }
 
+// A line for each method, with a column for each number of levels.
+void print_scans(std::span<const Json> records) {
+    std::map<std::pair<std::string, std::string>, std::vector<const Json*>> found;  // by place and machine
+    for (const Json& record : records) {
+        const std::string configuration = text(record, "configuration");
+        if (!record.contains("machine") || !configuration.starts_with("scan ")) continue;
+        const std::string place = configuration.substr(0, configuration.find(','));
+        found[{place, text(record, "machine")}].push_back(&record);
+    }
+    for (const auto& [where, of_machine] : found) {
+        std::map<std::string, std::map<double, const Json*>> rows;  // by method and levels
+        for (const Json* record : of_machine) rows[text(*record, "scan")][real(*record, "levels")] = record;
+        std::printf("\n%s on %s, 10,000 x 300 joints: predicted ms, and instructions a character\n%-20s",
+                    where.first.c_str(), where.second.c_str(), "method : levels");
+        for (const auto& [levels, record] : rows["stream"]) std::printf(" %16.0f", levels);
+        std::printf("\n");
+        for (const auto& [method, of_levels] : rows) {
+            std::printf("%-20s", method.c_str());
+            for (const auto& [levels, of_stream] : rows["stream"]) {
+                const auto record = of_levels.find(levels);
+                if (record == of_levels.end())
+                    std::printf(" %16s", "too large");
+                else
+                    std::printf(" %8.3f %7.0f", real(*record->second, "predicted_ms"),
+                                real(*record->second, "instructions_issued") / real(*record->second, "characters"));
+            }
+            std::printf("\n");
+        }
+    }
+}
+
 void run_isa(const IsaOptions& options) {
     const std::vector<Json> records = bench::measure_isa(options.family, bench::IsaScope::kAll, print_progress);
     Measured measured(options.json);
     measured.add(records, [&] {
         print_kernels(records);
         print_predictions(records);
+        print_scans(records);
     });
 }
 

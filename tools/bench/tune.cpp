@@ -1,3 +1,4 @@
+#include "bench/isa/predicted_costs.h"
 #include "bench/record.h"
 #include "bench/scan_tune.h"
 #include "tools/cli/command.h"
@@ -6,17 +7,34 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cstdio>
 
 namespace throng::tools {
 namespace {
 
 struct TuneOptions {
-    std::string device;
+    std::string device, predicted;
     bool quick = false, dry_run = false, json = false;
 };
 
+// The constants of a GPU that is not there.
+void run_predicted(const TuneOptions& options) {
+    const auto machine = std::ranges::find(bench::machines(), options.predicted, &bench::Machine::name);
+    const auto [costs, scan_count, typical, largest] = bench::predict_scan_costs(*machine, built_in_hardware_costs(0),
+                                                                                 print_progress);
+    print_progress("");
+    std::printf("%s", to_json(costs).c_str());
+    if (options.json) return;
+    std::printf("from %u scans; what is chosen by them takes %.2f times as long as the fastest, at most %.2f times\n",
+                scan_count, typical, largest);
+}
+
 void run_tune(const TuneOptions& options) {
+    if (!options.predicted.empty()) {
+        if (!options.device.empty()) throw CommandError("--predicted is for a GPU that is not here: without --device");
+        return run_predicted(options);
+    }
     const Device device = open_vulkan_device(options.device);
     const Gpu& gpu = *device.gpu();
     const std::filesystem::path file = scan_costs_file(gpu);
@@ -56,12 +74,19 @@ void add_tune(Command app) {
     Command command = app.add_subcommand(kTune.command, kTune.description);
     auto options = std::make_shared<TuneOptions>();
     add_device_option(command, options->device);
-    command.add_flag("--quick", options->quick, "fewer and smaller scans: seconds, and less sure");
+    const Option quick = command.add_flag("--quick", options->quick, "fewer and smaller scans: seconds, and less sure");
     command.add_flag("--dry-run", options->dry_run, "print the costs, and keep nothing");
+    std::vector<std::string> machines;
+    for (const bench::Machine& machine : bench::machines()) machines.emplace_back(machine.name);
+    command
+        .add_option("--predicted", options->predicted,
+                    "a GPU that is not here: the costs that its machine code predicts (throng bench isa), kept nowhere")
+        .check(is_member(machines))
+        .excludes(quick);
     command.add_flag("--json", options->json, "the costs as JSON");
     command.footer(
         "Takes about a minute. The costs are kept in $XDG_CACHE_HOME/throng or ~/.cache/throng, a file a device.\n"
-        "Examples:\n  throng tune\n  throng tune --device cpu --dry-run");
+        "Examples:\n  throng tune\n  throng tune --device cpu --dry-run\n  throng tune --predicted 'RTX 3080'");
     command.callback([options] { run_tune(*options); });
 }
 

@@ -20,11 +20,9 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     plan.constants.insert(plan.constants.end(), {reloads ? 1u : 0u, table.round_count});
 
     ScanCounter counter(plan.workgroup_size, limits.subgroup_size);
-    for (uint32_t round = 0; round < table.round_count; ++round) {
-        count_doubling_round(table, round, joint_count, reloads, false, counter);
-        counter.barrier();
-    }
-    counter.phase(blocks.hops, reloads ? 2 : 1);
+    count_doubling(table, joint_count, reloads, false, counter);
+    counter.barrier();
+    counter.loops("joints, hops", "hops", counter.phase(blocks.hops, reloads ? 2 : 1));
     counter.shared_bytes(shared.bytes);
     plan.counts = counter.counts();
     plan.links = std::move(table.links);

@@ -23,11 +23,11 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
         strides.push_back(blocks.depths[joint] / kStride);
     }
     ScanCounter counter(plan.workgroup_size, limits.subgroup_size);
-    counter.phase(near, 2);
+    counter.loops("joints, nearest", "nearest ancestors", counter.phase(near, 2));
     counter.barrier();
-    counter.phase(strides, 2);
+    counter.loops("joints, strides", "strides", counter.phase(strides, 2));
     counter.barrier();
-    counter.phase(blocks.hops, 2);
+    counter.loops("joints, hops", "hops", counter.phase(blocks.hops, 2));
     counter.shared_bytes(shared.bytes);
     plan.counts = counter.counts();
     return plan;

@@ -16,10 +16,7 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     plan.constants.insert(plan.constants.end(), {reloads ? 1u : 0u, rounds});
 
     ScanCounter counter(plan.workgroup_size, limits.subgroup_size);
-    for (uint32_t round = 0; round < rounds; ++round) {
-        if (round > 0) counter.barrier();
-        count_doubling_round(table, round, rig.joint_count(), reloads, shared.fit && round + 1 == rounds, counter);
-    }
+    count_doubling(table, rig.joint_count(), reloads, shared.fit, counter);
     counter.shared_bytes(shared.bytes);
     plan.counts = counter.counts();
     plan.links = std::move(table.links);

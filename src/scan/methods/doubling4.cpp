@@ -28,6 +28,7 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     plan.constants.push_back(rounds);
 
     ScanCounter counter(plan.workgroup_size, limits.subgroup_size);
+    ScanCounter::Trips trips;
     std::vector<uint32_t> ancestors = rig.parents, multiplications(joint_count);
     for (uint32_t round = 0; round < rounds; ++round) {
         if (round > 0) counter.barrier();
@@ -37,9 +38,12 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
             for (uint32_t at = ancestors[joint]; at != kNone && multiplications[joint] + 1 < kRadix; at = ancestors[at])
                 ++multiplications[joint];
         }
-        counter.phase(multiplications, 2);
+        const ScanCounter::Trips of_round = counter.phase(multiplications, 2);
+        trips = {trips.strides + of_round.strides, trips.multiplications + of_round.multiplications};
         ancestors = farther(ancestors, kRadix);
     }
+    if (rounds > 1) counter.loop("rounds", rounds);  // compilers remove a loop that runs once
+    counter.loops("joints", "ancestors", trips);
     counter.shared_bytes(shared.bytes);
     plan.counts = counter.counts();
     return plan;

@@ -9,7 +9,7 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
     std::vector<uint32_t> multiplications;
     for (const uint32_t depth : rig.depths) multiplications.push_back(depth - 1);
     ScanCounter counter(plan.workgroup_size, limits.subgroup_size);
-    counter.phase(multiplications, 2);
+    counter.loops("joints", "ancestors", counter.phase(multiplications, 2));
     plan.counts = counter.counts();
     return plan;
 }

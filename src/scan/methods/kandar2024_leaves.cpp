@@ -71,7 +71,7 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
         all_multiplications.insert(all_multiplications.end(), multiplications.begin(), multiplications.end());
         all_moves.insert(all_moves.end(), moves.begin(), moves.end());
     }
-    counter.phase(all_multiplications, all_moves);
+    counter.loops("leaves", "paths", counter.phase(all_multiplications, all_moves));
     plan.counts = counter.counts();
     plan.counts.multiplications /= characters;
     plan.counts.issue_steps /= characters;

@@ -44,13 +44,16 @@ ScanPlan plan(const ScanRig& rig, const ScanLimits& limits, uint32_t) {
         }
 
     ScanCounter counter(plan.workgroup_size, limits.subgroup_size);
+    double joints = 0;
     for (uint32_t level = 0; level < rig.level_count; ++level) {
         if (level > 0) counter.barrier();
         const size_t count = levels[level].size();
         std::vector<uint32_t> moves(count, 2);
         if (shared.fit) std::fill_n(moves.begin(), parent_counts[level], 3u);
-        counter.phase(std::vector<uint32_t>(count, level > 0 ? 1 : 0), moves);
+        joints += counter.phase(std::vector<uint32_t>(count, level > 0 ? 1 : 0), moves).strides;
     }
+    counter.loop("levels", rig.level_count);
+    counter.loop("joints", joints);
     counter.shared_bytes(shared.bytes);
     plan.counts = counter.counts();
     return plan;

@@ -28,7 +28,7 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, double rows_of_
     plan.counts.issue_rows = (rig.joint_count() * (rows_of_local + kRowsOfAffine) +
                               run_count * (kRowsOfAffine + 3 * kRowsOfLink)) /
                              limits.subgroup_size;
-    plan.counts.loops = {{"runs", plan.links[0]}, {"joints", rig.joint_count()}};
+    plan.counts.loops = {{"runs", run_count}, {"joints", static_cast<double>(rig.joint_count())}};
     return plan;
 }
 

@@ -43,14 +43,15 @@ ScanPlan plan_with(const ScanRig& rig, const ScanLimits& limits, uint32_t lanes,
     const double rows_of_local = bytes_of(format) / 16.0;
     const auto chunks = static_cast<uint32_t>(stream.chunks.size());
     const double subgroups = std::min(1.0, static_cast<double>(lanes) / limits.subgroup_size) / stream.characters;
-    plan.counts = {.multiplications = stream.multiplications / stream.characters,
-                   .longest_thread = stream.longest_lane,
-                   .shared_bytes = slot_bytes / stream.characters,
-                   .issue_steps = stream.longest_lane * subgroups,
-                   .loop_iterations = uint64_t{2} * chunks + stream.round_count + 1,
-                   // Links, a local transform, a slot read and one written, a model transform
-                   .issue_rows = chunks * (2 * kRowsOfLink + 3 * rows_of_local + kRowsOfAffine) * subgroups,
-                   .loops = {{"chunks", chunks}, {"rounds", stream.round_count}}};
+    plan.counts = {
+        .multiplications = stream.multiplications / stream.characters,
+        .longest_thread = stream.longest_lane,
+        .shared_bytes = slot_bytes / stream.characters,
+        .issue_steps = stream.longest_lane * subgroups,
+        .loop_iterations = uint64_t{2} * chunks + stream.round_count + 1,
+        // Links, a local transform, a slot read and one written, a model transform
+        .issue_rows = chunks * (2 * kRowsOfLink + 3 * rows_of_local + kRowsOfAffine) * subgroups,
+        .loops = {{"chunks", static_cast<double>(chunks)}, {"rounds", static_cast<double>(stream.round_count)}}};
     return plan;
 }
 
