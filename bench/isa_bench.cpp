@@ -80,7 +80,7 @@ public:
         const std::vector<Executable> stages = compiler_.made_by([&] {
             const std::shared_ptr<Gpu>& gpu = compiler_.gpu();
             const ShaderLayout layout = make_draw_layout(gpu), farthest_layout = make_farthest_layout(gpu);
-            const PipelineSettings settings{gpu, layout.get(), VK_SAMPLE_COUNT_4_BIT};
+            const PipelineSettings settings{gpu, layout.get(), VK_SAMPLE_COUNT_4_BIT, color_format(false)};
             make_ground_pipeline(settings);
             make_farthest_pipeline(gpu, farthest_layout);
             for (const bool listed : {false, true}) {

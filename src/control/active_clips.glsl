@@ -1,35 +1,27 @@
 // The active clips of an instance, written as they come: step 9 of docs/controller.md. The includer declares
 // `active_clips`, `active_clip_times`, `instance` and find_rows().
 
-uint active_clip_count = 0;  // the rest pose included
-bool has_rest_pose = false;  // below the others
-ActiveClip newest;
-float active_clip_time_s;  // of the clip of the last active_clip_of()
-uint layer_flags;
-float active_clips_layer_weight;
-
-ActiveClip active_clip_of(uint clip, uint phase, float weight) {
-    const ClipTimeline timeline = load_timeline(clip);
-    active_clip_time_s = float(phase) * (1.0 / 4294967296.0) * timeline.duration_s;
-    const SlotCursor cursor = find_rows(timeline, active_clip_time_s);
-    return ActiveClip(clip * push.joint_count, cursor.earlier, cursor.later, cursor.fraction, weight, 1,
-                      timeline.first_row, kActiveClipBeginsLayer | kActiveClipEndsLayer);
-}
+uint active_clip_count = 0;   // the rest pose included
+bool has_rest_pose = false;   // below the others
+uvec2 newest_end = uvec2(0);  // the last words of the newest one, which are stored when it is known what follows
+uint layer_flags = 0;
+float active_clips_layer_weight = 0;
 
 uint place_of_active_clip(uint index) { return (instance * push.active_clip_limit + index) * 4; }
 
-void store_end(uint index, ActiveClip active_clip) {
-    active_clips[place_of_active_clip(index) + 3] = pack(uvec2(active_clip.reference_row, active_clip.flags));
-}
+void store_end(uint index, uvec2 end) { active_clips[place_of_active_clip(index) + 3] = pack(end); }
 
-void store_active_clip(uint index, ActiveClip active_clip) {
+void store_active_clip(uint index, ActiveClip active_clip, float time_s) {
     const uint at = place_of_active_clip(index);
-    if ((push.flags & kPushTellsTimes) != 0)
-        active_clip_times[instance * push.active_clip_limit + index] = active_clip_time_s;
+    if ((push.flags & kPushTellsTimes) != 0) active_clip_times[instance * push.active_clip_limit + index] = time_s;
     active_clips[at] = pack(uvec2(active_clip.first_track, active_clip.earlier));
     active_clips[at + 1] = pack(uvec2(active_clip.later, floatBitsToUint(active_clip.fraction)));
     active_clips[at + 2] = pack(floatBitsToUint(vec2(active_clip.weight, active_clip.layer_weight)));
-    store_end(index, active_clip);
+}
+
+// The newest active clip, where there is one, gets what is known now.
+void end_newest(uint flags) {
+    if (active_clip_count > (has_rest_pose ? 1 : 0)) store_end(active_clip_count - 1, newest_end | uvec2(0, flags));
 }
 
 // Begins a layer that has active clips.
@@ -45,20 +37,26 @@ void begin_layer(LayerState state, ControlLayer layer, float weight) {
     active_clip_count = 1;
 }
 
-void add_active_clip(uint clip, uint phase, float weight, bool ends_layer) {
-    newest = active_clip_of(clip, phase, weight);
-    newest.layer_weight = active_clips_layer_weight;
-    newest.flags = layer_flags | (ends_layer ? kActiveClipEndsLayer : 0);
-    store_active_clip(active_clip_count, newest);
+void add_active_clip(uint clip, uint phase, float weight) {
+    end_newest((layer_flags & kActiveClipBeginsLayer) != 0 ? kActiveClipEndsLayer : 0);
+    const ClipTimeline timeline = load_timeline(clip);
+    const float time_s = float(phase) * (1.0 / 4294967296.0) * timeline.duration_s;
+    const SlotCursor cursor = find_rows(timeline, time_s);
+    newest_end = uvec2(timeline.first_row, layer_flags);
+    store_active_clip(active_clip_count,
+                      ActiveClip(clip * push.joint_count, cursor.earlier, cursor.later, cursor.fraction, weight,
+                                 active_clips_layer_weight, newest_end.x, newest_end.y),
+                      time_s);
     layer_flags &= ~kActiveClipBeginsLayer;
     ++active_clip_count;
 }
 
-// Only now is it known which active clip is the last; and the rest pose is written here once, instead of once a layer.
+// The rest pose has one row. It is written here once, instead of once a layer.
 void end_active_clips() {
-    ActiveClip rest_pose = active_clip_of(layout_of_group.clip_count, 0, 1);
-    if (active_clip_count == 0) rest_pose.flags |= kActiveClipEnds;
-    if (active_clip_count == 0 || has_rest_pose) store_active_clip(0, rest_pose);
-    newest.flags |= kActiveClipEnds;
-    if (active_clip_count > 0) store_end(active_clip_count - 1, newest);
+    end_newest(kActiveClipEndsLayer | kActiveClipEnds);
+    if (active_clip_count > 0 && !has_rest_pose) return;
+    const uint clip = layout_of_group.clip_count, row = load_timeline(clip).first_row;
+    store_active_clip(0, ActiveClip(clip * push.joint_count, row, row, 0, 1, 1, row, 0), 0);
+    store_end(
+        0, uvec2(row, kActiveClipBeginsLayer | kActiveClipEndsLayer | (active_clip_count == 0 ? kActiveClipEnds : 0)));
 }

@@ -85,9 +85,11 @@ ClipMix mix_of_state(ControlState state) {
 }
 
 ClipMix mix_of_play(ControlLayer layer, LayerPlay play) {
-    if (layer.state_count > 0) return mix_of_state(load_state(layer.first_state + play.motion));
-    const ClipMix clip_mix = {uvec3(play.motion, 0, 0), vec3(1, 0, 0), product(play.speed, load_clip(play.motion).rate),
-                              play.loop, kNone};
+    ClipMix clip_mix = {uvec3(play.motion, 0, 0), vec3(1, 0, 0), play.speed, play.loop, kNone};
+    if (layer.state_count > 0)
+        clip_mix = mix_of_state(load_state(layer.first_state + play.motion));
+    else
+        clip_mix.rate = product(play.speed, load_clip(play.motion).rate);
     return clip_mix;
 }
 

@@ -29,7 +29,11 @@ SlotCursor find_rows(ClipTimeline timeline, float time_s) {
             high = middle;
     } while (high - low > 1);
     const uint earlier = timeline.first_row + low * timeline.row_stride;
-    if (low + 1 >= timeline.row_count) return SlotCursor(0, earlier, earlier, 0);
-    const float from_s = time_at(timeline.first_time + low), to_s = time_at(timeline.first_time + low + 1);
-    return SlotCursor(0, earlier, earlier + timeline.row_stride, clamp((time_s - from_s) / (to_s - from_s), 0, 1));
+    SlotCursor cursor = SlotCursor(0, earlier, earlier, 0);
+    if (low + 1 < timeline.row_count) {
+        const float from_s = time_at(timeline.first_time + low), to_s = time_at(timeline.first_time + low + 1);
+        cursor.later = earlier + timeline.row_stride;
+        cursor.fraction = clamp((time_s - from_s) / (to_s - from_s), 0, 1);
+    }
+    return cursor;
 }

@@ -36,7 +36,7 @@ struct ControllerText : ArrayTables {
         if (update->active_clips.empty() && !covers_all) add_rest_pose();
         shown_weight = weight;
     }
-    void add_active_clip(uint clip, uint phase, float weight, bool) {
+    void add_active_clip(uint clip, uint phase, float weight) {
         const LayerState& state = layers[shown_layer];
         const double duration_s = clip < character.clips.size() ? character.clips[clip].duration_s : 0;
         update->active_clips.push_back(
@@ -52,7 +52,8 @@ struct ControllerText : ArrayTables {
     }
 
     // Step 8.
-    void add_move(const ControlClip& clip, const PhaseStep& step, float weight) {
+    void add_move(uint index, const PhaseStep& step, float weight) {
+        const ControlClip& clip = load_clip(index);
         const auto rows = RootRows(character.root_rows).subspan(clip.first_root, clip.root_count);
         add_weighted(update->move, move_between(rows, step.before, step.after, step.crossed), double{weight});
     }

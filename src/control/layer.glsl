@@ -28,38 +28,12 @@ float advance_weight(INOUT(LayerState) state, ControlLayer layer) {
         1);
 }
 
-bool is_in_step(ClipMix leading, ClipMix other) { return leading.sync != kNone && other.sync == leading.sync; }
-
-// The layer's plays; those from play_count on have no meaning: they are neither shown nor stored
-ClipMix mixes[kStackSize];
-PhaseStep steps[kStackSize];
-
-// The clips of a layer, one after the other: an invocation goes on to its next one at once, where a software device
-// would step through all plays and points.
-void add_clips(LayerState state, ControlLayer layer, vec3 weights, float layer_weight, bool moves) {
-    uint heard = 0;  // a bit for each clip of each play
-    for (uint k = 0; k < kStackSize; ++k)
-        for (uint point = 0; point < 3; ++point)
-            if (k < state.play_count && product(weights[k], mixes[k].weights[point]) > 0) heard |= 1 << (3 * k + point);
-    if (layer_weight <= 0 || heard == 0) return;
-    begin_layer(state, layer, layer_weight);
-    do {
-        if (heard == 0) break;  // see mix_line() in blend_space.glsl
-        const uint bit = findLSB(heard), k = bit / 3, point = bit % 3;
-        const float weight = product(weights[k], mixes[k].weights[point]);
-        heard &= heard - 1;
-        add_active_clip(mixes[k].clips[point], steps[k].after, weight, heard == 0);
-        if (moves) add_move(load_clip(mixes[k].clips[point]), steps[k], weight);
-    } while (heard != 0);
-}
-
-// Only what an update may change: each word stored costs a software device more than what computes it.
+// What an update may change of a layer's plays but where they stand in time, and of the rest of its state. No more:
+// each word stored costs a software device more than what computes it.
 void store_layer_state(uint index, LayerState state) {
     for (uint k = 0; k < kStackSize; ++k) {
         if (k >= state.play_count) continue;
         layers[index].plays[k].motion = state.plays[k].motion;
-        layers[index].plays[k].phase = state.plays[k].phase;
-        layers[index].plays[k].loops = state.plays[k].loops;
         layers[index].plays[k].fade = state.plays[k].fade;
         layers[index].plays[k].fade_rate = state.plays[k].fade_rate;
     }
@@ -67,6 +41,75 @@ void store_layer_state(uint index, LayerState state) {
     layers[index].weight = state.weight;
     layers[index].taken = state.taken;
     if (state.inertial_rate != 0) layers[index].inertial_rate = 0;
+}
+
+// The clips of a play, of those of its weight that are seen.
+void add_clips(ClipMix clip_mix, PhaseStep phase_step, float play_weight, bool moves) {
+    uint point = 0;
+    do {
+        const float weight = product(play_weight, clip_mix.weights[point]);
+        if (weight > 0) {
+            add_active_clip(clip_mix.clips[point], phase_step.after, weight);
+            if (moves) add_move(clip_mix.clips[point], phase_step, weight);
+        }
+    } while (++point < 3);
+}
+
+// What plays in step with the leading one goes by.
+struct Leading {
+    uint sync, phase, loops;
+    float rate;
+    PhaseStep phase_step;
+};
+
+// The layer's plays go on in time and are shown, the leading one first. One after the other and not side by side, since
+// GPUs have few registers: those in step with the leading one go by their common rate, so a first round, in which only
+// that is measured, goes before where there may be such. Everything is initialized, and nothing continues a loop:
+// either would cost AMD's compiler registers throughout the loop around.
+void show_plays(uint at, uint index, LayerState state, ControlLayer layer, vec3 weights, float layer_weight) {
+    Leading leading = {kNone, 0, 0, 0, {0, 0, 0, false, 0}};
+    float common_rate = 0;
+    bool measures = state.play_count > 1, has_begun = false;
+    uint k = 0;
+    do {
+        if (k >= state.play_count) break;  // see mix_line() in blend_space.glsl
+        LayerPlay play = state.plays[k];
+        const ClipMix clip_mix = mix_of_play(layer, play);
+        if (k == 0) {
+            leading.sync = clip_mix.sync;
+            leading.rate = clip_mix.rate;
+            measures = measures && leading.sync != kNone;
+        }
+        const bool in_step = leading.sync != kNone && clip_mix.sync == leading.sync;
+        if (measures) {
+            common_rate = sum(common_rate, product(weights[k], in_step ? clip_mix.rate : leading.rate));
+            measures = k + 1 < state.play_count;
+            k = measures ? k + 1 : 0;
+        } else {
+            PhaseStep phase_step = leading.phase_step;
+            if (k > 0 && in_step) {
+                play.phase = leading.phase;
+                play.loops = leading.loops;
+            } else {
+                phase_step = step_phase(play, in_step && state.play_count > 1 ? common_rate : clip_mix.rate,
+                                        clip_mix.loop != 0, push.time_step_s);
+            }
+            if (k == 0) {
+                leading.phase = play.phase;
+                leading.loops = play.loops;
+                leading.phase_step = phase_step;
+            }
+            layers[at].plays[k].phase = play.phase;
+            layers[at].plays[k].loops = play.loops;
+            if (layer_weight > 0 && weights[k] > 0) {
+                if (!has_begun) begin_layer(state, layer, layer_weight);
+                has_begun = true;
+                add_clips(clip_mix, phase_step, weights[k], index == 0);
+            }
+            if (layer_weight > 0 && k == 0) emit_events(heaviest(clip_mix), phase_step, index);
+            ++k;
+        }
+    } while (k < state.play_count);
 }
 
 void update_layer(uint index) {
@@ -81,31 +124,9 @@ void update_layer(uint index) {
     note_inertial_play(state);
     has_taken = has_taken || state.taken != kNone;
     advance_fades(state, push.time_step_s);
-    const vec3 weights = weights_of_plays(state);
     const float layer_weight = advance_weight(state, layer);
-
-    float common_rate = 0;  // of the leading play's sync group
-    uint count = 0;
-    do {
-        if (count >= state.play_count) break;  // see mix_line() in blend_space.glsl
-        mixes[count] = mix_of_play(layer, state.plays[count]);
-        common_rate = sum(common_rate,
-                          product(weights[count], mixes[is_in_step(mixes[0], mixes[count]) ? count : 0].rate));
-    } while (++count < state.play_count);
-    for (uint k = 0; k < kStackSize; ++k) {
-        const bool in_step = is_in_step(mixes[0], mixes[k]);
-        if (k > 0 && in_step) {
-            state.plays[k].phase = state.plays[0].phase;
-            state.plays[k].loops = state.plays[0].loops;
-            steps[k] = steps[0];
-        } else {
-            steps[k] = step_phase(state.plays[k], in_step ? common_rate : mixes[k].rate, mixes[k].loop != 0,
-                                  push.time_step_s);
-        }
-    }
-    add_clips(state, layer, weights, layer_weight, index == 0);
-    if (layer_weight > 0 && state.play_count > 0) emit_events(heaviest(mixes[0]), steps[0], index);
     store_layer_state(at, state);
+    show_plays(at, index, state, layer, weights_of_plays(state), layer_weight);
 }
 
 // Those that transitions taken in this update asked for.

@@ -25,14 +25,20 @@ vec4 cycles_of(ControlClip clip, int count) {
 
 // From one phase to another, over whole cycles between.
 vec4 move_of(ControlClip clip, PhaseStep phase_step) {
-    if (clip.root_count == 0) return vec4(0, 0, 1, 0);
-    return compose_places(inverse_place(place_at(clip, phase_step.before)),
-                          compose_places(cycles_of(clip, phase_step.crossed), place_at(clip, phase_step.after)));
+    vec4 move = vec4(0, 0, 1, 0);
+    if (clip.root_count > 0) {
+        move = cycles_of(clip, phase_step.crossed);
+        move = compose_places(move, place_at(clip, phase_step.after));
+        move = compose_places(inverse_place(place_at(clip, phase_step.before)), move);
+    }
+    return move;
 }
 
 vec4 move_sum = vec4(0);  // of this update, by weight
 
-void add_move(ControlClip clip, PhaseStep phase_step, float weight) { move_sum += weight * move_of(clip, phase_step); }
+void add_move(uint clip, PhaseStep phase_step, float weight) {
+    if ((push.flags & kPushHasRootMotion) != 0) move_sum += weight * move_of(load_clip(clip), phase_step);
+}
 
 // The move is reported, and where it is applied the instance stands at base * place.
 void end_move() {

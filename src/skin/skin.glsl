@@ -15,7 +15,12 @@ struct SkinSum {
     float scale;
 };
 
+// Devices add what has no weight too: some vertex of a subgroup has weight there, and loads behind branches would wait
+// one after the other. A core has one vertex at a time.
 void add_skin(INOUT(SkinSum) sum, float weight, uint index) {
+#ifdef __cplusplus
+    if (weight == 0) return;
+#endif
     if (kSkinBlend == kSkinLinear) {
         const Affine m = load_skin(index);
         sum.matrix = Affine(sum.matrix.row0 + weight * m.row0, sum.matrix.row1 + weight * m.row1,
@@ -46,10 +51,10 @@ Affine blended_skin_matrix(uint first_influences, uint influence_sets, uint vert
         const uint word = (first_influences + vertex * influence_sets + set) * kInfluenceWords;
         const vec4 weights = uintBitsToFloat(uvec4(influences[word], influences[word + 1]));
         const uvec2 entries = influences[word + 2];
-        if (weights.x != 0) add_skin(sum, weights.x, first_palette_entry + (entries.x & 0xFFFF));
-        if (weights.y != 0) add_skin(sum, weights.y, first_palette_entry + (entries.x >> 16));
-        if (weights.z != 0) add_skin(sum, weights.z, first_palette_entry + (entries.y & 0xFFFF));
-        if (weights.w != 0) add_skin(sum, weights.w, first_palette_entry + (entries.y >> 16));
+        add_skin(sum, weights.x, first_palette_entry + (entries.x & 0xFFFF));
+        add_skin(sum, weights.y, first_palette_entry + (entries.x >> 16));
+        add_skin(sum, weights.z, first_palette_entry + (entries.y & 0xFFFF));
+        add_skin(sum, weights.w, first_palette_entry + (entries.y >> 16));
     }
     return transform_of(sum);
 }
