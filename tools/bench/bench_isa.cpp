@@ -21,7 +21,10 @@ std::string loops_text(const Json& record) {
     std::string loops;
     for (const Json& loop : record["loops"]) {
         loops += (loops.empty() ? "" : " + ") + std::to_string(loop["all"].get<int>());
-        if (loop.contains("trips")) loops += " x " + std::to_string(loop["trips"].get<int>());
+        if (!loop.contains("trips")) continue;
+        char trips[32];
+        std::snprintf(trips, sizeof trips, " x %.6g", loop["trips"].get<double>());
+        loops += trips;
     }
     return loops;
 }
