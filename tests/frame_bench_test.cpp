@@ -1,9 +1,11 @@
 // The benchmark of whole updates: every variant and floor is measured or says why not, no wrong result is timed, floors
 // do all of their work.
+#include "base/failure.h"
 #include "bench/frame_bench.h"
 #include "bench/frame_crowds.h"
 #include "bench/frame_floors.h"
 #include "bench/frame_traffic.h"
+#include "bench/report/gnuplot.h"
 #include "bench/scan_report.h"
 #include "tests/kernel_runner.h"
 #include "tests/text.h"
@@ -256,7 +258,18 @@ Json frame_record(const char* variant, const char* path, double ms) {
             {"times_fill_floor", ms / 4}, {"device", "A GPU"}};
 }
 
+// A bare machine, as `./run bundle` is for, has none.
+bool has_gnuplot() {
+    try {
+        run_gnuplot("");
+    } catch (const Failure&) {
+        return false;
+    }
+    return true;
+}
+
 TEST(FrameBench, TheReportHasASectionOfIt) {
+    if (!has_gnuplot()) GTEST_SKIP() << "its figures need gnuplot, which is not installed";
     std::vector<Json> records{
         frame_record("staged", "staged", 321),        frame_record("fused", "fused", 55),
         frame_record("fill, 48 bytes", "fill", 4),    frame_record("fused", "fused", 60),
@@ -287,6 +300,7 @@ TEST(FrameBench, TheReportHasASectionOfIt) {
 }
 
 TEST(FrameBench, TheReportEndsOnNoRecord) {
+    if (!has_gnuplot()) GTEST_SKIP() << "its figures need gnuplot, which is not installed";
     std::vector<Json> records{
         {{"bench", "frame"}},
         {{"bench", "frame"}, {"variant", "fused"}},
