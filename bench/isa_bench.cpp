@@ -35,6 +35,10 @@ Json json_of(const MachineCode& code, std::span<const LoopTrips> trips) {
     return loops;
 }
 
+// As `throng bench scan` makes them.
+constexpr SkeletonShape kScanShape = SkeletonShape::kRandom;
+constexpr uint64_t kScanSeed = 1;
+
 // The kernels of one family, in subgroups of one size.
 class IsaMeasurement {
 public:
@@ -60,9 +64,9 @@ public:
         });
     }
 
-    // Of the choices of a method those that are predicted to take least, on one machine or another.
+    // Records, of each method, the number of threads that is predicted to be fastest: one for each machine.
     void measure_scans(uint32_t levels) {
-        const ScanRig rig(make_skeleton(SkeletonShape::kRandom, 300, levels, 1), true);
+        const ScanRig rig(make_skeleton(kScanShape, 300, levels, kScanSeed), true);
         for (const ScanPlace place : {ScanPlace::kMemory, ScanPlace::kChip}) {
             const std::string configuration = std::string(place == ScanPlace::kMemory ? "scan alone" : "scan on chip") +
                                               ", 300 joints, " + std::to_string(levels) + " levels";
@@ -152,7 +156,9 @@ private:
                            {"threads", best->choice.threads},
                            {"characters", kCharacters},
                            {"joints", best->joint_count},
-                           {"levels", levels}});
+                           {"levels", levels},
+                           {"shape", name_of(kScanShape)},
+                           {"seed", kScanSeed}});
             add_prediction(record, best->of(kCharacters), predict(best->of(kCharacters), machine));
             records_.push_back(record);
         }

@@ -50,9 +50,24 @@ double predicted_million_ms(const Json& record, std::span<const Json> prediction
     return std::nan("");
 }
 
-// Predicted are the fused updates of `throng bench frame`, for each size of subgroups; the last prediction counts.
+// For a scan of `throng bench scan` with its transforms in memory, of the same skeleton; either with the number of
+// threads that is the fastest there.
+double predicted_scan_ms(const Json& record, std::span<const Json> predictions) {
+    for (const Json& prediction : std::views::reverse(predictions)) {
+        const auto is_alike = [&](const char* field) { return number(prediction, field) == number(record, field); };
+        if (text(prediction, "configuration").starts_with("scan alone") &&
+            text(prediction, "scan") == text(record, "method") && text(prediction, "shape") == text(record, "shape") &&
+            is_alike("characters") && is_alike("joints") && is_alike("levels") && is_alike("seed") &&
+            is_for(prediction, record))
+            return number(prediction, "predicted_ms");
+    }
+    return std::nan("");
+}
+
+// Predicted are also the fused updates of `throng bench frame`, for each size of subgroups; the last prediction counts.
 double predicted_ms(const Json& record, std::span<const Json> predictions) {
     if (text(record, "bench") == "million") return predicted_million_ms(record, predictions);
+    if (text(record, "bench") == "scan") return predicted_scan_ms(record, predictions);
     std::string kernel = text(record, "variant");
     if (text(record, "bench") != "frame" || text(record, "path") != "fused") return std::nan("");
     if (kernel == "fused") kernel = "fused, two clips";

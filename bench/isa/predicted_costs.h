@@ -2,8 +2,8 @@
 // its data sheet.
 #pragma once
 
-#include "bench/rounds.h"
 #include "bench/isa/machines.h"
+#include "bench/rounds.h"
 #include "scan/scan_costs.h"
 
 #include <string>
@@ -12,12 +12,13 @@ namespace throng::bench {
 
 struct PredictedCosts {
     ScanCosts costs;
-    uint32_t scan_count = 0;   // that they are made from
-    double typical_slack = 1;  // of the method that the planner chooses by them: its time over the shortest, as
-    double largest_slack = 1;  // machine code predicts both; median and largest over rigs and crowds of several sizes
+    uint32_t scan_count = 0;  // methods, threads and skeletons that they are fitted to
+    // How many times as long as the fastest takes what the planner chooses by them, as machine code predicts both; over
+    // rigs and crowds of several sizes.
+    double median_slack = 1, largest_slack = 1;
 };
 
-// How dear scattered rows are is not in the code: `assumed` has it, and the time of a launch. Throws as Compiler does.
+// `assumed` has what machine code does not tell: the cost of scattered rows, and of a launch. Throws as Compiler does.
 PredictedCosts predict_scan_costs(const Machine& machine, const ScanCosts& assumed, const Progress& progress);
 
 }  // namespace throng::bench

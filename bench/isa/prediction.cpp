@@ -54,7 +54,7 @@ std::string Prediction::limit() const {
     return "waiting for loads";
 }
 
-Waiting waiting_of(const KernelWork& work, const Machine& machine) {
+SubgroupTime subgroup_time(const KernelWork& work, const Machine& machine) {
     const double waits = kMemoryWait * work.issued[InstructionClass::kMemoryWait] +
                          kSharedWait * work.issued[InstructionClass::kSharedWait];
     return {issue_clocks(work.issued, work.needs.subgroup_size, *machine.simd) / machine.clock_ghz,
@@ -64,11 +64,11 @@ Waiting waiting_of(const KernelWork& work, const Machine& machine) {
 Prediction predict(const KernelWork& work, const Machine& machine) {
     constexpr double kMs_per_ns = 1e-6;
     const Occupancy occupancy = occupancy_of(work.needs, *machine.simd);
-    const Waiting waiting = waiting_of(work, machine);
+    const SubgroupTime alone = subgroup_time(work, machine);
     const double subgroups_of_simd = std::max(1.0, work.subgroups / machine.simd_count);
-    return {.issue_ms = subgroups_of_simd * waiting.issue_ns * kMs_per_ns,
-            .latency_ms = std::max(1.0, subgroups_of_simd / occupancy.subgroups) *
-                          (waiting.issue_ns + waiting.wait_ns) * kMs_per_ns,
+    return {.issue_ms = subgroups_of_simd * alone.issue_ns * kMs_per_ns,
+            .latency_ms = std::max(1.0, subgroups_of_simd / occupancy.subgroups) * (alone.issue_ns + alone.wait_ns) *
+                          kMs_per_ns,
             .memory_ms = work.bytes / machine.bytes_per_ns * kMs_per_ns,
             .occupancy = occupancy};
 }

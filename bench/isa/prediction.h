@@ -37,12 +37,12 @@ struct Prediction {
     std::string limit() const;
 };
 
-// A subgroup's part of that, if it had a SIMD for itself.
-struct Waiting {
+// Of one subgroup that has a SIMD to itself: what it issues, and what it waits for.
+struct SubgroupTime {
     double issue_ns = 0, wait_ns = 0;
 };
 
-Waiting waiting_of(const KernelWork& work, const Machine& machine);
+SubgroupTime subgroup_time(const KernelWork& work, const Machine& machine);
 Prediction predict(const KernelWork& work, const Machine& machine);
 
 }  // namespace throng::bench

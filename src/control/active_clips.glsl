@@ -3,7 +3,7 @@
 
 uint active_clip_count = 0;   // the rest pose included
 bool has_rest_pose = false;   // below the others
-uvec2 newest_end = uvec2(0);  // the last words of the newest one, which are stored when it is known what follows
+uvec2 newest_end = uvec2(0);  // the newest one's reference_row and flags: stored when it is known what follows
 uint layer_flags = 0;
 float active_clips_layer_weight = 0;
 
@@ -11,12 +11,13 @@ uint place_of_active_clip(uint index) { return (instance * push.active_clip_limi
 
 void store_end(uint index, uvec2 end) { active_clips[place_of_active_clip(index) + 3] = pack(end); }
 
-void store_active_clip(uint index, ActiveClip active_clip, float time_s) {
+// All of an active clip but its end. `weights`: within its layer, and the layer's.
+void store_begin(uint index, SlotCursor cursor, vec2 weights, float time_s) {
     const uint at = place_of_active_clip(index);
     if ((push.flags & kPushTellsTimes) != 0) active_clip_times[instance * push.active_clip_limit + index] = time_s;
-    active_clips[at] = pack(uvec2(active_clip.first_track, active_clip.earlier));
-    active_clips[at + 1] = pack(uvec2(active_clip.later, floatBitsToUint(active_clip.fraction)));
-    active_clips[at + 2] = pack(floatBitsToUint(vec2(active_clip.weight, active_clip.layer_weight)));
+    active_clips[at] = pack(uvec2(cursor.first_track, cursor.earlier));
+    active_clips[at + 1] = pack(uvec2(cursor.later, floatBitsToUint(cursor.fraction)));
+    active_clips[at + 2] = pack(floatBitsToUint(weights));
 }
 
 // The newest active clip, where there is one, gets what is known now.
@@ -41,12 +42,10 @@ void add_active_clip(uint clip, uint phase, float weight) {
     end_newest((layer_flags & kActiveClipBeginsLayer) != 0 ? kActiveClipEndsLayer : 0);
     const ClipTimeline timeline = load_timeline(clip);
     const float time_s = float(phase) * (1.0 / 4294967296.0) * timeline.duration_s;
-    const SlotCursor cursor = find_rows(timeline, time_s);
+    SlotCursor cursor = find_rows(timeline, time_s);
+    cursor.first_track = clip * push.joint_count;
+    store_begin(active_clip_count, cursor, vec2(weight, active_clips_layer_weight), time_s);
     newest_end = uvec2(timeline.first_row, layer_flags);
-    store_active_clip(active_clip_count,
-                      ActiveClip(clip * push.joint_count, cursor.earlier, cursor.later, cursor.fraction, weight,
-                                 active_clips_layer_weight, newest_end.x, newest_end.y),
-                      time_s);
     layer_flags &= ~kActiveClipBeginsLayer;
     ++active_clip_count;
 }
@@ -56,7 +55,7 @@ void end_active_clips() {
     end_newest(kActiveClipEndsLayer | kActiveClipEnds);
     if (active_clip_count > 0 && !has_rest_pose) return;
     const uint clip = layout_of_group.clip_count, row = load_timeline(clip).first_row;
-    store_active_clip(0, ActiveClip(clip * push.joint_count, row, row, 0, 1, 1, row, 0), 0);
+    store_begin(0, SlotCursor(clip * push.joint_count, row, row, 0), vec2(1), 0);
     store_end(
         0, uvec2(row, kActiveClipBeginsLayer | kActiveClipEndsLayer | (active_clip_count == 0 ? kActiveClipEnds : 0)));
 }

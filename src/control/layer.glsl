@@ -28,8 +28,8 @@ float advance_weight(INOUT(LayerState) state, ControlLayer layer) {
         1);
 }
 
-// What an update may change of a layer's plays but where they stand in time, and of the rest of its state. No more:
-// each word stored costs a software device more than what computes it.
+// Only what an update may change: each word stored costs a software device more than what computes it. Where plays
+// stand in time, show_plays() stores.
 void store_layer_state(uint index, LayerState state) {
     for (uint k = 0; k < kStackSize; ++k) {
         if (k >= state.play_count) continue;
@@ -43,7 +43,7 @@ void store_layer_state(uint index, LayerState state) {
     if (state.inertial_rate != 0) layers[index].inertial_rate = 0;
 }
 
-// The clips of a play, of those of its weight that are seen.
+// Those clips of a play that have weight.
 void add_clips(ClipMix clip_mix, PhaseStep phase_step, float play_weight, bool moves) {
     uint point = 0;
     do {
@@ -55,21 +55,21 @@ void add_clips(ClipMix clip_mix, PhaseStep phase_step, float play_weight, bool m
     } while (++point < 3);
 }
 
-// What plays in step with the leading one goes by.
+// What plays in step with the leading one take from it.
 struct Leading {
     uint sync, phase, loops;
     float rate;
     PhaseStep phase_step;
 };
 
-// The layer's plays go on in time and are shown, the leading one first. One after the other and not side by side, since
-// GPUs have few registers: those in step with the leading one go by their common rate, so a first round, in which only
-// that is measured, goes before where there may be such. Everything is initialized, and nothing continues a loop:
-// either would cost AMD's compiler registers throughout the loop around.
+// Plays advance in time and are shown, the leading one first. One at a time, since a GPU has no registers for what all
+// of them show; but those in step with the leading one advance at a common rate. Where there may be such, a first round
+// through all plays only adds that up. All variables are initialized, and no `continue` is used: either would make
+// AMD's compiler hold values in registers throughout the loop around this (docs/performance.md).
 void show_plays(uint at, uint index, LayerState state, ControlLayer layer, vec3 weights, float layer_weight) {
     Leading leading = {kNone, 0, 0, 0, {0, 0, 0, false, 0}};
     float common_rate = 0;
-    bool measures = state.play_count > 1, has_begun = false;
+    bool finds_rate = state.play_count > 1, has_begun = false;
     uint k = 0;
     do {
         if (k >= state.play_count) break;  // see mix_line() in blend_space.glsl
@@ -78,13 +78,13 @@ void show_plays(uint at, uint index, LayerState state, ControlLayer layer, vec3 
         if (k == 0) {
             leading.sync = clip_mix.sync;
             leading.rate = clip_mix.rate;
-            measures = measures && leading.sync != kNone;
+            finds_rate = finds_rate && leading.sync != kNone;
         }
         const bool in_step = leading.sync != kNone && clip_mix.sync == leading.sync;
-        if (measures) {
+        if (finds_rate) {
             common_rate = sum(common_rate, product(weights[k], in_step ? clip_mix.rate : leading.rate));
-            measures = k + 1 < state.play_count;
-            k = measures ? k + 1 : 0;
+            finds_rate = k + 1 < state.play_count;
+            k = finds_rate ? k + 1 : 0;
         } else {
             PhaseStep phase_step = leading.phase_step;
             if (k > 0 && in_step) {

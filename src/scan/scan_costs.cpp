@@ -35,9 +35,9 @@ std::string read_text(const std::filesystem::path& path) {
     return text.str();
 }
 
-// Of a GPU, from data sheets.
-struct Sheet {
-    std::string_view name;
+// What a GPU's data sheet says.
+struct DataSheet {
+    std::string_view maker;
     double simds = 0;      // of 32 lanes
     double subgroups = 0;  // that a SIMD holds of these kernels
     double clock_ghz = 0, bytes_per_ns = 0;
@@ -45,7 +45,7 @@ struct Sheet {
 
 // The counts are those of AMD's machine code for RDNA 2 (`throng tune --predicted 'RX 6900 XT'`), in clocks, and stand
 // for other makers' too; none has been measured yet, and `throng tune` replaces them.
-ScanCosts costs_of(const Sheet& gpu) {
+ScanCosts costs_of(const DataSheet& gpu) {
     return {.launch_ms = 0.003,
             .row_ns = 4.3 / gpu.clock_ghz,
             // A row takes 32 lines of the cache instead of the 12 of joints side by side
@@ -57,7 +57,7 @@ ScanCosts costs_of(const Sheet& gpu) {
             .units = gpu.simds,
             .resident_subgroups = gpu.simds * gpu.subgroups,
             .bytes_per_ns = gpu.bytes_per_ns,
-            .origin = "built in for " + std::string(gpu.name) + ", from machine code and data sheets"};
+            .origin = "built in for " + std::string(gpu.maker) + ", from machine code and data sheets"};
 }
 
 }  // namespace
@@ -84,7 +84,7 @@ ScanCosts built_in_hardware_costs(uint32_t vendor_id) {
         case kNvidia: return costs_of({"NVIDIA", 272, 10, 1.71, 760});  // RTX 3080
         case kAmd: return costs_of({"AMD", 160, 16, 2.25, 512});        // RX 6900 XT
         case kIntel: return costs_of({"Intel", 128, 16, 2.1, 560});     // Arc A770
-        default: return costs_of({"GPUs", 272, 10, 1.71, 760});
+        default: return costs_of({"other GPUs", 272, 10, 1.71, 760});
     }
 }
 

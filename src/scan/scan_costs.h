@@ -27,6 +27,7 @@ struct ScanCosts {
 // The measured ones where a readable file is in the cache, else the built-in ones.
 ScanCosts scan_costs(const Gpu& gpu);
 ScanCosts built_in_scan_costs(const Gpu& gpu);
+// Of GPUs. `vendor_id`: as VkPhysicalDeviceProperties has it.
 ScanCosts built_in_hardware_costs(uint32_t vendor_id);
 
 // $XDG_CACHE_HOME/throng, or ~/.cache/throng; a file for each device and driver. Empty where neither variable is set.

@@ -52,7 +52,7 @@ public:
     Trips phase(std::span<const uint32_t> multiplications, uint32_t fixed_moves);
     void barrier() { ++counts_.barriers; }
     void shared_bytes(uint64_t bytes) { counts_.shared_bytes = static_cast<uint32_t>(bytes); }
-    // Of the kernel's next loops, in the text's order.
+    // Add ScanCounts::loops, in the order that these have in the shader.
     void loop(std::string_view name, double trips) { counts_.loops.push_back({name, trips}); }
     void loops(std::string_view strides, std::string_view multiplications, const Trips& trips);
     const ScanCounts& counts() const { return counts_; }

@@ -15,8 +15,8 @@ struct SkinSum {
     float scale;
 };
 
-// Devices add what has no weight too: some vertex of a subgroup has weight there, and loads behind branches would wait
-// one after the other. A core has one vertex at a time.
+// Devices add influences of weight 0 too: some vertex of a subgroup has weight there, and loads behind branches wait
+// one after the other. Compiled as C++ a vertex is alone, and the branch saves work.
 void add_skin(INOUT(SkinSum) sum, float weight, uint index) {
 #ifdef __cplusplus
     if (weight == 0) return;

@@ -252,6 +252,31 @@ TEST(Summary, AMillionIsPredictedByItsOwnRecords) {
     EXPECT_EQ(count_of(summary(of_other_view), "| 0.100 |"), 0u);
 }
 
+TEST(Summary, ScansArePredictedInMemoryAndOfTheSameSkeleton) {
+    const Json record{{"bench", "scan"},     {"experiment", "levels"}, {"method", "stream"}, {"shape", "random"},
+                      {"seed", 1},           {"characters", 10'000},   {"joints", 300},      {"levels", 60},
+                      {"threads", 32},       {"median_ms", 0.3},       {"p5_ms", 0.2},       {"p95_ms", 0.4},
+                      {"device", "RTX 3080"}},
+        prediction{{"bench", "isa"},     {"configuration", "scan alone, 300 joints, 60 levels"},
+                   {"scan", "stream"},   {"shape", "random"},
+                   {"seed", 1},          {"characters", 10'000},
+                   {"joints", 300},      {"levels", 60},
+                   {"threads", 4},       {"machine", "RTX 3080"},
+                   {"predicted_ms", 0.1}};
+    const auto is_predicted_by = [&](const char* field, const Json& value) {
+        Json other = prediction;
+        other[field] = value;
+        return count_of(summary_text(std::vector<Json>{record}, std::vector<Json>{other}), "| 0.100 | 3.00 |") == 1;
+    };
+    EXPECT_TRUE(is_predicted_by("threads", 8)) << "each has those that are the fastest";
+    EXPECT_FALSE(is_predicted_by("configuration", "scan on chip, 300 joints, 60 levels"));
+    EXPECT_FALSE(is_predicted_by("scan", "stream_quaternion"));
+    EXPECT_FALSE(is_predicted_by("shape", "comb"));
+    EXPECT_FALSE(is_predicted_by("machine", "H100 SXM"));
+    for (const char* field : {"seed", "characters", "joints", "levels"})
+        EXPECT_FALSE(is_predicted_by(field, 7)) << field;
+}
+
 TEST(Report, NamesTheLineThatIsNoRecord) {
     const auto read = [](const std::string& content) {
         const TemporaryFolder folder;

@@ -21,13 +21,13 @@ struct TuneOptions {
 // The constants of a GPU that is not there.
 void run_predicted(const TuneOptions& options) {
     const auto machine = std::ranges::find(bench::machines(), options.predicted, &bench::Machine::name);
-    const auto [costs, scan_count, typical, largest] = bench::predict_scan_costs(*machine, built_in_hardware_costs(0),
-                                                                                 print_progress);
+    const auto [costs, scan_count, median_slack, largest_slack] = bench::predict_scan_costs(
+        *machine, built_in_hardware_costs(0), print_progress);
     print_progress("");
     std::printf("%s", to_json(costs).c_str());
     if (options.json) return;
     std::printf("from %u scans; what is chosen by them takes %.2f times as long as the fastest, at most %.2f times\n",
-                scan_count, typical, largest);
+                scan_count, median_slack, largest_slack);
 }
 
 void run_tune(const TuneOptions& options) {
