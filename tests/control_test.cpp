@@ -86,8 +86,9 @@ public:
                         BufferTable{{io::kPlaybacksBuffer, playbacks_},
                                     {io::kTimelineBuffer, timelines_},
                                     {io::kTimesBuffer, times_},
+                                    {io::kBirthsBuffer, times_},
                                     {io::kCursorsBuffer, cursors_}},
-                        io::ControlPush{count_, kJointCount, time_step_s}, count_);
+                        io::ControlPush{count_, kJointCount, time_step_s, 0}, count_);
         state = playbacks_.read();
         cursors = cursors_.read();
     }

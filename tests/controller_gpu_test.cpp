@@ -35,6 +35,7 @@ public:
           controller_bindings_(controller_.bind(BufferTable{{io::kControllerBuffer, tables_},
                                                             {io::kTimelineBuffer, timelines_},
                                                             {io::kTimesBuffer, times_},
+                                                            {io::kBirthsBuffer, times_},
                                                             {io::kRootRowsBuffer, root_rows_},
                                                             {io::kLayersBuffer, layers_},
                                                             {io::kParametersBuffer, parameters_},
@@ -46,8 +47,12 @@ public:
                                                             {io::kLayersBeforeBuffer, layers_},
                                                             {io::kParametersBeforeBuffer, parameters_},
                                                             {io::kActiveClipTimesBuffer, active_clip_times_}})),
-          command_bindings_(command_.bind(BufferTable{
-              {io::kCommandsBuffer, commands_}, {io::kLayersBuffer, layers_}, {io::kParametersBuffer, parameters_}})) {}
+          command_bindings_(command_.bind(BufferTable{{io::kCommandsBuffer, commands_},
+                                                      {io::kLayersBuffer, layers_},
+                                                      {io::kParametersBuffer, parameters_},
+                                                      {io::kInertiasBuffer, inertias_},
+                                                      {io::kInitialLayersBuffer, layers_},
+                                                      {io::kInitialParametersBuffer, parameters_}})) {}
 
     void update(std::span<const io::ControlCommand> commands, float time_step_s) {
         run_on_gpu([&](VkCommandBuffer buffer) {
@@ -61,7 +66,7 @@ public:
             if (command_count > 0)
                 command_.dispatch_invocations(
                     buffer, command_bindings_,
-                    io::CommandPush{command_count, made_.layout.layer_count, made_.layout.parameter_count},
+                    io::CommandPush{command_count, made_.layout.layer_count, made_.layout.parameter_count, 0},
                     command_count);
             memory_barrier(gpu, buffer, kShaderWrite, kShaderRead | kShaderWrite);
             controller_.dispatch_invocations(buffer, controller_bindings_,

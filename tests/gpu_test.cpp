@@ -99,12 +99,13 @@ TEST(Gpu, AWrongDispatchIsRefused) {
     const Bindings bindings = kernel.bind(BufferTable{{io::kPlaybacksBuffer, buffer},
                                                       {io::kTimelineBuffer, buffer},
                                                       {io::kTimesBuffer, buffer},
+                                                      {io::kBirthsBuffer, buffer},
                                                       {io::kCursorsBuffer, buffer}});
     const Error push = error_of([&] {
         run_on_gpu([&](VkCommandBuffer commands) { kernel.dispatch_invocations(commands, bindings, uint64_t{0}, 1); });
     });
     EXPECT_EQ(push.code, ErrorCode::kInvalidArgument);
-    EXPECT_TRUE(contains(push.text(), "control") && contains(push.text(), "12 bytes, not 8")) << push.text();
+    EXPECT_TRUE(contains(push.text(), "control") && contains(push.text(), "16 bytes, not 8")) << push.text();
 
     const uint32_t limit = test_gpu()->properties.limits.maxComputeWorkGroupCount[0];
     if (limit < UINT32_MAX) {
@@ -156,8 +157,8 @@ TEST(Gpu, SpirvTellsWhatAShaderNeeds) {
         }
     };
     expect("control", kernels::control.plain,
-           {io::kTimelineBuffer, io::kTimesBuffer, io::kPlaybacksBuffer, io::kCursorsBuffer}, sizeof(io::ControlPush),
-           io::kControlWorkgroupSize);
+           {io::kTimelineBuffer, io::kTimesBuffer, io::kBirthsBuffer, io::kPlaybacksBuffer, io::kCursorsBuffer},
+           sizeof(io::ControlPush), io::kControlWorkgroupSize);
     expect("sample", kernels::sample.plain,
            {io::kTracksBuffer, io::kKeysBuffer, io::kWordsBuffer, io::kCursorsBuffer, io::kSampledPosesBuffer},
            sizeof(io::SamplePush), io::kSampleWorkgroupSize);

@@ -7,6 +7,7 @@
 #include <throng/feedback.h>
 #include <throng/outputs.h>
 #include <throng/playback.h>
+#include <throng/population.h>
 #include <throng/procedural.h>
 #include <throng/scan.h>
 #include <throng/skin_format.h>
@@ -43,7 +44,7 @@ struct SkinPool {
 // and not kept.
 struct CrowdGroup {
     const Character* character = nullptr;
-    uint32_t instance_count = 0;
+    uint32_t instance_count = 0;  // that are there when the crowd is made
     const Controller* controller = nullptr;
     // Root motion, if the character has it, moves the placements; else it is only reported
     bool moves_placements = true;
@@ -68,6 +69,11 @@ struct CrowdGroup {
     // transitions, pose_capacity, nor the crowd's keep_model_matrices, keep_previous_matrices, skips_updates and
     // skins_once, all of which keep something of instances that are not drawn.
     std::optional<SkinPool> skin_pool{};
+    // Above 0: instances come and go, by Crowd::spawn() and despawn(), and there is room for so many at a time; at
+    // least instance_count. Such a crowd culls (CrowdSettings::culls): who is there is in its lists, and nobody else is
+    // updated or drawn. Room that is free takes memory, and next to no time. Not together with
+    // CrowdSettings::keep_previous_matrices where the group is animated entirely (see record()).
+    uint32_t capacity = 0;
 };
 
 // How an update goes from clips to skin matrices. kStaged: sample, blend, scan and bind one after another, each through
@@ -133,9 +139,25 @@ public:
     Crowd& operator=(Crowd&&) noexcept;
     ~Crowd();
 
+    // Numbers of instances are below it; of groups with CrowdGroup::capacity, all that there is room for counts.
     uint32_t instance_count() const;
     // Errors: kInvalidArgument (no such group).
     Result<GroupPath> path(uint32_t group) const;
+
+    // Adds instances to a group with CrowdGroup::capacity, one for each placement, or takes some away; taken up by the
+    // next record(). They get the lowest numbers that are free. A new one is as it would be in a new crowd: it plays
+    // the rest pose, or its controller begins; it has no pose of set_pose(), target, destination or speed, and nobody
+    // watches it. Calls that name an instance that is not there are errors. 4 bytes are uploaded for each that comes or
+    // goes, its placement, and 36 for what it plays. Where there is an error nothing has happened. Errors:
+    // kInvalidArgument (no such group, or without capacity; placement not finite; handle of one that has gone, or given
+    // twice), kLimit (more than there is room for).
+    Result<std::vector<InstanceHandle>> spawn(uint32_t group, std::span<const Affine> world_from_model);
+    Result<void> despawn(std::span<const InstanceHandle> instances);
+    bool is_alive(const InstanceHandle& instance) const;
+    // Of an instance that is there. Errors: kInvalidArgument (it is not).
+    Result<InstanceHandle> handle(uint32_t instance) const;
+    // Instances of a group that are there. Errors: kInvalidArgument (no such group).
+    Result<uint32_t> alive_count(uint32_t group) const;
 
     // Change what instances play, or where they stand (world_from_model); taken up by the next record(). New instances
     // play the rest pose and stand at the origin. Only changed instances are uploaded: 36 bytes each for a playback, 48

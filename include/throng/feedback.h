@@ -13,7 +13,8 @@ struct CharacterEvent {
     uint32_t instance = 0;
     uint32_t event = 0;  // index into Controller::events
     uint32_t layer = 0;
-    float time_s = 0;  // after the beginning of the update's time step
+    float time_s = 0;         // after the beginning of the update's time step
+    uint32_t generation = 0;  // InstanceHandle's
 };
 
 // What a layer plays: a state, or of a layer without states a clip.
@@ -30,6 +31,7 @@ struct PlayedMotion {
 // A watched instance as it is after an update.
 struct WatchedInstance {
     uint32_t instance = 0;
+    uint32_t generation = 0;    // InstanceHandle's
     Affine world_from_model{};  // with all root motion so far, where it moves placements
     // Root motion of this update, in the character's space before it; the identity where there is none
     Affine move{};

@@ -7,11 +7,22 @@ WORKGROUP(kControllerWorkgroupSize);
 READONLY_BUFFER(kCommandsBuffer, ControlCommand, commands);
 BUFFER(kLayersBuffer, LayerState, layers);     // [instance][layer]
 BUFFER(kParametersBuffer, float, parameters);  // [instance][parameter]
+BUFFER(kInertiasBuffer, InstanceInertia, inertias);
+// Of groups in which instances come and go: what an instance begins with
+READONLY_BUFFER(kInitialLayersBuffer, LayerState, initial_layers);
+READONLY_BUFFER(kInitialParametersBuffer, float, initial_parameters);
 PUSH(CommandPush);
 
 #include "control/rounded.glsl"
 #include "control/stack.glsl"
 #include "control/commands.glsl"
+
+void begin_anew(uint instance) {
+    for (uint i = 0; i < push.layer_count; ++i) layers[instance * push.layer_count + i] = initial_layers[i];
+    for (uint i = 0; i < push.parameter_count; ++i)
+        parameters[instance * push.parameter_count + i] = initial_parameters[i];
+    if (push.is_inertial != 0) inertias[instance] = InstanceInertia(0, 0, 0, 0, 0, 0);
+}
 
 void main() {
     const uint first = gl_GlobalInvocationID.x;
@@ -20,6 +31,10 @@ void main() {
     if (first > 0 && commands[first - 1].instance == instance) return;
     for (uint i = first; i < push.command_count && commands[i].instance == instance; ++i) {
         const ControlCommand command = commands[i];
-        obey(command, instance * push.layer_count + command.target, instance * push.parameter_count + command.target);
+        if (command.kind == kCommandBegin)
+            begin_anew(instance);
+        else
+            obey(command, instance * push.layer_count + command.target,
+                 instance * push.parameter_count + command.target);
     }
 }

@@ -2,7 +2,7 @@
 // interpolates. One invocation per instance; cost: a binary search per clip.
 #include "gpu/buffers_io.h"
 #include "control/control_io.h"
-#include "gpu/table.glsl"
+#include "control/births.glsl"
 
 WORKGROUP(kControlWorkgroupSize);
 BUFFER(kPlaybacksBuffer, InstancePlayback, playbacks);
@@ -23,7 +23,7 @@ SlotCursor advance(INOUT(SlotPlayback) slot) {
 
 void main() {
     const uint instance = gl_GlobalInvocationID.x;
-    if (instance >= push.instance_count) return;
+    if (instance >= push.instance_count || !is_there(instance, push.birth)) return;
     InstancePlayback playback = playbacks[instance];
     InstanceCursor cursor;
     cursor.first = advance(playback.first);

@@ -45,6 +45,7 @@ struct ControlPush {
     uint instance_count;
     uint joint_count;
     float time_step_s;
+    uint birth;  // births.glsl
 };
 
 THRONG_IO_END

@@ -4,7 +4,7 @@
 // tests before it once more than any invocation needs.
 #include "gpu/buffers_io.h"
 #include "gpu/stored.glsl"
-#include "gpu/table.glsl"
+#include "control/births.glsl"
 #include "control/controller_io.h"
 
 WORKGROUP(kControllerWorkgroupSize);
@@ -49,7 +49,7 @@ LayerState load_layer_state(uint index) { return LAYER_STATE_AT(layers_before, k
 
 void main() {
     instance = gl_GlobalInvocationID.x;
-    if (instance >= push.instance_count) return;
+    if (instance >= push.instance_count || !is_there(instance, push.birth)) return;
     layout_of_group = load_layout();
     first_parameter = instance * layout_of_group.parameter_count;
     uint index = 0;

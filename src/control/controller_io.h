@@ -181,6 +181,7 @@ THRONG_IO_CONSTANT kCommandPlay = 0;
 THRONG_IO_CONSTANT kCommandLayer = 1;
 THRONG_IO_CONSTANT kCommandParameter = 2;
 THRONG_IO_CONSTANT kCommandPlayInertial = 3;  // kCommandPlay, seen whole at once
+THRONG_IO_CONSTANT kCommandBegin = 4;         // it is as new
 
 struct ControllerPush {
     uint instance_count;
@@ -190,6 +191,7 @@ struct ControllerPush {
     uint event_capacity;     // records that fit
     float time_step_s;
     uint flags;
+    uint birth;  // births.glsl
 };
 THRONG_IO_CONSTANT kPushHasRootMotion = 1;
 THRONG_IO_CONSTANT kPushIsInertial = 4;       // the group has inertial transitions
@@ -200,6 +202,7 @@ struct CommandPush {
     uint command_count;
     uint layer_count;
     uint parameter_count;
+    uint is_inertial;  // the group has inertial transitions
 };
 
 THRONG_IO_END

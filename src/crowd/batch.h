@@ -11,6 +11,9 @@ namespace throng {
 struct Batch {
     uint32_t group = 0;
     uint32_t first_instance = 0, instance_count = 0;
+    uint32_t used_count = 0;  // of them, up to the last one that is there in the update that is under way
+    // What `births` has of those born in that update; 0: all are there, always
+    uint32_t birth = 0;
     bool blends = false;      // whether two clips have weight in any instance, in the update that is under way
     bool is_moved = false;    // whether placements have been set for that update
     uint32_t move_count = 0;  // updates so far of which that is so

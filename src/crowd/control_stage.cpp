@@ -82,8 +82,8 @@ void ControlStage::record(const Update& update) {
         const Batch& batch = batches_[member.batch];
         kernel_->dispatch_invocations(
             update.commands, member.bindings,
-            io::ControlPush{batch.instance_count, group_of(batch).joint_count, update.time_step_s},
-            batch.instance_count);
+            io::ControlPush{batch.used_count, group_of(batch).joint_count, update.time_step_s, batch.birth},
+            batch.used_count);
     }
     separate_kernels(update.commands);
     update.end_stage("control");

@@ -50,6 +50,7 @@ ControllerStage::ControllerStage(const StageContext& context)
             Member{.batch = i, .pending = {}, .recorded = {}, .uploaded = {}, .commands = {}, .controller = {}});
         member.controller = controller_kernel_.bind(
             batch.table(group, batch[io::kLayersBuffer]).set({{io::kEventsBuffer, feedback_->events()}}));
+        if (group.varies) make_uploads(member);  // each birth is a command
     }
 }
 
@@ -63,9 +64,8 @@ void ControllerStage::make_uploads(Member& member) {
     const Batch& batch = batches_[member.batch];
     member.uploaded = Buffer(gpu_, group_of(batch).name + ": commands", kRound * sizeof(io::ControlCommand),
                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    member.commands = command_kernel_.bind({{io::kCommandsBuffer, member.uploaded},
-                                            {io::kLayersBuffer, batch[io::kLayersBuffer]},
-                                            {io::kParametersBuffer, batch[io::kParametersBuffer]}});
+    member.commands = command_kernel_.bind(
+        batch.table(group_of(batch), batch[io::kLayersBuffer]).set({{io::kCommandsBuffer, member.uploaded}}));
 }
 
 // One dispatch a batch of those commands that follow the first `first`. False where there were none.
@@ -88,7 +88,8 @@ bool ControllerStage::record_round(VkCommandBuffer commands, size_t first) {
         const GroupController& controller = *group_of(batches_[member.batch]).controller;
         if (count > 0)
             command_kernel_.dispatch_invocations(
-                commands, member.commands, io::CommandPush{count, controller.layer_count, controller.parameter_count},
+                commands, member.commands,
+                io::CommandPush{count, controller.layer_count, controller.parameter_count, controller.is_inertial},
                 count);
     }
     memory_barrier(*gpu_, commands, kShaderRead | kShaderWrite, kShaderRead | kShaderWrite | kTransferWrite);
@@ -119,14 +120,15 @@ void ControllerStage::record(const Update& update) {
                                         : 0;
         controller_kernel_.dispatch_invocations(
             update.commands, member.controller,
-            io::ControllerPush{.instance_count = batch.instance_count,
+            io::ControllerPush{.instance_count = batch.used_count,
                                .first_instance = batch.first_instance,
                                .joint_count = group.joint_count,
                                .active_clip_limit = group.controller->active_clip_limit,
                                .event_capacity = feedback_->event_capacity(),
                                .time_step_s = update.time_step_s,
-                               .flags = root_flags | inertia_flags | morph_flags},
-            batch.instance_count);
+                               .flags = root_flags | inertia_flags | morph_flags,
+                               .birth = batch.birth},
+            batch.used_count);
     }
     separate_kernels(update.commands);
     update.end_stage("control");

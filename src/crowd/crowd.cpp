@@ -44,13 +44,27 @@ uint32_t Crowd::instance_count() const { return state_ ? state_->instance_count 
 
 Result<GroupPath> Crowd::path(uint32_t group) const {
     return as_result([&] {
-        const std::vector<Group>& groups = state().groups;
-        if (group >= groups.size())
-            throw Failure(ErrorCode::kInvalidArgument, "crowd",
-                          "group " + std::to_string(group) + " of a crowd of " + std::to_string(groups.size()));
-        const Group& of = groups[group];
+        const Group& of = state().group_at(group);
         return GroupPath{!of.fused.empty(), of.native, of.path_reason, {name_of(of.scan_choice), of.scan_reason}};
     });
+}
+
+Result<std::vector<InstanceHandle>> Crowd::spawn(uint32_t group, std::span<const Affine> world_from_model) {
+    return as_result([&] { return state().spawn(group, world_from_model); });
+}
+
+Result<void> Crowd::despawn(std::span<const InstanceHandle> instances) {
+    return as_result([&] { state().despawn(instances); });
+}
+
+bool Crowd::is_alive(const InstanceHandle& instance) const { return state_ && state_->is_alive(instance); }
+
+Result<InstanceHandle> Crowd::handle(uint32_t instance) const {
+    return as_result([&] { return state().handle(instance); });
+}
+
+Result<uint32_t> Crowd::alive_count(uint32_t group) const {
+    return as_result([&] { return state().alive_count(group); });
 }
 
 Result<void> Crowd::set_playback(uint32_t first_instance, std::span<const Playback> playback) {

@@ -49,6 +49,10 @@ void CrowdState::make_groups(Uploads& uploads, const CrowdSettings& settings) {
             !unsupported_reason.empty())
             throw Failure(ErrorCode::kUnsupported, group.character->name + ": skin blend", unsupported_reason);
         groups.emplace_back(uploads, rigs, group, choose_path(*gpu, settings, group), settings);
+        if (groups.back().varies && settings.keep_previous_matrices && !groups.back().animates_drawn_only())
+            throw Failure(ErrorCode::kUnsupported, group.character->name + ": capacity",
+                          "not together with keep_previous_matrices where a group has sockets or inertial transitions, "
+                          "or is updated stage by stage");
     }
     if (gpu->is_native() || std::ranges::all_of(groups, &Group::native)) return;
     for (Group& group : groups) group.leave_native("another group of the crowd cannot be updated natively");
@@ -85,7 +89,7 @@ void CrowdState::make_batches(Uploads& uploads, const BatchPlan& plan, uint32_t 
         Batch& batch = batches.emplace_back();
         batch.group = group;
         batch.first_instance = instance_count + first;
-        batch.instance_count = end - first;
+        batch.instance_count = batch.used_count = end - first;
         plan.make(uploads, batch);
         add_output(batch);
     }

@@ -16,20 +16,30 @@ void CrowdState::check_range(uint32_t first_instance, size_t count, const char* 
                       " of a crowd of " + std::to_string(instance_count));
 }
 
+// Of a call that names instances.
+void CrowdState::check_there(uint32_t first_instance, size_t count, const char* what) const {
+    check_range(first_instance, count, what);
+    for (uint32_t i = first_instance; population && i < first_instance + count; ++i)
+        if (!population->is_alive(i))
+            throw Failure(ErrorCode::kInvalidArgument, what,
+                          "instance " + std::to_string(i) + " is not there: it has not been spawned, or has gone");
+}
+
 const Batch& CrowdState::batch_of(uint32_t instance) const { return batches[batch_index_of(batches, instance)]; }
 
 void CrowdState::set_playback(uint32_t first_instance, std::span<const Playback> playback) {
-    check_range(first_instance, playback.size(), "playback");
+    check_there(first_instance, playback.size(), "playback");
     control->set(first_instance, playback);
 }
 
 void CrowdState::set_placement(uint32_t first_instance, std::span<const Affine> world_from_model) {
-    check_range(first_instance, world_from_model.size(), "placement");
+    check_there(first_instance, world_from_model.size(), "placement");
+    PlacementStage::check(world_from_model, "placement of instance ", first_instance);
     placements->set(first_instance, world_from_model);
 }
 
 const GroupController& CrowdState::controller_of(uint32_t instance, const char* what) const {
-    check_range(instance, 1, what);
+    check_there(instance, 1, what);
     const Group& group = groups[batch_of(instance).group];
     if (!group.controller)
         throw Failure(ErrorCode::kInvalidArgument, std::string(what) + " of instance " + std::to_string(instance),
@@ -65,7 +75,7 @@ void CrowdState::set_parameters(uint32_t instance, uint32_t parameter, std::span
 }
 
 void CrowdState::set_target(uint32_t instance, uint32_t target, const Vec3<float>& world_place, float weight) {
-    check_range(instance, 1, "target");
+    check_there(instance, 1, "target");
     const Batch& batch = batch_of(instance);
     const Group& group = groups[batch.group];
     const uint32_t count = group.procedural ? group.procedural->target_count : 0;
@@ -84,7 +94,7 @@ const Batch& CrowdState::batch_of_agent(uint32_t instance) const {
 }
 
 void CrowdState::set_destination(uint32_t first_instance, std::span<const Vec3<float>> world_places) {
-    check_range(first_instance, world_places.size(), "destination");
+    check_there(first_instance, world_places.size(), "destination");
     for (uint32_t i = 0; i < world_places.size(); ++i) {
         batch_of_agent(first_instance + i);
         if (!std::isfinite(world_places[i].x) || !std::isfinite(world_places[i].y) || !std::isfinite(world_places[i].z))
@@ -99,7 +109,7 @@ void CrowdState::set_destination(uint32_t first_instance, std::span<const Vec3<f
 }
 
 void CrowdState::clear_destination(uint32_t first_instance, uint32_t count) {
-    check_range(first_instance, count, "destination");
+    check_there(first_instance, count, "destination");
     for (uint32_t i = first_instance; i < first_instance + count; ++i) batch_of_agent(i);
     for (uint32_t i = first_instance; i < first_instance + count; ++i) {
         const Batch& batch = batch_of(i);
@@ -108,14 +118,14 @@ void CrowdState::clear_destination(uint32_t first_instance, uint32_t count) {
 }
 
 void CrowdState::set_pose(uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s) {
-    check_range(instance, 1, "pose");
+    check_there(instance, 1, "pose");
     const Batch& batch = batch_of(instance);
     poses->set(index_of(batch), instance - batch.first_instance, parent_from_joint, fade_s,
                "pose of instance " + std::to_string(instance));
 }
 
 void CrowdState::clear_pose(uint32_t instance, float fade_s) {
-    check_range(instance, 1, "pose");
+    check_there(instance, 1, "pose");
     const Batch& batch = batch_of(instance);
     poses->clear(index_of(batch), instance - batch.first_instance, fade_s,
                  "pose of instance " + std::to_string(instance));

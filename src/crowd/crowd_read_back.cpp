@@ -6,6 +6,7 @@
 #include "cull/cull_io.h"
 #include "gpu/barrier.h"
 
+#include <algorithm>
 #include <set>
 
 namespace throng {
@@ -25,7 +26,7 @@ void CrowdState::watch(std::span<const uint32_t> instances) {
                           std::to_string(watch_capacity_));
     std::vector<Watched> watched;
     for (const uint32_t instance : instances) {
-        check_range(instance, 1, "watch");
+        check_there(instance, 1, "watch");
         const Batch& batch = batch_of(instance);
         const Group& group = groups[batch.group];
         const auto part = [&](const Buffer& buffer, uint64_t stride_bytes, uint64_t size_bytes) {
@@ -53,10 +54,22 @@ void CrowdState::watch(std::span<const uint32_t> instances) {
     watched_ = std::move(watched);
 }
 
-std::vector<Feedback> CrowdState::take_feedback() { return feedback ? feedback->take() : std::vector<Feedback>(); }
+std::vector<Feedback> CrowdState::take_feedback() {
+    if (!feedback) return {};
+    std::vector<Feedback> taken = feedback->take();
+    if (!population) return taken;
+    for (Feedback& one : taken) {
+        const auto tell_generation = [&](auto& of) {
+            of.generation = population->generation_at(of.instance, one.update);
+        };
+        std::ranges::for_each(one.events, tell_generation);
+        std::ranges::for_each(one.watched, tell_generation);
+    }
+    return taken;
+}
 
 std::vector<Affine> CrowdState::read_matrices(uint32_t instance, bool model) const {
-    check_range(instance, 1, "read-back");
+    check_there(instance, 1, "read-back");
     const Batch& batch = batch_of(instance);
     const Group& group = groups[batch.group];
     if (group.sockets_only) throw Failure(ErrorCode::kInvalidArgument, "read-back", group.name + " has sockets only");
@@ -72,7 +85,7 @@ std::vector<Affine> CrowdState::read_matrices(uint32_t instance, bool model) con
 }
 
 std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
-    check_range(instance, 1, "read-back");
+    check_there(instance, 1, "read-back");
     const Batch& batch = batch_of(instance);
     const Group& group = groups[batch.group];
     if (group.sockets_only) throw Failure(ErrorCode::kInvalidArgument, "read-back", group.name + " has sockets only");

@@ -24,22 +24,24 @@ constexpr StageKind kind_of() {
 }
 
 // An update, in its order.
-constexpr std::array kStages{kind_of<PlacementStage>(), kind_of<ControlStage>(),    kind_of<ControllerStage>(),
-                             kind_of<SteerStage>(),     kind_of<TerrainStage>(),    kind_of<CullStage>(),
-                             kind_of<PoseStage>(),      kind_of<MorphStage>(),      kind_of<ProceduralStage>(),
-                             kind_of<FusedUpdate>(),    kind_of<UpdateRateStage>(), kind_of<StagedUpdate>(),
-                             kind_of<SkinStage>()};
+constexpr std::array kStages{kind_of<PopulationStage>(), kind_of<PlacementStage>(), kind_of<ControlStage>(),
+                             kind_of<ControllerStage>(), kind_of<SteerStage>(),     kind_of<TerrainStage>(),
+                             kind_of<CullStage>(),       kind_of<PoseStage>(),      kind_of<MorphStage>(),
+                             kind_of<ProceduralStage>(), kind_of<FusedUpdate>(),    kind_of<UpdateRateStage>(),
+                             kind_of<StagedUpdate>(),    kind_of<SkinStage>()};
 
 }  // namespace
 
-CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& settings)
+CrowdState::CrowdState(std::shared_ptr<Gpu> gpu_in, const CrowdSettings& asked)
     : gpu(std::move(gpu_in)),
-      skin_format(settings.skin_format),
-      skin_blend(settings.skin_blend),
-      skins_once(settings.skins_once) {
+      skin_format(asked.skin_format),
+      skin_blend(asked.skin_blend),
+      skins_once(asked.skins_once) {
+    const CrowdSettings settings = with_capacity(asked);
     check_groups(settings);
     Uploads uploads(gpu);
     make_groups(uploads, settings);
+    for (size_t i = 0; i < groups.size(); ++i) groups[i].initial_count = asked.groups[i].instance_count;
     std::vector<BatchPlan> plans;
     for (const Group& group : groups) plans.push_back(plan_batches(group, settings));
     uint64_t needed_bytes = pose_bytes(settings);
@@ -78,6 +80,7 @@ void CrowdState::make_stages(Uploads& uploads, const CrowdSettings& settings) {
                                .before = stages};
     for (const StageKind& kind : kStages)
         if (kind.is_needed(settings)) stages.push_back(kind.make(context));
+    population = find_stage<PopulationStage>(stages);
     placements = find_stage<PlacementStage>(stages);
     control = find_stage<ControlStage>(stages);
     controllers = find_stage<ControllerStage>(stages);

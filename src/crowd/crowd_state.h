@@ -11,6 +11,7 @@
 #include "crowd/morph_stage.h"
 #include "crowd/update_rate_stage.h"
 #include "crowd/placement_stage.h"
+#include "crowd/population_stage.h"
 #include "crowd/pose_stage.h"
 #include "crowd/procedural_stage.h"
 #include "crowd/skin_stage.h"
@@ -29,6 +30,13 @@ struct CrowdLife {};
 struct CrowdState {
     CrowdState(std::shared_ptr<Gpu> gpu, const CrowdSettings& settings);
 
+    const Group& group_at(uint32_t group) const;  // throws kInvalidArgument
+    std::vector<InstanceHandle> spawn(uint32_t group, std::span<const Affine> world_from_model);
+    void despawn(std::span<const InstanceHandle> instances);
+    bool is_alive(const InstanceHandle& instance) const;
+    bool is_there(uint32_t instance) const { return !population || population->is_alive(instance); }
+    InstanceHandle handle(uint32_t instance) const;
+    uint32_t alive_count(uint32_t group) const;
     void set_playback(uint32_t first_instance, std::span<const Playback> playback);
     void set_placement(uint32_t first_instance, std::span<const Affine> world_from_model);
     void play(uint32_t instance, uint32_t layer, const LayerPlayback& playback);
@@ -70,6 +78,7 @@ struct CrowdState {
 
     // In the order of an update; those below are among them, null where the crowd does not need them.
     std::vector<std::unique_ptr<Stage>> stages;
+    PopulationStage* population = nullptr;
     PlacementStage* placements = nullptr;
     ControlStage* control = nullptr;
     ControllerStage* controllers = nullptr;
@@ -100,6 +109,7 @@ private:
     const GroupController& controller_of(uint32_t instance, const char* what) const;
     void copy_to_previous(VkCommandBuffer commands) const;
     void check_range(uint32_t first_instance, size_t count, const char* what) const;
+    void check_there(uint32_t first_instance, size_t count, const char* what) const;
     const Batch& batch_of(uint32_t instance) const;
     uint32_t read_word(const Buffer& words, uint32_t instance) const;
     uint32_t read_skin_row(const Group& group, const Batch& batch, uint32_t instance) const;

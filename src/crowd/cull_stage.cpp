@@ -140,7 +140,7 @@ io::CullPush CullStage::push_of(const Batch& batch) const {
     return {.centre = {centre.x, centre.y, centre.z, 0},
             .half_extent = {half.x, half.y, half.z, 0},
             .lod_errors = {errors[0], errors[1], errors[2], errors[3]},
-            .instance_count = batch.instance_count,
+            .instance_count = batch.used_count,
             .lod_count = static_cast<uint32_t>(1 + group.lods.size()),
             .joint_set_count = std::max(1u, static_cast<uint32_t>(group.fused.size())),
             .keeps_previous = is_listed && keeps_previous_,
@@ -150,8 +150,12 @@ io::CullPush CullStage::push_of(const Batch& batch) const {
             .joint_count = group.joint_count,
             .active_clip_limit = group.controller ? group.controller->active_clip_limit : 0,
             .pose_spread = group.skin_pool ? group.skin_pool->pose_spread : 0,
-            .cells_of_workgroup = cells_of_workgroup(batch.instance_count),
-            .placements_version = version_of(batch)};
+            .cells_of_workgroup = cells_of_workgroup(batch.used_count),
+            .placements_version = version_of(batch),
+            .birth = batch.birth,
+            .animates_unlisted = batch.birth != 0 && !is_listed,
+            .unused0 = 0,
+            .unused1 = 0};
 }
 
 template <class Dispatch>
@@ -170,7 +174,7 @@ void CullStage::record_cells(const Update& update) {
         members_[i].has_cells = !batch.is_moved && !group_of(batch).moves_placements();
         if (had_cells || !members_[i].has_cells) continue;
         kernels_.cells.dispatch_invocations(update.commands, members_[i].cells, push_of(batch),
-                                            cell_count(batch.instance_count));
+                                            cell_count(batch.used_count));
         any = true;
     }
     if (any) separate_kernels(update.commands);
@@ -180,7 +184,7 @@ void CullStage::record(const Update& update) {
     record_cells(update);
     for_each_batch(update.commands, [&](size_t i) {
         kernels_.cull.dispatch_workgroups(update.commands, members_[i].cull, push_of(batches_[i]),
-                                          cull_workgroups_of(batches_[i].instance_count));
+                                          cull_workgroups_of(batches_[i].used_count));
     });
     record_lists(update, false);
 }
@@ -189,7 +193,7 @@ void CullStage::record_lists(const Update& update, bool is_second_half) const {
     for_each_batch(update.commands, [&](size_t i) {
         const Batch& batch = batches_[i];
         const Group& group = group_of(batch);
-        io::OffsetsPush push{.workgroup_count = cull_workgroups_of(batch.instance_count),
+        io::OffsetsPush push{.workgroup_count = cull_workgroups_of(batch.used_count),
                              .section_count = static_cast<uint32_t>(group.sections.size()),
                              .own_row_count = push_of(batch).own_row_count,
                              .is_second_half = is_second_half,
@@ -201,7 +205,7 @@ void CullStage::record_lists(const Update& update, bool is_second_half) const {
     });
     for_each_batch(update.commands, [&](size_t i) {
         kernels_.list.dispatch_workgroups(update.commands, members_[i].list, push_of(batches_[i]),
-                                          cull_workgroups_of(batches_[i].instance_count));
+                                          cull_workgroups_of(batches_[i].used_count));
     });
     update.end_stage("cull");
 }
@@ -222,7 +226,7 @@ void CullStage::record_disoccluded(const Update& update, const DepthImage& depth
                                   .height = depths.height,
                                   .sign = depths.reversed ? 1.0f : -1.0f};
         kernels_.reveal.dispatch_workgroups(update.commands, reveal.members[i], push,
-                                            cull_workgroups_of(batches_[i].instance_count));
+                                            cull_workgroups_of(batches_[i].used_count));
     });
     record_lists(update, true);
 }

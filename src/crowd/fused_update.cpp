@@ -127,7 +127,7 @@ void FusedUpdate::record(const Update& update) {
 
 void FusedUpdate::record_disoccluded(const Update& update, const DepthImage&) {
     if (members_.empty()) return;
-    record_sets(update.commands, [&](const Group& group) { return is_listed(group); });
+    record_sets(update.commands, [&](const Group& group) { return animates_drawn_only(group); });
     update.end_stage("fused");
 }
 

@@ -43,7 +43,8 @@ private:
     void record_set(VkCommandBuffer commands, const Member& member, uint32_t set) const;
     void update_natively(const Member& member, uint32_t set) const;
     void update_natively(const Member& member, uint32_t set, const Buffer& skin, uint32_t section) const;
-    bool is_listed(const Group& group) const { return culls_ && group.animates_drawn_only(); }
+    bool is_listed(const Group& group) const { return group.varies || animates_drawn_only(group); }
+    bool animates_drawn_only(const Group& group) const { return culls_ && group.animates_drawn_only(); }
 
     void record_sockets(VkCommandBuffer commands) const;
 

@@ -73,11 +73,17 @@ Group::Group(Uploads& uploads, NativeRigs& rigs, const CrowdGroup& group, const 
     : Group(uploads, *group.character, choice) {
     if (group.controller)
         controller.emplace(uploads, *group.controller, *group.character, group.moves_placements, buffers);
+    varies = group.capacity > 0;
     socket_space = group.socket_space;
     sockets_only = group.sockets_only;
     if (sockets_only) palette_count = 0;
     steering = group.steering;
     on_terrain = group.on_terrain;
+    if (varies && controller) {
+        buffers[io::kInitialLayersBuffer] = upload(uploads, name + ": initial layers", controller->initial_layers);
+        buffers[io::kInitialParametersBuffer] = upload(uploads, name + ": initial parameters",
+                                                       controller->initial_parameters);
+    }
     if (!group.sockets.empty()) make_sockets(uploads, group.sockets);
     if (group.procedural) make_procedural(uploads, *group.procedural, *group.character);
     uniform_scale = group.character->rig.uniform_scale;

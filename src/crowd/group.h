@@ -73,6 +73,8 @@ struct Group {
           const CrowdSettings& settings);
 
     std::string name;
+    bool varies = false;         // instances come and go: CrowdGroup::capacity
+    uint32_t initial_count = 0;  // of instances, where it does
     uint32_t joint_count = 0;
     uint32_t palette_count = 0;
     uint32_t vertex_count = 0;

@@ -23,9 +23,9 @@ void MorphStage::record(const Update& update) {
     for (const Member& member : members_) {
         const Batch& batch = batches_[member.batch];
         const Group& group = group_of(batch);
-        const io::MorphPush push{batch.instance_count, group.morph_count, group.joint_count,
+        const io::MorphPush push{batch.used_count, group.morph_count, group.joint_count,
                                  group.controller ? group.controller->active_clip_limit : 0};
-        kernel_of(group).dispatch_invocations(update.commands, member.bindings, push, batch.instance_count);
+        kernel_of(group).dispatch_invocations(update.commands, member.bindings, push, batch.used_count);
     }
     update.end_stage("blend");
 }

@@ -18,12 +18,15 @@ PlacementStage::PlacementStage(const StageContext& context) : Stage(context), pl
     dirty_.add(0, context.instance_count);
 }
 
-void PlacementStage::set(uint32_t first_instance, std::span<const Affine> world_from_model) {
+void PlacementStage::check(std::span<const Affine> world_from_model, const std::string& place, size_t first_number) {
     for (size_t i = 0; i < world_from_model.size(); ++i)
         for (const auto& row : world_from_model[i].row)
             if (!std::all_of(row.begin(), row.end(), [](float f) { return std::isfinite(f); }))
-                throw Failure(ErrorCode::kInvalidArgument,
-                              "placement of instance " + std::to_string(first_instance + i), "a number is not finite");
+                throw Failure(ErrorCode::kInvalidArgument, place + std::to_string(first_number + i),
+                              "a number is not finite");
+}
+
+void PlacementStage::set(uint32_t first_instance, std::span<const Affine> world_from_model) {
     std::copy(world_from_model.begin(), world_from_model.end(), placements_.begin() + first_instance);
     dirty_.add(first_instance, static_cast<uint32_t>(world_from_model.size()));
 }

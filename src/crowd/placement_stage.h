@@ -15,7 +15,8 @@ public:
     static void plan(BatchPlan& plan) { plan.add_table<Affine>(io::kPlacementsBuffer); }
     explicit PlacementStage(const StageContext& context);
 
-    // Throws kInvalidArgument where a number is not finite.
+    // Throws kInvalidArgument where a number is not finite; `place` and the placement's number say where.
+    static void check(std::span<const Affine> world_from_model, const std::string& place, size_t first_number = 0);
     void set(uint32_t first_instance, std::span<const Affine> world_from_model);
     const std::vector<Affine>& all() const { return placements_; }
 

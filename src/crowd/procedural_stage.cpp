@@ -73,17 +73,18 @@ void ProceduralStage::record_rank(VkCommandBuffer commands, const KindBindings& 
 
 void ProceduralStage::record_dispatch(VkCommandBuffer commands, const KindBindings& bindings, const Batch& batch,
                                       const ProceduralTables::Dispatch& dispatch) const {
+    if (batch.used_count == 0) return;
     const Group& group = group_of(batch);
-    const uint32_t workgroups = (batch.instance_count + io::kProceduralWorkgroupSize - 1) /
-                                io::kProceduralWorkgroupSize;
-    io::ProceduralPush push{.instance_count = batch.instance_count,
+    const uint32_t workgroups = (batch.used_count + io::kProceduralWorkgroupSize - 1) / io::kProceduralWorkgroupSize;
+    io::ProceduralPush push{.instance_count = batch.used_count,
                             .first_instance = batch.first_instance,
                             .joint_count = group.joint_count,
                             .spring_count = group.procedural->spring_count,
                             .target_count = group.procedural->target_count,
                             .first_chain = dispatch.first_chain,
                             .workgroups = workgroups,
-                            .time_step_s = time_step_s_};
+                            .time_step_s = time_step_s_,
+                            .birth = batch.birth};
     wind_.moment().tell(push);
     // As many chains at once as the device dispatches.
     const uint32_t chains = std::max(gpu_->properties.limits.maxComputeWorkGroupCount[0] / workgroups, 1u);

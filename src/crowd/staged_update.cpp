@@ -147,7 +147,7 @@ void StagedUpdate::record_wave(const Update& update, const Wave& wave) const {
     const std::span<const Member> members = std::span(members_).subspan(wave.first_member, wave.member_count);
     const auto stage = [&](const char* name, const auto& record_member) {
         for (const Member& member : members)
-            record_member(member, batches_[member.batch].instance_count, group_of(batches_[member.batch]));
+            record_member(member, batches_[member.batch].used_count, group_of(batches_[member.batch]));
         separate_kernels(commands);
         update.end_stage(name);
     };

@@ -98,16 +98,16 @@ void SteerStage::record(const Update& update) {
 
 void SteerStage::record_places(VkCommandBuffer commands, const Member& member) const {
     const Batch& batch = batches_[member.batch];
-    const io::PlacesPush push{batch.instance_count, member.first_agent, group_of(batch).steering->radius, inverse_cell_,
-                              bucket_mask_};
-    kernels_->places.dispatch_invocations(commands, member.places, push, batch.instance_count);
+    const io::PlacesPush push{batch.used_count, member.first_agent, group_of(batch).steering->radius,
+                              inverse_cell_,    bucket_mask_,       batch.birth};
+    kernels_->places.dispatch_invocations(commands, member.places, push, batch.used_count);
 }
 
 void SteerStage::record_steps(VkCommandBuffer commands, const Member& member, float time_step_s) const {
     const Batch& batch = batches_[member.batch];
     const Group& group = group_of(batch);
     const double turn_rad = std::min(double{group.steering->turn} * double{time_step_s}, std::numbers::pi);
-    const io::SteerPush push{.instance_count = batch.instance_count,
+    const io::SteerPush push{.instance_count = batch.used_count,
                              .first_agent = member.first_agent,
                              .inverse_cell = inverse_cell_,
                              .bucket_mask = bucket_mask_,
@@ -117,8 +117,9 @@ void SteerStage::record_steps(VkCommandBuffer commands, const Member& member, fl
                              .time_step_s = time_step_s,
                              .is_carried = batch[io::kRootsBuffer] && group.controller->moves_placements,
                              .parameter_count = group.controller ? group.controller->parameter_count : 0,
-                             .speed_parameter = group.steering->speed_parameter};
-    kernels_->steer.dispatch_invocations(commands, member.steer, push, batch.instance_count);
+                             .speed_parameter = group.steering->speed_parameter,
+                             .birth = batch.birth};
+    kernels_->steer.dispatch_invocations(commands, member.steer, push, batch.used_count);
 }
 
 }  // namespace throng

@@ -47,7 +47,7 @@ void TerrainStage::record(const Update& update) {
     if (members_.empty()) return;
     for (const Member& member : members_) {
         io::TerrainPush push = push_;
-        push.instance_count = batches_[member.batch].instance_count;
+        push.instance_count = batches_[member.batch].used_count;
         kernel_.dispatch_invocations(update.commands, member.bindings, push, push.instance_count);
     }
     separate_kernels(update.commands);

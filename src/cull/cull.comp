@@ -3,6 +3,7 @@
 // bytes for a cell that is not seen, and 8 written for each of its instances; for the others 52 bytes read, 8 written,
 // some 100 operations.
 #include "gpu/buffers_io.h"
+#include "control/births.glsl"
 #include "cull/cull.glsl"
 
 WORKGROUP(kCullWorkgroupSize);
@@ -24,9 +25,10 @@ bool is_cell_seen(CullView view, uint number) {
 
 void cull_instance(CullView view, uint instance, bool is_in_seen_cell) {
     uint verdict = 0, state = 0;
-    if (is_in_seen_cell) {
+    const bool is_here = is_there(instance, push.birth);
+    if (is_in_seen_cell && is_here) {
         const Affine placement = AFFINE_AT(placement_rows, instance);
-        state = states[instance];
+        if (!is_newborn(instance, push.birth)) state = states[instance];
         const bool waits = view.occlusion != 0 && (state & kStateVisible) == 0;
         if (!is_seen(view, placement, push.centre.xyz, push.half_extent.xyz)) {
             state = 0;
@@ -38,6 +40,7 @@ void cull_instance(CullView view, uint instance, bool is_in_seen_cell) {
             verdict = shared_verdict(view, push, placement, instance, verdict);
         }
     }
+    if (push.animates_unlisted != 0 && is_here) verdict |= kVerdictAnimated | kAnimated << kVerdictSectionShift;
     states[instance] = state;
     verdicts[instance] = verdict;
     count(verdict);

@@ -104,6 +104,9 @@ struct CullPush {
     uint cells_of_workgroup;
     // Another whenever placements have changed, above 0; 0: they always do, and there are no cells
     float placements_version;
+    uint birth;              // control/births.glsl
+    uint animates_unlisted;  // instances that are not drawn are animated too, all of their joints
+    uint unused0, unused1;
 };
 
 // The depth pyramid: depths of a picture, greater where nearer, half as fine level by level, down to one texel. A level

@@ -30,6 +30,7 @@ Bounds bounds_of(const CrowdState& state, Vec3<float> Group::*box_min, Vec3<floa
         const Vec3<float> centre = (group.*box_min + group.*box_max) * 0.5f,
                           half = (group.*box_max - group.*box_min) * 0.5f;
         for (uint32_t i = 0; i < batch.instance_count; ++i) {
+            if (!state.is_there(batch.first_instance + i)) continue;
             const Affine& placement = state.placements->all()[batch.first_instance + i];
             // The box around the placed box, without its eight corners.
             const auto reach_along = [&](int r) {
@@ -44,7 +45,7 @@ Bounds bounds_of(const CrowdState& state, Vec3<float> Group::*box_min, Vec3<floa
                           std::max(bounds.max.z, high.z)};
         }
     }
-    return bounds;
+    return bounds.min.x <= bounds.max.x ? bounds : Bounds();  // none where nobody is there
 }
 
 }  // namespace

@@ -21,8 +21,8 @@ float ground_height(const CrowdState& state, const Bounds& bounds) {
         const Group& group = state.groups[batch.group];
         const float floating = group.bounds_min.y;
         if (floating <= 0 || floating > 0.25f * (group.bounds_max.y - group.bounds_min.y)) continue;
-        for (uint32_t i = 0; i < batch.instance_count; ++i)
-            height = std::min(height, state.placements->all()[batch.first_instance + i].row[1][3]);
+        for (uint32_t i = batch.first_instance; i < batch.first_instance + batch.instance_count; ++i)
+            if (state.is_there(i)) height = std::min(height, state.placements->all()[i].row[1][3]);
     }
     return height;
 }

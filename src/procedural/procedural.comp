@@ -2,7 +2,7 @@
 // One invocation per instance and chain; the chains of a dispatch touch nothing of each other. Reads 48 bytes a joint
 // of the chain and of all above it, writes 48 a joint (32 each as similarities), and reads and writes 48 a spring.
 #include "gpu/buffers_io.h"
-#include "gpu/table.glsl"
+#include "control/births.glsl"
 #include "gpu/stored.glsl"
 #include "procedural/procedural_io.h"
 
@@ -60,7 +60,8 @@ void store_turned(uint joint, vec4 turn, Affine turned) {
 uint spring_row(uint spring) { return 3 * (instance * push.spring_count + spring); }
 SpringState load_spring_state(uint spring) {
     const uint row = spring_row(spring);
-    return SpringState(unpack(springs[row]), unpack(springs[row + 1]), unpack(springs[row + 2]));
+    const bool begins = is_newborn(instance, push.birth);
+    return SpringState(unpack(springs[row]), unpack(springs[row + 1]), begins ? vec4(0) : unpack(springs[row + 2]));
 }
 void store_spring_state(uint spring, SpringState state) {
     const uint row = spring_row(spring);
@@ -78,7 +79,7 @@ void forget_spring(uint spring) { springs[spring_row(spring) + 2] = pack(vec4(0)
 
 void main() {
     instance = gl_WorkGroupID.x % push.workgroups * kProceduralWorkgroupSize + gl_LocalInvocationID.x;
-    if (instance >= push.instance_count) return;
+    if (instance >= push.instance_count || !is_there(instance, push.birth)) return;
     const ProceduralChain chain = PROCEDURAL_CHAIN_AT(
         tables, push.first_chain + kProceduralChainWords * (gl_WorkGroupID.x / push.workgroups));
     move_chain(kKind, chain);

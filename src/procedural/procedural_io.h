@@ -84,6 +84,7 @@ struct ProceduralPush {
     float gust;
     float gust_rate;                              // 1 / wavelength
     float gust_phase0, gust_phase1, gust_phase2;  // cycles, 0..1
+    uint birth;                                   // control/births.glsl
 };
 
 THRONG_IO_END

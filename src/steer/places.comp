@@ -3,6 +3,7 @@
 // exchange. Source: S. Green, Particle Simulation using CUDA, NVIDIA 2008 (the grid by atomics). Difference: lists
 // instead of a fixed number of places for each cell.
 #include "gpu/buffers_io.h"
+#include "control/births.glsl"
 #include "steer/grid.glsl"
 
 WORKGROUP(kSteerWorkgroupSize);
@@ -14,7 +15,7 @@ PUSH(PlacesPush);
 
 void main() {
     const uint instance = gl_GlobalInvocationID.x;
-    if (instance >= push.instance_count) return;
+    if (instance >= push.instance_count || !is_there(instance, push.birth)) return;
     const vec2 place = vec2(placements[3 * instance].w, placements[3 * instance + 2].w);
     const uint agent = push.first_agent + instance;
     const uint next = atomicExchange(heads[bucket_of(cell_of(place, push.inverse_cell), push.bucket_mask)], agent);

@@ -27,6 +27,7 @@ struct PlacesPush {
     float radius;
     float inverse_cell;  // 1 / the width of a cell
     uint bucket_mask;    // buckets - 1
+    uint birth;          // control/births.glsl
 };
 
 struct SteerPush {
@@ -40,6 +41,7 @@ struct SteerPush {
     uint is_carried;           // by the root motion of its clips
     uint parameter_count;
     uint speed_parameter;  // or kNone
+    uint birth;
 };
 
 THRONG_IO_END

@@ -1,0 +1,86 @@
+// Instances that come and go.
+#include "base/failure.h"
+#include "crowd/crowd_state.h"
+
+#include <algorithm>
+#include <array>
+
+namespace throng {
+namespace {
+
+std::string name_of(const InstanceHandle& handle) {
+    return "instance " + std::to_string(handle.instance) + " of generation " + std::to_string(handle.generation);
+}
+
+}  // namespace
+
+const Group& CrowdState::group_at(uint32_t group) const {
+    if (group >= groups.size())
+        throw Failure(ErrorCode::kInvalidArgument, "crowd",
+                      "group " + std::to_string(group) + " of a crowd of " + std::to_string(groups.size()));
+    return groups[group];
+}
+
+std::vector<InstanceHandle> CrowdState::spawn(uint32_t group, std::span<const Affine> world_from_model) {
+    if (!group_at(group).varies)
+        throw Failure(ErrorCode::kInvalidArgument, groups[group].name + ": spawn", "CrowdGroup::capacity is not set");
+    PlacementStage::check(world_from_model, "spawn: placement ");
+    const std::vector<uint32_t> instances = population->spawn(group, static_cast<uint32_t>(world_from_model.size()));
+    std::vector<InstanceHandle> handles;
+    handles.reserve(instances.size());
+    for (size_t i = 0; i < instances.size(); ++i) {
+        const uint32_t instance = instances[i];
+        placements->set(instance, world_from_model.subspan(i, 1));
+        if (groups[group].controller) send(instance, {.kind = io::kCommandBegin});
+        handles.push_back(handle(instance));
+    }
+    return handles;
+}
+
+// What is left of it would else be its successor's.
+void CrowdState::despawn(std::span<const InstanceHandle> instances) {
+    for (size_t i = 0; i < instances.size(); ++i) {
+        const InstanceHandle& gone = instances[i];
+        if (!is_alive(gone)) throw Failure(ErrorCode::kInvalidArgument, "despawn", name_of(gone) + " is not there");
+        if (!groups[batch_of(gone.instance).group].varies)
+            throw Failure(ErrorCode::kInvalidArgument, "despawn", name_of(gone) + ": its group has no capacity");
+    }
+    std::vector<uint32_t> numbers(instances.size());
+    std::ranges::transform(instances, numbers.begin(), &InstanceHandle::instance);
+    std::ranges::sort(numbers);
+    if (const auto twice = std::ranges::adjacent_find(numbers); twice != numbers.end())
+        throw Failure(ErrorCode::kInvalidArgument, "despawn", "instance " + std::to_string(*twice) + " is given twice");
+    for (const auto& [instance, generation] : instances) {
+        const Batch& batch = batch_of(instance);
+        const Group& group = groups[batch.group];
+        const uint32_t of_batch = instance - batch.first_instance;
+        if (!group.controller) control->set(instance, std::array{Playback()});
+        if (group.steering) steer->set_destination(index_of(batch), of_batch, {});
+        if (group.procedural)
+            for (uint32_t target = 0; target < group.procedural->target_count; ++target)
+                procedural->set_target(index_of(batch), of_batch * group.procedural->target_count + target, {});
+        if (group.pose_capacity > 0) poses->clear(index_of(batch), of_batch, 0, "despawn");
+        std::erase_if(watched_, [&](const Watched& watched) { return watched.instance == instance; });
+        population->despawn(instance);
+    }
+}
+
+bool CrowdState::is_alive(const InstanceHandle& instance) const {
+    if (instance.instance >= instance_count) return false;
+    if (!population) return instance.generation == 0;
+    return population->is_alive(instance.instance) && population->generation(instance.instance) == instance.generation;
+}
+
+InstanceHandle CrowdState::handle(uint32_t instance) const {
+    check_there(instance, 1, "handle");
+    return {instance, population ? population->generation(instance) : 0};
+}
+
+uint32_t CrowdState::alive_count(uint32_t group) const {
+    if (group_at(group).varies) return population->alive_count(group);
+    uint32_t count = 0;
+    for (const Batch& batch : batches) count += batch.group == group ? batch.instance_count : 0;
+    return count;
+}
+
+}  // namespace throng

@@ -1,0 +1,149 @@
+#include "crowd/population_stage.h"
+
+#include "base/failure.h"
+
+#include <algorithm>
+
+namespace throng {
+namespace {
+
+constexpr uint64_t kUpdatesRemembered = 8;  // at least as many as feedback() may be late
+
+// Never 0, which says that nobody is there.
+uint32_t birth_of(uint64_t update) { return static_cast<uint32_t>(1 + update % UINT32_MAX); }
+
+}  // namespace
+
+CrowdSettings with_capacity(CrowdSettings settings) {
+    for (CrowdGroup& group : settings.groups) {
+        if (group.capacity == 0) continue;
+        if (group.capacity < group.instance_count)
+            throw Failure(ErrorCode::kInvalidArgument, "crowd: capacity",
+                          std::to_string(group.capacity) + ", but the group begins with " +
+                              std::to_string(group.instance_count) + " instances");
+        group.instance_count = group.capacity;
+        settings.culls = true;
+    }
+    return settings;
+}
+
+bool PopulationStage::is_needed(const CrowdSettings& settings) {
+    return std::ranges::any_of(settings.groups, [](const CrowdGroup& group) { return group.capacity > 0; });
+}
+
+void PopulationStage::plan(BatchPlan& plan) {
+    if (plan.group().varies) plan.add_filled_table(io::kBirthsBuffer, std::vector<uint32_t>(1));
+}
+
+PopulationStage::PopulationStage(const StageContext& context) : Stage(context), populations_(groups_.size()) {
+    for (const Batch& batch : batches_) {
+        const Group& group = group_of(batch);
+        Population& population = populations_[batch.group];
+        if (!group.varies || population.slots.capacity() > 0) continue;
+        const uint32_t capacity = context.settings.groups[batch.group].instance_count;
+        population = {.first_instance = batch.first_instance,
+                      .slots = Slots(capacity),
+                      .births = std::vector<uint32_t>(capacity),
+                      .generations = std::vector<uint32_t>(capacity)};
+        spawn(batch.group, group.initial_count);
+    }
+}
+
+const PopulationStage::Population* PopulationStage::population_of(uint32_t instance) const {
+    const Population& population = populations_[batches_[batch_index_of(batches_, instance)].group];
+    return population.slots.capacity() > 0 ? &population : nullptr;
+}
+
+std::vector<uint32_t> PopulationStage::spawn(uint32_t group, uint32_t count) {
+    Population& population = populations_[group];
+    Slots& slots = population.slots;
+    if (count > slots.free_count())
+        throw Failure(ErrorCode::kLimit, groups_[group].name + ": spawn",
+                      std::to_string(count) + " instances, where CrowdGroup::capacity leaves room for " +
+                          std::to_string(slots.free_count()));
+    std::vector<uint32_t> instances;
+    instances.reserve(count);
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t slot = slots.take(), instance = population.first_instance + slot;
+        population.births[slot] = birth_of(update_number_ + 1);
+        dirty_.add(instance, 1);
+        instances.push_back(instance);
+    }
+    return instances;
+}
+
+void PopulationStage::despawn(uint32_t instance) {
+    Population& population = populations_[batches_[batch_index_of(batches_, instance)].group];
+    const uint32_t slot = instance - population.first_instance;
+    uint32_t& birth = population.births[slot];
+    uint32_t& generation = population.generations[slot];
+    if (birth != birth_of(update_number_ + 1)) {
+        if (deaths_.empty() || deaths_.back().update != update_number_)
+            deaths_.push_back({.update = update_number_, .of = {}});
+        deaths_.back().of[instance] = {.generation = generation, .birth = birth};
+    }
+    ++generation;
+    birth = 0;
+    population.slots.give_back(slot);
+    dirty_.add(instance, 1);
+}
+
+bool PopulationStage::is_alive(uint32_t instance) const {
+    const Population* const population = population_of(instance);
+    return !population || population->slots.is_taken(instance - population->first_instance);
+}
+
+uint32_t PopulationStage::generation(uint32_t instance) const {
+    const Population* const population = population_of(instance);
+    return population ? population->generations[instance - population->first_instance] : 0;
+}
+
+uint32_t PopulationStage::generation_at(uint32_t instance, uint64_t update) const {
+    for (const Deaths& deaths : deaths_) {
+        if (deaths.update < update) continue;
+        if (const auto found = deaths.of.find(instance); found != deaths.of.end()) return found->second.generation;
+    }
+    return generation(instance);
+}
+
+uint32_t PopulationStage::alive_count(uint32_t group) const {
+    const Slots& slots = populations_[group].slots;
+    return slots.capacity() - slots.free_count();
+}
+
+// Kernels go through no more instances than up to the last one that is there.
+void PopulationStage::tell_batches() const {
+    for (Batch& batch : batches_) {
+        const Population& population = populations_[batch.group];
+        if (population.slots.capacity() == 0) continue;
+        const uint32_t first = batch.first_instance - population.first_instance, end = population.slots.end();
+        batch.used_count = std::clamp(end, first, first + batch.instance_count) - first;
+        batch.birth = birth_of(update_number_);
+    }
+}
+
+void PopulationStage::begin(const Update& update) {
+    ++update_number_;
+    while (!deaths_.empty() && deaths_.front().update + kUpdatesRemembered < update_number_) deaths_.pop_front();
+    tell_batches();
+    for_each_part(batches_, dirty_.take(), [&](const Batch& batch, uint32_t first, uint32_t count) {
+        const Population& population = populations_[batch.group];
+        record_update(*gpu_, update.commands, batch[io::kBirthsBuffer], first - batch.first_instance,
+                      std::span(population.births).subspan(first - population.first_instance, count));
+    });
+}
+
+// Those born in that update are born in the next one, which will have its number.
+void PopulationStage::discard() {
+    dirty_.put_back();
+    const uint64_t discarded = update_number_--;
+    if (deaths_.empty() || deaths_.back().update != discarded) return;
+    std::unordered_map<uint32_t, Death> of = std::move(deaths_.back().of);
+    deaths_.pop_back();
+    std::erase_if(of, [&](const auto& entry) { return entry.second.birth == birth_of(discarded); });
+    if (deaths_.empty() || deaths_.back().update != update_number_)
+        deaths_.push_back({.update = update_number_, .of = {}});
+    deaths_.back().of.merge(of);
+}
+
+}  // namespace throng

@@ -1,0 +1,66 @@
+// Which instances are there, of groups with CrowdGroup::capacity. It numbers updates, and tells kernels in which of
+// them an instance was born, so that they begin anew with it.
+#pragma once
+
+#include "crowd/batch_plan.h"
+#include "crowd/dirty_ranges.h"
+#include "crowd/slots.h"
+#include "crowd/stage.h"
+
+#include <throng/population.h>
+
+#include <deque>
+#include <unordered_map>
+
+namespace throng {
+
+// The settings of a crowd that is made for as many instances as there may be.
+CrowdSettings with_capacity(CrowdSettings settings);
+
+class PopulationStage : public Stage {
+public:
+    static bool is_needed(const CrowdSettings& settings);
+    static void plan(BatchPlan& plan);
+    explicit PopulationStage(const StageContext& context);
+
+    // The numbers of new instances of a group, in the crowd. Throws kLimit where there is no room for all.
+    std::vector<uint32_t> spawn(uint32_t group, uint32_t count);
+    void despawn(uint32_t instance);
+
+    bool is_alive(uint32_t instance) const;
+    uint32_t generation(uint32_t instance) const;
+    // Of whoever had the number in an update of the last few, counted from 1.
+    uint32_t generation_at(uint32_t instance, uint64_t update) const;
+    uint32_t alive_count(uint32_t group) const;
+
+    void begin(const Update& update) override;
+    void discard() override;
+    uint32_t end_count() const override { return 0; }
+
+private:
+    struct Population {
+        uint32_t first_instance = 0;
+        Slots slots;
+        // Of each slot: the number of the update that it was born in, as kernels know it, or 0 where it is free
+        std::vector<uint32_t> births;
+        std::vector<uint32_t> generations;
+    };
+    struct Death {
+        uint32_t generation = 0, birth = 0;
+    };
+    // Of those that were there in this update, and in none after it, by their numbers in the crowd.
+    struct Deaths {
+        uint64_t update = 0;
+        std::unordered_map<uint32_t, Death> of;
+    };
+    // Null where the group's instances neither come nor go.
+    const Population* population_of(uint32_t instance) const;
+    void tell_batches() const;
+
+    std::vector<Population> populations_;  // [group]; without slots where they neither come nor go
+    std::deque<Deaths> deaths_;            // of the last few updates, oldest first
+    uint64_t update_number_ = 0;           // of the last update
+    DirtyRanges dirty_;
+};
+
+}  // namespace throng

@@ -1,0 +1,51 @@
+// Which of a group's instances are there. Numbers are given lowest first, so that those in use stay together.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+namespace throng {
+
+class Slots {
+public:
+    explicit Slots(uint32_t capacity = 0)
+        : free_((capacity + kBits - 1) / kBits, ~uint64_t{0}), capacity_(capacity), free_count_(capacity) {
+        if (capacity % kBits > 0) free_.back() = (uint64_t{1} << capacity % kBits) - 1;
+    }
+
+    uint32_t capacity() const { return capacity_; }
+    uint32_t free_count() const { return free_count_; }
+    bool is_taken(uint32_t slot) const { return slot < capacity_ && (free_[slot / kBits] & bit_of(slot)) == 0; }
+    // One more than the highest that is taken.
+    uint32_t end() const { return end_; }
+
+    // The lowest that is free; there must be one.
+    uint32_t take() {
+        while (free_[first_free_word_] == 0) ++first_free_word_;
+        const auto slot = static_cast<uint32_t>(first_free_word_ * kBits +
+                                                static_cast<size_t>(std::countr_zero(free_[first_free_word_])));
+        free_[first_free_word_] &= ~bit_of(slot);
+        --free_count_;
+        if (slot >= end_) end_ = slot + 1;
+        return slot;
+    }
+
+    // `slot` must be taken.
+    void give_back(uint32_t slot) {
+        free_[slot / kBits] |= bit_of(slot);
+        ++free_count_;
+        if (slot / kBits < first_free_word_) first_free_word_ = slot / kBits;
+        while (end_ > 0 && !is_taken(end_ - 1)) --end_;
+    }
+
+private:
+    static constexpr uint32_t kBits = 64;
+    static uint64_t bit_of(uint32_t slot) { return uint64_t{1} << slot % kBits; }
+
+    std::vector<uint64_t> free_;  // a bit each
+    size_t first_free_word_ = 0;  // none is free in those before
+    uint32_t capacity_ = 0, free_count_ = 0, end_ = 0;
+};
+
+}  // namespace throng

@@ -1,0 +1,457 @@
+// Instances that come and go: each is as it would be in a crowd that was made when it came.
+#include "tests/lively_crowd.h"
+#include "tests/recorder.h"
+#include "tests/subset.h"
+
+#include <throng/draw.h>
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+namespace throng::test {
+namespace {
+
+const InSubset kInSubsets({Subset::kGpuAssisted}, {"Population.*"});
+const InSubset kNatively({Subset::kNative}, {"Population.*", "-Population.DiscardedBirthsAndDeaths*"});
+
+constexpr uint32_t kRoom = 24;  // of each group
+
+std::string refusal(const auto& result) { return result ? std::string() : result.error().text(); }
+
+std::string group_name(uint32_t group) {
+    return std::array{"clips", "walker", "dragon", "springs", "agents"}.at(group);
+}
+
+// Groups of all kinds: two clips with poses from outside, root motion, inertial transitions and sockets, springs,
+// agents.
+struct Kinds {
+    Character character = creature(30, 10), walking = walking_creature();
+    Controller walker = example("walker"), dragon = example("dragon");
+    ProceduralRules rules{.targets = {"there"},
+                          .rules = {SpringRule{.joint = character.rig.names[1]},
+                                    LookAtRule{.joint = character.rig.names.back(), .target = "there"}}};
+
+    CrowdSettings settings(UpdatePath path) {
+        CrowdSettings settings{.path = path, .culls = true};
+        if (path != UpdatePath::kAuto) settings.scan = "serial";  // else crowds of other sizes have other methods
+        settings.groups = {{.character = &character, .pose_capacity = kRoom},
+                           {.character = &walking, .controller = &walker},
+                           {.character = &character, .controller = &dragon, .sockets = {3, 7}},
+                           {.character = &character, .procedural = &rules},
+                           {.character = &character, .steering = Steering{.radius = 0.5f, .speed = 3}}};
+        return settings;
+    }
+};
+
+// Far from each other, so that agents do not meet.
+Affine plot(uint32_t number) {
+    return to_affine(
+        Trs<float>{.translation = {static_cast<float>(number % 32) * 1000, 0, static_cast<float>(number / 32) * 1000}});
+}
+
+// A crowd, and for each set of instances that came at the same time one that was made then and has no others.
+class Lives {
+public:
+    explicit Lives(UpdatePath path) : path_(path) {
+        CrowdSettings settings = kinds_.settings(path);
+        for (CrowdGroup& group : settings.groups) group.capacity = kRoom;
+        crowd_ = create(settings);
+    }
+
+    void spawn(Random& random) {
+        CrowdSettings settings = kinds_.settings(path_);
+        Cohort cohort{Crowd(nullptr), {}};
+        std::vector<Affine> places;
+        for (uint32_t group = 0; group < settings.groups.size(); ++group) {
+            const uint32_t room = kRoom - *crowd_.alive_count(group), count = std::min(room, 1 + random.below(8));
+            std::vector<Affine> of_group;
+            for (uint32_t i = 0; i < count; ++i) of_group.push_back(plot(plot_count_++));
+            const Result<std::vector<InstanceHandle>> handles = crowd_.spawn(group, of_group);
+            ASSERT_TRUE(handles) << refusal(handles);
+            ASSERT_EQ(handles->size(), count);
+            settings.groups[group].instance_count = count;
+            for (const InstanceHandle& handle : *handles) {
+                EXPECT_TRUE(numbers_.insert({handle.instance, handle.generation}).second) << "a handle of another";
+                reused_count += handle.generation > 0;
+                cohort.members.push_back({group, handle});
+            }
+            places.insert(places.end(), of_group.begin(), of_group.end());
+        }
+        cohort.crowd = create(settings);
+        ASSERT_TRUE(cohort.crowd.set_placement(0, places));
+        for (uint32_t i = 0; i < cohort.members.size(); ++i) change(random, cohort, i);
+        cohorts_.push_back(std::move(cohort));
+    }
+
+    void despawn(Random& random) {
+        std::vector<InstanceHandle> gone;
+        for (Cohort& cohort : cohorts_)
+            for (Member& member : cohort.members)
+                if (member.is_there && random.chance(0.3)) {
+                    member.is_there = false;
+                    gone.push_back(member.handle);
+                }
+        const Result<void> done = crowd_.despawn(gone);
+        ASSERT_TRUE(done) << refusal(done);
+        for (const InstanceHandle& handle : gone) EXPECT_FALSE(crowd_.is_alive(handle));
+    }
+
+    void change(Random& random) {
+        for (Cohort& cohort : cohorts_)
+            for (uint32_t i = 0; i < cohort.members.size(); ++i)
+                if (cohort.members[i].is_there && random.chance(0.3)) change(random, cohort, i);
+    }
+
+    void update(float step_s) {
+        watch();
+        const Result<void> updated = crowd_.update(step_s);
+        ASSERT_TRUE(updated) << refusal(updated);
+        const Feedback told = feedback_of(crowd_);
+        std::map<uint32_t, const WatchedInstance*> watched;
+        for (const WatchedInstance& one : told.watched) watched[one.instance] = &one;
+        std::multiset<std::array<uint32_t, 5>> events, wanted_events;
+        for (const CharacterEvent& event : told.events)
+            events.insert(
+                {event.instance, event.generation, event.event, event.layer, std::bit_cast<uint32_t>(event.time_s)});
+        std::set<uint32_t> there;
+        for (Cohort& cohort : cohorts_) {
+            ASSERT_TRUE(cohort.crowd.update(step_s));
+            const Feedback wanted = feedback_of(cohort.crowd);
+            for (const CharacterEvent& event : wanted.events) {
+                const Member& member = cohort.members[event.instance];
+                if (member.is_there)
+                    wanted_events.insert({member.handle.instance, member.handle.generation, event.event, event.layer,
+                                          std::bit_cast<uint32_t>(event.time_s)});
+            }
+            for (uint32_t i = 0; i < cohort.members.size(); ++i) {
+                if (!cohort.members[i].is_there) continue;
+                there.insert(cohort.members[i].handle.instance);
+                expect_same(cohort, i);
+            }
+            for (const WatchedInstance& one : wanted.watched) {
+                const Member& member = cohort.members[one.instance];
+                if (const auto found = watched.find(member.handle.instance); member.is_there && found != watched.end())
+                    expect_same(*found->second, one, member);
+            }
+        }
+        EXPECT_EQ(events, wanted_events);
+        event_count += events.size();
+        std::set<uint32_t> drawn;
+        for (const DrawnInstance& one : drawn_of(crowd_)) drawn.insert(one.instance);
+        EXPECT_EQ(drawn, there);
+    }
+
+    size_t event_count = 0, compared_count = 0, watched_count = 0, reused_count = 0;
+
+private:
+    struct Member {
+        uint32_t group = 0;
+        InstanceHandle handle;
+        bool is_there = true;
+    };
+    struct Cohort {
+        Crowd crowd;
+        std::vector<Member> members;
+    };
+
+    void watch() {
+        std::vector<uint32_t> some;
+        for (Cohort& cohort : cohorts_) {
+            std::vector<uint32_t> all;
+            for (uint32_t i = 0; i < cohort.members.size(); ++i) {
+                all.push_back(i);
+                if (cohort.members[i].is_there && some.size() < 64) some.push_back(cohort.members[i].handle.instance);
+            }
+            EXPECT_TRUE(cohort.crowd.watch(all));
+        }
+        EXPECT_TRUE(crowd_.watch(some));
+    }
+
+    // The same for both.
+    void change(Random& random, Cohort& cohort, uint32_t number) {
+        const Member& member = cohort.members[number];
+        const Playback playback = random_playback(random, kinds_.character);
+        const std::vector<Trs<float>> pose(kinds_.character.rig.rest);
+        const auto fade_s = static_cast<float>(random.between(0, 0.3));
+        const auto [walk, walked] = random_change(random, kinds_.walker);
+        const auto [fly, flown] = random_change(random, kinds_.dragon);
+        const Vec3<float> aside = random.vector(20).as<float>();
+        const bool clears = random.chance(0.3);
+        for (const auto& [crowd, i] : {std::pair(&crowd_, member.handle.instance), std::pair(&cohort.crowd, number)}) {
+            Result<void> done;
+            const Affine place = plot(member.handle.instance);
+            const std::array goal{Vec3<float>{place.row[0][3] + aside.x, 0, place.row[2][3] + aside.z}};
+            switch (member.group) {
+                case 0:
+                    done = crowd->set_playback(i, {&playback, 1});
+                    if (done) done = clears ? crowd->clear_pose(i, fade_s) : crowd->set_pose(i, pose, fade_s);
+                    break;
+                case 1: done = crowd->set_parameters(i, walk, walked); break;
+                case 2: done = crowd->set_parameters(i, fly, flown); break;
+                case 3:
+                    done = crowd->set_playback(i, {&playback, 1});
+                    if (done) done = crowd->set_target(i, 0, goal[0], 0.5f);
+                    break;
+                default: done = clears ? crowd->clear_destination(i, 1) : crowd->set_destination(i, goal);
+            }
+            EXPECT_TRUE(done) << refusal(done);
+        }
+    }
+
+    void expect_same(Cohort& cohort, uint32_t number) {
+        const Member& member = cohort.members[number];
+        const Result<std::vector<Affine>> got = crowd_.read_skin_matrices(member.handle.instance);
+        ASSERT_TRUE(got) << refusal(got);
+        EXPECT_TRUE(same_bits(*got, *cohort.crowd.read_skin_matrices(number)))
+            << group_name(member.group) << ", instance " << member.handle.instance << " of generation "
+            << member.handle.generation;
+        ++compared_count;
+    }
+
+    void expect_same(const WatchedInstance& got, const WatchedInstance& wanted, const Member& member) {
+        const std::string where = group_name(member.group) + ", instance " + std::to_string(member.handle.instance);
+        EXPECT_EQ(got.generation, member.handle.generation) << where;
+        EXPECT_EQ(got.world_from_model.row, wanted.world_from_model.row) << where;
+        EXPECT_EQ(got.parameters, wanted.parameters) << where;
+        EXPECT_EQ(got.layers, wanted.layers) << where;
+        EXPECT_TRUE(same_bits(got.sockets, wanted.sockets)) << where;
+        ++watched_count;
+    }
+
+    UpdatePath path_;
+    Kinds kinds_;
+    Crowd crowd_{nullptr};
+    std::vector<Cohort> cohorts_;
+    uint32_t plot_count_ = 0;
+    std::set<std::pair<uint32_t, uint32_t>> numbers_;
+};
+
+class PopulationOnPath : public testing::TestWithParam<UpdatePath> {};
+
+TEST_P(PopulationOnPath, NewbornsAreAsNew) {
+    Lives lives(GetParam());
+    Random random(3);
+    for (int update = 0; update < 24; ++update) {
+        if (update % 4 == 1 || update == 14) lives.despawn(random);  // some go and come between the same two updates
+        if (update % 4 < 2 && update < 18) lives.spawn(random);
+        lives.change(random);
+        lives.update(update % 7 == 3 ? 0 : static_cast<float>(random.between(0, 0.1)));
+        if (HasFatalFailure()) return;
+    }
+    EXPECT_GT(lives.event_count, 5u);
+    EXPECT_GT(lives.compared_count, 500u);
+    EXPECT_GT(lives.watched_count, 300u);
+    EXPECT_GT(lives.reused_count, 30u);
+}
+
+std::string path_name(const testing::TestParamInfo<UpdatePath>& path) {
+    constexpr std::array kNames{"Auto", "Fused", "Staged", "Native", "Device"};
+    return kNames[static_cast<size_t>(path.param)];
+}
+
+INSTANTIATE_TEST_SUITE_P(Population, PopulationOnPath,
+                         testing::Values(UpdatePath::kAuto, UpdatePath::kDevice, UpdatePath::kStaged), path_name);
+
+struct Few {
+    Character character = creature(20, 8);
+    Controller controller = example("walker");
+    CrowdSettings settings{.groups = {{.character = &character, .instance_count = 2},
+                                      {.character = &character, .instance_count = 1, .capacity = 4},
+                                      {.character = &character, .controller = &controller, .capacity = 3}}};
+    Crowd crowd = create(settings);
+
+    std::vector<InstanceHandle> spawn(uint32_t group, uint32_t count) {
+        Result<std::vector<InstanceHandle>> handles = crowd.spawn(group, std::vector(count, Affine{}));
+        EXPECT_TRUE(handles) << refusal(handles);
+        return handles ? *handles : std::vector<InstanceHandle>(count);
+    }
+};
+
+TEST(Population, HandlesTellOneFromTheNext) {
+    Few few;
+    Crowd& crowd = few.crowd;
+    EXPECT_EQ(crowd.instance_count(), 2u + 4 + 3);
+    EXPECT_EQ(*crowd.handle(0), (InstanceHandle{0, 0}));
+    EXPECT_EQ(*crowd.handle(2), (InstanceHandle{2, 0}));
+    EXPECT_EQ(*crowd.alive_count(0), 2u);
+    EXPECT_EQ(*crowd.alive_count(1), 1u);
+    const std::vector<InstanceHandle> first = few.spawn(1, 2);
+    EXPECT_EQ(first, (std::vector<InstanceHandle>{{3, 0}, {4, 0}}));
+    EXPECT_TRUE(crowd.despawn({first.data(), 1}));
+    EXPECT_FALSE(crowd.is_alive(first[0]));
+    EXPECT_TRUE(crowd.is_alive(first[1]));
+    EXPECT_EQ(*crowd.alive_count(1), 2u);
+    const std::vector<InstanceHandle> second = few.spawn(1, 2);
+    EXPECT_EQ(second, (std::vector<InstanceHandle>{{3, 1}, {5, 0}}));
+    EXPECT_FALSE(crowd.is_alive(first[0]));
+    EXPECT_TRUE(crowd.is_alive(second[0]));
+    EXPECT_FALSE(crowd.is_alive({}));
+    EXPECT_FALSE(crowd.is_alive({.instance = 0, .generation = 1}));
+}
+
+TEST(Population, RefusesWhatIsNotThere) {
+    Few few;
+    Crowd& crowd = few.crowd;
+    const std::vector<InstanceHandle> all = few.spawn(1, 3);
+    EXPECT_EQ(refusal(crowd.spawn(1, std::array{Affine{}})),
+              "creature: spawn: 1 instances, where CrowdGroup::capacity leaves room for 0");
+    EXPECT_EQ(crowd.spawn(1, std::array{Affine{}}).error().code, ErrorCode::kLimit);
+    EXPECT_EQ(refusal(crowd.spawn(0, std::array{Affine{}})), "creature: spawn: CrowdGroup::capacity is not set");
+    EXPECT_EQ(refusal(crowd.spawn(3, std::array{Affine{}})), "crowd: group 3 of a crowd of 3");
+    Affine bad;
+    bad.row[1][3] = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_EQ(refusal(crowd.spawn(2, std::array{Affine{}, bad})), "spawn: placement 1: a number is not finite");
+    EXPECT_EQ(*crowd.alive_count(2), 0u) << "nothing has happened";
+
+    EXPECT_EQ(refusal(crowd.despawn(std::array{all[0], all[1], all[0]})), "despawn: instance 3 is given twice");
+    EXPECT_EQ(refusal(crowd.despawn(std::array{all[0], *crowd.handle(0)})),
+              "despawn: instance 0 of generation 0: its group has no capacity");
+    EXPECT_EQ(*crowd.alive_count(1), 4u) << "nothing has happened";
+    ASSERT_TRUE(crowd.despawn({all.data(), 1}));
+    EXPECT_EQ(refusal(crowd.despawn({all.data(), 1})), "despawn: instance 3 of generation 0 is not there");
+
+    const std::string none = "instance 3 is not there: it has not been spawned, or has gone";
+    EXPECT_EQ(refusal(crowd.handle(3)), "handle: " + none);
+    EXPECT_EQ(refusal(crowd.set_playback(2, std::vector<Playback>(2))), "playback: " + none);
+    EXPECT_EQ(refusal(crowd.set_placement(3, std::array{Affine{}})), "placement: " + none);
+    EXPECT_EQ(refusal(crowd.watch(std::array{3u})), "watch: " + none);
+    EXPECT_EQ(refusal(crowd.read_skin_matrices(3)), "read-back: " + none);
+    EXPECT_EQ(refusal(crowd.set_parameters(6, 0, std::array{1.0f})),
+              "parameter: instance 6 is not there: it has not been spawned, or has gone");
+
+    CrowdSettings settings = few.settings;
+    settings.groups[1].instance_count = 5;
+    EXPECT_EQ(refusal(Crowd::create(test_device(), settings)),
+              "crowd: capacity: 4, but the group begins with 5 instances");
+    settings = few.settings;
+    settings.keep_previous_matrices = true;
+    settings.groups[1].sockets = {1};
+    EXPECT_EQ(Crowd::create(test_device(), settings).error().code, ErrorCode::kUnsupported);
+}
+
+// A crowd that begins with nobody, fills up and is empty again.
+TEST(Population, MayBeEmpty) {
+    Few few;
+    few.settings.groups.erase(few.settings.groups.begin());
+    few.settings.groups[0].instance_count = 0;
+    Crowd crowd = create(few.settings);
+    const auto update = [&](size_t drawn) {
+        EXPECT_TRUE(crowd.update(0.1f));
+        EXPECT_EQ(drawn_of(crowd).size(), drawn);
+    };
+    update(0);
+    std::vector<InstanceHandle> all = *crowd.spawn(0, std::vector(4, plot(3)));
+    const std::vector<InstanceHandle> walkers = *crowd.spawn(1, std::vector(3, plot(5)));
+    all.insert(all.end(), walkers.begin(), walkers.end());
+    const Bounds bounds = world_bounds(crowd);
+    EXPECT_GT(bounds.min.x, 2900) << "nobody stands at the origin";
+    update(7);
+    ASSERT_TRUE(crowd.despawn(all));
+    EXPECT_EQ(world_bounds(crowd).min.x, 0);
+    EXPECT_EQ(world_bounds(crowd).max.x, 0);
+    update(0);
+    update(0);
+}
+
+// Who comes where another was drawn is not taken for it: what it had before is what it has now.
+TEST(Population, PreviousMatricesOfNewbornsAreTheirOwn) {
+    const Device device = native_device();
+    const Character character = creature(20, 8);
+    Crowd crowd = std::move(
+        *Crowd::create(device, {.groups = {{.character = &character, .capacity = 4}}, .keep_previous_matrices = true}));
+    const Playback moving{.first = {.clip = 0, .time_s = 0.2}};
+    InstanceHandle one = (*crowd.spawn(0, std::array{Affine{}}))[0];
+    for (int update = 0; update < 4; ++update) {
+        if (update == 3) {
+            ASSERT_TRUE(crowd.despawn({&one, 1}));
+            one = (*crowd.spawn(0, std::array{Affine{}}))[0];
+            EXPECT_EQ(one, (InstanceHandle{0, 1}));
+        }
+        if (update % 3 == 0) {
+            ASSERT_TRUE(crowd.set_playback(one.instance, {&moving, 1}));
+        }
+        ASSERT_TRUE(crowd.update(0.1f));
+        const HostOutputs& host = crowd.outputs()[0].host;
+        const size_t size = host.skin.size() / 4;
+        EXPECT_EQ(std::ranges::equal(host.skin.first(size), host.previous_skin.first(size)), update % 3 == 0) << update;
+    }
+}
+
+// feedback() may tell of an update after its instances have gone and others have come.
+TEST(Population, EventsAreOfWhoeverWasThere) {
+    const Character character = creature(20, 8);
+    const Controller controller = example("dragon");
+    Crowd crowd = create({.groups = {{.character = &character, .controller = &controller, .capacity = 2}}});
+    const auto forward = static_cast<uint32_t>(
+        std::ranges::find(controller.parameters, "forward", &ControllerParameter::name) -
+        controller.parameters.begin());
+    uint32_t event_count = 0;
+    for (uint32_t round = 0; round < 3; ++round) {
+        const InstanceHandle one = (*crowd.spawn(0, std::array{Affine{}}))[0];
+        EXPECT_EQ(one, (InstanceHandle{0, 2 * round}));
+        ASSERT_TRUE(crowd.set_parameters(one.instance, forward, std::array{1.0f}));
+        for (int update = 0; update < 3; ++update) ASSERT_TRUE(crowd.update(0.7f));
+        ASSERT_TRUE(crowd.despawn({&one, 1}));
+        const InstanceHandle unseen = (*crowd.spawn(0, std::array{Affine{}}))[0];  // never in an update
+        ASSERT_TRUE(crowd.despawn({&unseen, 1}));
+        const std::vector<Feedback> all = *crowd.feedback();
+        for (const Feedback& told : all)
+            for (const CharacterEvent& event : told.events) {
+                EXPECT_EQ(event.generation, 2 * round);
+                ++event_count;
+            }
+    }
+    EXPECT_GT(event_count, 3u);
+}
+
+// Births and deaths of a frame that is dropped are there in the next.
+TEST(Population, DiscardedBirthsAndDeathsComeLater) {
+    const Character character = creature(20, 8);
+    const Controller controller = example("walker");
+    const CrowdSettings settings{.groups = {{.character = &character, .controller = &controller, .capacity = 8},
+                                            {.character = &character, .sockets = {1}, .capacity = 8}},
+                                 .path = UpdatePath::kDevice};
+    std::array crowds{create(settings), create(settings)};
+    Recorder recorder;
+    Random random(9);
+    std::vector<InstanceHandle> there;
+    for (int update = 0; update < 30; ++update) {
+        const uint32_t group = random.below(2);
+        const bool goes = there.size() > 4 && random.chance(0.5);
+        if (goes) std::swap(there[random.below(static_cast<uint32_t>(there.size()))], there.back());
+        const bool drops = random.chance(0.5), drops_before = random.chance(0.3);
+        const auto drop = [&] {
+            recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(crowds[1].record(commands, 0.2f)); });
+            EXPECT_TRUE(crowds[1].discard_last_record());
+        };
+        if (drops_before) drop();
+        if (goes) {
+            for (Crowd& crowd : crowds) ASSERT_TRUE(crowd.despawn({&there.back(), 1}));
+            there.pop_back();
+        }
+        const std::array place{plot(static_cast<uint32_t>(update))};
+        const Result<std::vector<InstanceHandle>> come[2] = {crowds[0].spawn(group, place),
+                                                             crowds[1].spawn(group, place)};
+        ASSERT_EQ(refusal(come[0]), refusal(come[1]));
+        if (come[0]) {
+            EXPECT_EQ(*come[0], *come[1]);
+            there.push_back((*come[0])[0]);
+        }
+        if (drops) drop();
+        for (Crowd& crowd : crowds) ASSERT_TRUE(crowd.update(0.3f));
+        const auto number = [](const DrawnInstance& one) { return one.instance; };
+        const std::vector<DrawnInstance> drawn[2] = {drawn_of(crowds[0]), drawn_of(crowds[1])};
+        EXPECT_EQ(drawn[0].size(), there.size());
+        EXPECT_TRUE(std::ranges::equal(drawn[0], drawn[1], {}, number, number));
+        for (const InstanceHandle& one : there)
+            EXPECT_TRUE(
+                same_bits(*crowds[0].read_skin_matrices(one.instance), *crowds[1].read_skin_matrices(one.instance)));
+        const Feedback a = feedback_of(crowds[0]), b = feedback_of(crowds[1]);
+        EXPECT_TRUE(same_events(a, b));
+    }
+}
+
+}  // namespace
+}  // namespace throng::test
