@@ -147,6 +147,7 @@ inline double model_error(Crowd& crowd, uint32_t instance, const ReferencePose& 
 inline std::vector<Affine> skins_of(Crowd& crowd) {
     std::vector<Affine> all;
     for (uint32_t instance = 0; instance < crowd.instance_count(); ++instance) {
+        if (!crowd.handle(instance)) continue;  // nobody is there
         const std::vector<Affine> skin = *crowd.read_skin_matrices(instance);
         all.insert(all.end(), skin.begin(), skin.end());
     }

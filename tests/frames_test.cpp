@@ -34,7 +34,8 @@ public:
              .controller = &controller_,
              .sockets = {3, 7},
              .steering = Steering{.radius = 0.5f, .speed = 3}},
-            {.character = &character_, .instance_count = kEach, .procedural = &rules_}};
+            {.character = &character_, .instance_count = kEach, .procedural = &rules_},
+            {.character = &character_, .instance_count = kEach, .capacity = kEach}};
         for (Crowd& crowd : crowds) {
             crowd = create(settings);
             std::vector<Affine> places;
@@ -51,7 +52,7 @@ public:
                        ruled = 3 * kEach + random.below(kEach);
         const float fade_s = random.chance(0.3) ? 0 : static_cast<float>(random.between(0, 0.4));
         const Vec3<float> somewhere = random.vector(6).as<float>();
-        const uint32_t kind = random.chance(0.3) ? 2 : random.below(10);
+        const uint32_t kind = random.chance(0.3) ? 2 : random.below(11);
         const Playback playback = random_playback(random, character_);
         const Affine moved = place(random.below(4 * kEach));
         const auto [parameter, value] = random_change(random, controller_);
@@ -70,7 +71,8 @@ public:
                 case 7: EXPECT_TRUE(crowd.clear_pose(posed, fade_s)); break;
                 case 8: EXPECT_TRUE(crowd.watch(watched)); break;
                 // Two clips' instances have room for half of them, so some are refused: by both crowds.
-                default: set_was_refused_.push_back(refusal(crowd.set_pose(posed, pose, fade_s)));
+                case 9: set_was_refused_.push_back(refusal(crowd.set_pose(posed, pose, fade_s))); break;
+                default: born_or_gone(crowd, any % 2 == 0, moved);
             }
         }
         if (kind == 9) {
@@ -116,6 +118,18 @@ public:
 
 private:
     static constexpr uint32_t kEach = 12;
+    // One more of the last group, or the first of them that is there goes.
+    static void born_or_gone(Crowd& crowd, bool is_born, const Affine& place) {
+        if (is_born && *crowd.alive_count(4) < kEach) {
+            EXPECT_TRUE(crowd.spawn(4, {&place, 1}));
+            return;
+        }
+        for (uint32_t i = 4 * kEach; i < 5 * kEach; ++i)
+            if (const Result<InstanceHandle> handle = crowd.handle(i)) {
+                EXPECT_TRUE(crowd.despawn({&*handle, 1}));
+                return;
+            }
+    }
     Affine place(uint32_t i) const {
         const Vec3<float> at{static_cast<float>(i % 8), 0, static_cast<float>(i / 8)};
         return to_affine(Trs<float>{.translation = at * (2 * character_.size)});

@@ -14,7 +14,11 @@ public:
     };
 
     void add(uint32_t first, uint32_t count) {
-        if (count > 0) ranges_.push_back({first, count});
+        if (count == 0) return;
+        if (!ranges_.empty() && first == ranges_.back().first + ranges_.back().count)
+            ranges_.back().count += count;
+        else
+            ranges_.push_back({first, count});
     }
 
     // The changed instances in ascending order, each once; none is left.

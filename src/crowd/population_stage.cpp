@@ -35,7 +35,8 @@ void PopulationStage::plan(BatchPlan& plan) {
     if (plan.group().varies) plan.add_filled_table(io::kBirthsBuffer, std::vector<uint32_t>(1));
 }
 
-PopulationStage::PopulationStage(const StageContext& context) : Stage(context), populations_(groups_.size()) {
+PopulationStage::PopulationStage(const StageContext& context)
+    : Stage(context), has_feedback_(context.feedback), populations_(groups_.size()) {
     for (const Batch& batch : batches_) {
         const Group& group = group_of(batch);
         Population& population = populations_[batch.group];
@@ -77,7 +78,7 @@ void PopulationStage::despawn(uint32_t instance) {
     const uint32_t slot = instance - population.first_instance;
     uint32_t& birth = population.births[slot];
     uint32_t& generation = population.generations[slot];
-    if (birth != birth_of(update_number_ + 1)) {
+    if (has_feedback_ && birth != birth_of(update_number_ + 1)) {
         if (deaths_.empty() || deaths_.back().update != update_number_)
             deaths_.push_back({.update = update_number_, .of = {}});
         deaths_.back().of[instance] = {.generation = generation, .birth = birth};

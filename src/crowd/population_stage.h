@@ -57,8 +57,9 @@ private:
     const Population* population_of(uint32_t instance) const;
     void tell_batches() const;
 
+    bool has_feedback_;
     std::vector<Population> populations_;  // [group]; without slots where they neither come nor go
-    std::deque<Deaths> deaths_;            // of the last few updates, oldest first
+    std::deque<Deaths> deaths_;            // where there is feedback: of the last few updates, oldest first
     uint64_t update_number_ = 0;           // of the last update
     DirtyRanges dirty_;
 };

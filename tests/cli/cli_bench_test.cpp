@@ -260,6 +260,32 @@ TEST_F(CliBench, BenchViewTellsWhatLeavingOutGains) {
     EXPECT_TRUE(run_tool("bench view --count 0").refused("--count"));
 }
 
+TEST_F(CliBench, PopulationHasARecordForEachPartAndTurnover) {
+    const std::string command = "bench population creature.glb --count 200 --samples 2";
+    std::multiset<std::string> instances, frames;
+    for (const Json& record : records_of(succeed(command + " --json", kOfCommit).out)) {
+        EXPECT_EQ(record["bench"], "population");
+        EXPECT_EQ(record["capacity"], 200);
+        const std::string common =
+            "bench configuration path capacity joints levels characters samples "
+            "device driver subgroup_size commit date ";
+        if (record.contains("frames_with")) {
+            frames.insert(record["frames_with"]);
+            EXPECT_EQ(keys(record), set_of(common + "frames_with changed call_ms update_ms"));
+            EXPECT_EQ(record["changed"], 50);
+            continue;
+        }
+        instances.insert(record["instances"]);
+        EXPECT_EQ(keys(record), set_of(common + "instances memory_bytes max_error ms stages"));
+        EXPECT_LT(record["max_error"], 1e-4);
+    }
+    for (const char* kind : {"for good", "together", "anywhere"}) EXPECT_EQ(instances.count(kind), 3u) << kind;
+    EXPECT_EQ(frames, (std::multiset<std::string>{"births and deaths", "playbacks"}));
+    const std::string text = succeed(command).out;
+    EXPECT_TRUE(contains(text, "anywhere") && contains(text, "births and deaths")) << text;
+    EXPECT_TRUE(run_tool("bench population --count 0").refused("--count"));
+}
+
 TEST_F(CliBench, MillionHasARecordForEachCameraAndEachNumberOfCharacters) {
     const std::string command = "bench million creature.glb --count 3000 --capacity 500 --samples 1 --size 320x180";
     std::set<std::string> views;

@@ -160,6 +160,7 @@ void add_bench(Command app) {
     add_bench_isa(command);
     add_bench_view(command);
     add_bench_million(command);
+    add_bench_population(command);
     add_bench_draw(command);
     add_bench_scan(command);
     add_bench_baselines(command);

@@ -16,6 +16,7 @@ void add_bench_control(Command bench);
 void add_bench_isa(Command bench);
 void add_bench_view(Command bench);
 void add_bench_million(Command bench);
+void add_bench_population(Command bench);
 void add_bench_draw(Command bench);
 void add_bench_scan(Command bench);
 void add_bench_baselines(Command bench);

@@ -1,0 +1,203 @@
+#include "bench/population_bench.h"
+
+#include "bench/updates.h"
+#include "bench/value_of.h"
+
+#include <throng/reference.h>
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <random>
+
+namespace throng::bench {
+namespace {
+
+constexpr std::array kParts{0.1, 0.5, 1.0};
+
+enum class Kind { kForGood, kTogether, kAnywhere };
+constexpr std::array kKindNames{"for good", "together", "anywhere"};
+
+struct Entrant {
+    Kind kind = Kind::kForGood;
+    uint32_t count = 0;
+    Crowd crowd;
+    std::vector<InstanceHandle> instances;
+    double max_error = 0;
+    UpdateTimes times;
+};
+
+// Frames in which so many instances change.
+struct Turnover {
+    const char* name = "";
+    std::function<void()> change;
+    std::vector<double> call_ms, update_ms;
+};
+
+class PopulationMeasurement {
+public:
+    PopulationMeasurement(const Device& device, const PopulationCase& population)
+        : device_(device), population_(population), capacity_(static_cast<uint32_t>(population.playback.size())) {}
+
+    void check(const Progress& progress) {
+        for (const double part : kParts)
+            for (const Kind kind : {Kind::kForGood, Kind::kTogether, Kind::kAnywhere}) {
+                const auto count = std::max(1u, static_cast<uint32_t>(part * capacity_));
+                progress(population_.configuration + ": checking " + std::to_string(count));
+                Entrant& entrant = entrants_.emplace_back(make(kind, count));
+                value_of(entrant.crowd.update(0));
+                entrant.max_error = largest_error_of_some(count, [&](uint32_t i) { return error_of(entrant, i); });
+            }
+    }
+
+    void time(uint32_t samples, const Progress& progress) {
+        std::vector<Contestant> contestants;
+        for (Entrant& entrant : entrants_)
+            if (!is_wrong(entrant))
+                contestants.push_back({population_.configuration + ": " + std::to_string(entrant.count),
+                                       [&] { entrant.times.take(*device_.gpu(), entrant.crowd); }});
+        run_rounds(contestants, samples, progress);
+    }
+
+    // Of half of the room.
+    void time_turnover(uint32_t samples, const Progress& progress) {
+        Entrant told = make(Kind::kAnywhere, std::max(1u, capacity_ / 2)),
+                reborn = make(Kind::kAnywhere, std::max(1u, capacity_ / 2));
+        changed_count_ = std::max(1u, capacity_ / 4);
+        std::mt19937 random(2);
+        turnovers_ = {Turnover{"playbacks", [&] { tell(told, random); }, {}, {}},
+                      Turnover{"births and deaths", [&] { replace(reborn, random); }, {}, {}}};
+        std::vector<Contestant> contestants;
+        for (Turnover& turnover : turnovers_) {
+            Crowd& crowd = &turnover == &turnovers_[0] ? told.crowd : reborn.crowd;
+            value_of(crowd.update(0));
+            contestants.push_back({population_.configuration + ": " + turnover.name, [&] {
+                                       const Stopwatch calls;
+                                       turnover.change();
+                                       turnover.call_ms.push_back(calls.elapsed_s() * 1e3);
+                                       const Stopwatch update;
+                                       value_of(crowd.update(kFrame_s));
+                                       turnover.update_ms.push_back(update.elapsed_s() * 1e3);
+                                   }});
+        }
+        run_rounds(contestants, samples, progress);
+    }
+
+    std::vector<Json> records() const {
+        std::vector<Json> all;
+        for (const Entrant& entrant : entrants_) all.push_back(record_of(entrant));
+        for (const Turnover& turnover : turnovers_) {
+            Json record = new_record(entrants_.front().crowd);
+            record.update({{"frames_with", turnover.name},
+                           {"characters", std::max(1u, capacity_ / 2)},
+                           {"changed", changed_count_},
+                           {"samples", turnover.call_ms.size()},
+                           {"call_ms", spread_json(spread_of(turnover.call_ms))},
+                           {"update_ms", spread_json(spread_of(turnover.update_ms))}});
+            all.push_back(record);
+        }
+        return all;
+    }
+
+private:
+    // The n-th instance of each entrant plays and stands as the n-th of the case.
+    Entrant make(Kind kind, uint32_t count) const {
+        CrowdGroup group{.character = population_.character};
+        if (kind == Kind::kForGood)
+            group.instance_count = count;
+        else
+            group.capacity = capacity_;
+        Entrant entrant{
+            kind, count, value_of(Crowd::create(device_, {.groups = {group}, .path = population_.path, .culls = true})),
+            {},   0,     {}};
+        Crowd& crowd = entrant.crowd;
+        if (kind == Kind::kForGood) {
+            for (uint32_t i = 0; i < count; ++i) entrant.instances.push_back({.instance = i});
+            value_of(crowd.set_placement(0, population_.placement.first(count)));
+        } else {
+            const uint32_t born = kind == Kind::kAnywhere ? capacity_ : count;
+            entrant.instances = value_of(crowd.spawn(0, population_.placement.first(born)));
+            std::shuffle(entrant.instances.begin(), entrant.instances.end(), std::mt19937(1));
+            value_of(crowd.despawn(std::span(entrant.instances).subspan(count)));
+            entrant.instances.resize(count);
+        }
+        for (uint32_t i = 0; i < count; ++i) {
+            value_of(crowd.set_placement(entrant.instances[i].instance, population_.placement.subspan(i, 1)));
+            value_of(crowd.set_playback(entrant.instances[i].instance, population_.playback.subspan(i, 1)));
+        }
+        return entrant;
+    }
+
+    double error_of(Entrant& entrant, uint32_t i) const {
+        return skin_error(value_of(entrant.crowd.read_skin_matrices(entrant.instances[i].instance)),
+                          value_of(reference_pose(*population_.character, population_.playback[i])).model_from_bind,
+                          population_.character->size);
+    }
+    static bool is_wrong(const Entrant& entrant) { return !(entrant.max_error <= kSkinErrorBound); }
+
+    // Brings some to the end, in random order.
+    void choose(Entrant& entrant, std::mt19937& random) const {
+        const auto count = static_cast<uint32_t>(entrant.instances.size());
+        for (uint32_t i = 0; i < changed_count_; ++i)
+            std::swap(entrant.instances[count - 1 - i],
+                      entrant.instances[std::uniform_int_distribution<uint32_t>(0, count - 1 - i)(random)]);
+    }
+
+    void tell(Entrant& entrant, std::mt19937& random) const {
+        choose(entrant, random);
+        for (uint32_t i = entrant.count - changed_count_; i < entrant.count; ++i)
+            value_of(entrant.crowd.set_playback(entrant.instances[i].instance, population_.playback.subspan(i, 1)));
+    }
+
+    void replace(Entrant& entrant, std::mt19937& random) const {
+        choose(entrant, random);
+        const uint32_t kept = entrant.count - changed_count_;
+        value_of(entrant.crowd.despawn(std::span(entrant.instances).subspan(kept)));
+        const std::vector<InstanceHandle> born = value_of(
+            entrant.crowd.spawn(0, population_.placement.subspan(kept, changed_count_)));
+        std::ranges::copy(born, entrant.instances.begin() + kept);
+        for (uint32_t i = kept; i < entrant.count; ++i)
+            value_of(entrant.crowd.set_playback(entrant.instances[i].instance, population_.playback.subspan(i, 1)));
+    }
+
+    Json new_record(const Crowd& crowd) const {
+        Json record = where_and_when(device_.info());
+        record.update({{"bench", "population"},
+                       {"configuration", population_.configuration},
+                       {"path", path_name(crowd)},
+                       {"capacity", capacity_},
+                       {"joints", population_.character->rig.joint_count()},
+                       {"levels", population_.character->rig.level_count}});
+        return record;
+    }
+
+    Json record_of(const Entrant& entrant) const {
+        Json record = new_record(entrant.crowd);
+        record.update({{"instances", kKindNames[static_cast<size_t>(entrant.kind)]},
+                       {"characters", entrant.count},
+                       {"memory_bytes", entrant.crowd.size_bytes()},
+                       {"max_error", entrant.max_error}});
+        if (is_wrong(entrant)) record["wrong"] = true;
+        entrant.times.add_to(record);
+        return record;
+    }
+
+    const Device& device_;
+    const PopulationCase& population_;
+    uint32_t capacity_, changed_count_ = 0;
+    std::vector<Entrant> entrants_;
+    std::vector<Turnover> turnovers_;
+};
+
+}  // namespace
+
+std::vector<Json> measure_population(const Device& device, const PopulationCase& population, uint32_t samples,
+                                     const Progress& progress) {
+    PopulationMeasurement measurement(device, population);
+    measurement.check(progress);
+    measurement.time(samples, progress);
+    measurement.time_turnover(samples, progress);
+    return measurement.records();
+}
+
+}  // namespace throng::bench

@@ -1,0 +1,31 @@
+// `throng bench population`: what instances that come and go cost: room that is free, and births and deaths in each
+// update.
+#pragma once
+
+#include "bench/record.h"
+#include "bench/rounds.h"
+
+#include <throng/crowd.h>
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace throng::bench {
+
+struct PopulationCase {
+    std::string configuration;  // its name
+    const Character* character = nullptr;
+    std::span<const Playback> playback;  // [capacity]
+    std::span<const Affine> placement;   // [capacity]
+    UpdatePath path = UpdatePath::kAuto;
+};
+
+// Records (bench/README.md lists their fields): for some parts of the capacity, updates of a crowd that has as many
+// instances for good, of one where they are the first of their group, and of one where they are anywhere in it; then
+// frames in which some get new playbacks, beside frames in which as many die and as many are born. Checked before they
+// are timed.
+std::vector<Json> measure_population(const Device& device, const PopulationCase& population, uint32_t samples,
+                                     const Progress& progress);
+
+}  // namespace throng::bench
