@@ -81,7 +81,8 @@ public:
         }
         cohort.crowd = create(settings);
         ASSERT_TRUE(cohort.crowd.set_placement(0, places));
-        for (uint32_t i = 0; i < cohort.members.size(); ++i) change(random, cohort, i);
+        for (uint32_t i = 0; i < cohort.members.size(); ++i)
+            if (random.chance(0.5)) change(random, cohort, i);  // the others have nothing of their predecessors
         cohorts_.push_back(std::move(cohort));
     }
 
