@@ -95,7 +95,8 @@ inline Feedback feedback_of(Crowd& crowd) {
 inline bool same_events(const Feedback& a, const Feedback& b) {
     return a.lost_event_count == b.lost_event_count &&
            std::ranges::equal(a.events, b.events, [](const CharacterEvent& x, const CharacterEvent& y) {
-               return x.instance == y.instance && x.event == y.event && x.layer == y.layer && x.time_s == y.time_s;
+               return x.instance == y.instance && x.event == y.event && x.layer == y.layer && x.time_s == y.time_s &&
+                      x.generation == y.generation;
            });
 }
 

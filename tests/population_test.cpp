@@ -34,7 +34,7 @@ struct Kinds {
                                     LookAtRule{.joint = character.rig.names.back(), .target = "there"}}};
 
     CrowdSettings settings(UpdatePath path) {
-        CrowdSettings settings{.path = path, .culls = true};
+        CrowdSettings settings{.path = path, .culls = true, .watch_capacity = 5 * kRoom};
         if (path != UpdatePath::kAuto) settings.scan = "serial";  // else crowds of other sizes have other methods
         settings.groups = {{.character = &character, .pose_capacity = kRoom},
                            {.character = &walking, .controller = &walker},
@@ -133,8 +133,7 @@ public:
             }
             for (const WatchedInstance& one : wanted.watched) {
                 const Member& member = cohort.members[one.instance];
-                if (const auto found = watched.find(member.handle.instance); member.is_there && found != watched.end())
-                    expect_same(*found->second, one, member);
+                if (member.is_there) expect_same(*watched.at(member.handle.instance), one, member);
             }
         }
         EXPECT_EQ(events, wanted_events);
@@ -163,7 +162,7 @@ private:
             std::vector<uint32_t> all;
             for (uint32_t i = 0; i < cohort.members.size(); ++i) {
                 all.push_back(i);
-                if (cohort.members[i].is_there && some.size() < 64) some.push_back(cohort.members[i].handle.instance);
+                if (cohort.members[i].is_there) some.push_back(cohort.members[i].handle.instance);
             }
             EXPECT_TRUE(cohort.crowd.watch(all));
         }
@@ -407,10 +406,85 @@ TEST(Population, EventsAreOfWhoeverWasThere) {
     EXPECT_GT(event_count, 3u);
 }
 
-// Births and deaths of a frame that is dropped are there in the next.
+TEST(Population, WhoHasGoneIsNoLongerWatched) {
+    const Character character = creature(20, 8);
+    Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .sockets = {1}, .capacity = 2}}});
+    ASSERT_TRUE(crowd.watch(std::array{0u, 1u}));
+    ASSERT_TRUE(crowd.despawn(std::array{*crowd.handle(0)}));
+    ASSERT_TRUE(crowd.spawn(0, std::array{Affine{}}));
+    ASSERT_TRUE(crowd.update(0.1f));
+    const Feedback told = feedback_of(crowd);
+    ASSERT_EQ(told.watched.size(), 1u);
+    EXPECT_EQ(told.watched[0].instance, 1u);
+}
+
+// A view that sees nobody: groups with sockets are animated all the same, and nothing of them is listed.
+TEST(Population, WhoIsNotSeenIsAnimatedWhereItsSocketsAreNeeded) {
+    const Character character = creature(30, 10);
+    const CrowdGroup group{.character = &character, .sockets = {3}};
+    CrowdSettings settings{.groups = {group}, .culls = true};
+    settings.groups[0].instance_count = 4;
+    Crowd lasting = create(settings);
+    settings.groups[0].instance_count = 0;
+    settings.groups[0].capacity = 8;
+    Crowd varying = create(settings);
+    std::vector<InstanceHandle> there = *varying.spawn(0, std::vector<Affine>(6));
+    ASSERT_TRUE(varying.despawn(std::array{there[0], there[3]}));
+    there = {there[1], there[2], there[4], there[5]};
+    Random random(4);
+    const std::vector<Playback> playbacks = random_playbacks(random, character, 4);
+    ASSERT_TRUE(lasting.set_playback(0, playbacks));
+    std::vector<uint32_t> numbers;
+    for (uint32_t i = 0; i < 4; ++i) {
+        ASSERT_TRUE(varying.set_playback(there[i].instance, {&playbacks[i], 1}));
+        numbers.push_back(there[i].instance);
+    }
+    ASSERT_TRUE(lasting.watch(std::array{0u, 1u, 2u, 3u}));
+    ASSERT_TRUE(varying.watch(numbers));
+    const CrowdView elsewhere = view_of_box({1e5f, 0, 0}, 6);
+    for (int update = 0; update < 3; ++update) {
+        ASSERT_TRUE(lasting.update(0.1f, &elsewhere));
+        ASSERT_TRUE(varying.update(0.1f, &elsewhere));
+        EXPECT_EQ(drawn_of(varying).size(), 0u);
+        const Feedback wanted = feedback_of(lasting), got = feedback_of(varying);
+        for (uint32_t i = 0; i < 4; ++i) {
+            EXPECT_TRUE(same_bits(*varying.read_skin_matrices(there[i].instance), *lasting.read_skin_matrices(i)));
+            EXPECT_TRUE(same_bits(got.watched.at(i).sockets, wanted.watched.at(i).sockets));
+        }
+    }
+}
+
+TEST(Population, WhoHasGoneIsInNobodysWay) {
+    const Character character = creature(20, 8);
+    const auto walk = [&](bool meets_another, bool it_goes) {
+        Crowd crowd = create(
+            {.groups = {{.character = &character, .steering = Steering{.radius = 0.5f, .speed = 3}, .capacity = 2}}});
+        const Affine ahead = to_affine(Trs<float>{.translation = {0.1f, 0, 3}});
+        std::vector<Affine> places(1);
+        if (meets_another) places.push_back(ahead);
+        const std::vector<InstanceHandle> agents = *crowd.spawn(0, places);
+        EXPECT_TRUE(crowd.set_destination(0, std::array{Vec3<float>{0, 0, 20}}));
+        EXPECT_TRUE(crowd.watch(std::array{0u}));
+        if (it_goes) {
+            EXPECT_TRUE(crowd.despawn({&agents[1], 1}));
+        }
+        Affine place;
+        for (int update = 0; update < 20; ++update) {
+            EXPECT_TRUE(crowd.update(0.1f));
+            place = feedback_of(crowd).watched.at(0).world_from_model;
+        }
+        return place.row;
+    };
+    const auto alone = walk(false, false);
+    EXPECT_NE(walk(true, false), alone);
+    EXPECT_EQ(walk(true, true), alone);
+}
+
+// Births and deaths of a frame that is dropped are there in the next, whether they came before it was recorded or
+// after.
 TEST(Population, DiscardedBirthsAndDeathsComeLater) {
     const Character character = creature(20, 8);
-    const Controller controller = example("walker");
+    const Controller controller = example("dragon");
     const CrowdSettings settings{.groups = {{.character = &character, .controller = &controller, .capacity = 8},
                                             {.character = &character, .sockets = {1}, .capacity = 8}},
                                  .path = UpdatePath::kDevice};
@@ -418,40 +492,46 @@ TEST(Population, DiscardedBirthsAndDeathsComeLater) {
     Recorder recorder;
     Random random(9);
     std::vector<InstanceHandle> there;
-    for (int update = 0; update < 30; ++update) {
-        const uint32_t group = random.below(2);
-        const bool goes = there.size() > 4 && random.chance(0.5);
-        if (goes) std::swap(there[random.below(static_cast<uint32_t>(there.size()))], there.back());
-        const bool drops = random.chance(0.5), drops_before = random.chance(0.3);
-        const auto drop = [&] {
-            recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(crowds[1].record(commands, 0.2f)); });
-            EXPECT_TRUE(crowds[1].discard_last_record());
-        };
-        if (drops_before) drop();
-        if (goes) {
+    const auto change = [&] {
+        if (there.size() > 4 && random.chance(0.6)) {
+            std::swap(there[random.below(static_cast<uint32_t>(there.size()))], there.back());
             for (Crowd& crowd : crowds) ASSERT_TRUE(crowd.despawn({&there.back(), 1}));
             there.pop_back();
         }
-        const std::array place{plot(static_cast<uint32_t>(update))};
+        const std::array place{plot(random.below(100))};
+        const uint32_t group = random.below(2);
         const Result<std::vector<InstanceHandle>> come[2] = {crowds[0].spawn(group, place),
                                                              crowds[1].spawn(group, place)};
         ASSERT_EQ(refusal(come[0]), refusal(come[1]));
-        if (come[0]) {
-            EXPECT_EQ(*come[0], *come[1]);
-            there.push_back((*come[0])[0]);
+        if (!come[0]) return;
+        EXPECT_EQ(*come[0], *come[1]);
+        there.push_back((*come[0])[0]);
+        const auto [parameter, value] = random_change(random, controller);
+        for (Crowd& crowd : crowds)
+            EXPECT_TRUE(group != 0 || crowd.set_parameters(there.back().instance, parameter, value));
+    };
+    size_t event_count = 0;
+    for (int update = 0; update < 60; ++update) {
+        change();
+        while (random.chance(0.5)) {
+            recorder.record([&](VkCommandBuffer commands) { EXPECT_TRUE(crowds[1].record(commands, 0.2f)); });
+            for (uint32_t i = random.below(3); i > 0; --i) change();
+            EXPECT_TRUE(crowds[1].discard_last_record());
         }
-        if (drops) drop();
         for (Crowd& crowd : crowds) ASSERT_TRUE(crowd.update(0.3f));
+        for (uint32_t i = random.below(3); i > 0; --i) change();  // before feedback() is asked
+        const Feedback a = feedback_of(crowds[0]), b = feedback_of(crowds[1]);
+        EXPECT_TRUE(same_events(a, b)) << update;
+        event_count += a.events.size();
         const auto number = [](const DrawnInstance& one) { return one.instance; };
         const std::vector<DrawnInstance> drawn[2] = {drawn_of(crowds[0]), drawn_of(crowds[1])};
-        EXPECT_EQ(drawn[0].size(), there.size());
-        EXPECT_TRUE(std::ranges::equal(drawn[0], drawn[1], {}, number, number));
+        EXPECT_TRUE(std::ranges::equal(drawn[0], drawn[1], {}, number, number)) << update;
         for (const InstanceHandle& one : there)
             EXPECT_TRUE(
-                same_bits(*crowds[0].read_skin_matrices(one.instance), *crowds[1].read_skin_matrices(one.instance)));
-        const Feedback a = feedback_of(crowds[0]), b = feedback_of(crowds[1]);
-        EXPECT_TRUE(same_events(a, b));
+                same_bits(*crowds[0].read_skin_matrices(one.instance), *crowds[1].read_skin_matrices(one.instance)))
+                << update;
     }
+    EXPECT_GT(event_count, 20u);
 }
 
 }  // namespace
