@@ -482,6 +482,29 @@ TEST(Population, WhoHasGoneIsInNobodysWay) {
     EXPECT_EQ(walk(true, true), alone);
 }
 
+// It was nobody's step that its predecessor took.
+TEST(Population, ANewAgentSetsOutFromRest) {
+    const Character character = creature(20, 8);
+    const std::array ahead{Vec3<float>{0, 0, 500}};
+    const auto walk = [&](bool has_predecessor) {
+        Crowd crowd = create(
+            {.groups = {{.character = &character, .steering = Steering{.radius = 0.5f, .speed = 3}, .capacity = 1}}});
+        if (has_predecessor) {
+            const std::vector<InstanceHandle> old = *crowd.spawn(0, std::array{Affine{}});
+            EXPECT_TRUE(crowd.set_destination(0, ahead));
+            for (int update = 0; update < 20; ++update) EXPECT_TRUE(crowd.update(0.1f));
+            EXPECT_TRUE(crowd.despawn(old));
+        }
+        EXPECT_TRUE(crowd.spawn(0, std::array{Affine{}}));
+        EXPECT_TRUE(crowd.update(0.01f));
+        EXPECT_TRUE(crowd.set_destination(0, ahead));
+        EXPECT_TRUE(crowd.watch(std::array{0u}));
+        EXPECT_TRUE(crowd.update(0.01f));
+        return (*crowd.feedback()).back().watched.at(0).world_from_model.row;
+    };
+    EXPECT_EQ(walk(true), walk(false));
+}
+
 // Births and deaths of a frame that is dropped are there in the next, whether they came before it was recorded or
 // after.
 TEST(Population, DiscardedBirthsAndDeathsComeLater) {

@@ -73,18 +73,19 @@ std::vector<uint32_t> PopulationStage::spawn(uint32_t group, uint32_t count) {
     return instances;
 }
 
+PopulationStage::Deaths& PopulationStage::deaths_after_last_update() {
+    if (deaths_.empty() || deaths_.back().update != update_number_)
+        deaths_.push_back({.update = update_number_, .generations = {}});
+    return deaths_.back();
+}
+
 void PopulationStage::despawn(uint32_t instance) {
     Population& population = populations_[batches_[batch_index_of(batches_, instance)].group];
     const uint32_t slot = instance - population.first_instance;
-    uint32_t& birth = population.births[slot];
     uint32_t& generation = population.generations[slot];
-    if (has_feedback_ && birth != birth_of(update_number_ + 1)) {
-        if (deaths_.empty() || deaths_.back().update != update_number_)
-            deaths_.push_back({.update = update_number_, .of = {}});
-        deaths_.back().of[instance] = {.generation = generation, .birth = birth};
-    }
+    if (has_feedback_) deaths_after_last_update().generations.try_emplace(instance, generation);
     ++generation;
-    birth = 0;
+    population.births[slot] = 0;
     population.slots.give_back(slot);
     dirty_.add(instance, 1);
 }
@@ -102,7 +103,8 @@ uint32_t PopulationStage::generation(uint32_t instance) const {
 uint32_t PopulationStage::generation_at(uint32_t instance, uint64_t update) const {
     for (const Deaths& deaths : deaths_) {
         if (deaths.update < update) continue;
-        if (const auto found = deaths.of.find(instance); found != deaths.of.end()) return found->second.generation;
+        const auto found = deaths.generations.find(instance);
+        if (found != deaths.generations.end()) return found->second;
     }
     return generation(instance);
 }
@@ -139,12 +141,9 @@ void PopulationStage::discard() {
     dirty_.put_back();
     const uint64_t discarded = update_number_--;
     if (deaths_.empty() || deaths_.back().update != discarded) return;
-    std::unordered_map<uint32_t, Death> of = std::move(deaths_.back().of);
+    std::unordered_map<uint32_t, uint32_t> generations = std::move(deaths_.back().generations);
     deaths_.pop_back();
-    std::erase_if(of, [&](const auto& entry) { return entry.second.birth == birth_of(discarded); });
-    if (deaths_.empty() || deaths_.back().update != update_number_)
-        deaths_.push_back({.update = update_number_, .of = {}});
-    deaths_.back().of.merge(of);
+    deaths_after_last_update().generations.merge(generations);
 }
 
 }  // namespace throng

@@ -45,14 +45,12 @@ private:
         std::vector<uint32_t> births;
         std::vector<uint32_t> generations;
     };
-    struct Death {
-        uint32_t generation = 0, birth = 0;
-    };
-    // Of those that were there in this update, and in none after it, by their numbers in the crowd.
+    // Who has gone after this update, and before the next: the first of each number, since others were in none.
     struct Deaths {
         uint64_t update = 0;
-        std::unordered_map<uint32_t, Death> of;
+        std::unordered_map<uint32_t, uint32_t> generations;  // by their numbers in the crowd
     };
+    Deaths& deaths_after_last_update();
     // Null where the group's instances neither come nor go.
     const Population* population_of(uint32_t instance) const;
     void tell_batches() const;
