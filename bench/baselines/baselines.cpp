@@ -83,6 +83,7 @@ BaselineCrowd::BaselineCrowd(std::shared_ptr<Gpu> gpu, const Baseline& baseline,
         batch.control_bindings = control_.bind(BufferTable{{io::kPlaybacksBuffer, batch.playbacks},
                                                            {io::kTimelineBuffer, timelines_},
                                                            {io::kTimesBuffer, times_},
+                                                           {io::kBirthsBuffer, times_},
                                                            {io::kCursorsBuffer, batch.cursors}});
         batch.baseline_bindings = kernel_.bind({{io::kCursorsBuffer, batch.cursors},
                                                 {io::kTracksBuffer, tracks_},
@@ -101,7 +102,7 @@ Reading BaselineCrowd::update(float time_step_s) const {
 void BaselineCrowd::record(VkCommandBuffer commands, float time_step_s) const {
     for (const Batch& batch : batches_)
         control_.dispatch_invocations(commands, batch.control_bindings,
-                                      io::ControlPush{batch.instance_count, tracks_per_clip_, time_step_s},
+                                      io::ControlPush{batch.instance_count, tracks_per_clip_, time_step_s, 0},
                                       batch.instance_count);
     memory_barrier(*gpu_, commands, kShaderWrite, kShaderRead);
     for (const Batch& batch : batches_)

@@ -25,6 +25,8 @@ struct Rig {
     bool uniform_scale = false;        // in the rest pose and all clips every scale is the same along x, y and z
 
     uint32_t joint_count() const { return static_cast<uint32_t>(parents.size()); }
+    // The first joint with this name, or kNone; names need not differ.
+    uint32_t find_joint(std::string_view joint_name) const;
 };
 
 // Where a joint's three tracks lie in Character::keys. Each word is a position in float4s; in a character of exact keys
@@ -218,8 +220,9 @@ struct Character {
     std::vector<float> morph_values{};    // constants and rows of all clips
     std::vector<std::string> warnings{};  // of the file and of the compilation, a line each
 
-    // Index of the clip with this name, or kNone.
+    // Index of the clip, or the first of the morphs, with this name, or kNone.
     uint32_t find_clip(std::string_view clip_name) const;
+    uint32_t find_morph(std::string_view morph_name) const;
 };
 
 struct CompileSettings {

@@ -4,6 +4,7 @@
 #include <throng/transform.h>
 
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -73,6 +74,9 @@ using ProceduralRule = std::variant<WindRule, SpringRule, LookAtRule, ReachRule>
 struct ProceduralRules {
     std::vector<std::string> targets{};
     std::vector<ProceduralRule> rules{};
+
+    // Index of the target with this name, for Crowd::set_target(), or kNone.
+    uint32_t find_target(std::string_view target_name) const;
 };
 
 }  // namespace throng

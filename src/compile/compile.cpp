@@ -1,6 +1,7 @@
 #include <throng/character.h>
 
 #include "base/failure.h"
+#include "base/find_name.h"
 #include "bind/bind_reference.h"
 #include "compile/file/character_file.h"
 #include "compile/file/character_layout.h"
@@ -48,11 +49,9 @@ void measure(Character& character) {
 
 }  // namespace
 
-uint32_t Character::find_clip(std::string_view clip_name) const {
-    const auto found = std::find_if(clips.begin(), clips.end(),
-                                    [&](const Clip& clip) { return clip.name == clip_name; });
-    return found == clips.end() ? kNone : static_cast<uint32_t>(found - clips.begin());
-}
+uint32_t Rig::find_joint(std::string_view joint_name) const { return find_name(names, joint_name); }
+uint32_t Character::find_clip(std::string_view clip_name) const { return find_name(clips, clip_name); }
+uint32_t Character::find_morph(std::string_view morph_name) const { return find_name(morphs, morph_name); }
 
 Result<Character> compile_character(const Asset& asset, const CompileSettings& settings) {
     return as_result(

@@ -1,19 +1,13 @@
 #include <throng/controller.h>
 
 #include "base/failure.h"
+#include "base/find_name.h"
 #include "controller/controller_rules.h"
 #include "json/json_view.h"
 #include "json/known_names.h"
 
 namespace throng {
 namespace {
-
-template <class T>
-uint32_t find(const std::vector<T>& items, std::string_view name) {
-    for (size_t i = 0; i < items.size(); ++i)
-        if (items[i].name == name) return static_cast<uint32_t>(i);
-    return kNone;
-}
 
 std::string seconds(double time_s) {
     char text[32];
@@ -52,9 +46,11 @@ void check_joints(const Controller& controller, const Character& character) {
 
 }  // namespace
 
-uint32_t Controller::find_parameter(std::string_view parameter_name) const { return find(parameters, parameter_name); }
-uint32_t Controller::find_layer(std::string_view layer_name) const { return find(layers, layer_name); }
-uint32_t Controller::find_mask(std::string_view mask_name) const { return find(masks, mask_name); }
+uint32_t Controller::find_parameter(std::string_view parameter_name) const {
+    return find_name(parameters, parameter_name);
+}
+uint32_t Controller::find_layer(std::string_view layer_name) const { return find_name(layers, layer_name); }
+uint32_t Controller::find_mask(std::string_view mask_name) const { return find_name(masks, mask_name); }
 
 Controller direct_layers(uint32_t count, std::vector<JointMask> masks, bool inertial_plays) {
     assert(count >= 1);

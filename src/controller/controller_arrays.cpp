@@ -1,6 +1,7 @@
 #include "controller/controller_arrays.h"
 
 #include "base/count.h"
+#include "base/find_name.h"
 #include "controller/blend_space.h"
 
 #include <algorithm>
@@ -10,17 +11,11 @@ namespace throng {
 namespace {
 
 // Position of the item with this name, or kNone.
-template <class T>
-uint32_t find(const std::vector<T>& items, std::string_view name) {
-    const auto found = std::ranges::find(items, name, &T::name);
-    return found == items.end() ? kNone : static_cast<uint32_t>(found - items.begin());
-}
-
 class Arrays {
 public:
     Arrays(const Controller& controller, const Character& character) : controller_(controller), character_(character) {
         for (const ControllerEvent& event : controller.events)
-            event_clips_.push_back(find(character.clips, event.clip));
+            event_clips_.push_back(find_name(character.clips, event.clip));
         for (uint32_t clip = 0; clip < character.clips.size(); ++clip) add_clip(clip);
         out.clips.push_back({});  // the rest pose
         for (const ControllerLayer& layer : controller.layers) add_layer(layer);
@@ -49,7 +44,7 @@ private:
         out.layers.push_back({.first_state = first_state,
                               .state_count = count_of(layer.states),
                               .mode = layer.mode == LayerMode::kAdditive ? io::kModeAdditive : io::kModeOverride,
-                              .mask = layer.mask.empty() ? kNone : find(controller_.masks, layer.mask),
+                              .mask = layer.mask.empty() ? kNone : find_name(controller_.masks, layer.mask),
                               .weight = layer.weight,
                               .weight_parameter = parameter(layer.weight_parameter),
                               .model_rotations = layer.model_space_rotations ? 1u : 0u});
@@ -70,7 +65,7 @@ private:
                                .loop = state.loop,
                                .sync = state.sync.empty() ? kNone : group(sync_groups, state.sync)};
         for (const BlendPoint& point : state.points)
-            out.points.push_back({find(character_.clips, point.clip), point.x, point.y, 0});
+            out.points.push_back({find_name(character_.clips, point.clip), point.x, point.y, 0});
         if (!state.y_parameter.empty())
             add_blend_space(added, state);
         else if (!state.x_parameter.empty())
@@ -111,7 +106,7 @@ private:
         // One less, so that what stops at kLastPhase has played its cycle.
         const auto exit = static_cast<uint64_t>(std::max(std::round(transition.exit * 0x1p32) - 1, 0.0));
         const io::ControlTransition added{
-            .to = find(layer.states, transition.to),
+            .to = find_name(layer.states, transition.to),
             .first_condition = count_of(out.conditions),
             .condition_count = count_of(transition.conditions),
             .exit_loops = static_cast<uint32_t>(exit >> 32),
@@ -126,7 +121,7 @@ private:
     }
 
     uint32_t parameter(std::string_view name) const {
-        return name.empty() ? kNone : find(controller_.parameters, name);
+        return name.empty() ? kNone : find_name(controller_.parameters, name);
     }
 
     static uint32_t group(std::vector<std::string>& groups, const std::string& name) {

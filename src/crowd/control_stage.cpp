@@ -31,7 +31,9 @@ ControlStage::ControlStage(const StageContext& context) : Stage(context), member
         if (group.controller) continue;
         if (!kernel_) kernel_ = control_kernel(gpu_);
         member_of_batch_[i] = static_cast<uint32_t>(members_.size());
-        members_.push_back({.batch = i, .blending_count = 0, .bindings = kernel_->bind(batch.table(group, {}))});
+        members_.push_back({.batch = i,
+                            .blending_count = 0,
+                            .bindings = kernel_->bind(batch.table(group, batch[io::kCursorsBuffer]))});
     }
     dirty_.add(0, context.instance_count);
 }

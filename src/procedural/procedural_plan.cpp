@@ -1,6 +1,7 @@
 #include "procedural/procedural_plan.h"
 
 #include "base/failure.h"
+#include "base/find_name.h"
 #include "procedural/procedural_io.h"
 
 #include <algorithm>
@@ -170,6 +171,8 @@ private:
 };
 
 }  // namespace
+
+uint32_t ProceduralRules::find_target(std::string_view target_name) const { return find_name(targets, target_name); }
 
 void check_target(uint32_t target, uint32_t target_count, const Vec3<float>& world_place, float weight,
                   const std::string& place) {

@@ -223,6 +223,13 @@ TEST(Compile, LinearAndSteppedClipsAreExact) {
     EXPECT_EQ(compiled(make_asset({})).find_clip("no such clip"), kNone);
 }
 
+TEST(Compile, JointsAreFoundByTheirNames) {
+    Character character = compiled(make_asset({}));
+    character.rig.names[3] = character.rig.names[5] = "hand";
+    EXPECT_EQ(character.rig.find_joint("hand"), 3u) << "the first";
+    EXPECT_EQ(character.rig.find_joint("no such joint"), kNone);
+}
+
 TEST(Compile, CubicClipsAreRefinedToTheBound) {
     TrackErrors worst;
     uint32_t rows = 0;

@@ -33,6 +33,9 @@ TEST(MorphCompile, CompilesWhatTargetsMove) {
     EXPECT_EQ(character.morphs[1].name, "mesh.1");
     EXPECT_EQ(character.morphs[1].default_weight, 0.5f);
     EXPECT_EQ(character.morphs[5].name, "c");
+    EXPECT_EQ(character.find_morph("mesh.1"), 1u);
+    EXPECT_EQ(character.find_morph("c"), 5u);
+    EXPECT_EQ(character.find_morph("no such morph"), kNone);
     EXPECT_EQ(character.morphs[5].node, 2u);
     EXPECT_EQ(character.morphs[5].target, 2u);
     EXPECT_EQ(character.morphs[5].default_weight, 3);

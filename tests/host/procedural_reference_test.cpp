@@ -283,5 +283,11 @@ TEST(ProceduralReference, WeightsGoPartOfTheWay) {
     EXPECT_GT(length(end_with(0.5, 1) - rest), 0.1);
 }
 
+TEST(ProceduralPlan, TargetsAreFoundByTheirNames) {
+    const ProceduralRules rules{.targets = {"eye", "hand"}};
+    EXPECT_EQ(rules.find_target("hand"), 1u);
+    EXPECT_EQ(rules.find_target("foot"), kNone);
+}
+
 }  // namespace
 }  // namespace throng::test

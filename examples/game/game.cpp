@@ -1,0 +1,198 @@
+// A game without a picture until its end: waves of attackers walk to the middle of a field with things in their hands,
+// die there, lie for a while and are gone, while others come. What a game does with a crowd in each of its frames, and
+// how long these calls take.
+//   game creature.glb guard.json lantern.glb picture.png
+// (./run throng generate makes such files; examples/controllers has the controller)
+#include <throng/throng.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <deque>
+#include <map>
+#include <random>
+#include <vector>
+
+using namespace throng;
+
+namespace {
+
+constexpr float kFrame_s = 1.0f / 60;
+constexpr uint32_t kFrames = 900, kWaveEvery = 60, kWave = 250, kMost = 2000, kMostDying = 600;
+constexpr double kLies_s = 1.5;
+
+// throng reports expected failures as values. This program has no better idea than to stop at the first one.
+template <class T>
+T need(Result<T> result) {
+    if (!result) {
+        std::fprintf(stderr, "game: %s\n", result.error().text().c_str());
+        std::exit(1);
+    }
+    if constexpr (!std::is_void_v<T>) return *std::move(result);
+}
+
+struct Attacker {
+    InstanceHandle body, thing;
+    Affine world_from_model{};
+};
+
+struct Dying {
+    InstanceHandle body;
+    double gone_s = 0;
+};
+
+class Game {
+public:
+    Game(const Device& device, const Character& body, const Controller& mind, const Character& thing)
+        : body_(body),
+          size_(length(body.bounds_max - body.bounds_min)),
+          thing_scale_(0.2f * size_ / length(thing.bounds_max - thing.bounds_min)),
+          crowd_(make_crowd(device, body, mind, thing)) {
+        make_fallen();
+    }
+
+    // Returns how long its calls took, but for the update itself.
+    double frame(uint32_t number) {
+        const auto begin = std::chrono::steady_clock::now();
+        if (number % kWaveEvery == 0) send_wave();
+        hear();
+        fight(number * double{kFrame_s});
+        watch();
+        const std::chrono::duration<double, std::milli> calls = std::chrono::steady_clock::now() - begin;
+        need(crowd_.update(kFrame_s));
+        return calls.count();
+    }
+
+    Crowd& crowd() { return crowd_; }
+    uint32_t born = 0, died = 0, refused = 0, steps = 0, steps_of_the_gone = 0;
+
+private:
+    Crowd make_crowd(const Device& device, const Character& body, const Controller& mind,
+                     const Character& thing) const {
+        const CrowdGroup bodies{.character = &body,
+                                .controller = &mind,
+                                .sockets = {body.rig.joint_count() - 1},
+                                .steering = Steering{.radius = 0.2f * size_,
+                                                     .speed = 1.5f * size_,
+                                                     .speed_parameter = mind.find_parameter("speed")},
+                                .pose_capacity = kMostDying,
+                                .capacity = kMost};
+        const CrowdGroup things{.character = &thing, .capacity = kMost};
+        return need(Crowd::create(device, {.groups = {bodies, things}, .watch_capacity = kMost}));
+    }
+
+    // From all sides, as many as there is room for.
+    void send_wave() {
+        const uint32_t room = kMost - need(crowd_.alive_count(0)), count = std::min(kWave, room);
+        refused += kWave - count;
+        std::vector<Affine> places;
+        std::uniform_real_distribution<float> side(0, 6.2831853f), depth(20, 30);
+        for (uint32_t i = 0; i < count; ++i) {
+            const float angle = side(random_), distance = depth(random_) * size_;
+            const float c = std::cos(angle), s = std::sin(angle);
+            places.push_back({{{{-c, 0, -s, distance * s}, {0, 1, 0, 0}, {s, 0, -c, distance * c}}}});
+        }
+        const std::vector<InstanceHandle> bodies = need(crowd_.spawn(0, places)),
+                                          things = need(crowd_.spawn(1, places));
+        std::uniform_real_distribution<float> aside(-6, 6);
+        for (uint32_t i = 0; i < count; ++i) {
+            const std::array goal{Vec3<float>{aside(random_) * size_, 0, aside(random_) * size_}};
+            need(crowd_.set_destination(bodies[i].instance, goal));
+            attackers_[bodies[i].instance] = {bodies[i], things[i], places[i]};
+        }
+        born += count;
+    }
+
+    // Where the attackers are, and the sound of their feet; as of some frames ago, since nothing waits for the GPU.
+    void hear() {
+        for (const Feedback& feedback : need(crowd_.feedback())) {
+            for (const CharacterEvent& event : feedback.events)
+                ++(crowd_.is_alive({event.instance, event.generation}) ? steps : steps_of_the_gone);
+            for (const WatchedInstance& watched : feedback.watched) {
+                const auto found = attackers_.find(watched.instance);
+                if (found == attackers_.end() || found->second.body.generation != watched.generation) continue;
+                found->second.world_from_model = watched.world_from_model;
+                hold(found->second, watched.sockets[0]);
+            }
+        }
+    }
+
+    void hold(const Attacker& attacker, const Affine& world_from_joint) {
+        const Affine joint_from_thing{{{{thing_scale_, 0, 0, 0}, {0, thing_scale_, 0, 0}, {0, 0, thing_scale_, 0}}}};
+        need(crowd_.set_placement(attacker.thing.instance, std::array{world_from_joint * joint_from_thing}));
+    }
+
+    // Who comes near the middle falls, drops what it holds, and is gone later.
+    void fight(double now_s) {
+        std::uniform_real_distribution<float> chance(0, 1);
+        std::vector<InstanceHandle> gone;
+        while (!dying_.empty() && dying_.front().gone_s <= now_s) {
+            gone.push_back(dying_.front().body);
+            dying_.pop_front();
+        }
+        std::erase_if(attackers_, [&](const auto& entry) {
+            const Attacker& attacker = entry.second;
+            const auto& row = attacker.world_from_model.row;
+            const bool is_near = std::hypot(row[0][3], row[2][3]) < 12 * size_;
+            if (!is_near || chance(random_) > 0.02f || dying_.size() == kMostDying) return false;
+            need(crowd_.clear_destination(attacker.body.instance, 1));
+            need(crowd_.set_pose(attacker.body.instance, fallen_, 0.3f));
+            dying_.push_back({attacker.body, now_s + kLies_s});
+            gone.push_back(attacker.thing);
+            ++died;
+            return true;
+        });
+        need(crowd_.despawn(gone));
+    }
+
+    void watch() {
+        std::vector<uint32_t> instances;
+        for (const auto& [instance, attacker] : attackers_) instances.push_back(instance);
+        need(crowd_.watch(instances));
+    }
+
+    // The rest pose, on its back.
+    void make_fallen() {
+        fallen_ = body_.rig.rest;
+        const Quaternion<float> back{-std::sqrt(0.5f), 0, 0, std::sqrt(0.5f)};
+        for (uint32_t joint = 0; joint < fallen_.size(); ++joint)
+            if (body_.rig.parents[joint] == kNone) fallen_[joint].rotation = back * fallen_[joint].rotation;
+    }
+
+    const Character& body_;
+    float size_, thing_scale_;
+    Crowd crowd_;
+    std::vector<Trs<float>> fallen_;
+    std::map<uint32_t, Attacker> attackers_;  // by the numbers of their bodies
+    std::deque<Dying> dying_;
+    std::mt19937 random_{1};
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc != 5) {
+        std::fprintf(stderr, "usage: game creature.glb controller.json thing.glb picture.png\n");
+        return 2;
+    }
+    const Character body = need(load_character(argv[1])), thing = need(load_character(argv[3]));
+    const Controller mind = need(load_controller(argv[2]));
+    const Device device = need(Device::create());
+    Game game(device, body, mind, thing);
+    std::vector<double> calls_ms;
+    for (uint32_t frame = 0; frame < kFrames; ++frame) calls_ms.push_back(game.frame(frame));
+    std::ranges::sort(calls_ms);
+    std::printf("%u attackers came, %u died, %u are there; %u found no room\n", game.born, game.died,
+                need(game.crowd().alive_count(0)), game.refused);
+    std::printf("%u steps, and %u of attackers that had gone when they were heard\n", game.steps,
+                game.steps_of_the_gone);
+    std::printf("calls of a frame: median %.3f ms, worst %.3f ms\n", calls_ms[calls_ms.size() / 2], calls_ms.back());
+
+    Renderer renderer = need(Renderer::create(device, {.width = 1280, .height = 720}));
+    const RenderResult result = need(renderer.render(game.crowd(), fit_camera(world_bounds(game.crowd()), 16.0f / 9)));
+    need(write_png(argv[4], result.picture));
+    return game.died > 0 && game.steps > 0 ? 0 : 1;
+}
