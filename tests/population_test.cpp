@@ -457,6 +457,43 @@ TEST(Population, WhoIsNotSeenIsAnimatedWhereItsSocketsAreNeeded) {
     }
 }
 
+// Rows of a skin pool are those of who is there, nearest first, and shared poses stay as they were made.
+TEST(Population, WhoIsThereHasRowsOfASkinPool) {
+    const Character character = creature(30, 10);
+    CrowdGroup group{.character = &character, .instance_count = 20, .skin_pool = SkinPool{.capacity = 12}};
+    Crowd lasting = create({.groups = {group}, .culls = true});
+    group.instance_count = 0;
+    group.capacity = 40;
+    Crowd varying = create({.groups = {group}});
+    const std::vector<InstanceHandle> all = *varying.spawn(0, std::vector<Affine>(40));
+    std::vector<InstanceHandle> there, gone;
+    for (const InstanceHandle& one : all) (one.instance % 2 == 0 ? there : gone).push_back(one);
+    ASSERT_TRUE(varying.despawn(gone));
+    Random random(8);
+    const std::vector<Playback> playbacks = random_playbacks(random, character, 20);
+    for (uint32_t i = 0; i < 20; ++i) {
+        const Affine place = to_affine(Trs<float>{.translation = {0, 0, static_cast<float>(i)}});
+        ASSERT_TRUE(lasting.set_placement(i, {&place, 1}));
+        ASSERT_TRUE(varying.set_placement(there[i].instance, {&place, 1}));
+        ASSERT_TRUE(lasting.set_playback(i, {&playbacks[i], 1}));
+        ASSERT_TRUE(varying.set_playback(there[i].instance, {&playbacks[i], 1}));
+    }
+    const CrowdView view = view_of_box({0, 0, 9}, 8);
+    for (int update = 0; update < 3; ++update) {
+        ASSERT_TRUE(lasting.update(0.1f, &view));
+        ASSERT_TRUE(varying.update(0.1f, &view));
+        const std::vector<DrawnInstance> wanted = drawn_of(lasting), got = drawn_of(varying);
+        ASSERT_EQ(got.size(), wanted.size());
+        EXPECT_GT(got.size(), 12u) << "more than there are rows";
+        for (size_t i = 0; i < got.size(); ++i) {
+            EXPECT_EQ(got[i].instance, there[wanted[i].instance].instance);
+            EXPECT_EQ(got[i].skin_row, wanted[i].skin_row);
+            EXPECT_TRUE(same_bits(*varying.read_skin_matrices(got[i].instance),
+                                  *lasting.read_skin_matrices(wanted[i].instance)));
+        }
+    }
+}
+
 TEST(Population, WhoHasGoneIsInNobodysWay) {
     const Character character = creature(20, 8);
     const auto walk = [&](bool meets_another, bool it_goes) {

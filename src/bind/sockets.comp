@@ -3,8 +3,8 @@
 // gathered here.
 #include "gpu/buffers_io.h"
 #include "bind/sockets_io.h"
+#include "control/births.glsl"
 #include "gpu/affine.glsl"
-#include "gpu/table.glsl"
 
 WORKGROUP(kSocketWorkgroupSize);
 READONLY_BUFFER(kModelBuffer, Affine, model);            // [instance][joint]
@@ -17,6 +17,7 @@ void main() {
     const uint i = gl_GlobalInvocationID.x;
     if (i >= push.instance_count * push.socket_count) return;
     const uint instance = i / push.socket_count;
+    if (!is_there(instance, push.birth)) return;
     Affine transform;
     if ((push.flags & kSocketsGather) != 0)
         transform = model[instance * push.joint_count + WORD_AT(joints, i % push.socket_count)];

@@ -11,6 +11,7 @@ struct SocketPush {
     uint joint_count;
     uint socket_count;
     uint flags;
+    uint birth;  // control/births.glsl
 };
 THRONG_IO_CONSTANT kSocketsGather = 1;   // from the model matrices; else they are in place
 THRONG_IO_CONSTANT kSocketsToWorld = 2;  // world_from_joint

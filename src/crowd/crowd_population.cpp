@@ -60,9 +60,9 @@ void CrowdState::despawn(std::span<const InstanceHandle> instances) {
             for (uint32_t target = 0; target < group.procedural->target_count; ++target)
                 procedural->set_target(index_of(batch), of_batch * group.procedural->target_count + target, {});
         if (group.pose_capacity > 0) poses->clear(index_of(batch), of_batch, 0, "despawn");
-        std::erase_if(watched_, [&](const Watched& watched) { return watched.instance == instance; });
         population->despawn(instance);
     }
+    std::erase_if(watched_, [&](const Watched& watched) { return !is_there(watched.instance); });
 }
 
 bool CrowdState::is_alive(const InstanceHandle& instance) const {

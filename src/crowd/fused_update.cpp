@@ -210,10 +210,10 @@ void FusedUpdate::record_sockets(VkCommandBuffer commands) const {
         const Batch& batch = batches_[member.batch];
         const Group& group = group_of(batch);
         if (!group.sockets || group.socket_space != SocketSpace::kWorld) continue;
-        sockets_->dispatch_invocations(
-            commands, member.sockets,
-            io::SocketPush{batch.instance_count, group.joint_count, group.socket_count(), group.socket_flags()},
-            batch.instance_count * group.socket_count());
+        sockets_->dispatch_invocations(commands, member.sockets,
+                                       io::SocketPush{batch.used_count, group.joint_count, group.socket_count(),
+                                                      group.socket_flags(), batch.birth},
+                                       batch.used_count * group.socket_count());
     }
     separate_kernels(commands);
 }

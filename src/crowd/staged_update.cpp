@@ -172,10 +172,11 @@ void StagedUpdate::record_wave(const Update& update, const Wave& wave) const {
     });
     stage("bind", [&](const Member& member, uint32_t instance_count, const Group& group) {
         if (group.sockets)
-            sockets_->dispatch_invocations(commands, member.sockets,
-                                           io::SocketPush{instance_count, group.joint_count, group.socket_count(),
-                                                          io::kSocketsGather | group.socket_flags()},
-                                           instance_count * group.socket_count());
+            sockets_->dispatch_invocations(
+                commands, member.sockets,
+                io::SocketPush{instance_count, group.joint_count, group.socket_count(),
+                               io::kSocketsGather | group.socket_flags(), batches_[member.batch].birth},
+                instance_count * group.socket_count());
         bind_->dispatch_workgroups(commands, member.bind[batches_[member.batch].current_skin],
                                    io::BindPush{group.joint_count, group.palette_count}, instance_count);
     });
