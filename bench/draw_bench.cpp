@@ -12,9 +12,6 @@
 namespace throng::bench {
 namespace {
 
-// A ratio (psnr()) that a difference of 1.4 of 255 in every pixel has, or one of 20 in 0.5 % of them.
-constexpr double kLeastAlike_db = 45;
-
 // A crowd on a device of its own.
 struct Stage {
     std::optional<Device> device;
@@ -126,7 +123,10 @@ private:
             if (&before != &entrant && before.isa == entrant.isa && before.picture.rgba != entrant.picture.rgba)
                 entrant.is_wrong = true;
         entrant.alike_db = psnr(entrant.picture, entrants_.front().picture);
-        if (!(entrant.alike_db >= kLeastAlike_db)) entrant.is_wrong = true;
+        const uint32_t sub_pixel_bits = entrant.vulkan
+                                            ? entrant.stage->device->gpu()->properties.limits.subPixelPrecisionBits
+                                            : 8;
+        if (!(entrant.alike_db >= least_alike_db(sub_pixel_bits))) entrant.is_wrong = true;
     }
 
     Json record_of(const Entrant& entrant) const {

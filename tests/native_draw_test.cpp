@@ -23,9 +23,7 @@ using bench::psnr;
 constexpr uint32_t kWidth = 240, kHeight = 160;
 constexpr double kLeastDetail = 0.005;  // of the pixels (part_with_detail)
 
-// How alike pictures are by both renderers. The native one places vertices to a 256th of a pixel, as most devices do.
-// SwiftShader has sixteenths, which moves the edges of all triangles a little.
-double least_dB() { return test_gpu()->properties.limits.subPixelPrecisionBits >= 8 ? 45 : 33; }
+double least_dB() { return bench::least_alike_db(test_gpu()->properties.limits.subPixelPrecisionBits); }
 
 Renderer make_renderer(const RendererSettings& settings) {
     Result<Renderer> made = Renderer::create(test_device(), settings);
