@@ -59,7 +59,7 @@ public:
         run_rounds(contestants, samples, progress);
     }
 
-    // Of half of the room.
+    // In crowds that fill half of their capacity; half of the instances change in each frame.
     void time_turnover(uint32_t samples, const Progress& progress) {
         Entrant told = make(Kind::kAnywhere, std::max(1u, capacity_ / 2)),
                 reborn = make(Kind::kAnywhere, std::max(1u, capacity_ / 2));

@@ -37,7 +37,7 @@ struct Prediction {
     std::string limit() const;
 };
 
-// Of one subgroup that has a SIMD to itself: what it issues, and what it waits for.
+// How long one subgroup takes that has a SIMD to itself: instructions, and waiting for loads between them.
 struct SubgroupTime {
     double issue_ns = 0, wait_ns = 0;
 };

@@ -125,7 +125,7 @@ private:
         need(crowd_.set_placement(attacker.thing.instance, std::array{world_from_joint * joint_from_thing}));
     }
 
-    // Who comes near the middle falls, drops what it holds, and is gone later.
+    // An attacker near the middle may fall: it drops its thing, lies for a while, and is despawned.
     void fight(double now_s) {
         std::uniform_real_distribution<float> chance(0, 1);
         std::vector<InstanceHandle> gone;

@@ -154,7 +154,7 @@ public:
     Result<std::vector<InstanceHandle>> spawn(uint32_t group, std::span<const Affine> world_from_model);
     Result<void> despawn(std::span<const InstanceHandle> instances);
     bool is_alive(const InstanceHandle& instance) const;
-    // Of an instance that is there. Errors: kInvalidArgument (it is not).
+    // The handle of whoever has this number now. Errors: kInvalidArgument (nobody has).
     Result<InstanceHandle> handle(uint32_t instance) const;
     // Instances of a group that are there. Errors: kInvalidArgument (no such group).
     Result<uint32_t> alive_count(uint32_t group) const;

@@ -8,7 +8,7 @@ READONLY_BUFFER(kCommandsBuffer, ControlCommand, commands);
 BUFFER(kLayersBuffer, LayerState, layers);     // [instance][layer]
 BUFFER(kParametersBuffer, float, parameters);  // [instance][parameter]
 BUFFER(kInertiasBuffer, InstanceInertia, inertias);
-// Of groups in which instances come and go: what an instance begins with
+// What kCommandBegin sets; bound only where instances come and go
 READONLY_BUFFER(kInitialLayersBuffer, LayerState, initial_layers);
 READONLY_BUFFER(kInitialParametersBuffer, float, initial_parameters);
 PUSH(CommandPush);
