@@ -99,8 +99,8 @@ Json measure_control(const Device& device, const ControlCase& control, const Pro
             const float unit = static_cast<float>(random() % 1024) / 1023;
             const bool is_float = controller.parameters[parameter].type == ParameterType::kFloat;
             const float value = is_float ? 3 * unit - 1 : std::round(unit);
-            value_of(crowd.set_parameters(instance, parameter, {&value, 1}));
-            if (instance < references.size()) value_of(references[instance].set_parameters(parameter, {&value, 1}));
+            value_of(crowd.set_parameter(InstanceHandle{instance}, parameter, value));
+            if (instance < references.size()) value_of(references[instance].set_parameter(parameter, value));
         }
     };
     const uint32_t changed = std::max(1u, control.count / 100);
@@ -111,8 +111,8 @@ Json measure_control(const Device& device, const ControlCase& control, const Pro
     }
     double error = 0;
     for (uint32_t i = 0; i < references.size(); ++i)
-        error = std::max(error, skin_error(value_of(crowd.read_skin_matrices(i)), references[i].pose().model_from_bind,
-                                           character.size));
+        error = std::max(error, skin_error(value_of(crowd.read_skin_matrices({i})),
+                                           references[i].pose().model_from_bind, character.size));
     Json record = where_and_when(device.info());
     record.update({{"bench", "control"},
                    {"characters", control.count},

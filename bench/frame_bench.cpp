@@ -118,13 +118,13 @@ private:
     // The largest error of some instances, at the times that they were given.
     double error_of(const Entrant& entrant) const {
         constexpr uint64_t kChecked = 16;
-        value_of(entrant.crowd()->set_playback(0, *entrant.playback));
+        value_of(entrant.crowd()->set_playback(entrant.crowd()->instances(), *entrant.playback));
         value_of(entrant.crowd()->update(0));
         const uint64_t checked = std::min(kChecked, instance_count());
         double worst = 0;
         for (uint64_t i = 1; i <= checked; ++i) {
             const auto instance = static_cast<uint32_t>(instance_count() * i / checked - 1);
-            const std::vector<Affine> skin = value_of(entrant.crowd()->read_skin_matrices(instance));
+            const std::vector<Affine> skin = value_of(entrant.crowd()->read_skin_matrices({instance}));
             worst = std::max(worst, skin_error(skin, reference_(*entrant.character, (*entrant.playback)[instance]),
                                                entrant.character->size));
         }
@@ -133,7 +133,7 @@ private:
 
     // All variants begin at the same times in every round, and so do the same work.
     void take_sample(Entrant& entrant) const {
-        value_of(entrant.crowd()->set_playback(0, *entrant.playback));
+        value_of(entrant.crowd()->set_playback(entrant.crowd()->instances(), *entrant.playback));
         entrant.times.take(*device_.gpu(), *entrant.crowd());
     }
 

@@ -139,8 +139,8 @@ private:
                       .path = path,
                       .culls = true,
                       .reduces_joints = true}));
-        value_of(crowd.set_placement(0, million_.placement.first(of)));
-        value_of(crowd.set_playback(0, million_.playback.first(of)));
+        value_of(crowd.set_placement(crowd.instances(), million_.placement.first(of)));
+        value_of(crowd.set_playback(crowd.instances(), million_.playback.first(of)));
         return crowd;
     }
 
@@ -152,7 +152,7 @@ private:
     // In pixels, since some joints may be left out.
     double pixels_of(uint32_t instance, const CrowdView& view) {
         const ReferencePose pose = value_of(reference_pose(*million_.character, million_.playback[instance]));
-        return pixels_off(value_of(crowd_.read_positions(instance)), reference_positions(*million_.character, pose),
+        return pixels_off(value_of(crowd_.read_positions({instance})), reference_positions(*million_.character, pose),
                           million_.placement[instance], view);
     }
 

@@ -113,7 +113,7 @@ private:
         Crowd& crowd = entrant.crowd;
         if (kind == Kind::kForGood) {
             for (uint32_t i = 0; i < count; ++i) entrant.instances.push_back({.instance = i});
-            value_of(crowd.set_placement(0, population_.placement.first(count)));
+            value_of(crowd.set_placement(crowd.instances(), population_.placement.first(count)));
         } else {
             const uint32_t born = kind == Kind::kAnywhere ? capacity_ : count;
             entrant.instances = value_of(crowd.spawn(0, population_.placement.first(born)));
@@ -121,15 +121,13 @@ private:
             value_of(crowd.despawn(std::span(entrant.instances).subspan(count)));
             entrant.instances.resize(count);
         }
-        for (uint32_t i = 0; i < count; ++i) {
-            value_of(crowd.set_placement(entrant.instances[i].instance, population_.placement.subspan(i, 1)));
-            value_of(crowd.set_playback(entrant.instances[i].instance, population_.playback.subspan(i, 1)));
-        }
+        value_of(crowd.set_placement(entrant.instances, population_.placement.first(count)));
+        value_of(crowd.set_playback(entrant.instances, population_.playback.first(count)));
         return entrant;
     }
 
     double error_of(Entrant& entrant, uint32_t i) const {
-        return skin_error(value_of(entrant.crowd.read_skin_matrices(entrant.instances[i].instance)),
+        return skin_error(value_of(entrant.crowd.read_skin_matrices(entrant.instances[i])),
                           value_of(reference_pose(*population_.character, population_.playback[i])).model_from_bind,
                           population_.character->size);
     }
@@ -146,7 +144,7 @@ private:
     void tell(Entrant& entrant, std::mt19937& random) const {
         choose(entrant, random);
         for (uint32_t i = entrant.count - changed_count_; i < entrant.count; ++i)
-            value_of(entrant.crowd.set_playback(entrant.instances[i].instance, population_.playback.subspan(i, 1)));
+            value_of(entrant.crowd.set_playback(entrant.instances[i], population_.playback[i]));
     }
 
     void replace(Entrant& entrant, std::mt19937& random) const {
@@ -157,7 +155,7 @@ private:
             entrant.crowd.spawn(0, population_.placement.subspan(kept, changed_count_)));
         std::ranges::copy(born, entrant.instances.begin() + kept);
         for (uint32_t i = kept; i < entrant.count; ++i)
-            value_of(entrant.crowd.set_playback(entrant.instances[i].instance, population_.playback.subspan(i, 1)));
+            value_of(entrant.crowd.set_playback(entrant.instances[i], population_.playback[i]));
     }
 
     Json new_record(const Crowd& crowd) const {

@@ -58,8 +58,8 @@ public:
                 continue;
             }
             entrant.crowd = std::move(*made);
-            value_of(entrant.crowd->set_placement(0, seen_.placement));
-            value_of(entrant.crowd->set_playback(0, seen_.playback));
+            value_of(entrant.crowd->set_placement(entrant.crowd->instances(), seen_.placement));
+            value_of(entrant.crowd->set_playback(entrant.crowd->instances(), seen_.playback));
             if (!view_) view_ = seen_.view_of(world_bounds(*entrant.crowd));
             for (uint32_t i = 0; i < kSettling; ++i) value_of(entrant.crowd->update(0, entrant.view(*view_)));
             compare(entrant);
@@ -119,11 +119,11 @@ private:
         if (entrant.variant->reduces_joints && one.lod > 0)
             entrant.max_pixels = std::max(
                 entrant.max_pixels,
-                pixels_off(value_of(entrant.crowd->read_positions(one.instance)),
+                pixels_off(value_of(entrant.crowd->read_positions({one.instance})),
                            reference_positions(*seen_.character, pose), seen_.placement[one.instance], *view_));
         else
             entrant.max_error = std::max(entrant.max_error,
-                                         skin_error(value_of(entrant.crowd->read_skin_matrices(one.instance)),
+                                         skin_error(value_of(entrant.crowd->read_skin_matrices({one.instance})),
                                                     pose.model_from_bind, seen_.character->size));
     }
 

@@ -58,7 +58,7 @@ int main(int argc, char** argv) {
     std::vector<Playback> playback;
     for (uint32_t i = 0; i < 300; ++i) playback.push_back(playback_of(one, i));
     for (uint32_t i = 0; i < 200; ++i) playback.push_back(playback_of(other, i));
-    need(crowd.set_playback(0, playback));
+    need(crowd.set_playback(crowd.instances(), playback));
 
     // From here on nothing is uploaded: the GPU advances the clocks itself.
     StageTimes sum;
@@ -75,7 +75,7 @@ int main(int argc, char** argv) {
 
     // One individual's joints in model space; a joint's position is the last column of its matrix.
     constexpr uint32_t kIndividual = 301;
-    const std::vector<Affine> joints = need(crowd.read_model_matrices(kIndividual));
+    const std::vector<Affine> joints = need(crowd.read_model_matrices({kIndividual}));
     const auto height = [](const Affine& model_from_joint) { return model_from_joint.row[1][3]; };
     const auto highest = std::max_element(joints.begin(), joints.end(),
                                           [&](const auto& a, const auto& b) { return height(a) < height(b); });
@@ -84,7 +84,7 @@ int main(int argc, char** argv) {
                 joint, other.rig.names[joint].c_str(), static_cast<double>(height(*highest)));
 
     // Its skin matrices are the joints' matrices times the file's inverse bind matrices: what a vertex shader wants.
-    const std::vector<Affine> skin = need(crowd.read_skin_matrices(kIndividual));
+    const std::vector<Affine> skin = need(crowd.read_skin_matrices({kIndividual}));
     float difference = 0;
     for (size_t entry = 0; entry < skin.size(); ++entry) {
         const PaletteEntry& palette = other.palette[entry];

@@ -98,8 +98,8 @@ int main(int argc, char** argv) {
         const Playback playback{.first = clip};
         const Affine place = to_affine(
             Trs<float>{.translation = {static_cast<float>(i) * character.size * 0.6f, 0, 0}});
-        need(crowd.set_playback(i, {&playback, 1}));
-        need(crowd.set_placement(i, {&place, 1}));
+        need(crowd.set_playback(InstanceHandle{i}, playback));
+        need(crowd.set_placement(InstanceHandle{i}, place));
     }
 
     // The mesh in the application's buffers. Character's arrays go to the GPU as they are.

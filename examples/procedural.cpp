@@ -71,16 +71,16 @@ int main(int argc, char** argv) {
         playbacks.push_back({.first = {.clip = walk, .time_s = 0.31 * i}});
     }
     playbacks.push_back({.first = {.clip = fly}});
-    need(crowd.set_placement(0, places));
-    need(crowd.set_playback(0, playbacks));
+    need(crowd.set_placement(need(crowd.instances(0)), places));
+    need(crowd.set_playback(crowd.instances(), playbacks));
     need(crowd.set_wind({.velocity = {6, 0, 0}, .gust = 0.6f, .wavelength = 12}));
 
     // Four seconds, in which the small one flies half a circle.
     for (uint32_t frame = 0; frame < 240; ++frame) {
         const float angle_rad = 0.013f * static_cast<float>(frame), x = 15 - 18 * std::cos(angle_rad),
                     z = 18 + 22 * std::sin(angle_rad);
-        need(crowd.set_placement(kCount, std::array{standing_at(x, 6, z, 0.8f)}));
-        for (uint32_t i = 0; i < kCount; ++i) need(crowd.set_target(i, 0, {x, 7, z}, 1));
+        need(crowd.set_placement(InstanceHandle{kCount}, standing_at(x, 6, z, 0.8f)));
+        need(crowd.set_target(need(crowd.instances(0)), 0, {{x, 7, z}, 1}));
         need(crowd.update(1.0f / 60));
     }
     const StageTimes times = need(crowd.stage_times());

@@ -21,8 +21,8 @@ int main(int, char** argv) {
         const Playback playback{.first = {.clip = 0, .time_s = 0.1 * i}};
         const Affine place = to_affine(
             Trs<float>{.translation = Vec3<float>{float(i % 40), 0, float(i / 40)} * character.size});
-        need(crowd.set_playback(i, {&playback, 1}));
-        need(crowd.set_placement(i, {&place, 1}));
+        need(crowd.set_playback(InstanceHandle{i}, playback));
+        need(crowd.set_placement(InstanceHandle{i}, place));
     }
     for (int frame = 0; frame < 60; ++frame) need(crowd.update(1.0f / 60));
     Renderer renderer = need(Renderer::create(device));

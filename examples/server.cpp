@@ -70,14 +70,14 @@ int main(int argc, char** argv) {
     std::uniform_real_distribution<float> unit(0, 1);
     for (uint32_t i = 0; i < crowd.instance_count(); ++i) {
         const Vec3<float> place{100 * unit(random), 0, 100 * unit(random)};
-        need(crowd.set_placement(i, std::array{to_affine(Trs<float>{.translation = place})}));
+        need(crowd.set_placement(InstanceHandle{i}, to_affine(Trs<float>{.translation = place})));
     }
     std::vector<double> ticks_ms;
     uint32_t hit_count = 0;
     for (uint32_t tick = 0; tick < kTicks; ++tick) {
         const auto begin = std::chrono::steady_clock::now();
         const uint32_t player = tick * 7919 % crowd.instance_count();  // somebody else wants something in each tick
-        need(crowd.set_parameters(player, 0, std::array{5 * unit(random)}));
+        need(crowd.set_parameter(InstanceHandle{player}, 0, 5 * unit(random)));
         need(crowd.update(kTick_s));
         for (uint32_t shot = 0; shot < kShots; ++shot) {
             const Vec3<float> eye{100 * unit(random), 2 * unit(random), 0};

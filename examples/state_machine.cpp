@@ -58,13 +58,10 @@ int main(int argc, char** argv) {
                                                          {.character = &guard, .instance_count = kCount}},
                                               .watch_capacity = kCount}));
     std::vector<Affine> places;
-    std::vector<uint32_t> guards;
-    for (uint32_t i = 0; i < kCount; ++i) {
+    for (uint32_t i = 0; i < kCount; ++i)
         places.push_back(standing_at(3.0f * static_cast<float>(i % kSide), 0, 6.0f * static_cast<float>(i / kSide)));
-        guards.push_back(i);
-    }
-    need(crowd.set_placement(0, places));
-    need(crowd.watch(guards));
+    need(crowd.set_placement(need(crowd.instances(0)), places));
+    need(crowd.watch(need(crowd.instances(0))));
 
     const uint32_t speed = controller.find_parameter("speed"), attack = controller.find_parameter("attack");
     if (speed == kNone || attack == kNone) {
@@ -76,24 +73,24 @@ int main(int argc, char** argv) {
     constexpr uint32_t kFrames = 240;
     uint32_t steps = 0, strikes = 0;
     for (uint32_t frame = 0; frame < kFrames; ++frame) {
-        if (frame < kCount) need(crowd.set_parameters(frame, speed, std::array{static_cast<float>(frame % 5)}));
-        if (frame % 10 == 0) need(crowd.set_parameters((frame * 7) % kCount, attack, std::array{1.0f}));
+        if (frame < kCount) need(crowd.set_parameter(InstanceHandle{frame}, speed, static_cast<float>(frame % 5)));
+        if (frame % 10 == 0) need(crowd.set_parameter(InstanceHandle{(frame * 7) % kCount}, attack, 1.0f));
         need(crowd.update(1.0f / 60));
 
         for (const Feedback& feedback : need(crowd.feedback())) {
             for (const CharacterEvent& event : feedback.events) {
                 const std::string& name = controller.events[event.event].name;
                 ++(name == "strike" ? strikes : steps);
-                if (event.instance < 3)
+                if (event.instance.instance < 3)
                     std::printf("%.3f s: guard %u: %s\n",
                                 (static_cast<double>(feedback.update) - 1) / 60 + static_cast<double>(event.time_s),
-                                event.instance, name.c_str());
+                                event.instance.instance, name.c_str());
             }
             // Lanterns follow on the CPU here; a renderer of one's own reads OutputBlock::socket_buffer and need not
             // wait for anything.
             for (const WatchedInstance& watched : feedback.watched)
-                need(crowd.set_placement(kCount + watched.instance,
-                                         std::array{watched.sockets[0] * standing_at(0, 0, 0, 0.15f)}));
+                need(crowd.set_placement(InstanceHandle{kCount + watched.instance.instance},
+                                         watched.sockets[0] * standing_at(0, 0, 0, 0.15f)));
         }
     }
     std::printf("%u steps and %u strikes of %u guards in %u updates\n", steps, strikes, kCount, kFrames);

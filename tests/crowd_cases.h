@@ -30,6 +30,20 @@ inline Crowd create(CrowdSettings settings) {
 }
 
 // What the last update has listed.
+// The message of a call's error; empty where there is none.
+std::string refusal(const auto& result) { return result ? std::string() : result.error().text(); }
+
+// Copies, which compare and print.
+template <class T>
+std::vector<T> copy_of(std::span<const T> values) {
+    return {values.begin(), values.end()};
+}
+inline std::vector<std::vector<PlayedMotion>> copy_of(std::span<const std::span<const PlayedMotion>> layers) {
+    std::vector<std::vector<PlayedMotion>> copies;
+    for (const std::span<const PlayedMotion> layer : layers) copies.push_back(copy_of(layer));
+    return copies;
+}
+
 inline std::vector<DrawnInstance> drawn_of(Crowd& crowd) {
     Result<std::vector<DrawnInstance>> drawn = crowd.read_drawn();
     if (!drawn) {
@@ -63,12 +77,12 @@ inline std::vector<ReferenceCharacter> references(const Character& character, co
 // A value for one of its parameters.
 struct ParameterChange {
     uint32_t parameter = 0;
-    std::array<float, 1> value{};
+    float value = 0;
 };
 inline ParameterChange random_change(Random& random, const Controller& controller) {
     const uint32_t parameter = random.below(static_cast<uint32_t>(controller.parameters.size()));
     const bool is_float = controller.parameters[parameter].type == ParameterType::kFloat;
-    return {parameter, {is_float ? static_cast<float>(random.between(-2, 3)) : static_cast<float>(random.below(2))}};
+    return {parameter, is_float ? static_cast<float>(random.between(-2, 3)) : static_cast<float>(random.below(2))};
 }
 
 inline Character small_character() { return make_character({.name = "small", .joint_count = 20}); }
@@ -121,10 +135,10 @@ inline double instance_error(Crowd& crowd, uint32_t instance, const Character& c
         for (size_t i = 0; i < wanted.size(); ++i)
             worst = std::max(worst, matrix_error((*got)[i], wanted[i], character.size));
     };
-    compare(crowd.read_skin_matrices(instance), pose.model_from_bind);
-    if (with_model) compare(crowd.read_model_matrices(instance), pose.model_from_joint);
+    compare(crowd.read_skin_matrices({instance}), pose.model_from_bind);
+    if (with_model) compare(crowd.read_model_matrices({instance}), pose.model_from_joint);
     const std::vector<Vec3<double>> wanted = reference_positions(character, pose);
-    const std::vector<Vec3<float>> got = *crowd.read_positions(instance);
+    const std::vector<Vec3<float>> got = *crowd.read_positions({instance});
     if (got.size() != wanted.size()) return std::numeric_limits<double>::infinity();
     for (size_t i = 0; i < wanted.size(); ++i) {
         const double distance = length(got[i].as<double>() - wanted[i]) / character.size;
@@ -135,7 +149,8 @@ inline double instance_error(Crowd& crowd, uint32_t instance, const Character& c
 
 // Of the matrices of all joints and of the skin, as matrix_error() says.
 inline double model_error(Crowd& crowd, uint32_t instance, const ReferencePose& wanted, double size) {
-    const std::vector<Affine> model = *crowd.read_model_matrices(instance), skin = *crowd.read_skin_matrices(instance);
+    const std::vector<Affine> model = *crowd.read_model_matrices({instance}),
+                              skin = *crowd.read_skin_matrices({instance});
     double worst = 0;
     for (size_t i = 0; i < model.size(); ++i)
         worst = std::max(worst, matrix_error(model[i], wanted.model_from_joint[i], size));
@@ -147,8 +162,9 @@ inline double model_error(Crowd& crowd, uint32_t instance, const ReferencePose& 
 inline std::vector<Affine> skins_of(Crowd& crowd) {
     std::vector<Affine> all;
     for (uint32_t instance = 0; instance < crowd.instance_count(); ++instance) {
-        if (!crowd.handle(instance)) continue;  // nobody is there
-        const std::vector<Affine> skin = *crowd.read_skin_matrices(instance);
+        const Result<InstanceHandle> handle = crowd.handle(instance);
+        if (!handle) continue;  // nobody is there
+        const std::vector<Affine> skin = *crowd.read_skin_matrices(*handle);
         all.insert(all.end(), skin.begin(), skin.end());
     }
     return all;

@@ -29,7 +29,7 @@ void expect_reference(const MixedCrowd& mixed, const ScanMethod& method) {
     ASSERT_EQ(crowd.instance_count(), mixed.playbacks.size());
     for (uint32_t group = 0; group < mixed.characters.size(); ++group)
         EXPECT_EQ(crowd.path(group)->scan.method.substr(0, crowd.path(group)->scan.method.find(':')), method.name);
-    ASSERT_TRUE(crowd.set_playback(0, mixed.playbacks));
+    ASSERT_TRUE(crowd.set_playback(crowd.instances(), mixed.playbacks));
     double worst = 0;
     std::vector<Playback> now = mixed.playbacks;
     for (const float step_s : {0.0f, 0.3f, 0.171f, -0.9f}) {
@@ -101,7 +101,7 @@ TEST(Crowd, ManyLargeCharactersAreSplitIntoBatchesAndWaves) {
     std::vector<Playback> playbacks = random_playbacks(random, small, 3);
     for (const Playback& playback : random_playbacks(random, large, large_count)) playbacks.push_back(playback);
     for (const Playback& playback : random_playbacks(random, small, 4)) playbacks.push_back(playback);
-    ASSERT_TRUE(crowd.set_playback(0, playbacks));
+    ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks));
     ASSERT_TRUE(crowd.update(0));
     const uint32_t second_batch = crowd.state().batches[2].first_instance;
     ASSERT_GT(second_batch, 3u);
@@ -138,7 +138,7 @@ TEST(Crowd, ManySmallCharactersAreSplitIntoBatches) {
     EXPECT_EQ(crowd.outputs().size(), 2u);
     Random random(10);
     const std::vector<Playback> playbacks = random_playbacks(random, one, limit + 5);
-    ASSERT_TRUE(crowd.set_playback(0, playbacks));
+    ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks));
     ASSERT_TRUE(crowd.update(0));
     const uint32_t edge = crowd.outputs()[1].first_instance;
     for (const uint32_t instance : {0u, 1u, edge - 1, edge, limit + 4})
@@ -176,7 +176,7 @@ TEST(Crowd, TheLargestCharacterWorksWithEveryScan) {
             continue;
         }
         Crowd crowd = create(settings);
-        ASSERT_TRUE(crowd.set_playback(0, playbacks));
+        ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks));
         ASSERT_TRUE(crowd.update(0));
         for (uint32_t i = 0; i < 2; ++i)
             EXPECT_LE(instance_error(crowd, i, large, playbacks[i], true), kPoseBound) << method.name;
@@ -194,7 +194,7 @@ TEST(Crowd, OnlyChangedInstancesAreSetAnew) {
     };
     for (uint32_t i = 0; i < kCount; ++i)
         playbacks.push_back(looping(i % 3, 0.05 * i, 1 + 0.1f * static_cast<float>(i)));
-    ASSERT_TRUE(crowd.set_playback(0, playbacks));
+    ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks));
     const auto update_and_compare = [&](double step_s) {
         ASSERT_TRUE(crowd.update(static_cast<float>(step_s)));
         for (uint32_t i = 0; i < kCount; ++i) {
@@ -209,7 +209,7 @@ TEST(Crowd, OnlyChangedInstancesAreSetAnew) {
             changed.push_back(playbacks[i] = looping(clip, 0.4 + 0.01 * i, 0.7f));
             ages_s[i] = 0;
         }
-        ASSERT_TRUE(crowd.set_playback(first, changed));
+        ASSERT_TRUE(crowd.set_playback(Instances::numbered(first, count), changed));
     };
     update_and_compare(0.3);
     update_and_compare(0.25);
@@ -230,8 +230,8 @@ TEST(Crowd, TimeStaysInTheClip) {
     const auto play = [&](double time_s, float speed, bool loop) {
         return Playback{.first = {.clip = 0, .time_s = time_s, .speed = speed, .loop = loop}};
     };
-    ASSERT_TRUE(
-        crowd.set_playback(0, std::vector{play(0, 1, true), play(0, 1, false), play(0, -1, true), play(1, -1, false)}));
+    ASSERT_TRUE(crowd.set_playback(
+        crowd.instances(), std::vector{play(0, 1, true), play(0, 1, false), play(0, -1, true), play(1, -1, false)}));
     const auto shows = [&](uint32_t instance, double time_s) {
         return instance_error(crowd, instance, character, play(time_s, 0, false)) <= kPoseBound;
     };
@@ -250,8 +250,9 @@ TEST(Crowd, TimeStaysInTheClip) {
 TEST(Crowd, NoSpeedMakesAPoseThatIsNotFinite) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 2}}});
-    ASSERT_TRUE(crowd.set_playback(0, std::vector{Playback{.first = {.clip = 0, .speed = 3e38f, .loop = true}},
-                                                  Playback{.first = {.clip = 0, .speed = 3e38f, .loop = false}}}));
+    ASSERT_TRUE(crowd.set_playback(crowd.instances(),
+                                   std::vector{Playback{.first = {.clip = 0, .speed = 3e38f, .loop = true}},
+                                               Playback{.first = {.clip = 0, .speed = 3e38f, .loop = false}}}));
     for (int i = 0; i < 2; ++i) {
         ASSERT_TRUE(crowd.update(1000));
         for (const Affine& matrix : skins_of(crowd))
@@ -264,7 +265,8 @@ TEST(Crowd, WeightsAtTheEndsShowOneClip) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 3}}});
     const ClipPlayback a{.clip = 0, .time_s = 0.3}, b{.clip = 1, .time_s = 0.8};
-    ASSERT_TRUE(crowd.set_playback(0, std::vector{Playback{a, b, 1}, Playback{a, b, 0}, Playback{a, b, 0.25f}}));
+    ASSERT_TRUE(crowd.set_playback(crowd.instances(),
+                                   std::vector{Playback{a, b, 1}, Playback{a, b, 0}, Playback{a, b, 0.25f}}));
     ASSERT_TRUE(crowd.update(0));
     EXPECT_LE(instance_error(crowd, 0, character, Playback{a, {}, 1}), kPoseBound);
     EXPECT_LE(instance_error(crowd, 1, character, Playback{b, {}, 1}), kPoseBound);
@@ -288,11 +290,11 @@ TEST(Crowd, PlacementsReachTheDevice) {
     Random random(12);
     std::vector<Affine> placements;
     for (uint32_t i = 0; i < kCount; ++i) placements.push_back(to_affine(random.trs(100, 0)).as<float>());
-    ASSERT_TRUE(crowd.set_placement(0, placements));
+    ASSERT_TRUE(crowd.set_placement(crowd.instances(), placements));
     ASSERT_TRUE(crowd.update(0));
     EXPECT_EQ(output<Affine>(crowd.outputs()[0], &OutputBlock::placement_buffer, kCount), placements);
     placements[1234] = {};
-    ASSERT_TRUE(crowd.set_placement(1234, std::span(placements).subspan(1234, 1)));
+    ASSERT_TRUE(crowd.set_placement(InstanceHandle{1234}, placements[1234]));
     ASSERT_TRUE(crowd.update(0));
     EXPECT_EQ(output<Affine>(crowd.outputs()[0], &OutputBlock::placement_buffer, kCount), placements);
 }
@@ -301,7 +303,7 @@ TEST(Crowd, WrongValuesAreRefusedAndChangeNothing) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 4}}});
     Random random(13);
-    ASSERT_TRUE(crowd.set_playback(0, random_playbacks(random, character, 4)));
+    ASSERT_TRUE(crowd.set_playback(crowd.instances(), random_playbacks(random, character, 4)));
     ASSERT_TRUE(crowd.update(0.1f));
     const std::vector<Affine> before = skins_of(crowd);
 
@@ -309,7 +311,8 @@ TEST(Crowd, WrongValuesAreRefusedAndChangeNothing) {
                      kInfinity = std::numeric_limits<double>::infinity();
     const Playback good{.first = {.clip = 1, .time_s = 0.5}};
     const auto refused = [&](uint32_t first, const std::vector<Playback>& playbacks, const std::string& says) {
-        const Result<void> result = crowd.set_playback(first, playbacks);
+        const Result<void> result = crowd.set_playback(
+            Instances::numbered(first, static_cast<uint32_t>(playbacks.size())), playbacks);
         ASSERT_FALSE(result) << says;
         EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
         EXPECT_NE(result.error().text().find(says), std::string::npos) << result.error().text();
@@ -330,19 +333,19 @@ TEST(Crowd, WrongValuesAreRefusedAndChangeNothing) {
     refused(3, {good, good}, "instances 3 to 5 of a crowd of 4");
     refused(5, {}, "instances 5 to 5 of a crowd of 4");
     refused(0xFFFFFFFF, {good}, "crowd of 4");
-    EXPECT_TRUE(crowd.set_playback(4, {}));
+    EXPECT_TRUE(crowd.set_playback(Instances::numbered(4, 0), std::vector<Playback>()));
 
     std::vector<Affine> placement(2);
     placement[1].row[2][3] = static_cast<float>(kNan);
-    const Result<void> placed = crowd.set_placement(1, placement);
+    const Result<void> placed = crowd.set_placement(Instances::numbered(1, 2), placement);
     ASSERT_FALSE(placed);
     EXPECT_NE(placed.error().text().find("instance 2"), std::string::npos) << placed.error().text();
-    EXPECT_FALSE(crowd.set_placement(3, std::vector<Affine>(2)));
+    EXPECT_FALSE(crowd.set_placement(Instances::numbered(3, 2), Affine()));
     EXPECT_FALSE(crowd.update(static_cast<float>(kNan)));
     EXPECT_FALSE(crowd.update(static_cast<float>(-kInfinity)));
     for (const uint32_t instance : {4u, 0xFFFFFFFFu}) {
-        EXPECT_FALSE(crowd.read_skin_matrices(instance));
-        EXPECT_FALSE(crowd.read_positions(instance));
+        EXPECT_FALSE(crowd.read_skin_matrices({instance}));
+        EXPECT_FALSE(crowd.read_positions({instance}));
     }
 
     ASSERT_TRUE(crowd.update(0));
@@ -377,7 +380,7 @@ TEST(Crowd, TheSameInputsGiveTheSameBits) {
                 {.groups = {{&character, with_neighbours ? 70u : 0u}, {&character, 40}}, .scan = method.name});
             Random random(14);
             const std::vector<Playback> playbacks = random_playbacks(random, character, 40);
-            EXPECT_TRUE(crowd.set_playback(crowd.instance_count() - 40, playbacks));
+            EXPECT_TRUE(crowd.set_playback(Instances::numbered(crowd.instance_count() - 40, 40), playbacks));
             for (int i = 0; i < 3; ++i) EXPECT_TRUE(crowd.update(0.07f));
             std::vector<Affine> skins = skins_of(crowd);
             skins.erase(skins.begin(), skins.end() - static_cast<ptrdiff_t>(40 * character.palette.size()));
@@ -397,7 +400,7 @@ TEST(Crowd, RecordsIntoTheCallersCommandBuffer) {
     std::vector<Playback> playbacks = random_playbacks(random, character, 3);
     // So that two steps are one
     for (Playback& playback : playbacks) playback.first.loop = playback.second.loop = true;
-    ASSERT_TRUE(crowd.set_playback(0, playbacks));
+    ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks));
     EXPECT_FALSE(crowd.stage_times()) << "nothing has been recorded";
 
     const Gpu& gpu = *test_gpu();
@@ -461,7 +464,7 @@ TEST(Crowd, ModelMatricesAreReadOnlyWhereKept) {
     const Character character = small_character();
     Crowd crowd = create({.groups = {{&character, 1}}});
     ASSERT_TRUE(crowd.update(0));
-    const auto model = crowd.read_model_matrices(0);
+    const auto model = crowd.read_model_matrices({0});
     ASSERT_FALSE(model);
     EXPECT_EQ(model.error().code, ErrorCode::kInvalidArgument);
     EXPECT_NE(model.error().text().find("keep_model_matrices"), std::string::npos) << model.error().text();
@@ -472,7 +475,7 @@ TEST(Crowd, CanBeMoved) {
     const Character character = small_character();
     Crowd first = create({.groups = {{&character, 2}}});
     const Playback playback{.first = {.clip = 1, .time_s = 0.4}};
-    ASSERT_TRUE(first.set_playback(0, std::vector{playback, playback}));
+    ASSERT_TRUE(first.set_playback(first.instances(), std::vector{playback, playback}));
     Crowd second = std::move(first);
     ASSERT_TRUE(second.update(0));
     EXPECT_LE(instance_error(second, 1, character, playback), kPoseBound);
@@ -498,10 +501,10 @@ TEST(Crowd, WhatHasBeenMovedFromFails) {
     expect_moved_from(crowd.update(0));
     expect_moved_from(crowd.record(VK_NULL_HANDLE, 0));
     expect_moved_from(crowd.discard_last_record());
-    expect_moved_from(crowd.set_placement(0, {}));
+    expect_moved_from(crowd.set_placement(crowd.instances(), Affine()));
     expect_moved_from(crowd.path(0));
     expect_moved_from(crowd.feedback());
-    expect_moved_from(crowd.read_skin_matrices(0));
+    expect_moved_from(crowd.read_skin_matrices({0}));
     expect_moved_from(crowd.stage_times());
     EXPECT_EQ(crowd.instance_count(), 0u);
     EXPECT_TRUE(crowd.outputs().empty());
@@ -576,7 +579,7 @@ TEST(Crowd, ACharacterWithoutClipsShowsItsRestPose) {
     Crowd crowd = create({.groups = {{&character, 1}}});
     ASSERT_TRUE(crowd.update(1));
     EXPECT_LE(instance_error(crowd, 0, character, Playback{}), kPoseBound);
-    EXPECT_FALSE(crowd.set_playback(0, std::vector{Playback{.first = {.clip = 0}}}));
+    EXPECT_FALSE(crowd.set_playback(InstanceHandle{0}, Playback{.first = {.clip = 0}}));
 }
 
 TEST(Crowd, DirtyRangesMergeWhatTouches) {

@@ -56,7 +56,7 @@ TEST(Cull, ListsWhatTheReferenceSees) {
         const double extent = 200;
         const std::vector<Affine> places = random_places(random, count, extent);
         Crowd crowd = create({.groups = {{&character, count}}, .culls = true});
-        ASSERT_TRUE(crowd.set_placement(0, places));
+        ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
         const Group& group = crowd.state().groups[0];
         const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(),
                           ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
@@ -135,13 +135,13 @@ void expect_same_where_drawn(const CrowdGroup& group, UpdatePath path, bool only
     const std::vector<Affine> places = random_places(random, kCount, 30);
     const std::vector<Playback> playbacks = random_playbacks(random, *group.character, kCount);
     for (Crowd* crowd : {&viewed, &whole})
-        ASSERT_TRUE(crowd->set_placement(0, places) && (group.controller || crowd->set_playback(0, playbacks)) &&
-                    crowd->update(0.1f));
+        ASSERT_TRUE(crowd->set_placement(crowd->instances(), places) &&
+                    (group.controller || crowd->set_playback(crowd->instances(), playbacks)) && crowd->update(0.1f));
     uint32_t skipped = 0;
     for (int update = 0; update < 6; ++update) {
         const CrowdView view = *view_of(random_camera(random, 30), kWidth, kHeight, {});
         std::vector<std::vector<Affine>> before;
-        for (uint32_t i = 0; i < kCount; ++i) before.push_back(*viewed.read_skin_matrices(i));
+        for (uint32_t i = 0; i < kCount; ++i) before.push_back(*viewed.read_skin_matrices({i}));
         ASSERT_TRUE(viewed.update(0.1f, &view) && whole.update(0.1f));
         std::vector<bool> is_drawn(kCount);
         for (const DrawnInstance& one : drawn_of(viewed)) is_drawn[one.instance] = true;
@@ -149,14 +149,14 @@ void expect_same_where_drawn(const CrowdGroup& group, UpdatePath path, bool only
             const bool is_animated = is_drawn[i] || !only_drawn;
             skipped += !is_animated;
             EXPECT_TRUE(
-                same_bits(*viewed.read_skin_matrices(i), is_animated ? *whole.read_skin_matrices(i) : before[i]))
+                same_bits(*viewed.read_skin_matrices({i}), is_animated ? *whole.read_skin_matrices({i}) : before[i]))
                 << "instance " << i;
         }
     }
     EXPECT_EQ(skipped > kCount, only_drawn);
     ASSERT_TRUE(viewed.update(0.1f) && whole.update(0.1f));
     for (uint32_t i = 0; i < kCount; ++i)
-        EXPECT_TRUE(same_bits(*viewed.read_skin_matrices(i), *whole.read_skin_matrices(i)))
+        EXPECT_TRUE(same_bits(*viewed.read_skin_matrices({i}), *whole.read_skin_matrices({i})))
             << "all again, instance " << i;
 }
 
@@ -192,7 +192,8 @@ TEST(Cull, BatchesChangeNothing) {
     Random random(9);
     const std::vector<Affine> places = random_places(random, 10, 20);
     const CrowdView view = *view_of({.eye = {0, 10, 40}, .target = {5, 0, 0}}, kWidth, kHeight, {});
-    for (Crowd* crowd : {&whole, &*parts}) ASSERT_TRUE(crowd->set_placement(0, places) && crowd->update(0, &view));
+    for (Crowd* crowd : {&whole, &*parts})
+        ASSERT_TRUE(crowd->set_placement(crowd->instances(), places) && crowd->update(0, &view));
     const auto sorted = [](Crowd& crowd) {
         std::map<uint32_t, uint32_t> lods;
         for (const DrawnInstance& one : drawn_of(crowd)) lods[one.instance] = one.lod;
@@ -222,7 +223,7 @@ TEST(Cull, CellsFollowPlacements) {
                                     kWidth, kHeight, {});
     const CrowdSettings settings{.groups = {{&character, kCount}}, .culls = true};
     Crowd crowd = create(settings);
-    ASSERT_TRUE(crowd.set_placement(0, places));
+    ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
     const auto instances_of = [](Crowd& of) {
         std::vector<uint32_t> instances;
         for (const DrawnInstance& one : drawn_of(of)) instances.push_back(one.instance);
@@ -230,14 +231,14 @@ TEST(Cull, CellsFollowPlacements) {
     };
     const auto expect_right = [&](const char* when) {
         Crowd fresh = create(settings);  // which has no cells in its first update
-        ASSERT_TRUE(fresh.set_placement(0, places) && fresh.update(0, &view) && crowd.update(0, &view));
+        ASSERT_TRUE(fresh.set_placement(fresh.instances(), places) && fresh.update(0, &view) && crowd.update(0, &view));
         EXPECT_EQ(instances_of(crowd), instances_of(fresh)) << when;
         EXPECT_FALSE(instances_of(fresh).empty());
     };
     const auto move = [&](uint32_t first, uint32_t count) {
         const std::vector<Affine> others = sorted_places(count);
         std::ranges::copy(others, places.begin() + first);
-        ASSERT_TRUE(crowd.set_placement(first, others));
+        ASSERT_TRUE(crowd.set_placement(Instances::numbered(first, count), others));
     };
     for (int i = 0; i < 3; ++i) expect_right("at first");
     for (int i = 0; i < 3; ++i) {
@@ -271,7 +272,8 @@ TEST(Cull, PicturesAreThoseOfEverything) {
     Crowd viewed = create({.groups = {{&character, kCount}}, .culls = true}),
           whole = create({.groups = {{&character, kCount}}});
     for (Crowd* crowd : {&viewed, &whole})
-        ASSERT_TRUE(crowd->set_placement(0, places) && crowd->set_playback(0, playbacks));
+        ASSERT_TRUE(crowd->set_placement(crowd->instances(), places) &&
+                    crowd->set_playback(crowd->instances(), playbacks));
     Result<Renderer> of_viewed = Renderer::create(test_device(), {.width = kWidth, .height = kHeight}),
                      of_whole = Renderer::create(test_device(), {.width = kWidth, .height = kHeight});
     ASSERT_TRUE(of_viewed && of_whole);
@@ -332,7 +334,7 @@ TEST(Cull, ARefusedUpdateTakesNothingUp) {
     Crowd crowd = create({.groups = {{&character, 3}}, .culls = true});
     Affine place;
     place.row[0][3] = 5;
-    ASSERT_TRUE(crowd.set_placement(1, {&place, 1}));
+    ASSERT_TRUE(crowd.set_placement(InstanceHandle{1}, place));
     CrowdView view = *view_of({}, 4, 3, {});
     view.eye.y = NAN;
     EXPECT_FALSE(crowd.update(0, &view));
@@ -348,13 +350,13 @@ TEST(Cull, PositionsAreThoseOfTheLevel) {
         {.groups = {{&character, 1}}, .path = UpdatePath::kFused, .culls = true, .reduces_joints = true});
     ASSERT_GT(crowd.state().groups[0].fused.size(), 1u);
     const Playback playback{.first = {.clip = 0, .time_s = 0.4}};
-    ASSERT_TRUE(crowd.set_playback(0, {&playback, 1}));
+    ASSERT_TRUE(crowd.set_playback(InstanceHandle{0}, playback));
     CrowdView view = *view_of({.eye = {0, 0, 3 * character.size}, .target = {0, 0, 0}}, kWidth, kHeight, {});
     view.lod_pixels = 1e9f;
     ASSERT_TRUE(crowd.update(0, &view));
     const uint32_t lod = drawn_of(crowd).at(0).lod;
     ASSERT_GT(lod, 0u);
-    const std::vector<Vec3<float>> got = *crowd.read_positions(0);
+    const std::vector<Vec3<float>> got = *crowd.read_positions({0});
     const std::vector<Vec3<double>> all = reference_positions(character, *reference_pose(character, playback));
     double worst = 0;
     for (size_t v = 0; v < got.size(); ++v) worst = std::max(worst, length(got[v].as<double>() - all[v]));

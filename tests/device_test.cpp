@@ -87,13 +87,13 @@ struct Show {
         : character(character_in),
           playback{.first = {.clip = 0, .time_s = time_s}},
           crowd(Crowd::create(device, {.groups = {{&character, 2}}}).value()) {
-        EXPECT_TRUE(crowd.set_playback(1, std::vector{playback}));
+        EXPECT_TRUE(crowd.set_playback(InstanceHandle{1}, playback));
     }
     void update_and_compare(float step_s) {
         ASSERT_TRUE(crowd.update(step_s));
         playback.first.time_s += step_s;
         const ReferencePose wanted = *reference_pose(character, playback);
-        const Result<std::vector<Affine>> skin = crowd.read_skin_matrices(1);
+        const Result<std::vector<Affine>> skin = crowd.read_skin_matrices({1});
         ASSERT_TRUE(skin) << skin.error().text();
         for (size_t i = 0; i < skin->size(); ++i)
             EXPECT_LE(matrix_error((*skin)[i], wanted.model_from_bind[i], character.size), 1e-5);

@@ -97,10 +97,10 @@ Picture draw(const Asset& asset, const std::vector<Affine>& placements = {Affine
     Result<Crowd> crowd = Crowd::create(test_device(),
                                         {.groups = {{&*character, static_cast<uint32_t>(placements.size())}}});
     EXPECT_TRUE(crowd);
-    EXPECT_TRUE(crowd->set_placement(0, placements));
+    EXPECT_TRUE(crowd->set_placement(crowd->instances(), placements));
     const std::vector<Playback> playback(placements.size(),
                                          {.first = {.clip = 0, .time_s = clip_time_s, .loop = false}});
-    EXPECT_TRUE(crowd->set_playback(0, playback));
+    EXPECT_TRUE(crowd->set_playback(crowd->instances(), playback));
     EXPECT_TRUE(crowd->update(0));
     const Result<RenderResult> result = shared_renderer(samples).render(
         *crowd, {.eye = {0, 0.5f, 5}, .target = {0, 0.5f, 0}, .vertical_field_of_view_rad = 0.7f});
@@ -338,7 +338,8 @@ Crowd crowd_of(const Character& character, const CrowdSettings& settings = {}) {
     EXPECT_TRUE(crowd) << (crowd ? "" : crowd.error().text());
     const std::vector<Affine> placements{placed_at(-1.5f), placed_at(0.5f), placed_at(40)};
     const std::vector<Playback> playback(3, {.first = {.clip = 0, .speed = 1}});
-    EXPECT_TRUE(crowd->set_placement(0, placements) && crowd->set_playback(0, playback));
+    EXPECT_TRUE(crowd->set_placement(crowd->instances(), placements) &&
+                crowd->set_playback(crowd->instances(), playback));
     return std::move(*crowd);
 }
 
@@ -448,7 +449,7 @@ Picture pictured(const Asset& asset, const std::vector<Affine>& placements, cons
     CrowdSettings with_group = settings;
     with_group.groups = {{&*character, static_cast<uint32_t>(placements.size())}};
     Result<Crowd> crowd = Crowd::create(test_device(), with_group);
-    EXPECT_TRUE(crowd && crowd->set_placement(0, placements));
+    EXPECT_TRUE(crowd && crowd->set_placement(crowd->instances(), placements));
     Result<RenderResult> result = shared_renderer(1, options).render_frame(*crowd, 0, camera);
     EXPECT_TRUE(result) << (result ? "" : result.error().text());
     return std::move(result->picture);
@@ -582,7 +583,7 @@ void expect_lit_as_the_reference(const std::vector<LitSquare>& squares, const Dr
     CrowdSettings settings;
     for (const Character& character : characters) settings.groups.push_back({&character, 1});
     Result<Crowd> crowd = Crowd::create(test_device(), settings);
-    ASSERT_TRUE(crowd && crowd->set_placement(0, placements));
+    ASSERT_TRUE(crowd && crowd->set_placement(crowd->instances(), placements));
     const float middle = placements.back().row[0][3] / 2;
     const Camera camera{.eye = {middle + 0.9f, 1.2f, 2.4f + 1.3f * middle}, .target = {middle, 0.5f, 0}};
     const Picture picture = shared_renderer(1, options).render_frame(*crowd, 0, camera)->picture;
@@ -745,7 +746,7 @@ TEST(WorldBounds, HoldEveryInstance) {
     ASSERT_TRUE(crowd);
     const std::vector<Affine> placements{placed_at(-3), turned(),
                                          placed({.translation = {0, 2, 4}, .scale = {2, 3, 1}})};
-    ASSERT_TRUE(crowd->set_placement(0, placements));
+    ASSERT_TRUE(crowd->set_placement(crowd->instances(), placements));
     const Bounds bounds = world_bounds(*crowd);
     EXPECT_NEAR(bounds.min.x, -3.5, 1e-6);
     EXPECT_NEAR(bounds.max.x, 1, 1e-6);

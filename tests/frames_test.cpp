@@ -18,8 +18,6 @@
 namespace throng::test {
 namespace {
 
-std::string refusal(const auto& result) { return result ? std::string() : result.error().text(); }
-
 // Two crowds that are told the same, of all kinds of groups.
 class Twins {
 public:
@@ -40,7 +38,7 @@ public:
             crowd = create(settings);
             std::vector<Affine> places;
             for (uint32_t i = 0; i < crowd.instance_count(); ++i) places.push_back(place(i));
-            EXPECT_TRUE(crowd.set_placement(0, places));
+            EXPECT_TRUE(crowd.set_placement(crowd.instances(), places));
             EXPECT_TRUE(crowd.update(0) && crowd.feedback());  // what is not drawn has matrices too, then
         }
     }
@@ -58,20 +56,20 @@ public:
         const auto [parameter, value] = random_change(random, controller_);
         const uint32_t posed = random.below(2 * kEach);
         const std::vector<Trs<float>> pose(character_.rig.rest);
-        const std::array watched{any, driven};
+        const std::array watched{InstanceHandle{any}, InstanceHandle{driven}};
         for (Crowd& crowd : crowds) {
             switch (kind) {
-                case 0: EXPECT_TRUE(crowd.set_playback(two_clips, {&playback, 1})); break;
-                case 1: EXPECT_TRUE(crowd.set_placement(any, {&moved, 1})); break;
-                case 2: EXPECT_TRUE(crowd.set_parameters(driven, parameter, value)); break;
-                case 3: EXPECT_TRUE(crowd.set_target(ruled, 0, somewhere, 1)); break;
+                case 0: EXPECT_TRUE(crowd.set_playback(InstanceHandle{two_clips}, playback)); break;
+                case 1: EXPECT_TRUE(crowd.set_placement(InstanceHandle{any}, moved)); break;
+                case 2: EXPECT_TRUE(crowd.set_parameter(InstanceHandle{driven}, parameter, value)); break;
+                case 3: EXPECT_TRUE(crowd.set_target(InstanceHandle{ruled}, 0, {somewhere, 1})); break;
                 case 4: EXPECT_TRUE(crowd.set_wind({.velocity = somewhere})); break;
-                case 5: EXPECT_TRUE(crowd.set_destination(agent, {&somewhere, 1})); break;
-                case 6: EXPECT_TRUE(crowd.clear_destination(agent, 1)); break;
-                case 7: EXPECT_TRUE(crowd.clear_pose(posed, fade_s)); break;
+                case 5: EXPECT_TRUE(crowd.set_destination(InstanceHandle{agent}, somewhere)); break;
+                case 6: EXPECT_TRUE(crowd.clear_destination(InstanceHandle{agent})); break;
+                case 7: EXPECT_TRUE(crowd.clear_pose(InstanceHandle{posed}, fade_s)); break;
                 case 8: EXPECT_TRUE(crowd.watch(watched)); break;
                 // Two clips' instances have room for half of them, so some are refused: by both crowds.
-                case 9: set_was_refused_.push_back(refusal(crowd.set_pose(posed, pose, fade_s))); break;
+                case 9: set_was_refused_.push_back(refusal(crowd.set_pose(InstanceHandle{posed}, pose, fade_s))); break;
                 default: born_or_gone(crowd, any % 2 == 0, moved);
             }
         }
@@ -86,20 +84,20 @@ public:
         const auto drawn = [](const DrawnInstance& one) { return std::pair(one.instance, one.lod); };
         const std::vector<DrawnInstance> all[2] = {drawn_of(crowds[0]), drawn_of(crowds[1])};
         EXPECT_TRUE(std::ranges::equal(all[0], all[1], {}, drawn, drawn)) << where;
-        const std::vector<Feedback> told[2] = {*crowds[0].feedback(), *crowds[1].feedback()};
+        const std::vector<Feedback> told[2] = {std::move(*crowds[0].feedback()), std::move(*crowds[1].feedback())};
         ASSERT_EQ(told[0].size(), 1u) << where;
         ASSERT_EQ(told[1].size(), 1u) << where;
         const Feedback &a = told[0][0], &b = told[1][0];
         EXPECT_EQ(a.update, b.update) << where;
         const auto event = [](const CharacterEvent& one) {
-            return std::tuple(one.instance, one.event, one.layer, one.time_s);
+            return std::tuple(one.instance.instance, one.instance.generation, one.event, one.layer, one.time_s);
         };
         EXPECT_TRUE(std::ranges::equal(a.events, b.events, {}, event, event)) << where;
         ASSERT_EQ(a.watched.size(), b.watched.size()) << where;
         for (size_t i = 0; i < a.watched.size(); ++i) {
             EXPECT_EQ(a.watched[i].world_from_model.row, b.watched[i].world_from_model.row) << where;
-            EXPECT_EQ(a.watched[i].parameters, b.watched[i].parameters) << where;
-            EXPECT_EQ(a.watched[i].layers, b.watched[i].layers) << where;
+            EXPECT_EQ(copy_of(a.watched[i].parameters), copy_of(b.watched[i].parameters)) << where;
+            EXPECT_EQ(copy_of(a.watched[i].layers), copy_of(b.watched[i].layers)) << where;
         }
         event_count += a.events.size();
     }

@@ -72,7 +72,7 @@ TEST(Fused, EveryMethodFollowsTheReference) {
                     }
                     Crowd crowd = create(settings);
                     ASSERT_TRUE(crowd.path(0)->is_fused);
-                    ASSERT_TRUE(crowd.set_playback(0, playbacks));
+                    ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks));
                     ASSERT_TRUE(crowd.update(0));
                     const double error = crowd_error(crowd, character, playbacks);
                     EXPECT_LE(error, 2 * kPoseBound) << settings.scan << ", " << joint_count << " joints, "
@@ -105,7 +105,7 @@ TEST(Fused, RowsFollowTheReference) {
                                       .scan = "stream",
                                       .keep_model_matrices = true});
                 EXPECT_NE(crowd.path(0)->reason.find("from rows"), std::string::npos) << crowd.path(0)->reason;
-                ASSERT_TRUE(crowd.set_playback(0, playbacks));
+                ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks));
                 ASSERT_TRUE(crowd.update(0));
                 const double error = crowd_error(crowd, character, playbacks);
                 EXPECT_LE(error, format == SkinFormat::kHalfAffine ? 2e-3 : 2 * kPoseBound)
@@ -136,7 +136,7 @@ TEST(Fused, RowsOfScalesFollowTheReference) {
     Crowd crowd = create(
         {.groups = {{&character, 19}}, .path = UpdatePath::kFused, .scan = "stream", .keep_model_matrices = true});
     EXPECT_NE(crowd.path(0)->reason.find("from rows"), std::string::npos) << crowd.path(0)->reason;
-    ASSERT_TRUE(crowd.set_playback(0, playbacks));
+    ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks));
     ASSERT_TRUE(crowd.update(0));
     EXPECT_LE(crowd_error(crowd, character, playbacks), 2 * kPoseBound);
 }
@@ -169,7 +169,7 @@ TEST(Fused, AnyNumberOfInstances) {
                                   .keep_model_matrices = true});
             Random random(count);
             const std::vector<Playback> playbacks = random_playbacks(random, character, count);
-            ASSERT_TRUE(crowd.set_playback(0, playbacks));
+            ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks));
             ASSERT_TRUE(crowd.update(0));
             EXPECT_LE(crowd_error(crowd, character, playbacks), kPoseBound)
                 << count << " instances by " << crowd.path(0)->scan.method;
@@ -215,7 +215,7 @@ TEST(Fused, JointsThatOnlyTurn) {
             for (const bool blends : {true, false}) {
                 if (!blends)
                     for (Playback& playback : playbacks) playback.weight = playback.weight < 0.5f ? 0.0f : 1.0f;
-                ASSERT_TRUE(crowd.set_playback(0, playbacks));
+                ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks));
                 ASSERT_TRUE(crowd.update(0));
                 EXPECT_LE(crowd_error(crowd, *character, playbacks), 2 * kPoseBound)
                     << turning_count << " joints only turn, " << (character->packed ? "packed" : "exact") << ", blends "
@@ -233,7 +233,7 @@ TEST(Fused, OneClipAndTwoTakeTurns) {
     std::vector<Playback> playbacks = random_playbacks(random, character, 20);
     const auto show = [&](auto weight_of, bool blends) {
         for (uint32_t i = 0; i < playbacks.size(); ++i) playbacks[i].weight = weight_of(i);
-        ASSERT_TRUE(crowd.set_playback(0, playbacks));
+        ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks));
         ASSERT_TRUE(crowd.update(0));
         EXPECT_EQ(crowd.state().batches[0].blends, blends);
         EXPECT_LE(crowd_error(crowd, character, playbacks), kPoseBound);
@@ -258,7 +258,7 @@ TEST(Fused, EveryFormatOnBothPathsStaysWithinItsError) {
                               Case{SkinFormat::kSimilarity, 2e-5, 32}}) {
             EXPECT_EQ(skin_format_bytes(c.format), c.bytes);
             Crowd crowd = create({.groups = {{&character, 11}}, .path = path, .skin_format = c.format});
-            ASSERT_TRUE(crowd.set_playback(0, playbacks));
+            ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks));
             ASSERT_TRUE(crowd.update(0));
             const double error = crowd_error(crowd, character, playbacks, false);
             EXPECT_LE(error, c.bound) << "path " << static_cast<int>(path) << ", " << c.bytes << " bytes";
@@ -299,7 +299,7 @@ TEST(Fused, SimilaritiesOfMirrorsAndHalfTurns) {
     const std::vector<Playback> playbacks = random_playbacks(random, character, 9);
     Crowd crowd = create(
         {.groups = {{&character, 9}}, .path = UpdatePath::kFused, .skin_format = SkinFormat::kSimilarity});
-    ASSERT_TRUE(crowd.set_playback(0, playbacks));
+    ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks));
     ASSERT_TRUE(crowd.update(0));
     EXPECT_LE(crowd_error(crowd, character, playbacks, false), 2e-5);
 }
@@ -309,7 +309,7 @@ TEST(Fused, PreviousMatricesAreThoseOfTheUpdateBefore) {
     for (const UpdatePath path : {UpdatePath::kFused, UpdatePath::kStaged}) {
         Crowd crowd = create({.groups = {{&character, 6}}, .path = path, .keep_previous_matrices = true});
         Random random(2);
-        ASSERT_TRUE(crowd.set_playback(0, random_playbacks(random, character, 6)));
+        ASSERT_TRUE(crowd.set_playback(crowd.instances(), random_playbacks(random, character, 6)));
         const auto read = [&](VkBuffer OutputBlock::*buffer) {
             return output<Affine>(crowd.outputs()[0], buffer, 6 * character.palette.size());
         };
@@ -455,7 +455,7 @@ TEST(Fused, TablesAreNamedWhereTheDeviceCannotReadThem) {
     Result<Crowd> crowd = Crowd::create(*device, {.groups = {{&character, 1}}});
     ASSERT_TRUE(crowd) << crowd.error().text();
     const Playback playback{.first = {.clip = 1, .time_s = 0.7}, .weight = 1};
-    ASSERT_TRUE(crowd->set_playback(0, std::span(&playback, 1)));
+    ASSERT_TRUE(crowd->set_playback(InstanceHandle{0}, playback));
     ASSERT_TRUE(crowd->update(0));
     EXPECT_LE(instance_error(*crowd, 0, character, playback), kPoseBound);
     limits.maxTexelBufferElements = static_cast<uint32_t>(keys - 1);

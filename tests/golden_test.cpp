@@ -22,14 +22,14 @@ void expect_golden(const Golden& golden, const Character& character, CrowdSettin
     settings.keep_model_matrices = true;
     Result<Crowd> crowd = Crowd::create(test_device(), settings);
     ASSERT_TRUE(crowd) << crowd.error().text();
-    ASSERT_TRUE(crowd->set_playback(0, golden.playbacks));
+    ASSERT_TRUE(crowd->set_playback(crowd->instances(), golden.playbacks));
     ASSERT_TRUE(crowd->update(0));
     Comparison worst;
     for (uint32_t i = 0; i < count; ++i) {
         Computed computed;
-        as_doubles(*crowd->read_model_matrices(i), computed.model);
-        as_doubles(*crowd->read_skin_matrices(i), computed.skin);
-        as_doubles(*crowd->read_positions(i), computed.positions);
+        as_doubles(*crowd->read_model_matrices({i}), computed.model);
+        as_doubles(*crowd->read_skin_matrices({i}), computed.skin);
+        as_doubles(*crowd->read_positions({i}), computed.positions);
         compare(golden, golden.answers()[i], computed, worst);
     }
     report(golden, label, worst, bounds);

@@ -95,9 +95,10 @@ inline bool has_output(const OutputBlock& block, VkBuffer OutputBlock::*buffer) 
     return bool(output_range(block, buffer, 0, 0));
 }
 
-template <class T>
-bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+// Of vectors or spans.
+template <class Values>
+bool same_bits(const Values& a, const Values& b) {
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0);
 }
 
 // Submits what `body` records, after uploads and earlier kernels, and waits.

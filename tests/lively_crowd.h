@@ -4,7 +4,6 @@
 #include "tests/crowd_cases.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace throng::test {
 
@@ -32,7 +31,7 @@ struct LivelyCrowd {
     Controller walker = example("walker"), dragon = example("dragon");
     CrowdSettings settings = mixed.settings;
     uint32_t first_walking, first_flying, first_of_many, instance_count;
-    std::vector<uint32_t> watched;
+    std::vector<InstanceHandle> watched;
 
     LivelyCrowd(uint32_t walking_count, uint32_t flying_count, uint32_t many_count)
         : first_walking(static_cast<uint32_t>(mixed.playbacks.size())),
@@ -51,7 +50,8 @@ struct LivelyCrowd {
                                    .socket_space = SocketSpace::kModel});
         settings.groups.push_back({&mixed.characters[1], many_count});
         watched.resize(std::min(settings.watch_capacity, first_of_many - first_walking));
-        std::iota(watched.begin(), watched.end(), first_of_many - static_cast<uint32_t>(watched.size()));
+        const uint32_t end = first_of_many, begin = end - static_cast<uint32_t>(watched.size());
+        for (uint32_t i = begin; i < end; ++i) watched[i - begin] = {i};
     }
     LivelyCrowd(const LivelyCrowd&) = delete;
 
@@ -74,13 +74,14 @@ struct LivelyCrowd {
             std::vector<Playback> playbacks;
             for (const Character* character : mixed.character_of)
                 playbacks.push_back(random_playback(random, *character));
-            EXPECT_TRUE(crowd.set_playback(0, playbacks));
-            EXPECT_TRUE(crowd.set_playback(
-                first_of_many, random_playbacks(random, mixed.characters[1], instance_count - first_of_many)));
+            EXPECT_TRUE(crowd.set_playback(Instances::numbered(0, static_cast<uint32_t>(playbacks.size())), playbacks));
+            EXPECT_TRUE(
+                crowd.set_playback(Instances::numbered(first_of_many, instance_count - first_of_many),
+                                   random_playbacks(random, mixed.characters[1], instance_count - first_of_many)));
         }
         for (uint32_t i = first_walking; i < first_of_many; ++i) {
             const auto [parameter, value] = random_change(random, i < first_flying ? walker : dragon);
-            EXPECT_TRUE(crowd.set_parameters(i, parameter, value));
+            EXPECT_TRUE(crowd.set_parameter(InstanceHandle{i}, parameter, value));
         }
         EXPECT_TRUE(crowd.update(static_cast<float>(random.between(0, 0.1)), view));
     }
@@ -95,8 +96,7 @@ inline Feedback feedback_of(Crowd& crowd) {
 inline bool same_events(const Feedback& a, const Feedback& b) {
     return a.lost_event_count == b.lost_event_count &&
            std::ranges::equal(a.events, b.events, [](const CharacterEvent& x, const CharacterEvent& y) {
-               return x.instance == y.instance && x.event == y.event && x.layer == y.layer && x.time_s == y.time_s &&
-                      x.generation == y.generation;
+               return x.instance == y.instance && x.event == y.event && x.layer == y.layer && x.time_s == y.time_s;
            });
 }
 

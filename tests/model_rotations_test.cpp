@@ -120,17 +120,17 @@ TEST(ModelRotations, WhatIsAimedKeepsItsDirectionWhereTheHipsTurn) {
         << crowd.path(0)->reason;
     EXPECT_TRUE(crowd.path(1)->is_fused);
     for (uint32_t i = 0; i < 3; ++i) {
-        ASSERT_TRUE(crowd.play(i, 0, {.clip = {.clip = 0}}));
-        ASSERT_TRUE(crowd.play(i, 1, {.clip = {.clip = 1}}));
-        ASSERT_TRUE(crowd.set_layer(i, 1, {.weight = i == 1 ? 0.5f : 1.0f, .mask = 0}));
+        ASSERT_TRUE(crowd.play(InstanceHandle{i}, 0, {.clip = {.clip = 0}}));
+        ASSERT_TRUE(crowd.play(InstanceHandle{i}, 1, {.clip = {.clip = 1}}));
+        ASSERT_TRUE(crowd.set_layer(InstanceHandle{i}, 1, {.weight = i == 1 ? 0.5f : 1.0f, .mask = 0}));
     }
     ASSERT_TRUE(crowd.update(0.1f));
     const auto half = [](const Quaternion<double>& a, const Quaternion<double>& b) {
         return normalized(Quaternion<double>{a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w});
     };
     const Quaternion<double> spine = aiming.spine, head = spine * aiming.head;
-    const std::vector<Affine> full = *crowd.read_model_matrices(0), mixed = *crowd.read_model_matrices(1),
-                              in_parent = *crowd.read_model_matrices(2);
+    const std::vector<Affine> full = *crowd.read_model_matrices({0}), mixed = *crowd.read_model_matrices({1}),
+                              in_parent = *crowd.read_model_matrices({2});
     for (const std::vector<Affine>* model : {&full, &mixed, &in_parent})
         EXPECT_LE(direction_error((*model)[0], aiming.turn), 1e-6) << "the hips";
     EXPECT_LE(direction_error(full[1], spine), 1e-6) << "as if the hips had not turned";
@@ -167,8 +167,8 @@ void follow(const Character& character, uint32_t instances, uint32_t layer_count
                 const LayerBlend blend{.weight = weights[random.below(4)],
                                        .mode = random.chance(0.2) ? LayerMode::kAdditive : LayerMode::kOverride,
                                        .mask = std::array{kNone, 0u, 1u}[random.below(3)]};
-                ASSERT_TRUE(crowd.play(i, layer, playback) && wanted[i].play(layer, playback));
-                ASSERT_TRUE(crowd.set_layer(i, layer, blend) && wanted[i].set_layer(layer, blend));
+                ASSERT_TRUE(crowd.play(InstanceHandle{i}, layer, playback) && wanted[i].play(layer, playback));
+                ASSERT_TRUE(crowd.set_layer(InstanceHandle{i}, layer, blend) && wanted[i].set_layer(layer, blend));
             }
         }
         ASSERT_TRUE(crowd.update(0.07f));
@@ -212,7 +212,7 @@ TEST(ModelRotations, AStateMachineFollowsTheReference) {
          .keep_model_matrices = true});
     std::vector<ReferenceCharacter> wanted = references(character, controller, kInstances);
     for (uint32_t i = 0; i < 3; ++i) {
-        ASSERT_TRUE(crowd.set_pose(i, character.rig.rest, 2));
+        ASSERT_TRUE(crowd.set_pose(InstanceHandle{i}, character.rig.rest, 2));
         ASSERT_TRUE(wanted[i].set_pose(character.rig.rest, 2));
     }
     Random random(9);
@@ -220,7 +220,8 @@ TEST(ModelRotations, AStateMachineFollowsTheReference) {
     for (int update = 0; update < 40; ++update) {
         for (uint32_t i = 0; i < kInstances; ++i) {
             const auto [parameter, value] = random_change(random, controller);
-            ASSERT_TRUE(crowd.set_parameters(i, parameter, value) && wanted[i].set_parameters(parameter, value));
+            ASSERT_TRUE(crowd.set_parameter(InstanceHandle{i}, parameter, value) &&
+                        wanted[i].set_parameter(parameter, value));
         }
         const auto step_s = static_cast<float>(random.between(0, 0.1));
         ASSERT_TRUE(crowd.update(step_s));

@@ -256,7 +256,7 @@ TEST(Morph, TheEightLargestAreShown) {
 // ---- Crowds
 
 double position_error(Crowd& crowd, uint32_t instance, std::span<const Vec3<double>> wanted, double size) {
-    const Result<std::vector<Vec3<float>>> got = crowd.read_positions(instance);
+    const Result<std::vector<Vec3<float>>> got = crowd.read_positions({instance});
     EXPECT_TRUE(got && got->size() == wanted.size());
     double worst = 0;
     for (size_t v = 0; got && v < wanted.size(); ++v) {
@@ -285,7 +285,7 @@ TEST(Morph, CrowdsOfTwoClipsShowThem) {
             ASSERT_TRUE(has_output(crowd.outputs()[1], &OutputBlock::morph_buffer));
             Random random(3);
             const std::vector<Playback> playbacks = random_playbacks(random, character, 40);
-            ASSERT_TRUE(crowd.set_playback(3, playbacks));
+            ASSERT_TRUE(crowd.set_playback(Instances::numbered(3, 40), playbacks));
             ASSERT_TRUE(crowd.update(0.2f));
             const auto active = output<io::ActiveMorph>(crowd.outputs()[1], &OutputBlock::morph_buffer,
                                                         40 * io::kActiveMorphs);
@@ -317,8 +317,9 @@ TEST(Morph, BatchesChangeNothing) {
     EXPECT_EQ(parts->outputs().size(), 4u);
     Random random(8);
     const std::vector<Playback> playbacks = random_playbacks(random, character, kInstances);
-    for (Crowd* crowd : {&whole, &*parts}) ASSERT_TRUE(crowd->set_playback(0, playbacks) && crowd->update(0.1f));
-    for (uint32_t i = 0; i < kInstances; ++i) EXPECT_EQ(*whole.read_positions(i), *parts->read_positions(i)) << i;
+    for (Crowd* crowd : {&whole, &*parts})
+        ASSERT_TRUE(crowd->set_playback(crowd->instances(), playbacks) && crowd->update(0.1f));
+    for (uint32_t i = 0; i < kInstances; ++i) EXPECT_EQ(*whole.read_positions({i}), *parts->read_positions({i})) << i;
 }
 
 TEST(Morph, CrowdsWithAControllerShowThem) {
@@ -344,7 +345,8 @@ TEST(Morph, CrowdsWithAControllerShowThem) {
                     const LayerBlend blend{.weight = static_cast<float>(random.unit()),
                                            .fade_s = playback.fade_s,
                                            .mode = layer == 2 ? LayerMode::kAdditive : LayerMode::kOverride};
-                    ASSERT_TRUE(crowd.play(i, layer, playback) && crowd.set_layer(i, layer, blend));
+                    ASSERT_TRUE(crowd.play(InstanceHandle{i}, layer, playback) &&
+                                crowd.set_layer(InstanceHandle{i}, layer, blend));
                     ASSERT_TRUE(wanted[i].play(layer, playback) && wanted[i].set_layer(layer, blend));
                 }
             ASSERT_TRUE(crowd.update(0.07f));
@@ -360,7 +362,7 @@ TEST(Morph, CrowdsWithAControllerShowThem) {
         // Skinned by the matrices that the crowd has: how those follow the reference is another test's.
         for (uint32_t i = 0; i < kInstances; ++i) {
             std::vector<AffineT<double>> matrices;
-            const std::vector<Affine> read = *crowd.read_skin_matrices(i);
+            const std::vector<Affine> read = *crowd.read_skin_matrices({i});
             for (const Affine& matrix : read) matrices.push_back(matrix.as<double>());
             worst = std::max(
                 worst, position_error(
@@ -382,8 +384,8 @@ TEST(Morph, AClipOfWeightsAloneIsPlayed) {
     controller.layers = {{.name = "body"}};
     Crowd crowd = create(
         {.groups = {{&character, 1}, {.character = &character, .instance_count = 1, .controller = &controller}}});
-    ASSERT_TRUE(crowd.set_playback(0, std::array{Playback{.first = {.clip = 0}}}));
-    ASSERT_TRUE(crowd.play(1, 0, {.clip = {.clip = 0}}));
+    ASSERT_TRUE(crowd.set_playback(InstanceHandle{0}, Playback{.first = {.clip = 0}}));
+    ASSERT_TRUE(crowd.play(InstanceHandle{1}, 0, {.clip = {.clip = 0}}));
     for (int update = 1; update <= 3; ++update) {
         ASSERT_TRUE(crowd.update(0.25f));
         for (const OutputBlock& block : crowd.outputs()) {
@@ -445,7 +447,7 @@ TEST(Morph, ARealCharacterShowsWhatItsFileSays) {
                 }
             }
             for (Crowd* crowd : {&staged, &fused}) {
-                ASSERT_TRUE(crowd->set_playback(0, {&playback, 1}) && crowd->update(0));
+                ASSERT_TRUE(crowd->set_playback(InstanceHandle{0}, playback) && crowd->update(0));
                 worst = std::max(worst, position_error(*crowd, 0, wanted, character.size));
                 moved = std::max(
                     moved, position_error(*crowd, 0, skin_reference(character, pose.model_from_bind), character.size));

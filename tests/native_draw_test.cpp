@@ -133,9 +133,10 @@ Crowd crowd_of(const std::vector<CrowdGroup>& groups, CrowdSettings settings = {
         std::vector<Affine> places = in_rows(*group.character, group.instance_count, has_mirrored);
         // Groups stand side by side
         for (Affine& place : places) place.row[0][3] += static_cast<float>(first) * 0.7f;
-        EXPECT_TRUE(crowd.set_placement(first, places));
+        EXPECT_TRUE(crowd.set_placement(Instances::numbered(first, group.instance_count), places));
         const std::vector<Playback> playbacks = random_playbacks(random, *group.character, group.instance_count);
-        EXPECT_TRUE(group.controller || crowd.set_playback(first, playbacks));
+        EXPECT_TRUE(group.controller ||
+                    crowd.set_playback(Instances::numbered(first, group.instance_count), playbacks));
         first += group.instance_count;
     }
     return crowd;
@@ -511,8 +512,8 @@ TEST(NativePictures, ThreadsChangeNothing) {
         Random random(8);
         std::vector<Affine> places = in_rows(ball, 400, true);
         for (const Affine& place : in_rows(dragon, 100)) places.push_back(place);
-        EXPECT_TRUE(crowd.set_placement(0, places));
-        EXPECT_TRUE(crowd.set_playback(400, random_playbacks(random, dragon, 100)));
+        EXPECT_TRUE(crowd.set_placement(crowd.instances(), places));
+        EXPECT_TRUE(crowd.set_playback(Instances::numbered(400, 100), random_playbacks(random, dragon, 100)));
         Renderer renderer = std::move(*Renderer::create(device, {.width = 1000, .height = 600, .options = options}));
         Result<RenderResult> result = renderer.render_frame(crowd, 0.1f, fit_camera(world_bounds(crowd), 5.0f / 3));
         EXPECT_TRUE(result && result->draw_ms > 0);

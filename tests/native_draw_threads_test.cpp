@@ -28,8 +28,8 @@ std::vector<std::byte> pictures_of(const DrawnKind& kind, const Device& device) 
         places.push_back(
             to_affine(Trs<float>{.translation = Vec3<float>{float(i % 4), 0, float(i / 4)} * kind.character.size,
                                  .scale = Vec3<float>{i % 3 == 0 ? -1.0f : 1.0f, 1, 1}}));
-    EXPECT_TRUE(crowd.set_placement(0, places));
-    EXPECT_TRUE(crowd.set_playback(0, random_playbacks(random, kind.character, kCount)));
+    EXPECT_TRUE(crowd.set_placement(crowd.instances(), places));
+    EXPECT_TRUE(crowd.set_playback(crowd.instances(), random_playbacks(random, kind.character, kCount)));
     Renderer renderer = *Renderer::create(
         device, {.width = kWidth, .height = kHeight, .samples = kind.samples, .options = {.skeletons = true}});
     UpdateBits bits;

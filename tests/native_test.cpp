@@ -40,13 +40,13 @@ double difference(std::span<const Affine> a, std::span<const Affine> b, double s
 
 // How far apart vertices and joints are at most.
 double distance(Crowd& a, Crowd& b, uint32_t instance) {
-    const std::vector<Vec3<float>> of_a = *a.read_positions(instance), of_b = *b.read_positions(instance);
+    const std::vector<Vec3<float>> of_a = *a.read_positions({instance}), of_b = *b.read_positions({instance});
     EXPECT_EQ(of_a.size(), of_b.size());
     double worst = 0;
     for (size_t i = 0; i < of_a.size(); ++i)
         worst = std::max(worst, length(of_a[i].as<double>() - of_b[i].as<double>()));
-    const std::vector<Affine> joints_of_a = *a.read_model_matrices(instance),
-                              joints_of_b = *b.read_model_matrices(instance);
+    const std::vector<Affine> joints_of_a = *a.read_model_matrices({instance}),
+                              joints_of_b = *b.read_model_matrices({instance});
     for (size_t i = 0; i < joints_of_a.size(); ++i)
         worst = std::max(worst, length(transform_point(joints_of_a[i].as<double>(), Vec3<double>{}) -
                                        transform_point(joints_of_b[i].as<double>(), Vec3<double>{})));
@@ -70,12 +70,13 @@ void expect_alike(UpdatePath path) {
         for (size_t i = 0; i < got.watched.size(); ++i) {
             const WatchedInstance &a = got.watched[i], &b = wanted.watched[i];
             ASSERT_EQ(a.instance, b.instance);
-            EXPECT_TRUE(same_bits(a.parameters, b.parameters)) << "instance " << a.instance;
-            EXPECT_EQ(a.layers, b.layers) << "instance " << a.instance;
+            EXPECT_TRUE(same_bits(a.parameters, b.parameters)) << "instance " << a.instance.instance;
+            EXPECT_EQ(copy_of(a.layers), copy_of(b.layers)) << "instance " << a.instance.instance;
             fading += std::ranges::count_if(a.layers, [](const auto& layer) { return layer.size() > 1; });
-            const double size = lively.size_of(a.instance), place = std::abs(double{b.world_from_model.row[2][3]});
+            const double size = lively.size_of(a.instance.instance),
+                         place = std::abs(double{b.world_from_model.row[2][3]});
             EXPECT_LE(difference({&a.world_from_model, 1}, {&b.world_from_model, 1}, size + place), kPoseBound);
-            EXPECT_LE(difference(a.sockets, b.sockets, size + place), kPoseBound) << "instance " << a.instance;
+            EXPECT_LE(difference(a.sockets, b.sockets, size + place), kPoseBound) << "instance " << a.instance.instance;
             furthest = std::max(furthest, place);
         }
         if (update % 7 != 0) continue;

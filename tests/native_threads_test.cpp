@@ -56,20 +56,20 @@ struct ManyKinds {
     void change(Crowd& crowd, Random& random) const {
         const std::vector<Playback> two = random_playbacks(random, character, 3),
                                     morphs = random_playbacks(random, morphing, 3);
-        EXPECT_TRUE(crowd.set_playback(random.below(kEach - 3), two));
-        EXPECT_TRUE(crowd.set_playback(4 * kEach + random.below(kEach - 3), morphs));
+        EXPECT_TRUE(crowd.set_playback(Instances::numbered(random.below(kEach - 3), 3), two));
+        EXPECT_TRUE(crowd.set_playback(Instances::numbered(4 * kEach + random.below(kEach - 3), 3), morphs));
         for (uint32_t i = 0; i < kEach; ++i) {
             const auto [parameter, value] = random_change(random, dragon);
-            EXPECT_TRUE(crowd.set_parameters(kEach + i, parameter, value));
+            EXPECT_TRUE(crowd.set_parameter(InstanceHandle{kEach + i}, parameter, value));
         }
         const Vec3<float> somewhere = random.vector(6).as<float>();
-        EXPECT_TRUE(crowd.set_destination(2 * kEach + random.below(kEach), {&somewhere, 1}));
-        EXPECT_TRUE(crowd.set_target(3 * kEach + random.below(kEach), 0, somewhere, 1));
+        EXPECT_TRUE(crowd.set_destination(InstanceHandle{2 * kEach + random.below(kEach)}, somewhere));
+        EXPECT_TRUE(crowd.set_target(InstanceHandle{3 * kEach + random.below(kEach)}, 0, {somewhere, 1}));
         EXPECT_TRUE(crowd.set_wind({.velocity = somewhere}));
         const auto fade_s = static_cast<float>(random.between(0, 0.4));
         const uint32_t posed = kEach + random.below(kEach);
-        EXPECT_TRUE(random.chance(0.6) ? crowd.set_pose(posed, character.rig.rest, fade_s)
-                                       : crowd.clear_pose(posed, fade_s));
+        EXPECT_TRUE(random.chance(0.6) ? crowd.set_pose(InstanceHandle{posed}, character.rig.rest, fade_s)
+                                       : crowd.clear_pose(InstanceHandle{posed}, fade_s));
     }
 
     std::vector<std::byte> run(const Device& device) const {
@@ -77,7 +77,7 @@ struct ManyKinds {
         const float apart = 2 * character.size;
         std::vector<Affine> places;
         for (uint32_t i = 0; i < crowd.instance_count(); ++i) places.push_back(place_of(i, apart));
-        EXPECT_TRUE(crowd.set_placement(0, places));
+        EXPECT_TRUE(crowd.set_placement(crowd.instances(), places));
         Random random(3);
         UpdateBits bits;
         for (uint32_t update = 0; update < kUpdates; ++update) {
@@ -104,9 +104,9 @@ std::vector<std::byte> run_far_away(const Device& device, const Character& chara
     const float apart = 2 * character.size;
     std::vector<Affine> places;
     for (uint32_t i = 0; i < kCount; ++i) places.push_back(place_of(i, apart));
-    EXPECT_TRUE(crowd.set_placement(0, places));
+    EXPECT_TRUE(crowd.set_placement(crowd.instances(), places));
     Random random(4);
-    EXPECT_TRUE(crowd.set_playback(0, random_playbacks(random, character, kCount)));
+    EXPECT_TRUE(crowd.set_playback(crowd.instances(), random_playbacks(random, character, kCount)));
     UpdateBits bits;
     size_t drawn = 0, coarse = 0;
     for (uint32_t update = 0; update < kUpdates; ++update) {

@@ -78,7 +78,7 @@ TEST(Occlusion, WhatTheReferenceSeesIsDrawn) {
             std::vector<Affine> places;
             for (uint32_t i = 0; i < kCount; ++i)
                 places.push_back(to_affine(Trs<double>{.translation = random.vector(60 * size)}).as<float>());
-            ASSERT_TRUE(crowd.set_placement(0, places));
+            ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
             const CullBox box{((group.posed_min + group.posed_max) * 0.5f).as<double>(),
                               ((group.posed_max - group.posed_min) * 0.5f).as<double>()};
             for (int round = 0; round < 6; ++round) {
@@ -139,7 +139,8 @@ TEST(Occlusion, WhatAppearsIsAnimatedAtOnce) {
                                      to_affine(Trs<double>{.translation = {0, 0, -10.0 * character.size}}).as<float>());
     Random random(3);
     const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
-    for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_placement(0, places) && one->set_playback(0, playbacks));
+    for (Crowd* one : {&crowd, &whole})
+        ASSERT_TRUE(one->set_placement(one->instances(), places) && one->set_playback(one->instances(), playbacks));
     CrowdView view = *view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}}, kSize, kSize, {});
     view.occlusion = true;
     const Image open = depth_image(std::vector<float>(kSize * kSize, 0.0f), kSize, kSize),
@@ -151,12 +152,12 @@ TEST(Occlusion, WhatAppearsIsAnimatedAtOnce) {
         ASSERT_TRUE(whole.update(0.01f));
         EXPECT_EQ(instances_drawn(crowd).size(), count);
         for (uint32_t i = 0; i < kCount && count > 0; ++i)
-            EXPECT_TRUE(same_bits(*crowd.read_skin_matrices(i), *whole.read_skin_matrices(i))) << i;
+            EXPECT_TRUE(same_bits(*crowd.read_skin_matrices({i}), *whole.read_skin_matrices({i}))) << i;
     }
     const std::vector<Affine> previous = download<Affine>(
         test_gpu(),
         BufferRange(crowd.outputs()[0].previous_skin_buffer, 0, crowd.outputs()[0].palette_count * sizeof(Affine)));
-    EXPECT_TRUE(same_bits(previous, *crowd.read_skin_matrices(0))) << "what appears has not moved";
+    EXPECT_TRUE(same_bits(previous, *crowd.read_skin_matrices({0}))) << "what appears has not moved";
 }
 
 // A picture has more texels than the device dispatches workgroups of; another, larger than the first, comes while that
@@ -166,7 +167,7 @@ TEST(Occlusion, PicturesMayBeLargeAndChangeInSize) {
     Crowd crowd = create({.groups = {{&character, 2}}, .culls = true});
     const std::vector<Affine> places(2,
                                      to_affine(Trs<double>{.translation = {0, 0, -10.0 * character.size}}).as<float>());
-    ASSERT_TRUE(crowd.set_placement(0, places));
+    ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
     CrowdView view = *view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}}, 64, 64, {});
     view.occlusion = true;
     constexpr uint32_t kWidth = 16384, kHeight = 1040;
@@ -198,7 +199,7 @@ TEST(Occlusion, ATexelAroundABoxCountsToo) {
     std::vector<Affine> places;
     for (uint32_t i = 0; i < kCount; ++i)
         places.push_back(to_affine(Trs<double>{.translation = {(i - 5.5) * 0.37 * size, 0, -10 * size}}).as<float>());
-    ASSERT_TRUE(crowd.set_placement(0, places));
+    ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
     CrowdView view = *view_of({.eye = {0, 0, 0}, .target = {0, 0, -1}}, kSize, kSize, {});
     const CrowdView away = *view_of({.eye = {0, 0, 0}, .target = {0, 0, 1}}, kSize, kSize, {});
     view.occlusion = true;
@@ -288,7 +289,8 @@ void expect_nothing_lost(uint32_t view_count, const Kept& kept) {
     Crowd crowd = create(
               {.groups = pooled, .culls = true, .skips_updates = !kept.pools, .skins_once = kept.skins_once}),
           whole = create({.groups = groups, .skins_once = kept.skins_once});
-    for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_placement(0, places) && one->set_playback(0, playbacks));
+    for (Crowd* one : {&crowd, &whole})
+        ASSERT_TRUE(one->set_placement(one->instances(), places) && one->set_playback(one->instances(), playbacks));
     Result<Renderer> renderer = Renderer::create(test_device(), {.width = 48, .height = 36, .path = DrawPath::kDevice});
     ASSERT_TRUE(renderer);
     uint64_t drawn = 0, in_view = 0;

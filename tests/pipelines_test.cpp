@@ -91,7 +91,7 @@ TEST(Pipelines, ACrowdThatIsMadeAgainCompilesNothing) {
         Crowd crowd =
             Crowd::create(device, {.groups = {{&character, 2}, {&character, 3}}, .path = UpdatePath::kDevice}).value();
         EXPECT_TRUE(crowd.update(0.1f));
-        return crowd.read_skin_matrices(4).value();
+        return crowd.read_skin_matrices({4}).value();
     };
     const std::vector<Affine> first = updated();
     const uint64_t made = device.gpu()->counts.pipelines;

@@ -18,8 +18,6 @@ const InSubset kNatively({Subset::kNative}, {"Population.*", "-Population.Discar
 
 constexpr uint32_t kRoom = 24;  // of each group
 
-std::string refusal(const auto& result) { return result ? std::string() : result.error().text(); }
-
 std::string group_name(uint32_t group) {
     return std::array{"clips", "walker", "dragon", "springs", "agents"}.at(group);
 }
@@ -85,7 +83,7 @@ public:
             places.insert(places.end(), of_group.begin(), of_group.end());
         }
         cohort.crowd = create(settings);
-        ASSERT_TRUE(cohort.crowd.set_placement(0, places));
+        ASSERT_TRUE(cohort.crowd.set_placement(cohort.crowd.instances(), places));
         for (uint32_t i = 0; i < cohort.members.size(); ++i)
             if (random.chance(0.5)) change(random, cohort, i);  // the others have nothing of their predecessors
         cohorts_.push_back(std::move(cohort));
@@ -116,17 +114,17 @@ public:
         ASSERT_TRUE(updated) << refusal(updated);
         const Feedback told = feedback_of(crowd_);
         std::map<uint32_t, const WatchedInstance*> watched;
-        for (const WatchedInstance& one : told.watched) watched[one.instance] = &one;
+        for (const WatchedInstance& one : told.watched) watched[one.instance.instance] = &one;
         std::multiset<std::array<uint32_t, 5>> events, wanted_events;
         for (const CharacterEvent& event : told.events)
-            events.insert(
-                {event.instance, event.generation, event.event, event.layer, std::bit_cast<uint32_t>(event.time_s)});
+            events.insert({event.instance.instance, event.instance.generation, event.event, event.layer,
+                           std::bit_cast<uint32_t>(event.time_s)});
         std::set<uint32_t> there;
         for (Cohort& cohort : cohorts_) {
             ASSERT_TRUE(cohort.crowd.update(step_s));
             const Feedback wanted = feedback_of(cohort.crowd);
             for (const CharacterEvent& event : wanted.events) {
-                const Member& member = cohort.members[event.instance];
+                const Member& member = cohort.members[event.instance.instance];
                 if (member.is_there)
                     wanted_events.insert({member.handle.instance, member.handle.generation, event.event, event.layer,
                                           std::bit_cast<uint32_t>(event.time_s)});
@@ -137,7 +135,7 @@ public:
                 expect_same(cohort, i);
             }
             for (const WatchedInstance& one : wanted.watched) {
-                const Member& member = cohort.members[one.instance];
+                const Member& member = cohort.members[one.instance.instance];
                 if (member.is_there) expect_same(*watched.at(member.handle.instance), one, member);
             }
         }
@@ -162,14 +160,11 @@ private:
     };
 
     void watch() {
-        std::vector<uint32_t> some;
+        std::vector<InstanceHandle> some;
         for (Cohort& cohort : cohorts_) {
-            std::vector<uint32_t> all;
-            for (uint32_t i = 0; i < cohort.members.size(); ++i) {
-                all.push_back(i);
-                if (cohort.members[i].is_there) some.push_back(cohort.members[i].handle.instance);
-            }
-            EXPECT_TRUE(cohort.crowd.watch(all));
+            for (const Member& member : cohort.members)
+                if (member.is_there) some.push_back(member.handle);
+            EXPECT_TRUE(cohort.crowd.watch(cohort.crowd.instances()));
         }
         EXPECT_TRUE(crowd_.watch(some));
     }
@@ -184,22 +179,23 @@ private:
         const auto [fly, flown] = random_change(random, kinds_.dragon);
         const Vec3<float> aside = random.vector(20).as<float>();
         const bool clears = random.chance(0.3);
-        for (const auto& [crowd, i] : {std::pair(&crowd_, member.handle.instance), std::pair(&cohort.crowd, number)}) {
+        for (const auto& [crowd, one] :
+             {std::pair(&crowd_, member.handle), std::pair(&cohort.crowd, InstanceHandle{number})}) {
             Result<void> done;
             const Affine place = plot(member.handle.instance);
-            const std::array goal{Vec3<float>{place.row[0][3] + aside.x, 0, place.row[2][3] + aside.z}};
+            const Vec3<float> goal{place.row[0][3] + aside.x, 0, place.row[2][3] + aside.z};
             switch (member.group) {
                 case 0:
-                    done = crowd->set_playback(i, {&playback, 1});
-                    if (done) done = clears ? crowd->clear_pose(i, fade_s) : crowd->set_pose(i, pose, fade_s);
+                    done = crowd->set_playback(one, playback);
+                    if (done) done = clears ? crowd->clear_pose(one, fade_s) : crowd->set_pose(one, pose, fade_s);
                     break;
-                case 1: done = crowd->set_parameters(i, walk, walked); break;
-                case 2: done = crowd->set_parameters(i, fly, flown); break;
+                case 1: done = crowd->set_parameter(one, walk, walked); break;
+                case 2: done = crowd->set_parameter(one, fly, flown); break;
                 case 3:
-                    done = crowd->set_playback(i, {&playback, 1});
-                    if (done) done = crowd->set_target(i, 0, goal[0], 0.5f);
+                    done = crowd->set_playback(one, playback);
+                    if (done) done = crowd->set_target(one, 0, {goal, 0.5f});
                     break;
-                default: done = clears ? crowd->clear_destination(i, 1) : crowd->set_destination(i, goal);
+                default: done = clears ? crowd->clear_destination(one) : crowd->set_destination(one, goal);
             }
             EXPECT_TRUE(done) << refusal(done);
         }
@@ -207,9 +203,9 @@ private:
 
     void expect_same(Cohort& cohort, uint32_t number) {
         const Member& member = cohort.members[number];
-        const Result<std::vector<Affine>> got = crowd_.read_skin_matrices(member.handle.instance);
+        const Result<std::vector<Affine>> got = crowd_.read_skin_matrices(member.handle);
         ASSERT_TRUE(got) << refusal(got);
-        EXPECT_TRUE(same_bits(*got, *cohort.crowd.read_skin_matrices(number)))
+        EXPECT_TRUE(same_bits(*got, *cohort.crowd.read_skin_matrices({number})))
             << group_name(member.group) << ", instance " << member.handle.instance << " of generation "
             << member.handle.generation;
         ++compared_count;
@@ -217,10 +213,10 @@ private:
 
     void expect_same(const WatchedInstance& got, const WatchedInstance& wanted, const Member& member) {
         const std::string where = group_name(member.group) + ", instance " + std::to_string(member.handle.instance);
-        EXPECT_EQ(got.generation, member.handle.generation) << where;
+        EXPECT_EQ(got.instance, member.handle) << where;
         EXPECT_EQ(got.world_from_model.row, wanted.world_from_model.row) << where;
-        EXPECT_EQ(got.parameters, wanted.parameters) << where;
-        EXPECT_EQ(got.layers, wanted.layers) << where;
+        EXPECT_EQ(copy_of(got.parameters), copy_of(wanted.parameters)) << where;
+        EXPECT_EQ(copy_of(got.layers), copy_of(wanted.layers)) << where;
         EXPECT_TRUE(same_bits(got.sockets, wanted.sockets)) << where;
         ++watched_count;
     }
@@ -319,12 +315,12 @@ TEST(Population, RefusesWhatIsNotThere) {
 
     const std::string none = "instance 3 is not there: it has not been spawned, or has gone";
     EXPECT_EQ(refusal(crowd.handle(3)), "handle: " + none);
-    EXPECT_EQ(refusal(crowd.set_playback(2, std::vector<Playback>(2))), "playback: " + none);
-    EXPECT_EQ(refusal(crowd.set_placement(3, std::array{Affine{}})), "placement: " + none);
-    EXPECT_EQ(refusal(crowd.watch(std::array{3u})), "watch: " + none);
-    EXPECT_EQ(refusal(crowd.read_skin_matrices(3)), "read-back: " + none);
-    EXPECT_EQ(refusal(crowd.set_parameters(6, 0, std::array{1.0f})),
-              "parameter: instance 6 is not there: it has not been spawned, or has gone");
+    EXPECT_EQ(refusal(crowd.set_playback(Instances::numbered(2, 2), Playback())), "playback: " + none);
+    EXPECT_EQ(refusal(crowd.set_placement(all[0], Affine{})), "placement: instance 3 of generation 0 is not there");
+    EXPECT_EQ(refusal(crowd.watch(Instances::numbered(3))), "watch: " + none);
+    EXPECT_EQ(refusal(crowd.read_skin_matrices(all[0])), "read-back: instance 3 of generation 0 is not there");
+    EXPECT_EQ(refusal(crowd.set_parameter(InstanceHandle{6}, 0, 1.0f)),
+              "parameter: instance 6 of generation 0 is not there");
 
     CrowdSettings settings = few.settings;
     settings.groups[1].instance_count = 5;
@@ -375,7 +371,7 @@ TEST(Population, PreviousMatricesOfNewbornsAreTheirOwn) {
             EXPECT_EQ(one, (InstanceHandle{0, 1}));
         }
         if (update % 3 == 0) {
-            ASSERT_TRUE(crowd.set_playback(one.instance, {&moving, 1}));
+            ASSERT_TRUE(crowd.set_playback(one, moving));
         }
         ASSERT_TRUE(crowd.update(0.1f));
         const HostOutputs& host = crowd.outputs()[0].host;
@@ -394,7 +390,7 @@ TEST(Population, EventsAreOfWhoeverWasThere) {
     for (uint32_t round = 0; round < 3; ++round) {
         const InstanceHandle one = (*crowd.spawn(0, std::array{Affine{}}))[0];
         EXPECT_EQ(one, (InstanceHandle{0, 2 * round}));
-        ASSERT_TRUE(crowd.set_parameters(one.instance, forward, std::array{1.0f}));
+        ASSERT_TRUE(crowd.set_parameter(one, forward, 1.0f));
         for (int update = 0; update < 3; ++update) ASSERT_TRUE(crowd.update(0.7f));
         ASSERT_TRUE(crowd.despawn({&one, 1}));
         const InstanceHandle unseen = (*crowd.spawn(0, std::array{Affine{}}))[0];  // never in an update
@@ -402,7 +398,7 @@ TEST(Population, EventsAreOfWhoeverWasThere) {
         const std::vector<Feedback> all = *crowd.feedback();
         for (const Feedback& told : all)
             for (const CharacterEvent& event : told.events) {
-                EXPECT_EQ(event.generation, 2 * round);
+                EXPECT_EQ(event.instance.generation, 2 * round);
                 ++event_count;
             }
     }
@@ -412,13 +408,13 @@ TEST(Population, EventsAreOfWhoeverWasThere) {
 TEST(Population, WhoHasGoneIsNoLongerWatched) {
     const Character character = creature(20, 8);
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .sockets = {1}, .capacity = 2}}});
-    ASSERT_TRUE(crowd.watch(std::array{0u, 1u}));
+    ASSERT_TRUE(crowd.watch(Instances::numbered(0, 2)));
     ASSERT_TRUE(crowd.despawn(std::array{*crowd.handle(0)}));
     ASSERT_TRUE(crowd.spawn(0, std::array{Affine{}}));
     ASSERT_TRUE(crowd.update(0.1f));
     const Feedback told = feedback_of(crowd);
     ASSERT_EQ(told.watched.size(), 1u);
-    EXPECT_EQ(told.watched[0].instance, 1u);
+    EXPECT_EQ(told.watched[0].instance, InstanceHandle{1});
 }
 
 // A view that sees nobody: groups with sockets are animated all the same, and nothing of them is listed.
@@ -436,14 +432,10 @@ TEST(Population, WhoIsNotSeenIsAnimatedWhereItsSocketsAreNeeded) {
     there = {there[1], there[2], there[4], there[5]};
     Random random(4);
     const std::vector<Playback> playbacks = random_playbacks(random, character, 4);
-    ASSERT_TRUE(lasting.set_playback(0, playbacks));
-    std::vector<uint32_t> numbers;
-    for (uint32_t i = 0; i < 4; ++i) {
-        ASSERT_TRUE(varying.set_playback(there[i].instance, {&playbacks[i], 1}));
-        numbers.push_back(there[i].instance);
-    }
-    ASSERT_TRUE(lasting.watch(std::array{0u, 1u, 2u, 3u}));
-    ASSERT_TRUE(varying.watch(numbers));
+    ASSERT_TRUE(lasting.set_playback(lasting.instances(), playbacks));
+    ASSERT_TRUE(varying.set_playback(there, playbacks));
+    ASSERT_TRUE(lasting.watch(lasting.instances()));
+    ASSERT_TRUE(varying.watch(there));
     const CrowdView elsewhere = view_of_box({1e5f, 0, 0}, 6);
     for (int update = 0; update < 3; ++update) {
         ASSERT_TRUE(lasting.update(0.1f, &elsewhere));
@@ -451,7 +443,7 @@ TEST(Population, WhoIsNotSeenIsAnimatedWhereItsSocketsAreNeeded) {
         EXPECT_EQ(drawn_of(varying).size(), 0u);
         const Feedback wanted = feedback_of(lasting), got = feedback_of(varying);
         for (uint32_t i = 0; i < 4; ++i) {
-            EXPECT_TRUE(same_bits(*varying.read_skin_matrices(there[i].instance), *lasting.read_skin_matrices(i)));
+            EXPECT_TRUE(same_bits(*varying.read_skin_matrices(there[i]), *lasting.read_skin_matrices({i})));
             EXPECT_TRUE(same_bits(got.watched.at(i).sockets, wanted.watched.at(i).sockets));
         }
     }
@@ -473,10 +465,10 @@ TEST(Population, WhoIsThereHasRowsOfASkinPool) {
     const std::vector<Playback> playbacks = random_playbacks(random, character, 20);
     for (uint32_t i = 0; i < 20; ++i) {
         const Affine place = to_affine(Trs<float>{.translation = {0, 0, static_cast<float>(i)}});
-        ASSERT_TRUE(lasting.set_placement(i, {&place, 1}));
-        ASSERT_TRUE(varying.set_placement(there[i].instance, {&place, 1}));
-        ASSERT_TRUE(lasting.set_playback(i, {&playbacks[i], 1}));
-        ASSERT_TRUE(varying.set_playback(there[i].instance, {&playbacks[i], 1}));
+        ASSERT_TRUE(lasting.set_placement(InstanceHandle{i}, place));
+        ASSERT_TRUE(varying.set_placement(there[i], place));
+        ASSERT_TRUE(lasting.set_playback(InstanceHandle{i}, playbacks[i]));
+        ASSERT_TRUE(varying.set_playback(there[i], playbacks[i]));
     }
     const CrowdView view = view_of_box({0, 0, 9}, 8);
     for (int update = 0; update < 3; ++update) {
@@ -488,8 +480,8 @@ TEST(Population, WhoIsThereHasRowsOfASkinPool) {
         for (size_t i = 0; i < got.size(); ++i) {
             EXPECT_EQ(got[i].instance, there[wanted[i].instance].instance);
             EXPECT_EQ(got[i].skin_row, wanted[i].skin_row);
-            EXPECT_TRUE(same_bits(*varying.read_skin_matrices(got[i].instance),
-                                  *lasting.read_skin_matrices(wanted[i].instance)));
+            EXPECT_TRUE(same_bits(*varying.read_skin_matrices({got[i].instance}),
+                                  *lasting.read_skin_matrices({wanted[i].instance})));
         }
     }
 }
@@ -502,8 +494,8 @@ TEST(Population, WhoHasGoneIsInNobodysWay) {
         const Affine ahead = to_affine(Trs<float>{.translation = {0.1f, 0, 3}});
         const std::array places{Affine{}, meets_another ? ahead : plot(1), plot(2)};
         const std::vector<InstanceHandle> agents = *crowd.spawn(0, places);
-        EXPECT_TRUE(crowd.set_destination(0, std::array{Vec3<float>{0, 0, 20}}));
-        EXPECT_TRUE(crowd.watch(std::array{0u}));
+        EXPECT_TRUE(crowd.set_destination(InstanceHandle{0}, Vec3<float>{0, 0, 20}));
+        EXPECT_TRUE(crowd.watch(Instances::numbered(0)));
         if (it_goes) {
             EXPECT_TRUE(crowd.despawn({&agents[1], 1}));
         }
@@ -528,14 +520,14 @@ TEST(Population, ANewAgentSetsOutFromRest) {
             {.groups = {{.character = &character, .steering = Steering{.radius = 0.5f, .speed = 3}, .capacity = 1}}});
         if (has_predecessor) {
             const std::vector<InstanceHandle> old = *crowd.spawn(0, std::array{Affine{}});
-            EXPECT_TRUE(crowd.set_destination(0, ahead));
+            EXPECT_TRUE(crowd.set_destination(crowd.instances(), ahead));
             for (int update = 0; update < 20; ++update) EXPECT_TRUE(crowd.update(0.1f));
             EXPECT_TRUE(crowd.despawn(old));
         }
         EXPECT_TRUE(crowd.spawn(0, std::array{Affine{}}));
         EXPECT_TRUE(crowd.update(0.01f));
-        EXPECT_TRUE(crowd.set_destination(0, ahead));
-        EXPECT_TRUE(crowd.watch(std::array{0u}));
+        EXPECT_TRUE(crowd.set_destination(crowd.instances(), ahead));
+        EXPECT_TRUE(crowd.watch(Instances::numbered(0)));
         EXPECT_TRUE(crowd.update(0.01f));
         return (*crowd.feedback()).back().watched.at(0).world_from_model.row;
     };
@@ -569,8 +561,7 @@ TEST(Population, DiscardedBirthsAndDeathsComeLater) {
         if (!come[0]) return;
         EXPECT_EQ(*come[0], *come[1]);
         there.push_back((*come[0])[0]);
-        for (Crowd& crowd : crowds)
-            EXPECT_TRUE(group != 0 || crowd.set_parameters(there.back().instance, forward, std::array{1.0f}));
+        for (Crowd& crowd : crowds) EXPECT_TRUE(group != 0 || crowd.set_parameter(there.back(), forward, 1.0f));
     };
     size_t event_count = 0;
     for (int update = 0; update < 60; ++update) {
@@ -589,9 +580,8 @@ TEST(Population, DiscardedBirthsAndDeathsComeLater) {
         const std::vector<DrawnInstance> drawn[2] = {drawn_of(crowds[0]), drawn_of(crowds[1])};
         EXPECT_TRUE(std::ranges::equal(drawn[0], drawn[1], {}, number, number)) << update;
         for (const DrawnInstance& one : drawn[0])
-            if (crowds[0].handle(one.instance)) {
-                EXPECT_TRUE(
-                    same_bits(*crowds[0].read_skin_matrices(one.instance), *crowds[1].read_skin_matrices(one.instance)))
+            if (const Result<InstanceHandle> handle = crowds[0].handle(one.instance)) {
+                EXPECT_TRUE(same_bits(*crowds[0].read_skin_matrices(*handle), *crowds[1].read_skin_matrices(*handle)))
                     << update;
             }
     }

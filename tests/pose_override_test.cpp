@@ -39,8 +39,8 @@ std::vector<Trs<float>> bent(Random& random, const Character& character) {
 bool same_poses(Crowd& a, uint32_t of_a, Crowd& b, uint32_t of_b, double size) {
     const GroupPath path = *a.path(0);
     const bool has_rows = path.is_fused && (path.is_native || path.reason != b.path(0)->reason);
-    if (!has_rows) return same_bits(*a.read_skin_matrices(of_a), *b.read_skin_matrices(of_b));
-    return std::ranges::equal(*a.read_positions(of_a), *b.read_positions(of_b),
+    if (!has_rows) return same_bits(*a.read_skin_matrices({of_a}), *b.read_skin_matrices({of_b}));
+    return std::ranges::equal(*a.read_positions({of_a}), *b.read_positions({of_b}),
                               [&](const Vec3<float>& x, const Vec3<float>& y) {
                                   return length(x.as<double>() - y.as<double>()) <= kPoseBound * size;
                               });
@@ -77,18 +77,18 @@ void follow(UpdatePath path, const char* name, double error) {
         for (uint32_t i = 0; i < kInstances; ++i) {
             const auto [parameter, value] = random_change(random, controller);
             for (Crowd* crowd : {&crowds.overridden, &crowds.plain})
-                ASSERT_TRUE(crowd->set_parameters(i, parameter, value));
-            ASSERT_TRUE(wanted[i].set_parameters(parameter, value));
+                ASSERT_TRUE(crowd->set_parameter(InstanceHandle{i}, parameter, value));
+            ASSERT_TRUE(wanted[i].set_parameter(parameter, value));
         }
         for (uint32_t i = 0; i < kOverridden; ++i) {
             const float fade_s = random.chance(0.3) ? 0 : static_cast<float>(random.between(0, 0.6));
             if (random.chance(0.3)) {
                 const std::vector<Trs<float>> pose = bent(random, character);
-                ASSERT_TRUE(crowds.overridden.set_pose(i, pose, fade_s));
+                ASSERT_TRUE(crowds.overridden.set_pose(InstanceHandle{i}, pose, fade_s));
                 ASSERT_TRUE(wanted[i].set_pose(pose, fade_s));
             }
             if (random.chance(0.15)) {
-                ASSERT_TRUE(crowds.overridden.clear_pose(i, fade_s));
+                ASSERT_TRUE(crowds.overridden.clear_pose(InstanceHandle{i}, fade_s));
                 ASSERT_TRUE(wanted[i].clear_pose(fade_s));
             }
         }
@@ -140,13 +140,13 @@ void expect_blended(UpdatePath path, const std::string& scan, SkinFormat format,
     Random random(4);
     std::vector<Playback> playbacks = random_playbacks(random, other, 3);
     for (const Playback& playback : random_playbacks(random, character, kInstances)) playbacks.push_back(playback);
-    for (Crowd* one : {&*plain, &*crowd}) ASSERT_TRUE(one->set_playback(0, playbacks));
+    for (Crowd* one : {&*plain, &*crowd}) ASSERT_TRUE(one->set_playback(one->instances(), playbacks));
     constexpr float kFade_s = 0.5f, kStep_s = 0.2f;
     std::vector<std::vector<Trs<float>>> poses(kInstances);
     for (uint32_t i = 0; i < kInstances; ++i) {
         if (i % 7 == 3) continue;
         poses[i] = bent(random, character);
-        ASSERT_TRUE(crowd->set_pose(3 + i, poses[i], i % 2 == 0 ? kFade_s : 0));
+        ASSERT_TRUE(crowd->set_pose(InstanceHandle{3 + i}, poses[i], i % 2 == 0 ? kFade_s : 0));
     }
     for (Crowd* one : {&*plain, &*crowd}) ASSERT_TRUE(one->update(kStep_s));
     PoseFade fade;
@@ -173,7 +173,7 @@ void expect_blended(UpdatePath path, const std::string& scan, SkinFormat format,
         worst = std::max(worst, model_error(*crowd, 3 + i, pose_from_local(character, local), character.size));
     }
     EXPECT_LE(worst, 2 * kPoseBound);
-    for (uint32_t i = 0; i < kInstances; ++i) ASSERT_TRUE(crowd->clear_pose(3 + i));
+    for (uint32_t i = 0; i < kInstances; ++i) ASSERT_TRUE(crowd->clear_pose(InstanceHandle{3 + i}));
     for (Crowd* one : {&*plain, &*crowd}) ASSERT_TRUE(one->update(kStep_s));
     for (uint32_t i = 0; i < 3 + kInstances; ++i)
         EXPECT_TRUE(same_poses(*crowd, i, *plain, i, character.size)) << "cleared, instance " << i;
@@ -204,13 +204,14 @@ TEST(PoseOverride, FullWeightIsThePoseAndNoneIsTheAnimation) {
                      4);
         const std::vector<Playback> playbacks = random_playbacks(random, character, 4);
         for (Crowd* crowd : {&crowds.overridden, &crowds.plain}) {
-            ASSERT_TRUE(crowd->set_playback(0, playbacks));
-            ASSERT_TRUE(crowd->set_parameters(6, 0, std::array{1.0f}));
+            ASSERT_TRUE(crowd->set_playback(*crowd->instances(0), playbacks));
+            ASSERT_TRUE(crowd->set_parameter(InstanceHandle{6}, 0, 1.0f));
         }
         const auto update = [&](float step_s) {
             for (Crowd* crowd : {&crowds.overridden, &crowds.plain}) ASSERT_TRUE(crowd->update(step_s));
         };
-        for (const uint32_t i : {0u, 2u, 3u, 4u, 6u}) ASSERT_TRUE(crowds.overridden.set_pose(i, pose, 0.25f));
+        for (const uint32_t i : {0u, 2u, 3u, 4u, 6u})
+            ASSERT_TRUE(crowds.overridden.set_pose(InstanceHandle{i}, pose, 0.25f));
         update(0);
         for (uint32_t i = 0; i < 8; ++i)
             EXPECT_TRUE(crowds.are_the_same(i, character.size)) << "a fade that has not begun, instance " << i;
@@ -220,7 +221,8 @@ TEST(PoseOverride, FullWeightIsThePoseAndNoneIsTheAnimation) {
         for (const uint32_t i : {2u, 3u, 4u, 6u})
             EXPECT_TRUE(same_poses(crowds.overridden, i, crowds.overridden, 0, character.size)) << i;
         for (const uint32_t i : {1u, 5u, 7u}) EXPECT_TRUE(crowds.are_the_same(i, character.size)) << i;
-        for (const uint32_t i : {0u, 2u, 3u, 4u, 6u}) ASSERT_TRUE(crowds.overridden.clear_pose(i, 0.1f));
+        for (const uint32_t i : {0u, 2u, 3u, 4u, 6u})
+            ASSERT_TRUE(crowds.overridden.clear_pose(InstanceHandle{i}, 0.1f));
         update(0.05f);
         EXPECT_FALSE(crowds.are_the_same(0, character.size));
         update(0.06f);
@@ -265,7 +267,7 @@ TEST(PoseOverride, RoomForPosesIsFreeWhenTheyHaveFadedOut) {
                                      {.character = &character, .instance_count = 5, .pose_capacity = 2}}});
     const std::vector<Trs<float>>& pose = character.rig.rest;
     const auto expect_full = [&](uint32_t instance, const char* capacity) {
-        const Result<void> refused = crowd.set_pose(instance, pose);
+        const Result<void> refused = crowd.set_pose(InstanceHandle{instance}, pose);
         ASSERT_FALSE(refused);
         EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
         EXPECT_NE(refused.error().text().find(std::string("all ") + capacity + " poses of CrowdGroup::pose_capacity"),
@@ -273,19 +275,19 @@ TEST(PoseOverride, RoomForPosesIsFreeWhenTheyHaveFadedOut) {
             << refused.error().text();
     };
     expect_full(0, "0");
-    ASSERT_TRUE(crowd.clear_pose(0, 1)) << "there is none";
-    ASSERT_TRUE(crowd.set_pose(5, pose));
-    ASSERT_TRUE(crowd.set_pose(9, pose, 0.5f));
+    ASSERT_TRUE(crowd.clear_pose(InstanceHandle{0}, 1)) << "there is none";
+    ASSERT_TRUE(crowd.set_pose(InstanceHandle{5}, pose));
+    ASSERT_TRUE(crowd.set_pose(InstanceHandle{9}, pose, 0.5f));
     expect_full(6, "2");
-    ASSERT_TRUE(crowd.set_pose(5, pose)) << "replaced";
+    ASSERT_TRUE(crowd.set_pose(InstanceHandle{5}, pose)) << "replaced";
     ASSERT_TRUE(crowd.update(1));
-    ASSERT_TRUE(crowd.clear_pose(9, 0.5f));
+    ASSERT_TRUE(crowd.clear_pose(InstanceHandle{9}, 0.5f));
     ASSERT_TRUE(crowd.update(0.3f));
     expect_full(6, "2");
     ASSERT_TRUE(crowd.update(0.3f));
-    ASSERT_TRUE(crowd.set_pose(6, pose));
-    ASSERT_TRUE(crowd.clear_pose(5));
-    ASSERT_TRUE(crowd.set_pose(7, pose)) << "free at once";
+    ASSERT_TRUE(crowd.set_pose(InstanceHandle{6}, pose));
+    ASSERT_TRUE(crowd.clear_pose(InstanceHandle{5}));
+    ASSERT_TRUE(crowd.set_pose(InstanceHandle{7}, pose)) << "free at once";
     expect_full(5, "2");
     ASSERT_TRUE(crowd.update(0.1f));
 }
@@ -299,7 +301,8 @@ TEST(PoseOverride, WrongPosesAreRefusedAndChangeNothing) {
                                      {.character = &stretched, .instance_count = 1, .pose_capacity = 1}}});
     ReferenceCharacter reference = std::move(*ReferenceCharacter::create(character, controller));
     const auto expect_refused = [&](std::vector<Trs<float>> pose, float fade_s, const char* why) {
-        for (const Result<void>& result : {crowd.set_pose(0, pose, fade_s), reference.set_pose(pose, fade_s)}) {
+        for (const Result<void>& result :
+             {crowd.set_pose(InstanceHandle{0}, pose, fade_s), reference.set_pose(pose, fade_s)}) {
             ASSERT_FALSE(result) << why;
             EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
             EXPECT_NE(result.error().text().find(why), std::string::npos) << result.error().text();
@@ -320,12 +323,13 @@ TEST(PoseOverride, WrongPosesAreRefusedAndChangeNothing) {
     expect_refused(changed([](Trs<float>& t) { t.scale.z = 1.001f; }), 0, "joint 7: its scale differs along the axes");
     expect_refused(character.rig.rest, -1, "fade");
     expect_refused(character.rig.rest, kInfinity, "fade");
-    EXPECT_FALSE(crowd.clear_pose(0, -1));
+    EXPECT_FALSE(crowd.clear_pose(InstanceHandle{0}, -1));
     EXPECT_FALSE(reference.clear_pose(std::nanf("")));
-    EXPECT_FALSE(crowd.set_pose(2, character.rig.rest));
-    EXPECT_FALSE(crowd.clear_pose(2));
-    EXPECT_TRUE(crowd.set_pose(1, changed([](Trs<float>& t) { t.scale.z = 1.001f; }))) << "where scales differ anyway";
-    EXPECT_TRUE(crowd.set_pose(0, changed([](Trs<float>& t) { t.scale = {1, 1.000001f, 1}; })));
+    EXPECT_FALSE(crowd.set_pose(InstanceHandle{2}, character.rig.rest));
+    EXPECT_FALSE(crowd.clear_pose(InstanceHandle{2}));
+    EXPECT_TRUE(crowd.set_pose(InstanceHandle{1}, changed([](Trs<float>& t) { t.scale.z = 1.001f; })))
+        << "where scales differ anyway";
+    EXPECT_TRUE(crowd.set_pose(InstanceHandle{0}, changed([](Trs<float>& t) { t.scale = {1, 1.000001f, 1}; })));
     ASSERT_TRUE(crowd.update(0.1f));
 }
 

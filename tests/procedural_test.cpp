@@ -85,7 +85,7 @@ std::vector<double> errors(const Character& character, const std::vector<Procedu
     std::vector<Playback> playbacks = random_playbacks(random, character, kInstances);
     for (Playback& playback : playbacks)
         playback.first.speed = playback.second.speed = static_cast<float>(random.between(-0.2, 0.2));
-    EXPECT_TRUE(crowd.set_playback(3, playbacks));
+    EXPECT_TRUE(crowd.set_playback(Instances::numbered(3, kInstances), playbacks));
     std::vector<ProceduralReference> wanted;
     for (uint32_t i = 0; i < kInstances; ++i) wanted.emplace_back(rules, character);
     WindClock clock;
@@ -111,10 +111,10 @@ std::vector<double> errors(const Character& character, const std::vector<Procedu
             if (update > 0 && random.chance(0.5)) continue;
             const Vec3<float> place = (aims[2 * i + target] + random.vector(0.01 * size)).as<float>();
             const float weight = 0.8f;
-            EXPECT_TRUE(crowd.set_target(3 + i, target, place, weight));
+            EXPECT_TRUE(crowd.set_target(InstanceHandle{3 + i}, target, {place, weight}));
             wanted[i].targets[target] = {place.as<double>(), weight};
         }
-        EXPECT_TRUE(crowd.set_placement(3, placements));
+        EXPECT_TRUE(crowd.set_placement(Instances::numbered(3, kInstances), placements));
         EXPECT_TRUE(crowd.update(step_s));
         clock.advance(step_s);
         for (uint32_t i = 0; i < kInstances; ++i) {
@@ -134,7 +134,7 @@ std::vector<double> errors(const Character& character, const std::vector<Procedu
                                      .time_step_s = step_s});
             if (update % 10 != 9) continue;
             const ReferencePose pose = pose_from_local(character, local);
-            const std::vector<Affine> got = *crowd.read_model_matrices(3 + i);
+            const std::vector<Affine> got = *crowd.read_model_matrices({3 + i});
             for (size_t joint = 0; joint < got.size(); ++joint)
                 all.push_back(matrix_error(got[joint], pose.model_from_joint[joint], size));
         }
@@ -208,18 +208,19 @@ TEST(Procedural, LimbsWithoutLengthAndTargetsWithoutWeightChangeNothing) {
                           .keep_model_matrices = true});
     Affine hidden;
     for (auto& row : hidden.row) row = {0, 0, 0, 1};
-    ASSERT_TRUE(crowd.set_placement(1, {&hidden, 1}));
+    ASSERT_TRUE(crowd.set_placement(InstanceHandle{1}, hidden));
     Affine flat;
     flat.row[1] = {0, 0, 0, 0};
-    ASSERT_TRUE(crowd.set_placement(2, {&flat, 1}));
-    for (uint32_t i = 0; i < 3; ++i) ASSERT_TRUE(crowd.set_target(i, 0, {3, 1, 0}, i == 0 ? 0.0f : 1.0f));
+    ASSERT_TRUE(crowd.set_placement(InstanceHandle{2}, flat));
+    for (uint32_t i = 0; i < 3; ++i)
+        ASSERT_TRUE(crowd.set_target(InstanceHandle{i}, 0, {{3, 1, 0}, i == 0 ? 0.0f : 1.0f}));
     const std::vector<AffineT<double>> rest = reference_pose(character, {})->model_from_joint;
     // Where it is
-    ASSERT_TRUE(
-        crowd.set_target(0, 1, Vec3<double>{rest[2].row[0][3], rest[2].row[1][3], rest[2].row[2][3]}.as<float>(), 1));
+    ASSERT_TRUE(crowd.set_target(
+        InstanceHandle{0}, 1, {Vec3<double>{rest[2].row[0][3], rest[2].row[1][3], rest[2].row[2][3]}.as<float>(), 1}));
     ASSERT_TRUE(crowd.update(0.1f));
     for (uint32_t i = 0; i < 3; ++i) {
-        const std::vector<Affine> got = *crowd.read_model_matrices(i);
+        const std::vector<Affine> got = *crowd.read_model_matrices({i});
         for (size_t joint = 0; joint < got.size(); ++joint)
             EXPECT_LE(matrix_error(got[joint], rest[joint], character.size), 1e-5)
                 << "instance " << i << ", joint " << joint;
@@ -245,12 +246,13 @@ TEST(Procedural, BatchesAndManyChainsChangeNothing) {
     Random random(3);
     const std::vector<Playback> playbacks = random_playbacks(random, character, kInstances);
     for (Crowd* crowd : {&whole, &*parts}) {
-        ASSERT_TRUE(crowd->set_playback(0, playbacks) && crowd->set_wind({.velocity = {3, 0, 0}}));
-        for (uint32_t i = 0; i < kInstances; ++i) ASSERT_TRUE(crowd->set_target(i, 0, {float(i), 2, 3}, 0.5f));
+        ASSERT_TRUE(crowd->set_playback(crowd->instances(), playbacks) && crowd->set_wind({.velocity = {3, 0, 0}}));
+        for (uint32_t i = 0; i < kInstances; ++i)
+            ASSERT_TRUE(crowd->set_target(InstanceHandle{i}, 0, {{float(i), 2, 3}, 0.5f}));
         for (int update = 0; update < 4; ++update) ASSERT_TRUE(crowd->update(0.05f));
     }
     for (uint32_t i = 0; i < kInstances; ++i)
-        EXPECT_EQ(*whole.read_model_matrices(i), *parts->read_model_matrices(i)) << i;
+        EXPECT_EQ(*whole.read_model_matrices({i}), *parts->read_model_matrices({i})) << i;
 }
 
 // Layers, a pose that was set, wind and targets; the reference does it all.
@@ -269,33 +271,34 @@ TEST(Procedural, WorksBelowAController) {
                           .keep_model_matrices = true});
     const Wind wind{.velocity = {2, 0, 1}};
     const Affine place = to_affine(Trs<float>{.translation = {1, 2, 3}});
-    ASSERT_TRUE(crowd.set_wind(wind) && crowd.set_placement(1, {&place, 1}));
+    ASSERT_TRUE(crowd.set_wind(wind) && crowd.set_placement(InstanceHandle{1}, place));
     std::vector<ReferenceCharacter> wanted;
     for (uint32_t i = 0; i < kInstances; ++i) {
         wanted.push_back(std::move(*ReferenceCharacter::create(character, controller, &rules)));
         const LayerPlayback playback{.clip = {.clip = i % 2}};
-        ASSERT_TRUE(crowd.play(i, 0, playback) && wanted[i].play(0, playback));
-        ASSERT_TRUE(crowd.set_target(i, 0, {3, 4, 5}, 0.7f) && wanted[i].set_target(0, {3, 4, 5}, 0.7f));
+        ASSERT_TRUE(crowd.play(InstanceHandle{i}, 0, playback) && wanted[i].play(0, playback));
+        ASSERT_TRUE(crowd.set_target(InstanceHandle{i}, 0, {{3, 4, 5}, 0.7f}) &&
+                    wanted[i].set_target(0, {{3, 4, 5}, 0.7f}));
         ASSERT_TRUE(wanted[i].set_wind(wind));
         wanted[i].set_placement(i == 1 ? place : Affine{}, true, i);
     }
     const std::vector<Trs<float>> pose(30, Trs<float>{.translation = {0, 1, 0}});
-    ASSERT_TRUE(crowd.set_pose(2, pose, 0.5f) && wanted[2].set_pose(pose, 0.5f));
+    ASSERT_TRUE(crowd.set_pose(InstanceHandle{2}, pose, 0.5f) && wanted[2].set_pose(pose, 0.5f));
     for (int update = 0; update < 3; ++update) {
         ASSERT_TRUE(crowd.update(0.1f));
         for (uint32_t i = 0; i < kInstances; ++i) {
             ASSERT_TRUE(wanted[i].update(0.1f));
             const std::vector<AffineT<double>> model = wanted[i].pose().model_from_joint;
-            const std::vector<Affine> got = *crowd.read_model_matrices(i);
+            const std::vector<Affine> got = *crowd.read_model_matrices({i});
             for (size_t joint = 0; joint < got.size(); ++joint)
                 EXPECT_LE(matrix_error(got[joint], model[joint], character.size), 2e-5)
                     << "instance " << i << ", joint " << joint << ", update " << update;
         }
     }
     EXPECT_EQ(wanted[1].placement(), place.as<double>());
-    EXPECT_FALSE(wanted[0].set_target(1, {}, 1));
+    EXPECT_FALSE(wanted[0].set_target(1, {}));
     EXPECT_FALSE(wanted[0].set_wind({.gust = 2}));
-    EXPECT_FALSE(ReferenceCharacter::create(character, controller)->set_target(0, {}, 1));
+    EXPECT_FALSE(ReferenceCharacter::create(character, controller)->set_target(0, {}));
 }
 
 TEST(Procedural, WrongTargetsAndPathsAreRefused) {
@@ -304,12 +307,12 @@ TEST(Procedural, WrongTargetsAndPathsAreRefused) {
     CrowdSettings settings{.groups = {{.character = &character, .instance_count = 2, .procedural = &rules},
                                       {.character = &character, .instance_count = 1}}};
     Crowd crowd = create(settings);
-    EXPECT_FALSE(crowd.set_target(3, 0, {}, 1));
-    EXPECT_FALSE(crowd.set_target(2, 0, {}, 1));
-    EXPECT_FALSE(crowd.set_target(0, 1, {}, 1));
-    EXPECT_FALSE(crowd.set_target(0, 0, {NAN, 0, 0}, 1));
-    EXPECT_FALSE(crowd.set_target(0, 0, {}, 1.5f));
-    EXPECT_TRUE(crowd.set_target(0, 0, {}, 1));
+    EXPECT_FALSE(crowd.set_target(InstanceHandle{3}, 0, {{}, 1}));
+    EXPECT_FALSE(crowd.set_target(InstanceHandle{2}, 0, {{}, 1}));
+    EXPECT_FALSE(crowd.set_target(InstanceHandle{0}, 1, {{}, 1}));
+    EXPECT_FALSE(crowd.set_target(InstanceHandle{0}, 0, {{NAN, 0, 0}, 1}));
+    EXPECT_FALSE(crowd.set_target(InstanceHandle{0}, 0, {{}, 1.5f}));
+    EXPECT_TRUE(crowd.set_target(InstanceHandle{0}, 0, {{}, 1}));
     EXPECT_FALSE(crowd.set_wind({.velocity = {INFINITY, 0, 0}}));
     EXPECT_FALSE(crowd.set_wind({.gust = 2}));
     EXPECT_FALSE(crowd.set_wind({.wavelength = 0}));

@@ -408,17 +408,17 @@ public:
           place_(count),
           moved_m_(count) {
         for (const Clip& clip : character.clips) durations_s_.push_back(clip.duration_s);
-        EXPECT_TRUE(crowd_.watch(std::array{count - 1}));
+        EXPECT_TRUE(crowd_.watch(InstanceHandle{count - 1}));
     }
 
     void play(uint32_t instance, const LayerPlayback& playback) {
-        const Result<void> played = crowd_.play(instance, 0, playback);
+        const Result<void> played = crowd_.play(InstanceHandle{instance}, 0, playback);
         ASSERT_TRUE(played) << played.error().text();
         references_[instance].apply(play_command(std::vector<LayerKind>(1), durations_s_, 0, playback, "reference"));
     }
 
     void stand(uint32_t instance, const Affine& world_from_model) {
-        ASSERT_TRUE(crowd_.set_placement(instance, {&world_from_model, 1}));
+        ASSERT_TRUE(crowd_.set_placement(InstanceHandle{instance}, world_from_model));
         base_[instance] = world_from_model;
         place_[instance] = {};
         moved_m_[instance] = 0;

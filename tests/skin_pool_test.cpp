@@ -62,7 +62,7 @@ Counts expect_right(Crowd& pooled, Crowd& whole, const Character& character, std
         if (one.shares_pose) {
             ++counts.shared;
             const double pixels = bench::pixels_off(
-                *pooled.read_positions(one.instance),
+                *pooled.read_positions({one.instance}),
                 reference_positions(character, *reference_pose(character, playbacks[one.instance])),
                 placements[one.instance], seen);
             EXPECT_LE(pixels, seen.shared_pose_pixels * 1.01 + 0.01) << "instance " << one.instance;
@@ -70,7 +70,7 @@ Counts expect_right(Crowd& pooled, Crowd& whole, const Character& character, std
         }
         ++counts.own;
         EXPECT_TRUE(own_rows.insert(one.skin_row).second) << "two instances in a row";
-        EXPECT_EQ(*pooled.read_skin_matrices(one.instance), *whole.read_skin_matrices(one.instance))
+        EXPECT_EQ(*pooled.read_skin_matrices({one.instance}), *whole.read_skin_matrices({one.instance}))
             << "instance " << one.instance;
     }
     return counts;
@@ -95,7 +95,8 @@ void expect_exact_or_near(UpdatePath path) {
             Random random(7);
             std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
             for (Crowd* crowd : {&pooled, &whole})
-                ASSERT_TRUE(crowd->set_placement(0, placements) && crowd->set_playback(0, playbacks));
+                ASSERT_TRUE(crowd->set_placement(crowd->instances(), placements) &&
+                            crowd->set_playback(crowd->instances(), playbacks));
             for (const float pixels : {0.0f, 0.25f, 2.0f}) {
                 CrowdView seen = view(kExtent);
                 seen.shared_pose_pixels = pixels;
@@ -129,7 +130,7 @@ void expect_shared_where_full(UpdatePath path) {
     std::vector<Playback> playbacks(kCount);
     for (uint32_t i = 0; i < kCount; ++i)
         playbacks[i] = {.first = {.clip = 0, .time_s = 0.01 * i}, .second = {.clip = 1}, .weight = 0.7f};
-    ASSERT_TRUE(crowd.set_placement(0, placements) && crowd.set_playback(0, playbacks));
+    ASSERT_TRUE(crowd.set_placement(crowd.instances(), placements) && crowd.set_playback(crowd.instances(), playbacks));
     CrowdView seen = view(30);
     seen.shared_pose_pixels = 0;
     ASSERT_TRUE(crowd.update(0, &seen));
@@ -154,7 +155,7 @@ void expect_shared_where_full(UpdatePath path) {
         EXPECT_NEAR(row, time_s / clips[0].duration_s * intervals, 0.51);
         const Playback shared{.first = {.clip = 0, .time_s = clips[0].duration_s * row / intervals, .loop = false}};
         const ReferencePose pose = *reference_pose(character, shared);
-        const std::vector<Affine> got = *crowd.read_skin_matrices(one.instance);
+        const std::vector<Affine> got = *crowd.read_skin_matrices({one.instance});
         for (size_t i = 0; i < got.size(); ++i)
             EXPECT_LE(matrix_error(got[i], pose.model_from_bind[i], character.size), kPoseBound);
     }
@@ -183,12 +184,13 @@ TEST(SkinPool, OfControllersTheLowestClipIsShared) {
     for (uint32_t i = 0; i < kCount; ++i) {
         const ClipPlayback clip{.clip = random.below(2), .time_s = random.unit(), .speed = 0};
         playbacks.push_back({.first = clip});
-        for (Crowd* crowd : {&pooled, &whole}) ASSERT_TRUE(crowd->play(i, 0, {.clip = clip}));
+        for (Crowd* crowd : {&pooled, &whole}) ASSERT_TRUE(crowd->play(InstanceHandle{i}, 0, {.clip = clip}));
     }
     CrowdView seen = view(40);
     seen.shared_pose_pixels = 0.3f;
     for (Crowd* crowd : {&pooled, &whole})
-        ASSERT_TRUE(crowd->set_placement(0, placements) && crowd->update(0, &seen) && crowd->update(0, &seen));
+        ASSERT_TRUE(crowd->set_placement(crowd->instances(), placements) && crowd->update(0, &seen) &&
+                    crowd->update(0, &seen));
     const Counts counts = expect_right(pooled, whole, character, playbacks, placements, seen);
     EXPECT_GT(counts.own, 5u);
     EXPECT_GT(counts.shared, 5u);
@@ -216,7 +218,8 @@ TEST(SkinPool, PicturesAreThoseOfEverything) {
                                              {"shared", SkinPool{.capacity = kCount}, 0.5f}}) {
         Crowd crowd = create(
             {.groups = {{.character = &character, .instance_count = kCount, .skin_pool = pool}}, .culls = true});
-        ASSERT_TRUE(crowd.set_placement(0, placements) && crowd.set_playback(0, playbacks));
+        ASSERT_TRUE(crowd.set_placement(crowd.instances(), placements) &&
+                    crowd.set_playback(crowd.instances(), playbacks));
         Renderer renderer = *Renderer::create(test_device(), {.width = kWidth, .height = kHeight});
         const Camera camera{.eye = {0, 3, 25}, .target = {0, 0, 0}};
         CrowdView seen = *view_of(camera, kWidth, kHeight, {});
@@ -253,7 +256,8 @@ TEST(SkinPool, EachBatchHasAPool) {
     for (uint32_t i = 0; i < playbacks.size(); ++i) playbacks[i] = {.first = {.clip = 0, .time_s = 0.01 * i}};
     CrowdView seen = view(20);
     seen.shared_pose_pixels = 0;
-    ASSERT_TRUE(crowd->set_placement(0, placements) && crowd->set_playback(0, playbacks) && crowd->update(0, &seen));
+    ASSERT_TRUE(crowd->set_placement(crowd->instances(), placements) &&
+                crowd->set_playback(crowd->instances(), playbacks) && crowd->update(0, &seen));
     std::map<uint32_t, uint32_t> own;
     for (const DrawnInstance& one : drawn_of(*crowd)) {
         if (one.shares_pose) continue;
@@ -278,7 +282,7 @@ TEST(SkinPool, OfManyAWorkgroupTakesSeveralCells) {
             {.groups = {{.character = &character, .instance_count = kCount, .skin_pool = SkinPool{.capacity = 2000}}},
              .path = path,
              .culls = true});
-        ASSERT_TRUE(crowd.set_placement(0, placements));
+        ASSERT_TRUE(crowd.set_placement(crowd.instances(), placements));
         for (int update = 0; update < 2; ++update) {  // without cells, and with them
             ASSERT_TRUE(crowd.update(0, &seen));
             lists.push_back(drawn_of(crowd));
@@ -297,16 +301,16 @@ TEST(SkinPool, WhatIsNotDrawnHasNoMatrices) {
          .culls = true});
     const std::vector<Affine> placements{to_affine(Trs<double>{}).as<float>(),
                                          to_affine(Trs<double>{.translation = {0, 0, 1e4}}).as<float>()};
-    ASSERT_TRUE(crowd.set_placement(0, placements));
+    ASSERT_TRUE(crowd.set_placement(crowd.instances(), placements));
     const CrowdView seen = view(20);
     ASSERT_TRUE(crowd.update(0.1f, &seen));
-    EXPECT_TRUE(crowd.read_skin_matrices(0));
-    EXPECT_TRUE(crowd.read_positions(0));
-    const Result<std::vector<Affine>> matrices = crowd.read_skin_matrices(1);
+    EXPECT_TRUE(crowd.read_skin_matrices({0}));
+    EXPECT_TRUE(crowd.read_positions({0}));
+    const Result<std::vector<Affine>> matrices = crowd.read_skin_matrices({1});
     ASSERT_FALSE(matrices);
     EXPECT_EQ(matrices.error().code, ErrorCode::kInvalidArgument);
     EXPECT_NE(matrices.error().text().find("instance 1 is not drawn"), std::string::npos) << matrices.error().text();
-    EXPECT_FALSE(crowd.read_positions(1));
+    EXPECT_FALSE(crowd.read_positions({1}));
 }
 
 TEST(SkinPool, MemoryGoesByWhatIsDrawn) {

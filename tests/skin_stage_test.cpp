@@ -48,7 +48,7 @@ TEST(SkinStage, WithoutAViewAllIsSkinned) {
                               .skins_once = true});
         std::vector<Playback> playbacks = random_playbacks(random, first, 30);
         for (const Playback& playback : random_playbacks(random, second, 20)) playbacks.push_back(playback);
-        ASSERT_TRUE(crowd.set_playback(0, playbacks));
+        ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks));
         double worst = 0;
         for (int step = 0; step < 2; ++step) {  // one for each skin buffer
             ASSERT_TRUE(crowd.update(0.1f));
@@ -80,8 +80,8 @@ TEST(SkinStage, WithAViewWhatItListsIsSkinned) {
         places.push_back(to_affine(Trs<double>{.translation = {random.between(-30, 30) * character.size, 0,
                                                                random.between(-60, 5) * character.size}})
                              .as<float>());
-    ASSERT_TRUE(crowd.set_placement(0, places));
-    ASSERT_TRUE(crowd.set_playback(0, random_playbacks(random, character, kCount)));
+    ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
+    ASSERT_TRUE(crowd.set_playback(crowd.instances(), random_playbacks(random, character, kCount)));
     CrowdView view = *view_of({.eye = {0, character.size, 0}, .target = {0, 0, -10 * character.size}}, kWidth, kHeight,
                               {});
     view.lod_pixels = 0.5f;
@@ -114,7 +114,7 @@ TEST(SkinStage, WithAViewWhatItListsIsSkinned) {
         }
         Character reduced = character;
         reduced.influences = influences_of_lod(character, lod_of[i]);
-        const std::vector<Affine> read = *crowd.read_skin_matrices(i);
+        const std::vector<Affine> read = *crowd.read_skin_matrices({i});
         std::vector<AffineT<double>> matrices;
         for (const Affine& matrix : read) matrices.push_back(matrix.as<double>());
         const std::vector<Vec3<double>> wanted = skin_reference(lod_of[i] > 0 ? reduced : character, matrices);
@@ -156,7 +156,8 @@ TEST(SkinStage, PicturesAreThoseThatTheDrawSkins) {
             for (const bool once : {false, true}) {
                 Crowd crowd = create(
                     {.groups = {{&character, 12}}, .culls = culls, .skin_blend = blend, .skins_once = once});
-                ASSERT_TRUE(crowd.set_placement(0, places) && crowd.set_playback(0, playbacks));
+                ASSERT_TRUE(crowd.set_placement(crowd.instances(), places) &&
+                            crowd.set_playback(crowd.instances(), playbacks));
                 const Camera camera = fit_camera(world_bounds(crowd), 4.0f / 3);
                 Result<RenderResult> result = renderer->render_frame(crowd, 0.1f, camera);
                 ASSERT_TRUE(result) << result.error().text();
@@ -177,10 +178,10 @@ TEST(SkinStage, DualQuaternionsFollowTheReference) {
         Crowd crowd = create(
             {.groups = {{&character, 20}}, .skin_format = format, .skin_blend = SkinBlend::kDualQuaternion});
         const std::vector<Playback> playbacks = random_playbacks(random, character, 20);
-        ASSERT_TRUE(crowd.set_playback(0, playbacks) && crowd.update(0));
+        ASSERT_TRUE(crowd.set_playback(crowd.instances(), playbacks) && crowd.update(0));
         double worst = 0, moved = 0;
         for (uint32_t i = 0; i < 20; ++i) {
-            const std::vector<Vec3<float>> got = *crowd.read_positions(i);
+            const std::vector<Vec3<float>> got = *crowd.read_positions({i});
             const Playback playback = advanced(playbacks[i], character, 0);
             const std::vector<Vec3<double>> wanted = wanted_positions(character, playback, SkinBlend::kDualQuaternion),
                                             linear = wanted_positions(character, playback, SkinBlend::kLinear);

@@ -66,7 +66,7 @@ double apart(const Affine& a, const Affine& b) {
 void send(Crowd& crowd, const std::vector<std::optional<Vec3<float>>>& destinations) {
     for (uint32_t i = 0; i < destinations.size(); ++i) {
         if (!destinations[i]) continue;
-        EXPECT_TRUE(crowd.set_destination(i, {&*destinations[i], 1}));
+        EXPECT_TRUE(crowd.set_destination(InstanceHandle{i}, *destinations[i]));
     }
 }
 
@@ -76,7 +76,7 @@ public:
     Followed(const CrowdSettings& settings, const std::vector<Affine>& places,
              const std::vector<std::optional<Vec3<float>>>& destinations)
         : crowd_(create(settings)), destinations_(destinations) {
-        EXPECT_TRUE(crowd_.set_placement(0, places));
+        EXPECT_TRUE(crowd_.set_placement(crowd_.instances(), places));
         send(crowd_, destinations);
         for (const CrowdGroup& group : settings.groups) groups_.insert(groups_.end(), group.instance_count, group);
         before_ = places;
@@ -250,7 +250,7 @@ TEST(Steer, RunsAndBatchesGiveTheSameBytes) {
     ASSERT_TRUE(parts) << parts.error().text();
     EXPECT_GT(parts->outputs().size(), 10u);
     for (Crowd* crowd : {&whole, &again, &*parts}) {
-        ASSERT_TRUE(crowd->set_placement(0, mixture.places));
+        ASSERT_TRUE(crowd->set_placement(crowd->instances(), mixture.places));
         send(*crowd, mixture.destinations);
         for (int update = 0; update < 20; ++update) ASSERT_TRUE(crowd->update(0.1f));
     }
@@ -271,7 +271,8 @@ TEST(Steer, NumbersChangeNoByte) {
     }
     const auto walked = [&] {
         Crowd crowd = create({.groups = {{.character = &character, .instance_count = kCount, .steering = Steering{}}}});
-        EXPECT_TRUE(crowd.set_placement(0, places) && crowd.set_destination(0, destinations));
+        EXPECT_TRUE(crowd.set_placement(crowd.instances(), places) &&
+                    crowd.set_destination(crowd.instances(), destinations));
         for (int update = 0; update < 40; ++update) EXPECT_TRUE(crowd.update(0.05f));
         return placements_of(crowd);
     };
@@ -322,7 +323,8 @@ TEST(Steer, CrowdsThatCrossGetThrough) {
     const auto count = static_cast<uint32_t>(places.size());
     Crowd crowd = create(
         {.groups = {{.character = &character, .instance_count = count, .steering = Steering{.radius = kRadius}}}});
-    ASSERT_TRUE(crowd.set_placement(0, places) && crowd.set_destination(0, destinations));
+    ASSERT_TRUE(crowd.set_placement(crowd.instances(), places) &&
+                crowd.set_destination(crowd.instances(), destinations));
     EXPECT_LE(walk_home(crowd, destinations, kRadius, 60), 0.25 + 1e-4);
 }
 
@@ -335,7 +337,7 @@ TEST(Steer, EveryoneAtOnePlacePartsAndArrives) {
         destinations.push_back(Vec3<double>{5 * std::cos(0.26 * i), 0, 5 * std::sin(0.26 * i)}.as<float>());
     Crowd crowd = create(
         {.groups = {{.character = &character, .instance_count = kCount, .steering = Steering{.radius = kRadius}}}});
-    ASSERT_TRUE(crowd.set_destination(0, destinations));
+    ASSERT_TRUE(crowd.set_destination(crowd.instances(), destinations));
     walk_home(crowd, destinations, kRadius, 60, false);
     const std::vector<Affine> places = placements_of(crowd);
     for (uint32_t i = 0; i < kCount; ++i)
@@ -351,7 +353,8 @@ TEST(Steer, ClipsCarryThoseThatHaveRootMotion) {
                                       .instance_count = 2,
                                       .controller = &controller,
                                       .steering = Steering{.speed_parameter = kSpeed}}}});
-    ASSERT_TRUE(crowd.set_placement(0, places) && crowd.set_destination(0, destinations));
+    ASSERT_TRUE(crowd.set_placement(crowd.instances(), places) &&
+                crowd.set_destination(crowd.instances(), destinations));
     double walked = 0;
     Affine last = places[0];
     for (int update = 0; update < 120; ++update) {
@@ -371,7 +374,7 @@ TEST(Steer, ClipsCarryThoseThatHaveRootMotion) {
 TEST(Steer, NobodyMovesWithoutADestinationOrTime) {
     const Mixture mixture(0, 0, 5);
     Crowd crowd = create(mixture.settings);
-    ASSERT_TRUE(crowd.set_placement(0, mixture.places));
+    ASSERT_TRUE(crowd.set_placement(crowd.instances(), mixture.places));
     for (int update = 0; update < 3; ++update) ASSERT_TRUE(crowd.update(0.1f));
     EXPECT_TRUE(same_bits(placements_of(crowd), mixture.places));
     send(crowd, mixture.destinations);
@@ -390,7 +393,8 @@ TEST(Steer, ADestinationIsTakenAwayOrWrittenOnTheGpu) {
                                       .moves_placements = false,
                                       .steering = Steering{.speed_parameter = kSpeed}}}});
     const std::vector<Affine> places{at(0, 0), at(9, 0)};
-    ASSERT_TRUE(crowd.set_placement(0, places) && crowd.set_destination(0, std::array{Vec3<float>{0, 0, 9}}));
+    ASSERT_TRUE(crowd.set_placement(crowd.instances(), places) &&
+                crowd.set_destination(InstanceHandle{0}, Vec3<float>{0, 0, 9}));
     const auto walk = [&] {
         const std::vector<Affine> before = placements_of(crowd);
         for (int update = 0; update < 10; ++update) EXPECT_TRUE(crowd.update(0.1f));
@@ -399,7 +403,7 @@ TEST(Steer, ADestinationIsTakenAwayOrWrittenOnTheGpu) {
     };
     EXPECT_GT(walk()[0], 0.5);
     EXPECT_GT(all_of<float>(crowd, &OutputBlock::parameter_buffer, 2)[kSpeed], 1);
-    ASSERT_TRUE(crowd.clear_destination(0, 2));
+    ASSERT_TRUE(crowd.clear_destination(Instances::numbered(0, 2)));
     EXPECT_EQ(walk(), (std::array{0.0, 0.0}));
     EXPECT_EQ(all_of<float>(crowd, &OutputBlock::parameter_buffer, 2)[kSpeed], 0);
     run_on_gpu([&](VkCommandBuffer commands) {
@@ -421,8 +425,8 @@ TEST(Steer, WhatAViewSeesIsWhereTheyStandNow) {
         {.groups = {{.character = &character, .instance_count = 2, .steering = Steering{.radius = 2, .speed = 100}}},
          .culls = true});
     const std::vector<Affine> places{at(0, -400), at(0, 0)};
-    ASSERT_TRUE(crowd.set_placement(0, places));
-    ASSERT_TRUE(crowd.set_destination(0, std::array{Vec3<float>{0, 0, 0}, Vec3<float>{0, 0, 400}}));
+    ASSERT_TRUE(crowd.set_placement(crowd.instances(), places));
+    ASSERT_TRUE(crowd.set_destination(crowd.instances(), std::array{Vec3<float>{0, 0, 0}, Vec3<float>{0, 0, 400}}));
     const CrowdView view = *view_of({.eye = {0, 60, 0.1f}, .target = {0, 0, 0}}, 64, 64, {});
     const auto drawn = [&] {
         std::vector<uint32_t> who;
@@ -437,7 +441,6 @@ TEST(Steer, WhatAViewSeesIsWhereTheyStandNow) {
 
 TEST(Steer, MistakesAreNamed) {
     const Character character = body(false);
-    const auto refusal = [](const auto& result) { return result ? std::string() : result.error().text(); };
     const auto refused = [&](const Steering& steering) {
         return refusal(Crowd::create(
             test_device(), {.groups = {{.character = &character, .instance_count = 1, .steering = steering}}}));
@@ -450,14 +453,16 @@ TEST(Steer, MistakesAreNamed) {
     EXPECT_NE(refused({.speed_parameter = 0}).find("parameter 0 of a group that has 0"), std::string::npos);
     Crowd crowd = create({.groups = {{.character = &character, .instance_count = 2, .steering = Steering{}},
                                      {.character = &character, .instance_count = 1}}});
-    EXPECT_NE(refusal(crowd.set_destination(1, std::vector<Vec3<float>>(2))).find("instance 2"), std::string::npos);
-    EXPECT_NE(refusal(crowd.set_destination(2, std::vector<Vec3<float>>(2))).find("of a crowd of 3"),
+    EXPECT_NE(refusal(crowd.set_destination(Instances::numbered(1, 2), Vec3<float>())).find("instance 2"),
               std::string::npos);
-    EXPECT_NE(refusal(crowd.set_destination(1, std::array{Vec3<float>{0, kNan, 0}}))
+    EXPECT_NE(refusal(crowd.set_destination(Instances::numbered(2, 2), Vec3<float>())).find("of a crowd of 3"),
+              std::string::npos);
+    EXPECT_NE(refusal(crowd.set_destination(InstanceHandle{1}, Vec3<float>{0, kNan, 0}))
                   .find("instance 1: a number is not finite"),
               std::string::npos);
-    EXPECT_NE(refusal(crowd.clear_destination(0, 3)).find("has no steering"), std::string::npos);
-    EXPECT_NE(refusal(crowd.clear_destination(1, 0xFFFFFFFF)).find("of a crowd of 3"), std::string::npos);
+    EXPECT_NE(refusal(crowd.clear_destination(Instances::numbered(0, 3))).find("has no steering"), std::string::npos);
+    EXPECT_NE(refusal(crowd.clear_destination(Instances::numbered(1, 0xFFFFFFFF))).find("of a crowd of 3"),
+              std::string::npos);
 }
 
 }  // namespace

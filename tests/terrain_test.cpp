@@ -49,7 +49,7 @@ TEST(Terrain, InstancesStandOnIt) {
         std::vector<Affine> placements(203);
         for (Affine& placement : placements)
             for (size_t row = 0; row < 3; ++row) placement.row[row][3] = between(random, -60, 60);
-        ASSERT_TRUE(crowd.set_placement(0, placements));
+        ASSERT_TRUE(crowd.set_placement(crowd.instances(), placements));
         ASSERT_TRUE(crowd.update(0.1f));
         std::vector<Affine> placed;
         for (const Batch& batch : crowd.state().batches) {

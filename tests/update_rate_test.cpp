@@ -84,7 +84,8 @@ void expect_interpolated(const CrowdGroup& group, SkinFormat format, bool keeps_
     Random random(4);
     const std::vector<Playback> playbacks = random_playbacks(random, *group.character, kCount);
     for (Crowd* crowd : {&skipping, &whole})
-        ASSERT_TRUE(crowd->set_placement(0, places) && (group.controller || crowd->set_playback(0, playbacks)));
+        ASSERT_TRUE(crowd->set_placement(crowd->instances(), places) &&
+                    (group.controller || crowd->set_playback(crowd->instances(), playbacks)));
     const CrowdView near = view_along(40),
                     away = *view_of({.eye = {0, 0, 10}, .target = {0, 0, 90}}, kWidth, kHeight, {});
     struct Way {
@@ -98,7 +99,7 @@ void expect_interpolated(const CrowdGroup& group, SkinFormat format, bool keeps_
     for (uint32_t update = 0; update < kUpdates; ++update) {
         const bool looks_away = update == 11 || update == 12;
         std::vector<std::vector<Affine>> before;
-        for (uint32_t i = 0; i < kCount && keeps_previous; ++i) before.push_back(*skipping.read_skin_matrices(i));
+        for (uint32_t i = 0; i < kCount && keeps_previous; ++i) before.push_back(*skipping.read_skin_matrices({i}));
         const Result<void> updated = skipping.update(0.02f, looks_away ? &away : &near);
         ASSERT_TRUE(updated) << updated.error().text();
         ASSERT_TRUE(whole.update(0.02f));
@@ -112,7 +113,8 @@ void expect_interpolated(const CrowdGroup& group, SkinFormat format, bool keeps_
             const uint32_t period = expected_period(near, places[i], of);
             if (period == 0) continue;
             ++of_period[period];
-            const std::vector<Affine> got = *skipping.read_skin_matrices(i), animated = *whole.read_skin_matrices(i);
+            const std::vector<Affine> got = *skipping.read_skin_matrices({i}),
+                                      animated = *whole.read_skin_matrices({i});
             if (!was_drawn || period == 1) {
                 EXPECT_TRUE(same_bits(got, animated)) << "at once";
                 way.shown = animated;
@@ -165,8 +167,9 @@ TEST(UpdateRate, TheCostIsEven) {
     Crowd crowd = create(
         {.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true, .skips_updates = true});
     ASSERT_TRUE(crowd.set_placement(
-        0, std::vector<Affine>(kCount,
-                               to_affine(Trs<double>{.translation = {0, 0, -1000.0 * character.size}}).as<float>())));
+        crowd.instances(),
+        std::vector<Affine>(kCount,
+                            to_affine(Trs<double>{.translation = {0, 0, -1000.0 * character.size}}).as<float>())));
     const CrowdView view = view_along(10);
     ASSERT_TRUE(crowd.update(0.01f, &view));
     EXPECT_EQ(animated_in_last_update(crowd), kCount) << "what appears is animated at once";
@@ -185,8 +188,9 @@ TEST(UpdateRate, ABudgetLetsMoreAndMoreWait) {
     Crowd crowd = create(
         {.groups = {{&character, kCount}}, .path = UpdatePath::kFused, .culls = true, .skips_updates = true});
     ASSERT_TRUE(crowd.set_placement(
-        0, std::vector<Affine>(kCount,
-                               to_affine(Trs<double>{.translation = {0, 0, -20.0 * character.size}}).as<float>())));
+        crowd.instances(),
+        std::vector<Affine>(kCount,
+                            to_affine(Trs<double>{.translation = {0, 0, -20.0 * character.size}}).as<float>())));
     CrowdView view = view_along(0);
     const auto updated = [&](float budget_ms) {
         view.budget_ms = budget_ms;
@@ -214,7 +218,8 @@ TEST(UpdateRate, CoarserLevelsHaveFewerJoints) {
     const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
     const std::vector<Affine> places = rows_of(kCount, 3.0 * character.size);
     for (Crowd* crowd : {&reduced, &whole})
-        ASSERT_TRUE(crowd->set_placement(0, places) && crowd->set_playback(0, playbacks));
+        ASSERT_TRUE(crowd->set_placement(crowd->instances(), places) &&
+                    crowd->set_playback(crowd->instances(), playbacks));
     CrowdView view = view_along(0);
     view.lod_pixels = 0.2f;
     ASSERT_TRUE(reduced.update(0.1f, &view) && whole.update(0.1f));
@@ -223,8 +228,8 @@ TEST(UpdateRate, CoarserLevelsHaveFewerJoints) {
     std::array<uint32_t, 4> compared{}, drawn{};
     for (const DrawnInstance& one : drawn_of(reduced)) {
         ++drawn[one.lod];
-        const std::vector<Affine> got = *reduced.read_skin_matrices(one.instance),
-                                  wanted = *whole.read_skin_matrices(one.instance);
+        const std::vector<Affine> got = *reduced.read_skin_matrices({one.instance}),
+                                  wanted = *whole.read_skin_matrices({one.instance});
         for (size_t entry = 0; entry < got.size(); ++entry) {
             if (one.lod > 0 && character.joint_lods[character.palette[entry].joint] < one.lod) continue;
             ++compared[one.lod];
@@ -268,7 +273,8 @@ TEST(UpdateRate, AFinerLevelIsAnimatedAtOnce) {
     const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
     const std::vector<Affine> places(kCount,
                                      to_affine(Trs<double>{.translation = {0, 0, -20.0 * character.size}}).as<float>());
-    for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_placement(0, places) && one->set_playback(0, playbacks));
+    for (Crowd* one : {&crowd, &whole})
+        ASSERT_TRUE(one->set_placement(one->instances(), places) && one->set_playback(one->instances(), playbacks));
     CrowdView view = view_along(1e6f);  // every eighth update
     for (const float lod_pixels : {1e6f, 1e6f, 1e6f, 1e-20f}) {
         view.lod_pixels = lod_pixels;
@@ -276,8 +282,8 @@ TEST(UpdateRate, AFinerLevelIsAnimatedAtOnce) {
         for (const DrawnInstance& one : drawn_of(crowd)) EXPECT_EQ(one.lod == 0, lod_pixels < 1);
     }
     for (uint32_t i = 0; i < kCount; ++i) {
-        EXPECT_TRUE(same_bits(*crowd.read_skin_matrices(i), *whole.read_skin_matrices(i))) << "instance " << i;
-        EXPECT_TRUE(same_bits(previous_of(crowd, i), *crowd.read_skin_matrices(i))) << "instance " << i;
+        EXPECT_TRUE(same_bits(*crowd.read_skin_matrices({i}), *whole.read_skin_matrices({i}))) << "instance " << i;
+        EXPECT_TRUE(same_bits(previous_of(crowd, i), *crowd.read_skin_matrices({i}))) << "instance " << i;
     }
     ASSERT_TRUE(crowd.update(0.05f, &view));
     EXPECT_LT(animated_in_last_update(crowd), kCount) << "then it waits again";
@@ -299,20 +305,20 @@ TEST(UpdateRate, FewerJointsGoOnToo) {
         Random random(13);
         const std::vector<Affine> places(
             kCount, to_affine(Trs<double>{.translation = {0, 0, -20.0 * character.size}}).as<float>());
-        for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_placement(0, places));
+        for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_placement(one->instances(), places));
         CrowdView view = view_along(1e6f);  // every eighth update
         view.lod_pixels = 1e6f;
         // A pose at once, and then the way to another.
         for (const uint32_t updates : {1u, 17u}) {
             const std::vector<Playback> playbacks = random_playbacks(random, character, kCount);
-            for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_playback(0, playbacks));
+            for (Crowd* one : {&crowd, &whole}) ASSERT_TRUE(one->set_playback(one->instances(), playbacks));
             for (uint32_t update = 0; update < updates; ++update) ASSERT_TRUE(crowd.update(0, &view));
             ASSERT_TRUE(whole.update(0));
             uint32_t compared = 0, left_out = 0;
             for (const DrawnInstance& one : drawn_of(crowd)) {
                 ASSERT_EQ(one.lod, character.lods.size());
-                const std::vector<Affine> got = *crowd.read_skin_matrices(one.instance),
-                                          wanted = *whole.read_skin_matrices(one.instance),
+                const std::vector<Affine> got = *crowd.read_skin_matrices({one.instance}),
+                                          wanted = *whole.read_skin_matrices({one.instance}),
                                           before = keeps_previous ? previous_of(crowd, one.instance) : got;
                 for (size_t entry = 0; entry < got.size(); ++entry) {
                     if (character.joint_lods[character.palette[entry].joint] < one.lod) {

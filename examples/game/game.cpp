@@ -98,11 +98,12 @@ private:
         const std::vector<InstanceHandle> bodies = need(crowd_.spawn(0, places)),
                                           things = need(crowd_.spawn(1, places));
         std::uniform_real_distribution<float> aside(-6, 6);
+        std::vector<Vec3<float>> goals;
         for (uint32_t i = 0; i < count; ++i) {
-            const std::array goal{Vec3<float>{aside(random_) * size_, 0, aside(random_) * size_}};
-            need(crowd_.set_destination(bodies[i].instance, goal));
+            goals.push_back({aside(random_) * size_, 0, aside(random_) * size_});
             attackers_[bodies[i].instance] = {bodies[i], things[i], places[i]};
         }
+        need(crowd_.set_destination(bodies, goals));
         born += count;
     }
 
@@ -110,10 +111,10 @@ private:
     void hear() {
         for (const Feedback& feedback : need(crowd_.feedback())) {
             for (const CharacterEvent& event : feedback.events)
-                ++(crowd_.is_alive({event.instance, event.generation}) ? steps : steps_of_the_gone);
+                ++(crowd_.is_alive(event.instance) ? steps : steps_of_the_gone);
             for (const WatchedInstance& watched : feedback.watched) {
-                const auto found = attackers_.find(watched.instance);
-                if (found == attackers_.end() || found->second.body.generation != watched.generation) continue;
+                const auto found = attackers_.find(watched.instance.instance);
+                if (found == attackers_.end() || found->second.body != watched.instance) continue;
                 found->second.world_from_model = watched.world_from_model;
                 hold(found->second, watched.sockets[0]);
             }
@@ -122,7 +123,7 @@ private:
 
     void hold(const Attacker& attacker, const Affine& world_from_joint) {
         const Affine joint_from_thing{{{{thing_scale_, 0, 0, 0}, {0, thing_scale_, 0, 0}, {0, 0, thing_scale_, 0}}}};
-        need(crowd_.set_placement(attacker.thing.instance, std::array{world_from_joint * joint_from_thing}));
+        need(crowd_.set_placement(attacker.thing, world_from_joint * joint_from_thing));
     }
 
     // An attacker near the middle may fall: it drops its thing, lies for a while, and is despawned.
@@ -138,8 +139,8 @@ private:
             const auto& row = attacker.world_from_model.row;
             const bool is_near = std::hypot(row[0][3], row[2][3]) < 12 * size_;
             if (!is_near || chance(random_) > 0.02f || dying_.size() == kMostDying) return false;
-            need(crowd_.clear_destination(attacker.body.instance, 1));
-            need(crowd_.set_pose(attacker.body.instance, fallen_, 0.3f));
+            need(crowd_.clear_destination(attacker.body));
+            need(crowd_.set_pose(attacker.body, fallen_, 0.3f));
             dying_.push_back({attacker.body, now_s + kLies_s});
             gone.push_back(attacker.thing);
             ++died;
@@ -149,9 +150,9 @@ private:
     }
 
     void watch() {
-        std::vector<uint32_t> instances;
-        for (const auto& [instance, attacker] : attackers_) instances.push_back(instance);
-        need(crowd_.watch(instances));
+        std::vector<InstanceHandle> bodies;
+        for (const auto& [instance, attacker] : attackers_) bodies.push_back(attacker.body);
+        need(crowd_.watch(bodies));
     }
 
     // The rest pose, on its back.

@@ -159,51 +159,67 @@ public:
     // Instances of a group that are there. Errors: kInvalidArgument (no such group).
     Result<uint32_t> alive_count(uint32_t group) const;
 
-    // Change what instances play, or where they stand (world_from_model); taken up by the next record(). New instances
-    // play the rest pose and stand at the origin. Only changed instances are uploaded: 36 bytes each for a playback, 48
-    // for a placement (80 with root motion). Errors: kInvalidArgument (instance or clip out of range, value not finite,
-    // weight outside 0..1, set_playback() where there is a controller).
-    Result<void> set_playback(uint32_t first_instance, std::span<const Playback> playback);
-    Result<void> set_placement(uint32_t first_instance, std::span<const Affine> world_from_model);
+    // All numbers, of instances that are there or not; and those of one group. In groups without
+    // CrowdGroup::capacity all are there. Errors: kInvalidArgument (no such group).
+    Instances instances() const;
+    Result<Instances> instances(uint32_t group) const;
 
-    // For an instance whose group has a controller; taken up by the next record(), in the order of the calls. 32 bytes
-    // are uploaded for each, and applied on the GPU. set_parameters() sets one parameter after the other, from
-    // `parameter` on.
-    // Errors: kInvalidArgument (no controller, layer with states, or without inertial plays, clip, mask or parameter
-    // out of range, value not finite, negative fade, weight outside 0..1).
-    Result<void> play(uint32_t instance, uint32_t layer, const LayerPlayback& playback);
-    Result<void> set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend);
-    Result<void> set_parameters(uint32_t instance, uint32_t parameter, std::span<const float> values);
+    // What follows is taken up by the next record(), in the order of the calls. Each sets one value for all of the
+    // instances, or one for each. Where there is an error nothing has been set. Errors of all: kInvalidArgument (an
+    // instance is not there, or there is another number of values).
 
-    // Input of the procedural rules, from the next record() on. Until it is set a target has weight 0, and does
-    // nothing. Errors: kInvalidArgument (no such instance or target, value not finite, weight outside 0..1; wind:
-    // velocity beyond 1e6, gust outside 0..1, wavelength below 1e-6).
-    Result<void> set_target(uint32_t instance, uint32_t target, const Vec3<float>& world_place, float weight);
+    // What instances play, and where they stand. New instances play the rest pose and stand at the origin. Only changed
+    // instances are uploaded: 36 bytes each for a playback, 48 for a placement (80 with root motion). Errors:
+    // kInvalidArgument (clip out of range, value not finite, weight outside 0..1, set_playback() where there is a
+    // controller).
+    Result<void> set_playback(const Instances& instances, const Playback& playback);
+    Result<void> set_playback(const Instances& instances, std::span<const Playback> playback);
+    Result<void> set_placement(const Instances& instances, const Affine& world_from_model);
+    Result<void> set_placement(const Instances& instances, std::span<const Affine> world_from_model);
+
+    // For instances whose groups have controllers. 32 bytes are uploaded for each, and applied on the GPU. Parameters
+    // and layers are numbered as in the Controller. Errors: kInvalidArgument (no controller, layer with states, or
+    // without inertial plays, clip, mask or parameter out of range, value not finite, negative fade, weight outside
+    // 0..1).
+    Result<void> play(const Instances& instances, uint32_t layer, const LayerPlayback& playback);
+    Result<void> play(const Instances& instances, uint32_t layer, std::span<const LayerPlayback> playback);
+    Result<void> set_layer(const Instances& instances, uint32_t layer, const LayerBlend& blend);
+    Result<void> set_layer(const Instances& instances, uint32_t layer, std::span<const LayerBlend> blend);
+    Result<void> set_parameter(const Instances& instances, uint32_t parameter, float value);
+    Result<void> set_parameter(const Instances& instances, uint32_t parameter, std::span<const float> value);
+
+    // Input of the procedural rules. Until it is set a target has weight 0, and does nothing. Errors: kInvalidArgument
+    // (no such target, value not finite, weight outside 0..1; wind: velocity beyond 1e6, gust outside 0..1, wavelength
+    // below 1e-6).
+    Result<void> set_target(const Instances& instances, uint32_t target, const TargetPlace& place);
+    Result<void> set_target(const Instances& instances, uint32_t target, std::span<const TargetPlace> place);
     Result<void> set_wind(const Wind& wind);
-    // Where agents (CrowdGroup::steering) walk from the next record() on, each to one of the places, whose height does
-    // not matter; an agent stands where it is as long as it has no destination, and others keep away from it. It
-    // arrives within its radius; then it stands, and goes back when it has been pushed away by twice that.
-    // 16 bytes are uploaded for each. Errors: kInvalidArgument (instance out of range, its group has no steering, place
-    // not finite).
-    Result<void> set_destination(uint32_t first_instance, std::span<const Vec3<float>> world_places);
-    Result<void> clear_destination(uint32_t first_instance, uint32_t count);
-    // A pose from outside (a ragdoll, a cut scene), parent_from_joint[joint_count], in place of the animated one, which
-    // goes on below it (procedural rules move it too); taken up by the next record(). If the instance had none, it
-    // fades in within `fade_s` seconds, 0: at once; it counts as having one until it is cleared, so a call in each
-    // frame replaces the pose and lets the fade go on. clear_pose() fades out; the room for the pose is free again when
-    // that is done. A pose set meanwhile fades in from where it is. Translations and scales are blended linearly,
-    // rotations on the shortest path, by a weight eased as those of docs/controller.md, step 5. Rotations are
-    // normalised. Only the poses set are uploaded, 48 bytes a joint, and 8 for each instance that fades. Errors:
-    // kInvalidArgument (instance out of range, another number of joints, a number that is not finite, a rotation of
-    // length 0, a negative fade; where Rig::uniform_scale is set, a scale that differs along the axes by more than 1e-5
-    // of itself), kLimit (as many poses as CrowdGroup::pose_capacity are there).
-    Result<void> set_pose(uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s = 0);
-    Result<void> clear_pose(uint32_t instance, float fade_s = 0);
 
-    // From the next record() on, placement, move, sockets, and what their controllers do, of these instances come back
-    // with the feedback. Replaces the ones before. Errors: kInvalidArgument (instance out of range, or no group has a
-    // controller, sockets or steering), kLimit (more than CrowdSettings::watch_capacity).
-    Result<void> watch(std::span<const uint32_t> instances);
+    // Where agents (CrowdGroup::steering) walk; the height does not matter. An agent stands where it is as long as it
+    // has no destination, and others keep away from it. It arrives within its radius; then it stands, and goes back
+    // when it has been pushed away by twice that. 16 bytes are uploaded for each. Errors: kInvalidArgument (a group has
+    // no steering, place not finite).
+    Result<void> set_destination(const Instances& instances, const Vec3<float>& world_place);
+    Result<void> set_destination(const Instances& instances, std::span<const Vec3<float>> world_place);
+    Result<void> clear_destination(const Instances& instances);
+
+    // A pose from outside (a ragdoll, a cut scene) in place of the animated one, which goes on below it (procedural
+    // rules move it too): parent_from_joint[joint_count] for all of the instances, or the poses of each one after
+    // another. If an instance had none, it fades in within `fade_s` seconds, 0: at once; it counts as having one until
+    // it is cleared, so a call in each frame replaces the pose and lets the fade go on. clear_pose() fades out; the
+    // room for the pose is free again when that is done. A pose set meanwhile fades in from where it is. Translations
+    // and scales are blended linearly, rotations on the shortest path, by a weight eased as those of
+    // docs/controller.md, step 5. Rotations are normalised. Only the poses set are uploaded, 48 bytes a joint, and 8
+    // for each instance that fades. Errors: kInvalidArgument (another number of joints, a number that is not finite, a
+    // rotation of length 0, a negative fade; where Rig::uniform_scale is set, a scale that differs along the axes by
+    // more than 1e-5 of itself), kLimit (as many poses as CrowdGroup::pose_capacity are there).
+    Result<void> set_pose(const Instances& instances, std::span<const Trs<float>> parent_from_joint, float fade_s = 0);
+    Result<void> clear_pose(const Instances& instances, float fade_s = 0);
+
+    // Placement, move, sockets, and what their controllers do, of these instances come back with the feedback from now
+    // on. Replaces the ones before. Errors: kInvalidArgument (no group has a controller, sockets or steering), kLimit
+    // (more than CrowdSettings::watch_capacity).
+    Result<void> watch(const Instances& instances);
 
     // What the updates that have finished since the last call reported, oldest first; does not wait. An update's
     // feedback is kept until the fourth record() after it: with fewer than four updates in flight, one call between two
@@ -247,13 +263,13 @@ public:
     Result<StageTimes> stage_times() const;
 
     // Copies of one instance's results; they submit and wait. Shapes: [palette_count], [joint_count], [vertex_count].
-    // Errors: kInvalidArgument (instance out of range, a group of CrowdGroup::sockets_only; with a skin pool, an
+    // Errors: kInvalidArgument (the instance is not there, a group of CrowdGroup::sockets_only; with a skin pool, an
     // instance that the last update has not drawn).
-    Result<std::vector<Affine>> read_skin_matrices(uint32_t instance);
-    Result<std::vector<Affine>> read_model_matrices(uint32_t instance);
+    Result<std::vector<Affine>> read_skin_matrices(const InstanceHandle& instance);
+    Result<std::vector<Affine>> read_model_matrices(const InstanceHandle& instance);
     // Morphed and skinned on the GPU, model space, in the order of Character::vertices; where
     // CrowdSettings::reduces_joints, of instances that the last update has listed.
-    Result<std::vector<Vec3<float>>> read_positions(uint32_t instance);
+    Result<std::vector<Vec3<float>>> read_positions(const InstanceHandle& instance);
 
     // What the last update has listed, in the order of the lists. Errors: kInvalidArgument where not
     // CrowdSettings::culls.

@@ -2,19 +2,20 @@
 #pragma once
 
 #include <throng/character.h>
+#include <throng/population.h>
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace throng {
 
 // An event of a controller's clip that an instance passed.
 struct CharacterEvent {
-    uint32_t instance = 0;
+    InstanceHandle instance;
     uint32_t event = 0;  // index into Controller::events
     uint32_t layer = 0;
-    float time_s = 0;         // after the beginning of the update's time step
-    uint32_t generation = 0;  // InstanceHandle's
+    float time_s = 0;  // after the beginning of the update's time step
 };
 
 // What a layer plays: a state, or of a layer without states a clip.
@@ -28,25 +29,37 @@ struct PlayedMotion {
     bool operator==(const PlayedMotion&) const = default;
 };
 
-// A watched instance as it is after an update.
+// A watched instance as it is after an update. Refers to the Feedback that it is in, and is valid as long as that.
 struct WatchedInstance {
-    uint32_t instance = 0;
-    uint32_t generation = 0;    // InstanceHandle's
+    InstanceHandle instance;
     Affine world_from_model{};  // with all root motion so far, where it moves placements
     // Root motion of this update, in the character's space before it; the identity where there is none
     Affine move{};
-    std::vector<Affine> sockets{};    // [socket_count] of its group, in its CrowdGroup::socket_space
-    std::vector<float> parameters{};  // [parameter_count] of its controller
+    std::span<const Affine> sockets{};    // [socket_count] of its group, in its CrowdGroup::socket_space
+    std::span<const float> parameters{};  // [parameter_count] of its controller
     // [layer_count] of its controller; of each, newest first, what it cross-fades: the first leads
-    std::vector<std::vector<PlayedMotion>> layers{};
+    std::span<const std::span<const PlayedMotion>> layers{};
 };
 
-// What came back from one update.
+// What came back from one update. Can be moved, and what refers to it stays valid, but not copied.
 struct Feedback {
     uint64_t update = 0;                     // counted from 1
     std::vector<CharacterEvent> events{};    // by instance, then layer, then time
     uint64_t lost_event_count = 0;           // that found no room
     std::vector<WatchedInstance> watched{};  // of watch(), in its order
+
+    // Internal: what `watched` refers to.
+    struct Arrays {
+        Arrays() = default;
+        Arrays(Arrays&&) = default;
+        Arrays& operator=(Arrays&&) = default;
+
+        std::vector<Affine> sockets;
+        std::vector<float> parameters;
+        std::vector<PlayedMotion> motions;
+        std::vector<std::span<const PlayedMotion>> layers;
+    };
+    Arrays arrays{};
 };
 
 }  // namespace throng

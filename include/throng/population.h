@@ -1,19 +1,49 @@
-// Instances that come and go.
+// Which instances a call is about; instances that come and go.
 #pragma once
 
 #include <throng/character.h>
 
+#include <concepts>
 #include <cstdint>
+#include <span>
 
 namespace throng {
 
-// An instance from its Crowd::spawn() to its Crowd::despawn(). Its number in the crowd, by which calls and outputs name
-// it, is given to others later, which have another generation.
+// An instance from its Crowd::spawn() to its Crowd::despawn(). Its number in the crowd, by which outputs name it, is
+// given to others later, which have another generation. In groups without CrowdGroup::capacity the generation is 0.
 struct InstanceHandle {
     uint32_t instance = kNone;
     uint32_t generation = 0;  // how many had the number before; modulo 2^32
 
     bool operator==(const InstanceHandle&) const = default;
+};
+
+// What a call is about: one instance or many, in an order. Refers to the caller's handles, which must last as long as
+// the call. Where one of them is not there any more, the call does nothing and says which.
+class Instances {
+public:
+    Instances(const InstanceHandle& one) : handles_(&one), count_(1) {}
+    Instances(std::span<const InstanceHandle> handles)
+        : handles_(handles.data()), count_(static_cast<uint32_t>(handles.size())) {}
+    template <class Range>
+    requires std::convertible_to<const Range&, std::span<const InstanceHandle>> Instances(const Range& handles)
+        : Instances(std::span<const InstanceHandle>(handles)) {}
+    // Whoever has the numbers from `first` on when the call is made.
+    static Instances numbered(uint32_t first, uint32_t count = 1) {
+        Instances instances{std::span<const InstanceHandle>()};
+        instances.first_ = first;
+        instances.count_ = count;
+        return instances;
+    }
+
+    uint32_t size() const { return count_; }
+    const InstanceHandle* handles() const { return handles_; }  // [size()]; null: numbers from first() on
+    uint32_t first() const { return first_; }
+    uint32_t number(uint32_t i) const { return handles_ ? handles_[i].instance : first_ + i; }
+
+private:
+    const InstanceHandle* handles_ = nullptr;
+    uint32_t first_ = 0, count_ = 0;
 };
 
 }  // namespace throng

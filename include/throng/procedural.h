@@ -68,6 +68,12 @@ struct ReachRule {
     float weight = 1;           // 0..1, times the target's: part of the way
 };
 
+// Where a target of Crowd::set_target() is.
+struct TargetPlace {
+    Vec3<float> world_place{};
+    float weight = 1;  // 0..1: part of the way
+};
+
 // In their order: each sees what those before it did. Targets are places that Crowd::set_target() moves; no two have
 // one name. A joint must be the only one of its name.
 using ProceduralRule = std::variant<WindRule, SpringRule, LookAtRule, ReachRule>;

@@ -81,30 +81,23 @@ io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask
             .fade_rate = rate_of(blend.fade_s, place)};
 }
 
-void check_parameters(uint32_t parameter_count, uint32_t first, std::span<const float> values,
-                      const std::string& place) {
-    if (first > parameter_count || values.size() > parameter_count - first)
-        refuse(place, "parameters " + std::to_string(first) + " to " + std::to_string(first + values.size()) +
-                          " of a controller that has " + std::to_string(parameter_count));
-    if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); }))
-        refuse(place, "a number is not finite");
+void check_parameter(uint32_t parameter_count, uint32_t parameter, float value, const std::string& place) {
+    if (parameter >= parameter_count)
+        refuse(place, "parameter " + std::to_string(parameter) + " of a controller that has " +
+                          std::to_string(parameter_count));
+    if (!std::isfinite(value)) refuse(place, "it must be finite");
 }
 
-std::vector<std::vector<PlayedMotion>> played_layers(std::span<const io::LayerState> states,
-                                                     std::span<const LayerKind> kinds, uint32_t clip_count) {
-    std::vector<std::vector<PlayedMotion>> layers(states.size());
-    for (size_t layer = 0; layer < states.size(); ++layer) {
-        const io::LayerState& state = states[layer];
-        for (uint32_t k = 0; k < state.play_count; ++k) {
-            const io::LayerPlay& play = state.plays[k];
-            const bool rests = !kinds[layer].has_states && play.motion == clip_count;
-            layers[layer].push_back({.motion = rests ? kNone : play.motion,
-                                     .phase = static_cast<float>(play.phase * 0x1p-32),
-                                     .loops = play.loops,
-                                     .fade = k + 1 == state.play_count ? 1 : play.fade});
-        }
+void append_played(std::vector<PlayedMotion>& motions, const io::LayerState& layer, const LayerKind& kind,
+                   uint32_t clip_count) {
+    for (uint32_t k = 0; k < layer.play_count; ++k) {
+        const io::LayerPlay& play = layer.plays[k];
+        const bool rests = !kind.has_states && play.motion == clip_count;
+        motions.push_back({.motion = rests ? kNone : play.motion,
+                           .phase = static_cast<float>(play.phase * 0x1p-32),
+                           .loops = play.loops,
+                           .fade = k + 1 == layer.play_count ? 1 : play.fade});
     }
-    return layers;
 }
 
 }  // namespace throng

@@ -24,11 +24,10 @@ io::ControlCommand play_command(std::span<const LayerKind> kinds, std::span<cons
                                 uint32_t layer, const LayerPlayback& playback, const std::string& place);
 io::ControlCommand layer_command(std::span<const LayerKind> kinds, uint32_t mask_count, uint32_t layer,
                                  const LayerBlend& blend, const std::string& place);
-void check_parameters(uint32_t parameter_count, uint32_t first, std::span<const float> values,
-                      const std::string& place);
+void check_parameter(uint32_t parameter_count, uint32_t parameter, float value, const std::string& place);
 
-// What layers play, as WatchedInstance has it; states[layer_count], kinds likewise.
-std::vector<std::vector<PlayedMotion>> played_layers(std::span<const io::LayerState> states,
-                                                     std::span<const LayerKind> kinds, uint32_t clip_count);
+// What a layer plays, as WatchedInstance has it.
+void append_played(std::vector<PlayedMotion>& motions, const io::LayerState& layer, const LayerKind& kind,
+                   uint32_t clip_count);
 
 }  // namespace throng

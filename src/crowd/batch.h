@@ -50,6 +50,15 @@ inline uint32_t batch_index_of(const std::vector<Batch>& batches, uint32_t insta
     return static_cast<uint32_t>(after - batches.begin()) - 1;
 }
 
+// An instance of the crowd, in its batch.
+struct InBatch {
+    uint32_t batch = 0, instance = 0;
+};
+inline InBatch in_batch(const std::vector<Batch>& batches, uint32_t instance) {
+    const uint32_t batch = batch_index_of(batches, instance);
+    return {batch, instance - batches[batch].first_instance};
+}
+
 // Cuts ranges of the crowd's instances where batches end: apply(batch, first_instance, count).
 template <class Ranges, class Apply>
 void for_each_part(const std::vector<Batch>& batches, const Ranges& ranges, const Apply& apply) {

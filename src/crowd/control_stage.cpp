@@ -56,17 +56,18 @@ io::InstancePlayback ControlStage::checked(uint32_t instance, const Playback& pl
     return {slot(playback.first), slot(playback.second), playback.weight};
 }
 
-void ControlStage::set(uint32_t first_instance, std::span<const Playback> playback) {
+void ControlStage::set(const Instances& instances, const Each<Playback>& playback) {
     std::vector<io::InstancePlayback> all;
-    all.reserve(playback.size());
-    for (uint32_t i = 0; i < playback.size(); ++i) all.push_back(checked(first_instance + i, playback[i]));
+    all.reserve(instances.size());
+    for (uint32_t i = 0; i < instances.size(); ++i) all.push_back(checked(instances.number(i), playback[i]));
     for (uint32_t i = 0; i < all.size(); ++i) {
-        io::InstancePlayback& known = playbacks_[first_instance + i];
+        const uint32_t instance = instances.number(i);
+        io::InstancePlayback& known = playbacks_[instance];
         if (const bool before = blends(known), after = blends(all[i]); before != after)
-            members_[member_of_batch_[batch_index_of(batches_, first_instance + i)]].blending_count += after ? 1u : ~0u;
+            members_[member_of_batch_[batch_index_of(batches_, instance)]].blending_count += after ? 1u : ~0u;
         known = all[i];
+        dirty_.add(instance, 1);
     }
-    dirty_.add(first_instance, static_cast<uint32_t>(playback.size()));
 }
 
 void ControlStage::begin(const Update& update) {

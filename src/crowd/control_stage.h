@@ -4,6 +4,7 @@
 #include "control/control_io.h"
 #include "crowd/batch_plan.h"
 #include "crowd/dirty_ranges.h"
+#include "crowd/each.h"
 #include "crowd/stage.h"
 
 namespace throng {
@@ -15,7 +16,7 @@ public:
     explicit ControlStage(const StageContext& context);
 
     // As Crowd::set_playback().
-    void set(uint32_t first_instance, std::span<const Playback> playback);
+    void set(const Instances& instances, const Each<Playback>& playback);
 
     void begin(const Update& update) override;
     void record(const Update& update) override;

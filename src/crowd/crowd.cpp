@@ -67,51 +67,85 @@ Result<uint32_t> Crowd::alive_count(uint32_t group) const {
     return as_result([&] { return state().alive_count(group); });
 }
 
-Result<void> Crowd::set_playback(uint32_t first_instance, std::span<const Playback> playback) {
-    return as_result([&] { state().set_playback(first_instance, playback); });
+Instances Crowd::instances() const { return Instances::numbered(0, instance_count()); }
+
+Result<Instances> Crowd::instances(uint32_t group) const {
+    return as_result([&] { return state().instances(group); });
 }
 
-Result<void> Crowd::set_placement(uint32_t first_instance, std::span<const Affine> world_from_model) {
-    return as_result([&] { state().set_placement(first_instance, world_from_model); });
+Result<void> Crowd::set_playback(const Instances& instances, const Playback& playback) {
+    return as_result([&] { state().set_playback(instances, Each(playback)); });
 }
 
-Result<void> Crowd::play(uint32_t instance, uint32_t layer, const LayerPlayback& playback) {
-    return as_result([&] { state().play(instance, layer, playback); });
+Result<void> Crowd::set_playback(const Instances& instances, std::span<const Playback> playback) {
+    return as_result([&] { state().set_playback(instances, Each(instances, playback, "playback")); });
 }
 
-Result<void> Crowd::set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend) {
-    return as_result([&] { state().set_layer(instance, layer, blend); });
+Result<void> Crowd::set_placement(const Instances& instances, const Affine& world_from_model) {
+    return as_result([&] { state().set_placement(instances, Each(world_from_model)); });
 }
 
-Result<void> Crowd::set_parameters(uint32_t instance, uint32_t parameter, std::span<const float> values) {
-    return as_result([&] { state().set_parameters(instance, parameter, values); });
+Result<void> Crowd::set_placement(const Instances& instances, std::span<const Affine> world_from_model) {
+    return as_result([&] { state().set_placement(instances, Each(instances, world_from_model, "placement")); });
 }
 
-Result<void> Crowd::set_target(uint32_t instance, uint32_t target, const Vec3<float>& world_place, float weight) {
-    return as_result([&] { state().set_target(instance, target, world_place, weight); });
+Result<void> Crowd::play(const Instances& instances, uint32_t layer, const LayerPlayback& playback) {
+    return as_result([&] { state().play(instances, layer, Each(playback)); });
+}
+
+Result<void> Crowd::play(const Instances& instances, uint32_t layer, std::span<const LayerPlayback> playback) {
+    return as_result([&] { state().play(instances, layer, Each(instances, playback, "play")); });
+}
+
+Result<void> Crowd::set_layer(const Instances& instances, uint32_t layer, const LayerBlend& blend) {
+    return as_result([&] { state().set_layer(instances, layer, Each(blend)); });
+}
+
+Result<void> Crowd::set_layer(const Instances& instances, uint32_t layer, std::span<const LayerBlend> blend) {
+    return as_result([&] { state().set_layer(instances, layer, Each(instances, blend, "layer")); });
+}
+
+Result<void> Crowd::set_parameter(const Instances& instances, uint32_t parameter, float value) {
+    return as_result([&] { state().set_parameter(instances, parameter, Each(value)); });
+}
+
+Result<void> Crowd::set_parameter(const Instances& instances, uint32_t parameter, std::span<const float> value) {
+    return as_result([&] { state().set_parameter(instances, parameter, Each(instances, value, "parameter")); });
+}
+
+Result<void> Crowd::set_target(const Instances& instances, uint32_t target, const TargetPlace& place) {
+    return as_result([&] { state().set_target(instances, target, Each(place)); });
+}
+
+Result<void> Crowd::set_target(const Instances& instances, uint32_t target, std::span<const TargetPlace> place) {
+    return as_result([&] { state().set_target(instances, target, Each(instances, place, "target")); });
 }
 
 Result<void> Crowd::set_wind(const Wind& wind) {
     return as_result([&] { state().procedural->set_wind(wind); });
 }
 
-Result<void> Crowd::set_destination(uint32_t first_instance, std::span<const Vec3<float>> world_places) {
-    return as_result([&] { state().set_destination(first_instance, world_places); });
+Result<void> Crowd::set_destination(const Instances& instances, const Vec3<float>& world_place) {
+    return as_result([&] { state().set_destination(instances, Each(world_place)); });
 }
 
-Result<void> Crowd::clear_destination(uint32_t first_instance, uint32_t count) {
-    return as_result([&] { state().clear_destination(first_instance, count); });
+Result<void> Crowd::set_destination(const Instances& instances, std::span<const Vec3<float>> world_place) {
+    return as_result([&] { state().set_destination(instances, Each(instances, world_place, "destination")); });
 }
 
-Result<void> Crowd::set_pose(uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s) {
-    return as_result([&] { state().set_pose(instance, parent_from_joint, fade_s); });
+Result<void> Crowd::clear_destination(const Instances& instances) {
+    return as_result([&] { state().clear_destination(instances); });
 }
 
-Result<void> Crowd::clear_pose(uint32_t instance, float fade_s) {
-    return as_result([&] { state().clear_pose(instance, fade_s); });
+Result<void> Crowd::set_pose(const Instances& instances, std::span<const Trs<float>> parent_from_joint, float fade_s) {
+    return as_result([&] { state().set_pose(instances, parent_from_joint, fade_s); });
 }
 
-Result<void> Crowd::watch(std::span<const uint32_t> instances) {
+Result<void> Crowd::clear_pose(const Instances& instances, float fade_s) {
+    return as_result([&] { state().clear_pose(instances, fade_s); });
+}
+
+Result<void> Crowd::watch(const Instances& instances) {
     return as_result([&] { state().watch(instances); });
 }
 
@@ -165,15 +199,15 @@ Result<StageTimes> Crowd::stage_times() const {
     });
 }
 
-Result<std::vector<Affine>> Crowd::read_skin_matrices(uint32_t instance) {
+Result<std::vector<Affine>> Crowd::read_skin_matrices(const InstanceHandle& instance) {
     return as_result([&] { return state().read_matrices(instance, false); });
 }
 
-Result<std::vector<Affine>> Crowd::read_model_matrices(uint32_t instance) {
+Result<std::vector<Affine>> Crowd::read_model_matrices(const InstanceHandle& instance) {
     return as_result([&] { return state().read_matrices(instance, true); });
 }
 
-Result<std::vector<Vec3<float>>> Crowd::read_positions(uint32_t instance) {
+Result<std::vector<Vec3<float>>> Crowd::read_positions(const InstanceHandle& instance) {
     return as_result([&] { return state().read_positions(instance); });
 }
 

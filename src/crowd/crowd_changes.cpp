@@ -3,132 +3,176 @@
 
 #include "base/failure.h"
 #include "control/layer_commands.h"
+#include "procedural/procedural_plan.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace throng {
+namespace {
 
-void CrowdState::check_range(uint32_t first_instance, size_t count, const char* what) const {
-    if (first_instance <= instance_count && count <= instance_count - first_instance) return;
-    throw Failure(ErrorCode::kInvalidArgument, what,
-                  "instances " + std::to_string(first_instance) + " to " + std::to_string(first_instance + count) +
-                      " of a crowd of " + std::to_string(instance_count));
+std::string place_of(const char* what, uint32_t instance) {
+    return std::string(what) + " of instance " + std::to_string(instance);
 }
 
-// Of a call that names instances.
-void CrowdState::check_there(uint32_t first_instance, size_t count, const char* what) const {
-    check_range(first_instance, count, what);
-    for (uint32_t i = first_instance; population && i < first_instance + count; ++i)
-        if (!population->is_alive(i))
-            throw Failure(ErrorCode::kInvalidArgument, what,
-                          "instance " + std::to_string(i) + " is not there: it has not been spawned, or has gone");
+[[noreturn]] void refuse(const char* what, uint32_t instance, const std::string& why) {
+    throw Failure(ErrorCode::kInvalidArgument, place_of(what, instance), why);
+}
+
+}  // namespace
+
+void CrowdState::check_range(uint32_t first_instance, uint32_t count, const char* what) const {
+    if (first_instance <= instance_count && count <= instance_count - first_instance) return;
+    throw Failure(ErrorCode::kInvalidArgument, what, "instances ", first_instance, " to ",
+                  uint64_t{first_instance} + count, " of a crowd of ", instance_count);
+}
+
+void CrowdState::check_there(const Instances& instances, const char* what) const {
+    if (!instances.handles()) check_range(instances.first(), instances.size(), what);
+    for (uint32_t i = 0; i < instances.size(); ++i) {
+        if (!instances.handles()) {
+            if (!population) return;
+            if (population->is_alive(instances.number(i))) continue;
+            throw Failure(ErrorCode::kInvalidArgument, what, "instance ", instances.number(i),
+                          " is not there: it has not been spawned, or has gone");
+        }
+        const InstanceHandle& handle = instances.handles()[i];
+        check_range(handle.instance, 1, what);
+        if (!is_alive(handle)) throw Failure(ErrorCode::kInvalidArgument, what, name_of(handle), " is not there");
+    }
 }
 
 const Batch& CrowdState::batch_of(uint32_t instance) const { return batches[batch_index_of(batches, instance)]; }
 
-void CrowdState::set_playback(uint32_t first_instance, std::span<const Playback> playback) {
-    check_there(first_instance, playback.size(), "playback");
-    control->set(first_instance, playback);
+Instances CrowdState::instances(uint32_t group) const {
+    group_at(group);
+    uint32_t first = 0, count = 0;
+    for (const Batch& batch : batches) {
+        if (batch.group < group) first += batch.instance_count;
+        if (batch.group == group) count += batch.instance_count;
+    }
+    return Instances::numbered(first, count);
 }
 
-void CrowdState::set_placement(uint32_t first_instance, std::span<const Affine> world_from_model) {
-    check_there(first_instance, world_from_model.size(), "placement");
-    PlacementStage::check(world_from_model, "placement of instance ", first_instance);
-    placements->set(first_instance, world_from_model);
+void CrowdState::set_playback(const Instances& instances, const Each<Playback>& playback) {
+    check_there(instances, "playback");
+    control->set(instances, playback);
 }
 
-const GroupController& CrowdState::controller_of(uint32_t instance, const char* what) const {
-    check_there(instance, 1, what);
-    const Group& group = groups[batch_of(instance).group];
-    if (!group.controller)
-        throw Failure(ErrorCode::kInvalidArgument, std::string(what) + " of instance " + std::to_string(instance),
-                      group.name + " has no controller");
-    return *group.controller;
+void CrowdState::set_placement(const Instances& instances, const Each<Affine>& world_from_model) {
+    check_there(instances, "placement");
+    for (uint32_t i = 0; i < instances.size(); ++i)
+        if (!is_finite(world_from_model[i])) refuse("placement", instances.number(i), "a number is not finite");
+    placements->set(instances, world_from_model);
 }
 
 void CrowdState::send(uint32_t instance, io::ControlCommand command) {
-    const Batch& batch = batch_of(instance);
-    command.instance = instance - batch.first_instance;
-    controllers->add(static_cast<uint32_t>(&batch - batches.data()), command);
+    const InBatch of = at(instance);
+    command.instance = of.instance;
+    controllers->add(of.batch, command);
 }
 
-void CrowdState::play(uint32_t instance, uint32_t layer, const LayerPlayback& playback) {
-    const GroupController& controller = controller_of(instance, "play");
-    const auto& durations_s = groups[batch_of(instance).group].clip_durations_s;
-    send(instance, play_command(controller.layer_kinds, durations_s, layer, playback,
-                                "play of instance " + std::to_string(instance)));
-}
-
-void CrowdState::set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend) {
-    const GroupController& controller = controller_of(instance, "layer");
-    send(instance, layer_command(controller.layer_kinds, controller.mask_count, layer, blend,
-                                 "layer of instance " + std::to_string(instance)));
-}
-
-void CrowdState::set_parameters(uint32_t instance, uint32_t parameter, std::span<const float> values) {
-    const GroupController& controller = controller_of(instance, "parameter");
-    const std::string place = "parameter of instance " + std::to_string(instance);
-    check_parameters(controller.parameter_count, parameter, values, place);
-    for (uint32_t i = 0; i < values.size(); ++i)
-        send(instance, {.kind = io::kCommandParameter, .target = parameter + i, .value = values[i]});
-}
-
-void CrowdState::set_target(uint32_t instance, uint32_t target, const Vec3<float>& world_place, float weight) {
-    check_there(instance, 1, "target");
-    const Batch& batch = batch_of(instance);
-    const Group& group = groups[batch.group];
-    const uint32_t count = group.procedural ? group.procedural->target_count : 0;
-    check_target(target, count, world_place, weight, "target of instance " + std::to_string(instance));
-    procedural->set_target(index_of(batch), (instance - batch.first_instance) * count + target,
-                           {world_place.x, world_place.y, world_place.z, weight});
-}
-
-const Batch& CrowdState::batch_of_agent(uint32_t instance) const {
-    const Batch& batch = batch_of(instance);
-    const Group& group = groups[batch.group];
-    if (!group.steering)
-        throw Failure(ErrorCode::kInvalidArgument, "destination of instance " + std::to_string(instance),
-                      group.name + " has no steering");
-    return batch;
-}
-
-void CrowdState::set_destination(uint32_t first_instance, std::span<const Vec3<float>> world_places) {
-    check_there(first_instance, world_places.size(), "destination");
-    for (uint32_t i = 0; i < world_places.size(); ++i) {
-        batch_of_agent(first_instance + i);
-        if (!std::isfinite(world_places[i].x) || !std::isfinite(world_places[i].y) || !std::isfinite(world_places[i].z))
-            throw Failure(ErrorCode::kInvalidArgument, "destination of instance " + std::to_string(first_instance + i),
-                          "a number is not finite");
+// make_command(i, group, place): of the i-th instance. All are made before the first is sent.
+template <class MakeCommand>
+void CrowdState::send_each(const Instances& instances, const char* what, const MakeCommand& make_command) {
+    check_there(instances, what);
+    std::vector<io::ControlCommand> commands;
+    commands.reserve(instances.size());
+    for (uint32_t i = 0; i < instances.size(); ++i) {
+        const Group& group = group_of(instances.number(i));
+        if (!group.controller) refuse(what, instances.number(i), group.name + " has no controller");
+        commands.push_back(make_command(i, group, place_of(what, instances.number(i))));
     }
-    for (uint32_t i = 0; i < world_places.size(); ++i) {
-        const Batch& batch = batch_of(first_instance + i);
-        steer->set_destination(index_of(batch), first_instance + i - batch.first_instance,
-                               {world_places[i].x, world_places[i].y, world_places[i].z, 1});
+    for (uint32_t i = 0; i < instances.size(); ++i) send(instances.number(i), commands[i]);
+}
+
+void CrowdState::play(const Instances& instances, uint32_t layer, const Each<LayerPlayback>& playback) {
+    send_each(instances, "play", [&](uint32_t i, const Group& group, const std::string& place) {
+        return play_command(group.controller->layer_kinds, group.clip_durations_s, layer, playback[i], place);
+    });
+}
+
+void CrowdState::set_layer(const Instances& instances, uint32_t layer, const Each<LayerBlend>& blend) {
+    send_each(instances, "layer", [&](uint32_t i, const Group& group, const std::string& place) {
+        return layer_command(group.controller->layer_kinds, group.controller->mask_count, layer, blend[i], place);
+    });
+}
+
+void CrowdState::set_parameter(const Instances& instances, uint32_t parameter, const Each<float>& value) {
+    send_each(instances, "parameter", [&](uint32_t i, const Group& group, const std::string& place) {
+        check_parameter(group.controller->parameter_count, parameter, value[i], place);
+        return io::ControlCommand{.kind = io::kCommandParameter, .target = parameter, .value = value[i]};
+    });
+}
+
+void CrowdState::set_target(const Instances& instances, uint32_t target, const Each<TargetPlace>& place) {
+    check_there(instances, "target");
+    const auto target_count = [&](uint32_t instance) {
+        const Group& group = group_of(instance);
+        return group.procedural ? group.procedural->target_count : 0;
+    };
+    for (uint32_t i = 0; i < instances.size(); ++i)
+        check_target(target, target_count(instances.number(i)), place[i], place_of("target", instances.number(i)));
+    for (uint32_t i = 0; i < instances.size(); ++i) {
+        const InBatch of = at(instances.number(i));
+        const auto& [x, y, z] = place[i].world_place;
+        procedural->set_target(of.batch, of.instance * target_count(instances.number(i)) + target,
+                               {x, y, z, place[i].weight});
     }
 }
 
-void CrowdState::clear_destination(uint32_t first_instance, uint32_t count) {
-    check_there(first_instance, count, "destination");
-    for (uint32_t i = first_instance; i < first_instance + count; ++i) batch_of_agent(i);
-    for (uint32_t i = first_instance; i < first_instance + count; ++i) {
-        const Batch& batch = batch_of(i);
-        steer->set_destination(index_of(batch), i - batch.first_instance, {});
+void CrowdState::check_agents(const Instances& instances) const {
+    check_there(instances, "destination");
+    for (uint32_t i = 0; i < instances.size(); ++i)
+        if (const Group& group = group_of(instances.number(i)); !group.steering)
+            refuse("destination", instances.number(i), group.name + " has no steering");
+}
+
+void CrowdState::set_destination(const Instances& instances, const Each<Vec3<float>>& world_place) {
+    check_agents(instances);
+    for (uint32_t i = 0; i < instances.size(); ++i) {
+        const auto& [x, y, z] = world_place[i];
+        if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z))
+            refuse("destination", instances.number(i), "a number is not finite");
+    }
+    for (uint32_t i = 0; i < instances.size(); ++i) {
+        const auto& [x, y, z] = world_place[i];
+        steer->set_destination(at(instances.number(i)), {x, y, z, 1});
     }
 }
 
-void CrowdState::set_pose(uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s) {
-    check_there(instance, 1, "pose");
-    const Batch& batch = batch_of(instance);
-    poses->set(index_of(batch), instance - batch.first_instance, parent_from_joint, fade_s,
-               "pose of instance " + std::to_string(instance));
+void CrowdState::clear_destination(const Instances& instances) {
+    check_agents(instances);
+    for (uint32_t i = 0; i < instances.size(); ++i) steer->set_destination(at(instances.number(i)), {});
 }
 
-void CrowdState::clear_pose(uint32_t instance, float fade_s) {
-    check_there(instance, 1, "pose");
-    const Batch& batch = batch_of(instance);
-    poses->clear(index_of(batch), instance - batch.first_instance, fade_s,
-                 "pose of instance " + std::to_string(instance));
+void CrowdState::set_pose(const Instances& instances, std::span<const Trs<float>> parent_from_joint, float fade_s) {
+    check_there(instances, "pose");
+    check_fade(fade_s, "pose");
+    std::vector<InBatch> at_each;
+    std::vector<std::vector<Trs<double>>> poses_of;
+    // One pose for all is as long as that of the first; the pose of one alone, its own.
+    const bool is_shared = instances.size() > 1 &&
+                           parent_from_joint.size() == group_of(instances.number(0)).joint_count;
+    size_t next = 0;
+    for (uint32_t i = 0; i < instances.size(); ++i) {
+        const Group& group = group_of(instances.number(i));
+        const bool is_last = is_shared || i + 1 == instances.size();
+        const size_t left = parent_from_joint.size() - next;
+        const auto pose = parent_from_joint.subspan(next, is_last ? left : std::min<size_t>(left, group.joint_count));
+        poses_of.push_back(
+            checked_pose(pose, group.joint_count, group.uniform_scale, place_of("pose", instances.number(i))));
+        at_each.push_back(at(instances.number(i)));
+        if (!is_shared) next += pose.size();
+    }
+    poses->make_room(at_each);
+    for (size_t i = 0; i < at_each.size(); ++i) poses->set(at_each[i], poses_of[i], fade_s);
+}
+
+void CrowdState::clear_pose(const Instances& instances, float fade_s) {
+    check_there(instances, "pose");
+    check_fade(fade_s, "pose");
+    for (uint32_t i = 0; i < instances.size(); ++i) poses->clear(at(instances.number(i)), fade_s);
 }
 
 }  // namespace throng

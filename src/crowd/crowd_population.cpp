@@ -3,17 +3,8 @@
 #include "crowd/crowd_state.h"
 
 #include <algorithm>
-#include <array>
 
 namespace throng {
-namespace {
-
-std::string name_of(const InstanceHandle& handle) {
-    return "instance " + std::to_string(handle.instance) + " of generation " + std::to_string(handle.generation);
-}
-
-}  // namespace
-
 const Group& CrowdState::group_at(uint32_t group) const {
     if (group >= groups.size())
         throw Failure(ErrorCode::kInvalidArgument, "crowd",
@@ -24,16 +15,18 @@ const Group& CrowdState::group_at(uint32_t group) const {
 std::vector<InstanceHandle> CrowdState::spawn(uint32_t group, std::span<const Affine> world_from_model) {
     if (!group_at(group).varies)
         throw Failure(ErrorCode::kInvalidArgument, groups[group].name + ": spawn", "CrowdGroup::capacity is not set");
-    PlacementStage::check(world_from_model, "spawn: placement ");
+    for (size_t i = 0; i < world_from_model.size(); ++i)
+        if (!is_finite(world_from_model[i]))
+            throw Failure(ErrorCode::kInvalidArgument, "spawn: placement " + std::to_string(i),
+                          "a number is not finite");
     const std::vector<uint32_t> instances = population->spawn(group, static_cast<uint32_t>(world_from_model.size()));
     std::vector<InstanceHandle> handles;
     handles.reserve(instances.size());
-    for (size_t i = 0; i < instances.size(); ++i) {
-        const uint32_t instance = instances[i];
-        placements->set(instance, world_from_model.subspan(i, 1));
-        if (groups[group].controller) send(instance, {.kind = io::kCommandBegin});
+    for (const uint32_t instance : instances) {
         handles.push_back(handle(instance));
+        if (groups[group].controller) send(instance, {.kind = io::kCommandBegin});
     }
+    placements->set(handles, Each(handles, world_from_model, "spawn"));
     return handles;
 }
 
@@ -42,7 +35,7 @@ void CrowdState::despawn(std::span<const InstanceHandle> instances) {
     for (size_t i = 0; i < instances.size(); ++i) {
         const InstanceHandle& gone = instances[i];
         if (!is_alive(gone)) throw Failure(ErrorCode::kInvalidArgument, "despawn", name_of(gone) + " is not there");
-        if (!groups[batch_of(gone.instance).group].varies)
+        if (!group_of(gone.instance).varies)
             throw Failure(ErrorCode::kInvalidArgument, "despawn", name_of(gone) + ": its group has no capacity");
     }
     std::vector<uint32_t> numbers(instances.size());
@@ -51,15 +44,14 @@ void CrowdState::despawn(std::span<const InstanceHandle> instances) {
     if (const auto twice = std::ranges::adjacent_find(numbers); twice != numbers.end())
         throw Failure(ErrorCode::kInvalidArgument, "despawn", "instance " + std::to_string(*twice) + " is given twice");
     for (const auto& [instance, generation] : instances) {
-        const Batch& batch = batch_of(instance);
-        const Group& group = groups[batch.group];
-        const uint32_t of_batch = instance - batch.first_instance;
-        if (!group.controller) control->set(instance, std::array{Playback()});
-        if (group.steering) steer->set_destination(index_of(batch), of_batch, {});
+        const Group& group = group_of(instance);
+        const InBatch of = at(instance);
+        if (!group.controller) control->set(Instances::numbered(instance), Each(Playback()));
+        if (group.steering) steer->set_destination(of, {});
         if (group.procedural)
             for (uint32_t target = 0; target < group.procedural->target_count; ++target)
-                procedural->set_target(index_of(batch), of_batch * group.procedural->target_count + target, {});
-        if (group.pose_capacity > 0) poses->clear(index_of(batch), of_batch, 0, "despawn");
+                procedural->set_target(of.batch, of.instance * group.procedural->target_count + target, {});
+        if (group.pose_capacity > 0) poses->clear(of, 0);
         population->despawn(instance);
     }
     std::erase_if(watched_, [&](const Watched& watched) { return !is_there(watched.instance); });
@@ -72,7 +64,7 @@ bool CrowdState::is_alive(const InstanceHandle& instance) const {
 }
 
 InstanceHandle CrowdState::handle(uint32_t instance) const {
-    check_there(instance, 1, "handle");
+    check_there(Instances::numbered(instance), "handle");
     return {instance, population ? population->generation(instance) : 0};
 }
 

@@ -16,7 +16,7 @@ constexpr uint64_t kMatrix_bytes = sizeof(Affine);
 
 }  // namespace
 
-void CrowdState::watch(std::span<const uint32_t> instances) {
+void CrowdState::watch(const Instances& instances) {
     if (!feedback)
         throw Failure(ErrorCode::kInvalidArgument, "watch",
                       "no group has a controller, sockets or steering: there is no feedback");
@@ -24,9 +24,10 @@ void CrowdState::watch(std::span<const uint32_t> instances) {
         throw Failure(ErrorCode::kLimit, "watch",
                       std::to_string(instances.size()) + " instances; CrowdSettings::watch_capacity is " +
                           std::to_string(watch_capacity_));
+    check_there(instances, "watch");
     std::vector<Watched> watched;
-    for (const uint32_t instance : instances) {
-        check_there(instance, 1, "watch");
+    for (uint32_t i = 0; i < instances.size(); ++i) {
+        const uint32_t instance = instances.number(i);
         const Batch& batch = batch_of(instance);
         const Group& group = groups[batch.group];
         const auto part = [&](const Buffer& buffer, uint64_t stride_bytes, uint64_t size_bytes) {
@@ -60,7 +61,7 @@ std::vector<Feedback> CrowdState::take_feedback() {
     if (!population) return taken;
     for (Feedback& one : taken) {
         const auto tell_generation = [&](auto& of) {
-            of.generation = population->generation_at(of.instance, one.update);
+            of.instance.generation = population->generation_at(of.instance.instance, one.update);
         };
         std::ranges::for_each(one.events, tell_generation);
         std::ranges::for_each(one.watched, tell_generation);
@@ -68,9 +69,9 @@ std::vector<Feedback> CrowdState::take_feedback() {
     return taken;
 }
 
-std::vector<Affine> CrowdState::read_matrices(uint32_t instance, bool model) const {
-    check_there(instance, 1, "read-back");
-    const Batch& batch = batch_of(instance);
+std::vector<Affine> CrowdState::read_matrices(const InstanceHandle& handle, bool model) const {
+    check_there(handle, "read-back");
+    const Batch& batch = batch_of(handle.instance);
     const Group& group = groups[batch.group];
     if (group.sockets_only) throw Failure(ErrorCode::kInvalidArgument, "read-back", group.name + " has sockets only");
     if (model && !batch[io::kModelBuffer])
@@ -78,19 +79,19 @@ std::vector<Affine> CrowdState::read_matrices(uint32_t instance, bool model) con
                       "model matrices are kept only with CrowdSettings::keep_model_matrices");
     const uint64_t size_bytes = model ? group.joint_count * kMatrix_bytes
                                       : uint64_t{group.palette_count} * skin_format_bytes(skin_format);
-    const uint32_t of_batch = instance - batch.first_instance;
+    const uint32_t of_batch = handle.instance - batch.first_instance;
     const uint64_t row = model ? of_batch : read_skin_row(group, batch, of_batch);
     const BufferRange range(model ? batch[io::kModelBuffer] : batch.skin(), row * size_bytes, size_bytes);
     return unpack_skin(model ? SkinFormat::kAffine : skin_format, download<std::byte>(gpu, range));
 }
 
-std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
-    check_there(instance, 1, "read-back");
-    const Batch& batch = batch_of(instance);
+std::vector<Vec3<float>> CrowdState::read_positions(const InstanceHandle& handle) {
+    check_there(handle, "read-back");
+    const Batch& batch = batch_of(handle.instance);
     const Group& group = groups[batch.group];
     if (group.sockets_only) throw Failure(ErrorCode::kInvalidArgument, "read-back", group.name + " has sockets only");
     if (group.vertex_count == 0) return {};
-    read_skin_row(group, batch, instance - batch.first_instance);  // which refuses what is not drawn
+    read_skin_row(group, batch, handle.instance - batch.first_instance);  // which refuses what is not drawn
     if (!skin_kernel_) skin_kernel_ = skin_kernel(gpu, skin_format, skin_blend, false);
     const Buffer skinned(gpu, group.name + ": skinned vertices", group.vertex_count * sizeof(SkinnedVertex),
                          VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
@@ -98,7 +99,7 @@ std::vector<Vec3<float>> CrowdState::read_positions(uint32_t instance) {
     gpu->submit_and_wait([&](VkCommandBuffer commands) {
         memory_barrier(*gpu, commands, kShaderWrite, kShaderRead);
         io::SkinPush push = skin_push(group);
-        push.first_instance = instance - batch.first_instance;
+        push.first_instance = handle.instance - batch.first_instance;
         push.influence_offset = joint_set_of(batch, push.first_instance) * group.influence_count;
         skin_kernel_->dispatch_workgroups(commands, bindings, push, 1);
     });

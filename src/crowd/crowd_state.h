@@ -37,17 +37,18 @@ struct CrowdState {
     bool is_there(uint32_t instance) const { return !population || population->is_alive(instance); }
     InstanceHandle handle(uint32_t instance) const;
     uint32_t alive_count(uint32_t group) const;
-    void set_playback(uint32_t first_instance, std::span<const Playback> playback);
-    void set_placement(uint32_t first_instance, std::span<const Affine> world_from_model);
-    void play(uint32_t instance, uint32_t layer, const LayerPlayback& playback);
-    void set_layer(uint32_t instance, uint32_t layer, const LayerBlend& blend);
-    void set_parameters(uint32_t instance, uint32_t parameter, std::span<const float> values);
-    void set_target(uint32_t instance, uint32_t target, const Vec3<float>& world_place, float weight);
-    void set_destination(uint32_t first_instance, std::span<const Vec3<float>> world_places);
-    void clear_destination(uint32_t first_instance, uint32_t count);
-    void set_pose(uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s);
-    void clear_pose(uint32_t instance, float fade_s);
-    void watch(std::span<const uint32_t> instances);
+    Instances instances(uint32_t group) const;
+    void set_playback(const Instances& instances, const Each<Playback>& playback);
+    void set_placement(const Instances& instances, const Each<Affine>& world_from_model);
+    void play(const Instances& instances, uint32_t layer, const Each<LayerPlayback>& playback);
+    void set_layer(const Instances& instances, uint32_t layer, const Each<LayerBlend>& blend);
+    void set_parameter(const Instances& instances, uint32_t parameter, const Each<float>& value);
+    void set_target(const Instances& instances, uint32_t target, const Each<TargetPlace>& place);
+    void set_destination(const Instances& instances, const Each<Vec3<float>>& world_place);
+    void clear_destination(const Instances& instances);
+    void set_pose(const Instances& instances, std::span<const Trs<float>> parent_from_joint, float fade_s);
+    void clear_pose(const Instances& instances, float fade_s);
+    void watch(const Instances& instances);
     std::vector<Feedback> take_feedback();
     // Whether update() computes natively; with occlusion it does not.
     bool is_native(bool occlusion) const;
@@ -59,8 +60,8 @@ struct CrowdState {
     // Whether the last update is in a command buffer of the application's, and may not have run.
     bool awaits_commands() const { return awaits_commands_; }
     std::vector<DrawnInstance> read_drawn() const;
-    std::vector<Affine> read_matrices(uint32_t instance, bool model) const;
-    std::vector<Vec3<float>> read_positions(uint32_t instance);
+    std::vector<Affine> read_matrices(const InstanceHandle& instance, bool model) const;
+    std::vector<Vec3<float>> read_positions(const InstanceHandle& instance);
     uint64_t size_bytes() const;
 
     std::shared_ptr<Gpu> gpu;
@@ -105,11 +106,15 @@ private:
     void take_turns();
     float budgeted_full_rate_pixels(const CrowdView* view);
     void send(uint32_t instance, io::ControlCommand command);
-    const Batch& batch_of_agent(uint32_t instance) const;
-    const GroupController& controller_of(uint32_t instance, const char* what) const;
+    template <class MakeCommand>
+    void send_each(const Instances& instances, const char* what, const MakeCommand& make_command);
+    void check_agents(const Instances& instances) const;
     void copy_to_previous(VkCommandBuffer commands) const;
-    void check_range(uint32_t first_instance, size_t count, const char* what) const;
-    void check_there(uint32_t first_instance, size_t count, const char* what) const;
+    // Of a call that names instances: throws kInvalidArgument where one is not there.
+    void check_there(const Instances& instances, const char* what) const;
+    void check_range(uint32_t first_instance, uint32_t count, const char* what) const;
+    InBatch at(uint32_t instance) const { return in_batch(batches, instance); }
+    const Group& group_of(uint32_t instance) const { return groups[batch_of(instance).group]; }
     const Batch& batch_of(uint32_t instance) const;
     uint32_t read_word(const Buffer& words, uint32_t instance) const;
     uint32_t read_skin_row(const Group& group, const Batch& batch, uint32_t instance) const;

@@ -100,29 +100,63 @@ Feedback FeedbackRing::read(const Slot& slot) const {
     std::sort(records.begin(), records.end(), [](const io::EventRecord& a, const io::EventRecord& b) {
         return std::tie(a.instance, a.layer, a.time_s, a.event) < std::tie(b.instance, b.layer, b.time_s, b.event);
     });
-    Feedback feedback{
-        .update = slot.update.number, .events = {}, .lost_event_count = head.count - records.size(), .watched = {}};
+    Feedback feedback;
+    feedback.update = slot.update.number;
+    feedback.lost_event_count = head.count - records.size();
+    feedback.events.reserve(records.size());
+    for (const io::EventRecord& record : records)
+        feedback.events.push_back({{record.instance}, record.event, record.layer, record.time_s});
+    read_watched(slot, feedback);
+    return feedback;
+}
+
+// The arrays are filled before anything refers to them.
+void FeedbackRing::read_watched(const Slot& slot, Feedback& feedback) const {
+    Feedback::Arrays& arrays = feedback.arrays;
+    std::vector<uint32_t> motion_counts;  // of each layer
     const std::byte* at = slot.copy.mapped() + events_.size_bytes();
+    const auto take = [&](void* into, uint64_t size_bytes) {
+        if (size_bytes > 0) std::memcpy(into, at, size_bytes);
+        at += size_bytes;
+    };
+    const auto append = [&](auto& array, uint64_t size_bytes) {
+        const size_t before = array.size();
+        array.resize(before + size_bytes / sizeof(array[0]));
+        take(array.data() + before, size_bytes);
+    };
+    std::vector<io::LayerState> layers;
+    feedback.watched.reserve(slot.update.watched.size());
     for (const Watched& one : slot.update.watched) {
         WatchedInstance& watched = feedback.watched.emplace_back();
-        watched.instance = one.instance;
-        watched.sockets.resize(one.sockets.size_bytes / sizeof(Affine));
-        watched.parameters.resize(one.parameters.size_bytes / sizeof(float));
+        watched.instance = {one.instance};
         std::array<float, 4> move{0, 0, 1, 0};
-        std::vector<io::LayerState> layers(one.layer_kinds.size());
-        const std::array<void*, 5> parts{&watched.world_from_model, move.data(), watched.sockets.data(),
-                                         watched.parameters.data(), layers.data()};
-        for (size_t k = 0; k < parts.size(); ++k) {
-            const uint64_t size_bytes = one.parts()[k].size_bytes;
-            if (size_bytes > 0) std::memcpy(parts[k], at, size_bytes);
-            at += size_bytes;
-        }
+        take(&watched.world_from_model, one.placement.size_bytes);
+        take(move.data(), one.move.size_bytes);
+        append(arrays.sockets, one.sockets.size_bytes);
+        append(arrays.parameters, one.parameters.size_bytes);
+        layers.clear();
+        append(layers, one.layers.size_bytes);
         watched.move = over_the_ground(move);
-        watched.layers = played_layers(layers, one.layer_kinds, one.clip_count);
+        for (size_t layer = 0; layer < layers.size(); ++layer) {
+            append_played(arrays.motions, layers[layer], one.layer_kinds[layer], one.clip_count);
+            motion_counts.push_back(layers[layer].play_count);
+        }
     }
-    for (const io::EventRecord& record : records)
-        feedback.events.push_back({record.instance, record.event, record.layer, record.time_s});
-    return feedback;
+    size_t motion = 0, socket = 0, parameter = 0, layer = 0;
+    for (const uint32_t count : motion_counts) {
+        arrays.layers.emplace_back(arrays.motions.data() + motion, count);
+        motion += count;
+    }
+    for (size_t i = 0; i < feedback.watched.size(); ++i) {
+        const Watched& one = slot.update.watched[i];
+        WatchedInstance& watched = feedback.watched[i];
+        const auto next = [](const auto& array, size_t& first, uint64_t count) {
+            return std::span(array).subspan(std::exchange(first, first + count), count);
+        };
+        watched.sockets = next(arrays.sockets, socket, one.sockets.size_bytes / sizeof(Affine));
+        watched.parameters = next(arrays.parameters, parameter, one.parameters.size_bytes / sizeof(float));
+        watched.layers = next(arrays.layers, layer, one.layer_kinds.size());
+    }
 }
 
 uint64_t FeedbackRing::size_bytes() const {

@@ -61,6 +61,7 @@ private:
     Slot& last_slot() { return slots_[(update_count_ - 1) % slots_.size()]; }
     bool was_dropped(const Slot& slot) const;
     Feedback read(const Slot& slot) const;
+    void read_watched(const Slot& slot, Feedback& feedback) const;
 
     std::shared_ptr<Gpu> gpu_;
     uint32_t event_capacity_;

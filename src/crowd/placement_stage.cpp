@@ -1,12 +1,16 @@
 #include "crowd/placement_stage.h"
 
-#include "base/failure.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
 namespace throng {
+
+bool is_finite(const Affine& affine) {
+    return std::ranges::all_of(affine.row, [](const auto& row) {
+        return std::ranges::all_of(row, [](float value) { return std::isfinite(value); });
+    });
+}
 
 io::RootState standing_at(const Affine& world_from_model) {
     io::RootState root{.move = {0, 0, 1, 0}, .place = {0, 0, 1, 0}, .base = {}};
@@ -18,17 +22,11 @@ PlacementStage::PlacementStage(const StageContext& context) : Stage(context), pl
     dirty_.add(0, context.instance_count);
 }
 
-void PlacementStage::check(std::span<const Affine> world_from_model, const std::string& place, size_t first_number) {
-    for (size_t i = 0; i < world_from_model.size(); ++i)
-        for (const auto& row : world_from_model[i].row)
-            if (!std::all_of(row.begin(), row.end(), [](float f) { return std::isfinite(f); }))
-                throw Failure(ErrorCode::kInvalidArgument, place + std::to_string(first_number + i),
-                              "a number is not finite");
-}
-
-void PlacementStage::set(uint32_t first_instance, std::span<const Affine> world_from_model) {
-    std::copy(world_from_model.begin(), world_from_model.end(), placements_.begin() + first_instance);
-    dirty_.add(first_instance, static_cast<uint32_t>(world_from_model.size()));
+void PlacementStage::set(const Instances& instances, const Each<Affine>& world_from_model) {
+    for (uint32_t i = 0; i < instances.size(); ++i) {
+        placements_[instances.number(i)] = world_from_model[i];
+        dirty_.add(instances.number(i), 1);
+    }
 }
 
 void PlacementStage::begin(const Update& update) {

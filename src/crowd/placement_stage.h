@@ -3,9 +3,12 @@
 
 #include "crowd/batch_plan.h"
 #include "crowd/dirty_ranges.h"
+#include "crowd/each.h"
 #include "crowd/stage.h"
 
 namespace throng {
+
+bool is_finite(const Affine& affine);
 
 // Nothing has moved it yet.
 io::RootState standing_at(const Affine& world_from_model);
@@ -15,9 +18,7 @@ public:
     static void plan(BatchPlan& plan) { plan.add_table<Affine>(io::kPlacementsBuffer); }
     explicit PlacementStage(const StageContext& context);
 
-    // Throws kInvalidArgument where a number is not finite; `place` and the placement's number say where.
-    static void check(std::span<const Affine> world_from_model, const std::string& place, size_t first_number = 0);
-    void set(uint32_t first_instance, std::span<const Affine> world_from_model);
+    void set(const Instances& instances, const Each<Affine>& world_from_model);
     const std::vector<Affine>& all() const { return placements_; }
 
     void begin(const Update& update) override;

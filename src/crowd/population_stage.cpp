@@ -14,6 +14,10 @@ uint32_t birth_of(uint64_t update) { return static_cast<uint32_t>(1 + update % U
 
 }  // namespace
 
+std::string name_of(const InstanceHandle& handle) {
+    return "instance " + std::to_string(handle.instance) + " of generation " + std::to_string(handle.generation);
+}
+
 CrowdSettings with_capacity(CrowdSettings settings) {
     for (CrowdGroup& group : settings.groups) {
         if (group.capacity == 0) continue;

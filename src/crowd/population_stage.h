@@ -17,6 +17,9 @@ namespace throng {
 // The settings of a crowd that is made for as many instances as there may be.
 CrowdSettings with_capacity(CrowdSettings settings);
 
+// For messages.
+std::string name_of(const InstanceHandle& handle);
+
 class PopulationStage : public Stage {
 public:
     static bool is_needed(const CrowdSettings& settings);

@@ -41,21 +41,34 @@ uint64_t PoseStage::size_bytes() const {
     return sum;
 }
 
-// With a slot, given where the instance has none yet.
-PoseStage::Override& PoseStage::override_at(uint32_t batch, uint32_t instance, const std::string& place) {
-    std::map<uint32_t, Override>& overrides = of_batches_[batch].overrides;
-    if (const auto found = overrides.find(instance); found != overrides.end()) return found->second;
-    const uint32_t slot = take_slot(batch, place);
-    return overrides[instance] = {.slot = slot, .fade = {}, .before = {}};
+void PoseStage::make_room(std::span<const InBatch> instances) {
+    std::vector<std::pair<uint32_t, OverrideAt>> made, had;
+    try {
+        for (const InBatch& at : instances) {
+            std::map<uint32_t, Override>& overrides = of_batches_[at.batch].overrides;
+            const auto [override_at, is_new] = overrides.try_emplace(at.instance);
+            (is_new ? made : had).emplace_back(at.batch, override_at);
+            override_at->second.awaits_pose = true;
+            if (is_new) override_at->second.slot = take_slot(at);
+        }
+    } catch (...) {
+        // The last one has found no slot.
+        of_batches_[made.back().first].overrides.erase(made.back().second);
+        made.pop_back();
+        for (const auto& [batch, override_at] : had) override_at->second.awaits_pose = false;
+        for (const auto& [batch, override_at] : made) erase(batch, override_at);
+        throw;
+    }
 }
 
-uint32_t PoseStage::take_slot(uint32_t batch, const std::string& place) {
-    const uint32_t group_index = batches_[batch].group;
+uint32_t PoseStage::take_slot(const InBatch& at) {
+    const uint32_t group_index = batches_[at.batch].group;
     const Group& group = groups_[group_index];
     GroupPoses& poses = of_groups_[group_index];
     const auto used = static_cast<uint32_t>(poses.poses.size() / group.joint_count);
     if (poses.free_slots.empty() && used == group.pose_capacity && !take_back_slot(group_index))
-        throw Failure(ErrorCode::kLimit, place,
+        throw Failure(ErrorCode::kLimit,
+                      "pose of instance " + std::to_string(batches_[at.batch].first_instance + at.instance),
                       "all " + std::to_string(group.pose_capacity) + " poses of CrowdGroup::pose_capacity of " +
                           group.name + " are in use");
     if (poses.free_slots.empty()) {
@@ -72,8 +85,8 @@ bool PoseStage::take_back_slot(uint32_t group) {
     for (uint32_t i = 0; i < of_batches_.size(); ++i) {
         if (batches_[i].group != group) continue;
         std::map<uint32_t, Override>& overrides = of_batches_[i].overrides;
-        const OverrideAt gone = std::ranges::find_if(overrides,
-                                                     [](const auto& one) { return one.second.fade.is_gone(); });
+        const OverrideAt gone = std::ranges::find_if(
+            overrides, [](const auto& one) { return one.second.fade.is_gone() && !one.second.awaits_pose; });
         if (gone == overrides.end()) continue;
         erase(i, gone);
         return true;
@@ -87,15 +100,12 @@ PoseStage::OverrideAt PoseStage::erase(uint32_t batch, OverrideAt at) {
     return of_batches_[batch].overrides.erase(at);
 }
 
-void PoseStage::set(uint32_t batch, uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s,
-                    const std::string& place) {
-    const Group& group = group_of(batches_[batch]);
-    check_fade(fade_s, place);
-    const std::vector<Trs<double>> pose = checked_pose(parent_from_joint, group.joint_count, group.uniform_scale,
-                                                       place);
-    Override& pose_override = override_at(batch, instance, place);
+void PoseStage::set(const InBatch& at, std::span<const Trs<double>> pose, float fade_s) {
+    const Group& group = group_of(batches_[at.batch]);
+    Override& pose_override = of_batches_[at.batch].overrides.at(at.instance);
+    pose_override.awaits_pose = false;
     for (PoseFade* fade : {&pose_override.fade, &pose_override.before}) fade->set(fade_s);
-    GroupPoses& poses = of_groups_[batches_[batch].group];
+    GroupPoses& poses = of_groups_[batches_[at.batch].group];
     std::ranges::transform(
         pose, poses.poses.begin() + static_cast<ptrdiff_t>(uint64_t{pose_override.slot} * group.joint_count), to_io);
     poses.changed.add(pose_override.slot, 1);
@@ -107,14 +117,13 @@ void PoseStage::set(uint32_t batch, uint32_t instance, std::span<const Trs<float
     group.native_rig()->put_pose(rounded, {all + pose_override.slot * floats, floats});
 }
 
-void PoseStage::clear(uint32_t batch, uint32_t instance, float fade_s, const std::string& place) {
-    check_fade(fade_s, place);
-    const OverrideAt found = of_batches_[batch].overrides.find(instance);
-    if (found == of_batches_[batch].overrides.end()) return;
+void PoseStage::clear(const InBatch& at, float fade_s) {
+    const OverrideAt found = of_batches_[at.batch].overrides.find(at.instance);
+    if (found == of_batches_[at.batch].overrides.end()) return;
     Override& pose_override = found->second;
     for (PoseFade* fade : {&pose_override.fade, &pose_override.before}) fade->clear(fade_s);
-    follow(batch, found);
-    if (pose_override.fade.is_gone() && pose_override.before.is_gone()) erase(batch, found);
+    follow(at.batch, found);
+    if (pose_override.fade.is_gone() && pose_override.before.is_gone()) erase(at.batch, found);
 }
 
 // What the device is to know of an instance.

@@ -21,10 +21,11 @@ public:
     // Serves the groups that have room for poses.
     explicit PoseStage(const StageContext& context);
 
-    // As Crowd::set_pose() and clear_pose(); `instance` is of the batch. Failures have this place.
-    void set(uint32_t batch, uint32_t instance, std::span<const Trs<float>> parent_from_joint, float fade_s,
-             const std::string& place);
-    void clear(uint32_t batch, uint32_t instance, float fade_s, const std::string& place);
+    // As Crowd::set_pose() and clear_pose(). All of the instances get room, or none: throws kLimit.
+    void make_room(std::span<const InBatch> instances);
+    // With room made before, a pose of checked_pose(), and a fade of check_fade().
+    void set(const InBatch& at, std::span<const Trs<double>> pose, float fade_s);
+    void clear(const InBatch& at, float fade_s);
 
     // What native updates of a group read, NativeUpdate::set_poses; null where there is nothing.
     const float* native_poses(uint32_t group) const {
@@ -42,7 +43,8 @@ private:
     struct Override {
         uint32_t slot = 0;
         PoseFade fade;
-        PoseFade before;  // what it would be without the last begin()
+        PoseFade before;           // what it would be without the last begin()
+        bool awaits_pose = false;  // between make_room() and set()
     };
     struct BatchPoses {
         // [instance_count], as the device has them, or will have by the next begin(); empty where there is no room for
@@ -59,8 +61,7 @@ private:
     };
     using OverrideAt = std::map<uint32_t, Override>::iterator;
 
-    Override& override_at(uint32_t batch, uint32_t instance, const std::string& place);
-    uint32_t take_slot(uint32_t batch, const std::string& place);
+    uint32_t take_slot(const InBatch& at);
     bool take_back_slot(uint32_t group);
     OverrideAt erase(uint32_t batch, OverrideAt at);
     void follow(uint32_t batch, OverrideAt at);

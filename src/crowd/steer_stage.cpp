@@ -68,10 +68,10 @@ SteerStage::SteerStage(const StageContext& context) : Stage(context), member_of_
     }
 }
 
-void SteerStage::set_destination(uint32_t batch, uint32_t instance, const io::vec4& place_and_whether) {
-    Member& member = members_[member_of_batch_[batch]];
-    member.destinations[instance] = place_and_whether;
-    member.dirty.add(instance, 1);
+void SteerStage::set_destination(const InBatch& at, const io::vec4& place_and_whether) {
+    Member& member = members_[member_of_batch_[at.batch]];
+    member.destinations[at.instance] = place_and_whether;
+    member.dirty.add(at.instance, 1);
 }
 
 void SteerStage::begin(const Update& update) {

@@ -20,8 +20,8 @@ public:
     // Serves the batches whose group steers.
     explicit SteerStage(const StageContext& context);
 
-    // `instance` is of the batch. `place_and_whether`: the last is 1, or 0 for none.
-    void set_destination(uint32_t batch, uint32_t instance, const io::vec4& place_and_whether);
+    // `place_and_whether`: the last is 1, or 0 for none.
+    void set_destination(const InBatch& at, const io::vec4& place_and_whether);
 
     // Destinations; and the buckets become empty.
     void begin(const Update& update) override;

@@ -174,14 +174,13 @@ private:
 
 uint32_t ProceduralRules::find_target(std::string_view target_name) const { return find_name(targets, target_name); }
 
-void check_target(uint32_t target, uint32_t target_count, const Vec3<float>& world_place, float weight,
-                  const std::string& place) {
+void check_target(uint32_t target, uint32_t target_count, const TargetPlace& value, const std::string& place) {
     const auto refuse = [&](const std::string& why) { throw Failure(ErrorCode::kInvalidArgument, place, why); };
     if (target >= target_count)
         refuse("number " + std::to_string(target) + " of rules that have " + std::to_string(target_count));
-    if (!std::isfinite(world_place.x) || !std::isfinite(world_place.y) || !std::isfinite(world_place.z))
-        refuse("it must be finite");
-    if (!(weight >= 0 && weight <= 1)) refuse("its weight must be within 0..1");
+    const auto& [x, y, z] = value.world_place;
+    if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z)) refuse("it must be finite");
+    if (!(value.weight >= 0 && value.weight <= 1)) refuse("its weight must be within 0..1");
 }
 
 ProceduralPlan plan_procedural(const ProceduralRules& rules, const Character& character) {

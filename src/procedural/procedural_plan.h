@@ -31,7 +31,6 @@ struct ProceduralPlan {
 ProceduralPlan plan_procedural(const ProceduralRules& rules, const Character& character);
 
 // What Crowd::set_target() is given. Throws kInvalidArgument at `place`.
-void check_target(uint32_t target, uint32_t target_count, const Vec3<float>& world_place, float weight,
-                  const std::string& place);
+void check_target(uint32_t target, uint32_t target_count, const TargetPlace& value, const std::string& place);
 
 }  // namespace throng

@@ -176,10 +176,10 @@ Result<void> ReferenceCharacter::set_layer(uint32_t layer, const LayerBlend& ble
     });
 }
 
-Result<void> ReferenceCharacter::set_parameters(uint32_t parameter, std::span<const float> values) {
+Result<void> ReferenceCharacter::set_parameter(uint32_t parameter, float value) {
     return as_result([&] {
-        check_parameters(static_cast<uint32_t>(state_->controller.parameters.size()), parameter, values, "parameter");
-        std::copy(values.begin(), values.end(), state_->controller.parameters.begin() + parameter);
+        check_parameter(static_cast<uint32_t>(state_->controller.parameters.size()), parameter, value, "parameter");
+        state_->controller.parameters[parameter] = value;
     });
 }
 
@@ -199,11 +199,10 @@ Result<void> ReferenceCharacter::clear_pose(float fade_s) {
     });
 }
 
-Result<void> ReferenceCharacter::set_target(uint32_t target, const Vec3<float>& world_place, float weight) {
+Result<void> ReferenceCharacter::set_target(uint32_t target, const TargetPlace& place) {
     return as_result([&] {
-        check_target(target, state_->rules ? static_cast<uint32_t>(state_->rules->targets.size()) : 0, world_place,
-                     weight, "target");
-        state_->rules->targets[target] = {world_place.as<double>(), weight};
+        check_target(target, state_->rules ? static_cast<uint32_t>(state_->rules->targets.size()) : 0, place, "target");
+        state_->rules->targets[target] = {place.world_place.as<double>(), place.weight};
     });
 }
 
@@ -229,7 +228,7 @@ Result<void> ReferenceCharacter::update(float time_step_s) {
         if (state_->rules) state_->move_joints(time_step_s);
         state_->events.clear();
         for (const ControllerEventAt& event : state_->last.events)
-            state_->events.push_back({0, event.event, event.layer, static_cast<float>(event.time_s)});
+            state_->events.push_back({{0}, event.event, event.layer, static_cast<float>(event.time_s)});
     });
 }
 
@@ -254,8 +253,11 @@ AffineT<double> ReferenceCharacter::move() const {
 std::span<const float> ReferenceCharacter::parameters() const { return state_->controller.parameters; }
 
 std::vector<std::vector<PlayedMotion>> ReferenceCharacter::layers() const {
-    return played_layers(state_->controller.layers, state_->kinds,
-                         static_cast<uint32_t>(state_->clip_durations_s.size()));
+    std::vector<std::vector<PlayedMotion>> layers(state_->controller.layers.size());
+    for (size_t layer = 0; layer < layers.size(); ++layer)
+        append_played(layers[layer], state_->controller.layers[layer], state_->kinds[layer],
+                      static_cast<uint32_t>(state_->clip_durations_s.size()));
+    return layers;
 }
 
 }  // namespace throng

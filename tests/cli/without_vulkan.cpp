@@ -35,15 +35,15 @@ int main(int argc, char** argv) {
     const Device device = need(Device::create({.select = argc > 2 ? argv[2] : ""}));
     Crowd crowd = need(Crowd::create(device, {.groups = {{&character, 3}}}));
     const Playback playback{.first = {.clip = 0}};
-    need(crowd.set_playback(1, {&playback, 1}));
+    need(crowd.set_playback(InstanceHandle{1}, playback));
     need(crowd.update(0));
-    const std::vector<Affine> before = need(crowd.read_skin_matrices(1));
+    const std::vector<Affine> before = need(crowd.read_skin_matrices({1}));
     need(crowd.update(0.2f));
     Renderer renderer = need(Renderer::create(device, {.width = 64, .height = 48}));
     const Camera camera = fit_camera(world_bounds(crowd), 4.0f / 3);
     const Picture all = need(renderer.render(crowd, camera)).picture,
                   none = need(renderer.render(crowd, {.eye = camera.target, .target = camera.eye})).picture;
     std::printf("%s, %s, %s, %s\n", device.info().type.c_str(),
-                need(crowd.read_skin_matrices(1)) != before ? "moves" : "stands still",
+                need(crowd.read_skin_matrices({1})) != before ? "moves" : "stands still",
                 all.rgba != none.rgba ? "is seen" : "is not seen", has_loaded("libvulkan.so") ? "Vulkan" : "no Vulkan");
 }

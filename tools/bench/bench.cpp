@@ -37,7 +37,7 @@ double largest_error(Crowd& crowd, const Scatter& field) {
     for (const CrowdGroup& group : field.groups) {
         const auto error_of = [&](uint32_t instance) {
             const ReferencePose pose = unwrap(reference_pose(*group.character, field.playback[first + instance]));
-            return bench::skin_error(unwrap(crowd.read_skin_matrices(first + instance)), pose.model_from_bind,
+            return bench::skin_error(unwrap(crowd.read_skin_matrices({first + instance})), pose.model_from_bind,
                                      group.character->size);
         };
         worst = std::max(worst, bench::largest_error_of_some(group.instance_count, error_of));
@@ -53,7 +53,7 @@ Json run_case(const Device& device, const std::vector<Character>& characters, co
     if (!created && created.error().code == ErrorCode::kUnsupported && options.scan == "all")
         return {{"bench", "update"}, {"scan", scan}, {"unsupported_reason", created.error().message}};
     Crowd crowd = unwrap(std::move(created));
-    unwrap(crowd.set_playback(0, field.playback));
+    unwrap(crowd.set_playback(crowd.instances(), field.playback));
     unwrap(crowd.update(0));
     const double error = largest_error(crowd, field);
     check_error(scan, error);

@@ -48,7 +48,7 @@ public:
             return;
         }
         crowd_ = unwrap(Crowd::create(device, {.groups = {{method.stored, static_cast<uint32_t>(playbacks.size())}}}));
-        unwrap(crowd_->set_playback(0, playbacks));
+        unwrap(crowd_->set_playback(crowd_->instances(), playbacks));
     }
 
     void update(float time_step_s) {
@@ -64,7 +64,7 @@ public:
             times.take(baseline_->update(bench::kFrame_s));
     }
     std::vector<Affine> skin_matrices(uint32_t instance) {
-        return crowd_ ? unwrap(crowd_->read_skin_matrices(instance)) : baseline_->read_skin_matrices(instance);
+        return crowd_ ? unwrap(crowd_->read_skin_matrices({instance})) : baseline_->read_skin_matrices({instance});
     }
     bool has_stages() const { return crowd_.has_value(); }
 

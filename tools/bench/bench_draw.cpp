@@ -115,8 +115,8 @@ void measure(const DrawBenchOptions& options, const Shown& shown, Measured& meas
              [&](const Device& device) {
                  Crowd crowd = unwrap(
                      Crowd::create(device, {.groups = field.groups, .culls = true, .reduces_joints = true}));
-                 unwrap(crowd.set_placement(0, field.placement));
-                 unwrap(crowd.set_playback(0, field.playback));
+                 unwrap(crowd.set_placement(crowd.instances(), field.placement));
+                 unwrap(crowd.set_playback(crowd.instances(), field.playback));
                  const CrowdView view = unwrap(
                      view_of(camera_of(crowd), picture.width, picture.height, world_bounds(crowd)));
                  unwrap(crowd.update(0, &view));

@@ -45,13 +45,13 @@ Pose pose_on_device(const Character& character, const Playback& playback, const 
     const Device device = open_device(options.device);
     Crowd crowd = unwrap(
         Crowd::create(device, {.groups = {{&character, 1}}, .scan = options.scan, .keep_model_matrices = true}));
-    unwrap(crowd.set_playback(0, {&playback, 1}));
+    unwrap(crowd.set_playback(InstanceHandle{0}, playback));
     unwrap(crowd.update(0));
     Pose pose{device.info().name, {}, {}, {}};
-    for (const Affine& m : unwrap(crowd.read_model_matrices(0))) pose.model_from_joint.push_back(m.as<double>());
-    for (const Affine& m : unwrap(crowd.read_skin_matrices(0))) pose.model_from_bind.push_back(m.as<double>());
+    for (const Affine& m : unwrap(crowd.read_model_matrices({0}))) pose.model_from_joint.push_back(m.as<double>());
+    for (const Affine& m : unwrap(crowd.read_skin_matrices({0}))) pose.model_from_bind.push_back(m.as<double>());
     if (with_positions)
-        for (const Vec3<float>& p : unwrap(crowd.read_positions(0))) pose.positions.push_back(p.as<double>());
+        for (const Vec3<float>& p : unwrap(crowd.read_positions({0}))) pose.positions.push_back(p.as<double>());
     return pose;
 }
 

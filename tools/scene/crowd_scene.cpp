@@ -128,10 +128,11 @@ CrowdScene::CrowdScene(const Device& device, const SceneOptions& options, CrowdS
     uint32_t first = 0;
     for (const CrowdGroup& group : field.groups) {
         if (!group.controller)
-            unwrap(crowd_->set_playback(first, std::span(field.playback).subspan(first, group.instance_count)));
+            unwrap(crowd_->set_playback(Instances::numbered(first, group.instance_count),
+                                        std::span(field.playback).subspan(first, group.instance_count)));
         first += group.instance_count;
     }
-    unwrap(crowd_->set_placement(0, field.placement));
+    unwrap(crowd_->set_placement(crowd_->instances(), field.placement));
     if (options.steer) destinations_ = each_others_places(field.groups, field.placement, options.seed);
     placement_ = std::move(field.placement);
     bounds_ = world_bounds(*crowd_);
@@ -147,7 +148,7 @@ void CrowdScene::follow(uint32_t character) {
     followed_bounds_ = std::ranges::find_if(kinds_, [&](const Kind& kind) {
                            return character < (end += kind.count);
                        })->model_bounds;
-    if (may_move()) unwrap(crowd_->watch({&character, 1}));
+    if (may_move()) unwrap(crowd_->watch(InstanceHandle{character}));
 }
 
 CameraSubject CrowdScene::subject(float aspect_ratio) const {
@@ -159,7 +160,7 @@ void CrowdScene::start() {
     unwrap(crowd_->update(0));
     constexpr int kSteps = 120;
     for (int i = 0; has_controllers_ && i < kSteps; ++i) step_unseen(0.1f);
-    if (!destinations_.empty()) unwrap(crowd_->set_destination(0, destinations_));
+    if (!destinations_.empty()) unwrap(crowd_->set_destination(crowd_->instances(), destinations_));
 }
 
 void CrowdScene::step(float step_s, const std::function<void(float part_s)>& update_shown) {

@@ -57,7 +57,7 @@ void Director::direct(Crowd& crowd, double step_s) {
             const double unit = random_.unit();
             const auto value = static_cast<float>(
                 range.type == ParameterType::kFloat ? creature::mix(range.least, range.most, unit) : std::round(unit));
-            unwrap(crowd.set_parameters(instance, parameter, {&value, 1}));
+            unwrap(crowd.set_parameter(InstanceHandle{instance}, parameter, value));
         }
     }
 }

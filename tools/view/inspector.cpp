@@ -37,7 +37,7 @@ const char* name_of(const Character& character, const ControllerLayer& layer, ui
 }
 
 // A bar for how far the leading state is in its cycle; beneath it those that fade away.
-void layer_rows(const Character& character, const ControllerLayer& layer, const std::vector<PlayedMotion>& played) {
+void layer_rows(const Character& character, const ControllerLayer& layer, std::span<const PlayedMotion> played) {
     begin_row(layer.name.c_str());
     if (played.empty()) return ImGui::TextDisabled("nothing");
     ImGui::ProgressBar(played.front().phase, {-1, 0}, name_of(character, layer, played.front().motion));
@@ -81,8 +81,8 @@ void draw_inspector(State& state, Scene& scene, const Measured& measured) {
     ImGui::Spacing();
     if (const Controller* controller = scene.controller_of(group)) {
         // Not in the first frame
-        if (measured.watched && measured.watched->instance == instance)
-            controller_rows(scene, instance, character, *controller, *measured.watched);
+        if (const WatchedInstance* watched = measured.watched(); watched && watched->instance.instance == instance)
+            controller_rows(scene, instance, character, *controller, *watched);
     } else if (!character.clips.empty()) {
         clips(scene, instance, character);
     }

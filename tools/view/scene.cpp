@@ -108,7 +108,7 @@ void Scene::make_crowd() {
             if (parameters(group)[p] != controller_of(group)->parameters[p].initial)
                 set_parameter(group, p, parameters(group)[p]);
     }
-    tools::unwrap(crowd_->set_placement(0, field_.placement));
+    tools::unwrap(crowd_->set_placement(crowd_->instances(), field_.placement));
     bounds_ = world_bounds(*crowd_);
 }
 
@@ -159,7 +159,7 @@ void Scene::send_playback(uint32_t group) {
     const uint32_t first = first_instance_of(group);
     std::vector<Playback> now(instance_count_of(group));
     for (uint32_t i = 0; i < now.size(); ++i) now[i] = playback_of(first + i);
-    tools::unwrap(crowd_->set_playback(first, now));
+    tools::unwrap(crowd_->set_playback(Instances::numbered(first, instance_count_of(group)), now));
 }
 
 Playback Scene::playback_of(uint32_t instance) const {
@@ -172,7 +172,7 @@ Playback Scene::playback_of(uint32_t instance) const {
 }
 
 void Scene::set_playback_of(uint32_t instance, const Playback& playback) {
-    tools::unwrap(crowd_->set_playback(instance, {&playback, 1}));
+    tools::unwrap(crowd_->set_playback(InstanceHandle{instance}, playback));
     playing_[instance] = {playback, clock_s_};
 }
 
@@ -184,7 +184,7 @@ void Scene::set_parameter(uint32_t group, uint32_t parameter, float value) {
 }
 
 void Scene::set_parameter_of(uint32_t instance, uint32_t parameter, float value) {
-    tools::unwrap(crowd_->set_parameters(instance, parameter, {&value, 1}));
+    tools::unwrap(crowd_->set_parameter(InstanceHandle{instance}, parameter, value));
 }
 
 PlacedBox Scene::box_of(uint32_t instance) const {

@@ -57,9 +57,11 @@ struct Measured {
     bool is_software = false;  // its device is the processor
     bool is_drawn_natively = false;
     History history;
-    float frame_ms = 0;                      // from one picture to the next
-    std::vector<uint32_t> drawn;             // of each level of detail
-    std::optional<WatchedInstance> watched;  // the character that was selected then, if it has a controller
+    float frame_ms = 0;           // from one picture to the next
+    std::vector<uint32_t> drawn;  // of each level of detail
+    Feedback feedback;            // of the character that was selected then, if it has a controller
+
+    const WatchedInstance* watched() const { return feedback.watched.empty() ? nullptr : &feedback.watched.front(); }
 };
 
 }  // namespace throng::view

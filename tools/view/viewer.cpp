@@ -69,12 +69,12 @@ std::vector<std::string> checked_inputs(const ViewOptions& options) {
 }
 
 // Null where none is watched.
-nlohmann::json controller_dump(const std::optional<WatchedInstance>& watched) {
+nlohmann::json controller_dump(const WatchedInstance* watched) {
     if (!watched) return nullptr;
     nlohmann::json leading = nlohmann::json::array();
-    for (const std::vector<PlayedMotion>& layer : watched->layers)
+    for (const std::span<const PlayedMotion> layer : watched->layers)
         leading.push_back(layer.empty() ? kNone : layer.front().motion);
-    return {{"parameters", watched->parameters}, {"leading", leading}};
+    return {{"parameters", std::vector(watched->parameters.begin(), watched->parameters.end())}, {"leading", leading}};
 }
 
 }  // namespace
@@ -200,7 +200,7 @@ void Viewer::record() {
     DrawOptions drawing = state_.drawing;
     drawing.skeletons = scene_.settings().keeps_joints;  // a crowd that keeps joints comes a frame later
     unwrap(renderer_.set_options(drawing));
-    if (watches()) unwrap(scene_.crowd().watch({&*state_.selected, 1}));
+    if (watches()) unwrap(scene_.crowd().watch(InstanceHandle{*state_.selected}));
     const Camera camera = state_.orbit.camera();
     const bool is_native = unwrap(scene_.crowd().path(0)).is_native;
     measured_.is_drawn_natively = is_native && renderer_.is_native();  // who records an update has the device draw
@@ -233,10 +233,10 @@ float Viewer::next_time_step() {
 void Viewer::measure() {
     if (const Result<StageTimes> times = scene_.crowd().stage_times())
         measured_.history.add(*times, renderer_.draw_ms());
-    measured_.watched.reset();
+    measured_.feedback = {};
     if (watches())
-        for (const Feedback& feedback : unwrap(scene_.crowd().feedback()))
-            if (!feedback.watched.empty()) measured_.watched = feedback.watched.front();
+        for (Feedback& feedback : unwrap(scene_.crowd().feedback()))
+            if (!feedback.watched.empty()) measured_.feedback = std::move(feedback);
     constexpr uint64_t kEvery = 15;  // frames: it waits for the device
     if (!scene_.settings().culls) return measured_.drawn.assign(1, scene_.settings().count);
     if (frame_ % kEvery != 0) return;
@@ -271,7 +271,7 @@ void Viewer::take_loaded() {
     try {
         if (std::optional<std::vector<Character>> characters = loader_.take(is_scripted())) {
             scene_.set_cast(Cast(std::move(*characters)));
-            measured_.watched.reset();
+            measured_.feedback = {};
             state_.selected.reset();
             state_.resets_view = true;
             state_.message.clear();
@@ -298,7 +298,7 @@ void Viewer::use_controller(const std::string& file) {
     }
     if (fitting == 0) throw CommandError(why);
     scene_.set_cast(std::move(cast));
-    measured_.watched.reset();
+    measured_.feedback = {};
 }
 
 void Viewer::take_settings() {
@@ -308,7 +308,7 @@ void Viewer::take_settings() {
                        state_.wanted.formation != scene_.settings().formation;
     try {
         scene_.set_settings(state_.wanted);
-        measured_.watched.reset();
+        measured_.feedback = {};
         if (moves) state_.resets_view = true;
     } catch (const CommandError& error) {
         state_.complain(error.what());
@@ -331,7 +331,7 @@ void Viewer::write_dump() const {
                               {"occlusion", state_.drawing.occlusion},
                               {"skeletons", scene_.settings().keeps_joints},
                               {"directs", scene_.directs()},
-                              {"controller", controller_dump(measured_.watched)},
+                              {"controller", controller_dump(measured_.watched())},
                               {"selected", state_.selected ? nlohmann::json(*state_.selected) : nlohmann::json()},
                               {"paused", state_.paused},
                               {"shows_keys", state_.shows_keys},
